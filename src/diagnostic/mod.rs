@@ -1,0 +1,148 @@
+//! Diagnostics: what is wrong with an input, where, and what to write instead.
+//!
+//! "Error" means a geometric error everywhere in this crate; a failure is a [`Diagnostic`].
+//! A stage collects as many as it can into [`Diagnostics`] and goes on; the command line
+//! renders them all at the end. Nothing here prints.
+
+mod codes;
+mod render;
+
+pub use codes::{CODES, CodeInfo, info};
+pub use render::{Rendering, render, summary};
+
+use std::ops::Range;
+
+/// Does it stop the run?
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// The run goes on.
+    Warning,
+    /// The input is refused.
+    Refusal,
+}
+
+/// A file read in this run; index into [`Sources`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct SourceId(pub(crate) usize);
+
+/// A place: bytes `range` of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// Which file.
+    pub source: SourceId,
+    /// Bytes of its text.
+    pub range: Range<usize>,
+}
+
+/// A place with what is to be said there (may be empty).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Label {
+    /// Where.
+    pub place: Place,
+    /// What is there.
+    pub text: String,
+}
+
+/// One thing that is wrong.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// Stable code such as `E0203`; `abbe explain CODE` prints its long text.
+    pub code: &'static str,
+    /// Whether it stops the run.
+    pub severity: Severity,
+    /// What is wrong, in the field's words, with value and unit.
+    pub message: String,
+    /// Where; the first is the primary place. Empty if there is no file.
+    pub labels: Vec<Label>,
+    /// What to write instead.
+    pub help: Option<String>,
+}
+
+impl Diagnostic {
+    /// A refusal (codes `E....`) or a warning (codes `W....`), by the code's first letter.
+    pub fn new(code: &'static str, message: impl Into<String>) -> Self {
+        let severity = if code.starts_with('W') { Severity::Warning } else { Severity::Refusal };
+        Self { code, severity, message: message.into(), labels: Vec::new(), help: None }
+    }
+
+    /// Adds a place.
+    #[must_use]
+    pub fn at(mut self, place: Option<Place>, text: impl Into<String>) -> Self {
+        self.labels.extend(place.map(|place| Label { place, text: text.into() }));
+        self
+    }
+
+    /// Adds the help line.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+/// The files read in this run: name as the user would write it, and text.
+#[derive(Debug, Default, Clone)]
+pub struct Sources(Vec<(String, String)>);
+
+impl Sources {
+    /// Keeps a file's text for rendering.
+    pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> SourceId {
+        self.0.push((name.into(), text.into()));
+        SourceId(self.0.len() - 1)
+    }
+
+    /// Name of a file.
+    pub fn name(&self, id: SourceId) -> &str {
+        self.0.get(id.0).map_or("", |s| &s.0)
+    }
+
+    /// Text of a file.
+    pub fn text(&self, id: SourceId) -> &str {
+        self.0.get(id.0).map_or("", |s| &s.1)
+    }
+
+    /// 1-based line and column (in characters) of a place's start.
+    pub fn line_column(&self, place: &Place) -> (usize, usize) {
+        let text = self.text(place.source);
+        let start = place.range.start.min(text.len());
+        let before = text.get(..start).unwrap_or(text);
+        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+    }
+}
+
+/// Everything found wrong so far, with the files it is about.
+#[derive(Debug, Default, Clone)]
+pub struct Diagnostics {
+    /// The files.
+    pub sources: Sources,
+    list: Vec<Diagnostic>,
+}
+
+impl Diagnostics {
+    /// Adds one.
+    pub fn push(&mut self, diagnostic: Diagnostic) {
+        self.list.push(diagnostic);
+    }
+
+    /// All, in the order found.
+    pub fn iter(&self) -> impl Iterator<Item = &Diagnostic> {
+        self.list.iter()
+    }
+
+    /// Is the input refused?
+    pub fn refused(&self) -> bool {
+        self.list.iter().any(|d| d.severity == Severity::Refusal)
+    }
+
+    /// How many warnings.
+    pub fn warnings(&self) -> usize {
+        self.list.iter().filter(|d| d.severity == Severity::Warning).count()
+    }
+
+    /// Turns every warning into a refusal (`--deny warnings`).
+    pub fn deny_warnings(&mut self) {
+        self.list.iter_mut().for_each(|d| d.severity = Severity::Refusal);
+    }
+}

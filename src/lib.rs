@@ -1,0 +1,1 @@
+//! # abbe: from a machine configuration to volumetric compensation

@@ -1,0 +1,71 @@
+//! An axis of the resolved machine.
+
+use super::{AxisName, Branch, Sense};
+
+/// What the axis does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AxisKind {
+    /// It moves along its direction; positions in mm.
+    Linear,
+    /// It turns about its direction through its origin; positions in deg.
+    Rotary,
+}
+
+/// How far it goes, in mm or deg as programmed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Travel {
+    /// From minimum to maximum.
+    Range(f64, f64),
+    /// Any number of turns; curves have the period 360 deg.
+    Continuous,
+}
+
+impl Travel {
+    /// The interval in which maps and tables are computed by default.
+    pub fn interval(self) -> (f64, f64) {
+        match self {
+            Self::Range(min, max) => (min, max),
+            Self::Continuous => (0.0, 360.0),
+        }
+    }
+
+    /// Is the position within the travel?
+    pub fn contains(self, position: f64) -> bool {
+        match self {
+            Self::Range(min, max) => (min..=max).contains(&position),
+            Self::Continuous => true,
+        }
+    }
+}
+
+/// An axis: geometry in machine coordinates at the zero pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// Its name.
+    pub name: AxisName,
+    /// Linear or rotary.
+    pub kind: AxisKind,
+    /// Unit vector.
+    pub direction: [f64; 3],
+    /// A point of a rotary axis's line; the point about which a linear axis's angular errors turn (mm).
+    pub origin: [f64; 3],
+    /// Its travel.
+    pub travel: Travel,
+    /// Which side of the bed it is on.
+    pub branch: Branch,
+    /// Sense of a positive command if it is on the workpiece side; without effect on the tool side.
+    pub sense: Sense,
+}
+
+impl Axis {
+    /// +1, or -1 where a positive command moves the tool in minus relative to the workpiece.
+    pub fn sign(&self) -> f64 {
+        if self.branch == Branch::Workpiece && self.sense == Sense::Direct { -1.0 } else { 1.0 }
+    }
+
+    /// The unit of its positions.
+    pub fn unit(&self) -> &'static str {
+        if self.kind == AxisKind::Linear { "mm" } else { "deg" }
+    }
+}

@@ -1,0 +1,114 @@
+//! The errors of one joint: six location and six component errors, any of them absent.
+
+use super::{Curve, Direction};
+
+/// From which side a position is approached; curves may differ (reversal).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Approach {
+    /// The mean of forward and reverse.
+    #[default]
+    Mean,
+    /// Rising position.
+    Forward,
+    /// Falling position.
+    Reverse,
+}
+
+/// A component error: a curve, or one for each direction of approach.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ComponentError {
+    /// The same in both directions.
+    Single(Curve),
+    /// Measured in both directions.
+    Bidirectional {
+        /// Approached with rising position.
+        forward: Curve,
+        /// Approached with falling position.
+        reverse: Curve,
+    },
+}
+
+impl ComponentError {
+    /// Value (mm or rad) at a programmed position (mm or deg).
+    pub fn value(&self, position: f64, approach: Approach) -> f64 {
+        match (self, approach) {
+            (Self::Single(curve), _) => curve.value(position),
+            (Self::Bidirectional { forward, .. }, Approach::Forward) => forward.value(position),
+            (Self::Bidirectional { reverse, .. }, Approach::Reverse) => reverse.value(position),
+            (Self::Bidirectional { forward, reverse }, Approach::Mean) => {
+                0.5 * (forward.value(position) + reverse.value(position))
+            }
+        }
+    }
+
+    /// Its one or two curves.
+    pub fn curves(&self) -> impl Iterator<Item = &Curve> {
+        let (first, second) = match self {
+            Self::Single(curve) => (curve, None),
+            Self::Bidirectional { forward, reverse } => (forward, Some(reverse)),
+        };
+        std::iter::once(first).chain(second)
+    }
+}
+
+/// What is known of one error.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ErrorTerm {
+    /// A location error's value (mm or rad).
+    Constant(f64),
+    /// A component error.
+    Component(ComponentError),
+    /// Not known, only bounded (mm or rad): for budgets; zero in every evaluation.
+    Tolerance(f64),
+}
+
+impl ErrorTerm {
+    /// Value (mm or rad); a tolerance counts as zero.
+    pub fn value(&self, position: f64, approach: Approach) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Component(component) => component.value(position, approach),
+            Self::Tolerance(_) => 0.0,
+        }
+    }
+}
+
+/// The errors of one axis or spindle, indexed by [`Direction::index`].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct JointErrors {
+    /// Location errors, constants.
+    pub location: [Option<ErrorTerm>; 6],
+    /// Component errors, functions of the position.
+    pub component: [Option<ErrorTerm>; 6],
+}
+
+impl JointErrors {
+    /// One of the two sixes.
+    pub fn six(&self, location: bool) -> &[Option<ErrorTerm>; 6] {
+        if location { &self.location } else { &self.component }
+    }
+
+    /// One of the two sixes, to be changed.
+    pub fn six_mut(&mut self, location: bool) -> &mut [Option<ErrorTerm>; 6] {
+        if location { &mut self.location } else { &mut self.component }
+    }
+
+    /// The six location errors (mm, rad).
+    pub fn location_values(&self) -> [f64; 6] {
+        std::array::from_fn(|i| self.location[i].as_ref().map_or(0.0, |t| t.value(0.0, Approach::Mean)))
+    }
+
+    /// The six component errors at a position (mm, rad).
+    pub fn component_values(&self, position: f64, approach: Approach) -> [f64; 6] {
+        std::array::from_fn(|i| self.component[i].as_ref().map_or(0.0, |t| t.value(position, approach)))
+    }
+
+    /// The terms that are given, with (is location, direction).
+    pub fn iter(&self) -> impl Iterator<Item = (bool, Direction, &ErrorTerm)> {
+        [true, false].into_iter().flat_map(move |location| {
+            let six = self.six(location);
+            Direction::ALL.into_iter().filter_map(move |d| six[d.index()].as_ref().map(|t| (location, d, t)))
+        })
+    }
+}

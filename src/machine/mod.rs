@@ -1,0 +1,23 @@
+//! The resolved machine: what every later stage works on. It can only be built valid.
+//!
+//! Geometry is in machine coordinates at the zero pose (all axes at 0), mm; errors are in mm and
+//! rad; positions of axes are as programmed, mm and deg. A [`Pose`] lists them in the order of
+//! [`Machine::axes`], the walk from workpiece to tool.
+
+mod axis;
+mod chain;
+mod conventions;
+mod curve;
+mod errors;
+mod model;
+mod name;
+mod resolve;
+
+pub use axis::{Axis, AxisKind, Travel};
+pub use chain::{Body, Branch, KinematicChain};
+pub use conventions::{Conventions, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, RotaryOrder, Sense};
+pub use curve::{Curve, Knots, KnotsFailure, sin_cos_degrees};
+pub use errors::{Approach, ComponentError, ErrorTerm, JointErrors};
+pub use model::{Grid, Machine, MachineParts, Outside, Pose, Provenance, SetUp, Tool};
+pub use name::{AxisName, Direction, ErrorId};
+pub use resolve::{parse_error_name, resolve};

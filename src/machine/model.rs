@@ -1,0 +1,231 @@
+//! [`Machine`] and what it is made of.
+
+use super::{
+    Approach, Axis, AxisKind, AxisName, Conventions, Direction, ErrorId, ErrorTerm, JointErrors, KinematicChain, Travel,
+};
+
+/// Positions of all axes as programmed (mm, deg), in the order of [`Machine::axes`].
+pub type Pose = Vec<f64>;
+
+/// A tool: two points in machine coordinates at the zero pose (mm).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tool {
+    /// The name it is chosen by; empty for the only tool.
+    pub name: String,
+    /// Gauge point, about which the spindle's errors turn.
+    pub gauge: [f64; 3],
+    /// The functional point.
+    pub tip: [f64; 3],
+}
+
+/// Errors of clamping, in the real machine only.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SetUp {
+    /// Displacement of the tip from its nominal place (mm).
+    pub tool: [f64; 3],
+    /// Displacement of the workpiece itself about its origin (mm, rad).
+    pub workpiece: [f64; 6],
+}
+
+/// Interval and step of one axis for maps and tables (mm or deg).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// Lower end.
+    pub min: f64,
+    /// Upper end.
+    pub max: f64,
+    /// Largest distance of two nodes.
+    pub step: f64,
+}
+
+/// Where the numbers come from; free text.
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+pub struct Provenance {
+    /// Key and value as written.
+    pub entries: Vec<(String, String)>,
+}
+
+/// The fields of a [`Machine`]; a value of this type promises nothing.
+#[derive(Debug, Clone)]
+pub struct MachineParts {
+    /// Its name.
+    pub name: String,
+    /// The graph.
+    pub chain: KinematicChain,
+    /// The chain's axes on the walk from workpiece to tool.
+    pub axes: Vec<Axis>,
+    /// Errors of each axis in the same order, then of the spindle if the chain has one.
+    pub errors: Vec<JointErrors>,
+    /// At least one; the first is in use unless another is chosen.
+    pub tools: Vec<Tool>,
+    /// Workpiece origin (mm).
+    pub workpiece: [f64; 3],
+    /// Conventions in force.
+    pub conventions: Conventions,
+    /// Errors of clamping.
+    pub setup: SetUp,
+    /// Interval and step of each axis, in the order of `axes`.
+    pub volume: Vec<Grid>,
+    /// Where the numbers come from.
+    pub provenance: Provenance,
+}
+
+/// A position that cannot be evaluated: an error curve is not defined there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outside {
+    /// The error.
+    pub error: ErrorId,
+    /// The position asked for (mm or deg).
+    pub position: f64,
+    /// Where the curve is defined.
+    pub domain: (f64, f64),
+}
+
+/// A valid machine: axes and errors belong to the chain, numbers are finite, directions are unit
+/// vectors, travels rise, curves cover the travel, and there is a tool.
+#[derive(Debug, Clone)]
+pub struct Machine {
+    parts: MachineParts,
+    tool: usize,
+}
+
+impl Machine {
+    /// Only [`super::resolve`] makes machines, after its checks.
+    pub(in crate::machine) fn new(parts: MachineParts) -> Self {
+        Self { parts, tool: 0 }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.parts.name
+    }
+
+    /// The graph.
+    pub fn chain(&self) -> &KinematicChain {
+        &self.parts.chain
+    }
+
+    /// Axes on the walk from workpiece to tool.
+    pub fn axes(&self) -> &[Axis] {
+        &self.parts.axes
+    }
+
+    /// Index of an axis in [`Self::axes`].
+    pub fn axis_index(&self, name: &str) -> Option<usize> {
+        self.parts.axes.iter().position(|a| a.name.as_str() == name)
+    }
+
+    /// Errors of the axis with this index.
+    pub fn axis_errors(&self, axis: usize) -> &JointErrors {
+        &self.parts.errors[axis]
+    }
+
+    /// Errors of the spindle, if the chain has one.
+    pub fn spindle_errors(&self) -> Option<&JointErrors> {
+        self.parts.errors.get(self.parts.axes.len())
+    }
+
+    /// The tool in use.
+    pub fn tool(&self) -> &Tool {
+        &self.parts.tools[self.tool]
+    }
+
+    /// All tools.
+    pub fn tools(&self) -> &[Tool] {
+        &self.parts.tools
+    }
+
+    /// The same machine with another tool.
+    pub fn with_tool(&self, name: &str) -> Option<Self> {
+        let tool = self.parts.tools.iter().position(|t| t.name == name)?;
+        Some(Self { parts: self.parts.clone(), tool })
+    }
+
+    /// Workpiece origin (mm).
+    pub fn workpiece(&self) -> [f64; 3] {
+        self.parts.workpiece
+    }
+
+    /// Conventions in force.
+    pub fn conventions(&self) -> &Conventions {
+        &self.parts.conventions
+    }
+
+    /// Errors of clamping.
+    pub fn setup(&self) -> &SetUp {
+        &self.parts.setup
+    }
+
+    /// Interval and step of each axis.
+    pub fn volume(&self) -> &[Grid] {
+        &self.parts.volume
+    }
+
+    /// Where the numbers come from.
+    pub fn provenance(&self) -> &Provenance {
+        &self.parts.provenance
+    }
+
+    /// Names of the axes and the spindle, in the order of the errors.
+    fn joint_names(&self) -> impl Iterator<Item = &AxisName> {
+        self.parts.axes.iter().map(|a| &a.name).chain(self.parts.chain.spindle())
+    }
+
+    /// Every error that is given, with its term, joint by joint.
+    pub fn errors(&self) -> impl Iterator<Item = (ErrorId, &ErrorTerm)> {
+        self.joint_names().zip(&self.parts.errors).flat_map(|(axis, errors)| {
+            errors.iter().map(move |(location, direction, term)| {
+                (ErrorId { axis: axis.clone(), location, direction }, term)
+            })
+        })
+    }
+
+    /// The same machine with only the errors (and no errors of clamping) that `keep` accepts.
+    pub fn filtered(&self, keep: impl Fn(&ErrorId) -> bool) -> Self {
+        let mut parts = self.parts.clone();
+        let names: Vec<AxisName> = self.joint_names().cloned().collect();
+        parts.setup = SetUp::default();
+        for (axis, errors) in names.into_iter().zip(&mut parts.errors) {
+            for location in [true, false] {
+                for direction in Direction::ALL {
+                    let id = ErrorId { axis: axis.clone(), location, direction };
+                    let slot = &mut errors.six_mut(location)[direction.index()];
+                    *slot = slot.take().filter(|_| keep(&id));
+                }
+            }
+        }
+        Self { parts, tool: self.tool }
+    }
+
+    /// The first error curve that is not defined at the pose. Within the travel there is none.
+    pub fn outside(&self, pose: &[f64]) -> Option<Outside> {
+        self.errors().find_map(|(error, term)| {
+            let position = *pose.get(self.axis_index(error.axis.as_str())?)?;
+            let ErrorTerm::Component(component) = term else { return None };
+            let beyond = |d: &(f64, f64)| position < d.0 || position > d.1;
+            let domain = component.curves().filter_map(super::Curve::domain).find(beyond)?;
+            Some(Outside { error, position, domain })
+        })
+    }
+
+    /// Axes whose position is outside their travel.
+    pub fn beyond_travel<'a>(&'a self, pose: &'a [f64]) -> impl Iterator<Item = &'a Axis> {
+        self.parts.axes.iter().zip(pose).filter(|(axis, q)| !axis.travel.contains(**q)).map(|(axis, _)| axis)
+    }
+
+    /// Has any error two directions of approach?
+    pub fn is_bidirectional(&self) -> bool {
+        use super::ComponentError::Bidirectional;
+        self.errors().any(|(_, term)| matches!(term, ErrorTerm::Component(Bidirectional { .. })))
+    }
+
+    /// Component errors of an axis at a position (mm, rad).
+    pub fn component_values(&self, axis: usize, position: f64, approach: Approach) -> [f64; 6] {
+        self.parts.errors[axis].component_values(position, approach)
+    }
+
+    /// Is the axis a rotary one without ends?
+    pub fn is_continuous(&self, axis: usize) -> bool {
+        self.parts.axes[axis].kind == AxisKind::Rotary && self.parts.axes[axis].travel == Travel::Continuous
+    }
+}

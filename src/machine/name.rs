@@ -1,0 +1,88 @@
+//! ISO 230-1 names: axes and geometric errors.
+
+use std::fmt;
+
+/// Name of an axis or spindle: `[A-Z][A-Z0-9]{0,7}`, so that it can reach any controller's files.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct AxisName(String);
+
+impl AxisName {
+    /// The name, if it matches the grammar.
+    pub fn new(text: &str) -> Option<Self> {
+        let mut bytes = text.bytes();
+        let head = bytes.next().is_some_and(|b| b.is_ascii_uppercase());
+        let tail = bytes.all(|b| b.is_ascii_uppercase() || b.is_ascii_digit());
+        (head && tail && text.len() <= 8).then(|| Self(text.to_owned()))
+    }
+
+    /// As text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl fmt::Display for AxisName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// One of the six directions of an error: translation along or rotation about a machine axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[allow(missing_docs, reason = "the letters are their own documentation")]
+pub enum Direction {
+    X,
+    Y,
+    Z,
+    A,
+    B,
+    C,
+}
+
+impl Direction {
+    /// All six, translations first: the order of every six-vector in this crate.
+    pub const ALL: [Self; 6] = [Self::X, Self::Y, Self::Z, Self::A, Self::B, Self::C];
+
+    /// 0..=5 in the order of [`Self::ALL`].
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
+    /// Rotation (rad) rather than translation (mm)?
+    pub fn is_rotation(self) -> bool {
+        self.index() >= 3
+    }
+
+    /// Its letter.
+    pub fn letter(self) -> char {
+        ['X', 'Y', 'Z', 'A', 'B', 'C'][self.index()]
+    }
+
+    /// From its letter.
+    pub fn from_letter(letter: char) -> Option<Self> {
+        Self::ALL.into_iter().find(|d| d.letter() == letter)
+    }
+}
+
+/// Name of a geometric error: `EXX` (component error) or `EC0Y` (location error).
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ErrorId {
+    /// The axis in motion.
+    pub axis: AxisName,
+    /// Location error (constant) rather than component error (a function of the axis position).
+    pub location: bool,
+    /// Which of the six.
+    pub direction: Direction,
+}
+
+impl fmt::Display for ErrorId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "E{}{}{}", self.direction.letter(), if self.location { "0" } else { "" }, self.axis)
+    }
+}
+
+impl serde::Serialize for ErrorId {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}

@@ -1,0 +1,1 @@
+//! Text to what the file says, with places.

@@ -1,0 +1,63 @@
+//! Quantities with units: parse and print `12 um`, `5 arcsec`, `3 um/m`, `0.02/500`.
+//!
+//! Inside the crate a length is in millimetres and an angle in radians; a quantity is a
+//! number in those units together with its [`Dimension`]. The one exception, on purpose:
+//! positions of rotary axes stay in degrees, the unit they are programmed in, so that
+//! 90 and 360 are exact.
+
+mod parse;
+mod print;
+
+pub use parse::{Failure, header, number, quantity, unit};
+pub use print::{angle, length, significant};
+
+/// The powers of length and angle in a unit: `um` is (1, 0), `urad/mm` is (-1, 1).
+///
+/// A ratio of lengths (`um/m`, `0.02/500`) is (0, 0) and may stand where an angle belongs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Dimension {
+    /// Power of length.
+    pub length: i8,
+    /// Power of angle.
+    pub angle: i8,
+}
+
+impl Dimension {
+    /// A length.
+    pub const LENGTH: Self = Self { length: 1, angle: 0 };
+    /// An angle.
+    pub const ANGLE: Self = Self { length: 0, angle: 1 };
+    /// A ratio.
+    pub const RATIO: Self = Self { length: 0, angle: 0 };
+
+    /// The field's word for it, for messages.
+    pub fn word(self) -> &'static str {
+        match (self.length, self.angle) {
+            (1, 0) => "a length",
+            (0, 1) => "an angle",
+            (0, 0) => "a ratio",
+            _ => "a compound unit",
+        }
+    }
+}
+
+/// A number in mm and rad with its dimension.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    /// Value in mm^length rad^angle.
+    pub value: f64,
+    /// What it measures.
+    pub dimension: Dimension,
+}
+
+impl Quantity {
+    /// The value if it is an angle (a ratio of lengths counts as one).
+    pub fn as_angle(self) -> Option<f64> {
+        matches!(self.dimension, Dimension::ANGLE | Dimension::RATIO).then_some(self.value)
+    }
+
+    /// The value if it is a length.
+    pub fn as_length(self) -> Option<f64> {
+        (self.dimension == Dimension::LENGTH).then_some(self.value)
+    }
+}

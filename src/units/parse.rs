@@ -1,0 +1,183 @@
+//! Text to quantities. Numbers are plain decimals: `nan`, `inf`, `1e400` and a decimal comma are refused.
+
+use super::{Dimension, Quantity};
+
+/// Why a text is not a quantity.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Failure {
+    /// No number at the start.
+    NotANumber(String),
+    /// A decimal comma.
+    DecimalComma(String),
+    /// NaN, infinite or too large for a double.
+    NotFinite(String),
+    /// A unit nobody here knows.
+    UnknownUnit(String),
+    /// A number without a unit where one is needed.
+    NoUnit(String),
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NotANumber(t) => write!(f, "`{t}` is not a number"),
+            Self::DecimalComma(t) => write!(f, "`{t}` has a decimal comma; write a point"),
+            Self::NotFinite(t) => write!(f, "`{t}` is not a finite number"),
+            Self::UnknownUnit(t) => write!(f, "unknown unit `{t}`"),
+            Self::NoUnit(t) => write!(f, "`{t}` has no unit"),
+        }
+    }
+}
+
+/// Parses a plain decimal number.
+pub fn number(text: &str) -> Result<f64, Failure> {
+    let trimmed = text.trim();
+    let own = || trimmed.to_owned();
+    let lower = trimmed.to_ascii_lowercase();
+    if lower.contains("inf") || lower.contains("nan") {
+        return Err(Failure::NotFinite(own()));
+    }
+    match trimmed.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(_) => Err(Failure::NotFinite(own())),
+        Err(_) if trimmed.replacen(',', ".", 1).parse::<f64>().is_ok() => Err(Failure::DecimalComma(own())),
+        Err(_) => Err(Failure::NotANumber(own())),
+    }
+}
+
+/// Parses a number with a unit, such as `12 um`, `5 arcsec`, `-2 urad/m^2` or `0.02/500`.
+pub fn quantity(text: &str) -> Result<Quantity, Failure> {
+    let trimmed = text.trim();
+    let split = number_end(trimmed);
+    let value = number(&trimmed[..split]).map_err(|failure| match failure {
+        Failure::NotANumber(_) => number(trimmed).err().unwrap_or(Failure::NotANumber(trimmed.to_owned())),
+        other => other,
+    })?;
+    let rest = trimmed[split..].trim();
+    if rest.is_empty() {
+        return Err(Failure::NoUnit(trimmed.to_owned()));
+    }
+    if let Some(divisor) = rest.strip_prefix('/').map(str::trim) {
+        if let Ok(divisor) = number(divisor) {
+            return ratio(value, divisor, trimmed);
+        }
+    }
+    let (factor, dimension) = unit(rest)?;
+    finite(value * factor, dimension, trimmed)
+}
+
+fn ratio(value: f64, divisor: f64, text: &str) -> Result<Quantity, Failure> {
+    finite(value / divisor, Dimension::RATIO, text)
+}
+
+fn finite(value: f64, dimension: Dimension, text: &str) -> Result<Quantity, Failure> {
+    if value.is_finite() { Ok(Quantity { value, dimension }) } else { Err(Failure::NotFinite(text.to_owned())) }
+}
+
+/// Where the leading number ends. `1e-3 mm` keeps its exponent, `3 em` does not have one.
+fn number_end(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let digits = |mut i: usize| {
+        while i < bytes.len() && (bytes[i].is_ascii_digit() || matches!(bytes[i], b'.' | b',')) {
+            i += 1;
+        }
+        i
+    };
+    let sign = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
+    let mantissa = digits(sign);
+    if mantissa == sign || !matches!(bytes.get(mantissa), Some(b'e' | b'E')) {
+        return mantissa;
+    }
+    let exponent = mantissa + 1 + usize::from(matches!(bytes.get(mantissa + 1), Some(b'+' | b'-')));
+    let end = digits(exponent);
+    if end > exponent { end } else { mantissa }
+}
+
+/// Parses a unit to its factor (to mm and rad) and dimension: `um`, `arcsec`, `urad/m^2`.
+pub fn unit(text: &str) -> Result<(f64, Dimension), Failure> {
+    let mut factor = 1.0;
+    let mut dimension = Dimension::RATIO;
+    for (place, part) in text.trim().split('/').enumerate() {
+        let (name, power) = part.trim().split_once('^').unwrap_or((part.trim(), "1"));
+        let power: i8 = power.trim().parse().map_err(|_| Failure::UnknownUnit(text.to_owned()))?;
+        if !(1..=9).contains(&power) {
+            return Err(Failure::UnknownUnit(text.to_owned()));
+        }
+        let (scale, length, angle) = atom(name).ok_or_else(|| Failure::UnknownUnit(text.trim().to_owned()))?;
+        let power = if place == 0 { power } else { -power };
+        factor *= libm::pow(scale, f64::from(power));
+        dimension.length += length * power;
+        dimension.angle += angle * power;
+    }
+    Ok((factor, dimension))
+}
+
+/// Factor, power of length, power of angle of a single unit.
+fn atom(name: &str) -> Option<(f64, i8, i8)> {
+    use std::f64::consts::PI;
+    let length = |f| Some((f, 1, 0));
+    let angle = |f| Some((f, 0, 1));
+    match name.trim() {
+        "nm" => length(1e-6),
+        "um" | "µm" | "μm" => length(1e-3),
+        "mm" => length(1.0),
+        "cm" => length(10.0),
+        "m" => length(1e3),
+        "in" | "inch" => length(25.4),
+        "nrad" => angle(1e-9),
+        "urad" | "µrad" | "μrad" => angle(1e-6),
+        "mrad" => angle(1e-3),
+        "rad" => angle(1.0),
+        "deg" | "°" => angle(PI / 180.0),
+        "arcmin" => angle(PI / 10_800.0),
+        "arcsec" => angle(PI / 648_000.0),
+        _ => None,
+    }
+}
+
+/// Splits a column header `EXX [um]` into the name and the text of its unit.
+pub fn header(text: &str) -> (&str, Option<&str>) {
+    let text = text.trim();
+    match text.strip_suffix(']').and_then(|open| open.split_once('[')) {
+        Some((name, unit)) => (name.trim(), Some(unit.trim())),
+        None => (text, None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(text: &str) -> f64 {
+        quantity(text).unwrap().value
+    }
+
+    #[test]
+    fn lengths_and_angles_come_out_in_mm_and_rad() {
+        assert_eq!(value("12 um"), 12.0 * 1e-3);
+        assert_eq!(value("-400mm"), -400.0);
+        assert_eq!(value("5 arcsec"), 5.0 * (std::f64::consts::PI / 648_000.0));
+        assert_eq!(value("0.02/500"), 0.02 / 500.0);
+        assert_eq!(quantity("3 um/m").unwrap().dimension, Dimension::RATIO);
+        assert!((value("3 um/m") - 3e-6).abs() < 1e-21);
+        assert_eq!(quantity("-2 urad/m^2").unwrap().dimension, Dimension { length: -2, angle: 1 });
+        assert!((value("1e-3 m") - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_is_not_a_number_is_said_so() {
+        assert!(matches!(quantity("1,5 um"), Err(Failure::DecimalComma(_))));
+        assert!(matches!(quantity("nan um"), Err(Failure::NotFinite(_))));
+        assert!(matches!(quantity("1e400 um"), Err(Failure::NotFinite(_))));
+        assert!(matches!(quantity("12"), Err(Failure::NoUnit(_))));
+        assert!(matches!(quantity("12 furlong"), Err(Failure::UnknownUnit(_))));
+        assert!(matches!(quantity("um"), Err(Failure::NotANumber(_))));
+        assert!(matches!(quantity("1/0"), Err(Failure::NotFinite(_))));
+    }
+
+    #[test]
+    fn headers_split_into_name_and_unit() {
+        assert_eq!(header(" EXX [um] "), ("EXX", Some("um")));
+        assert_eq!(header("X"), ("X", None));
+    }
+}
