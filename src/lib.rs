@@ -1,1 +1,9 @@
 //! # abbe: from a machine configuration to volumetric compensation
+
+pub mod algebra;
+pub mod diagnostic;
+pub mod evaluate;
+pub mod lower;
+pub mod machine;
+pub mod syntax;
+pub mod units;
