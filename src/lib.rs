@@ -1,9 +1,7 @@
 //! # abbe: from a machine configuration to volumetric compensation
 
-pub mod algebra;
+pub mod cli;
 pub mod diagnostic;
-pub mod evaluate;
-pub mod lower;
 pub mod machine;
 pub mod syntax;
 pub mod units;
