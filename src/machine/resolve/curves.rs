@@ -3,9 +3,9 @@
 use super::axes::Declared;
 use super::context::Context;
 use super::names::readings;
-use crate::diagnostic::{Diagnostic, Place, did_you_mean};
+use crate::diagnostic::{Diagnostic, Place, did_you_mean, shown};
 use crate::machine::{AxisKind, ComponentError, Curve, ErrorId, Knots, KnotsFailure, Travel};
-use crate::syntax::{Column, ColumnDirection, CurveEntry, Keys, Scalar, Table, below};
+use crate::syntax::{Column, ColumnDirection, CurveEntry, Keys, Scalar, Table, below, keys};
 use crate::units::Dimension;
 use std::rc::Rc;
 
@@ -68,7 +68,7 @@ fn cubic(context: &mut Context<'_>, entry: &CurveEntry, at: &Keys) -> Option<boo
         Some("cubic") => Some(true),
         Some(other) => {
             let help = did_you_mean(other, &["linear", "cubic"]);
-            let message = format!("`{}` is not a choice for `interpolation`", Context::shown(other));
+            let message = format!("`{}` is not a choice for `interpolation`", shown(other));
             context.at_value("E0210", &below(at, "interpolation"), message, help);
             None
         }
@@ -90,8 +90,7 @@ fn curve(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry, at: &K
     if let Some(orders) = &entry.harmonics {
         return harmonics(context, of, orders, &below(at, "harmonics"));
     }
-    let here = if context.document.places.value(&below(at, "value")) == context.document.places.value(at) { at.clone() } else { below(at, "value") };
-    let value = context.error_value(entry.value.as_ref()?, of.error.direction, &here)? * of.sign();
+    let value = context.error_value(entry.value.as_ref()?, of.error.direction, &context.value_of(at))? * of.sign();
     Some(if of.continuous() { Curve::Harmonics(vec![(value, 0.0)]) } else { Curve::Polynomial(vec![value]) })
 }
 
@@ -148,7 +147,7 @@ fn harmonics(
 fn harmonic(context: &mut Context<'_>, of: &CurveOf<'_>, key: &str, pair: &[Scalar], at: &Keys) -> Option<(usize, (f64, f64))> {
     let order = key.parse::<usize>().ok().filter(|order| *order <= ORDERS);
     let (Some(order), [cosine, sine]) = (order, pair) else {
-        let message = format!("`{}` is not a harmonic", Context::shown(key));
+        let message = format!("`{}` is not a harmonic", shown(key));
         context.at_key("E0408", at, message, format!("write ORDER: [cosine, sine], orders 0 to {ORDERS}"));
         return None;
     };
@@ -236,7 +235,7 @@ fn missing(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: Op
 fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: &Option<Place>) -> Option<Vec<f64>> {
     let first = table.columns.first()?;
     if first.name != of.error.axis.as_str() {
-        let message = format!("the table's first column is `{}`, not the axis `{}`", Context::shown(&first.name), of.error.axis);
+        let message = format!("the table's first column is `{}`, not the axis `{}`", shown(&first.name), of.error.axis);
         let help = format!("`{}` is a function of the position of `{}`", of.error, of.error.axis);
         let refusal = Diagnostic::new("E0114", message).at(Some(first.place.clone()), "").at(named.clone(), "named here");
         context.diagnostics.push(refusal.help(help));
@@ -248,7 +247,7 @@ fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: 
     };
     let (written, factor, dimension) = &first.unit;
     if *dimension != wanted {
-        let message = format!("the positions of axis `{}` are in `{}`", of.error.axis, Context::shown(written));
+        let message = format!("the positions of axis `{}` are in `{}`", of.error.axis, shown(written));
         let refusal = Diagnostic::new("E0205", message).at(Some(first.place.clone()), "");
         context.diagnostics.push(refusal.help(format!("they must be in {unit}")));
         return None;
@@ -271,7 +270,7 @@ fn from_column(
     let fits = if rotation { [Dimension::ANGLE, Dimension::RATIO].contains(dimension) } else { *dimension == Dimension::LENGTH };
     if !fits {
         let wanted = if rotation { "an angle" } else { "a length" };
-        let message = format!("`{}` is in `{}`, but {wanted} belongs here", of.error, Context::shown(written));
+        let message = format!("`{}` is in `{}`, but {wanted} belongs here", of.error, shown(written));
         let help = if rotation { "write [urad] or [arcsec]" } else { "write [um] or [mm]" };
         context.diagnostics.push(Diagnostic::new("E0205", message).at(Some(column.place.clone()), "").help(help));
         return None;
@@ -344,7 +343,7 @@ fn covers(context: &mut Context<'_>, of: &CurveOf<'_>, knots: &Knots, place: Opt
         "`{}` is given from {first} to {last} {unit}, but axis `{}` travels from {min} to {max} {unit}",
         of.error, of.error.axis
     );
-    let travel = context.document.places.value(&vec!["axes".to_owned(), of.error.axis.to_string(), "travel".to_owned()]);
+    let travel = context.document.places.value(&keys(["axes", of.error.axis.as_str(), "travel"]));
     let refusal = Diagnostic::new("E0409", message).at(place, "").at(travel, "the travel");
     context.diagnostics.push(refusal.help("measure the rest or shorten the travel; nothing is extrapolated"));
     None
