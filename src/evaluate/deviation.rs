@@ -1,0 +1,136 @@
+//! Deviation, rotation and E_VE at one pose, exact or to order n.
+
+use crate::algebra::{Algebra, Dual, Htm, difference, rotation_vector, skew_vector};
+use crate::lower::{Chain, ErrorLift, Exact, Ideal, OrderN, values};
+use crate::machine::{Approach, Joints, Machine};
+use nalgebra::{Matrix3, Matrix4, Vector3};
+
+/// Highest order of the dedicated dual numbers.
+pub const MAX_DUAL_ORDER: u8 = 6;
+
+/// How far the errors are followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// Plain numbers: the true rigid body (with orthogonal joints).
+    Exact,
+    /// Degrees 1..=n of the dual numbers of order n, n in 1..=6.
+    Degree(u8),
+}
+
+/// Frame in which vectors are given; all are parallel to the machine frame at the zero pose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Frame {
+    /// Turns with the workpiece.
+    #[default]
+    Workpiece,
+    /// Stands still with the bed.
+    Machine,
+    /// Turns with the tool.
+    Tool,
+}
+
+/// Actual minus nominal, of the tool relative to the workpiece. Not a correction: the sign of what
+/// is added to a command is opposite, and only `compensation` makes one from the other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Deviation {
+    /// Of the functional point, mm.
+    pub position: Vector3<f64>,
+    /// Of the tool's orientation, rad.
+    pub rotation: Vector3<f64>,
+}
+
+/// Everything `eval` prints about a pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evaluation {
+    /// Ideal position of the functional point from the workpiece origin, mm.
+    pub nominal: Vector3<f64>,
+    /// Actual minus nominal.
+    pub deviation: Deviation,
+    /// (T_tool^-1 T_work) real minus ideal, between workpiece frame and tool frame.
+    pub e_ve: Matrix4<f64>,
+}
+
+/// Evaluates a machine at a pose (mm, deg). Order 0 and orders above 6 are those nearest to them.
+pub fn evaluate(machine: &Machine, pose: &[f64], order: Order, approach: Approach, frame: Frame) -> Evaluation {
+    let at = At { machine, pose, approach };
+    let evaluation = match order {
+        Order::Exact => at.over::<f64>(&Exact),
+        Order::Degree(0 | 1) => at.over::<Dual<2>>(&OrderN),
+        Order::Degree(2) => at.over::<Dual<3>>(&OrderN),
+        Order::Degree(3) => at.over::<Dual<4>>(&OrderN),
+        Order::Degree(4) => at.over::<Dual<5>>(&OrderN),
+        Order::Degree(5) => at.over::<Dual<6>>(&OrderN),
+        Order::Degree(_) => at.over::<Dual<7>>(&OrderN),
+    };
+    match frame {
+        Frame::Workpiece => evaluation,
+        Frame::Machine => turned(evaluation, &Ideal::at(machine, pose).r_work),
+        Frame::Tool => turned(evaluation, &Ideal::at(machine, pose).pose.linear.transpose()),
+    }
+}
+
+/// Where the exact model of the machine is at a *command*, compared with where the ideal machine
+/// would be at a *pose* (both mm, deg): workpiece frame, actual minus nominal.
+pub fn command_deviation(machine: &Machine, ideal: &Htm<f64>, command: &[f64], approach: Approach) -> Deviation {
+    let errors = values(machine, command, approach);
+    let real = Chain::real(machine, command, &errors, &Exact).tool_in_workpiece(&machine.workpiece());
+    Deviation {
+        position: real.translation - ideal.translation,
+        rotation: rotation(&real.linear, &ideal.linear, machine.conventions().joints),
+    }
+}
+
+/// Vectors in another frame; E_VE does not depend on it.
+fn turned(evaluation: Evaluation, r: &Matrix3<f64>) -> Evaluation {
+    let Deviation { position, rotation } = evaluation.deviation;
+    Evaluation {
+        nominal: r * evaluation.nominal,
+        deviation: Deviation { position: r * position, rotation: r * rotation },
+        e_ve: evaluation.e_ve,
+    }
+}
+
+/// A machine at a pose.
+struct At<'a> {
+    machine: &'a Machine,
+    pose: &'a [f64],
+    approach: Approach,
+}
+
+impl At<'_> {
+    fn over<S: Algebra>(&self, lift: &impl ErrorLift<S>) -> Evaluation {
+        let origin = self.machine.workpiece();
+        let errors = values(self.machine, self.pose, self.approach);
+        let real = Chain::real(self.machine, self.pose, &errors, lift).tool_in_workpiece(&origin);
+        let ideal = Chain::<f64>::ideal(self.machine, self.pose).tool_in_workpiece(&origin);
+        Evaluation {
+            nominal: ideal.translation,
+            deviation: Deviation {
+                position: Vector3::from_fn(|i, _| difference(&real.translation[i], ideal.translation[i])),
+                rotation: rotation(&real.linear, &ideal.linear, self.machine.conventions().joints),
+            },
+            e_ve: e_ve(&real, &ideal),
+        }
+    }
+}
+
+/// Vector of log(R_real R_ideal^T); with linearised joints, of the skew part (R_real is not orthogonal).
+fn rotation<S: Algebra>(real: &Matrix3<S>, ideal: &Matrix3<f64>, joints: Joints) -> Vector3<f64> {
+    let relative = real * ideal.transpose().map(S::from_real);
+    let vector = match joints {
+        Joints::Orthogonal => rotation_vector(&relative),
+        Joints::Linearised => skew_vector(&relative),
+    };
+    vector.map(|x| difference(&x, 0.0))
+}
+
+fn e_ve<S: Algebra>(real: &Htm<S>, ideal: &Htm<f64>) -> Matrix4<f64> {
+    match (real.inverse(), ideal.inverse()) {
+        (Some(real), Some(ideal)) => {
+            let (real, ideal) = (real.to_matrix(), ideal.to_matrix());
+            Matrix4::from_fn(|i, j| difference(&real[(i, j)], ideal[(i, j)]))
+        }
+        // Products of joints near rotations always have an inverse.
+        _ => Matrix4::zeros(),
+    }
+}

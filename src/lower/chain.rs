@@ -1,0 +1,156 @@
+//! The chain: joints on the walk from workpiece to tool, their product and its halves.
+
+use super::joint::{JointElements, error_motion, invert_if, joint};
+use super::source::{ErrorLift, Place, Source, Values};
+use crate::algebra::{Algebra, Htm};
+use crate::machine::{Branch, Direction, LocationOrder, Machine};
+use nalgebra::Vector3;
+
+/// A machine at a pose, lowered: every joint as a matrix over the algebra.
+#[derive(Debug, Clone)]
+pub struct Chain<S: Algebra> {
+    /// G of each axis in the order of [`Machine::axes`].
+    pub joints: Vec<Htm<S>>,
+    /// G of the spindle (identity if there is none).
+    pub spindle: Htm<S>,
+    /// Motion of the nominal against the clamped workpiece (identity without errors of clamping).
+    pub clamping: Htm<S>,
+    /// The functional point at the zero pose, machine coordinates.
+    pub tip: Vector3<S>,
+    /// How many joints are on the workpiece side: they come first.
+    workpiece_side: usize,
+}
+
+impl<S: Algebra> Chain<S> {
+    /// The real machine: errors as given by `values`, entering the algebra through `lift`.
+    pub fn real(machine: &Machine, pose: &[f64], values: &Values, lift: &impl ErrorLift<S>) -> Self {
+        let conventions = machine.conventions();
+        let elements = Elements { lift, real_locations: conventions.location_order == LocationOrder::Real };
+        let axis = |i: usize| {
+            let (location, component) = &values.axes[i];
+            let errors = JointElements {
+                location: elements.six(Place::Location(i), location),
+                component: elements.six(Place::Component(i), component),
+            };
+            joint(&machine.axes()[i], conventions, pose[i], &errors)
+        };
+        let motion = |place, six: &[f64; 6]| elements.six(place, six).map(|six| error_motion(&six, conventions.joints));
+        let gauge = machine.tool().gauge;
+        let spindle = values.spindle.and_then(|six| motion(Place::Location(pose.len()), &six));
+        let clamping = motion(Place::Workpiece, &values.workpiece);
+        Self {
+            joints: (0..pose.len()).map(axis).collect(),
+            spindle: spindle.map_or_else(Htm::identity, |g| Htm::about(&gauge, g)),
+            clamping: clamping.map_or_else(Htm::identity, |g| Htm::about(&machine.workpiece(), invert_if(true, g))),
+            tip: elements.tip(machine.tool().tip, values.tool),
+            workpiece_side: workpiece_side(machine),
+        }
+    }
+
+    /// The ideal machine: no errors at all.
+    pub fn ideal(machine: &Machine, pose: &[f64]) -> Self {
+        let none = JointElements { location: None, component: None };
+        let axes = machine.axes().iter().zip(pose);
+        Self {
+            joints: axes.map(|(axis, q)| joint(axis, machine.conventions(), *q, &none)).collect(),
+            spindle: Htm::identity(),
+            clamping: Htm::identity(),
+            tip: Vector3::from(machine.tool().tip).map(S::from_real),
+            workpiece_side: workpiece_side(machine),
+        }
+    }
+
+    /// T_work^-1: from the bed to the workpiece.
+    pub fn t_work_inverse(&self) -> Htm<S> {
+        product(std::iter::once(&self.clamping).chain(&self.joints[..self.workpiece_side]))
+    }
+
+    /// T_tool: from the bed to the tool.
+    pub fn t_tool(&self) -> Htm<S> {
+        product(self.joints[self.workpiece_side..].iter().chain([&self.spindle]))
+    }
+
+    /// T_wt = T_work^-1 T_tool, the product over the whole walk (machine coordinates at the zero pose).
+    pub fn t_wt(&self) -> Htm<S> {
+        let walk = std::iter::once(&self.clamping).chain(&self.joints).chain([&self.spindle]);
+        product(walk)
+    }
+
+    /// T_wt between the frames at the workpiece origin and at the functional point.
+    pub fn tool_in_workpiece(&self, origin: &[f64; 3]) -> Htm<S> {
+        let t_wt = self.t_wt();
+        let image = &t_wt.linear * &self.tip + &t_wt.translation;
+        let translation = Vector3::from_fn(|i, _| image[i].clone() - S::from_real(origin[i]));
+        Htm { linear: t_wt.linear, translation }
+    }
+}
+
+fn workpiece_side(machine: &Machine) -> usize {
+    machine.axes().iter().filter(|axis| axis.branch == Branch::Workpiece).count()
+}
+
+fn product<'a, S: Algebra>(mut joints: impl Iterator<Item = &'a Htm<S>>) -> Htm<S> {
+    let first = joints.next().cloned().unwrap_or_else(Htm::identity);
+    joints.fold(first, |product, joint| product.compose(joint))
+}
+
+/// Numbers to elements.
+struct Elements<'a, L> {
+    lift: &'a L,
+    real_locations: bool,
+}
+
+impl<L> Elements<'_, L> {
+    /// `None` where all six are zero: the identity then costs nothing.
+    fn six<S: Algebra>(&self, place: Place, six: &[f64; 6]) -> Option<[S; 6]>
+    where
+        L: ErrorLift<S>,
+    {
+        let element = |direction: Direction| self.one(Source { place, direction }, six[direction.index()]);
+        six.iter().any(|value| *value != 0.0).then(|| Direction::ALL.map(element))
+    }
+
+    fn one<S: Algebra>(&self, source: Source, value: f64) -> S
+    where
+        L: ErrorLift<S>,
+    {
+        match source.place {
+            Place::Location(_) if self.real_locations => S::from_real(value),
+            _ => self.lift.lift(source, value),
+        }
+    }
+
+    fn tip<S: Algebra>(&self, tip: [f64; 3], clamping: [f64; 3]) -> Vector3<S>
+    where
+        L: ErrorLift<S>,
+    {
+        Vector3::from_fn(|i, _| {
+            let displacement = if clamping[i] == 0.0 {
+                S::zero()
+            } else {
+                self.one(Source { place: Place::Tool, direction: Direction::ALL[i] }, clamping[i])
+            };
+            S::from_real(tip[i]) + displacement
+        })
+    }
+}
+
+/// The ideal machine at a pose: where the functional point and the tool axis are.
+#[derive(Debug, Clone)]
+pub struct Ideal {
+    /// T_wt between workpiece frame and tool frame.
+    pub pose: Htm<f64>,
+    /// Rotation of T_work.
+    pub r_work: nalgebra::Matrix3<f64>,
+}
+
+impl Ideal {
+    /// The ideal machine at a pose (mm, deg).
+    pub fn at(machine: &Machine, pose: &[f64]) -> Self {
+        let chain = Chain::<f64>::ideal(machine, pose);
+        Self {
+            pose: chain.tool_in_workpiece(&machine.workpiece()),
+            r_work: chain.t_work_inverse().linear.transpose(),
+        }
+    }
+}

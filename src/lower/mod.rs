@@ -1,0 +1,16 @@
+//! Lowering: a machine at a pose becomes matrices over an algebra, in one documented order.
+//!
+//! 1. [`values`] looks the errors of every joint up at the pose (mm, rad).
+//! 2. [`ErrorLift`] turns each number into an element: itself over the reals, `value * i` over D_n.
+//! 3. [`joint()`] builds the matrix G of one joint from them, as the conventions say.
+//! 4. [`Chain`] multiplies the joints on the walk from the workpiece to the tool.
+
+mod chain;
+mod joint;
+mod sensitivity;
+mod source;
+
+pub use chain::{Chain, Ideal};
+pub use joint::{JointElements, joint};
+pub use sensitivity::{Sensitivity, sensitivities};
+pub use source::{ErrorLift, Exact, OrderN, Place, Source, Values, values};

@@ -1,0 +1,79 @@
+//! Error values at a pose, and how they enter an algebra.
+
+use crate::algebra::{Algebra, Dual};
+use crate::machine::{Approach, Direction, Machine};
+
+/// Which part of the machine an error belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Location error of the joint with this index (the spindle comes after the axes).
+    Location(usize),
+    /// Component error of the axis with this index.
+    Component(usize),
+    /// Clamping of the tool.
+    Tool,
+    /// Clamping of the workpiece.
+    Workpiece,
+}
+
+/// One error source.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Source {
+    /// Where it sits.
+    pub place: Place,
+    /// Which of the six.
+    pub direction: Direction,
+}
+
+/// How an error of a given size (mm or rad) becomes an element of the algebra.
+pub trait ErrorLift<S: Algebra> {
+    /// The element.
+    fn lift(&self, source: Source, value: f64) -> S;
+}
+
+/// The exact model: errors are real numbers.
+#[derive(Debug, Clone, Copy)]
+pub struct Exact;
+
+impl ErrorLift<f64> for Exact {
+    fn lift(&self, _: Source, value: f64) -> f64 {
+        value
+    }
+}
+
+/// Order n: every error is of first order, `value * i`.
+#[derive(Debug, Clone, Copy)]
+pub struct OrderN;
+
+impl<const M: usize> ErrorLift<Dual<M>> for OrderN {
+    fn lift(&self, _: Source, value: f64) -> Dual<M> {
+        Dual::first_order(value)
+    }
+}
+
+/// The errors of a machine at a pose, in mm and rad.
+#[derive(Debug, Clone)]
+pub struct Values {
+    /// Location and component errors of each axis, in the order of [`Machine::axes`].
+    pub axes: Vec<([f64; 6], [f64; 6])>,
+    /// Location errors of the spindle.
+    pub spindle: Option<[f64; 6]>,
+    /// Displacement of the tip.
+    pub tool: [f64; 3],
+    /// Displacement of the workpiece.
+    pub workpiece: [f64; 6],
+}
+
+/// Looks up every error at a pose (mm, deg).
+pub fn values(machine: &Machine, pose: &[f64], approach: Approach) -> Values {
+    let axis = |(i, q): (usize, &f64)| {
+        let errors = machine.axis_errors(i);
+        (errors.location_values(), errors.component_values(*q, approach))
+    };
+    Values {
+        axes: pose.iter().enumerate().map(axis).collect(),
+        spindle: machine.spindle_errors().map(crate::machine::JointErrors::location_values),
+        tool: machine.setup().tool,
+        workpiece: machine.setup().workpiece,
+    }
+}
