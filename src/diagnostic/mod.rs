@@ -11,8 +11,8 @@ mod suggest;
 
 pub use codes::{CODES, CodeInfo, info};
 pub use render::{Rendering, render, summary};
-pub use shown::shown;
 pub(crate) use shown::is_layout;
+pub use shown::shown;
 pub use suggest::{did_you_mean, nearest};
 
 use std::ops::Range;

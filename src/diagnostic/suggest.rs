@@ -14,7 +14,10 @@ pub fn did_you_mean(word: &str, candidates: &[&str]) -> String {
     match nearest(word, candidates.iter().copied()) {
         Some(near) => format!("did you mean `{}`?", shown(near)),
         None if candidates.is_empty() => "remove it".to_owned(),
-        None => format!("known here: {}", candidates.iter().map(|c| format!("`{}`", shown(c))).collect::<Vec<_>>().join(", ")),
+        None => format!(
+            "known here: {}",
+            candidates.iter().map(|c| format!("`{}`", shown(c))).collect::<Vec<_>>().join(", ")
+        ),
     }
 }
 

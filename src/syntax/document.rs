@@ -192,8 +192,23 @@ pub struct IdentifyEntry {
 
 /// Top-level keys.
 pub const SECTIONS: [&str; 17] = [
-    "abbe", "machine", "chain", "branches", "axes", "tool", "tools", "workpiece", "conventions", "errors", "measured",
-    "volume", "extends", "provenance", "setup", "algebra", "identify",
+    "abbe",
+    "machine",
+    "chain",
+    "branches",
+    "axes",
+    "tool",
+    "tools",
+    "workpiece",
+    "conventions",
+    "errors",
+    "measured",
+    "volume",
+    "extends",
+    "provenance",
+    "setup",
+    "algebra",
+    "identify",
 ];
 
 /// Takes sections out of the merged tree.

@@ -64,7 +64,9 @@ fn explain(message: &str, keys: &Keys, places: &Places) -> Diagnostic {
     let owner = keys.len().checked_sub(2).map(|n| format!(" in `{}`", keys[..=n].join("."))).unwrap_or_default();
     if unknown_field(message).is_some() {
         let help = did_you_mean(name, &candidates(message));
-        return Diagnostic::new("E0201", format!("unknown key `{}`{owner}", shown(name))).at(places.key(keys), "").help(help);
+        return Diagnostic::new("E0201", format!("unknown key `{}`{owner}", shown(name)))
+            .at(places.key(keys), "")
+            .help(help);
     }
     if let Some(word) = quoted_after(message, "unknown variant ") {
         let help = did_you_mean(word, &candidates(message));

@@ -89,11 +89,16 @@ impl TableReader<'_> {
         let columns: Vec<Option<Column>> =
             cells(self.text, header.clone(), separator).into_iter().map(|cell| self.column(cell)).collect();
         if body.is_empty() {
-            self.refuse("E0113", "the table has no rows", header.clone(), "add one position a line below the header");
+            self.refuse("E0110", "the table has no rows", header.clone(), "add one position a line below the header");
         }
         if body.len() > ROWS {
             let help = "thin it out, or split the measurement";
-            self.refuse("E0103", format!("the table has {} rows; the limit is {ROWS}", body.len()), body[ROWS].clone(), help);
+            self.refuse(
+                "E0103",
+                format!("the table has {} rows; the limit is {ROWS}", body.len()),
+                body[ROWS].clone(),
+                help,
+            );
             return None;
         }
         let mut columns: Vec<Column> = columns.into_iter().collect::<Option<_>>()?;
@@ -114,8 +119,16 @@ impl TableReader<'_> {
         }
         let Some(unit) = unit else {
             let looks = units::number(name).is_ok();
-            let message = if looks { "the table has no header".to_owned() } else { format!("column `{}` has no unit", shown(name)) };
-            let help = if looks { "put a line such as `X [mm], EXX [um]` before it" } else { "write it as `EXX [um]`; positions as `X [mm]` or `C [deg]`" };
+            let message = if looks {
+                "the table has no header".to_owned()
+            } else {
+                format!("column `{}` has no unit", shown(name))
+            };
+            let help = if looks {
+                "put a line such as `X [mm], EXX [um]` before it"
+            } else {
+                "write it as `EXX [um]`; positions as `X [mm]` or `C [deg]`"
+            };
             self.refuse("E0110", message, cell, help);
             return None;
         };
@@ -176,7 +189,11 @@ impl TableReader<'_> {
             _ => "write a plain number; the unit stands in the header",
         };
         let text = &self.text[cell.clone()];
-        let message = if text.is_empty() { format!("column `{}` is empty here", shown(column)) } else { shown(&failure.to_string()) };
+        let message = if text.is_empty() {
+            format!("column `{}` is empty here", shown(column))
+        } else {
+            shown(&failure.to_string())
+        };
         self.refuse("E0111", message, cell, help);
     }
 

@@ -91,7 +91,8 @@ fn direction(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: 
         }
         return agrees.map(|d| d.1);
     };
-    let numbers: Vec<f64> = list.iter().filter_map(|s| if let Scalar::Number(n) = s { Some(*n) } else { None }).collect();
+    let numbers: Vec<f64> =
+        list.iter().filter_map(|s| if let Scalar::Number(n) = s { Some(*n) } else { None }).collect();
     let help = "write three plain numbers, not all zero: [0, 1, 1] is 45 deg between Y and Z";
     if list.len() != 3 || numbers.len() != 3 || !numbers.iter().all(|n| n.is_finite()) {
         context.at_value("E0402", &here, format!("the direction of axis `{name}` is not three plain numbers"), help);
@@ -123,7 +124,11 @@ fn travel(context: &mut Context<'_>, name: &AxisName, kind: AxisKind, entry: &Ax
         }
         Some(TravelEntry::Word(word)) if word == "continuous" && kind == AxisKind::Rotary => Some(Travel::Continuous),
         Some(TravelEntry::Word(word)) => {
-            let help = if word == "continuous" { "a linear axis ends somewhere: [0 mm, 500 mm]" } else { "write [min, max] or continuous" };
+            let help = if word == "continuous" {
+                "a linear axis ends somewhere: [0 mm, 500 mm]"
+            } else {
+                "write [min, max] or continuous"
+            };
             let message = format!("`{}` is not a travel of axis `{name}`", shown(word));
             context.at_value("E0403", &here, message, help);
             None

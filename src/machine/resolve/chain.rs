@@ -123,7 +123,8 @@ fn link(context: &mut Context<'_>, token: &Token, side: Option<Branch>, may_be_s
     let branch = side.unwrap_or(if primed { Branch::Workpiece } else { Branch::Tool });
     if primed && branch == Branch::Tool {
         let message = format!("primed axis `{}` stands on the tool side of the bed", token.text);
-        let help = format!("write `{name}`, or move it between `w` and `b`: a prime marks axes that carry the workpiece");
+        let help =
+            format!("write `{name}`, or move it between `w` and `b`: a prime marks axes that carry the workpiece");
         context.diagnostics.push(Diagnostic::new("E0305", message).at(token.place.clone(), "").help(help));
         return;
     }

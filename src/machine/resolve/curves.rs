@@ -138,13 +138,24 @@ fn harmonics(
         }
     }
     if list.is_empty() && whole {
-        context.at_value("E0408", at, "no harmonics are given", "write { 1: [2 urad, -1 urad] }: cosine and sine by order");
+        context.at_value(
+            "E0408",
+            at,
+            "no harmonics are given",
+            "write { 1: [2 urad, -1 urad] }: cosine and sine by order",
+        );
         return None;
     }
     whole.then_some(Curve::Harmonics(list))
 }
 
-fn harmonic(context: &mut Context<'_>, of: &CurveOf<'_>, key: &str, pair: &[Scalar], at: &Keys) -> Option<(usize, (f64, f64))> {
+fn harmonic(
+    context: &mut Context<'_>,
+    of: &CurveOf<'_>,
+    key: &str,
+    pair: &[Scalar],
+    at: &Keys,
+) -> Option<(usize, (f64, f64))> {
     let order = key.parse::<usize>().ok().filter(|order| *order <= ORDERS);
     let (Some(order), [cosine, sine]) = (order, pair) else {
         let message = format!("`{}` is not a harmonic", shown(key));
@@ -155,13 +166,24 @@ fn harmonic(context: &mut Context<'_>, of: &CurveOf<'_>, key: &str, pair: &[Scal
     let sine = context.error_value(sine, of.error.direction, &below(at, 1));
     let (cosine, sine) = (cosine? * of.sign(), sine? * of.sign());
     if order == 0 && sine != 0.0 {
-        context.at_value("E0408", &below(at, 1), "the sine of order 0 is not zero", "order 0 is the constant: [1 urad, 0 urad]");
+        context.at_value(
+            "E0408",
+            &below(at, 1),
+            "the sine of order 0 is not zero",
+            "order 0 is the constant: [1 urad, 0 urad]",
+        );
         return None;
     }
     Some((order, (cosine, sine)))
 }
 
-fn from_points(context: &mut Context<'_>, of: &CurveOf<'_>, points: &[Vec<Scalar>], cubic: bool, at: &Keys) -> Option<Curve> {
+fn from_points(
+    context: &mut Context<'_>,
+    of: &CurveOf<'_>,
+    points: &[Vec<Scalar>],
+    cubic: bool,
+    at: &Keys,
+) -> Option<Curve> {
     let mut pairs = Vec::new();
     for (i, point) in points.iter().enumerate() {
         let here = below(at, i);
@@ -204,7 +226,8 @@ pub fn from_table(
             None
         }
         (Some(both), Some(other), _) | (Some(both), _, Some(other)) => {
-            let refusal = Diagnostic::new("E0407", format!("the table gives `{}` with and without direction", of.error));
+            let refusal =
+                Diagnostic::new("E0407", format!("the table gives `{}` with and without direction", of.error));
             let refusal = refusal.at(Some(other.place.clone()), "").at(Some(both.place.clone()), "also given here");
             context.diagnostics.push(refusal.help("keep either the one column or the pair `+` and `-`"));
             None
@@ -237,7 +260,8 @@ fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: 
     if first.name != of.error.axis.as_str() {
         let message = format!("the table's first column is `{}`, not the axis `{}`", shown(&first.name), of.error.axis);
         let help = format!("`{}` is a function of the position of `{}`", of.error, of.error.axis);
-        let refusal = Diagnostic::new("E0114", message).at(Some(first.place.clone()), "").at(named.clone(), "named here");
+        let refusal =
+            Diagnostic::new("E0114", message).at(Some(first.place.clone()), "").at(named.clone(), "named here");
         context.diagnostics.push(refusal.help(help));
         return None;
     }
@@ -253,7 +277,15 @@ fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: 
         return None;
     }
     let degrees = matches!(written.as_str(), "deg" | "°");
-    let scale = |v: &f64| if degrees { *v } else if of.kind == AxisKind::Rotary { (v * factor).to_degrees() } else { v * factor };
+    let scale = |v: &f64| {
+        if degrees {
+            *v
+        } else if of.kind == AxisKind::Rotary {
+            (v * factor).to_degrees()
+        } else {
+            v * factor
+        }
+    };
     Some(first.values.iter().map(scale).collect())
 }
 
@@ -267,7 +299,11 @@ fn from_column(
 ) -> Option<Curve> {
     let (written, factor, dimension) = &column.unit;
     let rotation = of.error.direction.is_rotation();
-    let fits = if rotation { [Dimension::ANGLE, Dimension::RATIO].contains(dimension) } else { *dimension == Dimension::LENGTH };
+    let fits = if rotation {
+        [Dimension::ANGLE, Dimension::RATIO].contains(dimension)
+    } else {
+        *dimension == Dimension::LENGTH
+    };
     if !fits {
         let wanted = if rotation { "an angle" } else { "a length" };
         let message = format!("`{}` is in `{}`, but {wanted} belongs here", of.error, shown(written));
@@ -315,9 +351,11 @@ fn explain(
     let name = of.error;
     match failure {
         KnotsFailure::Empty => (format!("`{name}` has no points"), None, "write at least one [position, value]"),
-        KnotsFailure::NotIncreasing(i) => {
-            (format!("the positions of `{name}` do not rise here"), row(*i), "sort the points by position, each position once")
-        }
+        KnotsFailure::NotIncreasing(i) => (
+            format!("the positions of `{name}` do not rise here"),
+            row(*i),
+            "sort the points by position, each position once",
+        ),
         KnotsFailure::NotOnePeriod => (
             format!("`{name}` goes from {} to {} deg, which is not one turn", first.0, last.0),
             row(pairs.len().saturating_sub(1)),

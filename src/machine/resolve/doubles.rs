@@ -111,7 +111,8 @@ impl Doubles<'_> {
         let home = if self.axis.travel.contains(0.0) { self.value(direction, 0.0) } else { mean };
         let amount = common(mean, home);
         let peak = samples.iter().fold(0.0, |m: f64, s| m.max(s.1.abs()));
-        let rivals = self.location_errors(|axis, d| d == direction && (d.is_rotation() || axis.kind == AxisKind::Rotary));
+        let rivals =
+            self.location_errors(|axis, d| d == direction && (d.is_rotation() || axis.kind == AxisKind::Rotary));
         self.report(context, &Found { amount, peak, direction, what: "a constant" }, &rivals);
     }
 
@@ -190,7 +191,8 @@ impl Doubles<'_> {
             return;
         }
         let error = self.id(found.direction);
-        let shown = if found.direction.is_rotation() { units::angle(found.amount) } else { units::length(found.amount) };
+        let shown =
+            if found.direction.is_rotation() { units::angle(found.amount) } else { units::length(found.amount) };
         let place = |id: &ErrorId| -> Option<Place> { self.places.places.get(id).cloned().flatten() };
         let message = format!("`{error}` holds {} of {shown}, which location errors say as well", found.what);
         let warning = Diagnostic::new("W0403", message).at(place(&error), "");

@@ -56,12 +56,7 @@ pub fn errors(context: &mut Context<'_>, known: &Known<'_>) -> Errors {
 }
 
 /// The error that a name means, if its axis (or spindle) is there.
-pub fn named(
-    context: &mut Context<'_>,
-    name: &str,
-    known: &Known<'_>,
-    place: Option<Place>,
-) -> Option<Spelling> {
+pub fn named(context: &mut Context<'_>, name: &str, known: &Known<'_>, place: Option<Place>) -> Option<Spelling> {
     let readings = readings(name);
     let there = |axis: &AxisName| known.axis(axis).is_some() || known.spindle == Some(axis);
     if let Some(reading) = readings.iter().find(|r| there(&r.error.axis)) {
@@ -73,7 +68,8 @@ pub fn named(
         Some(reading) => {
             let axis = &reading.error.axis;
             let help = format!("{}, or declare the axis", did_you_mean(axis.as_str(), &axes));
-            Diagnostic::new("E0406", format!("`{}` is an error of axis `{axis}`, which is not declared", shown(name))).help(help)
+            Diagnostic::new("E0406", format!("`{}` is an error of axis `{axis}`, which is not declared", shown(name)))
+                .help(help)
         }
         None => {
             let help = "E, direction (X Y Z A B C), axis: `EXX`; location errors with a zero: `EC0Y`";
@@ -101,7 +97,8 @@ fn once(context: &mut Context<'_>, errors: &mut Errors, error: &ErrorId, place: 
 /// Forms that exclude each other, as (key, is it there).
 fn forms(entry: &TermEntry) -> Vec<&'static str> {
     let curve = curve_forms(&entry.curve());
-    let ways = [("forward", entry.forward.is_some() || entry.reverse.is_some()), ("tolerance", entry.tolerance.is_some())];
+    let ways =
+        [("forward", entry.forward.is_some() || entry.reverse.is_some()), ("tolerance", entry.tolerance.is_some())];
     curve.into_iter().chain(ways.into_iter().filter(|f| f.1).map(|f| f.0)).collect()
 }
 
@@ -151,7 +148,12 @@ fn term(
         let here = below(at, "tolerance");
         let value = context.error_value(scalar, error.direction, &here)?;
         if value < 0.0 {
-            context.at_value("E0411", &here, "a negative tolerance", "a tolerance is a bound: `20 urad` means ±20 urad");
+            context.at_value(
+                "E0411",
+                &here,
+                "a negative tolerance",
+                "a tolerance is a bound: `20 urad` means ±20 urad",
+            );
             return None;
         }
         return context.plausible(value, error.direction, &here).then_some(ErrorTerm::Tolerance(value));
@@ -167,12 +169,22 @@ fn term(
     };
     // What is wrong with the axis has been said there.
     let of = CurveOf { error, axis, kind: axis.kind?, negated: spelling.negated };
-    let component = if forms == ["forward"] { both_ways(context, &of, entry, at) } else { component(context, &of, &entry.curve(), at) };
+    let component = if forms == ["forward"] {
+        both_ways(context, &of, entry, at)
+    } else {
+        component(context, &of, &entry.curve(), at)
+    };
     let component = component?;
     plausible_curve(context, &of, &component, at).then_some(ErrorTerm::Component(component))
 }
 
-fn constant(context: &mut Context<'_>, spelling: &Spelling, entry: &TermEntry, forms: &[&str], at: &Keys) -> Option<ErrorTerm> {
+fn constant(
+    context: &mut Context<'_>,
+    spelling: &Spelling,
+    entry: &TermEntry,
+    forms: &[&str],
+    at: &Keys,
+) -> Option<ErrorTerm> {
     let error = &spelling.error;
     let Some(scalar) = entry.value.as_ref().filter(|_| entry.interpolation.is_none()) else {
         let form = if entry.interpolation.is_some() { "interpolation" } else { forms.first().copied().unwrap_or("") };
@@ -208,16 +220,11 @@ fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at:
 }
 
 /// Every error column of a table.
-fn measured(
-    context: &mut Context<'_>,
-    errors: &mut Errors,
-    at: &Keys,
-    path: &str,
-    known: &Known<'_>,
-) {
+fn measured(context: &mut Context<'_>, errors: &mut Errors, at: &Keys, path: &str, known: &Known<'_>) {
     let Some(table) = context.table(at, path) else { return };
     if table.columns.len() < 2 {
-        let refusal = Diagnostic::new("E0114", "the table has no column of errors").at(table.columns.first().map(|c| c.place.clone()), "");
+        let refusal = Diagnostic::new("E0114", "the table has no column of errors")
+            .at(table.columns.first().map(|c| c.place.clone()), "");
         context.diagnostics.push(refusal.help("add columns such as `EXX [um]`"));
     }
     for column in &table.columns[1..] {

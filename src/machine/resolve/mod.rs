@@ -75,7 +75,12 @@ fn left_out(context: &mut Context<'_>, declared: &[Declared], chain: &KinematicC
             n => format!("axis `{}` is declared but not in the chain; its {n} errors are left out", axis.name),
         };
         let at = keys(["axes", axis.name.as_str()]);
-        context.at_key("W0401", &at, message, format!("add it to the chain, or remove it: `{}: null` in a variant", axis.name));
+        context.at_key(
+            "W0401",
+            &at,
+            message,
+            format!("add it to the chain, or remove it: `{}: null` in a variant", axis.name),
+        );
     }
 }
 

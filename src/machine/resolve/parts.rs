@@ -20,7 +20,12 @@ pub fn version(context: &mut Context<'_>) {
             context.at_value("E0211", &at, message, "this program knows version 1: `abbe: 1`");
         }
         None if context.document.places.is_marred(&at) => {}
-        None => context.at_key("W0201", &at, "the file does not say which version of the language it is in", "put `abbe: 1` at the top"),
+        None => context.at_key(
+            "W0201",
+            &at,
+            "the file does not say which version of the language it is in",
+            "put `abbe: 1` at the top",
+        ),
     }
 }
 
@@ -32,7 +37,12 @@ pub fn name(context: &mut Context<'_>) -> Option<String> {
         Some(name) => single_line(context, name, NAME, &at).then(|| name.clone()),
         None => {
             if !document.places.is_marred(&at) {
-                context.at_key("E0203", &Keys::new(), "the machine has no name", "add `machine: Trunnion five-axis centre`");
+                context.at_key(
+                    "E0203",
+                    &Keys::new(),
+                    "the machine has no name",
+                    "add `machine: Trunnion five-axis centre`",
+                );
             }
             None
         }
@@ -115,7 +125,12 @@ fn tool(context: &mut Context<'_>, name: String, entry: &ToolEntry, at: &Keys) -
 fn length_below(context: &mut Context<'_>, scalar: &Scalar, at: &Keys) -> Option<f64> {
     let length = context.length(scalar, at)?;
     if length < 0.0 {
-        context.at_value("E0213", at, format!("a tool length of {length} mm"), "the length is counted from the gauge point towards the tip");
+        context.at_value(
+            "E0213",
+            at,
+            format!("a tool length of {length} mm"),
+            "the length is counted from the gauge point towards the tip",
+        );
         return None;
     }
     Some(length)

@@ -131,11 +131,20 @@ impl Context<'_> {
             self.misfit(scalar, quantity.dimension, direction, kind, power, at);
             return None;
         }
-        let scale = if kind == AxisKind::Rotary { libm::pow(std::f64::consts::PI / 180.0, f64::from(power)) } else { 1.0 };
+        let scale =
+            if kind == AxisKind::Rotary { libm::pow(std::f64::consts::PI / 180.0, f64::from(power)) } else { 1.0 };
         Some(quantity.value * scale)
     }
 
-    fn misfit(&mut self, scalar: &Scalar, found: Dimension, direction: Direction, kind: AxisKind, power: i8, at: &Keys) {
+    fn misfit(
+        &mut self,
+        scalar: &Scalar,
+        found: Dimension,
+        direction: Direction,
+        kind: AxisKind,
+        power: i8,
+        at: &Keys,
+    ) {
         let (wanted, unit, help) =
             if direction.is_rotation() { ("an angle", "urad", ANGLES) } else { ("a length", "um", LENGTHS) };
         if power == 0 {

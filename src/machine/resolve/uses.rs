@@ -72,7 +72,12 @@ fn vanishing(context: &mut Context<'_>, known: &Known<'_>, monomial: &str, group
         let (name, power) = factor.trim().split_once('^').unwrap_or((factor.trim(), "1"));
         if !power.trim().parse::<u8>().is_ok_and(|p| (1..=DEGREE).contains(&p)) {
             let message = format!("`{}` is not a monomial", shown(monomial));
-            return context.at_value("E0215", at, message, "write names with `*` and `^`, such as `EXX*EYX` or `EXX^2`");
+            return context.at_value(
+                "E0215",
+                at,
+                message,
+                "write names with `*` and `^`, such as `EXX*EYX` or `EXX^2`",
+            );
         }
         if !groups.contains(&name.trim()) {
             known.error(context, name.trim(), at);
@@ -119,6 +124,11 @@ fn basis(context: &mut Context<'_>, form: &str, at: &Keys) {
     let order = BASES.iter().find_map(|family| form.trim().strip_prefix(family));
     if !order.and_then(|o| o.parse::<u8>().ok()).is_some_and(|o| (1..=50).contains(&o)) {
         let message = format!("`{}` is not a basis", shown(form));
-        context.at_value("E0215", at, message, "write poly3 (powers 0 to 3), fourier2 (orders 0 to 2) or spline8 (8 knots)");
+        context.at_value(
+            "E0215",
+            at,
+            message,
+            "write poly3 (powers 0 to 3), fourier2 (orders 0 to 2) or spline8 (8 knots)",
+        );
     }
 }

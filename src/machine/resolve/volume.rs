@@ -90,7 +90,8 @@ fn within(context: &mut Context<'_>, axis: &Axis, interval: (f64, f64), at: &Key
         return Some(interval);
     }
     let Travel::Range(min, max) = axis.travel else { return Some(interval) };
-    let message = format!("the volume of axis `{}` goes beyond its travel from {min} to {max} {}", axis.name, axis.unit());
+    let message =
+        format!("the volume of axis `{}` goes beyond its travel from {min} to {max} {}", axis.name, axis.unit());
     let places = &context.document.places;
     let travel = places.value(&keys(["axes", axis.name.as_str(), "travel"]));
     let refusal = Diagnostic::new("E0214", message).at(places.value(at), "").at(travel, "the travel");
