@@ -57,10 +57,8 @@ pub fn quantity(text: &str) -> Result<Quantity, Failure> {
     if rest.is_empty() {
         return Err(Failure::NoUnit(trimmed.to_owned()));
     }
-    if let Some(divisor) = rest.strip_prefix('/').map(str::trim) {
-        if let Ok(divisor) = number(divisor) {
-            return ratio(value, divisor, trimmed);
-        }
+    if let Some(Ok(divisor)) = rest.strip_prefix('/').map(number) {
+        return ratio(value, divisor, trimmed);
     }
     let (factor, dimension) = unit(rest)?;
     finite(value * factor, dimension, trimmed)
