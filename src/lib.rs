@@ -2,6 +2,7 @@
 
 pub mod algebra;
 pub mod analysis;
+pub mod cli;
 pub mod diagnostic;
 pub mod evaluate;
 pub mod lower;

@@ -1,0 +1,3 @@
+//! The only place that touches files, prints or exits.
+
+pub mod files;
