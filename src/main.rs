@@ -1,3 +1,5 @@
-//! The program.
+//! The program: everything is in the library, this only hands the process over to it.
 
-fn main() {}
+fn main() -> std::process::ExitCode {
+    abbe::cli::run(std::env::args_os())
+}

@@ -21,6 +21,7 @@ pub use document::{
     ToolEntry, TravelEntry, VolumeAxis, WorkpieceEntry,
 };
 pub use files::{Files, ReadFailure};
+pub use read::read_text;
 pub use places::{Keys, Places, Spot, below, keys};
 pub use scalar::Scalar;
 pub use table::{Column, ColumnDirection, Table, read_table};
