@@ -1,6 +1,7 @@
 //! # abbe: from a machine configuration to volumetric compensation
 
 pub mod algebra;
+pub mod analysis;
 pub mod cli;
 pub mod compensation;
 pub mod diagnostic;

@@ -12,5 +12,5 @@ mod source;
 
 pub use chain::{Chain, Ideal};
 pub use joint::{JointElements, joint};
-pub use sensitivity::{Sensitivity, sensitivities};
+pub use sensitivity::{Sensitivity, sensitivities, sensitivities_to};
 pub use source::{ErrorLift, Exact, OrderN, Place, Source, Values, values};

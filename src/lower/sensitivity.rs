@@ -19,9 +19,14 @@ pub struct Sensitivity {
 
 /// Sensitivities to the errors that `wanted` accepts, at a pose (mm, deg).
 pub fn sensitivities(machine: &Machine, pose: &[f64], wanted: impl Fn(&ErrorId) -> bool) -> Vec<Sensitivity> {
+    let ids: Vec<ErrorId> = machine.errors().map(|(id, _)| id).filter(|id| wanted(id)).collect();
+    sensitivities_to(machine, pose, &ids)
+}
+
+/// Sensitivities to any errors of the chain's axes and spindle, given in the machine file or not.
+pub fn sensitivities_to(machine: &Machine, pose: &[f64], errors: &[ErrorId]) -> Vec<Sensitivity> {
     let frames = Frames::new(machine, pose);
-    let ids = machine.errors().map(|(id, _)| id).filter(|id| wanted(id));
-    ids.map(|error| frames.sensitivity(machine, pose, error)).collect()
+    errors.iter().map(|error| frames.sensitivity(machine, pose, error.clone())).collect()
 }
 
 /// Ideal prefixes and suffixes of every joint.

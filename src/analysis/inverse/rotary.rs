@@ -1,0 +1,362 @@
+//! Rotary axes: all the positions, or the nearest ones, that point the tool in a direction.
+//!
+//! Only the direction of the tool counts, so two axes are enough. The product of the rotations over
+//! the walk takes the tool axis at the zero pose, e, to the direction asked for:
+//! `R_1 ... R_m e = d`. With all axes but two held, that is `exp(w_1 a) exp(w_2 b) p = t`, which has
+//! at most two solutions in closed form, for axes in any directions.
+
+use crate::algebra::rotation_about;
+use crate::machine::{Axis, AxisKind, Pose, Travel, sin_cos_degrees};
+use nalgebra::{Matrix3, Vector3};
+
+/// Below this length (rad) what is left of a unit vector beside an axis is rounding: the axis has no effect.
+const ALONG: f64 = 1e-12;
+
+/// Beyond the travel by less is at its end, deg; whether that still points there is checked afterwards.
+const AT_END: f64 = 1e-6;
+
+/// Where the axes that are held are tried, besides their reference.
+const SAMPLES: usize = 96;
+
+/// A rotary axis: `w` is its direction with the sense of a positive command.
+#[derive(Debug, Clone)]
+struct Turn {
+    axis: usize,
+    w: Vector3<f64>,
+    travel: Travel,
+    reference: f64,
+}
+
+/// The rotary axes of a machine and where they would rather be.
+pub struct Directions {
+    turns: Vec<Turn>,
+    reference: Pose,
+}
+
+/// Candidates, best first.
+pub struct Candidates {
+    /// With the rotary axes set; the linear ones are at the reference.
+    pub poses: Vec<Pose>,
+    /// A direction was found, but only beyond the travel.
+    pub beyond_travel: bool,
+    /// There are others, further away, for some axis has a choice.
+    pub more: bool,
+}
+
+/// One of a pair's angles (rad); `None` if any will do.
+type Angle = Option<f64>;
+
+impl Directions {
+    pub fn new(axes: &[Axis], reference: &[f64]) -> Self {
+        let rotary = axes.iter().enumerate().filter(|(_, axis)| axis.kind == AxisKind::Rotary);
+        let turn = |(i, axis): (usize, &Axis)| Turn {
+            axis: i,
+            w: Vector3::from(axis.direction) * axis.sign(),
+            travel: axis.travel,
+            reference: reference[i],
+        };
+        Self { turns: rotary.map(turn).collect(), reference: reference.to_vec() }
+    }
+
+    /// The candidates nearest to the reference.
+    pub fn nearest(&self, direction: &Vector3<f64>) -> Candidates {
+        let start: Vec<f64> = self.turns.iter().map(|turn| turn.reference).collect();
+        let mut search = Search { directions: self, direction, found: Vec::new(), beyond_travel: false, free: false };
+        search.around(&start);
+        if self.turns.len() > 2 {
+            (1..SAMPLES).for_each(|sample| search.around(&self.sample(sample)));
+            let rough = std::mem::take(&mut search.found);
+            let refined: Vec<Vec<f64>> = rough.iter().filter_map(|angles| self.refined(angles, direction)).collect();
+            search.found = [rough, refined].concat();
+        }
+        let poses = self.in_order(search.found);
+        Candidates { poses, beyond_travel: search.beyond_travel, more: search.free }
+    }
+
+    /// Candidates with the axes that have no effect elsewhere than at their reference.
+    pub fn others(&self, direction: &Vector3<f64>) -> Vec<Pose> {
+        let mut search = Search { directions: self, direction, found: Vec::new(), beyond_travel: false, free: false };
+        (1..SAMPLES).for_each(|sample| search.around(&self.sample(sample)));
+        self.in_order(search.found)
+    }
+
+    /// Positions spread over the travels: a Halton sequence.
+    fn sample(&self, index: usize) -> Vec<f64> {
+        let bases = [2, 3, 5, 7, 11, 13, 17, 19];
+        let position = |(turn, base): (&Turn, &usize)| {
+            let (min, max) = turn.travel.interval();
+            min + (max - min) * radical_inverse(index, *base)
+        };
+        self.turns.iter().zip(bases.iter().cycle()).map(position).collect()
+    }
+
+    /// Nearest to the reference first; what differs by rounding alone is one candidate, and of equal
+    /// distances the larger positions come first, so that the choice does not hang on the last bit.
+    fn in_order(&self, found: Vec<Vec<f64>>) -> Vec<Pose> {
+        let rounded = |x: f64| (x * 1e6).round() as i64;
+        let key = |angles: &Vec<f64>| {
+            let cost: f64 = self.turns.iter().zip(angles).map(|(t, q)| (q - t.reference).powi(2)).sum();
+            (rounded(cost), angles.iter().map(|q| -rounded(*q)).collect::<Vec<_>>())
+        };
+        let mut keyed: Vec<_> = found.into_iter().map(|angles| (key(&angles), angles)).collect();
+        keyed.sort_by(|a, b| a.0.cmp(&b.0));
+        keyed.dedup_by(|a, b| a.0.1 == b.0.1);
+        keyed.into_iter().map(|(_, angles)| self.pose(&angles)).collect()
+    }
+
+    fn pose(&self, angles: &[f64]) -> Pose {
+        let mut pose = self.reference.clone();
+        self.turns.iter().zip(angles).for_each(|(turn, q)| pose[turn.axis] = *q);
+        pose
+    }
+
+    fn rotation(&self, range: std::ops::Range<usize>, angles: &[f64]) -> Matrix3<f64> {
+        range.fold(Matrix3::identity(), |product, k| product * self.turns[k].rotation(angles[k]))
+    }
+
+    /// Moves along the positions that point there, towards the reference (Newton with what is left
+    /// of the way to the reference in the null space of the Jacobian), within the travel.
+    fn refined(&self, start: &[f64], direction: &Vector3<f64>) -> Option<Vec<f64>> {
+        let mut angles = start.to_vec();
+        for round in 0..60 {
+            let towards = if round < 48 { 1.0 } else { 0.0 };
+            let step = self.step(&angles, direction, towards);
+            let turned = self.turns.iter().zip(&angles).zip(&step);
+            angles = turned.map(|((turn, q), s)| turn.held(q + s.to_degrees().clamp(-20.0, 20.0))).collect();
+        }
+        let reached = self.rotation(0..self.turns.len(), &angles) * Vector3::z();
+        ((reached - direction).norm() < super::DIRECTION_TOLERANCE).then_some(angles)
+    }
+
+    /// `J^+ r + (1 - J^+ J) (reference - q)`, rad; axes at an end they are pushed against stay there.
+    fn step(&self, angles: &[f64], direction: &Vector3<f64>, towards: f64) -> Vec<f64> {
+        let mut columns = self.columns(angles);
+        let reached = self.rotation(0..self.turns.len(), angles) * Vector3::z();
+        let missing = direction - reached * reached.dot(direction);
+        // The normal makes the matrix regular without touching the tangent plane, where the columns are.
+        let normal = reached * reached.transpose() + Matrix3::identity() * 1e-12;
+        let mut step = vec![0.0; angles.len()];
+        for _ in 0..=angles.len() {
+            let wish: Vec<f64> = self
+                .turns
+                .iter()
+                .zip(angles)
+                .zip(&columns)
+                .map(
+                    |((turn, q), column)| {
+                        if *column == Vector3::zeros() { 0.0 } else { towards * (turn.reference - q).to_radians() }
+                    },
+                )
+                .collect();
+            let by_wish = columns.iter().zip(&wish).fold(Vector3::zeros(), |sum, (c, w)| sum + c * *w);
+            let gram = columns.iter().fold(normal, |sum, c| sum + c * c.transpose());
+            let pull = gram.try_inverse().unwrap_or_default() * (missing - by_wish);
+            step = columns.iter().zip(&wish).map(|(c, w)| w + c.dot(&pull)).collect();
+            let blocked = (0..angles.len())
+                .find(|i| columns[*i] != Vector3::zeros() && self.turns[*i].blocks(angles[*i], step[*i]));
+            match blocked {
+                Some(i) => columns[i] = Vector3::zeros(),
+                None => break,
+            }
+        }
+        step
+    }
+
+    /// Derivatives of the direction by each angle (per rad).
+    fn columns(&self, angles: &[f64]) -> Vec<Vector3<f64>> {
+        let reached = self.rotation(0..self.turns.len(), angles) * Vector3::z();
+        (0..self.turns.len()).map(|i| (self.rotation(0..i, angles) * self.turns[i].w).cross(&reached)).collect()
+    }
+}
+
+impl Turn {
+    fn rotation(&self, degrees: f64) -> Matrix3<f64> {
+        rotation_about(&self.w.into(), sin_cos_degrees(degrees))
+    }
+
+    fn held(&self, position: f64) -> f64 {
+        match self.travel {
+            Travel::Range(min, max) => position.clamp(min, max),
+            Travel::Continuous => position,
+        }
+    }
+
+    /// Would the step leave the travel at once?
+    fn blocks(&self, position: f64, step: f64) -> bool {
+        match self.travel {
+            Travel::Range(min, max) => (position <= min && step < 0.0) || (position >= max && step > 0.0),
+            Travel::Continuous => false,
+        }
+    }
+
+    /// The position within the travel, whole turns away, that is nearest to the reference.
+    fn wrapped(&self, angle: f64) -> Option<f64> {
+        let degrees = angle.to_degrees();
+        let turns = ((self.reference - degrees) / 360.0).round();
+        let Travel::Range(min, max) = self.travel else { return Some(degrees + 360.0 * turns) };
+        let lowest = ((min - AT_END - degrees) / 360.0).ceil();
+        let highest = ((max + AT_END - degrees) / 360.0).floor();
+        (lowest <= highest).then(|| (degrees + 360.0 * turns.clamp(lowest, highest)).clamp(min, max))
+    }
+}
+
+/// What has been found for one direction.
+struct Search<'a> {
+    directions: &'a Directions,
+    direction: &'a Vector3<f64>,
+    found: Vec<Vec<f64>>,
+    beyond_travel: bool,
+    free: bool,
+}
+
+impl Search<'_> {
+    /// Solves for every pair of axes (or the only one) with the others held at `angles`.
+    fn around(&mut self, angles: &[f64]) {
+        let count = angles.len();
+        if count == 0 && (self.direction - Vector3::z()).norm() < super::DIRECTION_TOLERANCE {
+            self.found.push(Vec::new());
+        }
+        for i in 0..count {
+            if count != 2 {
+                self.single(i, angles);
+            }
+            (i + 1..count).for_each(|j| self.pair(i, j, angles));
+        }
+    }
+
+    /// Only axis i turns.
+    fn single(&mut self, i: usize, angles: &[f64]) {
+        let d = self.directions;
+        let before = d.rotation(0..i, angles).transpose() * self.direction;
+        let after = d.rotation(i + 1..angles.len(), angles) * Vector3::z();
+        if (d.turns[i].w.dot(&after) - d.turns[i].w.dot(&before)).abs() < 1e-10 {
+            self.keep(angles, &[(i, angle(&d.turns[i].w, &after, &before))]);
+        }
+    }
+
+    /// Axes i < j turn.
+    fn pair(&mut self, i: usize, j: usize, angles: &[f64]) {
+        let d = self.directions;
+        let between = d.rotation(i + 1..j, angles);
+        let before = d.rotation(0..i, angles).transpose() * self.direction;
+        let after = between * d.rotation(j + 1..angles.len(), angles) * Vector3::z();
+        let (w1, w2) = (d.turns[i].w, between * d.turns[j].w);
+        if w1.cross(&w2).norm_squared() < 1e-12 {
+            // Parallel axes do the same: one is enough.
+            self.single(i, angles);
+            return self.single(j, angles);
+        }
+        for (first, second) in pair_angles(&w1, &w2, &after, &before) {
+            self.keep(angles, &[(i, first), (j, second)]);
+        }
+    }
+
+    fn keep(&mut self, angles: &[f64], solved: &[(usize, Angle)]) {
+        let mut candidate = angles.to_vec();
+        for (index, angle) in solved {
+            self.free |= angle.is_none();
+            match angle.map_or(Some(angles[*index]), |angle| self.directions.turns[*index].wrapped(angle)) {
+                Some(position) => candidate[*index] = position,
+                None => return self.beyond_travel = true,
+            }
+        }
+        self.found.push(candidate);
+    }
+}
+
+/// Angle about w that takes p to t; `None` if w is along p: then any angle does.
+fn angle(w: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> Angle {
+    let beside = |v: &Vector3<f64>| v - w * w.dot(v);
+    let (p, t) = (beside(p), beside(t));
+    (p.norm() > ALONG && t.norm() > ALONG).then(|| libm::atan2(w.dot(&p.cross(&t)), p.dot(&t)))
+}
+
+/// All (a, b) with `exp(w1 a) exp(w2 b) p = t`. Between the two rotations p is at a point z of both
+/// cones: z = x w1 + y w2 +- h (w1 x w2).
+fn pair_angles(w1: &Vector3<f64>, w2: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> Vec<(Angle, Angle)> {
+    let normal = w1.cross(w2);
+    let (c, s2) = (w1.dot(w2), normal.norm_squared());
+    let (u, v) = (w1.dot(t), w2.dot(p));
+    let (x, y) = ((u - c * v) / s2, (v - c * u) / s2);
+    let h2 = (1.0 - x * x - y * y - 2.0 * x * y * c) / s2;
+    if h2 < -1e-9 {
+        return Vec::new();
+    }
+    let h = h2.max(0.0).sqrt();
+    let through = |h: f64| {
+        let z = w1 * x + w2 * y + normal * h;
+        (angle(w1, &z, t), angle(w2, p, &z))
+    };
+    vec![through(h), through(-h)]
+}
+
+/// The index with its digits mirrored at the point: evenly spread over [0, 1).
+fn radical_inverse(index: usize, base: usize) -> f64 {
+    let (mut rest, mut scale, mut value) = (index, 1.0, 0.0);
+    while rest > 0 {
+        scale /= base as f64;
+        value += scale * (rest % base) as f64;
+        rest /= base;
+    }
+    value
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn turn(axis: usize, w: [f64; 3], travel: Travel) -> Turn {
+        Turn { axis, w: Vector3::from(w).normalize(), travel, reference: 0.0 }
+    }
+
+    fn directions(turns: Vec<Turn>) -> Directions {
+        Directions { reference: vec![0.0; turns.len()], turns }
+    }
+
+    #[test]
+    fn both_solutions_of_a_pair_are_found_and_the_nearer_comes_first() {
+        let c_a = directions(vec![
+            turn(0, [0.0, 0.0, 1.0], Travel::Continuous),
+            turn(1, [1.0, 0.0, 0.0], Travel::Range(-130.0, 130.0)),
+        ]);
+        let wanted = c_a.rotation(0..2, &[40.0, 30.0]) * Vector3::z();
+        let found = c_a.nearest(&wanted).poses;
+        assert_eq!(found.len(), 2);
+        assert!((found[0][0] - 40.0).abs() < 1e-12 && (found[0][1] - 30.0).abs() < 1e-12, "{found:?}");
+        assert!((found[1][0] + 140.0).abs() < 1e-12 && (found[1][1] + 30.0).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn a_nutating_axis_reaches_its_cone_and_no_further() {
+        let b = directions(vec![turn(0, [0.0, 1.0, 1.0], Travel::Range(0.0, 180.0))]);
+        assert!((b.nearest(&Vector3::y()).poses[0][0] - 180.0).abs() < 1e-9);
+        assert!(b.nearest(&Vector3::x()).poses.is_empty());
+        let both = directions(vec![turn(0, [0.0, 0.0, 1.0], Travel::Continuous), b.turns[0].clone()]);
+        assert!(!both.nearest(&Vector3::x()).poses.is_empty());
+        assert!(both.nearest(&-Vector3::z()).poses.is_empty());
+    }
+
+    #[test]
+    fn an_axis_along_the_tool_keeps_its_reference() {
+        let mut c_a = directions(vec![
+            turn(0, [0.0, 0.0, 1.0], Travel::Continuous),
+            turn(1, [1.0, 0.0, 0.0], Travel::Range(-130.0, 130.0)),
+        ]);
+        c_a.turns[0].reference = 77.0;
+        let found = c_a.nearest(&Vector3::z());
+        assert_eq!(found.poses[0], [77.0, 0.0]);
+        assert!(found.more);
+    }
+
+    #[test]
+    fn three_axes_share_the_way() {
+        let three = directions(vec![
+            turn(0, [0.0, 1.0, 0.0], Travel::Range(-100.0, 100.0)),
+            turn(1, [0.0, 1.0, 0.0], Travel::Range(-100.0, 100.0)),
+            turn(2, [1.0, 0.0, 0.0], Travel::Range(-100.0, 100.0)),
+        ]);
+        let (s, c) = sin_cos_degrees(60.0);
+        let found = three.nearest(&Vector3::new(s, 0.0, c)).poses;
+        assert!((found[0][0] - 30.0).abs() < 1e-6 && (found[0][1] - 30.0).abs() < 1e-6, "{:?}", found[0]);
+    }
+}

@@ -1,0 +1,113 @@
+//! Files are written whole or not at all: into a temporary file beside the target, then renamed.
+
+use crate::diagnostic::Diagnostic;
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// Writes a file so that a reader sees either what was there before or all of `bytes`.
+pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
+    let target = replaceable(path)?;
+    let temporary = temporary(&target).ok_or_else(|| unwritable(path, "the path names no file"))?;
+    let written = fill(&temporary, &target, bytes).and_then(|()| fs::rename(&temporary, &target));
+    written.map_err(|failure| {
+        // What is left of a failed attempt is ours alone; if it cannot go either, there is no more to say.
+        let _ = fs::remove_file(&temporary);
+        unwritable(path, &failure.to_string())
+    })
+}
+
+/// Like [`write_whole`], but a file that is there already is refused.
+pub(super) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
+    if path.symlink_metadata().is_ok() {
+        let message = format!("`{}` is there already", path.display());
+        return Err(Diagnostic::new("E0811", message).help("give another name, or remove it first: nothing is overwritten here"));
+    }
+    write_whole(path, bytes)
+}
+
+/// The regular file behind the path, or the path itself if there is nothing yet.
+fn replaceable(path: &Path) -> Result<PathBuf, Diagnostic> {
+    let Ok(metadata) = fs::metadata(path) else { return Ok(path.to_owned()) };
+    if metadata.is_dir() {
+        return Err(unwritable(path, "it is a directory"));
+    }
+    // Renaming over a device or FIFO would replace it.
+    if !metadata.is_file() {
+        return Err(unwritable(path, "it is not a regular file"));
+    }
+    if metadata.permissions().readonly() {
+        return Err(unwritable(path, "it is read-only"));
+    }
+    // A link stays a link: its target is replaced.
+    fs::canonicalize(path).map_err(|failure| unwritable(path, &failure.to_string()))
+}
+
+fn temporary(target: &Path) -> Option<PathBuf> {
+    let mut name = std::ffi::OsString::from(".");
+    name.push(target.file_name()?);
+    name.push(format!(".{}.tmp", std::process::id()));
+    Some(target.with_file_name(name))
+}
+
+fn fill(temporary: &Path, target: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = fs::OpenOptions::new().write(true).create_new(true).open(temporary)?;
+    file.write_all(bytes)?;
+    if let Ok(metadata) = fs::metadata(target) {
+        file.set_permissions(metadata.permissions())?;
+    }
+    file.sync_all()
+}
+
+fn unwritable(path: &Path, why: &str) -> Diagnostic {
+    let help = "name a file in a folder that exists and that you may write to; nothing was written";
+    Diagnostic::new("E0810", format!("cannot write `{}`: {why}", path.display())).help(help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder of its own, removed at the end.
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn new(name: &str) -> Self {
+            let path = std::env::temp_dir().join(format!("abbe-write-{name}-{}", std::process::id()));
+            fs::create_dir_all(&path).unwrap();
+            Self(path)
+        }
+
+        fn entries(&self) -> usize {
+            fs::read_dir(&self.0).unwrap().count()
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+
+    #[test]
+    fn a_file_is_replaced_whole_and_nothing_is_left_beside_it() {
+        let folder = Folder::new("whole");
+        let path = folder.0.join("map.csv");
+        write_whole(&path, b"old and long").unwrap();
+        write_whole(&path, b"new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(folder.entries(), 1);
+        assert_eq!(write_new(&path, b"other").unwrap_err().code, "E0811");
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_said_and_leaves_nothing() {
+        let folder = Folder::new("refused");
+        for path in [folder.0.clone(), folder.0.join("none/map.csv"), PathBuf::from("/dev/null"), PathBuf::from("/"), PathBuf::new()] {
+            let diagnostic = write_whole(&path, b"x").unwrap_err();
+            assert_eq!(diagnostic.code, "E0810", "{path:?}");
+        }
+        assert_eq!(folder.entries(), 0);
+    }
+}
