@@ -1,1 +1,7 @@
 //! Integration tests.
+
+// A test that panics is a test that fails: nothing to be careful about.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod eval_exact;
+mod oracle;
