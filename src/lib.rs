@@ -1,9 +1,12 @@
 //! # abbe: from a machine configuration to volumetric compensation
 
 pub mod algebra;
+pub mod cli;
+pub mod compensation;
 pub mod diagnostic;
 pub mod evaluate;
 pub mod lower;
 pub mod machine;
 pub mod syntax;
+//pub mod target;
 pub mod units;

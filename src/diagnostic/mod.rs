@@ -6,9 +6,11 @@
 
 mod codes;
 mod render;
+mod suggest;
 
 pub use codes::{CODES, CodeInfo, info};
 pub use render::{Rendering, render, summary};
+pub use suggest::{did_you_mean, nearest};
 
 use std::ops::Range;
 

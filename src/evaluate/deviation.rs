@@ -69,6 +69,17 @@ pub fn evaluate(machine: &Machine, pose: &[f64], order: Order, approach: Approac
     }
 }
 
+/// Where the exact model of the machine is at a *command*, compared with where the ideal machine
+/// would be at a *pose* (both mm, deg): workpiece frame, actual minus nominal.
+pub fn command_deviation(machine: &Machine, ideal: &Htm<f64>, command: &[f64], approach: Approach) -> Deviation {
+    let errors = values(machine, command, approach);
+    let real = Chain::real(machine, command, &errors, &Exact).tool_in_workpiece(&machine.workpiece());
+    Deviation {
+        position: real.translation - ideal.translation,
+        rotation: rotation(&real.linear, &ideal.linear, machine.conventions().joints),
+    }
+}
+
 /// Vectors in another frame; E_VE does not depend on it.
 fn turned(evaluation: Evaluation, r: &Matrix3<f64>) -> Evaluation {
     let Deviation { position, rotation } = evaluation.deviation;

@@ -1,7 +1,8 @@
 //! Fields of deviations over the poses of a machine.
 
-use super::{Deviation, Frame, Order, evaluate};
-use crate::machine::{Approach, Machine};
+use super::{Deviation, Frame, Order, command_deviation, evaluate};
+use crate::lower::{Ideal, sensitivities};
+use crate::machine::{Approach, ErrorId, Machine};
 
 /// Pose (mm, deg) to deviation in the workpiece frame. A compensated machine is mapped like a bare one.
 pub trait Field: Sync {
@@ -29,4 +30,21 @@ impl Field for Bare<'_> {
     fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation {
         evaluate(self.machine, pose, self.order, approach, Frame::Workpiece).deviation
     }
+}
+
+/// Deviation at a pose when the controller sends another command instead (both mm, deg): exact model.
+pub fn commanded_deviation(machine: &Machine, pose: &[f64], command: &[f64], approach: Approach) -> Deviation {
+    command_deviation(machine, &Ideal::at(machine, pose).pose, command, approach)
+}
+
+/// What each error alone does at a pose, to first order, in the order of [`Machine::errors`].
+pub fn error_by_error(machine: &Machine, pose: &[f64], approach: Approach) -> Vec<(ErrorId, Deviation)> {
+    let values = machine.errors().map(|(id, term)| {
+        let position = machine.axis_index(id.axis.as_str()).map_or(0.0, |axis| pose[axis]);
+        term.value(position, approach)
+    });
+    let alone = |(s, value): (crate::lower::Sensitivity, f64)| {
+        (s.error, Deviation { position: s.deviation * value, rotation: s.rotation * value })
+    };
+    sensitivities(machine, pose, |_| true).into_iter().zip(values).map(alone).collect()
 }

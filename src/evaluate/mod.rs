@@ -5,5 +5,5 @@
 mod deviation;
 mod field;
 
-pub use deviation::{Deviation, Evaluation, Frame, MAX_DUAL_ORDER, Order, evaluate};
-pub use field::{Bare, Field};
+pub use deviation::{Deviation, Evaluation, Frame, MAX_DUAL_ORDER, Order, command_deviation, evaluate};
+pub use field::{Bare, Field, commanded_deviation, error_by_error};

@@ -1,1 +1,38 @@
-//! Text to what the file says, with places.
+//! Text to what the file says, with places. Nothing is judged here beyond form.
+//!
+//! [`load`] reads as the list of its passes: bytes to text, guard and index of places, YAML to a
+//! tree, `extends` merged, then section by section into the typed [`Document`].
+
+mod document;
+mod entry;
+mod extends;
+mod files;
+mod forms;
+mod index;
+mod places;
+mod read;
+mod scalar;
+mod table;
+mod term;
+mod tree;
+
+pub use document::{
+    AlgebraEntry, AxisEntry, Branches, ConventionsEntry, Document, Entries, GeneratorsEntry, IdentifyEntry, SetUpEntry,
+    ToolEntry, TravelEntry, VolumeAxis, WorkpieceEntry,
+};
+pub use files::{Files, ReadFailure};
+pub use read::read_text;
+pub use places::{Keys, Places, Spot, below, keys};
+pub use scalar::Scalar;
+pub use table::{Column, ColumnDirection, Table, read_table};
+pub use term::{CurveEntry, TermEntry};
+
+use crate::diagnostic::Diagnostics;
+use std::path::Path;
+
+/// Reads a machine file and what it extends. `None` only if there is nothing to go on with: a
+/// document with refused entries is returned without them, so that later stages find the rest.
+pub fn load(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Document> {
+    let layer = extends::layers(path, files, diagnostics)?;
+    Some(Document::from_layer(layer, diagnostics))
+}

@@ -4,4 +4,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod eval_exact;
+mod eval_order;
+mod golden_signs;
+mod language;
+mod linuxcnc_kinematics;
 mod oracle;
+mod paper_2015;
+mod published;

@@ -1,0 +1,68 @@
+//! Files on disk. What is not a regular file of tolerable size is refused before it is opened:
+//! opening a FIFO blocks, reading a device never ends.
+
+use crate::syntax::{Files, ReadFailure};
+use std::fs::{self, FileType};
+use std::io::{ErrorKind, Read};
+use std::path::Path;
+
+/// Largest file that is read, in bytes.
+pub const LIMIT: u64 = 16 * 1024 * 1024;
+
+/// The file system.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Disk;
+
+impl Files for Disk {
+    fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
+        let metadata = fs::metadata(path).map_err(|e| failure(&e))?;
+        if let Some(word) = irregular(metadata.file_type()) {
+            return Err(ReadFailure::NotAFile(word));
+        }
+        if metadata.len() > LIMIT {
+            return Err(ReadFailure::TooLarge(metadata.len(), LIMIT));
+        }
+        read_at_most(path)
+    }
+}
+
+/// The file may have grown since its size was asked for.
+fn read_at_most(path: &Path) -> Result<Vec<u8>, ReadFailure> {
+    let mut bytes = Vec::new();
+    let file = fs::File::open(path).map_err(|e| failure(&e))?;
+    file.take(LIMIT + 1).read_to_end(&mut bytes).map_err(|e| failure(&e))?;
+    if bytes.len() as u64 > LIMIT { Err(ReadFailure::TooLarge(bytes.len() as u64, LIMIT)) } else { Ok(bytes) }
+}
+
+fn failure(error: &std::io::Error) -> ReadFailure {
+    match error.kind() {
+        ErrorKind::NotFound => ReadFailure::NotFound,
+        ErrorKind::PermissionDenied => ReadFailure::Denied,
+        _ => ReadFailure::Other(error.to_string()),
+    }
+}
+
+/// The word for what is neither file nor link to one.
+fn irregular(kind: FileType) -> Option<&'static str> {
+    if kind.is_file() {
+        return None;
+    }
+    Some(if kind.is_dir() { "a directory" } else { special(kind) })
+}
+
+#[cfg(unix)]
+fn special(kind: FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt;
+    if kind.is_fifo() {
+        "a FIFO"
+    } else if kind.is_socket() {
+        "a socket"
+    } else {
+        "a device"
+    }
+}
+
+#[cfg(not(unix))]
+fn special(_: FileType) -> &'static str {
+    "not a regular file"
+}

@@ -1,0 +1,103 @@
+//! The command line: one file per verb. The only place that touches files, prints or exits.
+//!
+//! Exit codes: 0 done, 1 input refused, 2 usage, 3 our own fault.
+
+mod eval;
+pub mod files;
+mod load;
+mod poses;
+mod session;
+
+use clap::{Parser, Subcommand, ValueEnum};
+use session::Session;
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+/// A compiler from machine-tool configurations to volumetric compensation.
+#[derive(Debug, Parser)]
+#[command(name = "abbe", version, about, max_term_width = 100)]
+struct Cli {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+/// Options of every verb.
+#[derive(Debug, Clone, clap::Args)]
+struct Global {
+    /// What goes to standard output; json and csv are the only thing there.
+    #[arg(long, global = true, value_enum, default_value = "text")]
+    format: Format,
+    /// No warnings, no progress.
+    #[arg(long, global = true)]
+    quiet: bool,
+    /// Colour in diagnostics.
+    #[arg(long, global = true, value_enum, default_value = "auto")]
+    color: Color,
+    /// Refuse the input on any of these (only `warnings`).
+    #[arg(long, global = true, value_name = "WHAT", value_parser = ["warnings"])]
+    deny: Option<String>,
+}
+
+/// Form of the output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// For people.
+    Text,
+    /// For programs; see the contracts in docs/formats.md.
+    Json,
+    /// For spreadsheets.
+    Csv,
+}
+
+/// When to colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Color {
+    /// On a terminal.
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Deviation and E_VE at poses.
+    Eval(eval::Args),
+}
+
+/// Why a verb did not finish; everything there is to say has been said to the session.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stop {
+    /// The input is refused; the session holds the diagnostics.
+    Refused,
+    /// The command line makes no sense.
+    Usage,
+}
+
+type Outcome = Result<(), Stop>;
+
+/// Runs the program on its arguments.
+pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(message) => return usage(&message),
+    };
+    let mut session = Session::new(cli.global);
+    let outcome = dispatch(&mut session, cli.verb);
+    session.finish(outcome)
+}
+
+fn usage(message: &clap::Error) -> ExitCode {
+    // A closed pipe is no reason to change the exit code.
+    let _ = message.print();
+    ExitCode::from(if message.use_stderr() { 2 } else { 0 })
+}
+
+fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
+    match verb {
+        Verb::Eval(args) => eval::run(session, &args),
+    }
+}

@@ -1,0 +1,100 @@
+//! One run of the program: its options, what it found wrong, and its two output streams.
+
+use super::{Color, Format, Global, Outcome, Stop};
+use crate::diagnostic::{Diagnostic, Diagnostics, Rendering, render, summary};
+use std::io::{IsTerminal, Write};
+use std::process::ExitCode;
+
+/// The state of a run.
+pub(super) struct Session {
+    global: Global,
+    /// Everything found wrong so far.
+    pub diagnostics: Diagnostics,
+}
+
+impl Session {
+    pub(super) fn new(global: Global) -> Self {
+        Self { global, diagnostics: Diagnostics::default() }
+    }
+
+    pub(super) fn format(&self) -> Format {
+        self.global.format
+    }
+
+    /// Prints to standard output. A closed pipe ends the output, not the run.
+    pub(super) fn print(&self, text: &str) {
+        let mut out = std::io::stdout().lock();
+        let _ = out.write_all(text.as_bytes());
+        if !text.ends_with('\n') {
+            let _ = out.write_all(b"\n");
+        }
+        let _ = out.flush();
+    }
+
+    /// Says something to the person, on standard error, unless `--quiet`.
+    pub(super) fn say(&self, text: &str) {
+        if !self.global.quiet {
+            let _ = writeln!(std::io::stderr().lock(), "{text}");
+        }
+    }
+
+    /// Prints a JSON object with the warnings found so far in it.
+    pub(super) fn print_json(&self, mut value: serde_json::Value) {
+        let warnings: Vec<_> = self.diagnostics.iter().map(|d| self.warning(d)).collect();
+        if let (Some(object), false) = (value.as_object_mut(), warnings.is_empty()) {
+            let _ = object.insert("warnings".to_owned(), warnings.into());
+        }
+        self.print(&value.to_string());
+    }
+
+    fn warning(&self, diagnostic: &Diagnostic) -> serde_json::Value {
+        let sources = &self.diagnostics.sources;
+        let place = diagnostic.labels.first().map(|label| {
+            let (line, column) = sources.line_column(&label.place);
+            serde_json::json!({"file": sources.name(label.place.source), "line": line, "column": column})
+        });
+        serde_json::json!({"code": diagnostic.code, "message": diagnostic.message, "place": place})
+    }
+
+    /// Adds a refusal and stops.
+    pub(super) fn refuse<T>(&mut self, diagnostic: Diagnostic) -> Result<T, Stop> {
+        self.diagnostics.push(diagnostic);
+        Err(Stop::Refused)
+    }
+
+    /// A command line that parsed but makes no sense.
+    pub(super) fn usage<T>(&self, message: &str) -> Result<T, Stop> {
+        let _ = writeln!(std::io::stderr().lock(), "abbe: {message}\nTry `abbe --help`.");
+        Err(Stop::Usage)
+    }
+
+    /// Stops if anything so far refuses the input (or warns, with `--deny warnings`).
+    pub(super) fn checked(&mut self) -> Outcome {
+        if self.global.deny.is_some() && self.diagnostics.warnings() > 0 {
+            self.diagnostics.deny_warnings();
+        }
+        if self.diagnostics.refused() { Err(Stop::Refused) } else { Ok(()) }
+    }
+
+    /// Renders the diagnostics and gives the exit code.
+    pub(super) fn finish(self, outcome: Outcome) -> ExitCode {
+        let color = match self.global.color {
+            Color::Auto => std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none(),
+            Color::Always => true,
+            Color::Never => false,
+        };
+        let refused = outcome == Err(Stop::Refused);
+        if self.diagnostics.iter().next().is_some() && (refused || !self.global.quiet) {
+            let text = render(&self.diagnostics, Rendering { color });
+            let _ = std::io::stderr().lock().write_all(text.as_bytes());
+            if refused {
+                let _ = writeln!(std::io::stderr().lock(), "{}", summary(&self.diagnostics));
+            }
+        }
+        match outcome {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(Stop::Refused) => ExitCode::from(1),
+            Err(Stop::Usage) => ExitCode::from(2),
+        }
+    }
+}

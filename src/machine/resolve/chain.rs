@@ -1,0 +1,211 @@
+//! The chain: a walk `w C' A' Y' b X Z (S) t` or two lists of branches.
+
+use super::context::Context;
+use crate::diagnostic::{Diagnostic, Place, did_you_mean};
+use crate::machine::{AxisName, Branch, KinematicChain};
+use crate::syntax::{Keys, below, keys};
+
+/// An axis in the chain and where it stands there.
+struct Link {
+    name: AxisName,
+    branch: Branch,
+    place: Option<Place>,
+}
+
+/// What the file says of the chain; both lists from the bed outwards.
+#[derive(Default)]
+struct Links {
+    axes: Vec<Link>,
+    spindle: Option<(AxisName, Option<Place>)>,
+}
+
+/// A word of the chain and where it stands.
+struct Token {
+    text: String,
+    place: Option<Place>,
+}
+
+/// The chain of the machine; every name in it is an axis that the file declares.
+pub fn chain(context: &mut Context<'_>) -> Option<KinematicChain> {
+    let document = context.document;
+    let links = match (&document.chain, &document.branches) {
+        (Some(_), Some(_)) => {
+            let (chain, branches) = (keys(["chain"]), keys(["branches"]));
+            let refusal = Diagnostic::new("E0209", "`chain` and `branches` say the same twice");
+            let places = (document.places.key(&chain), document.places.key(&branches));
+            context.diagnostics.push(refusal.at(places.1, "").at(places.0, "also given here").help("keep one of them"));
+            return None;
+        }
+        (Some(text), None) => walk(context, text)?,
+        (None, Some(branches)) => from_lists(context, &branches.workpiece, &branches.tool)?,
+        (None, None) => {
+            if !document.places.is_marred(&keys(["chain"])) && !document.places.is_marred(&keys(["branches"])) {
+                let help = "add the walk from workpiece to tool, such as `chain: \"w C' A' Y' b X Z t\"`";
+                context.at_key("E0203", &Keys::new(), "the machine has no `chain`", help);
+            }
+            return None;
+        }
+    };
+    check(context, &links)?;
+    let branch = |side| links.axes.iter().filter(|l| l.branch == side).map(|l| l.name.clone()).collect::<Vec<_>>();
+    Some(KinematicChain::new(&branch(Branch::Workpiece), &branch(Branch::Tool), links.spindle.map(|s| s.0)))
+}
+
+/// Axes declared, none twice, at least one.
+fn check(context: &mut Context<'_>, links: &Links) -> Option<()> {
+    let before = context.diagnostics.iter().count();
+    let declared: Vec<&str> = context.document.axes.keys().map(String::as_str).collect();
+    for (i, link) in links.axes.iter().enumerate() {
+        if let Some(first) = links.axes[..i].iter().find(|l| l.name == link.name) {
+            twice(context, &link.name, &link.place, &first.place);
+        } else if !declared.contains(&link.name.as_str()) && !context.document.places.is_marred(&keys(["axes"])) {
+            let help = did_you_mean(link.name.as_str(), &declared);
+            let message = format!("axis `{}` of the chain is not declared under `axes`", link.name);
+            let help = format!("{help}, or declare it: `{}: {{ travel: [...] }}`", link.name);
+            context.diagnostics.push(Diagnostic::new("E0303", message).at(link.place.clone(), "").help(help));
+        }
+    }
+    if let Some((name, place)) = &links.spindle {
+        if let Some(axis) = links.axes.iter().find(|l| l.name == *name) {
+            twice(context, name, place, &axis.place);
+        } else if declared.contains(&name.as_str()) {
+            let declared = context.document.places.key(&keys(["axes", name.as_str()]));
+            twice(context, name, place, &declared);
+        }
+    }
+    if links.axes.is_empty() {
+        context.at_value("E0302", &keys(["chain"]), "the chain has no axis", "name at least one axis between w and t");
+    }
+    (context.diagnostics.iter().count() == before).then_some(())
+}
+
+fn twice(context: &mut Context<'_>, name: &AxisName, again: &Option<Place>, first: &Option<Place>) {
+    let refusal = Diagnostic::new("E0304", format!("axis `{name}` stands twice"))
+        .at(again.clone(), "again here")
+        .at(first.clone(), "first here")
+        .help("an axis stands in the chain once; a second one needs a name of its own, such as `Y2`");
+    context.diagnostics.push(refusal);
+}
+
+fn from_lists(context: &mut Context<'_>, workpiece: &[String], tool: &[String]) -> Option<Links> {
+    let before = context.diagnostics.iter().count();
+    let mut links = Links::default();
+    for (branch, key, list) in [(Branch::Workpiece, "workpiece", workpiece), (Branch::Tool, "tool", tool)] {
+        for (i, text) in list.iter().enumerate() {
+            let at = below(&keys(["branches", key]), i);
+            let token = Token { text: text.trim().to_owned(), place: context.document.places.value(&at) };
+            let last = branch == Branch::Tool && i + 1 == list.len();
+            link(context, &token, Some(branch), last, &mut links);
+        }
+    }
+    (context.diagnostics.iter().count() == before).then_some(links)
+}
+
+/// One axis or spindle. `side` is the branch it stands in, if that is settled.
+fn link(context: &mut Context<'_>, token: &Token, side: Option<Branch>, may_be_spindle: bool, links: &mut Links) {
+    let inner = token.text.strip_prefix('(').and_then(|t| t.strip_suffix(')'));
+    let bare = inner.unwrap_or(&token.text);
+    let unprimed = bare.trim_end_matches(['\'', '’', '′']);
+    let Some(name) = AxisName::new(unprimed) else {
+        return refuse_name(context, token);
+    };
+    if inner.is_some() {
+        if !may_be_spindle || links.spindle.is_some() || unprimed != bare {
+            let message = format!("the spindle `{}` is not the last before the tool", token.text);
+            let help = "write the spindle once, directly before `t`: `... Z (S) t`";
+            context.diagnostics.push(Diagnostic::new("E0301", message).at(token.place.clone(), "").help(help));
+            return;
+        }
+        links.spindle = Some((name, token.place.clone()));
+        return;
+    }
+    let primed = unprimed != bare;
+    let branch = side.unwrap_or(if primed { Branch::Workpiece } else { Branch::Tool });
+    if primed && branch == Branch::Tool {
+        let message = format!("primed axis `{}` stands on the tool side of the bed", token.text);
+        let help = format!("write `{name}`, or move it between `w` and `b`: a prime marks axes that carry the workpiece");
+        context.diagnostics.push(Diagnostic::new("E0305", message).at(token.place.clone(), "").help(help));
+        return;
+    }
+    links.axes.push(Link { name, branch, place: token.place.clone() });
+}
+
+fn refuse_name(context: &mut Context<'_>, token: &Token) {
+    let message = format!("`{}` is not the name of an axis", Context::shown(&token.text));
+    let help = "a name is a capital letter, then up to seven capitals or digits: X, C1, J6";
+    context.diagnostics.push(Diagnostic::new("E0301", message).at(token.place.clone(), "").help(help));
+}
+
+/// The string as ISO prints it.
+fn walk(context: &mut Context<'_>, text: &str) -> Option<Links> {
+    let before = context.diagnostics.iter().count();
+    let tokens = tokens(context, text);
+    let find = |word: &str| tokens.iter().position(|t| t.text == word);
+    let (w, b, t) = (find("w"), find("b"), find("t"));
+    for (found, word, what) in [(w, "w", "workpiece"), (b, "b", "bed"), (t, "t", "tool")] {
+        if found.is_none() {
+            let help = "a chain is a walk from workpiece to tool over the bed: `w C' A' Y' b X Z t`";
+            context.at_value("E0302", &keys(["chain"]), format!("the chain has no `{word}` ({what})"), help);
+        }
+    }
+    let (w, b, t) = (w?, b?, t?);
+    if w != 0 || t + 1 != tokens.len() || b < w || b > t {
+        let help = "start with `w`, end with `t`, with `b` in between: `w C' A' Y' b X Z t`";
+        context.at_value("E0302", &keys(["chain"]), "the chain does not run from `w` over `b` to `t`", help);
+        return None;
+    }
+    let mut links = Links::default();
+    for token in tokens[w + 1..b].iter().rev() {
+        left_of_bed(context, token, &mut links);
+    }
+    for (i, token) in tokens[b + 1..t].iter().enumerate() {
+        link(context, token, Some(Branch::Tool), b + 2 + i == t, &mut links);
+    }
+    (context.diagnostics.iter().count() == before).then_some(links)
+}
+
+fn left_of_bed(context: &mut Context<'_>, token: &Token, links: &mut Links) {
+    let primed = token.text.ends_with(['\'', '’', '′']);
+    if !primed && AxisName::new(&token.text).is_some() {
+        let message = format!("axis `{}` stands on the workpiece side of the bed without a prime", token.text);
+        let help = format!("write `{}'`, or move it between `b` and `t`", token.text);
+        context.diagnostics.push(Diagnostic::new("E0305", message).at(token.place.clone(), "").help(help));
+        return;
+    }
+    link(context, token, Some(Branch::Workpiece), false, links);
+}
+
+/// Words between spaces, dashes and the outer brackets; a letter before the bracket (V, H) says how
+/// the spindle stands and is not part of the walk.
+fn tokens(context: &Context<'_>, text: &str) -> Vec<Token> {
+    let body = match text.find('[') {
+        Some(open) if matches!(text[..open].trim(), "" | "V" | "H") => open + 1..text.rfind(']').unwrap_or(text.len()),
+        _ => 0..text.len(),
+    };
+    let at = keys(["chain"]);
+    let mut tokens = Vec::new();
+    let mut start = body.start;
+    let separates = |c: char| c.is_whitespace() || matches!(c, '-' | '–' | ',');
+    for piece in text[body].split_inclusive(separates) {
+        let word = piece.trim_end_matches(separates);
+        if !word.is_empty() {
+            let place = inside(context, &at, text, start, word.len());
+            tokens.push(Token { text: word.to_owned(), place });
+        }
+        start += piece.len();
+    }
+    tokens
+}
+
+/// The place of a piece of a text value, if the value stands in the file as it is.
+pub fn inside(context: &Context<'_>, at: &Keys, value: &str, start: usize, length: usize) -> Option<Place> {
+    let whole = context.document.places.value(at)?;
+    let written = context.diagnostics.sources.text(whole.source).get(whole.range.clone())?;
+    match written.find(value) {
+        Some(offset) => {
+            let start = whole.range.start + offset + start;
+            Some(Place { source: whole.source, range: start..start + length })
+        }
+        None => Some(whole),
+    }
+}

@@ -1,0 +1,52 @@
+//! What every pass of resolution works with: the document, the way to files, the diagnostics.
+
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::syntax::{Document, Files, Keys, Table, read_table};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+/// Shared by the passes.
+pub struct Context<'a> {
+    pub document: &'a Document,
+    pub diagnostics: &'a mut Diagnostics,
+    files: &'a dyn Files,
+    /// Tables are read once, however many errors they carry.
+    tables: BTreeMap<PathBuf, Option<Rc<Table>>>,
+}
+
+impl<'a> Context<'a> {
+    pub fn new(document: &'a Document, files: &'a dyn Files, diagnostics: &'a mut Diagnostics) -> Self {
+        Self { document, diagnostics, files, tables: BTreeMap::new() }
+    }
+
+    /// Reports at the value of an entry.
+    pub fn at_value(&mut self, code: &'static str, at: &Keys, message: impl Into<String>, help: impl Into<String>) {
+        let place = self.document.places.value(at);
+        self.diagnostics.push(Diagnostic::new(code, message).at(place, "").help(help));
+    }
+
+    /// Reports at the key of an entry.
+    pub fn at_key(&mut self, code: &'static str, at: &Keys, message: impl Into<String>, help: impl Into<String>) {
+        let place = self.document.places.key(at);
+        self.diagnostics.push(Diagnostic::new(code, message).at(place, "").help(help));
+    }
+
+    /// The table that an entry names.
+    pub fn table(&mut self, at: &Keys, written: &str) -> Option<Rc<Table>> {
+        let path = self.document.places.resolve_path(at, written);
+        if let Some(known) = self.tables.get(&path) {
+            return known.clone();
+        }
+        let named = self.document.places.value(at);
+        let table = read_table(&path, named, self.files, self.diagnostics).map(Rc::new);
+        self.tables.insert(path, table.clone());
+        table
+    }
+
+    /// Words in a message or a name: control characters do not reach the terminal.
+    pub fn shown(text: &str) -> String {
+        let clean: String = text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
+        if clean.chars().count() > 80 { clean.chars().take(80).chain(['…']).collect() } else { clean }
+    }
+}

@@ -1,0 +1,351 @@
+//! Every form of an error curve.
+
+use super::axes::Declared;
+use super::context::Context;
+use super::names::readings;
+use crate::diagnostic::{Diagnostic, Place, did_you_mean};
+use crate::machine::{AxisKind, ComponentError, Curve, ErrorId, Knots, KnotsFailure, Travel};
+use crate::syntax::{Column, ColumnDirection, CurveEntry, Keys, Scalar, Table, below};
+use crate::units::Dimension;
+use std::rc::Rc;
+
+/// Highest order of a harmonic, highest power of a polynomial.
+const ORDERS: usize = 720;
+const POWERS: usize = 20;
+/// A table may end this much (mm, deg) before the travel does: rounding in the file.
+const SLACK: f64 = 1e-9;
+
+/// A curve in the making: of which error, on which axis, with which sign.
+pub struct CurveOf<'a> {
+    pub error: &'a ErrorId,
+    pub axis: &'a Declared,
+    pub kind: AxisKind,
+    pub negated: bool,
+}
+
+impl CurveOf<'_> {
+    fn sign(&self) -> f64 {
+        if self.negated { -1.0 } else { 1.0 }
+    }
+
+    fn continuous(&self) -> bool {
+        self.axis.travel == Some(Travel::Continuous)
+    }
+}
+
+/// A component error from one entry; a table may give it both directions.
+pub fn component(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry, at: &Keys) -> Option<ComponentError> {
+    if let Some(path) = &entry.table {
+        let here = below(at, "table");
+        let table = context.table(&here, path)?;
+        let cubic = cubic(context, entry, at)?;
+        let named = context.document.places.value(&here);
+        return from_table(context, of, &table, cubic, named);
+    }
+    curve(context, of, entry, at).map(ComponentError::Single)
+}
+
+/// A curve of one direction.
+pub fn one_way(
+    context: &mut Context<'_>,
+    of: &CurveOf<'_>,
+    entry: &CurveEntry,
+    at: &Keys,
+    direction: ColumnDirection,
+) -> Option<Curve> {
+    let component = component(context, of, entry, at)?;
+    Some(match (component, direction) {
+        (ComponentError::Single(curve), _) => curve,
+        (ComponentError::Bidirectional { forward, .. }, ColumnDirection::Forward) => forward,
+        (ComponentError::Bidirectional { reverse, .. }, ColumnDirection::Reverse) => reverse,
+    })
+}
+
+/// Is the interpolation cubic?
+fn cubic(context: &mut Context<'_>, entry: &CurveEntry, at: &Keys) -> Option<bool> {
+    match entry.interpolation.as_deref() {
+        None | Some("linear") => Some(false),
+        Some("cubic") => Some(true),
+        Some(other) => {
+            let help = did_you_mean(other, &["linear", "cubic"]);
+            let message = format!("`{}` is not a choice for `interpolation`", Context::shown(other));
+            context.at_value("E0210", &below(at, "interpolation"), message, help);
+            None
+        }
+    }
+}
+
+fn curve(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry, at: &Keys) -> Option<Curve> {
+    if let Some(points) = &entry.points {
+        let cubic = cubic(context, entry, at);
+        return from_points(context, of, points, cubic?, &below(at, "points"));
+    }
+    if entry.interpolation.is_some() {
+        let help = "`interpolation` belongs to `table` or `points`";
+        context.at_key("E0209", &below(at, "interpolation"), "`interpolation` has nothing to interpolate here", help);
+    }
+    if let Some(coefficients) = &entry.polynomial {
+        return polynomial(context, of, coefficients, &below(at, "polynomial"));
+    }
+    if let Some(orders) = &entry.harmonics {
+        return harmonics(context, of, orders, &below(at, "harmonics"));
+    }
+    let here = if context.document.places.value(&below(at, "value")) == context.document.places.value(at) { at.clone() } else { below(at, "value") };
+    let value = context.error_value(entry.value.as_ref()?, of.error.direction, &here)? * of.sign();
+    Some(if of.continuous() { Curve::Harmonics(vec![(value, 0.0)]) } else { Curve::Polynomial(vec![value]) })
+}
+
+fn polynomial(context: &mut Context<'_>, of: &CurveOf<'_>, list: &[Scalar], at: &Keys) -> Option<Curve> {
+    if of.continuous() {
+        let help = "axis without ends: use `harmonics`, or a table over [0 deg, 360 deg]";
+        context.at_key("E0408", at, format!("a polynomial for `{}` is not periodic", of.error), help);
+        return None;
+    }
+    if list.is_empty() || list.len() > POWERS + 1 {
+        let message = format!("a polynomial of {} coefficients", list.len());
+        context.at_value("E0408", at, message, format!("write 1 to {} coefficients, by rising power", POWERS + 1));
+        return None;
+    }
+    let coefficients: Vec<Option<f64>> = list
+        .iter()
+        .enumerate()
+        .map(|(k, scalar)| context.coefficient(scalar, of.error.direction, of.kind, k as i8, &below(at, k)))
+        .collect();
+    let coefficients = coefficients.into_iter().map(|c| Some(c? * of.sign())).collect::<Option<_>>()?;
+    Some(Curve::Polynomial(coefficients))
+}
+
+fn harmonics(
+    context: &mut Context<'_>,
+    of: &CurveOf<'_>,
+    orders: &indexmap::IndexMap<String, Vec<Scalar>>,
+    at: &Keys,
+) -> Option<Curve> {
+    if of.kind == AxisKind::Linear {
+        let help = "use `points` or a table; harmonics are of one turn of a rotary axis";
+        context.at_key("E0408", at, format!("axis `{}` is linear: it has no harmonics", of.error.axis), help);
+        return None;
+    }
+    let mut list: Vec<(f64, f64)> = Vec::new();
+    let mut whole = true;
+    for (key, pair) in orders {
+        let here = below(at, key);
+        match harmonic(context, of, key, pair, &here) {
+            Some((order, pair)) => {
+                list.resize(list.len().max(order + 1), (0.0, 0.0));
+                list[order] = pair;
+            }
+            None => whole = false,
+        }
+    }
+    if list.is_empty() && whole {
+        context.at_value("E0408", at, "no harmonics are given", "write { 1: [2 urad, -1 urad] }: cosine and sine by order");
+        return None;
+    }
+    whole.then_some(Curve::Harmonics(list))
+}
+
+fn harmonic(context: &mut Context<'_>, of: &CurveOf<'_>, key: &str, pair: &[Scalar], at: &Keys) -> Option<(usize, (f64, f64))> {
+    let order = key.parse::<usize>().ok().filter(|order| *order <= ORDERS);
+    let (Some(order), [cosine, sine]) = (order, pair) else {
+        let message = format!("`{}` is not a harmonic", Context::shown(key));
+        context.at_key("E0408", at, message, format!("write ORDER: [cosine, sine], orders 0 to {ORDERS}"));
+        return None;
+    };
+    let cosine = context.error_value(cosine, of.error.direction, &below(at, 0));
+    let sine = context.error_value(sine, of.error.direction, &below(at, 1));
+    let (cosine, sine) = (cosine? * of.sign(), sine? * of.sign());
+    if order == 0 && sine != 0.0 {
+        context.at_value("E0408", &below(at, 1), "the sine of order 0 is not zero", "order 0 is the constant: [1 urad, 0 urad]");
+        return None;
+    }
+    Some((order, (cosine, sine)))
+}
+
+fn from_points(context: &mut Context<'_>, of: &CurveOf<'_>, points: &[Vec<Scalar>], cubic: bool, at: &Keys) -> Option<Curve> {
+    let mut pairs = Vec::new();
+    for (i, point) in points.iter().enumerate() {
+        let here = below(at, i);
+        let [position, value] = &point[..] else {
+            context.at_value("E0410", &here, "a point has a position and a value", "write [250 mm, 1.2 um]");
+            continue;
+        };
+        let position = context.position(position, of.kind, &below(&here, 0));
+        let value = context.error_value(value, of.error.direction, &below(&here, 1));
+        pairs.extend(position.zip(value));
+    }
+    if pairs.len() < points.len() {
+        return None;
+    }
+    let places: Vec<Option<Place>> = (0..points.len()).map(|i| context.document.places.value(&below(at, i))).collect();
+    knots(context, of, pairs, cubic, context.document.places.value(at), &|i| places.get(i).cloned().flatten())
+}
+
+/// Columns of the error in a table, both directions if they are apart.
+pub fn from_table(
+    context: &mut Context<'_>,
+    of: &CurveOf<'_>,
+    table: &Rc<Table>,
+    cubic: bool,
+    named: Option<Place>,
+) -> Option<ComponentError> {
+    let positions = positions(context, of, table, &named)?;
+    let column = |direction| table.columns[1..].iter().find(|c| c.direction == direction && carries(c, of));
+    let forward = column(Some(ColumnDirection::Forward));
+    let reverse = column(Some(ColumnDirection::Reverse));
+    let mut curve = |column| from_column(context, of, table, &positions, column, cubic);
+    match (column(None), forward, reverse) {
+        (Some(both), None, None) => curve(both).map(ComponentError::Single),
+        (None, Some(forward), Some(reverse)) => {
+            let (forward, reverse) = (curve(forward), curve(reverse));
+            Some(ComponentError::Bidirectional { forward: forward?, reverse: reverse? })
+        }
+        (None, None, None) => {
+            missing(context, of, table, named);
+            None
+        }
+        (Some(both), Some(other), _) | (Some(both), _, Some(other)) => {
+            let refusal = Diagnostic::new("E0407", format!("the table gives `{}` with and without direction", of.error));
+            let refusal = refusal.at(Some(other.place.clone()), "").at(Some(both.place.clone()), "also given here");
+            context.diagnostics.push(refusal.help("keep either the one column or the pair `+` and `-`"));
+            None
+        }
+        (None, Some(one), None) | (None, None, Some(one)) => {
+            let refusal = Diagnostic::new("E0114", format!("`{}` is measured in one direction only", of.error));
+            let help = "add the other direction's column, or drop the sign if the value holds for both";
+            context.diagnostics.push(refusal.at(Some(one.place.clone()), "").help(help));
+            None
+        }
+    }
+}
+
+fn carries(column: &Column, of: &CurveOf<'_>) -> bool {
+    readings(&column.name).iter().any(|r| r.error == *of.error)
+}
+
+fn missing(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: Option<Place>) {
+    let header = table.columns.first().map(|c| c.place.clone());
+    let names: Vec<&str> = table.columns[1..].iter().map(|c| c.name.as_str()).collect();
+    let help = did_you_mean(&of.error.to_string(), &names);
+    let refusal = Diagnostic::new("E0114", format!("the table has no column `{}`", of.error));
+    let header = header.filter(|h| named.as_ref().is_none_or(|n| n.source != h.source));
+    context.diagnostics.push(refusal.at(named, "named here").at(header, "the table's header").help(help));
+}
+
+/// The first column, in mm or deg.
+fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: &Option<Place>) -> Option<Vec<f64>> {
+    let first = table.columns.first()?;
+    if first.name != of.error.axis.as_str() {
+        let message = format!("the table's first column is `{}`, not the axis `{}`", Context::shown(&first.name), of.error.axis);
+        let help = format!("`{}` is a function of the position of `{}`", of.error, of.error.axis);
+        let refusal = Diagnostic::new("E0114", message).at(Some(first.place.clone()), "").at(named.clone(), "named here");
+        context.diagnostics.push(refusal.help(help));
+        return None;
+    }
+    let (wanted, unit) = match of.kind {
+        AxisKind::Linear => (Dimension::LENGTH, "mm"),
+        AxisKind::Rotary => (Dimension::ANGLE, "deg"),
+    };
+    let (written, factor, dimension) = &first.unit;
+    if *dimension != wanted {
+        let message = format!("the positions of axis `{}` are in `{}`", of.error.axis, Context::shown(written));
+        let refusal = Diagnostic::new("E0205", message).at(Some(first.place.clone()), "");
+        context.diagnostics.push(refusal.help(format!("they must be in {unit}")));
+        return None;
+    }
+    let degrees = matches!(written.as_str(), "deg" | "°");
+    let scale = |v: &f64| if degrees { *v } else if of.kind == AxisKind::Rotary { (v * factor).to_degrees() } else { v * factor };
+    Some(first.values.iter().map(scale).collect())
+}
+
+fn from_column(
+    context: &mut Context<'_>,
+    of: &CurveOf<'_>,
+    table: &Table,
+    positions: &[f64],
+    column: &Column,
+    cubic: bool,
+) -> Option<Curve> {
+    let (written, factor, dimension) = &column.unit;
+    let rotation = of.error.direction.is_rotation();
+    let fits = if rotation { [Dimension::ANGLE, Dimension::RATIO].contains(dimension) } else { *dimension == Dimension::LENGTH };
+    if !fits {
+        let wanted = if rotation { "an angle" } else { "a length" };
+        let message = format!("`{}` is in `{}`, but {wanted} belongs here", of.error, Context::shown(written));
+        let help = if rotation { "write [urad] or [arcsec]" } else { "write [um] or [mm]" };
+        context.diagnostics.push(Diagnostic::new("E0205", message).at(Some(column.place.clone()), "").help(help));
+        return None;
+    }
+    let negated = readings(&column.name).iter().any(|r| r.error == *of.error && r.negated) != of.negated;
+    let sign = if negated { -1.0 } else { 1.0 };
+    let pairs = positions.iter().zip(&column.values).map(|(p, v)| (*p, v * factor * sign)).collect();
+    knots(context, of, pairs, cubic, Some(column.place.clone()), &|i| table.rows.get(i).cloned())
+}
+
+/// Points to a curve that covers the travel.
+fn knots(
+    context: &mut Context<'_>,
+    of: &CurveOf<'_>,
+    pairs: Vec<(f64, f64)>,
+    cubic: bool,
+    place: Option<Place>,
+    row: &dyn Fn(usize) -> Option<Place>,
+) -> Option<Curve> {
+    let period = of.continuous().then_some(360.0);
+    match Knots::new(&pairs, period) {
+        Ok(knots) => {
+            covers(context, of, &knots, place)?;
+            Some(if cubic { Curve::cubic(knots) } else { Curve::Linear(knots) })
+        }
+        Err(failure) => {
+            let (message, at, help) = explain(&failure, of, &pairs, row);
+            context.diagnostics.push(Diagnostic::new("E0410", message).at(at.or(place), "").help(help));
+            None
+        }
+    }
+}
+
+fn explain(
+    failure: &KnotsFailure,
+    of: &CurveOf<'_>,
+    pairs: &[(f64, f64)],
+    row: &dyn Fn(usize) -> Option<Place>,
+) -> (String, Option<Place>, &'static str) {
+    let ends = pairs.first().zip(pairs.last());
+    let (first, last) = ends.map_or(((0.0, 0.0), (0.0, 0.0)), |(a, b)| (*a, *b));
+    let name = of.error;
+    match failure {
+        KnotsFailure::Empty => (format!("`{name}` has no points"), None, "write at least one [position, value]"),
+        KnotsFailure::NotIncreasing(i) => {
+            (format!("the positions of `{name}` do not rise here"), row(*i), "sort the points by position, each position once")
+        }
+        KnotsFailure::NotOnePeriod => (
+            format!("`{name}` goes from {} to {} deg, which is not one turn", first.0, last.0),
+            row(pairs.len().saturating_sub(1)),
+            "an axis without ends needs its curve from 0 to 360 deg",
+        ),
+        KnotsFailure::EndsDiffer => (
+            format!("`{name}` does not close: its values at {} and {} deg differ", first.0, last.0),
+            row(pairs.len().saturating_sub(1)),
+            "0 and 360 deg are the same position: write the same value at both",
+        ),
+        KnotsFailure::NotFinite(i) => (format!("a point of `{name}` is not finite"), row(*i), "write finite numbers"),
+    }
+}
+
+fn covers(context: &mut Context<'_>, of: &CurveOf<'_>, knots: &Knots, place: Option<Place>) -> Option<()> {
+    let Some(Travel::Range(min, max)) = of.axis.travel else { return Some(()) };
+    let (first, last) = (knots.positions().first()?, knots.positions().last()?);
+    if *first <= min + SLACK && *last >= max - SLACK {
+        return Some(());
+    }
+    let unit = if of.kind == AxisKind::Linear { "mm" } else { "deg" };
+    let message = format!(
+        "`{}` is given from {first} to {last} {unit}, but axis `{}` travels from {min} to {max} {unit}",
+        of.error, of.error.axis
+    );
+    let travel = context.document.places.value(&vec!["axes".to_owned(), of.error.axis.to_string(), "travel".to_owned()]);
+    let refusal = Diagnostic::new("E0409", message).at(place, "").at(travel, "the travel");
+    context.diagnostics.push(refusal.help("measure the rest or shorten the travel; nothing is extrapolated"));
+    None
+}

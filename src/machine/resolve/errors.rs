@@ -1,0 +1,287 @@
+//! Error terms: names, their axes, one place each, plausible size.
+
+use super::axes::Declared;
+use super::context::Context;
+use super::curves::{CurveOf, component, from_table, one_way};
+use super::names::{Spelling, readings};
+use crate::diagnostic::{Diagnostic, Place, did_you_mean};
+use crate::machine::{AxisKind, AxisName, ComponentError, Direction, ErrorId, ErrorTerm, JointErrors, KinematicChain};
+use crate::syntax::{ColumnDirection, CurveEntry, Keys, TermEntry, below, keys};
+use std::collections::BTreeMap;
+
+/// Errors above these are mistakes of unit (mm, rad).
+const LARGEST_TRANSLATION: f64 = 10.0;
+const LARGEST_ROTATION: f64 = 0.1;
+
+/// The errors by joint, and where each one stands.
+#[derive(Default)]
+pub struct Errors {
+    pub joints: BTreeMap<AxisName, JointErrors>,
+    pub places: BTreeMap<ErrorId, Option<Place>>,
+}
+
+impl Errors {
+    fn put(&mut self, error: &ErrorId, term: Option<ErrorTerm>) {
+        let joint = self.joints.entry(error.axis.clone()).or_default();
+        joint.six_mut(error.location)[error.direction.index()] = term;
+    }
+}
+
+/// All error terms of the file and its tables.
+pub fn errors(context: &mut Context<'_>, declared: &[Declared], spindle: Option<&AxisName>) -> Errors {
+    let document = context.document;
+    let mut errors = Errors::default();
+    for (name, entry) in &document.errors {
+        let at = keys(["errors", name]);
+        let place = document.places.key(&at);
+        let Some(spelling) = named(context, name, declared, spindle, place.clone()) else { continue };
+        if !once(context, &mut errors, &spelling.error, place) {
+            continue;
+        }
+        if let Some(entry) = entry {
+            let term = term(context, &spelling, entry, declared, &at);
+            errors.put(&spelling.error, term);
+        }
+    }
+    for (i, path) in document.measured.iter().enumerate() {
+        measured(context, &mut errors, &below(&keys(["measured"]), i), path, declared, spindle);
+    }
+    errors
+}
+
+/// The error that a name means, if its axis (or spindle) is there.
+fn named(
+    context: &mut Context<'_>,
+    name: &str,
+    declared: &[Declared],
+    spindle: Option<&AxisName>,
+    place: Option<Place>,
+) -> Option<Spelling> {
+    let readings = readings(name);
+    let known = |axis: &AxisName| declared.iter().any(|d| d.name == *axis) || spindle == Some(axis);
+    if let Some(reading) = readings.iter().find(|r| known(&r.error.axis)) {
+        return Some(reading.clone());
+    }
+    let axes: Vec<&str> = declared.iter().map(|d| d.name.as_str()).chain(spindle.map(AxisName::as_str)).collect();
+    let refusal = match readings.first() {
+        Some(reading) => {
+            let axis = &reading.error.axis;
+            let help = format!("{}, or declare the axis", did_you_mean(axis.as_str(), &axes));
+            Diagnostic::new("E0406", format!("`{}` is an error of axis `{axis}`, which is not declared", Context::shown(name))).help(help)
+        }
+        None => {
+            let help = "E, direction (X Y Z A B C), axis: `EXX`; location errors with a zero: `EC0Y`";
+            Diagnostic::new("E0405", format!("`{}` is not the name of an error", Context::shown(name))).help(help)
+        }
+    };
+    context.diagnostics.push(refusal.at(place, ""));
+    None
+}
+
+/// Has the error not been given elsewhere?
+fn once(context: &mut Context<'_>, errors: &mut Errors, error: &ErrorId, place: Option<Place>) -> bool {
+    if let Some(first) = errors.places.get(error) {
+        let refusal = Diagnostic::new("E0407", format!("`{error}` is given twice"))
+            .at(place, "again here")
+            .at(first.clone(), "first here")
+            .help("keep one of them");
+        context.diagnostics.push(refusal);
+        return false;
+    }
+    errors.places.insert(error.clone(), place);
+    true
+}
+
+/// Forms that exclude each other, as (key, is it there).
+fn forms(entry: &TermEntry) -> Vec<&'static str> {
+    let curve = curve_forms(&entry.curve());
+    let ways = [("forward", entry.forward.is_some() || entry.reverse.is_some()), ("tolerance", entry.tolerance.is_some())];
+    curve.into_iter().chain(ways.into_iter().filter(|f| f.1).map(|f| f.0)).collect()
+}
+
+fn curve_forms(entry: &CurveEntry) -> Vec<&'static str> {
+    let all = [
+        ("value", entry.value.is_some()),
+        ("table", entry.table.is_some()),
+        ("points", entry.points.is_some()),
+        ("polynomial", entry.polynomial.is_some()),
+        ("harmonics", entry.harmonics.is_some()),
+    ];
+    all.into_iter().filter(|f| f.1).map(|f| f.0).collect()
+}
+
+/// Exactly one form.
+fn one_form(context: &mut Context<'_>, forms: &[&str], at: &Keys) -> bool {
+    match forms {
+        [_] => true,
+        [] => {
+            if !context.document.places.is_marred(at) {
+                let help = "write a value such as `12 um`, or one of table, points, polynomial, harmonics, tolerance";
+                context.at_key("E0203", at, format!("`{}` says nothing", at.join(".")), help);
+            }
+            false
+        }
+        [first, second, ..] => {
+            let message = format!("`{first}` and `{second}` of `{}` exclude each other", at.join("."));
+            context.at_key("E0209", &below(at, second), message, "keep one of them");
+            false
+        }
+    }
+}
+
+fn term(
+    context: &mut Context<'_>,
+    spelling: &Spelling,
+    entry: &TermEntry,
+    declared: &[Declared],
+    at: &Keys,
+) -> Option<ErrorTerm> {
+    let forms = forms(entry);
+    if !one_form(context, &forms, at) {
+        return None;
+    }
+    let error = &spelling.error;
+    if let Some(scalar) = &entry.tolerance {
+        let here = below(at, "tolerance");
+        let value = context.error_value(scalar, error.direction, &here)?;
+        if value < 0.0 {
+            context.at_value("E0411", &here, "a negative tolerance", "a tolerance is a bound: `20 urad` means ±20 urad");
+            return None;
+        }
+        return context.plausible(value, error.direction, &here).then_some(ErrorTerm::Tolerance(value));
+    }
+    if error.location {
+        return constant(context, spelling, entry, &forms, at);
+    }
+    let axis = declared.iter().find(|d| d.name == error.axis);
+    let Some(axis) = axis else {
+        let help = "a spindle does not move here; it has location errors such as `EA0S`";
+        context.at_key("E0408", at, format!("`{error}` is a component error of the spindle"), help);
+        return None;
+    };
+    // What is wrong with the axis has been said there.
+    let of = CurveOf { error, axis, kind: axis.kind?, negated: spelling.negated };
+    let component = if forms == ["forward"] { both_ways(context, &of, entry, at) } else { component(context, &of, &entry.curve(), at) };
+    let component = component?;
+    plausible_curve(context, &of, &component, at).then_some(ErrorTerm::Component(component))
+}
+
+fn constant(context: &mut Context<'_>, spelling: &Spelling, entry: &TermEntry, forms: &[&str], at: &Keys) -> Option<ErrorTerm> {
+    let error = &spelling.error;
+    let Some(scalar) = entry.value.as_ref().filter(|_| entry.interpolation.is_none()) else {
+        let form = if entry.interpolation.is_some() { "interpolation" } else { forms.first().copied().unwrap_or("") };
+        let help = format!("write one value: `{error}: 12 urad`; what varies with the position is a component error");
+        context.at_key("E0408", &below(at, form), format!("`{error}` is a location error, a constant"), help);
+        return None;
+    };
+    let value = context.error_value(scalar, error.direction, at)?;
+    let sign = if spelling.negated { -1.0 } else { 1.0 };
+    context.plausible(value, error.direction, at).then_some(ErrorTerm::Constant(sign * value))
+}
+
+fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at: &Keys) -> Option<ComponentError> {
+    let mut way = |key: &str, curve: &Option<CurveEntry>, direction| {
+        let here = below(at, key);
+        match curve {
+            Some(curve) => one_form(context, &curve_forms(curve), &here)
+                .then(|| one_way(context, of, curve, &here, direction))
+                .flatten(),
+            None => {
+                if !context.document.places.is_marred(&here) {
+                    let help = "give both directions, or one curve without direction";
+                    context.at_key("E0203", at, format!("`{}` has no `{key}`", at.join(".")), help);
+                }
+                None
+            }
+        }
+    };
+    let forward = way("forward", &entry.forward, ColumnDirection::Forward);
+    let reverse = way("reverse", &entry.reverse, ColumnDirection::Reverse);
+    Some(ComponentError::Bidirectional { forward: forward?, reverse: reverse? })
+}
+
+/// Every error column of a table.
+fn measured(
+    context: &mut Context<'_>,
+    errors: &mut Errors,
+    at: &Keys,
+    path: &str,
+    declared: &[Declared],
+    spindle: Option<&AxisName>,
+) {
+    let Some(table) = context.table(at, path) else { return };
+    if table.columns.len() < 2 {
+        let refusal = Diagnostic::new("E0114", "the table has no column of errors").at(table.columns.first().map(|c| c.place.clone()), "");
+        context.diagnostics.push(refusal.help("add columns such as `EXX [um]`"));
+    }
+    for column in &table.columns[1..] {
+        let place = Some(column.place.clone());
+        let Some(spelling) = named(context, &column.name, declared, spindle, place.clone()) else { continue };
+        let error = &spelling.error;
+        // The reverse column belongs to the forward one, unless it stands alone.
+        let pair = |c: &&crate::syntax::Column| c.name == column.name && c.direction == Some(ColumnDirection::Forward);
+        if column.direction == Some(ColumnDirection::Reverse) && table.columns[1..].iter().any(|c| pair(&c)) {
+            continue;
+        }
+        if !once(context, errors, error, place) {
+            continue;
+        }
+        let axis = declared.iter().find(|d| d.name == error.axis);
+        let Some((axis, false)) = axis.map(|a| (a, error.location)) else {
+            let help = "a table holds component errors; write location errors under `errors`";
+            let refusal = Diagnostic::new("E0408", format!("`{error}` does not vary with the position"));
+            context.diagnostics.push(refusal.at(Some(column.place.clone()), "").help(help));
+            continue;
+        };
+        let Some(kind) = axis.kind else { continue };
+        let of = CurveOf { error, axis, kind, negated: spelling.negated };
+        let named = context.document.places.value(at);
+        let component = from_table(context, &of, &table, false, named);
+        let component = component.filter(|c| plausible_curve(context, &of, c, at));
+        errors.put(error, component.map(ErrorTerm::Component));
+    }
+}
+
+fn plausible_curve(context: &mut Context<'_>, of: &CurveOf<'_>, component: &ComponentError, at: &Keys) -> bool {
+    let peak = component.curves().map(|curve| peak(of, curve)).fold(0.0, f64::max);
+    context.plausible(peak, of.error.direction, at)
+}
+
+/// Largest size of a curve over the travel.
+fn peak(of: &CurveOf<'_>, curve: &crate::machine::Curve) -> f64 {
+    let (min, max) = of.axis.travel.map_or((0.0, 360.0), crate::machine::Travel::interval);
+    let at = (0..=256).map(|i| curve.value(min + (max - min) * f64::from(i) / 256.0));
+    let knots = curve.knots().map(|k| k.values().to_vec()).unwrap_or_default();
+    // NaN and infinity (overflow of a polynomial) count as implausible.
+    let size = |v: f64| if v.is_finite() { v.abs() } else { f64::INFINITY };
+    at.chain(knots).map(size).fold(0.0, f64::max)
+}
+
+impl Context<'_> {
+    /// Refuses what can only be a mistake of unit.
+    pub fn plausible(&mut self, value: f64, direction: Direction, at: &Keys) -> bool {
+        let (limit, shown) = if direction.is_rotation() {
+            (LARGEST_ROTATION, format!("{} mrad", crate::units::significant(value * 1e3, 4)))
+        } else {
+            (LARGEST_TRANSLATION, format!("{} mm", crate::units::significant(value, 4)))
+        };
+        if value.abs() <= limit {
+            return true;
+        }
+        let limit = if direction.is_rotation() { "100 mrad" } else { "10 mm" };
+        let message = format!("`{}` reaches {shown}, which no machine has", at.join("."));
+        self.at_value("E0412", at, message, format!("check the unit; the limit of plausibility is {limit}"));
+        false
+    }
+}
+
+/// Errors in the order of the walk, then the spindle's; those of other axes are dropped.
+pub fn in_order(mut errors: Errors, chain: &KinematicChain) -> Vec<JointErrors> {
+    let names: Vec<AxisName> = chain.walk().into_iter().map(|(n, _)| n).chain(chain.spindle()).cloned().collect();
+    names.iter().map(|name| errors.joints.remove(name).unwrap_or_default()).collect()
+}
+
+/// The unit word of an axis kind.
+pub fn unit(kind: AxisKind) -> &'static str {
+    if kind == AxisKind::Linear { "mm" } else { "deg" }
+}

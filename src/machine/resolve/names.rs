@@ -1,0 +1,65 @@
+//! Names of errors in all their spellings, and names that people give.
+
+use crate::machine::{AxisName, Direction, ErrorId};
+
+/// An error as spelt: `Sxz` is `EB0Z` with the opposite sign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spelling {
+    pub error: ErrorId,
+    /// Values under this spelling have the opposite sign.
+    pub negated: bool,
+}
+
+/// The error that a name means: `EXX`, `EC0Y` and other usual spellings (`E_{C0Y}`, `C0Y`, `COY`,
+/// `dyx`, `eyx`, `Sxy`). A letter O in the place of the zero is read as the zero.
+///
+/// `Sxz` names `EB0Z`, of which it has the opposite sign: this function gives the name only.
+pub fn parse_error_name(text: &str) -> Option<ErrorId> {
+    let mut readings = readings(text);
+    (!readings.is_empty()).then(|| readings.swap_remove(0).error)
+}
+
+/// All that a name may mean, the likeliest first.
+pub fn readings(text: &str) -> Vec<Spelling> {
+    let plain = text.trim().replace(['_', '{', '}', '$'], "").replace("(0X)", "0");
+    let letter_o = location(&plain, 'O').or_else(|| plain.strip_prefix('E').and_then(|rest| location(rest, 'O')));
+    let zero = plain.strip_prefix('E').and_then(|rest| location(rest, '0')).or_else(|| location(&plain, '0'));
+    let component = plain.strip_prefix('E').and_then(component);
+    let same = |error| Spelling { error, negated: false };
+    [zero, letter_o, component].into_iter().flatten().map(same).chain(lower_case(&plain)).collect()
+}
+
+/// `C0Y`: direction, zero, axis.
+fn location(text: &str, zero: char) -> Option<ErrorId> {
+    let mut chars = text.chars();
+    let direction = Direction::from_letter(chars.next()?)?;
+    if chars.next()? != zero {
+        return None;
+    }
+    Some(ErrorId { axis: AxisName::new(chars.as_str())?, location: true, direction })
+}
+
+/// `XX` after the E: direction, axis.
+fn component(text: &str) -> Option<ErrorId> {
+    let mut chars = text.chars();
+    let direction = Direction::from_letter(chars.next()?)?;
+    Some(ErrorId { axis: AxisName::new(chars.as_str())?, location: false, direction })
+}
+
+/// The papers' letters: `dyx` translation in y of axis X, `eyx` rotation about y, `Sxy` squareness.
+fn lower_case(text: &str) -> Option<Spelling> {
+    let chars: Vec<char> = text.chars().collect();
+    let [kind, first, second] = chars[..] else { return None };
+    let place = |c: char| "xyz".find(c);
+    let (a, b) = (place(first)?, place(second)?);
+    let axis = AxisName::new(&second.to_ascii_uppercase().to_string())?;
+    match (kind, a, b) {
+        ('d', ..) => Some((false, Direction::ALL[a], false)),
+        ('e', ..) => Some((false, Direction::ALL[3 + a], false)),
+        ('S', 0, 1) => Some((true, Direction::C, false)),
+        ('S', 0, 2) => Some((true, Direction::B, true)),
+        ('S', 1, 2) => Some((true, Direction::A, false)),
+        _ => None,
+    }
+    .map(|(location, direction, negated)| Spelling { error: ErrorId { axis, location, direction }, negated })
+}

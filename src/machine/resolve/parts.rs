@@ -1,0 +1,170 @@
+//! Names, tools, workpiece, set-up, provenance.
+
+use super::context::Context;
+use crate::diagnostic::{Diagnostic, did_you_mean};
+use crate::machine::{Direction, Provenance, SetUp, Tool};
+use crate::syntax::{Keys, Scalar, ToolEntry, below, keys};
+
+/// Longest name of a machine, in characters.
+const NAME: usize = 120;
+/// Longest entry of `provenance`, in characters.
+const NOTE: usize = 500;
+
+/// The language's version; a file without it is taken for the only version there is.
+pub fn version(context: &mut Context<'_>) {
+    let at = keys(["abbe"]);
+    match &context.document.abbe {
+        Some(Scalar::Number(n)) if *n == 1.0 => {}
+        Some(other) => {
+            let message = format!("this is version `{}` of the machine language", Context::shown(&other.to_string()));
+            context.at_value("E0211", &at, message, "this program knows version 1: `abbe: 1`");
+        }
+        None if context.document.places.is_marred(&at) => {}
+        None => context.at_key("W0201", &at, "the file does not say which version of the language it is in", "put `abbe: 1` at the top"),
+    }
+}
+
+/// The machine's name.
+pub fn name(context: &mut Context<'_>) -> Option<String> {
+    let document = context.document;
+    let at = keys(["machine"]);
+    match &document.machine {
+        Some(name) => single_line(context, name, NAME, &at).then(|| name.clone()),
+        None => {
+            if !document.places.is_marred(&at) {
+                context.at_key("E0203", &Keys::new(), "the machine has no name", "add `machine: Trunnion five-axis centre`");
+            }
+            None
+        }
+    }
+}
+
+/// Text that reaches titles, file headers and controllers' comments.
+fn single_line(context: &mut Context<'_>, text: &str, limit: usize, at: &Keys) -> bool {
+    let bad = |c: char| c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let what = at.join(".");
+    let (message, help) = if text.trim().is_empty() {
+        (format!("`{what}` is empty"), "give it a name")
+    } else if text.contains(bad) {
+        (format!("`{what}` has a line break or control character in it"), "keep it on one line of plain text")
+    } else if text.chars().count() > limit {
+        (format!("`{what}` has {} characters; the limit is {limit}", text.chars().count()), "shorten it")
+    } else {
+        return true;
+    };
+    context.at_value("E0212", at, message, help);
+    false
+}
+
+/// At least one tool.
+pub fn tools(context: &mut Context<'_>) -> Option<Vec<Tool>> {
+    let document = context.document;
+    if document.tool.is_some() && !document.tools.is_empty() {
+        let places = &document.places;
+        let refusal = Diagnostic::new("E0209", "`tool` and `tools` exclude each other")
+            .at(places.key(&keys(["tools"])), "")
+            .at(places.key(&keys(["tool"])), "also given here")
+            .help("move the tool into `tools` and give it a name");
+        context.diagnostics.push(refusal);
+        return None;
+    }
+    if document.tools.is_empty() {
+        let entry = document.tool.clone().unwrap_or_default();
+        return Some(vec![tool(context, String::new(), &entry, &keys(["tool"]))?]);
+    }
+    let named = document.tools.iter().map(|(name, entry)| {
+        let at = keys(["tools", name]);
+        let tame = tame(context, name, &at);
+        let tool = tool(context, name.clone(), entry.as_ref()?, &at)?;
+        tame.then_some(tool)
+    });
+    named.collect::<Vec<_>>().into_iter().collect()
+}
+
+/// Tool names reach command lines and file names.
+fn tame(context: &mut Context<'_>, name: &str, at: &Keys) -> bool {
+    let tame = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
+    let fits = name.starts_with(|c: char| c.is_ascii_alphanumeric()) && name.chars().all(tame) && name.len() <= 32;
+    let fits = fits && !name.contains("..");
+    if !fits {
+        let help = "letters, digits, `_`, `-` and single dots, 32 at most, a letter or digit first";
+        context.at_key("E0212", at, format!("`{}` is not the name of a tool", Context::shown(name)), help);
+    }
+    fits
+}
+
+fn tool(context: &mut Context<'_>, name: String, entry: &ToolEntry, at: &Keys) -> Option<Tool> {
+    let gauge = match &entry.gauge {
+        Some(list) => context.vector(list, &below(at, "gauge")),
+        None => Some([0.0; 3]),
+    };
+    let offset = match (&entry.length, &entry.offset) {
+        (Some(_), Some(_)) => {
+            let help = "keep one: `length` goes down from the gauge point along Z, `offset` is [x, y, z] from it";
+            context.at_key("E0209", &below(at, "offset"), "`length` and `offset` of a tool exclude each other", help);
+            None
+        }
+        (Some(length), None) => length_below(context, length, &below(at, "length")).map(|l| [0.0, 0.0, -l]),
+        (None, Some(list)) => context.vector(list, &below(at, "offset")),
+        (None, None) => Some([0.0; 3]),
+    };
+    let (gauge, offset) = (gauge?, offset?);
+    Some(Tool { name, gauge, tip: std::array::from_fn(|i| gauge[i] + offset[i]) })
+}
+
+fn length_below(context: &mut Context<'_>, scalar: &Scalar, at: &Keys) -> Option<f64> {
+    let length = context.length(scalar, at)?;
+    if length < 0.0 {
+        context.at_value("E0213", at, format!("a tool length of {length} mm"), "the length is counted from the gauge point towards the tip");
+        return None;
+    }
+    Some(length)
+}
+
+/// The workpiece origin.
+pub fn workpiece(context: &mut Context<'_>) -> Option<[f64; 3]> {
+    match context.document.workpiece.as_ref().and_then(|w| w.origin.as_ref()) {
+        Some(list) => context.vector(list, &keys(["workpiece", "origin"])),
+        None => Some([0.0; 3]),
+    }
+}
+
+/// Errors of clamping.
+pub fn setup(context: &mut Context<'_>) -> SetUp {
+    let mut setup = SetUp::default();
+    let Some(entry) = &context.document.setup else { return setup };
+    for (part, values) in [("tool", &entry.tool), ("workpiece", &entry.workpiece)] {
+        let letters: &[&str] = if part == "tool" { &["X", "Y", "Z"] } else { &["X", "Y", "Z", "A", "B", "C"] };
+        for (letter, scalar) in values {
+            let at = keys(["setup", part, letter]);
+            let Some(i) = letters.iter().position(|l| l == letter) else {
+                let message = format!("unknown key `{}` in `setup.{part}`", Context::shown(letter));
+                context.at_key("E0201", &at, message, did_you_mean(letter, letters));
+                continue;
+            };
+            let direction = Direction::ALL[i];
+            let Some(value) = context.error_value(scalar, direction, &at) else { continue };
+            context.plausible(value, direction, &at);
+            if part == "tool" { setup.tool[i] = value } else { setup.workpiece[i] = value }
+        }
+    }
+    setup
+}
+
+/// Where the numbers come from, also beside single error terms.
+pub fn provenance(context: &mut Context<'_>) -> Provenance {
+    let document = context.document;
+    for (name, term) in &document.errors {
+        for (key, value) in term.iter().filter_map(|t| t.provenance.as_ref()).flatten() {
+            single_line(context, &value.to_string(), NOTE, &keys(["errors", name, "provenance", key]));
+        }
+    }
+    let mut entries = Vec::new();
+    for (key, value) in &document.provenance {
+        let at = keys(["provenance", key]);
+        if single_line(context, &value.to_string(), NOTE, &at) && single_line(context, key, NAME, &at) {
+            entries.push((key.clone(), value.to_string()));
+        }
+    }
+    Provenance { entries }
+}

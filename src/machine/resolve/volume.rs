@@ -1,0 +1,103 @@
+//! Where maps and tables are computed: intervals and steps.
+
+use super::axes::Declared;
+use super::context::Context;
+use super::errors::unit;
+use crate::diagnostic::{Diagnostic, did_you_mean};
+use crate::machine::{Axis, AxisKind, Grid, Travel};
+use crate::syntax::{Keys, Scalar, VolumeAxis, below, keys};
+use crate::units::{self, Dimension};
+
+/// Default steps (mm, deg).
+const LINEAR_STEP: f64 = 25.0;
+const ROTARY_STEP: f64 = 15.0;
+/// Most nodes on one axis.
+const NODES: f64 = 1e6;
+
+/// Steps for all axes that have none of their own.
+struct Steps {
+    linear: f64,
+    rotary: f64,
+}
+
+/// A grid for every axis, in their order.
+pub fn volume(context: &mut Context<'_>, axes: &[Axis], declared: &[Declared]) -> Option<Vec<Grid>> {
+    let document = context.document;
+    let steps = global(context);
+    let names: Vec<&str> = declared.iter().map(|d| d.name.as_str()).chain(["step"]).collect();
+    for name in document.volume.keys().filter(|n| !names.contains(&n.as_str())) {
+        let help = did_you_mean(name, &names);
+        let message = format!("`volume` names the axis `{}`, which is not declared", Context::shown(name));
+        context.at_key("E0214", &keys(["volume", name]), message, help);
+    }
+    let grids: Vec<Option<Grid>> = axes.iter().map(|axis| grid(context, axis, &steps)).collect();
+    grids.into_iter().collect()
+}
+
+/// `step: 25 mm` is for the linear axes, `step: 15 deg` for the rotary ones.
+fn global(context: &mut Context<'_>) -> Steps {
+    let mut steps = Steps { linear: LINEAR_STEP, rotary: ROTARY_STEP };
+    if let Some(VolumeAxis::Step(scalar)) = context.document.volume.get("step") {
+        let at = keys(["volume", "step"]);
+        let angle = matches!(scalar, Scalar::Text(text) if units::quantity(text).is_ok_and(|q| q.dimension == Dimension::ANGLE));
+        let kind = if angle { AxisKind::Rotary } else { AxisKind::Linear };
+        let step = step(context, scalar, kind, &at);
+        let slot = if angle { &mut steps.rotary } else { &mut steps.linear };
+        *slot = step.unwrap_or(*slot);
+    }
+    steps
+}
+
+fn step(context: &mut Context<'_>, scalar: &Scalar, kind: AxisKind, at: &Keys) -> Option<f64> {
+    let step = context.position(scalar, kind, at)?;
+    if step <= 0.0 {
+        context.at_value("E0214", at, format!("a step of {step} {}", unit(kind)), "a step is above zero");
+        return None;
+    }
+    Some(step)
+}
+
+fn grid(context: &mut Context<'_>, axis: &Axis, steps: &Steps) -> Option<Grid> {
+    let document = context.document;
+    let at = keys(["volume", axis.name.as_str()]);
+    let (range, own) = match document.volume.get(axis.name.as_str()) {
+        Some(VolumeAxis::Axis { range, step }) => (range.as_ref(), step.as_ref()),
+        _ => (None, None),
+    };
+    let short = document.places.value(&below(&at, "range")) == document.places.value(&at);
+    let range_at = if short { at.clone() } else { below(&at, "range") };
+    let interval = match range {
+        Some(list) => context.interval(list, axis.kind, &range_at).and_then(|i| within(context, axis, i, &range_at)),
+        None => Some(axis.travel.interval()),
+    };
+    let default = if axis.kind == AxisKind::Linear { steps.linear } else { steps.rotary };
+    let step = match own {
+        Some(scalar) => step(context, scalar, axis.kind, &below(&at, "step")),
+        None => Some(default),
+    };
+    let ((min, max), step) = (interval?, step?);
+    if (max - min) / step > NODES {
+        let message = format!("a step of {step} {} makes more than a million nodes", unit(axis.kind));
+        context.at_value("E0214", &at, message, "take a larger step");
+        return None;
+    }
+    Some(Grid { min, max, step })
+}
+
+/// Beyond the travel no error is known.
+fn within(context: &mut Context<'_>, axis: &Axis, interval: (f64, f64), at: &Keys) -> Option<(f64, f64)> {
+    if axis.travel.contains(interval.0) && axis.travel.contains(interval.1) {
+        return Some(interval);
+    }
+    let Travel::Range(min, max) = axis.travel else { return Some(interval) };
+    let message = format!("the volume of axis `{}` goes beyond its travel from {min} to {max} {}", axis.name, axis.unit());
+    let places = &document_places(context);
+    let travel = places.value(&keys(["axes", axis.name.as_str(), "travel"]));
+    let refusal = Diagnostic::new("E0214", message).at(places.value(at), "").at(travel, "the travel");
+    context.diagnostics.push(refusal.help("keep the volume within the travel"));
+    None
+}
+
+fn document_places<'a>(context: &Context<'a>) -> &'a crate::syntax::Places {
+    &context.document.places
+}

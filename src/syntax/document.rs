@@ -1,0 +1,360 @@
+//! What a machine file says, section by section, before anything is judged.
+
+use super::entry::entry;
+use super::extends::Layer;
+use super::forms::{Forms, forms};
+use super::places::{Keys, Places, below, keys};
+use super::scalar::Scalar;
+use super::term::TermEntry;
+use crate::diagnostic::{Diagnostic, Diagnostics, did_you_mean};
+use indexmap::IndexMap;
+use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{DeserializeOwned, Deserializer, MapAccess};
+use serde_yaml::{Mapping, Value};
+
+/// Named entries in the order of the file; `None` where the entry as a whole was refused.
+pub type Entries<T> = IndexMap<String, Option<T>>;
+
+/// A machine file with what it extends, merged. Entries that did not fit are reported and absent.
+#[derive(Debug, Clone, Default)]
+pub struct Document {
+    /// Version of the language.
+    pub abbe: Option<Scalar>,
+    /// The machine's name.
+    pub machine: Option<String>,
+    /// The walk from workpiece to tool.
+    pub chain: Option<String>,
+    /// The same as two lists from the bed outwards.
+    pub branches: Option<Branches>,
+    /// Axes by name.
+    pub axes: Entries<AxisEntry>,
+    /// The only tool.
+    pub tool: Option<ToolEntry>,
+    /// Tools by name.
+    pub tools: Entries<ToolEntry>,
+    /// The workpiece.
+    pub workpiece: Option<WorkpieceEntry>,
+    /// Conventions that differ from the defaults.
+    pub conventions: Option<ConventionsEntry>,
+    /// Error terms by name as written.
+    pub errors: Entries<TermEntry>,
+    /// Tables of which every error column counts.
+    pub measured: Vec<String>,
+    /// Where maps and tables are computed.
+    pub volume: IndexMap<String, VolumeAxis>,
+    /// Where the numbers come from.
+    pub provenance: IndexMap<String, Scalar>,
+    /// Errors of clamping.
+    pub setup: Option<SetUpEntry>,
+    /// The algebra that symbolic stages work in.
+    pub algebra: Option<AlgebraEntry>,
+    /// What `identify` fits.
+    pub identify: Option<IdentifyEntry>,
+    /// Where it all stands.
+    pub places: Places,
+}
+
+/// The chain as two lists from the bed outwards.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Branches {
+    /// Axes that carry the workpiece.
+    pub workpiece: Vec<String>,
+    /// Axes that carry the tool; a name in parentheses at the end is the spindle.
+    pub tool: Vec<String>,
+}
+
+/// An axis.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisEntry {
+    /// `linear` or `rotary`; follows from the letter.
+    pub kind: Option<String>,
+    /// Of positive motion; follows from the letter.
+    pub direction: Option<Vec<Scalar>>,
+    /// A point of the axis (mm).
+    pub origin: Option<Vec<Scalar>>,
+    /// How far it goes.
+    pub travel: Option<TravelEntry>,
+    /// `iso841` or `direct`.
+    pub sense: Option<String>,
+}
+
+/// `[min, max]` or `continuous`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TravelEntry {
+    /// A word: `continuous`.
+    Word(String),
+    /// From, to.
+    Range(Vec<Scalar>),
+}
+
+/// A tool: `gauge` and either `length` or `offset`.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ToolEntry {
+    /// Gauge point in machine coordinates at the zero pose.
+    pub gauge: Option<Vec<Scalar>>,
+    /// The tip is this far from it, against the tool axis (0, 0, 1).
+    pub length: Option<Scalar>,
+    /// Or the tip's coordinates relative to it.
+    pub offset: Option<Vec<Scalar>>,
+}
+
+/// The workpiece.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorkpieceEntry {
+    /// Its origin in machine coordinates at the zero pose.
+    pub origin: Option<Vec<Scalar>>,
+}
+
+/// Conventions: the name of a preset, single choices, or both.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ConventionsEntry {
+    /// Name of a preset.
+    pub preset: Option<String>,
+    /// How location errors act.
+    pub location: Option<String>,
+    /// Component errors of linear axes.
+    pub linear: Option<String>,
+    /// Component errors of rotary axes.
+    pub rotary: Option<String>,
+    /// Sense of workpiece-side axes.
+    pub workpiece_axes: Option<String>,
+    /// Whose errors those of workpiece-side axes are.
+    pub errors_are: Option<String>,
+    /// Order of location errors.
+    pub location_order: Option<String>,
+    /// Shape of error matrices.
+    pub joints: Option<String>,
+}
+
+/// An entry of `volume`: the global step, an interval, or both for one axis.
+#[derive(Debug, Clone, PartialEq)]
+pub enum VolumeAxis {
+    /// Under the key `step`.
+    Step(Scalar),
+    /// Interval and step of an axis.
+    Axis {
+        /// From, to.
+        range: Option<Vec<Scalar>>,
+        /// Largest distance of two nodes.
+        step: Option<Scalar>,
+    },
+}
+
+/// Errors of clamping by direction.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SetUpEntry {
+    /// Of the tip: X, Y, Z.
+    pub tool: IndexMap<String, Scalar>,
+    /// Of the workpiece: X, Y, Z, A, B, C.
+    pub workpiece: IndexMap<String, Scalar>,
+}
+
+/// The algebra of symbolic stages.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AlgebraEntry {
+    /// Highest total degree that is kept.
+    pub degree: Option<u8>,
+    /// One generator for what.
+    pub generators: Option<GeneratorsEntry>,
+    /// Monomials set to zero, such as `EXX*EYX` or `EXX^2`.
+    #[serde(default)]
+    pub vanish: Vec<String>,
+}
+
+/// What has a nilpotent generator of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub enum GeneratorsEntry {
+    /// `per-error`, `per-axis` or `single`.
+    Word(String),
+    /// Groups of error names by generator name.
+    Groups(IndexMap<String, Vec<String>>),
+}
+
+/// What `identify` fits.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct IdentifyEntry {
+    /// Error names and groups.
+    pub fit: Vec<String>,
+    /// Names that keep their value.
+    pub fixed: Vec<String>,
+    /// Basis by error name: `poly3`, `fourier2`, `spline8`.
+    pub basis: IndexMap<String, String>,
+}
+
+/// Top-level keys.
+pub const SECTIONS: [&str; 17] = [
+    "abbe", "machine", "chain", "branches", "axes", "tool", "tools", "workpiece", "conventions", "errors", "measured",
+    "volume", "extends", "provenance", "setup", "algebra", "identify",
+];
+
+/// Takes sections out of the merged tree.
+struct Reader<'a> {
+    map: Mapping,
+    places: Places,
+    diagnostics: &'a mut Diagnostics,
+}
+
+impl Reader<'_> {
+    /// A section as a whole.
+    fn section<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
+        let value = self.map.remove(key)?;
+        entry(value, &keys([key]), &mut self.places, self.diagnostics)
+    }
+
+    /// A section whose entries stand for themselves.
+    fn entries<T: DeserializeOwned>(&mut self, key: &str) -> Entries<T> {
+        let at = keys([key]);
+        match self.map.remove(key) {
+            Some(Value::Mapping(map)) => map.into_iter().map(|(name, value)| self.named(&at, name, value)).collect(),
+            Some(_) => {
+                self.places.mar(&at);
+                let refusal = Diagnostic::new("E0202", format!("`{key}` must be a mapping of names to entries"));
+                let help = format!("write `{key}:` and below it one indented `NAME: ...` a line");
+                self.diagnostics.push(refusal.at(self.places.value(&at), "").help(help));
+                Entries::new()
+            }
+            None => Entries::new(),
+        }
+    }
+
+    fn named<T: DeserializeOwned>(&mut self, at: &Keys, name: Value, value: Value) -> (String, Option<T>) {
+        let name = name.as_str().unwrap_or_default().to_owned();
+        let at = below(at, &name);
+        let entry = entry(value, &at, &mut self.places, self.diagnostics);
+        (name, entry)
+    }
+
+    fn unknown(&mut self) {
+        for key in self.map.keys().filter_map(Value::as_str) {
+            let refusal = Diagnostic::new("E0201", format!("unknown key `{}`", super::read::clean(key)));
+            let refusal = refusal.at(self.places.key(&keys([key])), "").help(did_you_mean(key, &SECTIONS));
+            self.diagnostics.push(refusal);
+        }
+    }
+}
+
+impl Document {
+    /// Types every section; what does not fit is reported and left out.
+    pub(super) fn from_layer(layer: Layer, diagnostics: &mut Diagnostics) -> Self {
+        let mut reader = Reader { map: layer.map, places: layer.places, diagnostics };
+        let document = Self {
+            abbe: reader.section("abbe"),
+            machine: reader.section("machine"),
+            chain: reader.section("chain"),
+            branches: reader.section("branches"),
+            axes: reader.entries("axes"),
+            tool: reader.section("tool"),
+            tools: reader.entries("tools"),
+            workpiece: reader.section("workpiece"),
+            conventions: reader.section::<PresetOr>("conventions").map(|c| c.0),
+            errors: reader.entries("errors"),
+            measured: reader.section("measured").unwrap_or_default(),
+            volume: reader.volume(),
+            provenance: reader.section("provenance").unwrap_or_default(),
+            setup: reader.section("setup"),
+            algebra: reader.section("algebra"),
+            identify: reader.section("identify"),
+            places: Places::default(),
+        };
+        reader.unknown();
+        Self { places: reader.places, ..document }
+    }
+}
+
+impl Reader<'_> {
+    fn volume(&mut self) -> IndexMap<String, VolumeAxis> {
+        let step = match self.map.get_mut("volume") {
+            Some(Value::Mapping(map)) => map.remove("step"),
+            _ => None,
+        };
+        let at = keys(["volume", "step"]);
+        let step: Option<Scalar> = step.and_then(|value| entry(value, &at, &mut self.places, self.diagnostics));
+        let axes = self.entries::<VolumeEntry>("volume");
+        let axes = axes.into_iter().filter_map(|(name, axis)| Some((name, axis?.0)));
+        axes.chain(step.map(|step| ("step".to_owned(), VolumeAxis::Step(step)))).collect()
+    }
+}
+
+/// `holub-2015` is short for `{ preset: holub-2015 }`.
+struct PresetOr(ConventionsEntry);
+
+/// `[0, 500]` is short for `{ range: [0, 500] }`.
+struct VolumeEntry(VolumeAxis);
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct VolumeFields {
+    range: Option<Vec<Scalar>>,
+    step: Option<Scalar>,
+}
+
+impl Forms for VolumeEntry {
+    const EXPECTING: &'static str = "[min, max], or a mapping such as { range: [0, 500], step: 10 mm }";
+
+    fn list(range: Vec<Scalar>) -> Option<Self> {
+        Some(Self(VolumeAxis::Axis { range: Some(range), step: None }))
+    }
+
+    fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        let VolumeFields { range, step } = VolumeFields::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Self(VolumeAxis::Axis { range, step }))
+    }
+}
+
+impl Forms for PresetOr {
+    const EXPECTING: &'static str = "the name of a preset, or a mapping such as { joints: linearised }";
+
+    fn scalar(preset: Scalar) -> Option<Self> {
+        Some(Self(ConventionsEntry { preset: Some(preset.to_string()), ..ConventionsEntry::default() }))
+    }
+
+    fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        ConventionsEntry::deserialize(MapAccessDeserializer::new(map)).map(Self)
+    }
+}
+
+impl Forms for TravelEntry {
+    const EXPECTING: &'static str = "[min, max] or continuous";
+
+    fn scalar(word: Scalar) -> Option<Self> {
+        if let Scalar::Text(word) = word { Some(Self::Word(word)) } else { None }
+    }
+
+    fn list(range: Vec<Scalar>) -> Option<Self> {
+        Some(Self::Range(range))
+    }
+}
+
+impl Forms for GeneratorsEntry {
+    const EXPECTING: &'static str = "per-error, per-axis, single, or a mapping of generators to lists of error names";
+
+    fn scalar(word: Scalar) -> Option<Self> {
+        if let Scalar::Text(word) = word { Some(Self::Word(word)) } else { None }
+    }
+
+    fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        IndexMap::deserialize(MapAccessDeserializer::new(map)).map(Self::Groups)
+    }
+}
+
+/// `Deserialize` by [`Forms`].
+macro_rules! deserialize_by_forms {
+    ($($entry:ty),*) => {$(
+        impl<'de> Deserialize<'de> for $entry {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                forms(deserializer)
+            }
+        }
+    )*};
+}
+
+deserialize_by_forms!(VolumeEntry, PresetOr, TravelEntry, GeneratorsEntry);

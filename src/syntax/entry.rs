@@ -1,0 +1,110 @@
+//! One entry of the tree to a typed struct. serde stops at the first thing that does not fit; here
+//! that part is reported, cut out, and the rest is tried again, so that all of it is found.
+
+use super::places::{Keys, Places};
+use super::read::clean;
+use crate::diagnostic::{Diagnostic, Diagnostics, did_you_mean};
+use serde::de::DeserializeOwned;
+use serde_path_to_error::Segment;
+use serde_yaml::Value;
+
+/// Most mistakes reported in one entry.
+const MISTAKES: usize = 50;
+
+/// Deserialises the entry at `at`; what does not fit is reported and left out.
+pub fn entry<T: DeserializeOwned>(
+    mut value: Value,
+    at: &Keys,
+    places: &mut Places,
+    diagnostics: &mut Diagnostics,
+) -> Option<T> {
+    for _ in 0..MISTAKES {
+        let failure = match serde_path_to_error::deserialize(value.clone()) {
+            Ok(entry) => return Some(entry),
+            Err(failure) => failure,
+        };
+        let mut path: Keys = failure.path().iter().filter_map(segment).collect();
+        let message = failure.inner().to_string();
+        if let Some(key) = unknown_field(&message) {
+            if path.last().map(String::as_str) != Some(key) {
+                path.push(key.to_owned());
+            }
+        }
+        let keys: Keys = at.iter().chain(&path).cloned().collect();
+        diagnostics.push(explain(&message, &keys, places));
+        places.mar(&keys);
+        if !cut(&mut value, &path) {
+            return None;
+        }
+    }
+    None
+}
+
+fn segment(segment: &Segment) -> Option<String> {
+    match segment {
+        Segment::Seq { index } => Some(index.to_string()),
+        Segment::Map { key } | Segment::Enum { variant: key } => Some(key.clone()),
+        Segment::Unknown => None,
+    }
+}
+
+/// The text between the first pair of backticks after the prefix.
+fn quoted_after<'a>(message: &'a str, prefix: &str) -> Option<&'a str> {
+    message.strip_prefix(prefix)?.strip_prefix('`')?.split('`').next()
+}
+
+fn unknown_field(message: &str) -> Option<&str> {
+    quoted_after(message, "unknown field ")
+}
+
+/// All that stands in backticks after the first pair.
+fn candidates(message: &str) -> Vec<&str> {
+    message.split('`').skip(1).step_by(2).skip(1).collect()
+}
+
+fn explain(message: &str, keys: &Keys, places: &Places) -> Diagnostic {
+    let name = keys.last().map_or("", String::as_str);
+    let owner = keys.len().checked_sub(2).map(|n| format!(" in `{}`", keys[..=n].join("."))).unwrap_or_default();
+    if unknown_field(message).is_some() {
+        let help = did_you_mean(name, &candidates(message));
+        return Diagnostic::new("E0201", format!("unknown key `{}`{owner}", clean(name))).at(places.key(keys), "").help(help);
+    }
+    if let Some(word) = quoted_after(message, "unknown variant ") {
+        let help = did_you_mean(word, &candidates(message));
+        return Diagnostic::new("E0210", format!("`{}` is not a choice for `{name}`", clean(word)))
+            .at(places.value(keys), "")
+            .help(help);
+    }
+    let (found, expected) = match message.split_once(", expected ") {
+        Some((found, expected)) => (found, expected),
+        None => (message, "something else"),
+    };
+    let found = found.trim_start_matches("invalid type: ").trim_start_matches("invalid value: ");
+    let found = found.replace("sequence", "a list").replace("map", "a mapping").replace("string", "the text");
+    Diagnostic::new("E0202", format!("`{}` does not have the right form", clean(&keys.join("."))))
+        .at(places.value(keys), format!("this is {}", clean(&found)))
+        .help(format!("write {}", expected.replace("a sequence", "a list").replace("a map", "a mapping")))
+}
+
+/// Cuts the part out; false if there is no such part.
+fn cut(value: &mut Value, path: &[String]) -> bool {
+    let Some((last, parents)) = path.split_last() else { return false };
+    let mut at = &mut *value;
+    for key in parents {
+        let next = match at {
+            Value::Mapping(map) => map.get_mut(key.as_str()),
+            Value::Sequence(list) => key.parse::<usize>().ok().and_then(|i| list.get_mut(i)),
+            _ => None,
+        };
+        match next {
+            Some(next) => at = next,
+            None => return false,
+        }
+    }
+    match at {
+        Value::Mapping(map) => map.remove(last.as_str()).is_some(),
+        // A list with a hole would be another list: the whole of it goes.
+        Value::Sequence(_) => cut(value, parents),
+        _ => false,
+    }
+}

@@ -1,0 +1,191 @@
+//! A file and the files it extends become one tree.
+//!
+//! Mappings merge key by key, so an axis merges by field. An error term and every list are replaced
+//! whole, `chain` and `branches` (and the other pairs that exclude each other) replace each other,
+//! and `null` removes.
+
+use super::files::Files;
+use super::index::index;
+use super::places::{Keys, Places, below, keys};
+use super::read::{clean, read_text};
+use super::tree;
+use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use serde_yaml::{Mapping, Value};
+use std::path::{Component, Path, PathBuf};
+
+/// Most files in a chain of `extends`, the first one included.
+const DEPTH: usize = 8;
+
+/// The merged tree and where its entries stand.
+pub struct Layer {
+    pub map: Mapping,
+    pub places: Places,
+}
+
+/// Reads the file and, below it, what it extends.
+pub fn layers(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Layer> {
+    layer(path, None, files, diagnostics, &mut Vec::new())
+}
+
+fn layer(
+    path: &Path,
+    named: Option<Place>,
+    files: &dyn Files,
+    diagnostics: &mut Diagnostics,
+    trail: &mut Vec<PathBuf>,
+) -> Option<Layer> {
+    let tidy = lexical(path);
+    if trail.contains(&tidy) || trail.len() >= DEPTH {
+        diagnostics.push(endless(path, trail, &tidy).at(named, ""));
+        return None;
+    }
+    trail.push(tidy);
+    let mut own = read_layer(path, named, files, diagnostics)?;
+    let here = keys(["extends"]);
+    let base = match own.map.remove("extends") {
+        None | Some(Value::Null) => return Some(without_nulls(own)),
+        Some(Value::String(base)) => own.places.resolve_path(&here, &base),
+        Some(_) => {
+            let message = "`extends` must be the path of one file";
+            diagnostics.push(Diagnostic::new("E0202", message).at(own.places.value(&here), "").help("extends: base.yaml"));
+            return None;
+        }
+    };
+    let base = layer(&base, own.places.value(&here), files, diagnostics, trail)?;
+    Some(merge(base, own))
+}
+
+fn endless(path: &Path, trail: &[PathBuf], tidy: &PathBuf) -> Diagnostic {
+    let file = clean(&path.display().to_string());
+    if trail.contains(tidy) {
+        Diagnostic::new("E0208", format!("`extends` runs in a circle: `{file}` extends itself in the end"))
+            .help("let one of the files stand alone")
+    } else {
+        Diagnostic::new("E0208", format!("`extends` goes on for more than {DEPTH} files")).help("merge some of the files")
+    }
+}
+
+/// `a/../b` is `b`: enough to see a circle, never used to open a file.
+fn lexical(path: &Path) -> PathBuf {
+    path.components().fold(PathBuf::new(), |mut tidy, component| {
+        let folder = tidy.file_name().is_some();
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir if folder => {
+                tidy.pop();
+            }
+            other => tidy.push(other),
+        }
+        tidy
+    })
+}
+
+/// One file's tree and places.
+fn read_layer(path: &Path, named: Option<Place>, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Layer> {
+    let (source, text) = read_text(path, named, files, diagnostics)?;
+    let mut places = Places::default();
+    places.add_file(source, path);
+    index(&text, source, &mut places, diagnostics)?;
+    let start = || Some(Place { source, range: 0..0 });
+    match tree::parse(&text) {
+        Ok(Value::Mapping(map)) => Some(Layer { map, places }),
+        Ok(_) => {
+            let help = "start with `abbe: 1`, then `machine:`, `chain:`, `axes:`; `abbe init` writes an example";
+            diagnostics.push(Diagnostic::new("E0109", "the file holds no machine").at(start(), "").help(help));
+            None
+        }
+        Err(failure) => {
+            let at = failure.location().map(|l| Place { source, range: l.index().min(text.len())..l.index().min(text.len()) });
+            let help = "the text is not YAML here; look for a missing quote, bracket or space after `:`";
+            let message = format!("not YAML: {}", clean(&failure.to_string()));
+            diagnostics.push(Diagnostic::new("E0105", message).at(at.or_else(start), "").help(help));
+            None
+        }
+    }
+}
+
+/// Entries that take each other's place, by where they stand.
+fn rivals(parents: &[String], key: &str) -> &'static [&'static str] {
+    let depth = parents.len();
+    let tool = parents.first().is_some_and(|p| p == "tool") && depth == 1
+        || parents.first().is_some_and(|p| p == "tools") && depth == 2;
+    match key {
+        "chain" if depth == 0 => &["branches"],
+        "branches" if depth == 0 => &["chain"],
+        "tool" if depth == 0 => &["tools"],
+        "tools" if depth == 0 => &["tool"],
+        "length" if tool => &["offset"],
+        "offset" if tool => &["length"],
+        _ => &[],
+    }
+}
+
+/// An error term and the branches are replaced whole.
+fn replaced_whole(keys: &[String]) -> bool {
+    keys.first().is_some_and(|k| k == "branches" || k == "errors" && keys.len() == 2)
+}
+
+fn merge(mut base: Layer, over: Layer) -> Layer {
+    base.places.adopt_files(&over.places);
+    for top in ["abbe", "machine"] {
+        // The document itself is where the derived file says so.
+        if over.map.contains_key(top) {
+            base.places.adopt(&keys([top]), &over.places);
+        }
+    }
+    merge_map(&mut base.map, over.map, &mut base.places, &over.places, &Vec::new());
+    base
+}
+
+fn merge_map(base: &mut Mapping, over: Mapping, places: &mut Places, over_places: &Places, parents: &Keys) {
+    let own: Vec<String> = over.keys().filter_map(|k| k.as_str().map(str::to_owned)).collect();
+    for (key, value) in over {
+        let Value::String(name) = &key else { continue };
+        let here = below(parents, name);
+        for rival in rivals(parents, name) {
+            // Both in one file contradict each other; that is for a later stage to say.
+            if !own.iter().any(|k| k == rival) && base.remove(*rival).is_some() {
+                places.remove(&below(parents, rival));
+            }
+        }
+        if let Some(old) = base.get_mut(name.as_str()) {
+            spell_out(old, &here);
+        }
+        match (base.get_mut(name.as_str()), value) {
+            (_, Value::Null) => {
+                base.remove(name.as_str());
+                places.remove(&here);
+            }
+            (Some(Value::Mapping(old)), Value::Mapping(new)) if !replaced_whole(&here) => {
+                merge_map(old, new, places, over_places, &here);
+            }
+            (_, value) => {
+                base.insert(key, without_null(value));
+                places.adopt(&here, over_places);
+            }
+        }
+    }
+}
+
+/// `conventions: NAME` is short for `conventions: { preset: NAME }`, which can be merged into.
+fn spell_out(old: &mut Value, here: &[String]) {
+    if let (Value::String(preset), true) = (&*old, here.len() == 1 && here[0] == "conventions") {
+        *old = Value::Mapping([(Value::from("preset"), Value::from(preset.clone()))].into_iter().collect());
+    }
+}
+
+fn without_nulls(mut layer: Layer) -> Layer {
+    layer.map = strip(layer.map);
+    layer
+}
+
+fn strip(map: Mapping) -> Mapping {
+    map.into_iter().filter(|(_, v)| !v.is_null()).map(|(k, v)| (k, without_null(v))).collect()
+}
+
+fn without_null(value: Value) -> Value {
+    match value {
+        Value::Mapping(map) => Value::Mapping(strip(map)),
+        other => other,
+    }
+}

@@ -1,0 +1,251 @@
+//! The first pass over a YAML text: guard against hostile input, duplicate keys, and where every
+//! entry stands. serde_yaml (libyaml inside) takes quadratic time on deep nesting and swallows
+//! duplicate keys, so nothing reaches it unguarded.
+
+use super::places::{Keys, Places, Spot};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId};
+use saphyr_parser::{Event, Parser, Span, StrInput, Tag};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// Deepest nesting.
+const DEPTH: usize = 64;
+/// Most entries, aliases counted as what they stand for.
+const NODES: usize = 500_000;
+/// Most aliases.
+const ALIASES: usize = 1_000;
+
+/// Fills `places`; `None` if the text must not be read any further.
+pub fn index(text: &str, source: SourceId, places: &mut Places, diagnostics: &mut Diagnostics) -> Option<()> {
+    let mut indexer = Indexer {
+        source,
+        offsets: text.char_indices().map(|(i, _)| i).chain([text.len()]).collect(),
+        places,
+        frames: Vec::new(),
+        keys: Vec::new(),
+        anchors: BTreeMap::new(),
+        nodes: 0,
+        aliases: 0,
+        documents: 0,
+        duplicates: Vec::new(),
+    };
+    let outcome = indexer.run(text);
+    let duplicates = std::mem::take(&mut indexer.duplicates);
+    duplicates.into_iter().for_each(|d| diagnostics.push(d));
+    outcome.map_err(|refusal| diagnostics.push(*refusal)).ok()
+}
+
+type Refused = Box<Diagnostic>;
+
+/// A mapping or list that is not finished.
+struct Frame {
+    start: usize,
+    /// Entries so far, with this one.
+    nodes: usize,
+    anchor: usize,
+    /// End of the last entry: block collections have no end of their own.
+    last: usize,
+    kind: Kind,
+}
+
+enum Kind {
+    /// Keys so far, and the key that waits for its value.
+    Map(BTreeMap<String, Place>, Option<(String, Place)>),
+    /// Members so far.
+    List(usize),
+}
+
+struct Indexer<'a> {
+    source: SourceId,
+    /// Character index -> byte index.
+    offsets: Vec<usize>,
+    places: &'a mut Places,
+    frames: Vec<Frame>,
+    keys: Keys,
+    anchors: BTreeMap<usize, usize>,
+    nodes: usize,
+    aliases: usize,
+    documents: usize,
+    duplicates: Vec<Diagnostic>,
+}
+
+impl Indexer<'_> {
+    fn run(&mut self, text: &str) -> Result<(), Refused> {
+        let mut parser = Parser::new(StrInput::new(text));
+        while let Some(next) = parser.next_event() {
+            let (event, span) = next.map_err(|failure| {
+                let at = self.byte(failure.marker().index());
+                let place = Place { source: self.source, range: at..at };
+                let help = "the text is not YAML here; look for a missing quote, bracket or space after `:`";
+                Box::new(Diagnostic::new("E0105", format!("not YAML: {}", failure.info())).at(Some(place), "").help(help))
+            })?;
+            self.event(event, self.range(span))?;
+        }
+        Ok(())
+    }
+
+    fn event(&mut self, event: Event<'_>, place: Place) -> Result<(), Refused> {
+        match event {
+            Event::DocumentStart(_) => {
+                self.documents += 1;
+                if self.documents > 1 {
+                    return Err(unsupported("a second document", place, "keep one machine in a file"));
+                }
+            }
+            Event::Scalar(text, _, anchor, tag) => {
+                tagless(tag, &place)?;
+                self.scalar(&text, anchor, place)?;
+            }
+            Event::SequenceStart(anchor, tag) => {
+                tagless(tag, &place)?;
+                self.open(anchor, Kind::List(0), place)?;
+            }
+            Event::MappingStart(anchor, tag) => {
+                tagless(tag, &place)?;
+                self.open(anchor, Kind::Map(BTreeMap::new(), None), place)?;
+            }
+            Event::SequenceEnd | Event::MappingEnd => self.close(place),
+            Event::Alias(anchor) => self.alias(anchor, place)?,
+            Event::StreamStart | Event::StreamEnd | Event::DocumentEnd | Event::Nothing => {}
+        }
+        Ok(())
+    }
+
+    fn byte(&self, character: usize) -> usize {
+        self.offsets.get(character).or(self.offsets.last()).copied().unwrap_or(0)
+    }
+
+    fn range(&self, span: Span) -> Place {
+        let range = self.byte(span.start.index())..self.byte(span.end.index());
+        Place { source: self.source, range }
+    }
+
+    /// Is the next node a key?
+    fn expects_key(&self) -> bool {
+        matches!(self.frames.last(), Some(Frame { kind: Kind::Map(_, None), .. }))
+    }
+
+    fn scalar(&mut self, text: &str, anchor: usize, place: Place) -> Result<(), Refused> {
+        self.count(1, &place)?;
+        if self.expects_key() {
+            return self.key(text, place);
+        }
+        if anchor != 0 {
+            self.anchors.insert(anchor, 1);
+        }
+        self.enter();
+        self.leave(place, 1);
+        Ok(())
+    }
+
+    fn key(&mut self, text: &str, place: Place) -> Result<(), Refused> {
+        if text == "<<" {
+            return Err(unsupported("a merge key `<<`", place, "write the entries out, or use `extends: base.yaml`"));
+        }
+        if let Some(Frame { kind: Kind::Map(seen, waiting), .. }) = self.frames.last_mut() {
+            if let Some(first) = seen.get(text) {
+                self.duplicates.push(duplicate(text, &place, first));
+            } else {
+                seen.insert(text.to_owned(), place.clone());
+            }
+            *waiting = Some((text.to_owned(), place));
+        }
+        Ok(())
+    }
+
+    /// Steps down to the entry that begins.
+    fn enter(&mut self) {
+        match self.frames.last().map(|f| &f.kind) {
+            Some(Kind::Map(_, Some((key, _)))) => self.keys.push(key.clone()),
+            Some(Kind::List(index)) => self.keys.push(index.to_string()),
+            _ => {}
+        }
+    }
+
+    /// Records the entry that ends and steps up.
+    fn leave(&mut self, place: Place, nodes: usize) {
+        let keys = self.keys.clone();
+        let mut key = None;
+        if let Some(frame) = self.frames.last_mut() {
+            frame.nodes += nodes;
+            frame.last = place.range.end;
+            match &mut frame.kind {
+                Kind::Map(_, waiting) => key = waiting.take().map(|(_, place)| place),
+                Kind::List(index) => *index += 1,
+            }
+            self.keys.pop();
+        }
+        self.places.insert(keys, Spot { key, value: place });
+    }
+
+    fn open(&mut self, anchor: usize, kind: Kind, place: Place) -> Result<(), Refused> {
+        self.count(1, &place)?;
+        if self.expects_key() {
+            return Err(unsupported("a list or mapping as a key", place, "keys are plain words"));
+        }
+        if self.frames.len() >= DEPTH {
+            return Err(limit(format!("nested deeper than {DEPTH} levels"), place));
+        }
+        self.enter();
+        self.frames.push(Frame { start: place.range.start, nodes: 1, anchor, last: place.range.end, kind });
+        Ok(())
+    }
+
+    fn close(&mut self, end: Place) {
+        let Some(frame) = self.frames.pop() else { return };
+        if frame.anchor != 0 {
+            self.anchors.insert(frame.anchor, frame.nodes);
+        }
+        let end = if end.range.is_empty() { frame.last } else { end.range.end };
+        let range = frame.start..end.max(frame.start);
+        self.leave(Place { source: self.source, range }, frame.nodes);
+    }
+
+    fn alias(&mut self, anchor: usize, place: Place) -> Result<(), Refused> {
+        if self.expects_key() {
+            return Err(unsupported("an alias as a key", place, "keys are plain words"));
+        }
+        self.aliases += 1;
+        if self.aliases > ALIASES {
+            return Err(limit(format!("more than {ALIASES} aliases"), place));
+        }
+        let Some(nodes) = self.anchors.get(&anchor).copied() else {
+            return Err(limit("an alias inside its own anchor".to_owned(), place));
+        };
+        self.count(nodes, &place)?;
+        self.enter();
+        self.leave(place, nodes);
+        Ok(())
+    }
+
+    fn count(&mut self, nodes: usize, place: &Place) -> Result<(), Refused> {
+        self.nodes = self.nodes.saturating_add(nodes);
+        if self.nodes > NODES {
+            return Err(limit(format!("more than {NODES} entries, aliases written out"), place.clone()));
+        }
+        Ok(())
+    }
+}
+
+fn tagless(tag: Option<Cow<'_, Tag>>, place: &Place) -> Result<(), Refused> {
+    match tag {
+        Some(_) => Err(unsupported("a YAML tag", place.clone(), "remove the `!...`; put text in quotes")),
+        None => Ok(()),
+    }
+}
+
+fn unsupported(what: &str, place: Place, help: &str) -> Refused {
+    Box::new(Diagnostic::new("E0108", format!("{what} is not part of the machine language")).at(Some(place), "").help(help))
+}
+
+fn limit(what: String, place: Place) -> Refused {
+    let help = "a machine file is small; put measured data into CSV tables";
+    Box::new(Diagnostic::new("E0106", format!("the file is beyond all measure: {what}")).at(Some(place), "").help(help))
+}
+
+fn duplicate(key: &str, again: &Place, first: &Place) -> Diagnostic {
+    Diagnostic::new("E0107", format!("the key `{key}` stands here twice"))
+        .at(Some(again.clone()), "again here")
+        .at(Some(first.clone()), "first here")
+        .help("keep one of them")
+}

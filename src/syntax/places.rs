@@ -1,0 +1,105 @@
+//! Places by path: `["axes", "X", "travel", "0"]` -> where its key and its value stand.
+
+use crate::diagnostic::{Place, SourceId};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// Keys and indices from the top of the document.
+pub type Keys = Vec<String>;
+
+/// Where an entry stands.
+#[derive(Debug, Clone)]
+pub struct Spot {
+    /// Its key; none for members of lists and the document itself.
+    pub key: Option<Place>,
+    /// Its value.
+    pub value: Place,
+}
+
+/// Where every entry of a document stands, whichever file it came from.
+#[derive(Debug, Clone, Default)]
+pub struct Places {
+    spots: BTreeMap<Keys, Spot>,
+    files: BTreeMap<SourceId, PathBuf>,
+    marred: BTreeSet<Keys>,
+}
+
+impl Places {
+    pub(super) fn add_file(&mut self, source: SourceId, path: &Path) {
+        self.files.insert(source, path.to_owned());
+    }
+
+    pub(super) fn insert(&mut self, keys: Keys, spot: Spot) {
+        self.spots.insert(keys, spot);
+    }
+
+    /// Remembers that part of an entry was refused, so that what is missing there is not asked for.
+    pub(super) fn mar(&mut self, keys: &[String]) {
+        self.marred.insert(keys.to_vec());
+    }
+
+    /// Was part of the entry (or the entry itself) refused?
+    pub fn is_marred(&self, keys: &[String]) -> bool {
+        let from = self.marred.range(keys.to_vec()..).next();
+        from.is_some_and(|k| k.starts_with(keys)) || (1..keys.len()).any(|n| self.marred.contains(&keys[..n]))
+    }
+
+    /// The entry, or else the nearest that contains it.
+    fn nearest(&self, keys: &[String]) -> Option<&Spot> {
+        (0..=keys.len()).rev().find_map(|n| self.spots.get(&keys[..n]))
+    }
+
+    /// Where the value stands.
+    pub fn value(&self, keys: &[String]) -> Option<Place> {
+        self.nearest(keys).map(|spot| spot.value.clone())
+    }
+
+    /// Where the key stands; the value if there is none.
+    pub fn key(&self, keys: &[String]) -> Option<Place> {
+        self.nearest(keys).map(|spot| spot.key.as_ref().unwrap_or(&spot.value).clone())
+    }
+
+    /// The file that a place is in.
+    pub fn file(&self, place: &Place) -> Option<&Path> {
+        self.files.get(&place.source).map(PathBuf::as_path)
+    }
+
+    /// A path written in the entry, relative to the file that names it.
+    pub fn resolve_path(&self, keys: &[String], written: &str) -> PathBuf {
+        let folder = self.value(keys).and_then(|place| self.file(&place)?.parent().map(Path::to_owned));
+        folder.unwrap_or_default().join(written)
+    }
+
+    /// Forgets an entry and all below it.
+    pub(super) fn remove(&mut self, keys: &[String]) {
+        let below: Vec<Keys> =
+            self.spots.range(keys.to_vec()..).map(|(k, _)| k).take_while(|k| k.starts_with(keys)).cloned().collect();
+        below.iter().for_each(|k| {
+            self.spots.remove(k);
+        });
+    }
+
+    /// Takes over an entry and all below it.
+    pub(super) fn adopt(&mut self, keys: &[String], other: &Self) {
+        self.remove(keys);
+        let below = other.spots.range(keys.to_vec()..).take_while(|(k, _)| k.starts_with(keys));
+        self.spots.extend(below.map(|(k, s)| (k.clone(), s.clone())));
+    }
+
+    /// Takes over the other document's files.
+    pub(super) fn adopt_files(&mut self, other: &Self) {
+        self.files.extend(other.files.iter().map(|(k, v)| (*k, v.clone())));
+    }
+}
+
+/// Keys from string slices.
+pub fn keys<const N: usize>(parts: [&str; N]) -> Keys {
+    parts.iter().map(|p| (*p).to_owned()).collect()
+}
+
+/// `keys` with one more.
+pub fn below(keys: &[String], key: impl ToString) -> Keys {
+    let mut keys = keys.to_vec();
+    keys.push(key.to_string());
+    keys
+}

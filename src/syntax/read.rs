@@ -1,0 +1,68 @@
+//! Bytes to text: refusals of the file itself.
+
+use super::files::{Files, ReadFailure};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId};
+use std::path::Path;
+
+/// Reads a file as UTF-8 text without its byte order mark and keeps it among the sources.
+/// `named` is where another file names it.
+pub fn read_text(
+    path: &Path,
+    named: Option<Place>,
+    files: &dyn Files,
+    diagnostics: &mut Diagnostics,
+) -> Option<(SourceId, String)> {
+    match files.read(path) {
+        Ok(bytes) => {
+            let text = decode(path, bytes, named, diagnostics)?;
+            Some((diagnostics.sources.add(path.display().to_string(), text.clone()), text))
+        }
+        Err(failure) => {
+            diagnostics.push(unreadable(path, &failure).at(named, ""));
+            None
+        }
+    }
+}
+
+fn unreadable(path: &Path, failure: &ReadFailure) -> Diagnostic {
+    let file = format!("`{}`", clean(&path.display().to_string()));
+    match failure {
+        ReadFailure::NotFound => Diagnostic::new("E0101", format!("there is no file {file}"))
+            .help("paths are relative to the file that names them"),
+        ReadFailure::Denied => {
+            Diagnostic::new("E0101", format!("{file} may not be read")).help("change its permissions")
+        }
+        ReadFailure::NotAFile(word) => {
+            Diagnostic::new("E0102", format!("{file} is {word}, not a file")).help("name a regular file")
+        }
+        ReadFailure::TooLarge(size, limit) => {
+            let mb = |bytes: &u64| bytes.div_ceil(1 << 20);
+            Diagnostic::new("E0103", format!("{file} has {} MB; the limit is {} MB", mb(size), mb(limit)))
+                .help("thin the table out: 100000 rows are the most that is read")
+        }
+        ReadFailure::Other(words) => Diagnostic::new("E0101", format!("{file} cannot be read: {}", clean(words)))
+            .help("check the path and the medium"),
+    }
+}
+
+/// Control characters never reach the terminal through a message.
+pub fn clean(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}
+
+fn decode(path: &Path, bytes: Vec<u8>, named: Option<Place>, diagnostics: &mut Diagnostics) -> Option<String> {
+    let utf16 = bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]);
+    match String::from_utf8(bytes) {
+        Ok(text) => Some(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text)),
+        Err(failure) => {
+            let at = failure.utf8_error().valid_up_to();
+            let line = failure.as_bytes()[..at].iter().filter(|b| **b == b'\n').count() + 1;
+            let found = if utf16 { "is UTF-16".to_owned() } else { format!("is not UTF-8 (line {line})") };
+            let message = format!("`{}` {found}", clean(&path.display().to_string()));
+            let encoding = if utf16 { "UTF-16" } else { "ISO-8859-1" };
+            let help = format!("save it as UTF-8, for example: iconv -f {encoding} -t UTF-8 old > new");
+            diagnostics.push(Diagnostic::new("E0104", message).at(named, "").help(help));
+            None
+        }
+    }
+}

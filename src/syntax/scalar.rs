@@ -1,0 +1,38 @@
+//! A single value as written: a bare number or text such as `12 um`.
+
+use super::forms::{Forms, forms};
+use serde::{Deserialize, Deserializer};
+use std::fmt;
+
+/// A number without, or a text with, a unit.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[serde(untagged)]
+pub enum Scalar {
+    /// A bare number; may be infinite or NaN.
+    Number(f64),
+    /// Anything else.
+    Text(String),
+}
+
+impl fmt::Display for Scalar {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "{number}"),
+            Self::Text(text) => f.write_str(text),
+        }
+    }
+}
+
+impl Forms for Scalar {
+    const EXPECTING: &'static str = "a number with its unit";
+
+    fn scalar(scalar: Scalar) -> Option<Self> {
+        Some(scalar)
+    }
+}
+
+impl<'de> Deserialize<'de> for Scalar {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        forms(deserializer)
+    }
+}

@@ -1,0 +1,263 @@
+//! CSV tables of measured errors: `X [mm], EXX [um], EYX [um]`, then one position a line.
+//!
+//! The first column is the axis, its positions rise. Comma, semicolon or tab separate; `#` starts a
+//! comment line; byte order mark, CRLF and blank lines are fine. Nothing else is.
+
+use super::files::Files;
+use super::read::{clean, read_text};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId};
+use crate::units::{self, Dimension, Failure};
+use std::ops::Range;
+use std::path::Path;
+
+/// Most rows.
+const ROWS: usize = 100_000;
+
+/// A table with at least one row, its first column strictly rising.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// The columns, the axis first; all of the same length.
+    pub columns: Vec<Column>,
+    /// Where each row stands.
+    pub rows: Vec<Place>,
+}
+
+/// A column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Its name without direction and unit.
+    pub name: String,
+    /// Measured forward or reverse only.
+    pub direction: Option<ColumnDirection>,
+    /// The unit as written, its factor to mm and rad, and its dimension.
+    pub unit: (String, f64, Dimension),
+    /// Where the header says so.
+    pub place: Place,
+    /// As written, not converted.
+    pub values: Vec<f64>,
+}
+
+/// `EXX+` or `EXX forward`, `EXX-` or `EXX reverse`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ColumnDirection {
+    /// Approached with rising position.
+    Forward,
+    /// Approached with falling position.
+    Reverse,
+}
+
+/// Reads a table; `named` is where a machine file names it.
+pub fn read_table(
+    path: &Path,
+    named: Option<Place>,
+    files: &dyn Files,
+    diagnostics: &mut Diagnostics,
+) -> Option<Table> {
+    let (source, text) = read_text(path, named, files, diagnostics)?;
+    let before = diagnostics.iter().count();
+    let table = TableReader { source, text: &text, diagnostics }.table();
+    if diagnostics.iter().count() > before { None } else { table }
+}
+
+struct TableReader<'a> {
+    source: SourceId,
+    text: &'a str,
+    diagnostics: &'a mut Diagnostics,
+}
+
+/// After so many mistakes in one table the rest is of the same kind.
+const MISTAKES: usize = 5;
+
+impl TableReader<'_> {
+    fn place(&self, range: Range<usize>) -> Option<Place> {
+        Some(Place { source: self.source, range })
+    }
+
+    fn refuse(&mut self, code: &'static str, message: impl Into<String>, at: Range<usize>, help: &str) {
+        let place = self.place(at);
+        self.diagnostics.push(Diagnostic::new(code, message).at(place, "").help(help));
+    }
+
+    fn table(mut self) -> Option<Table> {
+        let lines = lines(self.text);
+        let Some((header, body)) = lines.split_first() else {
+            let help = "start with a header such as `X [mm], EXX [um]`, then one position a line";
+            self.refuse("E0110", "the table is empty", 0..0, help);
+            return None;
+        };
+        let separator = separator(&self.text[header.clone()]);
+        let columns: Vec<Option<Column>> =
+            cells(self.text, header.clone(), separator).into_iter().map(|cell| self.column(cell)).collect();
+        if body.is_empty() {
+            self.refuse("E0113", "the table has no rows", header.clone(), "add one position a line below the header");
+        }
+        if body.len() > ROWS {
+            let help = "thin it out, or split the measurement";
+            self.refuse("E0103", format!("the table has {} rows; the limit is {ROWS}", body.len()), body[ROWS].clone(), help);
+            return None;
+        }
+        let mut columns: Vec<Column> = columns.into_iter().collect::<Option<_>>()?;
+        self.fill(&mut columns, body, separator);
+        self.unique(&columns);
+        self.rising(&columns[0].values, body);
+        let rows = body.iter().filter_map(|r| self.place(r.clone())).collect();
+        Some(Table { columns, rows })
+    }
+
+    fn column(&mut self, cell: Range<usize>) -> Option<Column> {
+        let text = &self.text[cell.clone()];
+        let (title, unit) = units::header(text);
+        let (name, direction) = direction(title);
+        if name.is_empty() {
+            self.refuse("E0110", "a column without a name", cell, "the header is like `X [mm], EXX [um]`");
+            return None;
+        }
+        let Some(unit) = unit else {
+            let looks = units::number(name).is_ok();
+            let message = if looks { "the table has no header".to_owned() } else { format!("column `{}` has no unit", clean(name)) };
+            let help = if looks { "put a line such as `X [mm], EXX [um]` before it" } else { "write it as `EXX [um]`; positions as `X [mm]` or `C [deg]`" };
+            self.refuse("E0110", message, cell, help);
+            return None;
+        };
+        match units::unit(unit) {
+            Ok((factor, dimension)) => Some(Column {
+                name: name.to_owned(),
+                direction,
+                unit: (unit.to_owned(), factor, dimension),
+                place: Place { source: self.source, range: cell },
+                values: Vec::new(),
+            }),
+            Err(_) => {
+                let message = format!("unknown unit `{}` of column `{}`", clean(unit), clean(name));
+                self.refuse("E0206", message, cell, "lengths: nm um mm m in; angles: urad mrad rad arcsec deg");
+                None
+            }
+        }
+    }
+
+    fn fill(&mut self, columns: &mut [Column], body: &[Range<usize>], separator: char) {
+        let mut mistakes = 0;
+        for row in body {
+            if mistakes >= MISTAKES {
+                return;
+            }
+            let cells = cells(self.text, row.clone(), separator);
+            if cells.len() != columns.len() {
+                mistakes += 1;
+                self.ragged(row, cells.len(), columns.len());
+                continue;
+            }
+            for (column, cell) in columns.iter_mut().zip(cells) {
+                match units::number(&self.text[cell.clone()]) {
+                    Ok(value) => column.values.push(value),
+                    Err(failure) => {
+                        mistakes += 1;
+                        self.cell(&column.name, &failure, cell);
+                    }
+                }
+            }
+        }
+    }
+
+    fn ragged(&mut self, row: &Range<usize>, found: usize, expected: usize) {
+        let message = format!("this row has {found} cells, the header has {expected}");
+        let help = if found == 2 * expected {
+            "are these decimal commas? write decimal points"
+        } else {
+            "give every row a value for every column; leave out rows that were not measured"
+        };
+        self.refuse("E0112", message, row.clone(), help);
+    }
+
+    fn cell(&mut self, column: &str, failure: &Failure, cell: Range<usize>) {
+        let help = match failure {
+            Failure::DecimalComma(_) => "write a decimal point",
+            Failure::NotFinite(_) => "leave the row out if nothing was measured there",
+            _ => "write a plain number; the unit stands in the header",
+        };
+        let text = &self.text[cell.clone()];
+        let message = if text.is_empty() { format!("column `{}` is empty here", clean(column)) } else { clean(&failure.to_string()) };
+        self.refuse("E0111", message, cell, help);
+    }
+
+    fn unique(&mut self, columns: &[Column]) {
+        for (i, column) in columns.iter().enumerate() {
+            let same = |c: &&Column| c.name == column.name && c.direction == column.direction;
+            if let Some(first) = columns[..i].iter().find(same) {
+                let message = format!("the column `{}` stands here twice", clean(&column.name));
+                self.diagnostics.push(
+                    Diagnostic::new("E0107", message)
+                        .at(Some(column.place.clone()), "again here")
+                        .at(Some(first.place.clone()), "first here")
+                        .help("keep one of them"),
+                );
+            }
+        }
+    }
+
+    fn rising(&mut self, positions: &[f64], body: &[Range<usize>]) {
+        if positions.len() != body.len() {
+            return;
+        }
+        let Some(i) = positions.windows(2).position(|w| w[1] <= w[0]) else { return };
+        let (before, here) = (positions[i], positions[i + 1]);
+        let message = if before == here {
+            format!("the position {here} stands here twice")
+        } else {
+            format!("the position {here} follows {before}: positions must rise")
+        };
+        let help = "sort the rows by position; put forward and reverse runs into columns `EXX+` and `EXX-`";
+        self.refuse("E0113", message, body[i + 1].clone(), help);
+    }
+}
+
+/// The lines that count, without comments, blank lines and line ends.
+fn lines(text: &str) -> Vec<Range<usize>> {
+    let mut lines = Vec::new();
+    let mut start = 0;
+    for line in text.split_inclusive('\n') {
+        let content = line.trim();
+        if !content.is_empty() && !content.starts_with('#') {
+            lines.push(start..start + line.trim_end().len());
+        }
+        start += line.len();
+    }
+    lines
+}
+
+fn separator(header: &str) -> char {
+    [';', '\t'].into_iter().find(|c| header.contains(*c)).unwrap_or(',')
+}
+
+/// The cells of a line, trimmed, without the quotes that spreadsheets put around text.
+fn cells(text: &str, line: Range<usize>, separator: char) -> Vec<Range<usize>> {
+    let mut start = line.start;
+    let cells = text[line].split(separator).map(|cell| {
+        let range = trimmed(text, start..start + cell.len());
+        start += cell.len() + separator.len_utf8();
+        range
+    });
+    cells.collect()
+}
+
+fn trimmed(text: &str, range: Range<usize>) -> Range<usize> {
+    let cell = &text[range.clone()];
+    let start = range.start + (cell.len() - cell.trim_start().len());
+    let end = range.end - (cell.len() - cell.trim_end().len());
+    if start >= end {
+        return range.start..range.start;
+    }
+    let quoted = text[start..end].len() >= 2 && text[start..end].starts_with('"') && text[start..end].ends_with('"');
+    if quoted { start + 1..end - 1 } else { start..end }
+}
+
+fn direction(title: &str) -> (&str, Option<ColumnDirection>) {
+    let cut = |suffix| title.strip_suffix(suffix).map(str::trim);
+    let forward = cut("+").or_else(|| cut(" forward"));
+    let reverse = cut("-").or_else(|| cut(" reverse"));
+    match (forward, reverse) {
+        (Some(name), _) => (name, Some(ColumnDirection::Forward)),
+        (_, Some(name)) => (name, Some(ColumnDirection::Reverse)),
+        _ => (title, None),
+    }
+}

@@ -1,0 +1,103 @@
+//! An error term as written.
+
+use super::forms::{Forms, forms};
+use super::scalar::Scalar;
+use indexmap::IndexMap;
+use serde::de::MapAccess;
+use serde::de::value::MapAccessDeserializer;
+use serde::{Deserialize, Deserializer};
+
+/// One of the forms of a curve: exactly one of `value`, `table`, `points`, `polynomial`, `harmonics`.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, remote = "Self")]
+pub struct CurveEntry {
+    /// A constant with its unit.
+    pub value: Option<Scalar>,
+    /// Path of a CSV file that has a column of this error's name.
+    pub table: Option<String>,
+    /// Points in the file: [position, value].
+    pub points: Option<Vec<Vec<Scalar>>>,
+    /// Between points: `linear` (default) or `cubic`.
+    pub interpolation: Option<String>,
+    /// Coefficients by rising power of the position.
+    pub polynomial: Option<Vec<Scalar>>,
+    /// [cosine, sine] by order; rotary axes only.
+    pub harmonics: Option<IndexMap<String, Vec<Scalar>>>,
+}
+
+/// An error term: a curve, one for each direction, or a tolerance.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, remote = "Self")]
+pub struct TermEntry {
+    /// A constant with its unit.
+    pub value: Option<Scalar>,
+    /// Path of a CSV file that has a column of this error's name.
+    pub table: Option<String>,
+    /// Points in the file: [position, value].
+    pub points: Option<Vec<Vec<Scalar>>>,
+    /// Between points: `linear` (default) or `cubic`.
+    pub interpolation: Option<String>,
+    /// Coefficients by rising power of the position.
+    pub polynomial: Option<Vec<Scalar>>,
+    /// [cosine, sine] by order; rotary axes only.
+    pub harmonics: Option<IndexMap<String, Vec<Scalar>>>,
+    /// The curve for rising positions.
+    pub forward: Option<CurveEntry>,
+    /// The curve for falling positions.
+    pub reverse: Option<CurveEntry>,
+    /// Not known, only bounded.
+    pub tolerance: Option<Scalar>,
+    /// Where the numbers come from.
+    pub provenance: Option<IndexMap<String, Scalar>>,
+}
+
+impl TermEntry {
+    /// The curve of both directions.
+    pub fn curve(&self) -> CurveEntry {
+        CurveEntry {
+            value: self.value.clone(),
+            table: self.table.clone(),
+            points: self.points.clone(),
+            interpolation: self.interpolation.clone(),
+            polynomial: self.polynomial.clone(),
+            harmonics: self.harmonics.clone(),
+        }
+    }
+}
+
+impl Forms for CurveEntry {
+    const EXPECTING: &'static str = "a value with its unit, or a mapping such as { table: x.csv }";
+
+    fn scalar(value: Scalar) -> Option<Self> {
+        Some(Self { value: Some(value), ..Self::default() })
+    }
+
+    fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        Self::deserialize(MapAccessDeserializer::new(map))
+    }
+}
+
+impl<'de> Deserialize<'de> for CurveEntry {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        forms(deserializer)
+    }
+}
+
+impl Forms for TermEntry {
+    const EXPECTING: &'static str = "a value with its unit, or a mapping such as { table: x.csv }";
+
+    fn scalar(value: Scalar) -> Option<Self> {
+        Some(Self { value: Some(value), ..Self::default() })
+    }
+
+    fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        Self::deserialize(MapAccessDeserializer::new(map))
+    }
+}
+
+impl<'de> Deserialize<'de> for TermEntry {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        forms(deserializer)
+    }
+}
+

@@ -1,0 +1,81 @@
+//! YAML text to a tree with text keys. Numbers as keys become text; of duplicate keys (reported by
+//! the index) the first counts.
+
+use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde_yaml::{Mapping, Value};
+use std::fmt;
+
+/// Parses a guarded text.
+pub fn parse(text: &str) -> Result<Value, serde_yaml::Error> {
+    serde_yaml::from_str::<Tree>(text).map(|tree| tree.0)
+}
+
+struct Tree(Value);
+
+struct TreeVisitor;
+
+impl<'de> Deserialize<'de> for Tree {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(TreeVisitor)
+    }
+}
+
+impl<'de> Visitor<'de> for TreeVisitor {
+    type Value = Tree;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a value")
+    }
+
+    fn visit_bool<E: de::Error>(self, value: bool) -> Result<Tree, E> {
+        Ok(Tree(Value::from(value)))
+    }
+
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Tree, E> {
+        Ok(Tree(Value::from(value)))
+    }
+
+    fn visit_u64<E: de::Error>(self, value: u64) -> Result<Tree, E> {
+        Ok(Tree(Value::from(value)))
+    }
+
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Tree, E> {
+        Ok(Tree(Value::from(value)))
+    }
+
+    fn visit_str<E: de::Error>(self, value: &str) -> Result<Tree, E> {
+        Ok(Tree(Value::from(value)))
+    }
+
+    fn visit_unit<E: de::Error>(self) -> Result<Tree, E> {
+        Ok(Tree(Value::Null))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut members: A) -> Result<Tree, A::Error> {
+        let mut list = Vec::new();
+        while let Some(Tree(value)) = members.next_element()? {
+            list.push(value);
+        }
+        Ok(Tree(Value::Sequence(list)))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Tree, A::Error> {
+        let mut map = Mapping::new();
+        while let Some((Tree(key), Tree(value))) = entries.next_entry()? {
+            let key = Value::from(key_text(&key));
+            if !map.contains_key(&key) {
+                map.insert(key, value);
+            }
+        }
+        Ok(Tree(Value::Mapping(map)))
+    }
+}
+
+fn key_text(key: &Value) -> String {
+    match key {
+        Value::String(text) => text.clone(),
+        Value::Number(number) => number.to_string(),
+        Value::Bool(value) => value.to_string(),
+        _ => "null".to_owned(),
+    }
+}
