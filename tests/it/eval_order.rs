@@ -49,9 +49,9 @@ impl Subject {
         let folder = Folder::new();
         yaml::write(sample, &folder);
         let names: Vec<_> = sample.rigid.walk.iter().map(|axis| axis.name.as_str()).collect();
+        let machine = folder.path("machine.yaml");
         let ask = |order| Ask { order, frame: self.frame, ..DEFAULT };
-        let answers = |order: &&str| numbers(&eval(&folder.path("machine.yaml"), &names, &self.poses, ask(order)));
-        orders.iter().map(answers).collect()
+        orders.iter().map(|order| numbers(&eval(&machine, &names, &self.poses, ask(order)))).collect()
     }
 
     fn exact(&self, sample: &Sample) -> Numbers {
@@ -70,7 +70,7 @@ impl Subject {
     }
 }
 
-/// The exponent with which the last of three halvings of the errors made the rest fall.
+/// The exponent with which the last halving of the errors made the rest fall.
 fn exponent(rests: &[f64]) -> f64 {
     let [.., before, after] = rests else { panic!("two sizes are needed") };
     (before / after).log2()
@@ -85,22 +85,23 @@ fn converges(subject: &Subject, machines: &[Sample], orders: &[&str], tolerance:
             let (found, expected) = (exponent(&rests), (index + 2) as f64);
             let what = ["lengths", "angles"][kind];
             let conventions = subject.sample.rigid.conventions;
-            assert!((found - expected).abs() < tolerance, "order {order}, {what}: exponent {found}, rests {rests:?}\n{conventions:?}");
+            assert!(
+                (found - expected).abs() < tolerance,
+                "order {order}, {what}: exponent {found}, rests {rests:?}\n{conventions:?}"
+            );
         }
     }
 }
 
-/// A machine with all its errors halved twice.
-fn halved(sample: &Sample) -> Vec<Sample> {
-    [1.0, 0.5, 0.25].map(|s| sample.scaled(s, s)).to_vec()
-}
+/// The next power of errors of some mrad, and the rounding below the rest of order 3.
+const TOLERANCE: f64 = 0.02;
 
 fn every_combination(seed: u64, change: impl Fn(&mut Conventions)) {
     let mut random = Random::new(seed);
     for mut conventions in combinations() {
         change(&mut conventions);
-        let subject = Subject::random(&mut random, conventions, 2e-3);
-        converges(&subject, &halved(&subject.sample), &ORDERS[..3], 0.1);
+        let subject = Subject::random(&mut random, conventions, 4e-3);
+        converges(&subject, &[0.5, 0.25].map(|s| subject.sample.scaled(s, s)), &ORDERS[..3], TOLERANCE);
     }
 }
 
@@ -121,7 +122,8 @@ fn orders_up_to_six_converge() {
     for linearised in [false, true] {
         for conventions in combinations().step_by(7) {
             let subject = Subject::random(&mut random, Conventions { linearised, ..conventions }, 1e-2);
-            converges(&subject, &halved(&subject.sample), &ORDERS, 0.2);
+            let machines = [1.0, 0.5].map(|s| subject.sample.scaled(s, 5.0 * s));
+            converges(&subject, &machines, &ORDERS, 0.1);
         }
     }
 }
@@ -132,7 +134,7 @@ fn order_n_is_a_polynomial_of_degree_n_in_the_errors() {
     let mut random = Random::new(14);
     for (linearised, real) in [(false, false), (true, false), (false, true), (true, true)] {
         for conventions in combinations().step_by(5) {
-            let subject = Subject::random(&mut random, Conventions { linearised, real, ..conventions }, 2e-3);
+            let subject = Subject::random(&mut random, Conventions { linearised, real, ..conventions }, 4e-3);
             // Under `real` only the component errors are cut.
             let machine = |k: usize| subject.sample.scaled(k as f64 / 4.0, if real { 1.0 } else { k as f64 / 4.0 });
             let answers: Vec<_> = (0..=4).map(|k| subject.program(&machine(k), &ORDERS[..3])).collect();
@@ -146,14 +148,14 @@ fn order_n_is_a_polynomial_of_degree_n_in_the_errors() {
 
 /// Asserts that the differences of some order vanish, and that those of one order less do not.
 fn vanishes(rows: &[&Numbers], order: usize, real: bool) {
-    for (kind, tolerance) in [(0, 1e-10), (1, 1e-13)] {
+    for (kind, tolerance) in [(0, 5e-13), (1, 5e-16)] {
         let at_zero = size(&rows[0][kind]);
         assert!(real || at_zero == 0.0, "errors of size zero give {at_zero}");
         let [higher, lower] = [order, order - 1].map(|order| {
             let values: Vec<_> = rows.iter().map(|row| row[kind].clone()).collect();
             size(&(0..order).fold(values, |v, _| differences(&v))[0])
         });
-        // Sixteen times the rounding of answers of some mm at lengths of a metre.
+        // Sixteen times the rounding of answers of some mm and mrad; found 2e-14 and 3e-17.
         assert!(higher < tolerance, "order {}: {higher:e}, one order less: {lower:e}", order - 1);
         assert!(lower > 100.0 * tolerance, "order {}: nothing to see, {lower:e}", order - 1);
     }
@@ -175,7 +177,8 @@ fn real_location_errors_are_exact_at_order_one() {
         let subject = Subject::random(&mut random, real(index % 2 == 0, conventions), 1e-2);
         let located = subject.sample.scaled(0.0, 1.0);
         let (ours, theirs) = (subject.exact(&located), subject.program(&located, &ORDERS[..1]));
-        for (kind, tolerance) in [(0, 1e-9), (1, 1e-12)] {
+        for (kind, tolerance) in [(0, 2e-11), (1, 5e-14)] {
+            // As the exact model; found 2e-12 mm and 3e-15 rad.
             let gap = distance(&ours[kind], &theirs[0][kind]);
             assert!(gap < tolerance, "{gap:e} {conventions:?}\n{located:?}");
         }
@@ -187,8 +190,8 @@ fn real_location_errors_are_exact_at_order_one() {
 fn component_errors_converge_beside_real_location_errors() {
     let mut random = Random::new(16);
     for (index, conventions) in combinations().enumerate() {
-        let subject = Subject::random(&mut random, real(index % 2 == 1, conventions), 2e-3);
-        let machines = [1.0, 0.5, 0.25].map(|s| subject.sample.scaled(s, 1.0));
-        converges(&subject, &machines, &ORDERS[..3], 0.1);
+        let subject = Subject::random(&mut random, real(index % 2 == 1, conventions), 4e-3);
+        let machines = [0.5, 0.25].map(|s| subject.sample.scaled(s, 1.0));
+        converges(&subject, &machines, &ORDERS[..3], TOLERANCE);
     }
 }

@@ -89,7 +89,9 @@ impl Curve {
         match self {
             Self::Constant(value) => Self::Constant(value * factor),
             Self::Polynomial(c) => Self::Polynomial(c.iter().map(|c| c * factor).collect()),
-            Self::Points(p) => Self::Points(Points { values: p.values.iter().map(|v| v * factor).collect(), ..p.clone() }),
+            Self::Points(p) => {
+                Self::Points(Points { values: p.values.iter().map(|v| v * factor).collect(), ..p.clone() })
+            }
             Self::Harmonics(h) => Self::Harmonics(h.iter().map(|&(k, c, s)| (k, c * factor, s * factor)).collect()),
         }
     }

@@ -29,13 +29,14 @@ pub struct Extra {
 pub type Pose = Vec<f64>;
 
 impl Sample {
-    /// A random machine whose errors are about `size` rad, and `size` times a metre.
+    /// A random machine whose errors are about `size` rad, and `size` times a metre (at most some mm).
     pub fn random(random: &mut Random, conventions: Conventions, size: f64) -> Self {
         let count = 3 + random.below(4);
         let mut names = names(random, count);
         random.shuffle(&mut names);
         let on_workpiece = random.below(count + 1);
-        let walk: Vec<_> = names.iter().enumerate().map(|(i, name)| axis(random, name, i < on_workpiece, size)).collect();
+        let walk: Vec<_> =
+            names.iter().enumerate().map(|(i, name)| axis(random, name, i < on_workpiece, size)).collect();
         let axes = walk.iter().map(|axis| extra(random, axis, size)).collect();
         let spindle = random.chance(0.4).then(|| six(random, size));
         let rigid = Machine {
@@ -45,7 +46,7 @@ impl Sample {
             gauge: random.vector(200.0),
             offset: tool(random),
             workpiece_origin: random.vector(300.0),
-            tool_setup: if random.chance(0.4) { random.vector(size * 1000.0) } else { [0.0; 3] },
+            tool_setup: if random.chance(0.4) { random.vector(amplitude(0, size)) } else { [0.0; 3] },
             workpiece_setup: if random.chance(0.4) { six(random, size) } else { [0.0; 6] },
         };
         Self { branches: spindle.is_none() && random.chance(0.3), rigid, axes }
@@ -134,7 +135,7 @@ fn extra(random: &mut Random, axis: &Axis, size: f64) -> Extra {
         true => Some([-random.between(20.0, 130.0), random.between(20.0, 130.0)]),
         false => Some([-random.between(50.0, 500.0), random.between(50.0, 500.0)]),
     };
-    let errors = std::array::from_fn(|k| random.chance(0.6).then(|| error(random, axis, travel, size * amplitude(k))));
+    let errors = std::array::from_fn(|k| random.chance(0.6).then(|| error(random, axis, travel, amplitude(k, size))));
     Extra { travel, errors }
 }
 
@@ -176,12 +177,12 @@ fn points(random: &mut Random, travel: Option<[f64; 2]>, size: f64) -> Points {
 
 /// Six errors: translations in mm, rotations in rad.
 fn six(random: &mut Random, size: f64) -> V6 {
-    std::array::from_fn(|k| random.around(size * amplitude(k)))
+    std::array::from_fn(|k| random.around(amplitude(k, size)))
 }
 
-/// A metre for translations, one for rotations.
-fn amplitude(component: usize) -> f64 {
-    if component < 3 { 1000.0 } else { 1.0 }
+/// The amplitude of a component: lengths go with a metre, but the program refuses curves over 10 mm.
+fn amplitude(component: usize, size: f64) -> f64 {
+    if component < 3 { (1000.0 * size).min(1.0) } else { size }
 }
 
 /// Half of the tools are a length along Z, the others any vector.

@@ -1,13 +1,12 @@
 //! The program under test, seen only through its command line.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde_json::Value;
 
 use super::curves::Travel;
-use super::matrix::V3;
 use super::rigid::{Answer, Frame};
 
 /// A temporary folder that goes away with its last user.
@@ -39,11 +38,6 @@ impl Drop for Folder {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }
-}
-
-/// Runs the program in a folder.
-pub fn run(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_abbe")).args(arguments).current_dir(folder).output().unwrap()
 }
 
 /// What to ask `eval`.
@@ -116,12 +110,4 @@ fn answer(pose: &Value) -> Answer {
 fn numbers<const N: usize>(list: &Value) -> [f64; N] {
     assert_eq!(list.as_array().unwrap().len(), N);
     std::array::from_fn(|i| list[i].as_f64().unwrap())
-}
-
-/// Asks for one pose of the default kind and returns the deviation in um.
-pub fn deviation_um(yaml: &str, names: &[&str], pose: &[f64], frame: Frame) -> V3 {
-    let folder = Folder::new();
-    let machine = folder.write("machine.yaml", yaml);
-    let ask = Ask { frame, ..DEFAULT };
-    eval(&machine, names, &[pose.to_vec()], ask)[0].deviation.map(|c| c * 1000.0)
 }

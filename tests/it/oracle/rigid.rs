@@ -130,7 +130,11 @@ impl Machine {
     fn real(&self, states: &[State]) -> M4 {
         // A clamped workpiece lies displaced about its origin, so the tool is seen displaced the other way.
         let clamped = about(self.workpiece_origin, &self.displacement(self.workpiece_setup));
-        let walk = self.walk.iter().zip(states).fold(inverse(&clamped), |walk, (axis, state)| mul(&walk, &self.joint(axis, state)));
+        let walk = self
+            .walk
+            .iter()
+            .zip(states)
+            .fold(inverse(&clamped), |walk, (axis, state)| mul(&walk, &self.joint(axis, state)));
         match self.spindle {
             Some(location) => mul(&walk, &about(self.gauge, &self.displacement(location))),
             None => walk,
@@ -262,8 +266,10 @@ mod tests {
     #[test]
     fn the_volumetric_error_holds_the_deviation_to_first_order() {
         let mut machine = machine("C' A' Y X Z B");
-        (machine.gauge, machine.offset, machine.workpiece_origin) = ([10.0, 0.0, 5.0], [3.0, 0.0, -120.0], [40.0, 7.0, -90.0]);
-        let state = |i: usize| State { position: 0.3 + i as f64, errors: std::array::from_fn(|k| 1e-7 * (k + 2 * i) as f64) };
+        (machine.gauge, machine.offset, machine.workpiece_origin) =
+            ([10.0, 0.0, 5.0], [3.0, 0.0, -120.0], [40.0, 7.0, -90.0]);
+        let state =
+            |i: usize| State { position: 0.3 + i as f64, errors: std::array::from_fn(|k| 1e-7 * (k + 2 * i) as f64) };
         let states: Vec<_> = (0..6).map(state).collect();
         let answer = machine.evaluate(&states, Frame::Workpiece);
         let ideal = machine.ideal(&states, |_| true);

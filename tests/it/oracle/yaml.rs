@@ -18,7 +18,8 @@ pub fn write(sample: &Sample, folder: &Folder) -> String {
         writeln!(text, "  {}: {}", axis.name, axis_line(axis, extra)).unwrap();
     }
     let [x, y, length] = rigid.offset;
-    let tip = if x == 0.0 && y == 0.0 { format!("length: {} mm", -length) } else { format!("offset: {:?}", rigid.offset) };
+    let tip =
+        if x == 0.0 && y == 0.0 { format!("length: {} mm", -length) } else { format!("offset: {:?}", rigid.offset) };
     writeln!(text, "tool: {{ gauge: {:?}, {tip} }}", rigid.gauge).unwrap();
     writeln!(text, "workpiece: {{ origin: {:?} }}", rigid.workpiece_origin).unwrap();
     let (tool, workpiece) = (constants(&rigid.tool_setup, 1), constants(&rigid.workpiece_setup, 2));
@@ -96,7 +97,8 @@ fn errors(sample: &Sample, folder: &Folder) -> String {
     for (salt, (axis, extra)) in sample.rigid.walk.iter().zip(&sample.axes).enumerate() {
         for (k, error) in extra.errors.iter().enumerate() {
             let Some(error) = error else { continue };
-            let writer = Writer { axis, name: format!("E{}{}", DIRECTIONS[k], axis.name), unit: Unit::of(k, salt), folder };
+            let writer =
+                Writer { axis, name: format!("E{}{}", DIRECTIONS[k], axis.name), unit: Unit::of(k, salt), folder };
             writeln!(lines, "  {}: {}", writer.name, writer.error(error)).unwrap();
         }
     }
@@ -134,7 +136,11 @@ impl Writer<'_> {
         match &error.reverse {
             None => self.curve(&error.forward, ""),
             Some(reverse) => {
-                format!("{{ forward: {}, reverse: {} }}", self.curve(&error.forward, "-up"), self.curve(reverse, "-down"))
+                format!(
+                    "{{ forward: {}, reverse: {} }}",
+                    self.curve(&error.forward, "-up"),
+                    self.curve(reverse, "-down")
+                )
             }
         }
     }
@@ -147,7 +153,9 @@ impl Writer<'_> {
                 format!("{{ polynomial: [{}] }}", terms.join(", "))
             }
             Curve::Harmonics(terms) => {
-                let term = |(k, c, s): &(u32, f64, f64)| format!("{k}: [{}, {}]", self.unit.quantity(*c), self.unit.quantity(*s));
+                let term = |(k, c, s): &(u32, f64, f64)| {
+                    format!("{k}: [{}, {}]", self.unit.quantity(*c), self.unit.quantity(*s))
+                };
                 format!("{{ harmonics: {{ {} }} }}", terms.iter().map(term).collect::<Vec<_>>().join(", "))
             }
             Curve::Points(points) => self.points(points, suffix),
