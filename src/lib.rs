@@ -8,5 +8,5 @@ pub mod evaluate;
 pub mod lower;
 pub mod machine;
 pub mod syntax;
-//pub mod target;
+pub mod target;
 pub mod units;

@@ -104,6 +104,11 @@ impl Sources {
         self.0.get(id.0).map_or("", |s| &s.1)
     }
 
+    /// Name and text of every file, in the order read.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.0.iter().map(|(name, text)| (name.as_str(), text.as_str()))
+    }
+
     /// 1-based line and column (in characters) of a place's start.
     pub fn line_column(&self, place: &Place) -> (usize, usize) {
         let text = self.text(place.source);

@@ -1,0 +1,191 @@
+//! Poses over the volume of a machine: nodes of a grid, or seeded random ones, made by index.
+//!
+//! A pose depends on nothing but its index (and the seed), so any number of threads sees the same ones,
+//! and a map need not store them.
+
+use crate::machine::{Grid, Machine, Pose};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+/// Where a map is computed.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Poses {
+    /// The nodes of a grid; the last axis runs fastest.
+    Nodes(Nodes),
+    /// Evenly distributed over the volume.
+    Random(Random),
+    /// As listed.
+    Listed(Vec<Pose>),
+}
+
+impl Poses {
+    /// How many; the largest `usize` if there are more.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Nodes(nodes) => nodes.len(),
+            Self::Random(random) => random.count,
+            Self::Listed(list) => list.len(),
+        }
+    }
+
+    /// None at all?
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The pose with this index (mm, deg); beyond the end of a list, no positions.
+    pub fn get(&self, index: usize) -> Pose {
+        match self {
+            Self::Nodes(nodes) => nodes.get(index),
+            Self::Random(random) => random.get(index),
+            Self::Listed(list) => list.get(index).cloned().unwrap_or_default(),
+        }
+    }
+
+    /// All, in order.
+    pub fn iter(&self) -> impl Iterator<Item = Pose> {
+        (0..self.len()).map(|index| self.get(index))
+    }
+}
+
+/// The nodes of a grid: evenly spaced on each axis, both ends included.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Nodes {
+    axes: Vec<(Grid, usize)>,
+}
+
+impl Nodes {
+    /// The grid of the machine's volume.
+    pub fn of(machine: &Machine) -> Self {
+        Self::new(machine.volume())
+    }
+
+    /// A grid whose nodes are nowhere further apart than the steps say.
+    pub fn new(volume: &[Grid]) -> Self {
+        Self { axes: volume.iter().map(|grid| (*grid, node_count(grid))).collect() }
+    }
+
+    /// How many nodes each axis has.
+    pub fn counts(&self) -> impl Iterator<Item = usize> {
+        self.axes.iter().map(|(_, count)| *count)
+    }
+
+    /// How many nodes there are; the largest `usize` if there are more.
+    pub fn len(&self) -> usize {
+        self.counts().fold(1, usize::saturating_mul)
+    }
+
+    /// Never: every axis has a node.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// The node with this index (mm, deg); the last axis runs fastest.
+    pub fn get(&self, index: usize) -> Pose {
+        let mut rest = index;
+        let mut pose: Pose = self
+            .axes
+            .iter()
+            .rev()
+            .map(|(grid, count)| {
+                let node = rest % count;
+                rest /= count;
+                position(grid, *count, node)
+            })
+            .collect();
+        pose.reverse();
+        pose
+    }
+}
+
+/// A step as long as the interval up to rounding needs no node more.
+fn node_count(grid: &Grid) -> usize {
+    let intervals = libm::ceil((grid.max - grid.min) / grid.step - 1e-9);
+    if intervals >= 1.0 { (intervals as usize).saturating_add(1) } else { 1 + usize::from(grid.max > grid.min) }
+}
+
+/// The ends are exact.
+fn position(grid: &Grid, count: usize, node: usize) -> f64 {
+    if node + 1 == count && count > 1 {
+        return grid.max;
+    }
+    grid.min + (grid.max - grid.min) * (node as f64 / (count.max(2) - 1) as f64)
+}
+
+/// Random poses, evenly distributed over intervals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Random {
+    intervals: Vec<(f64, f64)>,
+    seed: u64,
+    count: usize,
+}
+
+impl Random {
+    /// Over the machine's volume.
+    pub fn of(machine: &Machine, count: usize, seed: u64) -> Self {
+        Self::new(machine.volume().iter().map(|grid| (grid.min, grid.max)).collect(), count, seed)
+    }
+
+    /// Over the given intervals (mm or deg), one for each axis.
+    pub fn new(intervals: Vec<(f64, f64)>, count: usize, seed: u64) -> Self {
+        Self { intervals, seed, count }
+    }
+
+    /// The pose with this index (mm, deg): its own stream of the generator with this seed.
+    pub fn get(&self, index: usize) -> Pose {
+        let mut key = [0; 32];
+        key[..8].copy_from_slice(&self.seed.to_le_bytes());
+        let mut generator = ChaCha8Rng::from_seed(key);
+        generator.set_stream(index as u64);
+        let position = |(min, max): &(f64, f64)| (min + (max - min) * unit(generator.next_u64())).min(*max);
+        self.intervals.iter().map(position).collect()
+    }
+}
+
+/// 53 bits as a number in [0, 1).
+fn unit(bits: u64) -> f64 {
+    const SCALE: f64 = 1.0 / (1_u64 << 53) as f64;
+    (bits >> 11) as f64 * SCALE
+}
+
+/// Random poses over the machine's volume (mm, deg); the first ones of a longer list are the same.
+pub fn random_poses(machine: &Machine, count: usize, seed: u64) -> Vec<Pose> {
+    Poses::Random(Random::of(machine, count, seed)).iter().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(min: f64, max: f64, step: f64) -> Grid {
+        Grid { min, max, step }
+    }
+
+    #[test]
+    fn nodes_include_both_ends_and_keep_the_step() {
+        let nodes = Nodes::new(&[grid(0.0, 500.0, 62.5), grid(-120.0, 30.0, 40.0), grid(7.0, 7.0, 1.0)]);
+        assert_eq!(nodes.counts().collect::<Vec<_>>(), [9, 5, 1]);
+        assert_eq!(nodes.len(), 45);
+        assert_eq!(nodes.get(0), [0.0, -120.0, 7.0]);
+        assert_eq!(nodes.get(1), [0.0, -82.5, 7.0]);
+        assert_eq!(nodes.get(44), [500.0, 30.0, 7.0]);
+    }
+
+    #[test]
+    fn a_step_that_fits_by_rounding_adds_no_node() {
+        assert_eq!(node_count(&grid(0.0, 0.3, 0.1)), 4);
+        assert_eq!(node_count(&grid(0.0, 1.0, 2.0)), 2);
+        assert_eq!(node_count(&grid(0.0, 1e300, 1e-300)), usize::MAX);
+    }
+
+    #[test]
+    fn random_poses_depend_on_seed_and_index_alone() {
+        let random = |count, seed| Poses::Random(Random::new(vec![(0.0, 500.0), (-120.0, 30.0)], count, seed));
+        let (few, many): (Vec<_>, Vec<_>) = (random(3, 7).iter().collect(), random(100, 7).iter().collect());
+        assert_eq!(few[..], many[..3]);
+        assert_ne!(random(3, 8).get(0), few[0]);
+        assert!(many.iter().all(|p| (0.0..500.0).contains(&p[0]) && (-120.0..30.0).contains(&p[1])));
+        let mean = many.iter().map(|p| p[0]).sum::<f64>() / 100.0;
+        assert!((mean - 250.0).abs() < 60.0, "{mean}");
+    }
+}
