@@ -110,7 +110,7 @@ fn order_six_shows(sample: &Sample, random: &mut Random) -> bool {
     let poses = sample.poses(random, POSES);
     let mut differences = Differences::default();
     for (pose, theirs) in
-        poses.iter().zip(eval(&folder.path("machine.yaml"), &names, &poses, Ask { order: "6", ..DEFAULT }))
+        poses.iter().zip(eval(&folder.path("machine.yaml"), &names, &poses, Ask { order: Some("6"), ..DEFAULT }))
     {
         differences.take(&sample.evaluate(pose, Travel::Mean, Frame::Workpiece), &theirs);
     }
@@ -158,7 +158,7 @@ fn presets() {
         let poses = sample.poses(&mut random, POSES);
         for order in ["1", "2", "exact"] {
             let [named, spelt] = [&machine, &folder.path("machine.yaml")]
-                .map(|file| eval(file, &names, &poses, Ask { order, ..DEFAULT }));
+                .map(|file| eval(file, &names, &poses, Ask { order: Some(order), ..DEFAULT }));
             assert_eq!(format!("{named:?}"), format!("{spelt:?}"), "{preset}, order {order}");
         }
     }

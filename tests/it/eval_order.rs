@@ -50,7 +50,7 @@ impl Subject {
         yaml::write(sample, &folder);
         let names: Vec<_> = sample.rigid.walk.iter().map(|axis| axis.name.as_str()).collect();
         let machine = folder.path("machine.yaml");
-        let ask = |order| Ask { order, frame: self.frame, ..DEFAULT };
+        let ask = |order| Ask { order: Some(order), frame: self.frame, ..DEFAULT };
         orders.iter().map(|order| numbers(&eval(&machine, &names, &self.poses, ask(order)))).collect()
     }
 

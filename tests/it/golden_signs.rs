@@ -35,7 +35,7 @@ fn both_sides(error: &str, axis: &str, position: f64, first_um: V3, cosine_um: V
         let yaml = three_axis(chain, error);
         let exact = std::array::from_fn(|i| first_um[i] + cosine_um[i]);
         holds(&yaml, axis, position, DEFAULT, exact);
-        holds(&yaml, axis, position, Ask { order: "1", ..DEFAULT }, first_um);
+        holds(&yaml, axis, position, Ask { order: Some("1"), ..DEFAULT }, first_um);
         holds(&yaml, axis, position, Ask { frame: Frame::Machine, ..DEFAULT }, exact);
     }
 }

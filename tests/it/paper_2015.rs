@@ -170,7 +170,7 @@ fn deviations(coefficients: &Coefficients, printed: bool, order: &str, positions
 /// The deviations of any machine file.
 fn of_file(machine: &Path, order: &str, positions: &[V3]) -> Vec<V3> {
     let poses: Vec<_> = positions.iter().map(|p| p.to_vec()).collect();
-    let answers = eval(machine, &["X", "Y", "Z"], &poses, Ask { order, ..DEFAULT });
+    let answers = eval(machine, &["X", "Y", "Z"], &poses, Ask { order: Some(order), ..DEFAULT });
     answers.into_iter().map(|answer| answer.deviation).collect()
 }
 

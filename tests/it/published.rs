@@ -45,7 +45,7 @@ fn rows(name: &str) -> Vec<Row> {
 
 /// Asserts one row on a machine file; `sense` is -1 where X counts as the table moves.
 fn holds(row: &Row, machine: &str, sense: f64) {
-    let ask = Ask { order: &row.order, tool: Some(&row.tool), ..DEFAULT };
+    let ask = Ask { order: Some(&row.order), tool: Some(&row.tool), ..DEFAULT };
     let pose = vec![sense * row.pose[0], row.pose[1], row.pose[2]];
     let found = eval(&data(machine), &["X", "Y", "Z"], &[pose], ask)[0].deviation.map(|c| c * 1000.0);
     for (found, expected) in found.iter().zip(row.deviation_um) {

@@ -43,8 +43,8 @@ impl Drop for Folder {
 /// What to ask `eval`.
 #[derive(Clone, Copy)]
 pub struct Ask<'a> {
-    /// `exact` or a number.
-    pub order: &'a str,
+    /// `exact` or a number, if said at all.
+    pub order: Option<&'a str>,
     /// The frame of the answer.
     pub frame: Frame,
     /// The direction of travel.
@@ -54,7 +54,7 @@ pub struct Ask<'a> {
 }
 
 /// What `eval` does when nothing is said.
-pub const DEFAULT: Ask<'static> = Ask { order: "exact", frame: Frame::Workpiece, travel: Travel::Mean, tool: None };
+pub const DEFAULT: Ask<'static> = Ask { order: None, frame: Frame::Workpiece, travel: Travel::Mean, tool: None };
 
 /// Asks `eval` for the answers at poses, given as axis names and rows.
 pub fn eval<N: AsRef<str>>(machine: &Path, names: &[N], poses: &[Vec<f64>], ask: Ask) -> Vec<Answer> {
@@ -66,9 +66,7 @@ pub fn eval<N: AsRef<str>>(machine: &Path, names: &[N], poses: &[Vec<f64>], ask:
     let mut command = Command::new(env!("CARGO_BIN_EXE_abbe"));
     command.arg("eval").arg(machine).arg("--poses").arg(csv).args(["--format", "json"]);
     // Defaults are left out, so that they are tested too.
-    if ask.order != "exact" {
-        command.args(["--order", ask.order]);
-    }
+    ask.order.map(|order| command.args(["--order", order]));
     match ask.frame {
         Frame::Workpiece => {}
         Frame::Machine => drop(command.args(["--frame", "machine"])),
@@ -91,7 +89,7 @@ pub fn eval<N: AsRef<str>>(machine: &Path, names: &[N], poses: &[Vec<f64>], ask:
 fn parse(stdout: &[u8], ask: Ask) -> Vec<Answer> {
     let json: Value = serde_json::from_slice(stdout).unwrap();
     // An order is said as a number or as its digits.
-    assert_eq!(json["order"].to_string().trim_matches('"'), ask.order);
+    assert_eq!(json["order"].to_string().trim_matches('"'), ask.order.unwrap_or("exact"));
     assert_eq!(json["frame"], format!("{:?}", ask.frame).to_lowercase());
     assert_eq!(json["units"]["position"], "mm");
     assert_eq!(json["units"]["rotation"], "rad");
