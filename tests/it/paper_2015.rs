@@ -226,13 +226,18 @@ fn as_printed_second_order_has_the_three_coefficients_quoted_in_part() {
     let mut random = Random::new(33);
     let (c, at) = (Coefficients::random(&mut random), positions(&mut random));
     let ([f1, f2, _], [g1, g2, g3]) = (c.f, c.g);
-    let f1g1 = |[x, y, z]: V3| f1 * g1 * (x * y * y / 2.0 + x * y - c.syz * x * y * z);
-    let f1g3 = |[x, y, z]: V3| f1 * g3 * (c.sxz * x * y * z - x * y);
-    let f2g2 = |[x, y, z]: V3| f2 * g2 * (c.sxz * x * y * z - x * y);
-    let quoted: [([usize; 2], &dyn Fn(V3) -> f64); 3] = [([F, G], &f1g1), ([F, G + 2], &f1g3), ([F + 1, G + 1], &f2g2)];
-    for (pair, expected) in quoted {
+    let quoted = |[x, y, z]: V3| {
+        let shared = c.sxz * x * y * z - x * y;
+        [
+            ([F, G], f1 * g1 * (x * y * y / 2.0 + x * y - c.syz * x * y * z)),
+            ([F, G + 2], f1 * g3 * shared),
+            ([F + 1, G + 1], f2 * g2 * shared),
+        ]
+    };
+    for (k, (pair, _)) in quoted([0.0; 3]).into_iter().enumerate() {
         for (found, &p) in printed_second(&c, pair, &at).iter().zip(&at) {
-            assert!((found[0] - expected(p)).abs() < 1e-12, "{pair:?} at {p:?}: {found:?}, {}", expected(p));
+            let (_, expected) = quoted(p)[k];
+            assert!((found[0] - expected).abs() < 1e-12, "{pair:?} at {p:?}: {found:?}, {expected}");
         }
     }
 }
