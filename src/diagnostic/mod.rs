@@ -6,10 +6,13 @@
 
 mod codes;
 mod render;
+mod shown;
 mod suggest;
 
 pub use codes::{CODES, CodeInfo, info};
 pub use render::{Rendering, render, summary};
+pub(crate) use shown::is_layout;
+pub use shown::shown;
 pub use suggest::{did_you_mean, nearest};
 
 use std::ops::Range;
