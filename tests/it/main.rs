@@ -11,3 +11,5 @@ mod linuxcnc_kinematics;
 mod oracle;
 mod paper_2015;
 mod published;
+mod reconfigure;
+mod tidy;
