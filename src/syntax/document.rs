@@ -264,7 +264,7 @@ impl Document {
         let document = Self {
             abbe: reader.section("abbe"),
             machine: reader.section("machine"),
-            chain: reader.section("chain"),
+            chain: reader.section::<Walk>("chain").map(|c| c.0),
             branches: reader.section("branches"),
             axes: reader.entries("axes"),
             tool: reader.section("tool"),
@@ -302,6 +302,9 @@ impl Reader<'_> {
 /// `holub-2015` is short for `{ preset: holub-2015 }`.
 struct PresetOr(ConventionsEntry);
 
+/// `[w C' b X Z t]` without quotes is a list to YAML.
+struct Walk(String);
+
 /// `[0, 500]` is short for `{ range: [0, 500] }`.
 struct VolumeEntry(VolumeAxis);
 
@@ -322,6 +325,18 @@ impl Forms for VolumeEntry {
     fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
         let VolumeFields { range, step } = VolumeFields::deserialize(MapAccessDeserializer::new(map))?;
         Ok(Self(VolumeAxis::Axis { range, step }))
+    }
+}
+
+impl Forms for Walk {
+    const EXPECTING: &'static str = "the walk from workpiece to tool, in quotes";
+
+    fn scalar(walk: Scalar) -> Option<Self> {
+        if let Scalar::Text(walk) = walk { Some(Self(walk)) } else { None }
+    }
+
+    fn list(words: Vec<Scalar>) -> Option<Self> {
+        Some(Self(words.iter().map(Scalar::to_string).collect::<Vec<_>>().join(" ")))
     }
 }
 
@@ -372,4 +387,4 @@ macro_rules! deserialize_by_forms {
     )*};
 }
 
-deserialize_by_forms!(VolumeEntry, PresetOr, TravelEntry, GeneratorsEntry);
+deserialize_by_forms!(VolumeEntry, PresetOr, Walk, TravelEntry, GeneratorsEntry);

@@ -37,10 +37,9 @@ impl CurveOf<'_> {
 pub fn component(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry, at: &Keys) -> Option<ComponentError> {
     if let Some(path) = &entry.table {
         let here = below(at, "table");
-        let table = context.table(&here, path)?;
-        let cubic = cubic(context, entry, at)?;
+        let (cubic, table) = (cubic(context, entry, at), context.table(&here, path));
         let named = context.document.places.value(&here);
-        return from_table(context, of, &table, cubic, named);
+        return from_table(context, of, &table?, cubic?, named);
     }
     curve(context, of, entry, at).map(ComponentError::Single)
 }
@@ -248,7 +247,7 @@ fn carries(column: &Column, of: &CurveOf<'_>) -> bool {
 fn missing(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: Option<Place>) {
     let header = table.columns.first().map(|c| c.place.clone());
     let names: Vec<&str> = table.columns[1..].iter().map(|c| c.name.as_str()).collect();
-    let help = did_you_mean(&of.error.to_string(), &names);
+    let help = format!("its columns are {}", names.iter().map(|n| format!("`{}`", shown(n))).collect::<Vec<_>>().join(", "));
     let refusal = Diagnostic::new("E0114", format!("the table has no column `{}`", of.error));
     let header = header.filter(|h| named.as_ref().is_none_or(|n| n.source != h.source));
     context.diagnostics.push(refusal.at(named, "named here").at(header, "the table's header").help(help));
