@@ -33,7 +33,7 @@ pub fn silent(files: &[(&str, &str)]) -> Machine {
     machine.unwrap()
 }
 
-const TRUNNION: &str = r#"
+pub const TRUNNION: &str = r#"
 abbe: 1
 machine: Trunnion five-axis machining centre
 chain: "w C' A' Y' b X Z (S) t"

@@ -1,4 +1,6 @@
 //! Integration tests.
 
+mod bad_input;
 mod diagnostics;
 mod language;
+mod schema;
