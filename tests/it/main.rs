@@ -1,3 +1,6 @@
 //! Integration tests.
 
+mod compare;
+mod configs;
 mod language;
+mod show;
