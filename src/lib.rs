@@ -3,9 +3,11 @@
 pub mod algebra;
 pub mod analysis;
 pub mod cli;
+pub mod compensation;
 pub mod diagnostic;
 pub mod evaluate;
 pub mod lower;
 pub mod machine;
 pub mod syntax;
+pub mod target;
 pub mod units;

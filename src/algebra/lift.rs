@@ -61,10 +61,29 @@ pub fn asinc(x: f64, c: &mut [f64]) {
     power_series(x, c, 1.0, |i| (2.0 * i - 1.0) * (2.0 * i - 1.0) / ((2.0 * i) * (2.0 * i + 1.0)));
 }
 
+/// Far more terms than any argument below 1 needs.
+const LONGEST: usize = 400;
+
+/// The value alone, which the exact model asks for millions of times.
+fn power_sum(x: f64, first: f64, ratio: impl Fn(f64) -> f64) -> f64 {
+    let (mut term, mut sum) = (first, first);
+    for i in 1..LONGEST {
+        term *= ratio(i as f64) * x;
+        sum += term;
+        if term.abs() <= 1e-18 * sum.abs() {
+            break;
+        }
+    }
+    sum
+}
+
 /// Re-expands `sum a[i] x^i` (`a[i] = a[i-1] * ratio(i)`) about `x`:
 /// `c[m] = sum over i >= m of binomial(i, m) a[i] x^(i-m)`.
 fn power_series(x: f64, c: &mut [f64], first: f64, ratio: impl Fn(f64) -> f64) {
-    const LONGEST: usize = 400;
+    if let [value] = c {
+        *value = power_sum(x, first, ratio);
+        return;
+    }
     c.fill(0.0);
     let (mut a, mut smallest_power) = (first, 1.0);
     for i in 0..LONGEST {

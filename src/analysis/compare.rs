@@ -2,7 +2,7 @@
 //! each machine's own ideal inverse kinematics.
 
 use super::inverse::{ToolPose, Unreachable, inverse, rest, tool_pose};
-use super::{Difference, Poses, Statistics};
+use crate::evaluate::{Difference, Poses, Statistics};
 use crate::evaluate::{Deviation, Field};
 use crate::machine::{Approach, Pose};
 use rayon::prelude::*;

@@ -5,7 +5,7 @@
 //! whose tilts could explain the difference. The rotation about the tool axis, and with it the
 //! spindle's own EC0S, is not.
 
-use super::{Poses, Random};
+use crate::evaluate::{Poses, Random};
 use crate::lower::{Ideal, sensitivities_to};
 use crate::machine::{Axis, AxisKind, AxisName, Direction, ErrorId, ErrorTerm, Machine};
 use nalgebra::{DMatrix, Vector3};

@@ -1,6 +1,6 @@
 //! A field over many poses.
 
-use super::{Poses, Statistics};
+use crate::evaluate::{Poses, Statistics};
 use crate::evaluate::{Deviation, Field, Frame};
 use crate::lower::Ideal;
 use crate::machine::{Approach, Machine};

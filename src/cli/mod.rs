@@ -2,11 +2,16 @@
 //!
 //! Exit codes: 0 done, 1 input refused, 2 usage, 3 our own fault.
 
+mod certificate_output;
+mod compile;
 mod eval;
+mod file_set;
 pub mod files;
 mod load;
 mod poses;
 mod session;
+mod targets;
+mod verify;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use session::Session;
@@ -66,6 +71,12 @@ enum Color {
 enum Verb {
     /// Deviation and E_VE at poses.
     Eval(eval::Args),
+    /// The compensation files of a controller, with their certificate.
+    Compile(compile::Args),
+    /// Replay compensation files as the controller would, and say what they leave.
+    Verify(verify::Args),
+    /// The controllers, what they can express, and how sure that is.
+    Targets,
 }
 
 /// Why a verb did not finish; everything there is to say has been said to the session.
@@ -99,5 +110,8 @@ fn usage(message: &clap::Error) -> ExitCode {
 fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
     match verb {
         Verb::Eval(args) => eval::run(session, &args),
+        Verb::Compile(args) => compile::run(session, &args),
+        Verb::Verify(args) => verify::run(session, &args),
+        Verb::Targets => targets::run(session),
     }
 }

@@ -1,4 +1,8 @@
-//! The table of codes.
+//! The table of codes. Stable: a code is never used again for something else.
+//!
+//! E01xx reading, E02xx language, E03xx chain, E04xx joints and errors, E05xx numerical, E06xx
+//! capability and quantisation, E07xx rendering and read-back, E08xx command line; W.... warnings
+//! likewise. The long texts are in `explain/`.
 
 /// One code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -7,12 +11,74 @@ pub struct CodeInfo {
     pub code: &'static str,
     /// A few words.
     pub title: &'static str,
-    /// What `abbe explain CODE` prints.
+    /// What `abbe explain CODE` prints: Markdown with an example of wrong and right.
     pub explanation: &'static str,
 }
 
-/// All codes.
-pub const CODES: &[CodeInfo] = &[];
+/// A line of the table; the text is in `explain/CODE.md`.
+macro_rules! code {
+    ($code:literal, $title:literal) => {
+        CodeInfo { code: $code, title: $title, explanation: include_str!(concat!("explain/", $code, ".md")) }
+    };
+}
+
+/// All codes, by stage.
+pub const CODES: &[CodeInfo] = &[
+    code!("E0101", "a file cannot be read"),
+    code!("E0102", "not a file"),
+    code!("E0103", "a file is too large"),
+    code!("E0104", "a file is not UTF-8"),
+    code!("E0105", "the file is not YAML"),
+    code!("E0106", "the file is beyond all measure"),
+    code!("E0107", "a key stands twice"),
+    code!("E0108", "YAML that is not part of the language"),
+    code!("E0109", "the file holds no machine"),
+    code!("E0110", "the header of a table is not understood"),
+    code!("E0111", "a cell is not a number"),
+    code!("E0112", "a row has too many or too few cells"),
+    code!("E0113", "positions do not rise"),
+    code!("E0114", "a column is missing"),
+    code!("E0201", "unknown key"),
+    code!("E0202", "a value does not have the right form"),
+    code!("E0203", "something is missing"),
+    code!("E0204", "a unit is missing"),
+    code!("E0205", "the unit is of the wrong kind"),
+    code!("E0206", "not a quantity"),
+    code!("E0207", "a point has three coordinates"),
+    code!("E0208", "`extends` does not end"),
+    code!("E0209", "entries exclude each other"),
+    code!("E0210", "not one of the choices"),
+    code!("E0211", "another version of the language"),
+    code!("E0212", "a name is refused"),
+    code!("E0213", "a length or position is not plausible"),
+    code!("E0214", "the volume is refused"),
+    code!("E0215", "a word of `algebra` or `identify` is refused"),
+    code!("E0301", "the chain is not understood"),
+    code!("E0302", "the chain does not run from workpiece to tool"),
+    code!("E0303", "an axis of the chain is not declared"),
+    code!("E0304", "an axis stands twice"),
+    code!("E0305", "a prime on the wrong side"),
+    code!("E0306", "not the name of an axis"),
+    code!("E0401", "an axis needs its kind or direction"),
+    code!("E0402", "a direction is refused"),
+    code!("E0403", "a travel or interval is refused"),
+    code!("E0405", "not the name of an error"),
+    code!("E0406", "an error of an axis that is not declared"),
+    code!("E0407", "an error is given twice"),
+    code!("E0408", "this form does not fit this error"),
+    code!("E0409", "a table does not cover the travel"),
+    code!("E0410", "points are not a curve"),
+    code!("E0411", "a tolerance is negative"),
+    code!("E0412", "an error is not plausible"),
+    code!("W0201", "no version of the language"),
+    code!("W0401", "an axis is left out"),
+    code!("W0402", "a location error cannot act"),
+    code!("W0403", "a curve repeats a location error"),
+    code!("E0801", "the machine has no such tool"),
+    code!("E0802", "poses are not understood"),
+    code!("E0803", "an error is not known at a pose"),
+    code!("W0801", "poses beyond the travel"),
+];
 
 /// What is known of a code.
 pub fn info(code: &str) -> Option<&'static CodeInfo> {

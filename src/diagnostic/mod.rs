@@ -6,10 +6,13 @@
 
 mod codes;
 mod render;
+mod shown;
 mod suggest;
 
 pub use codes::{CODES, CodeInfo, info};
 pub use render::{Rendering, render, summary};
+pub(crate) use shown::is_layout;
+pub use shown::shown;
 pub use suggest::{did_you_mean, nearest};
 
 use std::ops::Range;
@@ -102,6 +105,11 @@ impl Sources {
     /// Text of a file.
     pub fn text(&self, id: SourceId) -> &str {
         self.0.get(id.0).map_or("", |s| &s.1)
+    }
+
+    /// Name and text of every file, in the order read.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.0.iter().map(|(name, text)| (name.as_str(), text.as_str()))
     }
 
     /// 1-based line and column (in characters) of a place's start.

@@ -1,9 +1,14 @@
 //! Evaluation: what a machine does at a pose, compared with what it should do.
 //!
 //! A [`Field`] is anything that has a deviation at a pose: a bare machine, or a compensated one.
+//! [`Poses`] say where to look, [`Statistics`] what it comes to over all of them.
 
 mod deviation;
 mod field;
+mod poses;
+mod statistics;
 
 pub use deviation::{Deviation, Evaluation, Frame, MAX_DUAL_ORDER, Order, command_deviation, evaluate};
 pub use field::{Bare, Field, commanded_deviation, error_by_error};
+pub use poses::{Nodes, Poses, Random, random_poses};
+pub use statistics::{Difference, Statistics, Summary, worst};

@@ -6,7 +6,7 @@ use super::forms::{Forms, forms};
 use super::places::{Keys, Places, below, keys};
 use super::scalar::Scalar;
 use super::term::TermEntry;
-use crate::diagnostic::{Diagnostic, Diagnostics, did_you_mean};
+use crate::diagnostic::{Diagnostic, Diagnostics, did_you_mean, shown};
 use indexmap::IndexMap;
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
@@ -192,8 +192,23 @@ pub struct IdentifyEntry {
 
 /// Top-level keys.
 pub const SECTIONS: [&str; 17] = [
-    "abbe", "machine", "chain", "branches", "axes", "tool", "tools", "workpiece", "conventions", "errors", "measured",
-    "volume", "extends", "provenance", "setup", "algebra", "identify",
+    "abbe",
+    "machine",
+    "chain",
+    "branches",
+    "axes",
+    "tool",
+    "tools",
+    "workpiece",
+    "conventions",
+    "errors",
+    "measured",
+    "volume",
+    "extends",
+    "provenance",
+    "setup",
+    "algebra",
+    "identify",
 ];
 
 /// Takes sections out of the merged tree.
@@ -235,7 +250,7 @@ impl Reader<'_> {
 
     fn unknown(&mut self) {
         for key in self.map.keys().filter_map(Value::as_str) {
-            let refusal = Diagnostic::new("E0201", format!("unknown key `{}`", super::read::clean(key)));
+            let refusal = Diagnostic::new("E0201", format!("unknown key `{}`", shown(key)));
             let refusal = refusal.at(self.places.key(&keys([key])), "").help(did_you_mean(key, &SECTIONS));
             self.diagnostics.push(refusal);
         }

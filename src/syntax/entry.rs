@@ -2,8 +2,7 @@
 //! that part is reported, cut out, and the rest is tried again, so that all of it is found.
 
 use super::places::{Keys, Places};
-use super::read::clean;
-use crate::diagnostic::{Diagnostic, Diagnostics, did_you_mean};
+use crate::diagnostic::{Diagnostic, Diagnostics, did_you_mean, shown};
 use serde::de::DeserializeOwned;
 use serde_path_to_error::Segment;
 use serde_yaml::Value;
@@ -25,10 +24,8 @@ pub fn entry<T: DeserializeOwned>(
         };
         let mut path: Keys = failure.path().iter().filter_map(segment).collect();
         let message = failure.inner().to_string();
-        if let Some(key) = unknown_field(&message) {
-            if path.last().map(String::as_str) != Some(key) {
-                path.push(key.to_owned());
-            }
+        if let Some(key) = unknown_field(&message).filter(|key| path.last().map(String::as_str) != Some(*key)) {
+            path.push(key.to_owned());
         }
         let keys: Keys = at.iter().chain(&path).cloned().collect();
         diagnostics.push(explain(&message, &keys, places));
@@ -67,11 +64,13 @@ fn explain(message: &str, keys: &Keys, places: &Places) -> Diagnostic {
     let owner = keys.len().checked_sub(2).map(|n| format!(" in `{}`", keys[..=n].join("."))).unwrap_or_default();
     if unknown_field(message).is_some() {
         let help = did_you_mean(name, &candidates(message));
-        return Diagnostic::new("E0201", format!("unknown key `{}`{owner}", clean(name))).at(places.key(keys), "").help(help);
+        return Diagnostic::new("E0201", format!("unknown key `{}`{owner}", shown(name)))
+            .at(places.key(keys), "")
+            .help(help);
     }
     if let Some(word) = quoted_after(message, "unknown variant ") {
         let help = did_you_mean(word, &candidates(message));
-        return Diagnostic::new("E0210", format!("`{}` is not a choice for `{name}`", clean(word)))
+        return Diagnostic::new("E0210", format!("`{}` is not a choice for `{name}`", shown(word)))
             .at(places.value(keys), "")
             .help(help);
     }
@@ -81,8 +80,8 @@ fn explain(message: &str, keys: &Keys, places: &Places) -> Diagnostic {
     };
     let found = found.trim_start_matches("invalid type: ").trim_start_matches("invalid value: ");
     let found = found.replace("sequence", "a list").replace("map", "a mapping").replace("string", "the text");
-    Diagnostic::new("E0202", format!("`{}` does not have the right form", clean(&keys.join("."))))
-        .at(places.value(keys), format!("this is {}", clean(&found)))
+    Diagnostic::new("E0202", format!("`{}` does not have the right form", shown(&keys.join("."))))
+        .at(places.value(keys), format!("this is {}", shown(&found)))
         .help(format!("write {}", expected.replace("a sequence", "a list").replace("a map", "a mapping")))
 }
 

@@ -7,9 +7,9 @@
 use super::files::Files;
 use super::index::index;
 use super::places::{Keys, Places, below, keys};
-use super::read::{clean, read_text};
+use super::read::read_text;
 use super::tree;
-use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, shown};
 use serde_yaml::{Mapping, Value};
 use std::path::{Component, Path, PathBuf};
 
@@ -47,7 +47,8 @@ fn layer(
         Some(Value::String(base)) => own.places.resolve_path(&here, &base),
         Some(_) => {
             let message = "`extends` must be the path of one file";
-            diagnostics.push(Diagnostic::new("E0202", message).at(own.places.value(&here), "").help("extends: base.yaml"));
+            diagnostics
+                .push(Diagnostic::new("E0202", message).at(own.places.value(&here), "").help("extends: base.yaml"));
             return None;
         }
     };
@@ -56,12 +57,13 @@ fn layer(
 }
 
 fn endless(path: &Path, trail: &[PathBuf], tidy: &PathBuf) -> Diagnostic {
-    let file = clean(&path.display().to_string());
+    let file = shown(&path.display().to_string());
     if trail.contains(tidy) {
         Diagnostic::new("E0208", format!("`extends` runs in a circle: `{file}` extends itself in the end"))
             .help("let one of the files stand alone")
     } else {
-        Diagnostic::new("E0208", format!("`extends` goes on for more than {DEPTH} files")).help("merge some of the files")
+        Diagnostic::new("E0208", format!("`extends` goes on for more than {DEPTH} files"))
+            .help("merge some of the files")
     }
 }
 
@@ -95,9 +97,11 @@ fn read_layer(path: &Path, named: Option<Place>, files: &dyn Files, diagnostics:
             None
         }
         Err(failure) => {
-            let at = failure.location().map(|l| Place { source, range: l.index().min(text.len())..l.index().min(text.len()) });
+            let at = failure
+                .location()
+                .map(|l| Place { source, range: l.index().min(text.len())..l.index().min(text.len()) });
             let help = "the text is not YAML here; look for a missing quote, bracket or space after `:`";
-            let message = format!("not YAML: {}", clean(&failure.to_string()));
+            let message = format!("not YAML: {}", shown(&failure.to_string()));
             diagnostics.push(Diagnostic::new("E0105", message).at(at.or_else(start), "").help(help));
             None
         }

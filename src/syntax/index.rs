@@ -77,7 +77,9 @@ impl Indexer<'_> {
                 let at = self.byte(failure.marker().index());
                 let place = Place { source: self.source, range: at..at };
                 let help = "the text is not YAML here; look for a missing quote, bracket or space after `:`";
-                Box::new(Diagnostic::new("E0105", format!("not YAML: {}", failure.info())).at(Some(place), "").help(help))
+                Box::new(
+                    Diagnostic::new("E0105", format!("not YAML: {}", failure.info())).at(Some(place), "").help(help),
+                )
             })?;
             self.event(event, self.range(span))?;
         }
@@ -235,7 +237,9 @@ fn tagless(tag: Option<Cow<'_, Tag>>, place: &Place) -> Result<(), Refused> {
 }
 
 fn unsupported(what: &str, place: Place, help: &str) -> Refused {
-    Box::new(Diagnostic::new("E0108", format!("{what} is not part of the machine language")).at(Some(place), "").help(help))
+    Box::new(
+        Diagnostic::new("E0108", format!("{what} is not part of the machine language")).at(Some(place), "").help(help),
+    )
 }
 
 fn limit(what: String, place: Place) -> Refused {

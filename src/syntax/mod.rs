@@ -21,8 +21,8 @@ pub use document::{
     ToolEntry, TravelEntry, VolumeAxis, WorkpieceEntry,
 };
 pub use files::{Files, ReadFailure};
-pub use read::read_text;
 pub use places::{Keys, Places, Spot, below, keys};
+pub use read::read_text;
 pub use scalar::Scalar;
 pub use table::{Column, ColumnDirection, Table, read_table};
 pub use term::{CurveEntry, TermEntry};

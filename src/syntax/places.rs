@@ -44,6 +44,11 @@ impl Places {
         from.is_some_and(|k| k.starts_with(keys)) || (1..keys.len()).any(|n| self.marred.contains(&keys[..n]))
     }
 
+    /// Is there an entry?
+    pub fn has(&self, keys: &[String]) -> bool {
+        self.spots.contains_key(keys)
+    }
+
     /// The entry, or else the nearest that contains it.
     fn nearest(&self, keys: &[String]) -> Option<&Spot> {
         (0..=keys.len()).rev().find_map(|n| self.spots.get(&keys[..n]))

@@ -1,7 +1,7 @@
 //! Bytes to text: refusals of the file itself.
 
 use super::files::{Files, ReadFailure};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, shown};
 use std::path::Path;
 
 /// Reads a file as UTF-8 text without its byte order mark and keeps it among the sources.
@@ -15,7 +15,7 @@ pub fn read_text(
     match files.read(path) {
         Ok(bytes) => {
             let text = decode(path, bytes, named, diagnostics)?;
-            Some((diagnostics.sources.add(path.display().to_string(), text.clone()), text))
+            Some((diagnostics.sources.add(shown(&path.display().to_string()), text.clone()), text))
         }
         Err(failure) => {
             diagnostics.push(unreadable(path, &failure).at(named, ""));
@@ -25,7 +25,7 @@ pub fn read_text(
 }
 
 fn unreadable(path: &Path, failure: &ReadFailure) -> Diagnostic {
-    let file = format!("`{}`", clean(&path.display().to_string()));
+    let file = format!("`{}`", shown(&path.display().to_string()));
     match failure {
         ReadFailure::NotFound => Diagnostic::new("E0101", format!("there is no file {file}"))
             .help("paths are relative to the file that names them"),
@@ -40,14 +40,9 @@ fn unreadable(path: &Path, failure: &ReadFailure) -> Diagnostic {
             Diagnostic::new("E0103", format!("{file} has {} MB; the limit is {} MB", mb(size), mb(limit)))
                 .help("thin the table out: 100000 rows are the most that is read")
         }
-        ReadFailure::Other(words) => Diagnostic::new("E0101", format!("{file} cannot be read: {}", clean(words)))
+        ReadFailure::Other(words) => Diagnostic::new("E0101", format!("{file} cannot be read: {}", shown(words)))
             .help("check the path and the medium"),
     }
-}
-
-/// Control characters never reach the terminal through a message.
-pub fn clean(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
 fn decode(path: &Path, bytes: Vec<u8>, named: Option<Place>, diagnostics: &mut Diagnostics) -> Option<String> {
@@ -58,7 +53,7 @@ fn decode(path: &Path, bytes: Vec<u8>, named: Option<Place>, diagnostics: &mut D
             let at = failure.utf8_error().valid_up_to();
             let line = failure.as_bytes()[..at].iter().filter(|b| **b == b'\n').count() + 1;
             let found = if utf16 { "is UTF-16".to_owned() } else { format!("is not UTF-8 (line {line})") };
-            let message = format!("`{}` {found}", clean(&path.display().to_string()));
+            let message = format!("`{}` {found}", shown(&path.display().to_string()));
             let encoding = if utf16 { "UTF-16" } else { "ISO-8859-1" };
             let help = format!("save it as UTF-8, for example: iconv -f {encoding} -t UTF-8 old > new");
             diagnostics.push(Diagnostic::new("E0104", message).at(named, "").help(help));

@@ -4,8 +4,8 @@
 //! comment line; byte order mark, CRLF and blank lines are fine. Nothing else is.
 
 use super::files::Files;
-use super::read::{clean, read_text};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId};
+use super::read::read_text;
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, shown};
 use crate::units::{self, Dimension, Failure};
 use std::ops::Range;
 use std::path::Path;
@@ -89,11 +89,16 @@ impl TableReader<'_> {
         let columns: Vec<Option<Column>> =
             cells(self.text, header.clone(), separator).into_iter().map(|cell| self.column(cell)).collect();
         if body.is_empty() {
-            self.refuse("E0113", "the table has no rows", header.clone(), "add one position a line below the header");
+            self.refuse("E0110", "the table has no rows", header.clone(), "add one position a line below the header");
         }
         if body.len() > ROWS {
             let help = "thin it out, or split the measurement";
-            self.refuse("E0103", format!("the table has {} rows; the limit is {ROWS}", body.len()), body[ROWS].clone(), help);
+            self.refuse(
+                "E0103",
+                format!("the table has {} rows; the limit is {ROWS}", body.len()),
+                body[ROWS].clone(),
+                help,
+            );
             return None;
         }
         let mut columns: Vec<Column> = columns.into_iter().collect::<Option<_>>()?;
@@ -114,8 +119,16 @@ impl TableReader<'_> {
         }
         let Some(unit) = unit else {
             let looks = units::number(name).is_ok();
-            let message = if looks { "the table has no header".to_owned() } else { format!("column `{}` has no unit", clean(name)) };
-            let help = if looks { "put a line such as `X [mm], EXX [um]` before it" } else { "write it as `EXX [um]`; positions as `X [mm]` or `C [deg]`" };
+            let message = if looks {
+                "the table has no header".to_owned()
+            } else {
+                format!("column `{}` has no unit", shown(name))
+            };
+            let help = if looks {
+                "put a line such as `X [mm], EXX [um]` before it"
+            } else {
+                "write it as `EXX [um]`; positions as `X [mm]` or `C [deg]`"
+            };
             self.refuse("E0110", message, cell, help);
             return None;
         };
@@ -128,7 +141,7 @@ impl TableReader<'_> {
                 values: Vec::new(),
             }),
             Err(_) => {
-                let message = format!("unknown unit `{}` of column `{}`", clean(unit), clean(name));
+                let message = format!("unknown unit `{}` of column `{}`", shown(unit), shown(name));
                 self.refuse("E0206", message, cell, "lengths: nm um mm m in; angles: urad mrad rad arcsec deg");
                 None
             }
@@ -176,7 +189,11 @@ impl TableReader<'_> {
             _ => "write a plain number; the unit stands in the header",
         };
         let text = &self.text[cell.clone()];
-        let message = if text.is_empty() { format!("column `{}` is empty here", clean(column)) } else { clean(&failure.to_string()) };
+        let message = if text.is_empty() {
+            format!("column `{}` is empty here", shown(column))
+        } else {
+            shown(&failure.to_string())
+        };
         self.refuse("E0111", message, cell, help);
     }
 
@@ -184,7 +201,7 @@ impl TableReader<'_> {
         for (i, column) in columns.iter().enumerate() {
             let same = |c: &&Column| c.name == column.name && c.direction == column.direction;
             if let Some(first) = columns[..i].iter().find(same) {
-                let message = format!("the column `{}` stands here twice", clean(&column.name));
+                let message = format!("the column `{}` stands here twice", shown(&column.name));
                 self.diagnostics.push(
                     Diagnostic::new("E0107", message)
                         .at(Some(column.place.clone()), "again here")

@@ -100,4 +100,3 @@ impl<'de> Deserialize<'de> for TermEntry {
         forms(deserializer)
     }
 }
-

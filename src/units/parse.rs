@@ -33,10 +33,6 @@ impl std::fmt::Display for Failure {
 pub fn number(text: &str) -> Result<f64, Failure> {
     let trimmed = text.trim();
     let own = || trimmed.to_owned();
-    let lower = trimmed.to_ascii_lowercase();
-    if lower.contains("inf") || lower.contains("nan") {
-        return Err(Failure::NotFinite(own()));
-    }
     match trimmed.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         Ok(_) => Err(Failure::NotFinite(own())),
@@ -50,17 +46,19 @@ pub fn quantity(text: &str) -> Result<Quantity, Failure> {
     let trimmed = text.trim();
     let split = number_end(trimmed);
     let value = number(&trimmed[..split]).map_err(|failure| match failure {
-        Failure::NotANumber(_) => number(trimmed).err().unwrap_or(Failure::NotANumber(trimmed.to_owned())),
+        // `nan um` and `inf` are numbers to the eye: say what is wrong with them.
+        Failure::NotANumber(_) => match number(trimmed.split_whitespace().next().unwrap_or_default()) {
+            Err(failure @ Failure::NotFinite(_)) => failure,
+            _ => Failure::NotANumber(trimmed.to_owned()),
+        },
         other => other,
     })?;
     let rest = trimmed[split..].trim();
     if rest.is_empty() {
         return Err(Failure::NoUnit(trimmed.to_owned()));
     }
-    if let Some(divisor) = rest.strip_prefix('/').map(str::trim) {
-        if let Ok(divisor) = number(divisor) {
-            return ratio(value, divisor, trimmed);
-        }
+    if let Some(Ok(divisor)) = rest.strip_prefix('/').map(number) {
+        return ratio(value, divisor, trimmed);
     }
     let (factor, dimension) = unit(rest)?;
     finite(value * factor, dimension, trimmed)

@@ -1,6 +1,16 @@
 //! Integration tests.
 
+// A test that panics is a test that fails: nothing to be careful about.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 mod compare;
 mod configs;
+mod eval_exact;
+mod eval_order;
+mod golden_signs;
 mod language;
+mod linuxcnc_kinematics;
+mod oracle;
+mod paper_2015;
+mod published;
 mod show;

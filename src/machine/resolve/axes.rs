@@ -1,7 +1,7 @@
 //! Axes: kind, direction, origin, travel.
 
-use super::context::Context;
-use crate::diagnostic::did_you_mean;
+use super::context::{Context, dotted};
+use crate::diagnostic::{did_you_mean, shown};
 use crate::machine::{AxisKind, AxisName, Sense, Travel};
 use crate::syntax::{AxisEntry, Keys, Scalar, TravelEntry, below, keys};
 
@@ -26,7 +26,7 @@ fn axis(context: &mut Context<'_>, name: &str, entry: Option<&AxisEntry>) -> Opt
     let at = keys(["axes", name]);
     let Some(name) = AxisName::new(name) else {
         let help = "a name is a capital letter, then up to seven capitals or digits: X, C1, J6";
-        context.at_key("E0306", &at, format!("`{}` is not the name of an axis", Context::shown(name)), help);
+        context.at_key("E0306", &at, format!("`{}` is not the name of an axis", shown(name)), help);
         return None;
     };
     let unknown = Declared { name: name.clone(), kind: None, direction: None, origin: None, travel: None, sense: None };
@@ -66,7 +66,7 @@ fn kind(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys
             "rotary" => Some(AxisKind::Rotary),
             _ => {
                 let help = did_you_mean(word, &["linear", "rotary"]);
-                context.at_value("E0210", &here, format!("`{}` is not a kind of axis", Context::shown(word)), help);
+                context.at_value("E0210", &here, format!("`{}` is not a kind of axis", shown(word)), help);
                 None
             }
         };
@@ -91,7 +91,8 @@ fn direction(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: 
         }
         return agrees.map(|d| d.1);
     };
-    let numbers: Vec<f64> = list.iter().filter_map(|s| if let Scalar::Number(n) = s { Some(*n) } else { None }).collect();
+    let numbers: Vec<f64> =
+        list.iter().filter_map(|s| if let Scalar::Number(n) = s { Some(*n) } else { None }).collect();
     let help = "write three plain numbers, not all zero: [0, 1, 1] is 45 deg between Y and Z";
     if list.len() != 3 || numbers.len() != 3 || !numbers.iter().all(|n| n.is_finite()) {
         context.at_value("E0402", &here, format!("the direction of axis `{name}` is not three plain numbers"), help);
@@ -123,8 +124,12 @@ fn travel(context: &mut Context<'_>, name: &AxisName, kind: AxisKind, entry: &Ax
         }
         Some(TravelEntry::Word(word)) if word == "continuous" && kind == AxisKind::Rotary => Some(Travel::Continuous),
         Some(TravelEntry::Word(word)) => {
-            let help = if word == "continuous" { "a linear axis ends somewhere: [0 mm, 500 mm]" } else { "write [min, max] or continuous" };
-            let message = format!("`{}` is not a travel of axis `{name}`", Context::shown(word));
+            let help = if word == "continuous" {
+                "a linear axis ends somewhere: [0 mm, 500 mm]"
+            } else {
+                "write [min, max] or continuous"
+            };
+            let message = format!("`{}` is not a travel of axis `{name}`", shown(word));
             context.at_value("E0403", &here, message, help);
             None
         }
@@ -140,16 +145,20 @@ impl Context<'_> {
     pub fn interval(&mut self, list: &[Scalar], kind: AxisKind, at: &Keys) -> Option<(f64, f64)> {
         let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
         let [min, max] = list else {
-            let message = format!("`{}` has {} numbers, an interval has two", at.join("."), list.len());
+            let message = format!("`{}` has {} numbers, an interval has two", dotted(at), list.len());
             self.at_value("E0403", at, message, format!("write [min, max] in {unit}"));
             return None;
         };
         let (min, max) = (self.position(min, kind, &below(at, 0)), self.position(max, kind, &below(at, 1)));
         let (min, max) = (min?, max?);
         if min >= max {
-            let what = if min == max { "is empty" } else { "runs backwards" };
-            let message = format!("`{}` {what}: from {min} {unit} to {max} {unit}", at.join("."));
-            self.at_value("E0403", at, message, format!("write the smaller end first: [{max}, {min}]").replace(&format!("[{min}, {min}]"), "[min, max]"));
+            let (what, help) = if min == max {
+                ("is empty", format!("write [min, max] with max above min, in {unit}"))
+            } else {
+                ("runs backwards", format!("write the smaller end first: [{max} {unit}, {min} {unit}]"))
+            };
+            let message = format!("`{}` {what}: from {min} {unit} to {max} {unit}", dotted(at));
+            self.at_value("E0403", at, message, help);
             return None;
         }
         Some((min, max))
@@ -161,7 +170,7 @@ impl Context<'_> {
         let value = words.contains(&word).then(|| T::deserialize(serde_yaml::Value::from(word)).ok()).flatten();
         if value.is_none() {
             let help = did_you_mean(word, words);
-            self.at_value("E0210", at, format!("`{}` is not a choice for `{name}`", Self::shown(word)), help);
+            self.at_value("E0210", at, format!("`{}` is not a choice for `{name}`", shown(word)), help);
         }
         value
     }

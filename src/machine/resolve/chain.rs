@@ -1,7 +1,7 @@
 //! The chain: a walk `w C' A' Y' b X Z (S) t` or two lists of branches.
 
 use super::context::Context;
-use crate::diagnostic::{Diagnostic, Place, did_you_mean};
+use crate::diagnostic::{Diagnostic, Place, did_you_mean, shown};
 use crate::machine::{AxisName, Branch, KinematicChain};
 use crate::syntax::{Keys, below, keys};
 
@@ -123,7 +123,8 @@ fn link(context: &mut Context<'_>, token: &Token, side: Option<Branch>, may_be_s
     let branch = side.unwrap_or(if primed { Branch::Workpiece } else { Branch::Tool });
     if primed && branch == Branch::Tool {
         let message = format!("primed axis `{}` stands on the tool side of the bed", token.text);
-        let help = format!("write `{name}`, or move it between `w` and `b`: a prime marks axes that carry the workpiece");
+        let help =
+            format!("write `{name}`, or move it between `w` and `b`: a prime marks axes that carry the workpiece");
         context.diagnostics.push(Diagnostic::new("E0305", message).at(token.place.clone(), "").help(help));
         return;
     }
@@ -131,7 +132,7 @@ fn link(context: &mut Context<'_>, token: &Token, side: Option<Branch>, may_be_s
 }
 
 fn refuse_name(context: &mut Context<'_>, token: &Token) {
-    let message = format!("`{}` is not the name of an axis", Context::shown(&token.text));
+    let message = format!("`{}` is not the name of an axis", shown(&token.text));
     let help = "a name is a capital letter, then up to seven capitals or digits: X, C1, J6";
     context.diagnostics.push(Diagnostic::new("E0301", message).at(token.place.clone(), "").help(help));
 }

@@ -1,7 +1,7 @@
 //! What every pass of resolution works with: the document, the way to files, the diagnostics.
 
-use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::syntax::{Document, Files, Keys, Table, read_table};
+use crate::diagnostic::{Diagnostic, Diagnostics, shown};
+use crate::syntax::{Document, Files, Keys, Table, below, read_table};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -32,6 +32,12 @@ impl<'a> Context<'a> {
         self.diagnostics.push(Diagnostic::new(code, message).at(place, "").help(help));
     }
 
+    /// Where the value of an entry stands that may be short, `12 um`, or long, `{ value: 12 um }`.
+    pub fn value_of(&self, at: &Keys) -> Keys {
+        let long = below(at, "value");
+        if self.document.places.has(&long) { long } else { at.clone() }
+    }
+
     /// The table that an entry names.
     pub fn table(&mut self, at: &Keys, written: &str) -> Option<Rc<Table>> {
         let path = self.document.places.resolve_path(at, written);
@@ -43,10 +49,9 @@ impl<'a> Context<'a> {
         self.tables.insert(path, table.clone());
         table
     }
+}
 
-    /// Words in a message or a name: control characters do not reach the terminal.
-    pub fn shown(text: &str) -> String {
-        let clean: String = text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
-        if clean.chars().count() > 80 { clean.chars().take(80).chain(['…']).collect() } else { clean }
-    }
+/// An entry's path as people write it.
+pub fn dotted(at: &[String]) -> String {
+    shown(&at.join("."))
 }

@@ -3,9 +3,9 @@
 use super::axes::Declared;
 use super::context::Context;
 use super::names::readings;
-use crate::diagnostic::{Diagnostic, Place, did_you_mean};
+use crate::diagnostic::{Diagnostic, Place, did_you_mean, shown};
 use crate::machine::{AxisKind, ComponentError, Curve, ErrorId, Knots, KnotsFailure, Travel};
-use crate::syntax::{Column, ColumnDirection, CurveEntry, Keys, Scalar, Table, below};
+use crate::syntax::{Column, ColumnDirection, CurveEntry, Keys, Scalar, Table, below, keys};
 use crate::units::Dimension;
 use std::rc::Rc;
 
@@ -68,7 +68,7 @@ fn cubic(context: &mut Context<'_>, entry: &CurveEntry, at: &Keys) -> Option<boo
         Some("cubic") => Some(true),
         Some(other) => {
             let help = did_you_mean(other, &["linear", "cubic"]);
-            let message = format!("`{}` is not a choice for `interpolation`", Context::shown(other));
+            let message = format!("`{}` is not a choice for `interpolation`", shown(other));
             context.at_value("E0210", &below(at, "interpolation"), message, help);
             None
         }
@@ -90,8 +90,7 @@ fn curve(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry, at: &K
     if let Some(orders) = &entry.harmonics {
         return harmonics(context, of, orders, &below(at, "harmonics"));
     }
-    let here = if context.document.places.value(&below(at, "value")) == context.document.places.value(at) { at.clone() } else { below(at, "value") };
-    let value = context.error_value(entry.value.as_ref()?, of.error.direction, &here)? * of.sign();
+    let value = context.error_value(entry.value.as_ref()?, of.error.direction, &context.value_of(at))? * of.sign();
     Some(if of.continuous() { Curve::Harmonics(vec![(value, 0.0)]) } else { Curve::Polynomial(vec![value]) })
 }
 
@@ -139,16 +138,27 @@ fn harmonics(
         }
     }
     if list.is_empty() && whole {
-        context.at_value("E0408", at, "no harmonics are given", "write { 1: [2 urad, -1 urad] }: cosine and sine by order");
+        context.at_value(
+            "E0408",
+            at,
+            "no harmonics are given",
+            "write { 1: [2 urad, -1 urad] }: cosine and sine by order",
+        );
         return None;
     }
     whole.then_some(Curve::Harmonics(list))
 }
 
-fn harmonic(context: &mut Context<'_>, of: &CurveOf<'_>, key: &str, pair: &[Scalar], at: &Keys) -> Option<(usize, (f64, f64))> {
+fn harmonic(
+    context: &mut Context<'_>,
+    of: &CurveOf<'_>,
+    key: &str,
+    pair: &[Scalar],
+    at: &Keys,
+) -> Option<(usize, (f64, f64))> {
     let order = key.parse::<usize>().ok().filter(|order| *order <= ORDERS);
     let (Some(order), [cosine, sine]) = (order, pair) else {
-        let message = format!("`{}` is not a harmonic", Context::shown(key));
+        let message = format!("`{}` is not a harmonic", shown(key));
         context.at_key("E0408", at, message, format!("write ORDER: [cosine, sine], orders 0 to {ORDERS}"));
         return None;
     };
@@ -156,13 +166,24 @@ fn harmonic(context: &mut Context<'_>, of: &CurveOf<'_>, key: &str, pair: &[Scal
     let sine = context.error_value(sine, of.error.direction, &below(at, 1));
     let (cosine, sine) = (cosine? * of.sign(), sine? * of.sign());
     if order == 0 && sine != 0.0 {
-        context.at_value("E0408", &below(at, 1), "the sine of order 0 is not zero", "order 0 is the constant: [1 urad, 0 urad]");
+        context.at_value(
+            "E0408",
+            &below(at, 1),
+            "the sine of order 0 is not zero",
+            "order 0 is the constant: [1 urad, 0 urad]",
+        );
         return None;
     }
     Some((order, (cosine, sine)))
 }
 
-fn from_points(context: &mut Context<'_>, of: &CurveOf<'_>, points: &[Vec<Scalar>], cubic: bool, at: &Keys) -> Option<Curve> {
+fn from_points(
+    context: &mut Context<'_>,
+    of: &CurveOf<'_>,
+    points: &[Vec<Scalar>],
+    cubic: bool,
+    at: &Keys,
+) -> Option<Curve> {
     let mut pairs = Vec::new();
     for (i, point) in points.iter().enumerate() {
         let here = below(at, i);
@@ -205,7 +226,8 @@ pub fn from_table(
             None
         }
         (Some(both), Some(other), _) | (Some(both), _, Some(other)) => {
-            let refusal = Diagnostic::new("E0407", format!("the table gives `{}` with and without direction", of.error));
+            let refusal =
+                Diagnostic::new("E0407", format!("the table gives `{}` with and without direction", of.error));
             let refusal = refusal.at(Some(other.place.clone()), "").at(Some(both.place.clone()), "also given here");
             context.diagnostics.push(refusal.help("keep either the one column or the pair `+` and `-`"));
             None
@@ -236,9 +258,10 @@ fn missing(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: Op
 fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: &Option<Place>) -> Option<Vec<f64>> {
     let first = table.columns.first()?;
     if first.name != of.error.axis.as_str() {
-        let message = format!("the table's first column is `{}`, not the axis `{}`", Context::shown(&first.name), of.error.axis);
+        let message = format!("the table's first column is `{}`, not the axis `{}`", shown(&first.name), of.error.axis);
         let help = format!("`{}` is a function of the position of `{}`", of.error, of.error.axis);
-        let refusal = Diagnostic::new("E0114", message).at(Some(first.place.clone()), "").at(named.clone(), "named here");
+        let refusal =
+            Diagnostic::new("E0114", message).at(Some(first.place.clone()), "").at(named.clone(), "named here");
         context.diagnostics.push(refusal.help(help));
         return None;
     }
@@ -248,13 +271,21 @@ fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: 
     };
     let (written, factor, dimension) = &first.unit;
     if *dimension != wanted {
-        let message = format!("the positions of axis `{}` are in `{}`", of.error.axis, Context::shown(written));
+        let message = format!("the positions of axis `{}` are in `{}`", of.error.axis, shown(written));
         let refusal = Diagnostic::new("E0205", message).at(Some(first.place.clone()), "");
         context.diagnostics.push(refusal.help(format!("they must be in {unit}")));
         return None;
     }
     let degrees = matches!(written.as_str(), "deg" | "°");
-    let scale = |v: &f64| if degrees { *v } else if of.kind == AxisKind::Rotary { (v * factor).to_degrees() } else { v * factor };
+    let scale = |v: &f64| {
+        if degrees {
+            *v
+        } else if of.kind == AxisKind::Rotary {
+            (v * factor).to_degrees()
+        } else {
+            v * factor
+        }
+    };
     Some(first.values.iter().map(scale).collect())
 }
 
@@ -268,10 +299,14 @@ fn from_column(
 ) -> Option<Curve> {
     let (written, factor, dimension) = &column.unit;
     let rotation = of.error.direction.is_rotation();
-    let fits = if rotation { [Dimension::ANGLE, Dimension::RATIO].contains(dimension) } else { *dimension == Dimension::LENGTH };
+    let fits = if rotation {
+        [Dimension::ANGLE, Dimension::RATIO].contains(dimension)
+    } else {
+        *dimension == Dimension::LENGTH
+    };
     if !fits {
         let wanted = if rotation { "an angle" } else { "a length" };
-        let message = format!("`{}` is in `{}`, but {wanted} belongs here", of.error, Context::shown(written));
+        let message = format!("`{}` is in `{}`, but {wanted} belongs here", of.error, shown(written));
         let help = if rotation { "write [urad] or [arcsec]" } else { "write [um] or [mm]" };
         context.diagnostics.push(Diagnostic::new("E0205", message).at(Some(column.place.clone()), "").help(help));
         return None;
@@ -316,9 +351,11 @@ fn explain(
     let name = of.error;
     match failure {
         KnotsFailure::Empty => (format!("`{name}` has no points"), None, "write at least one [position, value]"),
-        KnotsFailure::NotIncreasing(i) => {
-            (format!("the positions of `{name}` do not rise here"), row(*i), "sort the points by position, each position once")
-        }
+        KnotsFailure::NotIncreasing(i) => (
+            format!("the positions of `{name}` do not rise here"),
+            row(*i),
+            "sort the points by position, each position once",
+        ),
         KnotsFailure::NotOnePeriod => (
             format!("`{name}` goes from {} to {} deg, which is not one turn", first.0, last.0),
             row(pairs.len().saturating_sub(1)),
@@ -344,7 +381,7 @@ fn covers(context: &mut Context<'_>, of: &CurveOf<'_>, knots: &Knots, place: Opt
         "`{}` is given from {first} to {last} {unit}, but axis `{}` travels from {min} to {max} {unit}",
         of.error, of.error.axis
     );
-    let travel = context.document.places.value(&vec!["axes".to_owned(), of.error.axis.to_string(), "travel".to_owned()]);
+    let travel = context.document.places.value(&keys(["axes", of.error.axis.as_str(), "travel"]));
     let refusal = Diagnostic::new("E0409", message).at(place, "").at(travel, "the travel");
     context.diagnostics.push(refusal.help("measure the rest or shorten the travel; nothing is extrapolated"));
     None

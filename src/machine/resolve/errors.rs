@@ -1,10 +1,10 @@
 //! Error terms: names, their axes, one place each, plausible size.
 
-use super::axes::Declared;
-use super::context::Context;
+use super::context::{Context, dotted};
 use super::curves::{CurveOf, component, from_table, one_way};
 use super::names::{Spelling, readings};
-use crate::diagnostic::{Diagnostic, Place, did_you_mean};
+use super::uses::Known;
+use crate::diagnostic::{Diagnostic, Place, did_you_mean, shown};
 use crate::machine::{AxisKind, AxisName, ComponentError, Direction, ErrorId, ErrorTerm, JointErrors, KinematicChain};
 use crate::syntax::{ColumnDirection, CurveEntry, Keys, TermEntry, below, keys};
 use std::collections::BTreeMap;
@@ -25,53 +25,55 @@ impl Errors {
         let joint = self.joints.entry(error.axis.clone()).or_default();
         joint.six_mut(error.location)[error.direction.index()] = term;
     }
+
+    /// By joint in the order of the walk, then the spindle's; those of other axes stay behind.
+    pub fn in_order(&mut self, chain: &KinematicChain) -> Vec<JointErrors> {
+        let names = chain.walk().into_iter().map(|(name, _)| name).chain(chain.spindle());
+        names.map(|name| self.joints.remove(name).unwrap_or_default()).collect()
+    }
 }
 
 /// All error terms of the file and its tables.
-pub fn errors(context: &mut Context<'_>, declared: &[Declared], spindle: Option<&AxisName>) -> Errors {
+pub fn errors(context: &mut Context<'_>, known: &Known<'_>) -> Errors {
     let document = context.document;
     let mut errors = Errors::default();
     for (name, entry) in &document.errors {
         let at = keys(["errors", name]);
         let place = document.places.key(&at);
-        let Some(spelling) = named(context, name, declared, spindle, place.clone()) else { continue };
+        let Some(spelling) = named(context, name, known, place.clone()) else { continue };
         if !once(context, &mut errors, &spelling.error, place) {
             continue;
         }
         if let Some(entry) = entry {
-            let term = term(context, &spelling, entry, declared, &at);
+            let term = term(context, &spelling, entry, known, &at);
             errors.put(&spelling.error, term);
         }
     }
     for (i, path) in document.measured.iter().enumerate() {
-        measured(context, &mut errors, &below(&keys(["measured"]), i), path, declared, spindle);
+        measured(context, &mut errors, &below(&keys(["measured"]), i), path, known);
     }
     errors
 }
 
 /// The error that a name means, if its axis (or spindle) is there.
-fn named(
-    context: &mut Context<'_>,
-    name: &str,
-    declared: &[Declared],
-    spindle: Option<&AxisName>,
-    place: Option<Place>,
-) -> Option<Spelling> {
+pub fn named(context: &mut Context<'_>, name: &str, known: &Known<'_>, place: Option<Place>) -> Option<Spelling> {
     let readings = readings(name);
-    let known = |axis: &AxisName| declared.iter().any(|d| d.name == *axis) || spindle == Some(axis);
-    if let Some(reading) = readings.iter().find(|r| known(&r.error.axis)) {
+    let there = |axis: &AxisName| known.axis(axis).is_some() || known.spindle == Some(axis);
+    if let Some(reading) = readings.iter().find(|r| there(&r.error.axis)) {
         return Some(reading.clone());
     }
-    let axes: Vec<&str> = declared.iter().map(|d| d.name.as_str()).chain(spindle.map(AxisName::as_str)).collect();
+    let spindle = known.spindle.map(AxisName::as_str);
+    let axes: Vec<&str> = known.declared.iter().map(|d| d.name.as_str()).chain(spindle).collect();
     let refusal = match readings.first() {
         Some(reading) => {
             let axis = &reading.error.axis;
             let help = format!("{}, or declare the axis", did_you_mean(axis.as_str(), &axes));
-            Diagnostic::new("E0406", format!("`{}` is an error of axis `{axis}`, which is not declared", Context::shown(name))).help(help)
+            Diagnostic::new("E0406", format!("`{}` is an error of axis `{axis}`, which is not declared", shown(name)))
+                .help(help)
         }
         None => {
             let help = "E, direction (X Y Z A B C), axis: `EXX`; location errors with a zero: `EC0Y`";
-            Diagnostic::new("E0405", format!("`{}` is not the name of an error", Context::shown(name))).help(help)
+            Diagnostic::new("E0405", format!("`{}` is not the name of an error", shown(name))).help(help)
         }
     };
     context.diagnostics.push(refusal.at(place, ""));
@@ -95,7 +97,8 @@ fn once(context: &mut Context<'_>, errors: &mut Errors, error: &ErrorId, place: 
 /// Forms that exclude each other, as (key, is it there).
 fn forms(entry: &TermEntry) -> Vec<&'static str> {
     let curve = curve_forms(&entry.curve());
-    let ways = [("forward", entry.forward.is_some() || entry.reverse.is_some()), ("tolerance", entry.tolerance.is_some())];
+    let ways =
+        [("forward", entry.forward.is_some() || entry.reverse.is_some()), ("tolerance", entry.tolerance.is_some())];
     curve.into_iter().chain(ways.into_iter().filter(|f| f.1).map(|f| f.0)).collect()
 }
 
@@ -117,12 +120,12 @@ fn one_form(context: &mut Context<'_>, forms: &[&str], at: &Keys) -> bool {
         [] => {
             if !context.document.places.is_marred(at) {
                 let help = "write a value such as `12 um`, or one of table, points, polynomial, harmonics, tolerance";
-                context.at_key("E0203", at, format!("`{}` says nothing", at.join(".")), help);
+                context.at_key("E0203", at, format!("`{}` says nothing", dotted(at)), help);
             }
             false
         }
         [first, second, ..] => {
-            let message = format!("`{first}` and `{second}` of `{}` exclude each other", at.join("."));
+            let message = format!("`{first}` and `{second}` of `{}` exclude each other", dotted(at));
             context.at_key("E0209", &below(at, second), message, "keep one of them");
             false
         }
@@ -133,7 +136,7 @@ fn term(
     context: &mut Context<'_>,
     spelling: &Spelling,
     entry: &TermEntry,
-    declared: &[Declared],
+    known: &Known<'_>,
     at: &Keys,
 ) -> Option<ErrorTerm> {
     let forms = forms(entry);
@@ -145,7 +148,12 @@ fn term(
         let here = below(at, "tolerance");
         let value = context.error_value(scalar, error.direction, &here)?;
         if value < 0.0 {
-            context.at_value("E0411", &here, "a negative tolerance", "a tolerance is a bound: `20 urad` means ±20 urad");
+            context.at_value(
+                "E0411",
+                &here,
+                "a negative tolerance",
+                "a tolerance is a bound: `20 urad` means ±20 urad",
+            );
             return None;
         }
         return context.plausible(value, error.direction, &here).then_some(ErrorTerm::Tolerance(value));
@@ -153,7 +161,7 @@ fn term(
     if error.location {
         return constant(context, spelling, entry, &forms, at);
     }
-    let axis = declared.iter().find(|d| d.name == error.axis);
+    let axis = known.axis(&error.axis);
     let Some(axis) = axis else {
         let help = "a spindle does not move here; it has location errors such as `EA0S`";
         context.at_key("E0408", at, format!("`{error}` is a component error of the spindle"), help);
@@ -161,12 +169,22 @@ fn term(
     };
     // What is wrong with the axis has been said there.
     let of = CurveOf { error, axis, kind: axis.kind?, negated: spelling.negated };
-    let component = if forms == ["forward"] { both_ways(context, &of, entry, at) } else { component(context, &of, &entry.curve(), at) };
+    let component = if forms == ["forward"] {
+        both_ways(context, &of, entry, at)
+    } else {
+        component(context, &of, &entry.curve(), at)
+    };
     let component = component?;
     plausible_curve(context, &of, &component, at).then_some(ErrorTerm::Component(component))
 }
 
-fn constant(context: &mut Context<'_>, spelling: &Spelling, entry: &TermEntry, forms: &[&str], at: &Keys) -> Option<ErrorTerm> {
+fn constant(
+    context: &mut Context<'_>,
+    spelling: &Spelling,
+    entry: &TermEntry,
+    forms: &[&str],
+    at: &Keys,
+) -> Option<ErrorTerm> {
     let error = &spelling.error;
     let Some(scalar) = entry.value.as_ref().filter(|_| entry.interpolation.is_none()) else {
         let form = if entry.interpolation.is_some() { "interpolation" } else { forms.first().copied().unwrap_or("") };
@@ -174,9 +192,10 @@ fn constant(context: &mut Context<'_>, spelling: &Spelling, entry: &TermEntry, f
         context.at_key("E0408", &below(at, form), format!("`{error}` is a location error, a constant"), help);
         return None;
     };
-    let value = context.error_value(scalar, error.direction, at)?;
+    let here = context.value_of(at);
+    let value = context.error_value(scalar, error.direction, &here)?;
     let sign = if spelling.negated { -1.0 } else { 1.0 };
-    context.plausible(value, error.direction, at).then_some(ErrorTerm::Constant(sign * value))
+    context.plausible(value, error.direction, &here).then_some(ErrorTerm::Constant(sign * value))
 }
 
 fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at: &Keys) -> Option<ComponentError> {
@@ -189,7 +208,7 @@ fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at:
             None => {
                 if !context.document.places.is_marred(&here) {
                     let help = "give both directions, or one curve without direction";
-                    context.at_key("E0203", at, format!("`{}` has no `{key}`", at.join(".")), help);
+                    context.at_key("E0203", at, format!("`{}` has no `{key}`", dotted(at)), help);
                 }
                 None
             }
@@ -201,22 +220,16 @@ fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at:
 }
 
 /// Every error column of a table.
-fn measured(
-    context: &mut Context<'_>,
-    errors: &mut Errors,
-    at: &Keys,
-    path: &str,
-    declared: &[Declared],
-    spindle: Option<&AxisName>,
-) {
+fn measured(context: &mut Context<'_>, errors: &mut Errors, at: &Keys, path: &str, known: &Known<'_>) {
     let Some(table) = context.table(at, path) else { return };
     if table.columns.len() < 2 {
-        let refusal = Diagnostic::new("E0114", "the table has no column of errors").at(table.columns.first().map(|c| c.place.clone()), "");
+        let refusal = Diagnostic::new("E0114", "the table has no column of errors")
+            .at(table.columns.first().map(|c| c.place.clone()), "");
         context.diagnostics.push(refusal.help("add columns such as `EXX [um]`"));
     }
     for column in &table.columns[1..] {
         let place = Some(column.place.clone());
-        let Some(spelling) = named(context, &column.name, declared, spindle, place.clone()) else { continue };
+        let Some(spelling) = named(context, &column.name, known, place.clone()) else { continue };
         let error = &spelling.error;
         // The reverse column belongs to the forward one, unless it stands alone.
         let pair = |c: &&crate::syntax::Column| c.name == column.name && c.direction == Some(ColumnDirection::Forward);
@@ -226,7 +239,7 @@ fn measured(
         if !once(context, errors, error, place) {
             continue;
         }
-        let axis = declared.iter().find(|d| d.name == error.axis);
+        let axis = known.axis(&error.axis);
         let Some((axis, false)) = axis.map(|a| (a, error.location)) else {
             let help = "a table holds component errors; write location errors under `errors`";
             let refusal = Diagnostic::new("E0408", format!("`{error}` does not vary with the position"));
@@ -269,16 +282,10 @@ impl Context<'_> {
             return true;
         }
         let limit = if direction.is_rotation() { "100 mrad" } else { "10 mm" };
-        let message = format!("`{}` reaches {shown}, which no machine has", at.join("."));
+        let message = format!("`{}` reaches {shown}, which no machine has", dotted(at));
         self.at_value("E0412", at, message, format!("check the unit; the limit of plausibility is {limit}"));
         false
     }
-}
-
-/// Errors in the order of the walk, then the spindle's; those of other axes are dropped.
-pub fn in_order(mut errors: Errors, chain: &KinematicChain) -> Vec<JointErrors> {
-    let names: Vec<AxisName> = chain.walk().into_iter().map(|(n, _)| n).chain(chain.spindle()).cloned().collect();
-    names.iter().map(|name| errors.joints.remove(name).unwrap_or_default()).collect()
 }
 
 /// The unit word of an axis kind.

@@ -6,19 +6,23 @@ mod chain;
 mod context;
 mod conventions;
 mod curves;
+mod doubles;
 mod errors;
 mod names;
 mod parts;
 mod quantities;
+mod uses;
 mod volume;
 
 pub use names::parse_error_name;
 
 use super::{Axis, Conventions, KinematicChain, Machine, MachineParts};
 use crate::diagnostic::Diagnostics;
-use crate::syntax::{Document, Files};
+use crate::syntax::{Document, Files, keys};
 use axes::Declared;
 use context::Context;
+use errors::Errors;
+use uses::Known;
 
 /// Resolves a document; tables are read through `files`. `None` if anything at all was refused,
 /// by this stage or before.
@@ -38,13 +42,17 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
     let workpiece = parts::workpiece(context);
     let setup = parts::setup(context);
     let provenance = parts::provenance(context);
-    let errors = errors::errors(context, &declared, chain.as_ref().and_then(|c| c.spindle()));
+    let known = Known { declared: &declared, spindle: chain.as_ref().and_then(|c| c.spindle()) };
+    let mut errors = errors::errors(context, &known);
+    uses::algebra(context, &known);
+    uses::identify(context, &known);
     let volume = axes.as_ref().and_then(|axes| volume::volume(context, axes, &declared));
     let chain = chain?;
-    Some(MachineParts {
+    left_out(context, &declared, &chain, &errors);
+    let parts = MachineParts {
         name: name?,
         axes: axes?,
-        errors: errors::in_order(errors, &chain),
+        errors: errors.in_order(&chain),
         tools: tools?,
         workpiece: workpiece?,
         conventions,
@@ -52,7 +60,28 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
         volume: volume?,
         provenance,
         chain,
-    })
+    };
+    doubles::warn(context, &parts, &errors);
+    Some(parts)
+}
+
+/// Axes that are declared but not in the chain: variants drop axes, so this is no mistake.
+fn left_out(context: &mut Context<'_>, declared: &[Declared], chain: &KinematicChain, errors: &Errors) {
+    let walk = chain.walk();
+    for axis in declared.iter().filter(|d| !walk.iter().any(|(name, _)| **name == d.name)) {
+        let message = match errors.places.keys().filter(|e| e.axis == axis.name).count() {
+            0 => format!("axis `{}` is declared but not in the chain", axis.name),
+            1 => format!("axis `{}` is declared but not in the chain; its error is left out", axis.name),
+            n => format!("axis `{}` is declared but not in the chain; its {n} errors are left out", axis.name),
+        };
+        let at = keys(["axes", axis.name.as_str()]);
+        context.at_key(
+            "W0401",
+            &at,
+            message,
+            format!("add it to the chain, or remove it: `{}: null` in a variant", axis.name),
+        );
+    }
 }
 
 /// The chain's axes on the walk, if all of them could be understood.

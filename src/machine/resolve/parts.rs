@@ -1,7 +1,7 @@
 //! Names, tools, workpiece, set-up, provenance.
 
-use super::context::Context;
-use crate::diagnostic::{Diagnostic, did_you_mean};
+use super::context::{Context, dotted};
+use crate::diagnostic::{Diagnostic, did_you_mean, is_layout, shown};
 use crate::machine::{Direction, Provenance, SetUp, Tool};
 use crate::syntax::{Keys, Scalar, ToolEntry, below, keys};
 
@@ -16,11 +16,16 @@ pub fn version(context: &mut Context<'_>) {
     match &context.document.abbe {
         Some(Scalar::Number(n)) if *n == 1.0 => {}
         Some(other) => {
-            let message = format!("this is version `{}` of the machine language", Context::shown(&other.to_string()));
+            let message = format!("this is version `{}` of the machine language", shown(&other.to_string()));
             context.at_value("E0211", &at, message, "this program knows version 1: `abbe: 1`");
         }
         None if context.document.places.is_marred(&at) => {}
-        None => context.at_key("W0201", &at, "the file does not say which version of the language it is in", "put `abbe: 1` at the top"),
+        None => context.at_key(
+            "W0201",
+            &at,
+            "the file does not say which version of the language it is in",
+            "put `abbe: 1` at the top",
+        ),
     }
 }
 
@@ -32,7 +37,12 @@ pub fn name(context: &mut Context<'_>) -> Option<String> {
         Some(name) => single_line(context, name, NAME, &at).then(|| name.clone()),
         None => {
             if !document.places.is_marred(&at) {
-                context.at_key("E0203", &Keys::new(), "the machine has no name", "add `machine: Trunnion five-axis centre`");
+                context.at_key(
+                    "E0203",
+                    &Keys::new(),
+                    "the machine has no name",
+                    "add `machine: Trunnion five-axis centre`",
+                );
             }
             None
         }
@@ -41,8 +51,8 @@ pub fn name(context: &mut Context<'_>) -> Option<String> {
 
 /// Text that reaches titles, file headers and controllers' comments.
 fn single_line(context: &mut Context<'_>, text: &str, limit: usize, at: &Keys) -> bool {
-    let bad = |c: char| c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    let what = at.join(".");
+    let bad = |c: char| c.is_control() || is_layout(c);
+    let what = dotted(at);
     let (message, help) = if text.trim().is_empty() {
         (format!("`{what}` is empty"), "give it a name")
     } else if text.contains(bad) {
@@ -88,7 +98,7 @@ fn tame(context: &mut Context<'_>, name: &str, at: &Keys) -> bool {
     let fits = fits && !name.contains("..");
     if !fits {
         let help = "letters, digits, `_`, `-` and single dots, 32 at most, a letter or digit first";
-        context.at_key("E0212", at, format!("`{}` is not the name of a tool", Context::shown(name)), help);
+        context.at_key("E0212", at, format!("`{}` is not the name of a tool", shown(name)), help);
     }
     fits
 }
@@ -115,7 +125,12 @@ fn tool(context: &mut Context<'_>, name: String, entry: &ToolEntry, at: &Keys) -
 fn length_below(context: &mut Context<'_>, scalar: &Scalar, at: &Keys) -> Option<f64> {
     let length = context.length(scalar, at)?;
     if length < 0.0 {
-        context.at_value("E0213", at, format!("a tool length of {length} mm"), "the length is counted from the gauge point towards the tip");
+        context.at_value(
+            "E0213",
+            at,
+            format!("a tool length of {length} mm"),
+            "the length is counted from the gauge point towards the tip",
+        );
         return None;
     }
     Some(length)
@@ -138,7 +153,7 @@ pub fn setup(context: &mut Context<'_>) -> SetUp {
         for (letter, scalar) in values {
             let at = keys(["setup", part, letter]);
             let Some(i) = letters.iter().position(|l| l == letter) else {
-                let message = format!("unknown key `{}` in `setup.{part}`", Context::shown(letter));
+                let message = format!("unknown key `{}` in `setup.{part}`", shown(letter));
                 context.at_key("E0201", &at, message, did_you_mean(letter, letters));
                 continue;
             };

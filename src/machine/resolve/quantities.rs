@@ -1,11 +1,14 @@
 //! Scalars to numbers: lengths and positions in mm or deg, error values in mm or rad.
 
-use super::context::Context;
+use super::context::{Context, dotted};
+use crate::diagnostic::shown;
 use crate::machine::{AxisKind, Direction};
 use crate::syntax::{Keys, Scalar, below};
 use crate::units::{self, Dimension, Failure, Quantity};
 
 const LENGTHS: &str = "lengths: nm, um, mm, m, in";
+/// Largest position (mm, deg) that is believed.
+const FARTHEST: f64 = 1e6;
 const ANGLES: &str = "angles: urad, mrad, rad, arcsec, arcmin, deg, or a ratio such as um/m or 0.02/500";
 
 impl Context<'_> {
@@ -18,7 +21,7 @@ impl Context<'_> {
             Failure::NotANumber(_) => "write a number with its unit, as in `12 um`",
         };
         let code = if matches!(failure, Failure::NoUnit(_)) { "E0204" } else { "E0206" };
-        self.at_value(code, at, Self::shown(&failure.to_string()), help);
+        self.at_value(code, at, shown(&failure.to_string()), help);
     }
 
     /// A quantity with its unit.
@@ -44,12 +47,23 @@ impl Context<'_> {
     }
 
     fn wrong_unit(&mut self, at: &Keys, scalar: &Scalar, found: Dimension, wanted: &str, help: &str) {
-        let message = format!("`{}` is {}, but {wanted} belongs here", Self::shown(&scalar.to_string()), found.word());
+        let message = format!("`{}` is {}, but {wanted} belongs here", shown(&scalar.to_string()), found.word());
         self.at_value("E0205", at, message, help);
     }
 
     /// A position or length; a bare number is in mm (linear) or deg (rotary).
     pub fn position(&mut self, scalar: &Scalar, kind: AxisKind, at: &Keys) -> Option<f64> {
+        let value = self.any_position(scalar, kind, at)?;
+        if value.abs() > FARTHEST {
+            let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
+            let message = format!("`{}` is {value:e} {unit}, which no machine reaches", dotted(at));
+            self.at_value("E0213", at, message, "check the unit; a bare number is in mm or deg");
+            return None;
+        }
+        Some(value)
+    }
+
+    fn any_position(&mut self, scalar: &Scalar, kind: AxisKind, at: &Keys) -> Option<f64> {
         if let Some(number) = Self::bare(scalar) {
             return number.map_err(|failure| self.unreadable(at, &failure)).ok();
         }
@@ -79,7 +93,7 @@ impl Context<'_> {
     /// Three lengths.
     pub fn vector(&mut self, list: &[Scalar], at: &Keys) -> Option<[f64; 3]> {
         if list.len() != 3 {
-            let message = format!("`{}` has {} numbers, a point has three", at.join("."), list.len());
+            let message = format!("`{}` has {} numbers, a point has three", dotted(at), list.len());
             self.at_value("E0207", at, message, "write [x, y, z] in machine coordinates (mm)");
             return None;
         }
@@ -117,11 +131,20 @@ impl Context<'_> {
             self.misfit(scalar, quantity.dimension, direction, kind, power, at);
             return None;
         }
-        let scale = if kind == AxisKind::Rotary { libm::pow(std::f64::consts::PI / 180.0, f64::from(power)) } else { 1.0 };
+        let scale =
+            if kind == AxisKind::Rotary { libm::pow(std::f64::consts::PI / 180.0, f64::from(power)) } else { 1.0 };
         Some(quantity.value * scale)
     }
 
-    fn misfit(&mut self, scalar: &Scalar, found: Dimension, direction: Direction, kind: AxisKind, power: i8, at: &Keys) {
+    fn misfit(
+        &mut self,
+        scalar: &Scalar,
+        found: Dimension,
+        direction: Direction,
+        kind: AxisKind,
+        power: i8,
+        at: &Keys,
+    ) {
         let (wanted, unit, help) =
             if direction.is_rotation() { ("an angle", "urad", ANGLES) } else { ("a length", "um", LENGTHS) };
         if power == 0 {

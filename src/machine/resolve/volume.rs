@@ -3,7 +3,7 @@
 use super::axes::Declared;
 use super::context::Context;
 use super::errors::unit;
-use crate::diagnostic::{Diagnostic, did_you_mean};
+use crate::diagnostic::{Diagnostic, did_you_mean, shown};
 use crate::machine::{Axis, AxisKind, Grid, Travel};
 use crate::syntax::{Keys, Scalar, VolumeAxis, below, keys};
 use crate::units::{self, Dimension};
@@ -27,7 +27,7 @@ pub fn volume(context: &mut Context<'_>, axes: &[Axis], declared: &[Declared]) -
     let names: Vec<&str> = declared.iter().map(|d| d.name.as_str()).chain(["step"]).collect();
     for name in document.volume.keys().filter(|n| !names.contains(&n.as_str())) {
         let help = did_you_mean(name, &names);
-        let message = format!("`volume` names the axis `{}`, which is not declared", Context::shown(name));
+        let message = format!("`volume` names the axis `{}`, which is not declared", shown(name));
         context.at_key("E0214", &keys(["volume", name]), message, help);
     }
     let grids: Vec<Option<Grid>> = axes.iter().map(|axis| grid(context, axis, &steps)).collect();
@@ -64,8 +64,8 @@ fn grid(context: &mut Context<'_>, axis: &Axis, steps: &Steps) -> Option<Grid> {
         Some(VolumeAxis::Axis { range, step }) => (range.as_ref(), step.as_ref()),
         _ => (None, None),
     };
-    let short = document.places.value(&below(&at, "range")) == document.places.value(&at);
-    let range_at = if short { at.clone() } else { below(&at, "range") };
+    let long = below(&at, "range");
+    let range_at = if document.places.has(&long) { long } else { at.clone() };
     let interval = match range {
         Some(list) => context.interval(list, axis.kind, &range_at).and_then(|i| within(context, axis, i, &range_at)),
         None => Some(axis.travel.interval()),
@@ -90,14 +90,11 @@ fn within(context: &mut Context<'_>, axis: &Axis, interval: (f64, f64), at: &Key
         return Some(interval);
     }
     let Travel::Range(min, max) = axis.travel else { return Some(interval) };
-    let message = format!("the volume of axis `{}` goes beyond its travel from {min} to {max} {}", axis.name, axis.unit());
-    let places = &document_places(context);
+    let message =
+        format!("the volume of axis `{}` goes beyond its travel from {min} to {max} {}", axis.name, axis.unit());
+    let places = &context.document.places;
     let travel = places.value(&keys(["axes", axis.name.as_str(), "travel"]));
     let refusal = Diagnostic::new("E0214", message).at(places.value(at), "").at(travel, "the travel");
     context.diagnostics.push(refusal.help("keep the volume within the travel"));
     None
-}
-
-fn document_places<'a>(context: &Context<'a>) -> &'a crate::syntax::Places {
-    &context.document.places
 }

@@ -1,0 +1,122 @@
+//! `abbe compile`: the compensation files of a target, with their certificate.
+
+use super::certificate_output::Shown;
+use super::files::Disk;
+use super::session::Session;
+use super::{Outcome, Stop, file_set, load};
+use crate::compensation::{Scope, Tables};
+use crate::diagnostic::Diagnostic;
+use crate::machine::Machine;
+use crate::target::{Hashed, Limits, Lock, RenderedFile, Target, certify};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The machine file.
+    machine: PathBuf,
+    /// The controller; `abbe targets` lists them.
+    #[arg(long)]
+    target: String,
+    /// Folder for the files.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    #[command(flatten)]
+    options: Options,
+    /// Raise the limits on corrections: length, angle, slope.
+    #[arg(long, value_name = "1 mm, 5 mrad, 0.01", value_parser = Limits::parse)]
+    max_correction: Option<Limits>,
+}
+
+/// Options that `compile` and `verify` share.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct Options {
+    /// Correct the position with the linear axes, or position and tool direction with all axes.
+    #[arg(long, value_enum, default_value = "pose")]
+    pub correct: CorrectArg,
+    /// Which of the machine's tools.
+    #[arg(long)]
+    pub tool: Option<String>,
+    /// Poses of the certificate.
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub poses: u32,
+    /// Seed of the certificate's poses.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// A folder with targets of your own.
+    #[arg(long, value_name = "DIR")]
+    pub templates: Option<PathBuf>,
+}
+
+/// What is corrected.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+pub(super) enum CorrectArg {
+    /// The functional point, with the linear axes.
+    Position,
+    /// The functional point and the direction of the tool axis, with all axes.
+    Pose,
+}
+
+/// Below this sine of the angle from a singular pose the rotary axes' correction is bounded: lattice
+/// cells are about 15 deg wide, and what changes faster than that cannot be interpolated.
+const LATTICE_DAMPING: f64 = 0.15;
+
+impl Options {
+    pub(super) fn scope(&self) -> Scope {
+        match self.correct {
+            CorrectArg::Position => Scope::Position,
+            CorrectArg::Pose => Scope::Pose { damping: LATTICE_DAMPING },
+        }
+    }
+
+    pub(super) fn target(&self, session: &mut Session, name: &str) -> Result<Target, Stop> {
+        let target = Target::find(name, self.templates.as_deref(), &Disk, &mut session.diagnostics);
+        target.ok_or(Stop::Refused)
+    }
+}
+
+pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
+    let machine = load::machine(session, &args.machine, args.options.tool.as_deref())?;
+    let inputs = inputs(session);
+    let target = args.options.target(session, &args.target)?;
+    let scope = args.options.scope();
+    let tables = Arc::new(target.tables(&machine, scope));
+    let limits = args.max_correction.unwrap_or_default();
+    limits.exceeded(&machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
+    session.checked()?;
+    let rendered = target.render(&machine, &tables, &mut session.diagnostics).ok_or(Stop::Refused)?;
+    session.checked()?;
+    let read = read_back(session, &machine, &target, &rendered, &tables)?;
+    let certificate = certify(&machine, &target, &read, scope, args.options.poses as usize, args.options.seed);
+    let files = rendered.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
+    let lock = Lock::new(&args.target, machine.name(), machine.conventions(), inputs, files);
+    if let Err(refusal) = file_set::write(&args.out, &rendered, &lock) {
+        return session.refuse(refusal);
+    }
+    let names = rendered.iter().map(|file| file.name.clone()).collect();
+    Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.out }.print(session);
+    Ok(())
+}
+
+/// Every file read so far, by name, with its hash.
+fn inputs(session: &Session) -> Vec<Hashed> {
+    let sources = session.diagnostics.sources.iter();
+    let plain = |name: &str| Path::new(name).file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    sources.map(|(name, text)| Hashed::new(plain(name), text.as_bytes())).collect()
+}
+
+/// Reads the rendered bytes back as `verify` would, and insists that they are the tables we meant.
+fn read_back(session: &mut Session, machine: &Machine, target: &Target, files: &[RenderedFile], meant: &Tables) -> Result<Tables, Stop> {
+    let text = |file: &RenderedFile| (file.name.clone(), String::from_utf8_lossy(&file.bytes).into_owned());
+    let wanted = target.table_files(machine);
+    let texts: Vec<_> = files.iter().filter(|file| wanted.contains(&file.name)).map(text).collect();
+    let read = target.read(machine, &texts, &mut session.diagnostics);
+    session.checked()?;
+    match read {
+        Some(read) if read == *meant => Ok(read),
+        _ => session.refuse(
+            Diagnostic::new("E0707", format!("the files of target `{}` do not read back as what was to be written", target.manifest.target))
+                .help("its templates do not write what its manifest says; nothing was written"),
+        ),
+    }
+}

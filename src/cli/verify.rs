@@ -1,0 +1,116 @@
+//! `abbe verify`: replay files as the controller would and certify what they leave.
+
+use super::certificate_output::Shown;
+use super::compile::Options;
+use super::session::Session;
+use super::{Outcome, Stop, file_set, load};
+use crate::diagnostic::Diagnostic;
+use crate::machine::{Approach, Machine};
+use crate::syntax::Files;
+use crate::target::{NAMES, Replay, Target, certify};
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The machine file.
+    machine: PathBuf,
+    /// The folder with the compensation files.
+    folder: PathBuf,
+    /// The controller, if the folder has no manifest that says it.
+    #[arg(long)]
+    target: Option<String>,
+    /// Instead of a certificate: what the controller adds at positions from a CSV file with the
+    /// columns joint, direction, position (further columns are left alone), as CSV.
+    #[arg(long, value_name = "FILE")]
+    replay: Option<PathBuf>,
+    #[command(flatten)]
+    options: Options,
+}
+
+pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
+    let machine = load::machine(session, &args.machine, args.options.tool.as_deref())?;
+    let target = target(session, &machine, args)?;
+    let names = target.table_files(&machine);
+    let texts = file_set::read(&args.folder, &names, &mut session.diagnostics);
+    session.checked()?;
+    warn_edited(session, &args.folder, &names);
+    let Some(tables) = target.read(&machine, &texts, &mut session.diagnostics) else {
+        session.checked()?;
+        return session.refuse(nothing_found(&args.folder));
+    };
+    session.checked()?;
+    if let Some(path) = &args.replay {
+        let replay = Replay::new(&machine, &tables, target.manifest.controller);
+        return print_replay(session, &machine, &target, &replay, path);
+    }
+    let certificate =
+        certify(&machine, &target, &tables, args.options.scope(), args.options.poses as usize, args.options.seed);
+    Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.folder }.print(session);
+    Ok(())
+}
+
+/// The target named, else the manifest's, else the first whose files are there.
+fn target(session: &mut Session, machine: &Machine, args: &Args) -> Result<Target, Stop> {
+    let named = args.target.clone().or_else(|| file_set::existing_lock(&args.folder).map(|lock| lock.target));
+    if let Some(name) = named {
+        return args.options.target(session, &name);
+    }
+    let there = |target: &Target| target.table_files(machine).iter().any(|name| args.folder.join(name).exists());
+    match NAMES.iter().filter_map(|name| Target::embedded(name)).find(there) {
+        Some(target) => Ok(target),
+        None => session.refuse(nothing_found(&args.folder)),
+    }
+}
+
+fn nothing_found(folder: &Path) -> Diagnostic {
+    Diagnostic::new("E0705", format!("there are no compensation files of a known target in `{}`", folder.display()))
+        .help("name the folder that `compile --out` was given, and the target with --target")
+}
+
+/// Files that no longer are what the manifest says are read all the same, and said.
+fn warn_edited(session: &mut Session, folder: &Path, names: &[String]) {
+    let Some(lock) = file_set::existing_lock(folder) else { return };
+    for name in names {
+        let bytes = super::files::Disk.read(&folder.join(name)).unwrap_or_default();
+        if !lock.wrote(name, &bytes) {
+            session.diagnostics.push(Diagnostic::new("W0701", format!("`{name}` has been edited since abbe wrote it")));
+        }
+    }
+}
+
+/// The replay at single positions: what a test of a real controller compares with.
+fn print_replay(session: &mut Session, machine: &Machine, target: &Target, replay: &Replay, path: &Path) -> Outcome {
+    let read = crate::syntax::read_text(path, None, &super::files::Disk, &mut session.diagnostics);
+    let Some((_, text)) = read else { return Err(Stop::Refused) };
+    let letters = crate::target::assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
+    let mut out = String::from("joint,direction,position,correction\n");
+    for line in text.lines().skip(1) {
+        let mut cells = line.split(',');
+        let parsed = parse_replay_row(&mut cells, &letters);
+        let Some((joint, axis, approach, position)) = parsed else {
+            let message = format!("`{}`: `{line}` is not joint,direction,position", path.display());
+            return session.refuse(Diagnostic::new("E0802", message));
+        };
+        let mut command = vec![0.0; machine.axes().len()];
+        command[axis] = position;
+        let word = if approach == Approach::Forward { "forward" } else { "reverse" };
+        let added = replay.added(&command, approach)[axis];
+        out.push_str(&format!("{joint},{word},{position},{added}\n"));
+    }
+    session.print(&out);
+    Ok(())
+}
+
+fn parse_replay_row<'a>(
+    cells: &mut impl Iterator<Item = &'a str>,
+    letters: &[(usize, String)],
+) -> Option<(usize, usize, Approach, f64)> {
+    let joint: usize = cells.next()?.trim().parse().ok()?;
+    let (axis, _) = letters.get(joint)?;
+    let approach = match cells.next()?.trim() {
+        "forward" => Approach::Forward,
+        "reverse" => Approach::Reverse,
+        _ => return None,
+    };
+    Some((joint, *axis, approach, crate::units::number(cells.next()?).ok()?))
+}

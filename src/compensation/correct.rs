@@ -1,0 +1,67 @@
+//! Correction of a command: Newton's iteration on actual(q + c) = ideal(q).
+
+use super::{Correction, Jacobian};
+use crate::evaluate::{Deviation, command_deviation};
+use crate::lower::Ideal;
+use crate::machine::{Approach, Machine};
+
+/// What is corrected, and with which axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Scope {
+    /// The position of the functional point, with the linear axes.
+    Position,
+    /// The position and the direction of the tool axis, with all axes; rotation about the tool axis
+    /// is left. Rotary axes are trusted down to this sensitivity (sine of the angle from a singular pose).
+    Pose {
+        /// Below it their correction is bounded instead of exact.
+        damping: f64,
+    },
+}
+
+impl Scope {
+    fn damping(self) -> Option<f64> {
+        match self {
+            Self::Position => None,
+            Self::Pose { damping } => Some(damping),
+        }
+    }
+}
+
+/// The solution for one pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Corrected {
+    /// What is added to the command.
+    pub correction: Correction,
+    /// What is left after it.
+    pub left: Deviation,
+}
+
+/// The chord iteration contracts by the relative size of the errors, about 1e-4 a step.
+const MOST_STEPS: usize = 12;
+
+/// A step below this (mm, deg) is rounding.
+const SMALL_STEP: f64 = 1e-11;
+
+/// Solves actual(q + c) = ideal(q) for the exact model at a pose (mm, deg). The Jacobian is that of
+/// the ideal machine at q: the chord form of Newton's iteration, whose contraction is the size of the
+/// errors. Least squares where the axes are too few; then, and near singular poses, something is left.
+pub fn correct(machine: &Machine, pose: &[f64], approach: Approach, scope: Scope) -> Corrected {
+    let ideal = Ideal::at(machine, pose).pose;
+    let jacobian = Jacobian::at(machine, pose);
+    let mut correction = Correction::none(machine);
+    let mut left = command_deviation(machine, &ideal, pose, approach);
+    for _ in 0..MOST_STEPS {
+        let step = jacobian.correction(&left, &correction, scope.damping());
+        correction.0.iter_mut().zip(&step.0).for_each(|(c, s)| *c += s);
+        left = command_deviation(machine, &ideal, &correction.applied(pose), approach);
+        if step.0.iter().all(|s| s.abs() < SMALL_STEP) || settled(&left, scope) {
+            break;
+        }
+    }
+    Corrected { correction, left }
+}
+
+/// Nothing left that the scope asks for: far below any controller's increment.
+fn settled(left: &Deviation, scope: Scope) -> bool {
+    scope == Scope::Position && left.position.amax() < 1e-10
+}

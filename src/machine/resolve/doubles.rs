@@ -1,0 +1,255 @@
+//! Warnings about errors that cannot act, and about component errors that repeat what a location
+//! error says: data that carries both is counted twice.
+
+use super::context::Context;
+use super::errors::Errors;
+use crate::diagnostic::{Diagnostic, Place};
+use crate::machine::{
+    Approach, Axis, AxisKind, Branch, Conventions, Direction, ErrorId, ErrorTerm, Location, MachineParts, RotaryOrder,
+    Sense, Travel, sin_cos_degrees,
+};
+use crate::units;
+
+/// Repeated parts up to this (mm, rad) are noise.
+const NOISE: f64 = 1e-3;
+const NOISE_ANGLE: f64 = 1e-6;
+/// Above so many times the noise they are reported even if no location error is given.
+const LARGE: f64 = 50.0;
+/// They must also be this part of the curve's peak.
+const SHARE: f64 = 0.25;
+/// Nodes over the travel.
+const NODES: u32 = 360;
+
+/// Both kinds of warning.
+pub fn warn(context: &mut Context<'_>, parts: &MachineParts, places: &Errors) {
+    inert(context, parts, places);
+    for (index, axis) in parts.axes.iter().enumerate() {
+        let doubles = Doubles { parts, places, axis, index };
+        Direction::ALL.into_iter().for_each(|direction| doubles.constant(context, direction));
+        match axis.kind {
+            AxisKind::Linear => Direction::ALL.into_iter().take(3).for_each(|d| doubles.slope(context, d)),
+            AxisKind::Rotary => [false, true].into_iter().for_each(|tilts| doubles.first_harmonic(context, tilts)),
+        }
+    }
+}
+
+/// Location errors that change nothing when the axis of motion is displaced.
+fn inert(context: &mut Context<'_>, parts: &MachineParts, places: &Errors) {
+    if parts.conventions.location != Location::AxisOnly {
+        return;
+    }
+    for (axis, errors) in parts.axes.iter().zip(&parts.errors) {
+        for (_, direction, term) in errors.iter().filter(|(location, ..)| *location) {
+            let given = !matches!(term, ErrorTerm::Constant(0.0) | ErrorTerm::Tolerance(0.0));
+            if given && cannot_act(axis, direction) {
+                let error = ErrorId { axis: axis.name.clone(), location: true, direction };
+                let why = match axis.kind {
+                    AxisKind::Linear => "a straight line displaced, or turned about itself, is the same line of motion",
+                    AxisKind::Rotary => "an axis of rotation moved along, or turned about, itself is the same axis",
+                };
+                let place = places.places.get(&error).cloned().flatten();
+                let warning = Diagnostic::new("W0402", format!("`{error}` cannot act: {why}"));
+                let help = "remove it, or set `conventions: { location: carried_body }` if the body was measured";
+                context.diagnostics.push(warning.at(place, "").help(help));
+            }
+        }
+    }
+}
+
+fn cannot_act(axis: &Axis, direction: Direction) -> bool {
+    let along = axis.direction[direction.index() % 3].abs() > 1.0 - 1e-9;
+    along || (axis.kind == AxisKind::Linear && !direction.is_rotation())
+}
+
+/// One axis's component errors, looked through for what repeats a location error.
+struct Doubles<'a> {
+    parts: &'a MachineParts,
+    places: &'a Errors,
+    axis: &'a Axis,
+    index: usize,
+}
+
+/// What was found: how much, of what, in which curve.
+struct Found {
+    amount: f64,
+    peak: f64,
+    direction: Direction,
+    what: &'static str,
+}
+
+impl Doubles<'_> {
+    fn id(&self, direction: Direction) -> ErrorId {
+        ErrorId { axis: self.axis.name.clone(), location: false, direction }
+    }
+
+    fn given(&self, direction: Direction) -> bool {
+        let term = &self.parts.errors[self.index].component[direction.index()];
+        matches!(term, Some(ErrorTerm::Component(_)))
+    }
+
+    fn value(&self, direction: Direction, position: f64) -> f64 {
+        self.parts.errors[self.index].component_values(position, Approach::Mean)[direction.index()]
+    }
+
+    /// (position, value) over the travel.
+    fn samples(&self, direction: Direction) -> Vec<(f64, f64)> {
+        let (min, max) = self.axis.travel.interval();
+        let at = |i: u32| min + (max - min) * (f64::from(i) + 0.5) / f64::from(NODES);
+        (0..NODES).map(|i| (at(i), self.value(direction, at(i)))).collect()
+    }
+
+    /// A constant counts only if it is neither zero at the zero pose nor on average: curves are
+    /// brought to zero either way. In its own direction an axis has a datum instead.
+    fn constant(&self, context: &mut Context<'_>, direction: Direction) {
+        let own = direction.is_rotation() == (self.axis.kind == AxisKind::Rotary)
+            && self.axis.direction[direction.index() % 3].abs() > 0.999;
+        if own || !self.given(direction) {
+            return;
+        }
+        let samples = self.samples(direction);
+        let mean = mean(samples.iter().map(|s| s.1));
+        let home = if self.axis.travel.contains(0.0) { self.value(direction, 0.0) } else { mean };
+        let amount = common(mean, home);
+        let peak = samples.iter().fold(0.0, |m: f64, s| m.max(s.1.abs()));
+        let rivals =
+            self.location_errors(|axis, d| d == direction && (d.is_rotation() || axis.kind == AxisKind::Rotary));
+        self.report(context, &Found { amount, peak, direction, what: "a constant" }, &rivals);
+    }
+
+    /// The straight line in a straightness error is squareness. Like a constant it counts only if it
+    /// has been taken out neither over the travel nor (as the tangent) at the zero pose.
+    fn slope(&self, context: &mut Context<'_>, direction: Direction) {
+        let across = cross(self.axis.direction, unit(direction.index()));
+        if !self.given(direction) || norm(across) < 1e-6 {
+            return;
+        }
+        let samples = self.samples(direction);
+        let (min, max) = self.axis.travel.interval();
+        // The position from -1 to 1 over the travel, and the polynomials orthogonal on it.
+        let t = |q: f64| (2.0 * q - min - max) / (max - min);
+        let third = mean(samples.iter().map(|s| t(s.0) * t(s.0)));
+        let fit = |p: &dyn Fn(f64) -> f64| {
+            let square = samples.iter().map(|s| p(t(s.0)) * p(t(s.0))).sum::<f64>();
+            samples.iter().map(|s| p(t(s.0)) * s.1).sum::<f64>() / square
+        };
+        let line = fit(&|t| t);
+        let at_home = line + 2.0 * fit(&|t| t * t - third) * t(0.0_f64.clamp(min, max));
+        let v0 = mean(samples.iter().map(|s| s.1));
+        let peak = samples.iter().fold(0.0, |m: f64, s| m.max((s.1 - v0).abs()));
+        let amount = common(line, at_home);
+        let rotation = largest(across);
+        let rivals = self.location_errors(|axis, d| d.index() == 3 + rotation && axis.kind == AxisKind::Linear);
+        self.report(context, &Found { amount, peak, direction, what: "a straight line" }, &rivals);
+    }
+
+    /// Run-out or tilt that turns with the axis is its own displacement or inclination.
+    fn first_harmonic(&self, context: &mut Context<'_>, tilts: bool) {
+        let (min, max) = self.axis.travel.interval();
+        let of = |i: usize| Direction::ALL[if tilts { 3 + i } else { i }];
+        if (max - min < 350.0 && self.axis.travel != Travel::Continuous) || !(0..3).any(|i| self.given(of(i))) {
+            return;
+        }
+        let samples: [Vec<(f64, f64)>; 3] = std::array::from_fn(|i| self.samples(of(i)));
+        let means: [f64; 3] = std::array::from_fn(|i| mean(samples[i].iter().map(|s| s.1)));
+        let u = self.axis.direction;
+        let sense = turning(self.axis, &self.parts.conventions);
+        let (mut turned, mut peak) = ([0.0; 3], 0.0_f64);
+        for ((x, y), z) in samples[0].iter().zip(&samples[1]).zip(&samples[2]) {
+            let v = across([x.1 - means[0], y.1 - means[1], z.1 - means[2]], u);
+            peak = peak.max(norm(v));
+            let back = rotate(u, -sense * x.0, v);
+            turned = std::array::from_fn(|i| turned[i] + back[i] / f64::from(NODES));
+        }
+        let direction = of(largest(turned));
+        let rivals = self.location_errors(|axis, d| {
+            axis.name == self.axis.name && d.is_rotation() == tilts && u[d.index() % 3].abs() < 0.999
+        });
+        let what = "a part that turns with the axis";
+        self.report(context, &Found { amount: norm(turned), peak, direction, what }, &rivals);
+    }
+
+    /// Location errors that are given, not zero, and chosen.
+    fn location_errors(&self, choose: impl Fn(&Axis, Direction) -> bool) -> Vec<ErrorId> {
+        let mut list = Vec::new();
+        for (axis, errors) in self.parts.axes.iter().zip(&self.parts.errors) {
+            for (_, direction, term) in errors.iter().filter(|(location, ..)| *location) {
+                let acts = matches!(term, ErrorTerm::Constant(v) if *v != 0.0) && !cannot_act(axis, direction);
+                if acts && choose(axis, direction) {
+                    list.push(ErrorId { axis: axis.name.clone(), location: true, direction });
+                }
+            }
+        }
+        list
+    }
+
+    fn report(&self, context: &mut Context<'_>, found: &Found, rivals: &[ErrorId]) {
+        let noise = if found.direction.is_rotation() { NOISE_ANGLE } else { NOISE };
+        let large = found.amount > LARGE * noise;
+        // NaN compares as false and stays quiet.
+        let counts = found.amount > noise && found.amount > SHARE * found.peak;
+        if !counts || (rivals.is_empty() && !large) {
+            return;
+        }
+        let error = self.id(found.direction);
+        let shown =
+            if found.direction.is_rotation() { units::angle(found.amount) } else { units::length(found.amount) };
+        let place = |id: &ErrorId| -> Option<Place> { self.places.places.get(id).cloned().flatten() };
+        let message = format!("`{error}` holds {} of {shown}, which location errors say as well", found.what);
+        let warning = Diagnostic::new("W0403", message).at(place(&error), "");
+        let rival = rivals.first();
+        let warning = warning.at(rival.and_then(place), "the location error given");
+        let help = "take it out of the curve, or out of the location error: data that carries both is counted twice";
+        context.diagnostics.push(warning.help(help));
+    }
+}
+
+/// +1 if the errors of a displaced axis turn with the programmed position, else -1.
+fn turning(axis: &Axis, conventions: &Conventions) -> f64 {
+    let workpiece = axis.branch == Branch::Workpiece;
+    let rotating = conventions.rotary == RotaryOrder::Rotating;
+    let direct = workpiece && axis.sense == Sense::Direct;
+    if workpiece ^ rotating ^ direct { -1.0 } else { 1.0 }
+}
+
+/// The smaller of two numbers of the same sign.
+fn common(a: f64, b: f64) -> f64 {
+    if a * b > 0.0 { a.abs().min(b.abs()) } else { 0.0 }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
+    sum / count
+}
+
+fn unit(i: usize) -> [f64; 3] {
+    std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 })
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn norm(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// Index of the largest component.
+fn largest(a: [f64; 3]) -> usize {
+    (0..3).max_by(|i, j| a[*i].abs().total_cmp(&a[*j].abs())).unwrap_or(0)
+}
+
+/// What is left across the unit vector `u`.
+fn across(v: [f64; 3], u: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| v[i] - dot(v, u) * u[i])
+}
+
+/// `v`, across the unit vector `u`, turned about it.
+fn rotate(u: [f64; 3], degrees: f64, v: [f64; 3]) -> [f64; 3] {
+    let (s, c) = sin_cos_degrees(degrees);
+    let w = cross(u, v);
+    std::array::from_fn(|i| c * v[i] + s * w[i])
+}

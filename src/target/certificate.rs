@@ -1,0 +1,177 @@
+//! The certificate: what is left after the controller has applied the files just written.
+//!
+//! The poses are spread over the volume from a seed and are no table points. Where forward and reverse
+//! curves were given the worse of the two directions counts. What is left of a single error is the
+//! 95 % deviation of a machine with that error alone and with tables made for it alone, replayed like
+//! the real ones; on a lattice to first order (relative difference about 1e-4).
+
+use super::replay::{Compensated, Replay};
+use super::{Controller, Target};
+use crate::compensation::{Capability, Correction, Jacobian, Lattice, Scope, Tables, own_axis_tables};
+use crate::evaluate::{Bare, Deviation, Field, Order, Statistics, error_by_error, random_poses};
+use crate::machine::{Approach, ErrorId, ErrorTerm, Machine, Pose};
+use rayon::prelude::*;
+
+/// How much of one error a target takes away.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Handled {
+    /// At most a twentieth of it, or 0.05 um, is left.
+    Fully,
+    /// Something between.
+    Partly,
+    /// At least nineteen twentieths of it are left.
+    No,
+}
+
+/// One error in the certificate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorLeft {
+    /// Which.
+    pub error: ErrorId,
+    /// How much is taken away.
+    pub handled: Handled,
+    /// 95 % position deviation with this error alone, uncompensated, um.
+    pub alone: f64,
+    /// The same after compensation, um.
+    pub left: f64,
+}
+
+/// What is left, over the volume and error by error.
+#[derive(Debug, Clone)]
+pub struct Certificate {
+    /// Over how many poses.
+    pub poses: usize,
+    /// The direction of approach that is worse after compensation.
+    pub approach: Approach,
+    /// Without the files.
+    pub uncompensated: Statistics,
+    /// With them.
+    pub compensated: Statistics,
+    /// Error by error.
+    pub errors: Vec<ErrorLeft>,
+    /// What is added with all axes at 0, approaching forward and reverse (mm, deg).
+    pub at_reference: [Vec<f64>; 2],
+}
+
+/// Compares the machine with and without tables on `count` seeded poses.
+pub fn certify(machine: &Machine, target: &Target, tables: &Tables, scope: Scope, count: usize, seed: u64) -> Certificate {
+    let controller = target.manifest.controller;
+    let poses: Vec<Pose> = random_poses(machine, count, seed);
+    let bare = Bare { machine, order: Order::Exact };
+    let compensated = Compensated { machine, replay: Replay::new(machine, tables, controller) };
+    let approaches: &[Approach] =
+        if machine.is_bidirectional() { &[Approach::Forward, Approach::Reverse] } else { &[Approach::Mean] };
+    let both = approaches.iter().map(|approach| {
+        let of = |field: &dyn Field| statistics(field, &poses, *approach);
+        (*approach, of(&bare), of(&compensated))
+    });
+    let worse = both.reduce(|a, b| if b.2.position_um.p95 > a.2.position_um.p95 { b } else { a });
+    let (approach, uncompensated, left) =
+        worse.unwrap_or_else(|| (Approach::Mean, statistics(&bare, &[], Approach::Mean), statistics(&bare, &[], Approach::Mean)));
+    let zero = vec![0.0; machine.axes().len()];
+    let single = Singles { machine, controller, poses: &poses[..poses.len().min(MOST_SINGLE_POSES)], scope };
+    Certificate {
+        poses: count,
+        approach,
+        uncompensated,
+        compensated: left,
+        errors: single.errors(target, tables),
+        at_reference: [Approach::Forward, Approach::Reverse].map(|a| compensated.replay.added(&zero, a)),
+    }
+}
+
+/// Poses for the figures of single errors: every one costs a cell of the lattice.
+const MOST_SINGLE_POSES: usize = 200;
+
+fn statistics(field: &dyn Field, poses: &[Pose], approach: Approach) -> Statistics {
+    let deviations: Vec<Deviation> = poses.par_iter().map(|pose| field.deviation(pose, approach)).collect();
+    Statistics::of(&deviations)
+}
+
+/// The single-error part of a certificate.
+struct Singles<'a> {
+    machine: &'a Machine,
+    controller: Controller,
+    poses: &'a [Pose],
+    scope: Scope,
+}
+
+impl Singles<'_> {
+    fn errors(&self, target: &Target, tables: &Tables) -> Vec<ErrorLeft> {
+        match (target.manifest.capability(), tables) {
+            (Capability::OwnAxis(capability), Tables::OwnAxis(_)) => {
+                let ids: Vec<ErrorId> = self.known().collect();
+                let alone = |error: &ErrorId| {
+                    let machine = self.machine.filtered(|id| id == error);
+                    let tables = Tables::OwnAxis(own_axis_tables(&machine, &capability));
+                    let compensated = Compensated { machine: &machine, replay: Replay::new(&machine, &tables, self.controller) };
+                    let p95 = |field: &dyn Field| statistics(field, self.poses, Approach::Mean).position_um.p95;
+                    verdict(error.clone(), p95(&Bare { machine: &machine, order: Order::Exact }), p95(&compensated))
+                };
+                ids.par_iter().map(alone).collect()
+            }
+            (_, Tables::Lattice(lattice)) => self.on_lattice(lattice, tables),
+            (Capability::Lattice(_), Tables::OwnAxis(_)) => Vec::new(),
+        }
+    }
+
+    /// Errors with a value (tolerances have none).
+    fn known(&self) -> impl Iterator<Item = ErrorId> {
+        self.machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).map(|(id, _)| id)
+    }
+
+    /// All errors at once: they are independent to first order, and only the cells around the poses count.
+    fn on_lattice(&self, lattice: &Lattice, tables: &Tables) -> Vec<ErrorLeft> {
+        let replay = Replay::new(self.machine, tables, self.controller);
+        let rows: Vec<Vec<(Deviation, Deviation)>> =
+            self.poses.par_iter().map(|pose| self.each_error_left(lattice, &replay, pose)).collect();
+        let p95 = |index: usize, pick: fn(&(Deviation, Deviation)) -> Deviation| {
+            let column: Vec<Deviation> = rows.iter().map(|row| pick(&row[index])).collect();
+            Statistics::of(&column).position_um.p95
+        };
+        let names = self.machine.errors().enumerate();
+        let known = names.filter(|(_, (_, term))| !matches!(term, ErrorTerm::Tolerance(_)));
+        known.map(|(index, (error, _))| verdict(error, p95(index, |both| both.0), p95(index, |both| both.1))).collect()
+    }
+
+    /// For every error alone: the deviation at a pose before and after compensation.
+    fn each_error_left(&self, lattice: &Lattice, replay: &Replay, pose: &[f64]) -> Vec<(Deviation, Deviation)> {
+        let here = error_by_error(self.machine, pose, Approach::Mean);
+        let mut added = vec![vec![0.0; pose.len()]; here.len()];
+        for (node, weight) in replay.corners(lattice, pose) {
+            let place = lattice.pose(self.machine, node);
+            let jacobian = Jacobian::at(self.machine, &place);
+            for (sum, (_, deviation)) in added.iter_mut().zip(error_by_error(self.machine, &place, Approach::Mean)) {
+                let Correction(step) = jacobian.correction(&deviation, &Correction::none(self.machine), self.damping(lattice));
+                lattice.corrected.iter().for_each(|axis| sum[*axis] += weight * step[*axis]);
+            }
+        }
+        let jacobian = Jacobian::at(self.machine, pose);
+        let after = |((_, deviation), added): ((ErrorId, Deviation), Vec<f64>)| {
+            let position = deviation.position + jacobian.displacement(&Correction(added));
+            (deviation, Deviation { position, rotation: deviation.rotation })
+        };
+        here.into_iter().zip(added).map(after).collect()
+    }
+
+    fn damping(&self, lattice: &Lattice) -> Option<f64> {
+        let rotary = lattice.corrected.iter().any(|axis| self.machine.axes()[*axis].kind == crate::machine::AxisKind::Rotary);
+        match self.scope {
+            Scope::Pose { damping } if rotary => Some(damping),
+            _ => None,
+        }
+    }
+}
+
+fn verdict(error: ErrorId, alone: f64, left: f64) -> ErrorLeft {
+    const NOTHING: f64 = 0.05;
+    let handled = if left <= (0.05 * alone).max(NOTHING) {
+        Handled::Fully
+    } else if left >= 0.95 * alone {
+        Handled::No
+    } else {
+        Handled::Partly
+    };
+    ErrorLeft { error, handled, alone, left }
+}

@@ -1,0 +1,76 @@
+//! `abbe.lock.json`: which files belong to a set, from which inputs, and their hashes. By it our own
+//! earlier files are told from foreign and hand-edited ones.
+
+use crate::machine::Conventions;
+use sha2::{Digest, Sha256};
+
+/// Name of the manifest of a file set.
+pub const LOCK_NAME: &str = "abbe.lock.json";
+
+/// The manifest of a file set.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Lock {
+    /// Version of the program.
+    pub abbe: String,
+    /// The target.
+    pub target: String,
+    /// Name of the machine.
+    pub machine: String,
+    /// Conventions in force.
+    pub conventions: serde_json::Value,
+    /// Files read: name and SHA-256.
+    pub inputs: Vec<Hashed>,
+    /// Files written: name and SHA-256.
+    pub files: Vec<Hashed>,
+}
+
+/// A file and its hash.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Hashed {
+    /// Its name.
+    pub name: String,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
+}
+
+/// SHA-256, hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+impl Hashed {
+    /// Hashes bytes.
+    pub fn new(name: impl Into<String>, bytes: &[u8]) -> Self {
+        Self { name: name.into(), sha256: sha256(bytes) }
+    }
+}
+
+impl Lock {
+    /// The manifest of a set.
+    pub fn new(target: &str, machine: &str, conventions: &Conventions, inputs: Vec<Hashed>, files: Vec<Hashed>) -> Self {
+        Self {
+            abbe: env!("CARGO_PKG_VERSION").to_owned(),
+            target: target.to_owned(),
+            machine: machine.to_owned(),
+            conventions: serde_json::to_value(conventions).unwrap_or_default(),
+            inputs,
+            files,
+        }
+    }
+
+    /// As it is written.
+    pub fn to_text(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+
+    /// As it was written; `None` if the text is no such manifest.
+    pub fn from_text(text: &str) -> Option<Self> {
+        serde_json::from_str(text).ok()
+    }
+
+    /// Is this file, with these bytes, one that we wrote?
+    pub fn wrote(&self, name: &str, bytes: &[u8]) -> bool {
+        let hash = sha256(bytes);
+        self.files.iter().any(|file| file.name == name && file.sha256 == hash)
+    }
+}

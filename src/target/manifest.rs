@@ -1,0 +1,243 @@
+//! The manifest of a target (`target.yaml`): what the controller can hold and what it does with it.
+
+use crate::compensation::{Capability, Increment, LatticeCapability, OwnAxisCapability, Spacing};
+use serde::Deserialize;
+
+/// A target's manifest.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    /// Its name: the folder's.
+    pub target: String,
+    /// One line.
+    pub title: String,
+    /// What it can correct.
+    pub expresses: String,
+    /// What it cannot.
+    pub cannot: Vec<String>,
+    /// How sure its facts are.
+    pub certainty: CertaintyOf,
+    /// A dry test of the sign at the machine.
+    pub sign_test: String,
+    /// What its tables can hold.
+    #[serde(with = "serde_yaml::with::singleton_map")]
+    pub mechanism: Mechanism,
+    /// What it does with them.
+    pub controller: Controller,
+    /// Letters the controller has for axes, if it has only these.
+    #[serde(default)]
+    pub axis_letters: Option<AxisLetters>,
+    /// The files.
+    pub files: Vec<FileSpec>,
+}
+
+/// How sure syntax and sign are.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CertaintyOf {
+    /// Of the syntax.
+    pub syntax: Certainty,
+    /// Of the sign.
+    pub sign: Certainty,
+}
+
+/// How sure a fact is, and from where.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Certainty {
+    /// `measured`, `documented`, `own format` or `memory`.
+    pub level: String,
+    /// The source.
+    pub source: String,
+}
+
+/// What the stored number means. The only meaning so far; the key is there so that a manifest says it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stored {
+    /// It is added to the command.
+    Correction,
+}
+
+/// The mechanism.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Mechanism {
+    /// One table per axis.
+    OwnAxis(OwnAxisMechanism),
+    /// A lattice.
+    Lattice(LatticeMechanism),
+}
+
+/// One table per axis.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OwnAxisMechanism {
+    max_points: usize,
+    spacing: Spacing,
+    bidirectional: bool,
+    continuous: (f64, f64),
+    stored: Stored,
+    increment: Increment,
+}
+
+/// A lattice.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LatticeMechanism {
+    max_nodes: usize,
+    corrects_rotary: bool,
+    stored: Stored,
+    increment: Increment,
+}
+
+/// At which position the controller looks its tables up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Lookup {
+    /// At the commanded position.
+    Command,
+}
+
+/// Between points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Interpolation {
+    /// Straight lines; multilinear on a lattice.
+    Linear,
+}
+
+/// Outside the table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OutsideTable {
+    /// The value at the end.
+    Hold,
+}
+
+/// With which numbers the controller works.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Arithmetic {
+    /// Doubles throughout.
+    Float64,
+    /// Trims and slopes are kept as single precision, positions as doubles (LinuxCNC).
+    Float32TrimAndSlope,
+}
+
+/// What the controller does with its tables.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Controller {
+    /// Where it looks up.
+    pub lookup: Lookup,
+    /// Between points.
+    pub interpolation: Interpolation,
+    /// Outside.
+    pub outside: OutsideTable,
+    /// Its numbers.
+    pub arithmetic: Arithmetic,
+}
+
+/// The axis letters a controller has.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisLetters {
+    /// For linear axes.
+    pub linear: String,
+    /// For rotary axes.
+    pub rotary: String,
+    /// The order in which the controller counts them.
+    pub order: String,
+}
+
+/// For what a file is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Per {
+    /// Once.
+    Machine,
+    /// Once for every axis.
+    Axis,
+}
+
+/// How a file is read back.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(tag = "format", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Layout {
+    /// Lines of numbers between blanks, nothing else.
+    Columns {
+        /// What the columns are.
+        columns: Vec<Column>,
+    },
+    /// CSV: a column per axis, then a column `d` + axis per corrected axis, units in the header.
+    CsvLattice,
+}
+
+/// A column of a table of one axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Column {
+    /// Position.
+    Position,
+    /// Correction approaching with rising position.
+    Forward,
+    /// Correction approaching with falling position.
+    Reverse,
+}
+
+/// A file of the target.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FileSpec {
+    /// Name, itself a template.
+    pub path: String,
+    /// The template's file in the target's folder.
+    pub template: String,
+    /// Once, or for every axis.
+    pub per: Per,
+    /// How to read it back; absent for files without tables.
+    #[serde(default)]
+    pub layout: Option<Layout>,
+}
+
+impl Manifest {
+    /// What the mechanism can hold.
+    pub fn capability(&self) -> Capability {
+        match &self.mechanism {
+            Mechanism::OwnAxis(m) => Capability::OwnAxis(OwnAxisCapability {
+                max_points: m.max_points,
+                spacing: m.spacing,
+                bidirectional: m.bidirectional,
+                continuous: m.continuous,
+                increment: m.increment,
+            }),
+            Mechanism::Lattice(m) => Capability::Lattice(LatticeCapability {
+                max_nodes: m.max_nodes,
+                corrects_rotary: m.corrects_rotary,
+                increment: m.increment,
+            }),
+        }
+    }
+
+    /// Least increments of the stored numbers.
+    pub fn increment(&self) -> Increment {
+        match &self.mechanism {
+            Mechanism::OwnAxis(m) => m.increment,
+            Mechanism::Lattice(m) => m.increment,
+        }
+    }
+
+    /// What the stored number means.
+    pub fn stored(&self) -> Stored {
+        match &self.mechanism {
+            Mechanism::OwnAxis(m) => m.stored,
+            Mechanism::Lattice(m) => m.stored,
+        }
+    }
+
+    /// Does it rest on memory alone?
+    pub fn unverified(&self) -> bool {
+        [&self.certainty.syntax, &self.certainty.sign].into_iter().any(|c| c.level == "memory")
+    }
+}

@@ -1,0 +1,163 @@
+//! Files of a target read back into tables. Whatever the controller would swallow in silence or
+//! misread (comments, blank lines, commas, unsorted lines, NaN, too many points) is refused here
+//! with its place.
+
+use super::manifest::{Column, FileSpec, Layout, Per};
+use super::Target;
+use crate::compensation::{Capability, Lattice, OwnAxisTable, Tables};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::machine::Machine;
+use crate::units;
+
+/// A file found on disk: its plain name and its text.
+pub type ReadBack = (String, String);
+
+impl Target {
+    /// Names of the files that carry tables for this machine.
+    pub fn table_files(&self, machine: &Machine) -> Vec<String> {
+        let with_layout = self.manifest.files.iter().filter(|spec| spec.layout.is_some());
+        with_layout.flat_map(|spec| self.names(machine, spec).into_iter().map(|(_, name)| name)).collect()
+    }
+
+    fn names(&self, machine: &Machine, spec: &FileSpec) -> Vec<(usize, String)> {
+        match spec.per {
+            Per::Axis => self.axis_files(machine, spec).unwrap_or_default(),
+            Per::Machine => vec![(0, spec.path.clone())],
+        }
+    }
+
+    /// Reads the tables out of files with these names. Diagnostics: E0704 and its place.
+    pub fn read(&self, machine: &Machine, files: &[ReadBack], diagnostics: &mut Diagnostics) -> Option<Tables> {
+        let mut own_axis = Vec::new();
+        for spec in &self.manifest.files {
+            let Some(layout) = &spec.layout else { continue };
+            for (axis, name) in self.names(machine, spec) {
+                let Some((_, text)) = files.iter().find(|(known, _)| *known == name) else {
+                    diagnostics.push(missing(&name));
+                    continue;
+                };
+                let read = match layout {
+                    Layout::Columns { columns } => self.own_axis(axis, columns, text).map(|table| {
+                        own_axis.push(table);
+                        None
+                    }),
+                    Layout::CsvLattice => lattice(machine, text).map(Some),
+                };
+                match read {
+                    Ok(Some(lattice)) => return Some(Tables::Lattice(lattice)),
+                    Ok(None) => {}
+                    Err(fault) => {
+                        let source = diagnostics.sources.add(&*name, &**text);
+                        diagnostics.push(fault.diagnostic(&name, text, source));
+                    }
+                }
+            }
+        }
+        own_axis.sort_by_key(|table| table.axis);
+        (!diagnostics.refused() && !own_axis.is_empty()).then_some(Tables::OwnAxis(own_axis))
+    }
+
+    fn own_axis(&self, axis: usize, columns: &[Column], text: &str) -> Result<OwnAxisTable, Fault> {
+        let most = match self.manifest.capability() {
+            Capability::OwnAxis(own) => own.max_points,
+            Capability::Lattice(_) => usize::MAX,
+        };
+        let mut table = OwnAxisTable { axis, positions: Vec::new(), forward: Vec::new(), reverse: Vec::new() };
+        for (number, line) in text.lines().enumerate() {
+            let cells: Vec<&str> = line.split_ascii_whitespace().collect();
+            if cells.len() != columns.len() {
+                let message = format!("{} numbers instead of {}: the controller would stop reading here", cells.len(), columns.len());
+                return Err(Fault { line: number, message });
+            }
+            for (cell, column) in cells.iter().zip(columns) {
+                let value = units::number(cell).map_err(|failure| Fault { line: number, message: failure.to_string() })?;
+                match column {
+                    Column::Position => table.positions.push(value),
+                    Column::Forward => table.forward.push(value),
+                    Column::Reverse => table.reverse.push(value),
+                }
+            }
+            if number >= most {
+                return Err(Fault { line: number, message: format!("more than {most} points: the controller would drop this one") });
+            }
+            if let [.., before, last] = table.positions[..] {
+                if last <= before {
+                    return Err(Fault { line: number, message: "the positions do not rise: the controller would drop this line".to_owned() });
+                }
+            }
+        }
+        if table.positions.is_empty() { Err(Fault { line: 0, message: "the table is empty".to_owned() }) } else { Ok(table) }
+    }
+}
+
+/// What is wrong with a line (counted from 0).
+struct Fault {
+    line: usize,
+    message: String,
+}
+
+impl Fault {
+    fn diagnostic(&self, name: &str, text: &str, source: crate::diagnostic::SourceId) -> Diagnostic {
+        let start: usize = text.split_inclusive('\n').take(self.line).map(str::len).sum();
+        let length = text.get(start..).and_then(|rest| rest.lines().next()).map_or(0, str::len);
+        let place = Place { source, range: start..start + length };
+        Diagnostic::new("E0704", format!("`{name}`: {}", self.message))
+            .at(Some(place), "")
+            .help("compile the file set again; do not edit compensation files by hand")
+    }
+}
+
+fn missing(name: &str) -> Diagnostic {
+    Diagnostic::new("E0705", format!("the file `{name}` is missing")).help("a set of compensation files is only whole with all of them")
+}
+
+/// A lattice in CSV: header of `X [mm]` and `dX [mm]` columns, rows in lattice order.
+fn lattice(machine: &Machine, text: &str) -> Result<Lattice, Fault> {
+    let mut lines = text.lines().enumerate();
+    let (_, header) = lines.next().ok_or(Fault { line: 0, message: "the file is empty".to_owned() })?;
+    let (axes, corrected) = lattice_columns(machine, header).map_err(|message| Fault { line: 0, message })?;
+    let width = axes.len() + corrected.len();
+    let mut positions: Vec<Vec<f64>> = vec![Vec::new(); axes.len()];
+    let mut values = Vec::new();
+    let mut rows = 0;
+    for (number, line) in lines {
+        let mut cells = 0;
+        for (column, cell) in line.split(',').enumerate() {
+            let value = units::number(cell).map_err(|failure| Fault { line: number, message: failure.to_string() })?;
+            match positions.get_mut(column) {
+                Some(nodes) => insert_node(nodes, value),
+                None => values.push(value),
+            }
+            cells += 1;
+        }
+        if cells != width {
+            return Err(Fault { line: number, message: format!("{cells} cells under {width} columns") });
+        }
+        rows += 1;
+    }
+    let lattice = Lattice { axes, nodes: positions, corrected, values };
+    if rows == lattice.len() { Ok(lattice) } else {
+        Err(Fault { line: 0, message: format!("{rows} rows do not fill a lattice of {} nodes", lattice.len()) })
+    }
+}
+
+/// Nodes come in lattice order: a new one is larger than all before.
+fn insert_node(nodes: &mut Vec<f64>, value: f64) {
+    if nodes.last().is_none_or(|last| value > *last) {
+        nodes.push(value);
+    }
+}
+
+fn lattice_columns(machine: &Machine, header: &str) -> Result<(Vec<usize>, Vec<usize>), String> {
+    let (mut axes, mut corrected) = (Vec::new(), Vec::new());
+    for cell in header.split(',') {
+        let (name, unit) = units::header(cell);
+        let position = machine.axis_index(name);
+        let axis = position.or_else(|| machine.axis_index(name.strip_prefix('d')?)).ok_or_else(|| format!("unknown column `{name}`"))?;
+        if unit != Some(machine.axes()[axis].unit()) {
+            return Err(format!("column `{name}` must be in {}", machine.axes()[axis].unit()));
+        }
+        if position.is_some() { axes.push(axis) } else { corrected.push(axis) }
+    }
+    if axes.is_empty() || corrected.is_empty() { Err("no columns of positions or of corrections".to_owned()) } else { Ok((axes, corrected)) }
+}

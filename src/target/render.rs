@@ -1,0 +1,284 @@
+//! Tables to files, through the target's minijinja templates.
+//!
+//! Numbers reach a template rounded and as text: [`fixed`] is the only formatter, and it knows
+//! neither `-0` nor NaN nor a locale. Templates run with fuel and cannot read files.
+
+use super::manifest::{AxisLetters, FileSpec, Per};
+use super::{Target, library};
+use crate::compensation::{Capability, Increment, Lattice, OwnAxisTable, Tables};
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::machine::{Axis, AxisKind, Machine, Travel};
+use minijinja::syntax::SyntaxConfig;
+use minijinja::{Environment, UndefinedBehavior, Value, context};
+use std::sync::Arc;
+
+/// Enough for ten million numbers; a template that needs more is a loop.
+const FUEL: u64 = 400_000_000;
+
+/// A file as it will stand on disk.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RenderedFile {
+    /// Its plain name.
+    pub name: String,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+impl Target {
+    /// Writes the target's files for (rounded) tables. Diagnostics: a template that fails (E0702).
+    pub fn render(&self, machine: &Machine, tables: &Arc<Tables>, diagnostics: &mut Diagnostics) -> Option<Vec<RenderedFile>> {
+        let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
+        let writer = Writer { target: self, machine, tables, letters, environment: environment() };
+        match writer.files() {
+            Ok(files) => Some(files),
+            Err(message) => {
+                diagnostics.push(Diagnostic::new("E0702", format!("target `{}`: {message}", self.manifest.target)));
+                None
+            }
+        }
+    }
+
+    /// Names of the files that hold a table of their own for each axis, in the order of the joints:
+    /// (index of the axis, file name).
+    pub(super) fn axis_files(&self, machine: &Machine, spec: &FileSpec) -> Result<Vec<(usize, String)>, String> {
+        let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
+        let environment = environment();
+        let name = |(joint, (axis, letter)): (usize, &(usize, String))| {
+            let own = context! { joint, letter, name => machine.axes()[*axis].name.as_str() };
+            file_name(&environment, spec, own).map(|name| (*axis, name))
+        };
+        letters.iter().enumerate().map(name).collect()
+    }
+}
+
+/// The controller's letter of every axis, in the order in which the controller counts its axes:
+/// (index of the axis, letter). An axis with a name of its own gets the first free letter of its
+/// kind, with a warning (W0601); if none is free, the machine is refused (E0601).
+pub fn assigned_letters(
+    machine: &Machine,
+    letters: Option<&AxisLetters>,
+    mut diagnostics: Option<&mut Diagnostics>,
+) -> Option<Vec<(usize, String)>> {
+    let Some(letters) = letters else {
+        return Some(machine.axes().iter().map(|axis| axis.name.to_string()).enumerate().collect());
+    };
+    let allowed = |axis: &Axis| if axis.kind == AxisKind::Linear { &letters.linear } else { &letters.rotary };
+    let own = |axis: &Axis| allowed(axis).chars().any(|c| c.to_string() == axis.name.as_str());
+    let mut taken: Vec<String> = machine.axes().iter().filter(|a| own(a)).map(|a| a.name.to_string()).collect();
+    let mut assigned = Vec::new();
+    for (index, axis) in machine.axes().iter().enumerate() {
+        if own(axis) {
+            assigned.push((index, axis.name.to_string()));
+            continue;
+        }
+        let free = allowed(axis).chars().map(|c| c.to_string()).find(|c| !taken.contains(c));
+        let said = free.as_ref().map_or_else(|| no_letter(axis), |letter| another_letter(axis, letter));
+        diagnostics.iter_mut().for_each(|all| all.push(said.clone()));
+        let letter = free?;
+        taken.push(letter.clone());
+        assigned.push((index, letter));
+    }
+    assigned.sort_by_key(|(_, letter)| letters.order.find(letter.as_str()));
+    Some(assigned)
+}
+
+fn no_letter(axis: &Axis) -> Diagnostic {
+    Diagnostic::new("E0601", format!("the controller has no letter left for axis `{}`", axis.name))
+        .help("compile for a target without fixed axis letters, such as grid-csv")
+}
+
+fn another_letter(axis: &Axis, letter: &str) -> Diagnostic {
+    Diagnostic::new("W0601", format!("axis `{}` is written as `{letter}`: the controller has no such letter", axis.name))
+}
+
+fn environment() -> Environment<'static> {
+    let mut environment = Environment::new();
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.set_fuel(Some(FUEL));
+    environment.set_auto_escape_callback(|_| minijinja::AutoEscape::None);
+    let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
+    if let Ok(syntax) = syntax {
+        environment.set_syntax(syntax);
+    }
+    environment
+}
+
+fn file_name(environment: &Environment, spec: &FileSpec, own: Value) -> Result<String, String> {
+    let name = environment.render_str(&spec.path, own).map_err(|failure| describe(&failure))?;
+    if library::is_plain_name(&name) { Ok(name) } else { Err(format!("`{name}` is not a plain file name")) }
+}
+
+fn describe(failure: &minijinja::Error) -> String {
+    let line = failure.line().map_or_else(String::new, |line| format!(" (template line {line})"));
+    format!("{failure}{line}")
+}
+
+/// What a file is rendered from.
+struct Writer<'a> {
+    target: &'a Target,
+    machine: &'a Machine,
+    tables: &'a Arc<Tables>,
+    letters: Vec<(usize, String)>,
+    environment: Environment<'static>,
+}
+
+impl Writer<'_> {
+    fn files(&self) -> Result<Vec<RenderedFile>, String> {
+        let mut files = Vec::new();
+        for (spec, template) in self.target.manifest.files.iter().zip(&self.target.templates) {
+            match spec.per {
+                Per::Machine => files.push(self.file(spec, template, self.machine_context()?)?),
+                Per::Axis => {
+                    for joint in 0..self.letters.len() {
+                        files.push(self.file(spec, template, self.axis_context(joint, true)?)?);
+                    }
+                }
+            }
+        }
+        Ok(files)
+    }
+
+    fn file(&self, spec: &FileSpec, template: &str, context: Value) -> Result<RenderedFile, String> {
+        let name = file_name(&self.environment, spec, context.clone())?;
+        let compiled = self.environment.template_from_str(template).map_err(|failure| describe(&failure))?;
+        let mut bytes = Vec::new();
+        let _ = compiled.render_captured_to(context, &mut bytes).map_err(|failure| describe(&failure))?;
+        Ok(RenderedFile { name, bytes })
+    }
+
+    fn increment(&self) -> Increment {
+        self.target.manifest.increment()
+    }
+
+    fn position(&self, value: f64) -> String {
+        fixed(value, self.increment().position_decimals)
+    }
+
+    fn limits(&self, axis: usize) -> (f64, f64) {
+        match (self.machine.axes()[axis].travel, self.target.manifest.capability()) {
+            (Travel::Continuous, Capability::OwnAxis(own)) => own.continuous,
+            (travel, _) => travel.interval(),
+        }
+    }
+
+    fn axis_context(&self, joint: usize, with_points: bool) -> Result<Value, String> {
+        let (index, letter) = &self.letters[joint];
+        let axis = &self.machine.axes()[*index];
+        let (min, max) = self.limits(*index);
+        let mut per_axis = self.target.manifest.files.iter().filter(|spec| spec.per == Per::Axis);
+        let own = context! { joint, letter, name => axis.name.as_str() };
+        let file = per_axis.next().map(|spec| file_name(&self.environment, spec, own)).transpose()?;
+        let points = if with_points { self.points(*index) } else { Value::UNDEFINED };
+        Ok(context! {
+            joint, letter, file, points,
+            name => axis.name.as_str(),
+            kind => if axis.kind == AxisKind::Linear { "linear" } else { "rotary" },
+            unit => axis.unit(),
+            min => self.position(min),
+            max => self.position(max),
+            machine => self.machine.name(),
+            version => env!("CARGO_PKG_VERSION"),
+        })
+    }
+
+    fn machine_context(&self) -> Result<Value, String> {
+        let axes = (0..self.letters.len()).map(|joint| self.axis_context(joint, false)).collect::<Result<Vec<_>, _>>()?;
+        let lattice = matches!(**self.tables, Tables::Lattice(_));
+        Ok(context! {
+            axes,
+            machine => self.machine.name(),
+            version => env!("CARGO_PKG_VERSION"),
+            columns => if lattice { self.columns().into() } else { Value::UNDEFINED },
+            rows => if lattice { self.rows() } else { Value::UNDEFINED },
+        })
+    }
+
+    /// Points of an own-axis table, as text.
+    fn points(&self, axis: usize) -> Value {
+        let Tables::OwnAxis(tables) = &**self.tables else { return Value::UNDEFINED };
+        let point = |table: &OwnAxisTable, i: usize| {
+            let correction = |values: &[f64]| fixed(values[i], self.increment().correction_decimals);
+            context! {
+                position => self.position(table.positions[i]),
+                forward => correction(&table.forward),
+                reverse => correction(&table.reverse),
+            }
+        };
+        let table = tables.iter().find(|table| table.axis == axis);
+        table.map_or_else(|| Value::from(Vec::<Value>::new()), |t| (0..t.positions.len()).map(|i| point(t, i)).collect())
+    }
+
+    fn columns(&self) -> Vec<String> {
+        let Tables::Lattice(lattice) = &**self.tables else { return Vec::new() };
+        let column = |prefix: &str, axis: &usize| {
+            let axis = &self.machine.axes()[*axis];
+            format!("{prefix}{} [{}]", axis.name, axis.unit())
+        };
+        let positions = lattice.axes.iter().map(|axis| column("", axis));
+        positions.chain(lattice.corrected.iter().map(|axis| column("d", axis))).collect()
+    }
+
+    /// Rows of the lattice, formatted as they are asked for: a lattice never stands in memory as text twice.
+    fn rows(&self) -> Value {
+        let increment = self.increment();
+        Value::make_object_iterable(Arc::clone(self.tables), move |tables| match &**tables {
+            Tables::Lattice(lattice) => Box::new((0..lattice.len()).map(move |i| Value::from(row(lattice, i, increment)))),
+            Tables::OwnAxis(_) => Box::new(std::iter::empty()),
+        })
+    }
+}
+
+fn row(lattice: &Lattice, number: usize, increment: Increment) -> String {
+    let width = lattice.corrected.len();
+    let mut text = String::with_capacity(128);
+    let mut cell = |value: f64, decimals: u8| {
+        if !text.is_empty() {
+            text.push(',');
+        }
+        push_fixed(&mut text, value, decimals);
+    };
+    lattice.node(number).into_iter().for_each(|q| cell(q, increment.position_decimals));
+    lattice.values[number * width..(number + 1) * width].iter().for_each(|c| cell(*c, increment.correction_decimals));
+    text
+}
+
+/// A number with so many decimals, never `-0`. Callers have rounded it already, so nothing is lost.
+pub(super) fn fixed(value: f64, decimals: u8) -> String {
+    let mut text = String::new();
+    push_fixed(&mut text, value, decimals);
+    text
+}
+
+/// The digits come from an integer: exact, and several times faster than the general formatter.
+fn push_fixed(text: &mut String, value: f64, decimals: u8) {
+    use std::fmt::Write;
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    let scaled = libm::round(value * libm::pow(10.0, f64::from(decimals)));
+    // Writing to a String cannot fail.
+    let _ = if scaled.abs() < EXACT {
+        let digits = scaled.abs() as u64;
+        let one = 10_u64.pow(u32::from(decimals));
+        let sign = if scaled < 0.0 { "-" } else { "" };
+        match decimals {
+            0 => write!(text, "{sign}{digits}"),
+            _ => write!(text, "{sign}{}.{:0width$}", digits / one, digits % one, width = usize::from(decimals)),
+        }
+    } else {
+        write!(text, "{value:.decimals$}", decimals = usize::from(decimals))
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fixed;
+
+    #[test]
+    fn numbers_are_plain_decimals() {
+        let cases = [(0.0, "0.000"), (-0.0, "0.000"), (-0.0004, "0.000"), (-0.0006, "-0.001"), (12.5, "12.500"), (-359.9996, "-360.000")];
+        for (value, text) in cases {
+            assert_eq!(fixed(value, 3), text);
+        }
+        assert_eq!(fixed(7.4, 0), "7");
+        assert_eq!(fixed(1e17, 2), "100000000000000000.00");
+    }
+}
