@@ -1,7 +1,8 @@
 //! Inverse kinematics against forward kinematics, and machines side by side.
 
 use crate::configs::{all, machine};
-use abbe::analysis::{Poses, ToolPose, Unreachable, inverse, random_poses, rest, tool_pose};
+use abbe::analysis::{ToolPose, Unreachable, inverse, rest, tool_pose};
+use abbe::evaluate::random_poses;
 use abbe::machine::{AxisKind, Machine};
 use nalgebra::Vector3;
 
@@ -117,5 +118,5 @@ fn the_quill_and_the_column_share_the_way() {
     let found = inverse(&machine, &tool_pose(&machine, &pose), &reference).unwrap();
     // 400 mm from Z = 0, W = 0 (its end): W cannot go up, so Z goes alone.
     assert!((found[z] - 400.0).abs() < 1e-9 && found[w] == 0.0, "{found:?}");
-    assert!(Poses::Listed(vec![found]).iter().all(|pose| machine.beyond_travel(&pose).next().is_none()));
+    assert!(machine.beyond_travel(&found).next().is_none());
 }
