@@ -2,9 +2,9 @@
 
 use super::Format;
 use super::session::Session;
-use crate::evaluate::{Statistics, Summary};
+use crate::evaluate::Summary;
 use crate::machine::{Approach, Machine};
-use crate::target::{Certificate, Handled, Target};
+use crate::target::{Certificate, Figures, Handled, Target};
 use crate::units::significant;
 use serde_json::json;
 use std::path::Path;
@@ -29,7 +29,9 @@ impl Shown<'_> {
 
     fn json(&self) -> serde_json::Value {
         let certificate = self.certificate;
-        let summary = |s: &Statistics| json!({"position_um": s.position_um, "rotation_urad": s.rotation_urad});
+        let summary = |f: &Figures| {
+            json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis})
+        };
         let errors: serde_json::Map<_, _> = certificate
             .errors
             .iter()
@@ -84,16 +86,18 @@ impl Shown<'_> {
         let _ = table.set_header(["", "max", "95 %", "rms", "mean"]);
         let (before, after) = (&self.certificate.uncompensated, &self.certificate.compensated);
         let rows = [
-            ("position um, uncompensated", before.position_um),
-            ("position um, compensated", after.position_um),
-            ("orientation urad, uncompensated", before.rotation_urad),
-            ("orientation urad, compensated", after.rotation_urad),
+            ("position um, uncompensated", before.all.position_um),
+            ("position um, compensated", after.all.position_um),
+            ("tool axis urad, uncompensated", before.tool_axis),
+            ("tool axis urad, compensated", after.tool_axis),
+            ("orientation urad, uncompensated", before.all.rotation_urad),
+            ("orientation urad, compensated", after.all.rotation_urad),
         ];
         for (name, s) in rows {
             let cells = [s.max, s.p95, s.rms, s.mean].map(|x| significant(x, 4));
             let _ = table.add_row(std::iter::once(name.to_owned()).chain(cells));
         }
-        format!("{table}\n{}", ratio(&before.position_um, &after.position_um))
+        format!("{table}\n{}", ratio(&before.all.position_um, &after.all.position_um))
     }
 
     /// Only what is left: a list of forty errors that are gone helps nobody.

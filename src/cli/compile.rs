@@ -32,7 +32,7 @@ pub(super) struct Args {
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct Options {
     /// Correct the position with the linear axes, or position and tool direction with all axes.
-    #[arg(long, value_enum, default_value = "pose")]
+    #[arg(long, value_enum, default_value = "position")]
     pub correct: CorrectArg,
     /// Which of the machine's tools.
     #[arg(long)]

@@ -3,8 +3,10 @@
 //! Exit codes: 0 done, 1 input refused, 2 usage, 3 our own fault.
 
 mod certificate_output;
+mod check;
 mod compile;
 mod eval;
+mod explain;
 mod file_set;
 pub mod files;
 mod load;
@@ -69,6 +71,8 @@ enum Color {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    /// All diagnostics, and a summary of the machine.
+    Check(check::Args),
     /// Deviation and E_VE at poses.
     Eval(eval::Args),
     /// The compensation files of a controller, with their certificate.
@@ -77,6 +81,13 @@ enum Verb {
     Verify(verify::Args),
     /// The controllers, what they can express, and how sure that is.
     Targets,
+    /// The long text of a code, an error name or a target.
+    Explain(explain::Args),
+    /// Completions for a shell.
+    Completions {
+        /// Which.
+        shell: clap_complete::Shell,
+    },
 }
 
 /// Why a verb did not finish; everything there is to say has been said to the session.
@@ -113,5 +124,15 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Compile(args) => compile::run(session, &args),
         Verb::Verify(args) => verify::run(session, &args),
         Verb::Targets => targets::run(session),
+        Verb::Check(args) => check::run(session, &args),
+        Verb::Explain(args) => explain::run(session, &args),
+        Verb::Completions { shell } => completions(session, shell),
     }
+}
+
+fn completions(session: &Session, shell: clap_complete::Shell) -> Outcome {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut <Cli as clap::CommandFactory>::command(), "abbe", &mut script);
+    session.print(&String::from_utf8_lossy(&script));
+    Ok(())
 }

@@ -48,3 +48,10 @@ pub fn error_by_error(machine: &Machine, pose: &[f64], approach: Approach) -> Ve
     };
     sensitivities(machine, pose, |_| true).into_iter().zip(values).map(alone).collect()
 }
+
+/// The part of a rotation that tilts the tool axis (workpiece frame, rad): the rotation about the
+/// tool axis itself, which no compensation corrects and a turning tool does not show, is taken off.
+pub fn tool_axis_tilt(machine: &Machine, pose: &[f64], rotation: &nalgebra::Vector3<f64>) -> nalgebra::Vector3<f64> {
+    let axis = Ideal::at(machine, pose).pose.linear.column(2).into_owned();
+    rotation - axis * axis.dot(rotation)
+}

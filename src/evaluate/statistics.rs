@@ -35,8 +35,8 @@ impl Statistics {
     pub fn of(deviations: &[Deviation]) -> Self {
         Self {
             poses: deviations.len(),
-            position_um: Summary::of(deviations, |d| d.position * 1e3),
-            rotation_urad: Summary::of(deviations, |d| d.rotation * 1e6),
+            position_um: Summary::of(&vectors(deviations, |d| d.position * 1e3)),
+            rotation_urad: Summary::of(&vectors(deviations, |d| d.rotation * 1e6)),
         }
     }
 
@@ -58,18 +58,23 @@ pub struct Difference {
     pub rotation_urad: Summary,
 }
 
+fn vectors(deviations: &[Deviation], pick: impl Fn(&Deviation) -> Vector3<f64>) -> Vec<Vector3<f64>> {
+    deviations.iter().map(pick).collect()
+}
+
 impl Summary {
-    fn of(deviations: &[Deviation], vector: impl Fn(&Deviation) -> Vector3<f64>) -> Self {
-        if deviations.is_empty() {
+    /// Of vectors; all zero if there are none.
+    pub fn of(vectors: &[Vector3<f64>]) -> Self {
+        if vectors.is_empty() {
             return Self::default();
         }
-        let mut lengths: Vec<f64> = deviations.iter().map(|d| vector(d).norm()).collect();
+        let mut lengths: Vec<f64> = vectors.iter().map(Vector3::norm).collect();
         let count = lengths.len() as f64;
         Self {
             max: lengths.iter().copied().fold(0.0, f64::max),
             mean: lengths.iter().sum::<f64>() / count,
             rms: (lengths.iter().map(|l| l * l).sum::<f64>() / count).sqrt(),
-            range: std::array::from_fn(|i| range(deviations.iter().map(|d| vector(d)[i]))),
+            range: std::array::from_fn(|i| range(vectors.iter().map(|v| v[i]))),
             p95: quantile_95(&mut lengths),
         }
     }

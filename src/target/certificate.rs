@@ -8,7 +8,7 @@
 use super::replay::{Compensated, Replay};
 use super::{Controller, Target};
 use crate::compensation::{Capability, Correction, Jacobian, Lattice, Scope, Tables, own_axis_tables};
-use crate::evaluate::{Bare, Deviation, Field, Order, Statistics, error_by_error, random_poses};
+use crate::evaluate::{Bare, Deviation, Field, Order, Statistics, Summary, error_by_error, random_poses, tool_axis_tilt};
 use crate::machine::{Approach, ErrorId, ErrorTerm, Machine, Pose};
 use rayon::prelude::*;
 
@@ -37,6 +37,15 @@ pub struct ErrorLeft {
     pub left: f64,
 }
 
+/// What a field comes to over the poses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figures {
+    /// Position (um) and orientation (urad).
+    pub all: Statistics,
+    /// Tilt of the tool axis alone, urad.
+    pub tool_axis: Summary,
+}
+
 /// What is left, over the volume and error by error.
 #[derive(Debug, Clone)]
 pub struct Certificate {
@@ -45,9 +54,9 @@ pub struct Certificate {
     /// The direction of approach that is worse after compensation.
     pub approach: Approach,
     /// Without the files.
-    pub uncompensated: Statistics,
+    pub uncompensated: Figures,
     /// With them.
-    pub compensated: Statistics,
+    pub compensated: Figures,
     /// Error by error.
     pub errors: Vec<ErrorLeft>,
     /// What is added with all axes at 0, approaching forward and reverse (mm, deg).
@@ -62,19 +71,16 @@ pub fn certify(machine: &Machine, target: &Target, tables: &Tables, scope: Scope
     let compensated = Compensated { machine, replay: Replay::new(machine, tables, controller) };
     let approaches: &[Approach] =
         if machine.is_bidirectional() { &[Approach::Forward, Approach::Reverse] } else { &[Approach::Mean] };
-    let both = approaches.iter().map(|approach| {
-        let of = |field: &dyn Field| statistics(field, &poses, *approach);
-        (*approach, of(&bare), of(&compensated))
-    });
-    let worse = both.reduce(|a, b| if b.2.position_um.p95 > a.2.position_um.p95 { b } else { a });
-    let (approach, uncompensated, left) =
-        worse.unwrap_or_else(|| (Approach::Mean, statistics(&bare, &[], Approach::Mean), statistics(&bare, &[], Approach::Mean)));
+    let of = |field: &dyn Field, approach| figures(field, &poses, approach);
+    let both = approaches.iter().map(|approach| (*approach, of(&compensated, *approach)));
+    let worse = both.reduce(|a, b| if b.1.all.position_um.p95 > a.1.all.position_um.p95 { b } else { a });
+    let (approach, left) = worse.unwrap_or_else(|| (Approach::Mean, of(&compensated, Approach::Mean)));
     let zero = vec![0.0; machine.axes().len()];
     let single = Singles { machine, controller, poses: &poses[..poses.len().min(MOST_SINGLE_POSES)], scope };
     Certificate {
         poses: count,
         approach,
-        uncompensated,
+        uncompensated: of(&bare, approach),
         compensated: left,
         errors: single.errors(target, tables),
         at_reference: [Approach::Forward, Approach::Reverse].map(|a| compensated.replay.added(&zero, a)),
@@ -84,9 +90,15 @@ pub fn certify(machine: &Machine, target: &Target, tables: &Tables, scope: Scope
 /// Poses for the figures of single errors: every one costs a cell of the lattice.
 const MOST_SINGLE_POSES: usize = 200;
 
-fn statistics(field: &dyn Field, poses: &[Pose], approach: Approach) -> Statistics {
-    let deviations: Vec<Deviation> = poses.par_iter().map(|pose| field.deviation(pose, approach)).collect();
-    Statistics::of(&deviations)
+fn deviations(field: &dyn Field, poses: &[Pose], approach: Approach) -> Vec<Deviation> {
+    poses.par_iter().map(|pose| field.deviation(pose, approach)).collect()
+}
+
+fn figures(field: &dyn Field, poses: &[Pose], approach: Approach) -> Figures {
+    let deviations = deviations(field, poses, approach);
+    let tilt = |(pose, d): (&Pose, &Deviation)| tool_axis_tilt(field.machine(), pose, &d.rotation) * 1e6;
+    let tilts: Vec<_> = poses.iter().zip(&deviations).map(tilt).collect();
+    Figures { all: Statistics::of(&deviations), tool_axis: Summary::of(&tilts) }
 }
 
 /// The single-error part of a certificate.
@@ -106,7 +118,7 @@ impl Singles<'_> {
                     let machine = self.machine.filtered(|id| id == error);
                     let tables = Tables::OwnAxis(own_axis_tables(&machine, &capability));
                     let compensated = Compensated { machine: &machine, replay: Replay::new(&machine, &tables, self.controller) };
-                    let p95 = |field: &dyn Field| statistics(field, self.poses, Approach::Mean).position_um.p95;
+                    let p95 = |field: &dyn Field| Statistics::of(&deviations(field, self.poses, Approach::Mean)).position_um.p95;
                     verdict(error.clone(), p95(&Bare { machine: &machine, order: Order::Exact }), p95(&compensated))
                 };
                 ids.par_iter().map(alone).collect()

@@ -17,7 +17,7 @@ mod read;
 mod render;
 mod replay;
 
-pub use certificate::{Certificate, ErrorLeft, Handled, certify};
+pub use certificate::{Certificate, ErrorLeft, Figures, Handled, certify};
 pub use library::{NAMES, Target, is_plain_name};
 pub use limits::Limits;
 pub use lock::{Hashed, LOCK_NAME, Lock, sha256};

@@ -1,0 +1,68 @@
+//! `abbe explain`: the long text of a diagnostic's code, of an error's name, of a target.
+
+use super::session::Session;
+use super::{Format, Outcome, targets};
+use crate::diagnostic::{CODES, CodeInfo, info};
+use crate::machine::{Direction, ErrorId, parse_error_name};
+use crate::target::Target;
+use serde_json::json;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// A code such as E0203, an error such as EC0Y, or a target such as linuxcnc.
+    what: String,
+}
+
+pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
+    let Some((topic, text)) = explanation(&args.what) else {
+        let codes: Vec<&str> = CODES.iter().map(|code| code.code).collect();
+        return session.usage(&format!(
+            "`{}` is no code, error name or target.\nCodes: {}\nErrors: EXX .. ECC, EC0Y and the like. Targets: `abbe targets`.",
+            args.what.escape_debug(),
+            codes.join(" ")
+        ));
+    };
+    match session.format() {
+        Format::Json => session.print_json(json!({"topic": topic, "text": text})),
+        Format::Text | Format::Csv => session.print(&text),
+    }
+    Ok(())
+}
+
+fn explanation(what: &str) -> Option<(String, String)> {
+    let code = |code: &CodeInfo| (code.code.to_owned(), format!("{}: {}\n\n{}", code.code, code.title, code.explanation.trim()));
+    let target = |target: Target| (target.manifest.target.clone(), targets::describe(&target));
+    info(what).map(code).or_else(|| Target::embedded(what).map(target)).or_else(|| error_name(what))
+}
+
+fn error_name(what: &str) -> Option<(String, String)> {
+    let id = parse_error_name(what)?;
+    Some((id.to_string(), describe(&id)))
+}
+
+fn describe(id: &ErrorId) -> String {
+    let motion = if id.direction.is_rotation() { "rotation about" } else { "displacement along" };
+    let letter = ['X', 'Y', 'Z'][id.direction.index() % 3];
+    let mut text = if id.location {
+        format!("{id}: location error of axis {}: {motion} {letter} of its axis of motion, a constant.\n", id.axis)
+    } else {
+        format!("{id}: component error of axis {}: {motion} {letter} while {} moves, a function of its position.\n", id.axis, id.axis)
+    };
+    text.push_str("Sign: tool relative to workpiece, actual minus nominal, in the directions of the machine frame (ISO 841).\n");
+    if let Some(sentence) = squareness(id) {
+        text.push_str(sentence);
+        text.push('\n');
+    }
+    text.push_str(&format!("Unit: {}.\n", if id.direction.is_rotation() { "urad, arcsec or um/m" } else { "um" }));
+    text
+}
+
+/// The sentence that says the sign of a squareness without a sign.
+fn squareness(id: &ErrorId) -> Option<&'static str> {
+    match (id.location, id.direction, id.axis.as_str()) {
+        (true, Direction::C, "Y") => Some("Squareness of Y to X: positive when the angle between +X and +Y is above 90 degrees. +10 urad at Y = 500 mm moves the tool by -5 um in X."),
+        (true, Direction::B, "Z") => Some("Squareness of Z to X: positive when the angle between +X and +Z is below 90 degrees. +10 urad at Z = 300 mm moves the tool by +3 um in X."),
+        (true, Direction::A, "Z") => Some("Squareness of Z to Y: positive when the angle between +Y and +Z is above 90 degrees. +10 urad at Z = 300 mm moves the tool by -3 um in Y."),
+        _ => None,
+    }
+}

@@ -1,0 +1,100 @@
+//! Tests against a real LinuxCNC (tests/linuxcnc/): what `compile` emits is loaded and run.
+//!
+//! Without the controller every check is left out and named; with `ABBE_REQUIRE_LIVE=1` (as in
+//! `tests/run`) a missing controller is a failure. Nothing left out counts as passed.
+
+// A test that panics is a test that fails: nothing to be careful about.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
+mod kinematics;
+mod tables;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::process::{Command, ExitCode, Output};
+
+/// Name and body of a check.
+type Check = (&'static str, fn());
+
+const CHECKS: [Check; 5] = [
+    ("three-axis tables in the running controller", tables::three_axis),
+    ("five-axis tables in the running controller", tables::five_axis),
+    ("malformed tables: what the controller swallows never comes out of compile", tables::malformed),
+    ("ideal kinematics of xyzac-trt, xyzbc-trt and 5axiskins", kinematics::ideal),
+    ("the harness notices spoiled tables", tables::harness),
+];
+
+fn main() -> ExitCode {
+    let names: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    if std::env::args().any(|a| a == "--list") {
+        CHECKS.iter().for_each(|(name, _)| println!("{name}: test"));
+        return ExitCode::SUCCESS;
+    }
+    let wanted = |name: &str| names.is_empty() || names.iter().any(|part| name.contains(part));
+    let checks: Vec<&Check> = CHECKS.iter().filter(|(name, _)| wanted(name)).collect();
+    if let Err(why) = controller() {
+        return left_out(&checks, &why);
+    }
+    let failed = checks.iter().filter(|check| !passes(check)).count();
+    println!("{} passed, {failed} failed", checks.len() - failed);
+    if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn passes((name, body): &Check) -> bool {
+    let passed = catch_unwind(AssertUnwindSafe(body)).is_ok();
+    println!("test {name} ... {}", if passed { "ok" } else { "FAILED" });
+    passed
+}
+
+fn left_out(checks: &[&Check], why: &str) -> ExitCode {
+    checks.iter().for_each(|(name, _)| println!("test {name} ... LEFT OUT"));
+    println!("{} tests left out: {why}; `tests/run` installs what they need", checks.len());
+    if std::env::var_os("ABBE_REQUIRE_LIVE").is_some() { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+}
+
+/// Is there a controller, and may we start it?
+fn controller() -> Result<(), String> {
+    let modules = Command::new("/usr/bin/python3").args(["-c", "import linuxcnc, hal"]).output();
+    if !modules.is_ok_and(|output| output.status.success()) {
+        return Err("LinuxCNC is not installed".to_owned());
+    }
+    let user = Command::new("id").arg("-u").output().map(|o| String::from_utf8_lossy(&o.stdout).trim().to_owned());
+    if user.is_ok_and(|id| id == "0") { Ok(()) } else { Err("its sandbox needs root".to_owned()) }
+}
+
+/// A folder of its own, removed at the end; readable by the controller's user.
+pub struct Folder(pub PathBuf);
+
+impl Folder {
+    pub fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("abbe-live-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Runs the program; its standard output.
+pub fn abbe(arguments: &[&str]) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_abbe")).args(arguments).output().unwrap();
+    assert!(output.status.success(), "abbe {arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Runs a script of tests/linuxcnc.
+pub fn script(name: &str, arguments: &[&str]) -> Output {
+    Command::new("/usr/bin/python3").arg(format!("tests/linuxcnc/{name}")).args(arguments).output().unwrap()
+}
+
+/// Its JSON, if it says that everything holds.
+pub fn script_json(name: &str, arguments: &[&str]) -> serde_json::Value {
+    let output = script(name, arguments);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{name} {arguments:?}: {text}\n{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_str(&text).unwrap()
+}

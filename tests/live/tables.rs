@@ -1,0 +1,54 @@
+//! COMP_FILE tables in the running controller.
+
+use crate::{Folder, abbe, script, script_json};
+
+pub fn three_axis() {
+    in_the_controller("configs/vmc-cframe-754.yaml", 3);
+}
+
+pub fn five_axis() {
+    in_the_controller("configs/trunnion.yaml", 5);
+}
+
+/// Compiles, moves all joints both ways over their tables and beyond, and compares the controller's
+/// correction at every recorded position with our replay (1e-9) and the motor with it (1e-6, at rest 5e-5).
+fn in_the_controller(machine: &str, joints: usize) {
+    let folder = Folder::new(&joints.to_string());
+    let out = folder.0.join("out").display().to_string();
+    let observed = folder.0.join("observed.csv").display().to_string();
+    let replay = folder.0.join("replay.csv").display().to_string();
+    let _ = abbe(&["--quiet", "compile", machine, "--target", "linuxcnc", "--out", &out]);
+    let seen = script_json("run_comp.py", &["observe", &out, "--out", &observed]);
+    assert_eq!(seen["joints"].as_array().unwrap().len(), 2 * joints, "every joint in both directions");
+    std::fs::write(&replay, abbe(&["--quiet", "verify", machine, &out, "--replay", &observed])).unwrap();
+    let checked = script_json("run_comp.py", &["check", &observed, &out, "--expect", &replay]);
+    assert_eq!(checked["replay"]["ok"], true);
+    println!("  {} in {} s; replay: {}", machine, seen["seconds"], checked["replay"]["joints"]);
+}
+
+/// The controller swallows these in silence; none of the files of any config has one of them.
+pub fn malformed() {
+    let shown = script_json("malformed.py", &["show"]);
+    let variants = shown["variants"].as_array().unwrap();
+    assert!(variants.len() >= 7, "{variants:?}");
+    let mut compiled = 0;
+    for entry in std::fs::read_dir("configs").unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|e| e != "yaml") {
+            continue;
+        }
+        let folder = Folder::new("lint");
+        let out = folder.0.join("out").display().to_string();
+        let _ = abbe(&["--quiet", "compile", &path.display().to_string(), "--target", "linuxcnc", "--out", &out]);
+        let lint = script("malformed.py", &["lint", &out]);
+        assert!(lint.status.success(), "{}: {}", path.display(), String::from_utf8_lossy(&lint.stdout));
+        compiled += 1;
+    }
+    assert!(compiled >= 12);
+}
+
+/// The comparisons can fail: tables, replays and observations spoiled on purpose are noticed.
+pub fn harness() {
+    let output = script("selftest.py", &[]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+}
