@@ -1,5 +1,8 @@
 //! Integration tests.
 
+// A test that panics is a test that fails: nothing to be careful about.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 mod bad_input;
 mod diagnostics;
 mod eval_exact;
