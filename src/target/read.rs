@@ -80,10 +80,11 @@ impl Target {
             if number >= most {
                 return Err(Fault { line: number, message: format!("more than {most} points: the controller would drop this one") });
             }
-            if let [.., before, last] = table.positions[..] {
-                if last <= before {
-                    return Err(Fault { line: number, message: "the positions do not rise: the controller would drop this line".to_owned() });
-                }
+            if let [.., before, last] = table.positions[..]
+                && last <= before
+            {
+                let message = "the positions do not rise: the controller would drop this line".to_owned();
+                return Err(Fault { line: number, message });
             }
         }
         if table.positions.is_empty() { Err(Fault { line: 0, message: "the table is empty".to_owned() }) } else { Ok(table) }

@@ -124,8 +124,8 @@ fn functions(text: &str) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     for (start, line) in lines.iter().enumerate().filter(|(_, line)| is_function(line)) {
         let indent = line.len() - line.trim_start().len();
-        let closes = |l: &&str| l.len() - l.trim_start().len() == indent && l.trim_start().starts_with('}');
-        let end = lines[start..].iter().position(|l| closes(&l)).unwrap_or(0);
+        let closes = |l: &str| l.len() - l.trim_start().len() == indent && l.trim_start().starts_with('}');
+        let end = lines[start..].iter().position(|l| closes(l)).unwrap_or(0);
         found.push((start + 1, end + 1));
     }
     found
