@@ -15,8 +15,8 @@ mod own_axis;
 mod tables;
 
 pub use capability::{Capability, LatticeCapability, OwnAxisCapability, Spacing};
-pub use correct::{Corrected, Scope, correct};
+pub use correct::{Corrected, Goal, Scope, correct};
 pub use jacobian::{Correction, Jacobian};
-pub use lattice::{lattice, lattice_nodes};
+pub use lattice::{LatticeRequest, lattice, lattice_nodes};
 pub use own_axis::{own_axis_error, own_axis_tables};
 pub use tables::{Increment, Lattice, OwnAxisTable, Tables};
