@@ -1,8 +1,7 @@
 //! Integration tests.
 
-// A test that panics is a test that fails: nothing to be careful about.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
+mod bad_input;
+mod diagnostics;
 mod eval_exact;
 mod eval_order;
 mod golden_signs;
@@ -11,3 +10,6 @@ mod linuxcnc_kinematics;
 mod oracle;
 mod paper_2015;
 mod published;
+mod reconfigure;
+mod schema;
+mod tidy;
