@@ -50,6 +50,7 @@ pub mod diagnostic;
 pub mod evaluate;
 pub mod lower;
 pub mod machine;
+pub mod report;
 pub mod syntax;
 pub mod target;
 pub mod units;

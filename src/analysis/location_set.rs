@@ -1,8 +1,9 @@
 //! The minimal set of location errors of a machine: complete, and none of them expressible by the
 //! others and the workpiece set-up. Found by the rank of sensitivities, for any chain and convention.
 //!
-//! Observed are the position of the functional point at two tool lengths and nothing else: the
-//! rotation about the tool axis, and with it the spindle's own EC0S, is not.
+//! Observed is the position of the functional point, at two tool lengths if the chain has a spindle
+//! whose tilts could explain the difference. The rotation about the tool axis, and with it the
+//! spindle's own EC0S, is not.
 
 use crate::evaluate::{Poses, Random};
 use crate::lower::{Ideal, sensitivities_to};
@@ -83,31 +84,35 @@ fn given_status(machine: &Machine, error: &ErrorId) -> Option<Status> {
 
 /// Every location error of the chain, those ISO 230-1 would take first: EC0Y, EB0Z and EA0Z (X is
 /// the primary and Y the secondary datum), further linear axes, rotary axes, the spindle's tilts.
+/// The rest is for chains whose linear axes bear other names.
 fn candidates(machine: &Machine) -> Vec<ErrorId> {
     use Direction::{A, B, C, X, Y, Z};
     let of = |name: &AxisName, directions: &[Direction]| -> Vec<ErrorId> {
         directions.iter().map(|d| ErrorId { axis: name.clone(), location: true, direction: *d }).collect()
     };
-    let kind = |kind: AxisKind| machine.axes().iter().filter(move |axis| axis.kind == kind);
-    let main = |name: &str, d: Direction| {
-        machine.axes().iter().find(|a| a.name.as_str() == name && linear(a)).map(|a| of(&a.name, &[d]))
-    };
-    let squareness = [main("Y", C), main("Z", B), main("Z", A)].into_iter().flatten().flatten();
-    // Of axes that could carry the same squareness the datum X comes last, Y before it.
-    let rank = |axis: &&Axis| ["Y", "X"].iter().position(|n| *n == axis.name.as_str()).map_or(0, |i| i + 1);
-    let mut slides: Vec<&Axis> = kind(AxisKind::Linear).collect();
-    slides.sort_by_key(rank);
-    let turns = kind(AxisKind::Rotary).flat_map(|axis| of(&axis.name, &[X, Y, Z, A, B, C]));
+    let (slides, turns): (Vec<&Axis>, Vec<&Axis>) = machine.axes().iter().partition(|axis| axis.kind == AxisKind::Linear);
+    let main = |axis: &&&Axis| ["X", "Y", "Z"].contains(&axis.name.as_str());
+    let squareness = [("Y", C), ("Z", B), ("Z", A)].into_iter().flat_map(|(name, direction)| {
+        slides.iter().filter(move |axis| axis.name.as_str() == name).flat_map(move |axis| of(&axis.name, &[direction]))
+    });
+    let further = slides.iter().filter(|axis| !main(axis)).flat_map(|axis| of(&axis.name, &[A, B, C]));
+    let rotary = turns.iter().flat_map(|axis| of(&axis.name, &across(axis)));
     let spindle = machine.chain().spindle().into_iter().flat_map(|name| of(name, &[A, B, C, X, Y, Z]));
-    let mut list: Vec<ErrorId> = squareness.collect();
-    list.extend(slides.iter().flat_map(|axis| of(&axis.name, &[A, B, C, X, Y, Z])).chain(turns).chain(spindle));
+    let rest = slides.iter().flat_map(|axis| of(&axis.name, &[A, B, C, X, Y, Z]));
     let mut seen = std::collections::BTreeSet::new();
-    list.retain(|id| seen.insert(id.clone()));
-    list
+    let all = squareness.chain(further).chain(rotary).chain(spindle).chain(rest);
+    all.filter(|id| seen.insert(id.clone())).collect()
 }
 
-fn linear(axis: &Axis) -> bool {
-    axis.kind == AxisKind::Linear
+/// The six directions with those along the axis last: what moves it along itself has no effect. Of an
+/// oblique axis the letter it is named by counts as its own, as for an upright one.
+fn across(axis: &Axis) -> [Direction; 6] {
+    let along = |i: usize| axis.direction[i].abs();
+    let named = ["A", "B", "C"].iter().position(|name| *name == axis.name.as_str()).filter(|i| along(*i) > 0.1);
+    let own = named.unwrap_or_else(|| (1..3).fold(0, |most, i| if along(i) > along(most) { i } else { most }));
+    let mut directions = Direction::ALL;
+    directions.sort_by_key(|d| (d.index() % 3 == own, d.index()));
+    directions
 }
 
 /// What each candidate, and each of the six errors of the set-up, does at all poses: unit columns
@@ -124,7 +129,9 @@ impl Columns {
         let intervals = machine.axes().iter().map(|axis| axis.travel.interval()).collect();
         for pose in Poses::Random(Random::new(intervals, POSES, 0)).iter() {
             let ideal = Ideal::at(machine, &pose).pose;
-            let along = ideal.linear * Vector3::new(0.0, 0.0, -LONGER);
+            // Without a spindle a tilt of the tool has no name: one length is observed, the second is the first.
+            let longer = if machine.chain().spindle().is_some() { LONGER } else { 0.0 };
+            let along = ideal.linear * Vector3::new(0.0, 0.0, -longer);
             let push = |column: &mut Vec<f64>, d: Vector3<f64>, w: Vector3<f64>| {
                 column.extend(d.iter().chain((d + w.cross(&along)).iter()));
             };

@@ -1,6 +1,11 @@
 //! Integration tests.
 
+// A test that panics is a test that fails: nothing to be careful about.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 mod bad_input;
+mod compare;
+mod configs;
 mod diagnostics;
 mod eval_exact;
 mod eval_order;
@@ -12,4 +17,5 @@ mod paper_2015;
 mod published;
 mod reconfigure;
 mod schema;
+mod show;
 mod tidy;

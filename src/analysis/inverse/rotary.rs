@@ -16,7 +16,10 @@ const ALONG: f64 = 1e-12;
 const AT_END: f64 = 1e-6;
 
 /// Where the axes that are held are tried, besides their reference.
-const SAMPLES: usize = 96;
+const SAMPLES: usize = 48;
+
+/// How many of the positions of more than two axes are followed towards the reference.
+const REFINED: usize = 6;
 
 /// A rotary axis: `w` is its direction with the sense of a positive command.
 #[derive(Debug, Clone)]
@@ -65,11 +68,14 @@ impl Directions {
         search.around(&start);
         if self.turns.len() > 2 {
             (1..SAMPLES).for_each(|sample| search.around(&self.sample(sample)));
-            let rough = std::mem::take(&mut search.found);
-            let refined: Vec<Vec<f64>> = rough.iter().filter_map(|angles| self.refined(angles, direction)).collect();
-            search.found = [rough, refined].concat();
+            let rough = self.in_order(std::mem::take(&mut search.found));
+            for angles in rough.iter().take(REFINED) {
+                // The closed form again, for the last digits.
+                search.around(&self.refined(angles, direction));
+            }
+            search.found.extend(rough);
         }
-        let poses = self.in_order(search.found);
+        let poses = self.poses(search.found);
         Candidates { poses, beyond_travel: search.beyond_travel, more: search.free }
     }
 
@@ -77,7 +83,7 @@ impl Directions {
     pub fn others(&self, direction: &Vector3<f64>) -> Vec<Pose> {
         let mut search = Search { directions: self, direction, found: Vec::new(), beyond_travel: false, free: false };
         (1..SAMPLES).for_each(|sample| search.around(&self.sample(sample)));
-        self.in_order(search.found)
+        self.poses(search.found)
     }
 
     /// Positions spread over the travels: a Halton sequence.
@@ -92,7 +98,7 @@ impl Directions {
 
     /// Nearest to the reference first; what differs by rounding alone is one candidate, and of equal
     /// distances the larger positions come first, so that the choice does not hang on the last bit.
-    fn in_order(&self, found: Vec<Vec<f64>>) -> Vec<Pose> {
+    fn in_order(&self, found: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         let rounded = |x: f64| (x * 1e6).round() as i64;
         let key = |angles: &Vec<f64>| {
             let cost: f64 = self.turns.iter().zip(angles).map(|(t, q)| (q - t.reference).powi(2)).sum();
@@ -101,13 +107,16 @@ impl Directions {
         let mut keyed: Vec<_> = found.into_iter().map(|angles| (key(&angles), angles)).collect();
         keyed.sort_by(|a, b| a.0.cmp(&b.0));
         keyed.dedup_by(|a, b| a.0.1 == b.0.1);
-        keyed.into_iter().map(|(_, angles)| self.pose(&angles)).collect()
+        keyed.into_iter().map(|(_, angles)| angles).collect()
     }
 
-    fn pose(&self, angles: &[f64]) -> Pose {
-        let mut pose = self.reference.clone();
-        self.turns.iter().zip(angles).for_each(|(turn, q)| pose[turn.axis] = *q);
-        pose
+    fn poses(&self, found: Vec<Vec<f64>>) -> Vec<Pose> {
+        let pose = |angles: Vec<f64>| {
+            let mut pose = self.reference.clone();
+            self.turns.iter().zip(angles).for_each(|(turn, q)| pose[turn.axis] = q);
+            pose
+        };
+        self.in_order(found).into_iter().map(pose).collect()
     }
 
     fn rotation(&self, range: std::ops::Range<usize>, angles: &[f64]) -> Matrix3<f64> {
@@ -116,20 +125,21 @@ impl Directions {
 
     /// Moves along the positions that point there, towards the reference (Newton with what is left
     /// of the way to the reference in the null space of the Jacobian), within the travel.
-    fn refined(&self, start: &[f64], direction: &Vector3<f64>) -> Option<Vec<f64>> {
+    fn refined(&self, start: &[f64], direction: &Vector3<f64>) -> Vec<f64> {
         let mut angles = start.to_vec();
-        for round in 0..60 {
-            let towards = if round < 48 { 1.0 } else { 0.0 };
-            let step = self.step(&angles, direction, towards);
+        for _ in 0..48 {
+            let step = self.step(&angles, direction);
             let turned = self.turns.iter().zip(&angles).zip(&step);
             angles = turned.map(|((turn, q), s)| turn.held(q + s.to_degrees().clamp(-20.0, 20.0))).collect();
+            if step.iter().all(|s| s.abs() < 1e-12) {
+                break;
+            }
         }
-        let reached = self.rotation(0..self.turns.len(), &angles) * Vector3::z();
-        ((reached - direction).norm() < super::DIRECTION_TOLERANCE).then_some(angles)
+        angles
     }
 
     /// `J^+ r + (1 - J^+ J) (reference - q)`, rad; axes at an end they are pushed against stay there.
-    fn step(&self, angles: &[f64], direction: &Vector3<f64>, towards: f64) -> Vec<f64> {
+    fn step(&self, angles: &[f64], direction: &Vector3<f64>) -> Vec<f64> {
         let mut columns = self.columns(angles);
         let reached = self.rotation(0..self.turns.len(), angles) * Vector3::z();
         let missing = direction - reached * reached.dot(direction);
@@ -144,7 +154,7 @@ impl Directions {
                 .zip(&columns)
                 .map(
                     |((turn, q), column)| {
-                        if *column == Vector3::zeros() { 0.0 } else { towards * (turn.reference - q).to_radians() }
+                        if *column == Vector3::zeros() { 0.0 } else { (turn.reference - q).to_radians() }
                     },
                 )
                 .collect();
@@ -217,7 +227,7 @@ impl Search<'_> {
             self.found.push(Vec::new());
         }
         for i in 0..count {
-            if count != 2 {
+            if count == 1 {
                 self.single(i, angles);
             }
             (i + 1..count).for_each(|j| self.pair(i, j, angles));
@@ -229,7 +239,7 @@ impl Search<'_> {
         let d = self.directions;
         let before = d.rotation(0..i, angles).transpose() * self.direction;
         let after = d.rotation(i + 1..angles.len(), angles) * Vector3::z();
-        if (d.turns[i].w.dot(&after) - d.turns[i].w.dot(&before)).abs() < 1e-10 {
+        if same_height(&d.turns[i].w, &after, &before) {
             self.keep(angles, &[(i, angle(&d.turns[i].w, &after, &before))]);
         }
     }
@@ -271,23 +281,43 @@ fn angle(w: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> Angle {
     (p.norm() > ALONG && t.norm() > ALONG).then(|| libm::atan2(w.dot(&p.cross(&t)), p.dot(&t)))
 }
 
-/// All (a, b) with `exp(w1 a) exp(w2 b) p = t`. Between the two rotations p is at a point z of both
-/// cones: z = x w1 + y w2 +- h (w1 x w2).
+/// Can a rotation about w take p to t? Up to rounding; what is found is checked afterwards.
+fn same_height(w: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> bool {
+    (w.dot(p) - w.dot(t)).abs() < 1e-12
+}
+
+/// All (a, b) with `exp(w1 a) exp(w2 b) p = t`. Between the two rotations p is at a point z that is as
+/// far along w1 as t and as far along w2 as p.
 fn pair_angles(w1: &Vector3<f64>, w2: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> Vec<(Angle, Angle)> {
-    let normal = w1.cross(w2);
-    let (c, s2) = (w1.dot(w2), normal.norm_squared());
-    let (u, v) = (w1.dot(t), w2.dot(p));
-    let (x, y) = ((u - c * v) / s2, (v - c * u) / s2);
-    let h2 = (1.0 - x * x - y * y - 2.0 * x * y * c) / s2;
-    if h2 < -1e-9 {
-        return Vec::new();
+    let (far_1, far_2) = (w1.cross(t).norm(), w2.cross(p).norm());
+    if far_1 <= ALONG {
+        return same_height(w2, p, t).then(|| (None, angle(w2, p, t))).into_iter().collect();
     }
-    let h = h2.max(0.0).sqrt();
-    let through = |h: f64| {
-        let z = w1 * x + w2 * y + normal * h;
-        (angle(w1, &z, t), angle(w2, p, &z))
+    if far_2 <= ALONG {
+        return same_height(w1, p, t).then(|| (angle(w1, p, t), None)).into_iter().collect();
+    }
+    // Seen from the axis that is nearer, small distances keep all their digits.
+    let between = if far_1 <= far_2 {
+        meeting(w1, w2, (w1.dot(t), far_1), w2.dot(p))
+    } else {
+        meeting(w2, w1, (w2.dot(p), far_2), w1.dot(t))
     };
-    vec![through(h), through(-h)]
+    between.map_or_else(Vec::new, |points| points.map(|z| (angle(w1, &z, t), angle(w2, p, &z))).to_vec())
+}
+
+/// The two points at a height and distance of one axis, and at a height of the other.
+fn meeting(axis: &Vector3<f64>, other: &Vector3<f64>, (height, distance): (f64, f64), along_other: f64) -> Option<[Vector3<f64>; 2]> {
+    let normal = axis.cross(other);
+    let sine = normal.norm();
+    let towards = (other - axis * axis.dot(other)) / sine;
+    let near = (along_other - axis.dot(other) * height) / sine;
+    let square = (distance - near) * (distance + near);
+    // A touching point may be missed by rounding; whether it is one is checked afterwards.
+    (square > -1e-10).then(|| {
+        let aside = normal * (square.max(0.0).sqrt() / sine);
+        let foot = axis * height + towards * near;
+        [foot + aside, foot - aside]
+    })
 }
 
 /// The index with its digits mirrored at the point: evenly spread over [0, 1).

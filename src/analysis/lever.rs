@@ -1,0 +1,53 @@
+//! Lever arms: what turns an angular error into a displacement of the functional point.
+
+use crate::evaluate::{Poses, Random};
+use crate::lower::sensitivities_to;
+use crate::machine::{AxisName, Direction, ErrorId, Machine, Pose};
+
+/// How far the functional point is from the point about which an axis's angular errors turn, mm.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Lever {
+    /// At the zero pose.
+    pub at_zero: f64,
+    /// The longest over the volume: its corners and some poses within.
+    pub longest: f64,
+}
+
+/// Poses within the volume at which arms are measured, besides its corners.
+const WITHIN: usize = 500;
+
+/// Up to so many axes all corners are visited.
+const CORNERS: usize = 10;
+
+/// The lever arms of all axes, in their order.
+pub fn levers(machine: &Machine) -> Vec<Lever> {
+    let zero = vec![0.0; machine.axes().len()];
+    let mut levers: Vec<Lever> = arms(machine, &zero).into_iter().map(|at_zero| Lever { at_zero, longest: 0.0 }).collect();
+    for pose in corners(machine).into_iter().chain(Poses::Random(Random::of(machine, WITHIN, 0)).iter()) {
+        for (lever, arm) in levers.iter_mut().zip(arms(machine, &pose)) {
+            lever.longest = lever.longest.max(arm);
+        }
+    }
+    levers
+}
+
+/// With r the arm, unit rotations about three perpendicular directions displace by vectors whose
+/// squared lengths sum up to 2 r^2; so the arm is the same in every convention.
+fn arms(machine: &Machine, pose: &[f64]) -> Vec<f64> {
+    let tilts = |axis: &AxisName| -> Vec<ErrorId> {
+        let tilt = |d: &Direction| ErrorId { axis: axis.clone(), location: false, direction: *d };
+        Direction::ALL[3..].iter().map(tilt).collect()
+    };
+    let ids: Vec<ErrorId> = machine.axes().iter().flat_map(|axis| tilts(&axis.name)).collect();
+    let sensitivities = sensitivities_to(machine, pose, &ids);
+    sensitivities.chunks(3).map(|three| (three.iter().map(|s| s.deviation.norm_squared()).sum::<f64>() / 2.0).sqrt()).collect()
+}
+
+fn corners(machine: &Machine) -> Vec<Pose> {
+    let volume = machine.volume();
+    if volume.len() > CORNERS {
+        return Vec::new();
+    }
+    let corner = |k: usize| volume.iter().enumerate().map(|(i, grid)| if k >> i & 1 == 0 { grid.min } else { grid.max }).collect();
+    (0..1 << volume.len()).map(corner).collect()
+}

@@ -1,0 +1,14 @@
+//! Pictures for people: SVG and Graphviz as text, without outside resources, the same bytes every time.
+//!
+//! - [`PlanePicture`]: the deviation over a plane of two linear axes.
+//! - [`chain_svg`], [`chain_dot`]: the kinematic chain.
+
+mod chain;
+mod dot;
+mod plane;
+mod scale;
+mod svg;
+
+pub use chain::chain_svg;
+pub use dot::chain_dot;
+pub use plane::{PlanePicture, Shown};

@@ -1,0 +1,375 @@
+//! The error plane: a colour map of the deviation over two linear axes, with arrows.
+
+use super::scale::{rising, round_step, signed, tick_text, ticks};
+use super::svg::{Anchor, FAINT, Font, INK, Svg, fitted, number, polygon, wrapped};
+use crate::analysis::{Plane, View};
+use crate::evaluate::{Frame, Order};
+use crate::machine::{Approach, Machine};
+use crate::units::significant;
+
+/// What the colours show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shown {
+    /// Length of the position deviation.
+    Length,
+    /// One component of it: 0, 1, 2 for x, y, z of the frame.
+    Component(usize),
+}
+
+/// A plane to be drawn, and how it was computed.
+#[derive(Debug, Clone, Copy)]
+pub struct PlanePicture<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// The deviations.
+    pub plane: &'a Plane,
+    /// Frame and approach they were computed with.
+    pub view: View,
+    /// Order they were computed to.
+    pub order: Order,
+    /// What the colours show.
+    pub shown: Shown,
+}
+
+const WIDTH: f64 = 880.0;
+const LEFT: f64 = 78.0;
+const TOP: f64 = 74.0;
+const WIDEST: f64 = 640.0;
+const HIGHEST: f64 = 560.0;
+/// Least height of the colour bar.
+const BAR: f64 = 150.0;
+/// Bands of colour, at most.
+const BANDS: usize = 14;
+/// Arrows along the longer side, about.
+const ARROWS: f64 = 13.0;
+
+impl PlanePicture<'_> {
+    /// The picture as an SVG file.
+    pub fn svg(&self) -> String {
+        let values = self.values();
+        let bands = Bands::new(&values, self.shown);
+        let scale = self.scale();
+        let notes: Vec<String> = self.notes(&values, self.exaggeration(scale)).iter().flat_map(|note| wrapped(note, 118)).collect();
+        let area = self.area(scale);
+        let below = TOP + area.1.max(BAR) + 66.0;
+        let mut svg = Svg::new(WIDTH, below + 17.0 * notes.len() as f64 + 8.0);
+        svg.text((LEFT, 32.0), &fitted(&self.title(), 70), Font::bold(18.0), Anchor::Start, 0.0);
+        svg.text((LEFT, 54.0), &fitted(&self.subtitle(), 100), Font::faint(13.0), Anchor::Start, 0.0);
+        self.fill(&mut svg, &values, &bands, scale);
+        self.frame(&mut svg, scale);
+        self.arrows(&mut svg, scale);
+        bands.bar(&mut svg, (LEFT + area.0 + 34.0, TOP), area.1.max(BAR), &self.quantity());
+        for (i, note) in notes.iter().enumerate() {
+            svg.text((LEFT, below + 17.0 * i as f64), note, Font::plain(12.0), Anchor::Start, 0.0);
+        }
+        svg.finish(&format!("{}: {}", self.title(), self.subtitle()))
+    }
+
+    fn axis(&self, k: usize) -> &str {
+        self.machine.axes()[self.plane.axes[k]].name.as_str()
+    }
+
+    fn span(&self, k: usize) -> f64 {
+        let (min, max) = self.plane.intervals[k];
+        (max - min).max(1e-9)
+    }
+
+    /// Pixels per mm: the same for both axes, so that one exaggeration is true for all arrows.
+    fn scale(&self) -> f64 {
+        (WIDEST / self.span(0)).min(HIGHEST / self.span(1))
+    }
+
+    fn area(&self, scale: f64) -> (f64, f64) {
+        (self.span(0) * scale, self.span(1) * scale)
+    }
+
+    fn at(&self, scale: f64, position: (f64, f64)) -> (f64, f64) {
+        let [(left, _), (_, top)] = self.plane.intervals;
+        (LEFT + (position.0 - left) * scale, TOP + (top - position.1) * scale)
+    }
+
+    fn node(&self, i: usize, j: usize) -> (f64, f64) {
+        (self.plane.position(0, i), self.plane.position(1, j))
+    }
+
+    /// In um, node by node.
+    fn values(&self) -> Vec<f64> {
+        let value = |d: &crate::evaluate::Deviation| match self.shown {
+            Shown::Length => d.position.norm(),
+            Shown::Component(k) => d.position[k.min(2)],
+        };
+        self.plane.deviations.iter().map(|d| value(d) * 1e3).collect()
+    }
+
+    fn quantity(&self) -> String {
+        match self.shown {
+            Shown::Length => "|d| in µm".to_owned(),
+            Shown::Component(k) => format!("d{} in µm", ["x", "y", "z"][k.min(2)]),
+        }
+    }
+
+    fn title(&self) -> String {
+        self.machine.name().to_owned()
+    }
+
+    fn subtitle(&self) -> String {
+        let others = self.machine.axes().iter().zip(&self.plane.at).enumerate();
+        let held = others.filter(|(i, _)| !self.plane.axes.contains(i));
+        let text: Vec<String> =
+            held.map(|(_, (axis, q))| format!("{} = {} {}", axis.name, significant(*q, 7), axis.unit())).collect();
+        let at = if text.is_empty() { String::new() } else { format!(" at {}", text.join(", ")) };
+        format!("Deviation over the {}-{} plane{at}", self.axis(0), self.axis(1))
+    }
+
+    fn notes(&self, values: &[f64], exaggeration: Option<f64>) -> Vec<String> {
+        let frame = match self.view.frame {
+            Frame::Workpiece => "workpiece",
+            Frame::Machine => "machine",
+            Frame::Tool => "tool",
+        };
+        let order = match self.order {
+            Order::Exact => "exact model".to_owned(),
+            Order::Degree(n) => format!("model of order {n}"),
+        };
+        let approach = match self.view.approach {
+            Approach::Mean => "mean of both directions of approach",
+            Approach::Forward => "approached in positive direction",
+            Approach::Reverse => "approached in negative direction",
+        };
+        let colour = match self.shown {
+            Shown::Length => "length of the deviation d".to_owned(),
+            Shown::Component(k) => format!("component of the deviation d along {} of the {frame} frame", ["x", "y", "z"][k.min(2)]),
+        };
+        let arrows = exaggeration.map_or("No deviation within the plane.".to_owned(), |e| {
+            format!("Arrows: the part of d within the plane, drawn {} times as long as it is.", thousands(e))
+        });
+        let tool = if self.machine.tool().name.is_empty() { String::new() } else { format!(", tool {}", self.machine.tool().name) };
+        vec![
+            format!("Colour: {colour}; {}.", self.largest(values)),
+            format!("Sign: actual minus nominal position of the functional point, tool relative to workpiece; to the right means too far in +{}.", self.axis(0)),
+            arrows,
+            format!("Frame: {frame}, {order}, {approach}{tool}."),
+        ]
+    }
+
+    fn largest(&self, values: &[f64]) -> String {
+        let order = |a: &usize, b: &usize| values[*a].abs().total_cmp(&values[*b].abs()).then(b.cmp(a));
+        let worst = (0..values.len()).max_by(order).unwrap_or(0);
+        let (x, y) = self.node(worst % self.plane.counts[0], worst / self.plane.counts[0]);
+        let value = values.get(worst).copied().unwrap_or(0.0);
+        let place = format!("{} = {}, {} = {} mm", self.axis(0), significant(x, 6), self.axis(1), significant(y, 6));
+        format!("largest {} µm at {place}", significant(value, 4))
+    }
+
+    /// Every band over the ones below it: a path of whole cells and of cut ones.
+    fn fill(&self, svg: &mut Svg, values: &[f64], bands: &Bands, scale: f64) {
+        let (width, height) = self.area(scale);
+        svg.rect((LEFT, TOP), (width, height), &format!(r#"fill="{}""#, bands.colour(0)));
+        for band in 1..bands.count() {
+            let data = self.region(values, bands.level(band), scale);
+            if !data.is_empty() {
+                let colour = bands.colour(band);
+                // The thin line closes the seams between neighbouring cells.
+                svg.path(&data, &format!(r#"fill="{colour}" stroke="{colour}" stroke-width="0.3""#));
+            }
+        }
+    }
+
+    /// Where the value is at least the level.
+    fn region(&self, values: &[f64], level: f64, scale: f64) -> String {
+        let [columns, rows] = self.plane.counts;
+        let mut data = String::new();
+        for j in 0..rows - 1 {
+            let mut whole: Option<usize> = None;
+            for i in 0..columns {
+                let cell = (i + 1 < columns).then(|| self.cell(values, level, (i, j)));
+                match (cell, whole) {
+                    (Some(cell), None) if cell.len() == 4 && self.is_whole(values, level, (i, j)) => whole = Some(i),
+                    (Some(_), Some(_)) if self.is_whole(values, level, (i, j)) => {}
+                    (cell, run) => {
+                        if let Some(start) = run.or(whole.take()) {
+                            let corners = [(start, j), (i, j), (i, j + 1), (start, j + 1)];
+                            data += &polygon(&corners.map(|(i, j)| self.at(scale, self.node(i, j))));
+                            whole = None;
+                        }
+                        if let Some(cell) = cell.filter(|cell| cell.len() > 2) {
+                            data += &polygon(&cell.iter().map(|p| self.at(scale, *p)).collect::<Vec<_>>());
+                        }
+                    }
+                }
+            }
+        }
+        data
+    }
+
+    fn corners(&self, values: &[f64], (i, j): (usize, usize)) -> [((f64, f64), f64); 4] {
+        [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| (self.node(i, j), values[j * self.plane.counts[0] + i]))
+    }
+
+    fn is_whole(&self, values: &[f64], level: f64, cell: (usize, usize)) -> bool {
+        self.corners(values, cell).iter().all(|(_, value)| *value >= level)
+    }
+
+    /// The cell cut off where the value, linear along its edges, falls below the level.
+    fn cell(&self, values: &[f64], level: f64, cell: (usize, usize)) -> Vec<(f64, f64)> {
+        let corners = self.corners(values, cell);
+        let mut polygon = Vec::new();
+        for (k, (a, va)) in corners.into_iter().enumerate() {
+            let (b, vb) = corners[(k + 1) % 4];
+            if va >= level {
+                polygon.push(a);
+            }
+            if (va >= level) != (vb >= level) {
+                let t = (level - va) / (vb - va);
+                polygon.push((a.0 + (b.0 - a.0) * t, a.1 + (b.1 - a.1) * t));
+            }
+        }
+        polygon
+    }
+
+    /// Border, ticks and names of the axes.
+    fn frame(&self, svg: &mut Svg, scale: f64) {
+        let (width, height) = self.area(scale);
+        svg.rect((LEFT, TOP), (width, height), &format!(r#"fill="none" stroke="{INK}""#));
+        let tick = format!(r#"stroke="{INK}""#);
+        let step = round_step(self.span(0), ((width / 80.0) as usize).clamp(1, 8));
+        for value in ticks(self.plane.intervals[0], step) {
+            let (x, y) = (self.at(scale, (value, 0.0)).0, TOP + height);
+            svg.line((x, y), (x, y + 5.0), &tick);
+            svg.text((x, y + 19.0), &tick_text(value, step), Font::plain(12.0), Anchor::Middle, 0.0);
+        }
+        let step = round_step(self.span(1), ((height / 50.0) as usize).clamp(1, 8));
+        for value in ticks(self.plane.intervals[1], step) {
+            let y = self.at(scale, (0.0, value)).1;
+            svg.line((LEFT - 5.0, y), (LEFT, y), &tick);
+            svg.text((LEFT - 9.0, y + 4.0), &tick_text(value, step), Font::plain(12.0), Anchor::End, 0.0);
+        }
+        svg.text((LEFT + width / 2.0, TOP + height + 40.0), &format!("{} in mm", self.axis(0)), Font::plain(13.0), Anchor::Middle, 0.0);
+        svg.text((22.0, TOP + height / 2.0), &format!("{} in mm", self.axis(1)), Font::plain(13.0), Anchor::Middle, -90.0);
+    }
+
+    /// Every how many nodes there is an arrow.
+    fn stride(&self) -> usize {
+        let longest = self.plane.counts[0].max(self.plane.counts[1]) as f64;
+        ((longest / ARROWS).round() as usize).max(1)
+    }
+
+    /// Nodes with an arrow: evenly about the middle.
+    fn arrow_nodes(&self) -> Vec<(usize, usize)> {
+        let stride = self.stride();
+        let places = |count: usize| ((count - 1) % stride / 2..count).step_by(stride);
+        places(self.plane.counts[1]).flat_map(|j| places(self.plane.counts[0]).map(move |i| (i, j))).collect()
+    }
+
+    fn in_plane(&self, (i, j): (usize, usize)) -> [f64; 2] {
+        self.plane.in_plane[j * self.plane.counts[0] + i]
+    }
+
+    /// A round factor that makes the longest arrow about as long as their distance.
+    fn exaggeration(&self, scale: f64) -> Option<f64> {
+        let length = |node| libm::hypot(self.in_plane(node)[0], self.in_plane(node)[1]);
+        let longest = self.arrow_nodes().into_iter().map(length).fold(0.0, f64::max);
+        let intervals = (self.plane.counts[0].max(self.plane.counts[1]) - 1) as f64;
+        let distance = self.span(0).max(self.span(1)) / intervals * self.stride() as f64;
+        // Beyond the first bound there is nothing but rounding to draw.
+        (longest > 1e-9 && scale > 0.0).then(|| {
+            let exact = distance.min(45.0 / scale) * 1.15 / longest;
+            let step = round_step(exact, 1);
+            // `round_step` rounds up; arrows must not grow into each other.
+            if step <= exact { step } else { previous(step) }
+        })
+    }
+
+    fn arrows(&self, svg: &mut Svg, scale: f64) {
+        let Some(exaggeration) = self.exaggeration(scale) else { return };
+        for (i, j) in self.arrow_nodes() {
+            let (from, [u, v]) = (self.at(scale, self.node(i, j)), self.in_plane((i, j)));
+            let pixels = exaggeration * scale;
+            svg.circle(from, 1.3, &format!(r#"fill="{INK}""#));
+            svg.arrow(from, (from.0 + u * pixels, from.1 - v * pixels), 1.2, INK);
+        }
+    }
+}
+
+/// The next smaller of 1, 2, 5 times a power of ten.
+fn previous(step: f64) -> f64 {
+    let power = libm::pow(10.0, libm::floor(libm::log10(step) + 1e-9));
+    match (step / power).round() as i64 {
+        5 => 2.0 * power,
+        2 => power,
+        _ => 0.5 * power,
+    }
+}
+
+/// `20 000`: groups of three digits with narrow blanks.
+fn thousands(value: f64) -> String {
+    if value < 1000.0 {
+        return significant(value, 4);
+    }
+    let digits = format!("{value:.0}");
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            text.push('\u{a0}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Bands of colour between round levels.
+struct Bands {
+    first: f64,
+    step: f64,
+    count: usize,
+    signed: bool,
+}
+
+impl Bands {
+    fn new(values: &[f64], shown: Shown) -> Self {
+        let (min, max) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), v| (min.min(*v), max.max(*v)));
+        let signed = shown != Shown::Length;
+        let (min, max) = if max >= min { (min, max) } else { (0.0, 0.0) };
+        // Differences below a tenth of a nanometre are rounding, not errors.
+        let step = round_step((max - min).max(1e-4), BANDS - 2);
+        let first = libm::floor(min / step + 1e-9) * step;
+        let count = libm::ceil((max - first) / step - 1e-9).clamp(1.0, 3.0 * BANDS as f64) as usize;
+        Self { first, step, count, signed }
+    }
+
+    fn count(&self) -> usize {
+        self.count
+    }
+
+    fn level(&self, band: usize) -> f64 {
+        self.first + self.step * band as f64
+    }
+
+    fn colour(&self, band: usize) -> String {
+        let middle = self.level(band) + 0.5 * self.step;
+        if self.signed {
+            let largest = self.level(0).abs().max(self.level(self.count).abs());
+            signed(middle / largest.max(self.step))
+        } else {
+            rising((band as f64 + 0.5) / self.count as f64)
+        }
+    }
+
+    fn bar(&self, svg: &mut Svg, corner: (f64, f64), height: f64, quantity: &str) {
+        let band = height / self.count as f64;
+        let every = self.count.div_ceil((height / 18.0) as usize).max(1);
+        for k in 0..=self.count {
+            let y = corner.1 + height - band * k as f64;
+            if k < self.count {
+                svg.rect((corner.0, y - band), (18.0, band), &format!(r#"fill="{}""#, self.colour(k)));
+            }
+            if k % every == 0 {
+                svg.line((corner.0 + 18.0, y), (corner.0 + 23.0, y), &format!(r#"stroke="{INK}""#));
+                svg.text((corner.0 + 27.0, y + 4.0), &tick_text(self.level(k), self.step), Font::plain(12.0), Anchor::Start, 0.0);
+            }
+        }
+        let outline = format!(r#"fill="none" stroke="{FAINT}" stroke-width="{}""#, number(0.8));
+        svg.rect(corner, (18.0, height), &outline);
+        svg.text((corner.0 + 92.0, corner.1 + height / 2.0), quantity, Font::plain(13.0), Anchor::Middle, -90.0);
+    }
+}

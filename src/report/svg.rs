@@ -1,0 +1,218 @@
+//! A small writer of SVG: numbers short and never `-0`, text escaped, no outside resources, the same
+//! bytes for the same picture.
+
+use std::fmt::Write;
+
+/// Where a text hangs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Anchor {
+    /// It begins at the point.
+    Start,
+    /// It is centred on the point.
+    Middle,
+    /// It ends at the point.
+    End,
+}
+
+/// How a text looks: size in px, weight, colour.
+#[derive(Debug, Clone, Copy)]
+pub struct Font {
+    /// Height in px.
+    pub size: f64,
+    /// Bold?
+    pub bold: bool,
+    /// Any CSS colour.
+    pub colour: &'static str,
+}
+
+/// Colour of lines and text.
+pub const INK: &str = "#1f2933";
+
+/// Colour of what stands back.
+pub const FAINT: &str = "#5f6b76";
+
+impl Font {
+    /// Plain text in ink.
+    pub const fn plain(size: f64) -> Self {
+        Self { size, bold: false, colour: INK }
+    }
+
+    /// Bold text in ink.
+    pub const fn bold(size: f64) -> Self {
+        Self { size, bold: true, colour: INK }
+    }
+
+    /// Plain text that stands back.
+    pub const fn faint(size: f64) -> Self {
+        Self { size, bold: false, colour: FAINT }
+    }
+}
+
+/// A picture in the making; coordinates in px, y downwards.
+#[derive(Debug, Clone)]
+pub struct Svg {
+    width: f64,
+    height: f64,
+    body: String,
+}
+
+impl Svg {
+    /// An empty picture on white ground.
+    pub fn new(width: f64, height: f64) -> Self {
+        Self { width, height, body: String::new() }
+    }
+
+    /// Adds an element whose attributes are ours (nothing of the user's may be in them).
+    pub fn element(&mut self, name: &str, attributes: &str) {
+        // Writing to a string cannot fail.
+        let _ = writeln!(self.body, "<{name} {attributes}/>");
+    }
+
+    /// A straight line.
+    pub fn line(&mut self, from: (f64, f64), to: (f64, f64), style: &str) {
+        let (x1, y1, x2, y2) = (number(from.0), number(from.1), number(to.0), number(to.1));
+        self.element("line", &format!(r#"x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" {style}"#));
+    }
+
+    /// An upright rectangle from its upper left corner.
+    pub fn rect(&mut self, corner: (f64, f64), size: (f64, f64), style: &str) {
+        let (x, y, w, h) = (number(corner.0), number(corner.1), number(size.0), number(size.1));
+        self.element("rect", &format!(r#"x="{x}" y="{y}" width="{w}" height="{h}" {style}"#));
+    }
+
+    /// A circle.
+    pub fn circle(&mut self, centre: (f64, f64), radius: f64, style: &str) {
+        self.element("circle", &format!(r#"cx="{}" cy="{}" r="{}" {style}"#, number(centre.0), number(centre.1), number(radius)));
+    }
+
+    /// A path.
+    pub fn path(&mut self, data: &str, style: &str) {
+        self.element("path", &format!(r#"d="{data}" {style}"#));
+    }
+
+    /// A line with a filled head at its end; shorter than a head, the head alone.
+    pub fn arrow(&mut self, from: (f64, f64), to: (f64, f64), width: f64, colour: &str) {
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let length = dx.hypot(dy);
+        if length < 0.5 {
+            return;
+        }
+        let head = (width * 4.5).min(length);
+        let (ux, uy) = (dx / length, dy / length);
+        let neck = (to.0 - ux * head, to.1 - uy * head);
+        self.line(from, neck, &format!(r#"stroke="{colour}" stroke-width="{}""#, number(width)));
+        let half = head * 0.38;
+        let points = [to, (neck.0 - uy * half, neck.1 + ux * half), (neck.0 + uy * half, neck.1 - ux * half)];
+        self.path(&polygon(&points), &format!(r#"fill="{colour}""#));
+    }
+
+    /// A line of text; `turned` by that many degrees about its point. Escaped here.
+    pub fn text(&mut self, at: (f64, f64), text: &str, font: Font, anchor: Anchor, turned: f64) {
+        let (x, y) = (number(at.0), number(at.1));
+        let anchor = match anchor {
+            Anchor::Start => "",
+            Anchor::Middle => r#" text-anchor="middle""#,
+            Anchor::End => r#" text-anchor="end""#,
+        };
+        let weight = if font.bold { r#" font-weight="bold""# } else { "" };
+        let turn = if turned == 0.0 { String::new() } else { format!(r#" transform="rotate({} {x} {y})""#, number(turned)) };
+        let (size, colour, text) = (number(font.size), font.colour, escaped(text));
+        let _ = writeln!(self.body, r#"<text x="{x}" y="{y}" font-size="{size}" fill="{colour}"{weight}{anchor}{turn}>{text}</text>"#);
+    }
+
+    /// The whole file. `title` is what a screen reader says.
+    pub fn finish(self, title: &str) -> String {
+        let (width, height) = (number(self.width), number(self.height));
+        format!(
+            concat!(
+                r#"<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}" "#,
+                r#"font-family="'DejaVu Sans', Verdana, Helvetica, Arial, sans-serif" role="img">"#,
+                "\n<title>{title}</title>\n",
+                r#"<rect x="0" y="0" width="{w}" height="{h}" fill="white"/>"#,
+                "\n{body}</svg>\n"
+            ),
+            w = width,
+            h = height,
+            title = escaped(title),
+            body = self.body,
+        )
+    }
+}
+
+/// Data of a closed path.
+pub fn polygon(points: &[(f64, f64)]) -> String {
+    let mut data = polyline(points);
+    data.push('Z');
+    data
+}
+
+/// Data of an open path.
+pub fn polyline(points: &[(f64, f64)]) -> String {
+    let step = |(i, (x, y)): (usize, &(f64, f64))| format!("{}{} {}", if i == 0 { "M" } else { "L" }, number(*x), number(*y));
+    points.iter().enumerate().map(step).collect()
+}
+
+/// With two decimals at most; what is not finite has no place in a picture and becomes 0.
+pub fn number(value: f64) -> String {
+    if !value.is_finite() {
+        return "0".to_owned();
+    }
+    let text = format!("{value:.2}");
+    let short = text.trim_end_matches('0').trim_end_matches('.');
+    if short == "-0" { "0".to_owned() } else { short.to_owned() }
+}
+
+/// Text as XML takes it, in elements and in quoted attributes.
+pub fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            // XML 1.0 has no place for these.
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// Lines of at most so many characters, broken at blanks; a longer word is cut.
+pub fn wrapped(text: &str, longest: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        let word = fitted(word, longest);
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= longest => {
+                line.push(' ');
+                line.push_str(&word);
+            }
+            _ => lines.push(word),
+        }
+    }
+    lines
+}
+
+/// At most so many characters, cut with an ellipsis.
+pub fn fitted(text: &str, longest: usize) -> String {
+    if text.chars().count() <= longest {
+        return text.to_owned();
+    }
+    text.chars().take(longest.saturating_sub(1)).chain(['…']).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_text_is_harmless() {
+        assert_eq!([-0.001, 1.5, 100.0, f64::NAN].map(number), ["0", "1.5", "100", "0"]);
+        assert_eq!(escaped("</script>&\"'\u{1}"), "&lt;/script&gt;&amp;&quot;&#39;\u{fffd}");
+        assert_eq!(wrapped("a bc def", 4), ["a bc", "def"]);
+        assert_eq!(fitted("abcdef", 4), "abc…");
+    }
+}

@@ -1,0 +1,122 @@
+//! Inverse kinematics against forward kinematics, and machines side by side.
+
+use crate::configs::{all, machine};
+use abbe::analysis::{ToolPose, Unreachable, inverse, rest, tool_pose};
+use abbe::evaluate::random_poses;
+use abbe::machine::{AxisKind, Machine};
+use nalgebra::Vector3;
+
+/// Distance of place (mm) and direction (rad) between where the machine is and where it should be.
+fn miss(machine: &Machine, pose: &[f64], target: &ToolPose) -> (f64, f64) {
+    let reached = tool_pose(machine, pose);
+    ((reached.tip - target.tip).norm(), (reached.direction - target.direction).norm())
+}
+
+#[test]
+fn every_pose_of_every_config_is_reached_again_within_the_travel() {
+    for (name, machine) in all() {
+        let reference = rest(&machine);
+        let mut worst = (0.0_f64, 0.0_f64);
+        for pose in random_poses(&machine, 400, 11) {
+            let target = tool_pose(&machine, &pose);
+            let found = inverse(&machine, &target, &reference).unwrap_or_else(|f| panic!("{name}: {f:?} at {pose:?}"));
+            let beyond: Vec<_> = machine.beyond_travel(&found).map(|axis| axis.name.as_str()).collect();
+            assert!(beyond.is_empty(), "{name}: {beyond:?} at {pose:?}");
+            let (place, direction) = miss(&machine, &found, &target);
+            worst = (worst.0.max(place), worst.1.max(direction));
+        }
+        println!("{name}: {:.1e} mm, {:.1e} rad", worst.0, worst.1);
+        assert!(worst.0 < 1e-9 && worst.1 < 1e-12, "{name}: {worst:?}");
+    }
+}
+
+#[test]
+fn the_pose_itself_is_found_from_beside_it_unless_axes_are_redundant() {
+    for (name, machine) in all() {
+        let rotary = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary).count();
+        let redundant = rotary > 2 || machine.axes().len() - rotary > 3;
+        for pose in random_poses(&machine, 200, 5) {
+            let beside: Vec<f64> = pose.iter().map(|q| q + 1e-3).collect();
+            let found = inverse(&machine, &tool_pose(&machine, &pose), &beside).unwrap();
+            let far = found.iter().zip(&pose).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(far < if redundant { 1.0 } else { 1e-6 }, "{name}: {found:?} instead of {pose:?}");
+        }
+    }
+}
+
+#[test]
+fn ends_of_the_travel_and_singular_poses_are_reached() {
+    for (name, machine) in all() {
+        let corner = |k: usize| -> Vec<f64> {
+            let end = |(i, axis): (usize, &abbe::machine::Axis)| {
+                let (min, max) = axis.travel.interval();
+                if k >> i & 1 == 0 { min } else { max }
+            };
+            machine.axes().iter().enumerate().map(end).collect()
+        };
+        for pose in (0..1 << machine.axes().len()).map(corner).chain([rest(&machine)]) {
+            let target = tool_pose(&machine, &pose);
+            let found = inverse(&machine, &target, &rest(&machine)).unwrap_or_else(|f| panic!("{name}: {f:?} at {pose:?}"));
+            let (place, direction) = miss(&machine, &found, &target);
+            assert!(place < 1e-9 && direction < 1e-11, "{name}: {place} {direction} at {pose:?}");
+        }
+    }
+}
+
+#[test]
+fn an_axis_the_tool_does_not_need_keeps_its_reference() {
+    let machine = machine("trunnion.yaml");
+    let mut pose = rest(&machine);
+    let c = machine.axis_index("C").unwrap();
+    let z = machine.axis_index("Z").unwrap();
+    (pose[c], pose[z]) = (123.0, -200.0);
+    // The tip is over the middle of the table, so that any C will do.
+    (pose[machine.axis_index("X").unwrap()], pose[machine.axis_index("Y").unwrap()]) = (0.0, 0.0);
+    let found = inverse(&machine, &tool_pose(&machine, &pose), &pose).unwrap();
+    assert_eq!(found[c], 123.0);
+}
+
+#[test]
+fn nearly_singular_poses_lose_nothing() {
+    for name in ["trunnion.yaml", "hh-ca-gantry.yaml", "ht-nut45-c.yaml", "tt-ac-800.yaml"] {
+        let machine = machine(name);
+        let tilt = machine.axes().iter().rposition(|axis| ["A", "B"].contains(&axis.name.as_str())).unwrap();
+        for (mut pose, exponent) in random_poses(&machine, 60, 3).into_iter().zip((0..15).cycle()) {
+            pose[tilt] = 10.0_f64.powi(-exponent);
+            let target = tool_pose(&machine, &pose);
+            let found = inverse(&machine, &target, &rest(&machine)).unwrap_or_else(|f| panic!("{name}: {f:?} at {pose:?}"));
+            let (place, direction) = miss(&machine, &found, &target);
+            assert!(place < 1e-9 && direction < 2e-12, "{name}: {place} {direction} at {pose:?}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_reached_is_said() {
+    let machine = machine("trunnion.yaml");
+    let reference = rest(&machine);
+    let target = |tip: [f64; 3], direction: Vector3<f64>| ToolPose { tip: tip.into(), direction };
+    let from_below = inverse(&machine, &target([0.0; 3], -Vector3::z()), &reference);
+    assert_eq!(from_below, Err(Unreachable::Travel));
+    assert_eq!(inverse(&machine, &target([1e4, 0.0, 0.0], Vector3::z()), &reference), Err(Unreachable::Travel));
+    let three = crate::configs::machine("gantry-3ax.yaml");
+    let tilted = target([0.0; 3], Vector3::new(0.6, 0.0, 0.8));
+    assert_eq!(inverse(&three, &tilted, &rest(&three)), Err(Unreachable::Direction));
+    let nan = target([f64::NAN, 0.0, 0.0], Vector3::z());
+    assert!(inverse(&machine, &nan, &reference).is_err());
+    let nowhere = target([0.0; 3], Vector3::new(f64::NAN, 0.0, 1.0));
+    assert!(inverse(&machine, &nowhere, &reference).is_err());
+}
+
+#[test]
+fn the_quill_and_the_column_share_the_way() {
+    let machine = machine("boring-w.yaml");
+    let reference = rest(&machine);
+    let (z, w) = (machine.axis_index("Z").unwrap(), machine.axis_index("W").unwrap());
+    let mut pose = reference.clone();
+    (pose[z], pose[w]) = (900.0, -500.0);
+    let found = inverse(&machine, &tool_pose(&machine, &pose), &reference).unwrap();
+    // 400 mm from Z = 0, W = 0 (its end): W cannot go up, so Z goes alone.
+    assert!((found[z] - 400.0).abs() < 1e-9 && found[w] == 0.0, "{found:?}");
+    assert!(machine.beyond_travel(&found).next().is_none());
+}
