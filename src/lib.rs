@@ -17,7 +17,8 @@
 //! 6. [`compensation`] solves for the corrected command and fills what a controller's mechanism can hold.
 //! 7. [`target`] writes the controller's files from templates, reads them back, replays them as the
 //!    controller would, and certifies what is left.
-//! 8. [`cli`] is the program: one file per verb.
+//! 8. [`report`] draws pictures.
+//! 9. [`cli`] is the program: one file per verb.
 //!
 //! [`units`], [`diagnostic`] and [`algebra`] are open to every stage after them; otherwise a module
 //! imports only what stands above it in this list.

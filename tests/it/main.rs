@@ -15,6 +15,7 @@ mod linuxcnc_kinematics;
 mod oracle;
 mod paper_2015;
 mod published;
+mod readme;
 mod reconfigure;
 mod schema;
 mod show;

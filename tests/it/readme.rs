@@ -27,8 +27,10 @@ fn root() -> &'static Path {
 /// README.md and everything in docs, as paths from the top.
 fn documents() -> Vec<PathBuf> {
     let docs = fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().file_name());
-    let pages = docs.map(|name| Path::new("docs").join(name)).filter(|path| path.extension().is_some_and(|e| e == "md"));
-    let mut all: Vec<PathBuf> = pages.chain(["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(PathBuf::from)).collect();
+    let pages =
+        docs.map(|name| Path::new("docs").join(name)).filter(|path| path.extension().is_some_and(|e| e == "md"));
+    let mut all: Vec<PathBuf> =
+        pages.chain(["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(PathBuf::from)).collect();
     all.sort();
     all
 }
@@ -90,7 +92,9 @@ fn runnable(command: &str, document: &Path) -> Option<String> {
     if NOT_RUN.iter().any(|start| command.starts_with(start)) {
         return None;
     }
-    let ours = ["abbe ", "cargo run --release -- "].iter().find_map(|start| command.strip_prefix("/usr/bin/time -v ").unwrap_or(command).strip_prefix(start));
+    let ours = ["abbe ", "cargo run --release -- "]
+        .iter()
+        .find_map(|start| command.strip_prefix("/usr/bin/time -v ").unwrap_or(command).strip_prefix(start));
     match ours {
         Some(arguments) => Some(format!("\"$ABBE\" {arguments}")),
         None => {
@@ -125,7 +129,9 @@ fn run(folder: &Folder, block: &Block, document: &Path) -> usize {
             });
         } else if let (Some(output), false) = (&mut rest, line.trim().is_empty() || line.trim() == "[...]") {
             let at = output.lines().position(|said| said.trim_end() == line.trim_end());
-            let Some(at) = at else { panic!("{}: the program does not say\n{line}\nbut\n{output}", document.display()) };
+            let Some(at) = at else {
+                panic!("{}: the program does not say\n{line}\nbut\n{output}", document.display())
+            };
             *output = output.lines().skip(at + 1).collect::<Vec<_>>().join("\n");
         }
     }
@@ -141,8 +147,14 @@ fn commands_run_and_say_what_the_documents_say() {
             count += run(&folder, block, &document);
         }
         for image in fs::read_dir(root().join("docs/images")).unwrap().map(|entry| entry.unwrap().file_name()) {
-            let both = [root().join("docs/images").join(&image), folder.path("docs/images").join(&image)].map(|path| fs::read(path).unwrap());
-            assert!(both[0] == both[1], "docs/images/{} is not what the command in {} draws", image.display(), document.display());
+            let both = [root().join("docs/images").join(&image), folder.path("docs/images").join(&image)]
+                .map(|path| fs::read(path).unwrap());
+            assert!(
+                both[0] == both[1],
+                "docs/images/{} is not what the command in {} draws",
+                image.display(),
+                document.display()
+            );
         }
     }
     assert!(count > 15, "{count} commands");
@@ -150,14 +162,20 @@ fn commands_run_and_say_what_the_documents_say() {
 
 /// Links of Markdown that are no addresses of the web.
 fn links(text: &str) -> Vec<String> {
-    let ends = prose(text).split("](").skip(1).filter_map(|rest| rest.split_once(')').map(|(link, _)| link.to_owned())).collect::<Vec<_>>();
+    let ends = prose(text)
+        .split("](")
+        .skip(1)
+        .filter_map(|rest| rest.split_once(')').map(|(link, _)| link.to_owned()))
+        .collect::<Vec<_>>();
     ends.into_iter().filter(|link| !link.contains("://")).collect()
 }
 
 /// Anchors of a page's headings.
 fn anchors(text: &str) -> BTreeSet<String> {
     let keep = |c: char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
-    let anchor = |heading: &str| heading.trim().to_lowercase().chars().filter(|c| keep(*c)).collect::<String>().replace(' ', "-");
+    let anchor = |heading: &str| {
+        heading.trim().to_lowercase().chars().filter(|c| keep(*c)).collect::<String>().replace(' ', "-")
+    };
     prose(text).lines().filter(|line| line.starts_with('#')).map(|line| anchor(line.trim_start_matches('#'))).collect()
 }
 
@@ -165,10 +183,18 @@ fn anchors(text: &str) -> BTreeSet<String> {
 fn links_lead_somewhere() {
     for document in documents() {
         let content = text(&document);
-        assert!(!content.contains("/work/") && !content.contains("/root/"), "{}: a path of one machine", document.display());
+        assert!(
+            !content.contains("/work/") && !content.contains("/root/"),
+            "{}: a path of one machine",
+            document.display()
+        );
         for link in links(&content) {
             let (file, anchor) = link.split_once('#').unwrap_or((&link, ""));
-            let target = if file.is_empty() { root().join(&document) } else { root().join(&document).parent().unwrap().join(file) };
+            let target = if file.is_empty() {
+                root().join(&document)
+            } else {
+                root().join(&document).parent().unwrap().join(file)
+            };
             assert!(target.exists(), "{}: `{link}` leads nowhere", document.display());
             let found = anchor.is_empty() || anchors(&fs::read_to_string(&target).unwrap()).contains(anchor);
             assert!(found, "{}: `{link}` has no such heading", document.display());
@@ -181,8 +207,10 @@ fn every_verb_and_every_target_is_described() {
     let all: String = documents().iter().map(|document| text(document)).collect();
     let help = Command::new(PROGRAM).arg("--help").output().unwrap();
     let help = String::from_utf8(help.stdout).unwrap();
-    let commands = help.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1).take_while(|line| !line.is_empty());
-    let verbs: Vec<&str> = commands.filter_map(|line| line.split_whitespace().next()).filter(|verb| *verb != "help").collect();
+    let commands =
+        help.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1).take_while(|line| !line.is_empty());
+    let verbs: Vec<&str> =
+        commands.filter_map(|line| line.split_whitespace().next()).filter(|verb| *verb != "help").collect();
     assert!(verbs.contains(&"compile"), "{help}");
     let targets = Command::new(PROGRAM).args(["targets", "--format", "csv"]).output().unwrap();
     let targets = String::from_utf8(targets.stdout).unwrap();
@@ -229,7 +257,10 @@ fn examples_of_the_machine_language_are_accepted() {
     assert!(count > 10, "{count} examples");
     let table = blocks(&page).into_iter().find(|block| block.kind == "csv").unwrap();
     folder.write("configs/table.csv", &table.lines.join("\n"));
-    folder.write("configs/example.yaml", "abbe: 1\nmachine: M\nchain: w b X t\naxes: { X: { travel: [0, 50] } }\nmeasured: [table.csv]\n");
+    folder.write(
+        "configs/example.yaml",
+        "abbe: 1\nmachine: M\nchain: w b X t\naxes: { X: { travel: [0, 50] } }\nmeasured: [table.csv]\n",
+    );
     let output = shell(&folder, "\"$ABBE\" check configs/example.yaml");
     assert!(output.status.success(), "{}", both(&output));
 }
