@@ -30,8 +30,9 @@ pub(super) struct Args {
     tool: Option<String>,
 }
 
+/// Frame of vectors.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum FrameArg {
+pub(super) enum FrameArg {
     Workpiece,
     Machine,
     Tool,

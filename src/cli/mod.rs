@@ -4,16 +4,23 @@
 
 mod certificate_output;
 mod check;
+mod compare;
 mod compile;
 mod eval;
 mod explain;
 mod file_set;
 pub mod files;
+mod init;
 mod load;
+mod map;
 mod poses;
+mod progress;
 mod session;
+mod show;
 mod targets;
 mod verify;
+mod view;
+mod write;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use session::Session;
@@ -73,8 +80,14 @@ enum Color {
 enum Verb {
     /// All diagnostics, and a summary of the machine.
     Check(check::Args),
+    /// The chain, frames, lever arms, and the location errors it needs.
+    Show(show::Args),
     /// Deviation and E_VE at poses.
     Eval(eval::Args),
+    /// The error over a volume.
+    Map(map::Args),
+    /// Machines side by side on the same tool poses.
+    Compare(compare::Args),
     /// The compensation files of a controller, with their certificate.
     Compile(compile::Args),
     /// Replay compensation files as the controller would, and say what they leave.
@@ -83,6 +96,8 @@ enum Verb {
     Targets,
     /// The long text of a code, an error name or a target.
     Explain(explain::Args),
+    /// Write a machine file to begin with.
+    Init(init::Args),
     /// Completions for a shell.
     Completions {
         /// Which.
@@ -121,6 +136,10 @@ fn usage(message: &clap::Error) -> ExitCode {
 fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
     match verb {
         Verb::Eval(args) => eval::run(session, &args),
+        Verb::Show(args) => show::run(session, &args),
+        Verb::Map(args) => map::run(session, &args),
+        Verb::Compare(args) => compare::run(session, &args),
+        Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),
         Verb::Verify(args) => verify::run(session, &args),
         Verb::Targets => targets::run(session),

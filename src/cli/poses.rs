@@ -41,7 +41,8 @@ pub(super) fn poses(session: &mut Session, machine: &Machine, args: &PoseArgs) -
     Ok(list)
 }
 
-fn pose_at(machine: &Machine, text: &str) -> Result<Pose, String> {
+/// One pose from `X=100,C=90`; axes left out are at 0.
+pub(super) fn pose_at(machine: &Machine, text: &str) -> Result<Pose, String> {
     let mut pose = vec![0.0; machine.axes().len()];
     let mut seen = vec![false; pose.len()];
     for part in text.split(',').filter(|part| !part.trim().is_empty()) {
@@ -146,7 +147,7 @@ fn row(machine: &Machine, columns: &[Column], line: &str) -> Result<Pose, String
 }
 
 /// Refuses poses where an error curve is not defined; warns about those beyond the travel.
-fn check(session: &mut Session, machine: &Machine, poses: &[Pose]) -> Result<(), Stop> {
+pub(super) fn check(session: &mut Session, machine: &Machine, poses: &[Pose]) -> Result<(), Stop> {
     for pose in poses {
         if let Some(outside) = machine.outside(pose) {
             return session.refuse(
