@@ -31,7 +31,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     for path in &args.machines {
         machines.push(load::machine(session, path, args.view.tool.as_deref())?);
     }
-    let bare: Vec<Bare<'_>> = machines.iter().map(|machine| Bare { machine, order: args.view.order(machine) }).collect();
+    let bare: Vec<Bare<'_>> =
+        machines.iter().map(|machine| Bare { machine, order: args.view.order(machine) }).collect();
     let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
     let poses = Poses::Random(Random::of(&machines[0], args.poses as usize, args.seed));
     let progress = Progress::new(poses.len(), session.is_quiet());
@@ -86,7 +87,8 @@ impl Report<'_> {
                 "rotation_urad": c.statistics.rotation_urad, "minus_first": c.difference,
             })
         };
-        let machines: Vec<_> = self.machines.iter().zip(self.files()).zip(&self.comparison.machines).map(side).collect();
+        let machines: Vec<_> =
+            self.machines.iter().zip(self.files()).zip(&self.comparison.machines).map(side).collect();
         json!({
             "asked": self.comparison.asked, "poses": self.comparison.common.len(), "seed": self.args.seed,
             "frame": "workpiece", "direction": self.args.view.approach(), "machines": machines,
@@ -95,7 +97,8 @@ impl Report<'_> {
 
     /// One line for each tool pose and machine.
     fn csv(&self) -> String {
-        let mut csv = "pose,file,x [mm],y [mm],z [mm],i,j,k,dx [um],dy [um],dz [um],wx [urad],wy [urad],wz [urad]\n".to_owned();
+        let mut csv =
+            "pose,file,x [mm],y [mm],z [mm],i,j,k,dx [um],dy [um],dz [um],wx [urad],wy [urad],wz [urad]\n".to_owned();
         for (pose, target) in self.comparison.common.iter().enumerate() {
             for (file, side) in self.files().zip(&self.comparison.machines) {
                 let (_, d) = &side.reached[pose];
@@ -117,7 +120,12 @@ impl Report<'_> {
         );
         for (i, ((machine, file), side)) in self.machines.iter().zip(self.files()).zip(&c.machines).enumerate() {
             let missed = reasons(&side.unreachable);
-            text.push_str(&format!("  {}  {} ({file}), {}: unreachable {missed}\n", i + 1, machine.name(), machine.chain()));
+            text.push_str(&format!(
+                "  {}  {} ({file}), {}: unreachable {missed}\n",
+                i + 1,
+                machine.name(),
+                machine.chain()
+            ));
         }
         let mut rows = table(&STATISTICS);
         for (i, side) in c.machines.iter().enumerate() {

@@ -4,7 +4,9 @@ use super::eval::FrameArg;
 use super::poses::{check, pose_at};
 use super::progress::Progress;
 use super::session::Session;
-use super::view::{STATISTICS, ViewArgs, axes_json, axes_text, frame_text, numbers, order_text, statistics_rows, table};
+use super::view::{
+    STATISTICS, ViewArgs, axes_json, axes_text, frame_text, numbers, order_text, statistics_rows, table,
+};
 use super::write::write_whole;
 use super::{Format, Outcome, Stop, load};
 use crate::analysis::{MOST_POSES, Map, Plane, TooManyPoses, View, map, rest};
@@ -107,9 +109,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
 
 fn too_many(count: usize) -> Diagnostic {
     let count = if count == usize::MAX { "more than can be counted".to_owned() } else { count.to_string() };
-    Diagnostic::new("E0812", format!("the grid of the volume has {count} poses; a map takes {MOST_POSES} at most")).help(
-        "take random poses (`--random 100000`), or larger steps under `volume` in the machine file",
-    )
+    Diagnostic::new("E0812", format!("the grid of the volume has {count} poses; a map takes {MOST_POSES} at most"))
+        .help("take random poses (`--random 100000`), or larger steps under `volume` in the machine file")
 }
 
 /// Which plane to draw, and where the other axes are.
@@ -133,13 +134,18 @@ fn picture(session: &mut Session, machine: &Machine, args: &Args) -> Result<Draw
 
 /// `XY`, or `X,Y2` where names are longer; two different linear axes with room to move.
 fn plane_axes(machine: &Machine, text: Option<&str>) -> Result<[usize; 2], String> {
-    let moves = |i: &usize| machine.axes()[*i].kind == AxisKind::Linear && machine.volume()[*i].max > machine.volume()[*i].min;
+    let moves =
+        |i: &usize| machine.axes()[*i].kind == AxisKind::Linear && machine.volume()[*i].max > machine.volume()[*i].min;
     let mut linear: Vec<usize> = (0..machine.axes().len()).filter(moves).collect();
     linear.sort_by(|a, b| machine.axes()[*a].name.cmp(&machine.axes()[*b].name));
     let known: Vec<&str> = linear.iter().map(|i| machine.axes()[*i].name.as_str()).collect();
     let known = known.join(", ");
     let Some(text) = text else {
-        return if let [a, b, ..] = linear[..] { Ok([a, b]) } else { Err("the machine has no two linear axes to draw a plane of".to_owned()) };
+        return if let [a, b, ..] = linear[..] {
+            Ok([a, b])
+        } else {
+            Err("the machine has no two linear axes to draw a plane of".to_owned())
+        };
     };
     let names: Vec<String> = match text.split_once(',') {
         Some((a, b)) => vec![a.trim().to_owned(), b.trim().to_owned()],
@@ -207,8 +213,8 @@ impl Report<'_> {
     }
 
     fn text(&self) -> String {
-        let mut statistics = table(&STATISTICS);
-        let _ = statistics.add_rows(statistics_rows("", &self.map.statistics));
+        let mut statistics = table(&STATISTICS[1..]);
+        let _ = statistics.add_rows(statistics_rows("", &self.map.statistics).map(|row| row.into_iter().skip(1)));
         let where_from = match self.poses {
             Poses::Nodes(nodes) => nodes.counts().map(|n| n.to_string()).collect::<Vec<_>>().join(" x ") + " grid",
             _ => "random over the volume".to_owned(),

@@ -88,7 +88,8 @@ impl Shown<'_> {
     }
 
     fn text(&self) -> String {
-        let mut axes = table(&["axis", "kind", "side", "direction", "origin, mm", "travel", "arm at 0, mm", "longest arm, mm"]);
+        let mut axes =
+            table(&["axis", "kind", "side", "direction", "origin, mm", "travel", "arm at 0, mm", "longest arm, mm"]);
         for (axis, lever) in self.rows() {
             let prime = if axis.branch == Branch::Workpiece { "'" } else { "" };
             let _ = axes.add_row([
@@ -118,7 +119,11 @@ impl Shown<'_> {
         for tool in self.machine.tools() {
             let mark = if tool.name == self.machine.tool().name { "" } else { " (not in use)" };
             let name = if tool.name.is_empty() { String::new() } else { format!("tool {}{mark}: ", tool.name) };
-            text.push_str(&format!("  {name}gauge point {} mm, functional point {} mm\n", point(&tool.gauge), point(&tool.tip)));
+            text.push_str(&format!(
+                "  {name}gauge point {} mm, functional point {} mm\n",
+                point(&tool.gauge),
+                point(&tool.tip)
+            ));
         }
         text
     }
@@ -136,7 +141,9 @@ impl Shown<'_> {
             ("not given, but said by others that are", Status::Covered),
             ("missing (taken as zero)", Status::Missing),
         ];
-        for (what, names) in lines.map(|(what, status)| (what, with(status))).iter().filter(|(_, names)| !names.is_empty()) {
+        for (what, names) in
+            lines.map(|(what, status)| (what, with(status))).iter().filter(|(_, names)| !names.is_empty())
+        {
             text.push_str(&format!("  {what}: {names}\n"));
         }
         if !self.set.besides.is_empty() {
@@ -177,8 +184,14 @@ impl Shown<'_> {
                 })
             })
             .collect();
-        let tools: Vec<_> = self.machine.tools().iter().map(|t| json!({"name": t.name, "gauge_mm": t.gauge, "tip_mm": t.tip})).collect();
-        let members: Vec<_> = self.set.members.iter().map(|(id, status)| json!({"error": id, "status": status})).collect();
+        let tools: Vec<_> = self
+            .machine
+            .tools()
+            .iter()
+            .map(|t| json!({"name": t.name, "gauge_mm": t.gauge, "tip_mm": t.tip}))
+            .collect();
+        let members: Vec<_> =
+            self.set.members.iter().map(|(id, status)| json!({"error": id, "status": status})).collect();
         json!({
             "machine": self.machine.name(), "chain": self.machine.chain().to_string(), "axes": axes, "tools": tools,
             "workpiece_origin_mm": self.machine.workpiece(), "conventions": self.machine.conventions(),
@@ -188,7 +201,8 @@ impl Shown<'_> {
 
     /// The table of the axes.
     fn csv(&self) -> String {
-        let mut csv = "axis,kind,side,ux,uy,uz,x [mm],y [mm],z [mm],min,max,unit,arm at 0 [mm],longest arm [mm]\n".to_owned();
+        let mut csv =
+            "axis,kind,side,ux,uy,uz,x [mm],y [mm],z [mm],min,max,unit,arm at 0 [mm],longest arm [mm]\n".to_owned();
         for (axis, lever) in self.rows() {
             let (min, max) = axis.travel.interval();
             let ends = if axis.travel == Travel::Continuous { ",".to_owned() } else { numbers([min, max]) };

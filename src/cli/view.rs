@@ -67,7 +67,8 @@ pub(super) fn axes_json(machine: &Machine, pose: &[f64]) -> serde_json::Value {
 
 /// `X = 100 mm, C = 90 deg`.
 pub(super) fn axes_text(machine: &Machine, pose: &[f64]) -> String {
-    let entry = |(axis, q): (&crate::machine::Axis, &f64)| format!("{} = {} {}", axis.name, significant(*q, 7), axis.unit());
+    let entry =
+        |(axis, q): (&crate::machine::Axis, &f64)| format!("{} = {} {}", axis.name, significant(*q, 7), axis.unit());
     machine.axes().iter().zip(pose).map(entry).collect::<Vec<_>>().join(", ")
 }
 

@@ -306,7 +306,12 @@ fn pair_angles(w1: &Vector3<f64>, w2: &Vector3<f64>, p: &Vector3<f64>, t: &Vecto
 }
 
 /// The two points at a height and distance of one axis, and at a height of the other.
-fn meeting(axis: &Vector3<f64>, other: &Vector3<f64>, (height, distance): (f64, f64), along_other: f64) -> Option<[Vector3<f64>; 2]> {
+fn meeting(
+    axis: &Vector3<f64>,
+    other: &Vector3<f64>,
+    (height, distance): (f64, f64),
+    along_other: f64,
+) -> Option<[Vector3<f64>; 2]> {
     let normal = axis.cross(other);
     let sine = normal.norm();
     let towards = (other - axis * axis.dot(other)) / sine;

@@ -1,8 +1,8 @@
 //! `abbe init`: a machine file to begin with.
 
+use super::Outcome;
 use super::session::Session;
 use super::write::write_new;
-use super::Outcome;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
