@@ -1,7 +1,7 @@
 //! Integration tests.
 
 // A test that panics is a test that fails: nothing to be careful about.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr, clippy::print_stdout)]
 
 mod bad_input;
 mod compare;
