@@ -1,8 +1,8 @@
 //! Compensation: what must be added to commands so that the real machine does what the ideal one would.
 //!
-//! - [`correct`] solves actual(q + c) = ideal(q) for one pose by Newton's iteration;
+//! - [`correct()`] solves actual(q + c) = ideal(q) for one pose by Newton's iteration;
 //! - [`Capability`] says what a controller's mechanism can hold;
-//! - [`own_axis_tables`] and [`lattice`] fill its tables; [`Tables::quantise`] rounds them.
+//! - [`own_axis_tables`] and [`lattice()`] fill its tables; [`Tables::quantise`] rounds them.
 //!
 //! A [`Correction`] is what is added to a command; a `Deviation` is actual minus nominal. They are
 //! different types, and the sign changes in exactly one function, `jacobian::against`.
