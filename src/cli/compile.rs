@@ -94,7 +94,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         return session.refuse(refusal);
     }
     let names = rendered.iter().map(|file| file.name.clone()).collect();
-    Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.out }.print(session);
+    Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.out }
+        .print(session);
     Ok(())
 }
 
@@ -106,7 +107,13 @@ fn inputs(session: &Session) -> Vec<Hashed> {
 }
 
 /// Reads the rendered bytes back as `verify` would, and insists that they are the tables we meant.
-fn read_back(session: &mut Session, machine: &Machine, target: &Target, files: &[RenderedFile], meant: &Tables) -> Result<Tables, Stop> {
+fn read_back(
+    session: &mut Session,
+    machine: &Machine,
+    target: &Target,
+    files: &[RenderedFile],
+    meant: &Tables,
+) -> Result<Tables, Stop> {
     let text = |file: &RenderedFile| (file.name.clone(), String::from_utf8_lossy(&file.bytes).into_owned());
     let wanted = target.table_files(machine);
     let texts: Vec<_> = files.iter().filter(|file| wanted.contains(&file.name)).map(text).collect();
@@ -115,8 +122,11 @@ fn read_back(session: &mut Session, machine: &Machine, target: &Target, files: &
     match read {
         Some(read) if read == *meant => Ok(read),
         _ => session.refuse(
-            Diagnostic::new("E0707", format!("the files of target `{}` do not read back as what was to be written", target.manifest.target))
-                .help("its templates do not write what its manifest says; nothing was written"),
+            Diagnostic::new(
+                "E0707",
+                format!("the files of target `{}` do not read back as what was to be written", target.manifest.target),
+            )
+            .help("its templates do not write what its manifest says; nothing was written"),
         ),
     }
 }

@@ -98,6 +98,8 @@ enum Verb {
     Explain(explain::Args),
     /// Write a machine file to begin with.
     Init(init::Args),
+    /// The JSON Schema (draft-07) of the machine file, for editors.
+    Schema,
     /// Completions for a shell.
     Completions {
         /// Which.
@@ -145,6 +147,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Targets => targets::run(session),
         Verb::Check(args) => check::run(session, &args),
         Verb::Explain(args) => explain::run(session, &args),
+        Verb::Schema => schema(session),
         Verb::Completions { shell } => completions(session, shell),
     }
 }
@@ -153,5 +156,10 @@ fn completions(session: &Session, shell: clap_complete::Shell) -> Outcome {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut <Cli as clap::CommandFactory>::command(), "abbe", &mut script);
     session.print(&String::from_utf8_lossy(&script));
+    Ok(())
+}
+
+fn schema(session: &Session) -> Outcome {
+    session.print(&format!("{:#}", crate::syntax::schema()));
     Ok(())
 }

@@ -36,7 +36,10 @@ pub fn lattice_nodes(machine: &Machine, capability: &LatticeCapability) -> Vec<V
             let fresh = || coarser.map_or(f64::INFINITY, |n| interpolation_error(machine, axis, n));
             let _ = error.get_or_insert_with(fresh);
         }
-        let cheapest = errors.iter().enumerate().min_by(|a, b| a.1.unwrap_or(f64::INFINITY).total_cmp(&b.1.unwrap_or(f64::INFINITY)));
+        let cheapest = errors
+            .iter()
+            .enumerate()
+            .min_by(|a, b| a.1.unwrap_or(f64::INFINITY).total_cmp(&b.1.unwrap_or(f64::INFINITY)));
         let Some((axis, _)) = cheapest else { break };
         let Some(count) = coarser(counts[axis]) else { break };
         counts[axis] = count;

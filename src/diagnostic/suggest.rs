@@ -4,7 +4,8 @@ use super::shown;
 
 /// The candidate nearest to `word`, if near enough to be what was meant.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let limit = (word.chars().count() / 3).max(1);
+    // One letter for another is no misspelling of a word of one or two letters.
+    let limit = word.chars().count() / 3;
     let scored = candidates.into_iter().map(|c| (distance(&word.to_lowercase(), &c.to_lowercase()), c));
     scored.filter(|(d, _)| *d <= limit).min_by_key(|(d, _)| *d).map(|(_, c)| c)
 }

@@ -56,7 +56,7 @@ pub struct Document {
 }
 
 /// The chain as two lists from the bed outwards.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Branches {
     /// Axes that carry the workpiece.
@@ -66,18 +66,23 @@ pub struct Branches {
 }
 
 /// An axis.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct AxisEntry {
     /// `linear` or `rotary`; follows from the letter.
+    #[schemars(schema_with = "super::schema::kind")]
     pub kind: Option<String>,
     /// Of positive motion; follows from the letter.
+    #[schemars(schema_with = "super::schema::direction")]
     pub direction: Option<Vec<Scalar>>,
     /// A point of the axis (mm).
+    #[schemars(schema_with = "super::schema::point")]
     pub origin: Option<Vec<Scalar>>,
     /// How far it goes.
+    #[schemars(schema_with = "super::schema::travel")]
     pub travel: Option<TravelEntry>,
     /// `iso841` or `direct`.
+    #[schemars(schema_with = "super::schema::sense")]
     pub sense: Option<String>,
 }
 
@@ -91,44 +96,56 @@ pub enum TravelEntry {
 }
 
 /// A tool: `gauge` and either `length` or `offset`.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct ToolEntry {
     /// Gauge point in machine coordinates at the zero pose.
+    #[schemars(schema_with = "super::schema::point")]
     pub gauge: Option<Vec<Scalar>>,
     /// The tip is this far from it, against the tool axis (0, 0, 1).
+    #[schemars(schema_with = "super::schema::length")]
     pub length: Option<Scalar>,
     /// Or the tip's coordinates relative to it.
+    #[schemars(schema_with = "super::schema::point")]
     pub offset: Option<Vec<Scalar>>,
 }
 
 /// The workpiece.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct WorkpieceEntry {
     /// Its origin in machine coordinates at the zero pose.
+    #[schemars(schema_with = "super::schema::point")]
     pub origin: Option<Vec<Scalar>>,
 }
 
 /// Conventions: the name of a preset, single choices, or both.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct ConventionsEntry {
     /// Name of a preset.
+    #[schemars(schema_with = "super::schema::preset")]
     pub preset: Option<String>,
     /// How location errors act.
+    #[schemars(schema_with = "super::schema::location")]
     pub location: Option<String>,
     /// Component errors of linear axes.
+    #[schemars(schema_with = "super::schema::linear_order")]
     pub linear: Option<String>,
     /// Component errors of rotary axes.
+    #[schemars(schema_with = "super::schema::rotary_order")]
     pub rotary: Option<String>,
     /// Sense of workpiece-side axes.
+    #[schemars(schema_with = "super::schema::sense")]
     pub workpiece_axes: Option<String>,
     /// Whose errors those of workpiece-side axes are.
+    #[schemars(schema_with = "super::schema::errors_are")]
     pub errors_are: Option<String>,
     /// Order of location errors.
+    #[schemars(schema_with = "super::schema::location_order")]
     pub location_order: Option<String>,
     /// Shape of error matrices.
+    #[schemars(schema_with = "super::schema::joints")]
     pub joints: Option<String>,
 }
 
@@ -147,25 +164,28 @@ pub enum VolumeAxis {
 }
 
 /// Errors of clamping by direction.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SetUpEntry {
     /// Of the tip: X, Y, Z.
+    #[schemars(schema_with = "super::schema::tool_setup")]
     pub tool: IndexMap<String, Scalar>,
     /// Of the workpiece: X, Y, Z, A, B, C.
+    #[schemars(schema_with = "super::schema::workpiece_setup")]
     pub workpiece: IndexMap<String, Scalar>,
 }
 
 /// The algebra of symbolic stages.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct AlgebraEntry {
     /// Highest total degree that is kept.
+    #[schemars(schema_with = "super::schema::degree")]
     pub degree: Option<u8>,
     /// One generator for what.
+    #[schemars(schema_with = "super::schema::generators")]
     pub generators: Option<GeneratorsEntry>,
     /// Monomials set to zero, such as `EXX*EYX` or `EXX^2`.
-    #[serde(default)]
     pub vanish: Vec<String>,
 }
 
@@ -179,7 +199,7 @@ pub enum GeneratorsEntry {
 }
 
 /// What `identify` fits.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IdentifyEntry {
     /// Error names and groups.
@@ -187,6 +207,7 @@ pub struct IdentifyEntry {
     /// Names that keep their value.
     pub fixed: Vec<String>,
     /// Basis by error name: `poly3`, `fourier2`, `spline8`.
+    #[schemars(schema_with = "super::schema::bases")]
     pub basis: IndexMap<String, String>,
 }
 
@@ -264,7 +285,7 @@ impl Document {
         let document = Self {
             abbe: reader.section("abbe"),
             machine: reader.section("machine"),
-            chain: reader.section("chain"),
+            chain: reader.section::<Walk>("chain").map(|c| c.0),
             branches: reader.section("branches"),
             axes: reader.entries("axes"),
             tool: reader.section("tool"),
@@ -302,13 +323,20 @@ impl Reader<'_> {
 /// `holub-2015` is short for `{ preset: holub-2015 }`.
 struct PresetOr(ConventionsEntry);
 
+/// `[w C' b X Z t]` without quotes is a list to YAML.
+struct Walk(String);
+
 /// `[0, 500]` is short for `{ range: [0, 500] }`.
 struct VolumeEntry(VolumeAxis);
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct VolumeFields {
+#[derive(Default, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct VolumeFields {
+    /// From, to.
+    #[schemars(schema_with = "super::schema::interval")]
     range: Option<Vec<Scalar>>,
+    /// Largest distance of two nodes.
+    #[schemars(schema_with = "super::schema::step")]
     step: Option<Scalar>,
 }
 
@@ -322,6 +350,18 @@ impl Forms for VolumeEntry {
     fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
         let VolumeFields { range, step } = VolumeFields::deserialize(MapAccessDeserializer::new(map))?;
         Ok(Self(VolumeAxis::Axis { range, step }))
+    }
+}
+
+impl Forms for Walk {
+    const EXPECTING: &'static str = "the walk from workpiece to tool, in quotes";
+
+    fn scalar(walk: Scalar) -> Option<Self> {
+        if let Scalar::Text(walk) = walk { Some(Self(walk)) } else { None }
+    }
+
+    fn list(words: Vec<Scalar>) -> Option<Self> {
+        Some(Self(words.iter().map(Scalar::to_string).collect::<Vec<_>>().join(" ")))
     }
 }
 
@@ -372,4 +412,4 @@ macro_rules! deserialize_by_forms {
     )*};
 }
 
-deserialize_by_forms!(VolumeEntry, PresetOr, TravelEntry, GeneratorsEntry);
+deserialize_by_forms!(VolumeEntry, PresetOr, Walk, TravelEntry, GeneratorsEntry);

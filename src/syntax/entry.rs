@@ -74,15 +74,55 @@ fn explain(message: &str, keys: &Keys, places: &Places) -> Diagnostic {
             .at(places.value(keys), "")
             .help(help);
     }
-    let (found, expected) = match message.split_once(", expected ") {
-        Some((found, expected)) => (found, expected),
-        None => (message, "something else"),
-    };
-    let found = found.trim_start_matches("invalid type: ").trim_start_matches("invalid value: ");
-    let found = found.replace("sequence", "a list").replace("map", "a mapping").replace("string", "the text");
     Diagnostic::new("E0202", format!("`{}` does not have the right form", shown(&keys.join("."))))
-        .at(places.value(keys), format!("this is {}", shown(&found)))
-        .help(format!("write {}", expected.replace("a sequence", "a list").replace("a map", "a mapping")))
+        .at(places.value(keys), found(message))
+        .help(sample(name).map_or_else(|| expected(message), |sample| format!("write it as `{name}: {sample}`")))
+}
+
+/// What serde found, in plain words.
+fn found(message: &str) -> String {
+    let found = message.split_once(", expected ").map_or(message, |(found, _)| found);
+    let found = found.trim_start_matches("invalid type: ").trim_start_matches("invalid value: ");
+    let words = [("sequence", "a list"), ("map", "a mapping"), ("unit value", "nothing"), ("string ", "the text ")];
+    let word = words.iter().find_map(|(from, to)| found.strip_prefix(from).map(|rest| format!("{to}{rest}")));
+    let number =
+        ["integer ", "floating point "].iter().find_map(|p| found.strip_prefix(p)).map(|n| format!("the number {n}"));
+    format!("this is {}", shown(&word.or(number).unwrap_or_else(|| found.to_owned())))
+}
+
+/// What serde expected.
+fn expected(message: &str) -> String {
+    let expected = message.split_once(", expected ").map_or("something else", |(_, expected)| expected);
+    format!(
+        "write {}",
+        expected.replace("a sequence", "a list").replace("a map", "a mapping").replace("a string", "text")
+    )
+}
+
+/// The form of an entry by its key.
+fn sample(key: &str) -> Option<&'static str> {
+    Some(match key {
+        "machine" => "Trunnion five-axis centre",
+        "chain" => "\"w C' A' Y' b X Z t\"",
+        "branches" => "{ workpiece: [Y, A, C], tool: [X, Z] }",
+        "travel" => "[0 mm, 500 mm]",
+        "direction" => "[0, 1, 1]",
+        "origin" | "gauge" | "offset" => "[250, 225, 0]",
+        "length" => "120 mm",
+        "table" => "errors/x.csv",
+        "points" => "[[0 mm, 0 um], [500 mm, 3 um]]",
+        "polynomial" => "[0 um, 3 um/m]",
+        "harmonics" => "{ 1: [2 urad, -1 urad] }",
+        "measured" => "[errors/x.csv, errors/y.csv]",
+        "range" => "[0, 500]",
+        "step" => "25 mm",
+        "degree" => "2",
+        "vanish" => "[EXX*EYX, EXX^2]",
+        "fit" => "[location, EXX:poly3]",
+        "fixed" => "[EC0Y]",
+        "basis" => "{ EYX: poly3 }",
+        _ => return None,
+    })
 }
 
 /// Cuts the part out; false if there is no such part.

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// Deepest nesting.
 const DEPTH: usize = 64;
 /// Most entries, aliases counted as what they stand for.
-const NODES: usize = 500_000;
+const NODES: usize = 200_000;
 /// Most aliases.
 const ALIASES: usize = 1_000;
 

@@ -12,6 +12,7 @@ mod index;
 mod places;
 mod read;
 mod scalar;
+mod schema;
 mod table;
 mod term;
 mod tree;
@@ -24,6 +25,7 @@ pub use files::{Files, ReadFailure};
 pub use places::{Keys, Places, Spot, below, keys};
 pub use read::read_text;
 pub use scalar::Scalar;
+pub use schema::schema;
 pub use table::{Column, ColumnDirection, Table, read_table};
 pub use term::{CurveEntry, TermEntry};
 

@@ -41,7 +41,12 @@ impl Places {
     /// Was part of the entry (or the entry itself) refused?
     pub fn is_marred(&self, keys: &[String]) -> bool {
         let from = self.marred.range(keys.to_vec()..).next();
-        from.is_some_and(|k| k.starts_with(keys)) || (1..keys.len()).any(|n| self.marred.contains(&keys[..n]))
+        from.is_some_and(|k| k.starts_with(keys)) || self.is_lost(keys)
+    }
+
+    /// Was the entry as a whole, or what contains it, refused?
+    pub fn is_lost(&self, keys: &[String]) -> bool {
+        (1..=keys.len()).any(|n| self.marred.contains(&keys[..n]))
     }
 
     /// Is there an entry?

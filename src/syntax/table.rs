@@ -86,8 +86,13 @@ impl TableReader<'_> {
             return None;
         };
         let separator = separator(&self.text[header.clone()]);
-        let columns: Vec<Option<Column>> =
-            cells(self.text, header.clone(), separator).into_iter().map(|cell| self.column(cell)).collect();
+        let titles = cells(self.text, header.clone(), separator);
+        if titles.iter().all(|cell| units::number(&self.text[cell.clone()]).is_ok()) {
+            let help = "put a line such as `X [mm], EXX [um]` before it";
+            self.refuse("E0110", "the table has no header", header.clone(), help);
+            return None;
+        }
+        let columns: Vec<Option<Column>> = titles.into_iter().map(|cell| self.column(cell)).collect();
         if body.is_empty() {
             self.refuse("E0110", "the table has no rows", header.clone(), "add one position a line below the header");
         }
@@ -118,18 +123,8 @@ impl TableReader<'_> {
             return None;
         }
         let Some(unit) = unit else {
-            let looks = units::number(name).is_ok();
-            let message = if looks {
-                "the table has no header".to_owned()
-            } else {
-                format!("column `{}` has no unit", shown(name))
-            };
-            let help = if looks {
-                "put a line such as `X [mm], EXX [um]` before it"
-            } else {
-                "write it as `EXX [um]`; positions as `X [mm]` or `C [deg]`"
-            };
-            self.refuse("E0110", message, cell, help);
+            let help = "write it as `EXX [um]`; positions as `X [mm]` or `C [deg]`";
+            self.refuse("E0110", format!("column `{}` has no unit", shown(name)), cell, help);
             return None;
         };
         match units::unit(unit) {
@@ -173,7 +168,8 @@ impl TableReader<'_> {
     }
 
     fn ragged(&mut self, row: &Range<usize>, found: usize, expected: usize) {
-        let message = format!("this row has {found} cells, the header has {expected}");
+        let cells = if found == 1 { "cell" } else { "cells" };
+        let message = format!("this row has {found} {cells}, the header has {expected}");
         let help = if found == 2 * expected {
             "are these decimal commas? write decimal points"
         } else {
@@ -183,12 +179,16 @@ impl TableReader<'_> {
     }
 
     fn cell(&mut self, column: &str, failure: &Failure, cell: Range<usize>) {
+        let text = &self.text[cell.clone()];
+        let point;
         let help = match failure {
-            Failure::DecimalComma(_) => "write a decimal point",
+            Failure::DecimalComma(_) => {
+                point = format!("write `{}`", text.replace(',', "."));
+                &point
+            }
             Failure::NotFinite(_) => "leave the row out if nothing was measured there",
             _ => "write a plain number; the unit stands in the header",
         };
-        let text = &self.text[cell.clone()];
         let message = if text.is_empty() {
             format!("column `{}` is empty here", shown(column))
         } else {

@@ -8,46 +8,62 @@ use serde::de::value::MapAccessDeserializer;
 use serde::{Deserialize, Deserializer};
 
 /// One of the forms of a curve: exactly one of `value`, `table`, `points`, `polynomial`, `harmonics`.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, remote = "Self")]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default, remote = "Self")]
+#[schemars(transform = super::schema::one_form)]
 pub struct CurveEntry {
     /// A constant with its unit.
+    #[schemars(schema_with = "super::schema::quantity")]
     pub value: Option<Scalar>,
     /// Path of a CSV file that has a column of this error's name.
     pub table: Option<String>,
     /// Points in the file: [position, value].
+    #[schemars(schema_with = "super::schema::points")]
     pub points: Option<Vec<Vec<Scalar>>>,
     /// Between points: `linear` (default) or `cubic`.
+    #[schemars(schema_with = "super::schema::interpolation")]
     pub interpolation: Option<String>,
     /// Coefficients by rising power of the position.
+    #[schemars(schema_with = "super::schema::polynomial")]
     pub polynomial: Option<Vec<Scalar>>,
     /// [cosine, sine] by order; rotary axes only.
+    #[schemars(schema_with = "super::schema::harmonics")]
     pub harmonics: Option<IndexMap<String, Vec<Scalar>>>,
 }
 
 /// An error term: a curve, one for each direction, or a tolerance.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, remote = "Self")]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default, remote = "Self")]
+#[schemars(transform = super::schema::one_form)]
 pub struct TermEntry {
     /// A constant with its unit.
+    #[schemars(schema_with = "super::schema::quantity")]
     pub value: Option<Scalar>,
     /// Path of a CSV file that has a column of this error's name.
     pub table: Option<String>,
     /// Points in the file: [position, value].
+    #[schemars(schema_with = "super::schema::points")]
     pub points: Option<Vec<Vec<Scalar>>>,
     /// Between points: `linear` (default) or `cubic`.
+    #[schemars(schema_with = "super::schema::interpolation")]
     pub interpolation: Option<String>,
     /// Coefficients by rising power of the position.
+    #[schemars(schema_with = "super::schema::polynomial")]
     pub polynomial: Option<Vec<Scalar>>,
     /// [cosine, sine] by order; rotary axes only.
+    #[schemars(schema_with = "super::schema::harmonics")]
     pub harmonics: Option<IndexMap<String, Vec<Scalar>>>,
     /// The curve for rising positions.
+    #[schemars(schema_with = "super::schema::curve")]
     pub forward: Option<CurveEntry>,
     /// The curve for falling positions.
+    #[schemars(schema_with = "super::schema::curve")]
     pub reverse: Option<CurveEntry>,
     /// Not known, only bounded.
+    #[schemars(schema_with = "super::schema::quantity")]
     pub tolerance: Option<Scalar>,
     /// Where the numbers come from.
+    #[schemars(schema_with = "super::schema::notes")]
     pub provenance: Option<IndexMap<String, Scalar>>,
 }
 

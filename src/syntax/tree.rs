@@ -51,6 +51,11 @@ impl<'de> Visitor<'de> for TreeVisitor {
         Ok(Tree(Value::Null))
     }
 
+    /// An empty document.
+    fn visit_none<E: de::Error>(self) -> Result<Tree, E> {
+        Ok(Tree(Value::Null))
+    }
+
     fn visit_seq<A: SeqAccess<'de>>(self, mut members: A) -> Result<Tree, A::Error> {
         let mut list = Vec::new();
         while let Some(Tree(value)) = members.next_element()? {

@@ -21,7 +21,7 @@ impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::NotANumber(t) => write!(f, "`{t}` is not a number"),
-            Self::DecimalComma(t) => write!(f, "`{t}` has a decimal comma; write a point"),
+            Self::DecimalComma(t) => write!(f, "`{t}` has a decimal comma"),
             Self::NotFinite(t) => write!(f, "`{t}` is not a finite number"),
             Self::UnknownUnit(t) => write!(f, "unknown unit `{t}`"),
             Self::NoUnit(t) => write!(f, "`{t}` has no unit"),

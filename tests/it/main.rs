@@ -1,10 +1,12 @@
 //! Integration tests.
 
 // A test that panics is a test that fails: nothing to be careful about.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr, clippy::print_stdout)]
 
+mod bad_input;
 mod compare;
 mod configs;
+mod diagnostics;
 mod eval_exact;
 mod eval_order;
 mod golden_signs;
@@ -15,4 +17,7 @@ mod oracle;
 mod paper_2015;
 mod program;
 mod published;
+mod reconfigure;
+mod schema;
 mod show;
+mod tidy;

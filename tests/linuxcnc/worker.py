@@ -11,6 +11,13 @@ import sys
 import session
 
 
+def same(sample, last):
+    """Equal, a NaN being equal to a NaN: a frozen correction stands still too."""
+    if last is None or sample == last:
+        return sample == last
+    return all(a == b or (a != a and b != b) for a, b in zip(sample, last))
+
+
 class Recorder:
     """Drains the samplers; knows for every joint what was recorded last."""
 
@@ -28,7 +35,7 @@ class Recorder:
                 if sample is None:
                     break
                 self.seen[joint] += 1
-                if sample != last:
+                if not same(sample, last):
                     data.extend(sample)
                     last = sample
             self.last[joint] = last

@@ -66,6 +66,7 @@ fn controller() -> Result<(), String> {
 pub struct Folder(pub PathBuf);
 
 impl Folder {
+    /// Makes it, empty.
     pub fn new(name: &str) -> Self {
         let path = std::env::temp_dir().join(format!("abbe-live-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&path).unwrap();

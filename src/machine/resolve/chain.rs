@@ -58,10 +58,10 @@ fn check(context: &mut Context<'_>, links: &Links) -> Option<()> {
     for (i, link) in links.axes.iter().enumerate() {
         if let Some(first) = links.axes[..i].iter().find(|l| l.name == link.name) {
             twice(context, &link.name, &link.place, &first.place);
-        } else if !declared.contains(&link.name.as_str()) && !context.document.places.is_marred(&keys(["axes"])) {
-            let help = did_you_mean(link.name.as_str(), &declared);
+        } else if !declared.contains(&link.name.as_str()) && !context.document.places.is_lost(&keys(["axes"])) {
+            let near = did_you_mean(link.name.as_str(), &declared);
             let message = format!("axis `{}` of the chain is not declared under `axes`", link.name);
-            let help = format!("{help}, or declare it: `{}: {{ travel: [...] }}`", link.name);
+            let help = format!("declare it, `{}: {{ travel: [...] }}`; {near}", link.name);
             context.diagnostics.push(Diagnostic::new("E0303", message).at(link.place.clone(), "").help(help));
         }
     }

@@ -12,7 +12,7 @@ use std::rc::Rc;
 /// Highest order of a harmonic, highest power of a polynomial.
 const ORDERS: usize = 720;
 const POWERS: usize = 20;
-/// A table may end this much (mm, deg) before the travel does: rounding in the file.
+/// Rounding of positions (mm, deg).
 const SLACK: f64 = 1e-9;
 
 /// A curve in the making: of which error, on which axis, with which sign.
@@ -37,10 +37,9 @@ impl CurveOf<'_> {
 pub fn component(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry, at: &Keys) -> Option<ComponentError> {
     if let Some(path) = &entry.table {
         let here = below(at, "table");
-        let table = context.table(&here, path)?;
-        let cubic = cubic(context, entry, at)?;
+        let (cubic, table) = (cubic(context, entry, at), context.table(&here, path));
         let named = context.document.places.value(&here);
-        return from_table(context, of, &table, cubic, named);
+        return from_table(context, of, &table?, cubic?, named);
     }
     curve(context, of, entry, at).map(ComponentError::Single)
 }
@@ -248,7 +247,8 @@ fn carries(column: &Column, of: &CurveOf<'_>) -> bool {
 fn missing(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: Option<Place>) {
     let header = table.columns.first().map(|c| c.place.clone());
     let names: Vec<&str> = table.columns[1..].iter().map(|c| c.name.as_str()).collect();
-    let help = did_you_mean(&of.error.to_string(), &names);
+    let help =
+        format!("its columns are {}", names.iter().map(|n| format!("`{}`", shown(n))).collect::<Vec<_>>().join(", "));
     let refusal = Diagnostic::new("E0114", format!("the table has no column `{}`", of.error));
     let header = header.filter(|h| named.as_ref().is_none_or(|n| n.source != h.source));
     context.diagnostics.push(refusal.at(named, "named here").at(header, "the table's header").help(help));
@@ -327,6 +327,7 @@ fn knots(
     row: &dyn Fn(usize) -> Option<Place>,
 ) -> Option<Curve> {
     let period = of.continuous().then_some(360.0);
+    let pairs = snapped(pairs, of.axis.travel);
     match Knots::new(&pairs, period) {
         Ok(knots) => {
             covers(context, of, &knots, place)?;
@@ -338,6 +339,19 @@ fn knots(
             None
         }
     }
+}
+
+/// Ends that miss those of the travel only by rounding (deg to rad and back) are put there.
+fn snapped(mut pairs: Vec<(f64, f64)>, travel: Option<Travel>) -> Vec<(f64, f64)> {
+    let Some(first) = pairs.first().map(|p| p.0) else { return pairs };
+    let (min, max) = match travel {
+        Some(Travel::Range(min, max)) => (min, max),
+        _ => (first, first + 360.0),
+    };
+    let snap = |end: &mut f64, to: f64| *end = if (*end - to).abs() <= SLACK { to } else { *end };
+    pairs.first_mut().into_iter().for_each(|p| snap(&mut p.0, min));
+    pairs.last_mut().into_iter().for_each(|p| snap(&mut p.0, max));
+    pairs
 }
 
 fn explain(
@@ -373,7 +387,7 @@ fn explain(
 fn covers(context: &mut Context<'_>, of: &CurveOf<'_>, knots: &Knots, place: Option<Place>) -> Option<()> {
     let Some(Travel::Range(min, max)) = of.axis.travel else { return Some(()) };
     let (first, last) = (knots.positions().first()?, knots.positions().last()?);
-    if *first <= min + SLACK && *last >= max - SLACK {
+    if *first <= min && *last >= max {
         return Some(());
     }
     let unit = if of.kind == AxisKind::Linear { "mm" } else { "deg" };

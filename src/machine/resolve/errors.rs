@@ -67,7 +67,10 @@ pub fn named(context: &mut Context<'_>, name: &str, known: &Known<'_>, place: Op
     let refusal = match readings.first() {
         Some(reading) => {
             let axis = &reading.error.axis;
-            let help = format!("{}, or declare the axis", did_you_mean(axis.as_str(), &axes));
+            if known.spindle != Some(axis) && context.document.places.is_lost(&keys(["axes"])) {
+                return None;
+            }
+            let help = format!("declare the axis, or correct the name; {}", did_you_mean(axis.as_str(), &axes));
             Diagnostic::new("E0406", format!("`{}` is an error of axis `{axis}`, which is not declared", shown(name)))
                 .help(help)
         }
@@ -227,13 +230,12 @@ fn measured(context: &mut Context<'_>, errors: &mut Errors, at: &Keys, path: &st
             .at(table.columns.first().map(|c| c.place.clone()), "");
         context.diagnostics.push(refusal.help("add columns such as `EXX [um]`"));
     }
-    for column in &table.columns[1..] {
+    for (i, column) in table.columns.iter().enumerate().skip(1) {
         let place = Some(column.place.clone());
         let Some(spelling) = named(context, &column.name, known, place.clone()) else { continue };
         let error = &spelling.error;
-        // The reverse column belongs to the forward one, unless it stands alone.
-        let pair = |c: &&crate::syntax::Column| c.name == column.name && c.direction == Some(ColumnDirection::Forward);
-        if column.direction == Some(ColumnDirection::Reverse) && table.columns[1..].iter().any(|c| pair(&c)) {
+        // Columns of one name but different directions are one error.
+        if table.columns[1..i].iter().any(|c| c.name == column.name) {
             continue;
         }
         if !once(context, errors, error, place) {

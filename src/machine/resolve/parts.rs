@@ -15,6 +15,7 @@ pub fn version(context: &mut Context<'_>) {
     let at = keys(["abbe"]);
     match &context.document.abbe {
         Some(Scalar::Number(n)) if *n == 1.0 => {}
+        Some(Scalar::Text(text)) if text == "1" => {}
         Some(other) => {
             let message = format!("this is version `{}` of the machine language", shown(&other.to_string()));
             context.at_value("E0211", &at, message, "this program knows version 1: `abbe: 1`");

@@ -16,7 +16,7 @@ impl Context<'_> {
         let help = match failure {
             Failure::NoUnit(_) => "add the unit, as in `12 um` or `5 urad`",
             Failure::UnknownUnit(_) => "nm um mm m in; urad mrad rad arcsec arcmin deg; with / and ^ as in urad/m^2",
-            Failure::DecimalComma(_) => "write a decimal point",
+            Failure::DecimalComma(_) => "write a decimal point, as in `1.5 um`",
             Failure::NotFinite(_) => "write a finite number",
             Failure::NotANumber(_) => "write a number with its unit, as in `12 um`",
         };

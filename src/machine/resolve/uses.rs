@@ -70,7 +70,7 @@ pub fn algebra(context: &mut Context<'_>, known: &Known<'_>) {
 fn vanishing(context: &mut Context<'_>, known: &Known<'_>, monomial: &str, groups: &[&str], at: &Keys) {
     for factor in monomial.split('*') {
         let (name, power) = factor.trim().split_once('^').unwrap_or((factor.trim(), "1"));
-        if !power.trim().parse::<u8>().is_ok_and(|p| (1..=DEGREE).contains(&p)) {
+        if name.trim().is_empty() || !power.trim().parse::<u8>().is_ok_and(|p| (1..=DEGREE).contains(&p)) {
             let message = format!("`{}` is not a monomial", shown(monomial));
             return context.at_value(
                 "E0215",

@@ -1,0 +1,323 @@
+//! The JSON Schema (draft-07) of the machine language, for editors.
+//!
+//! Keys come from the typed structs, forms of values from here. `null` is allowed where a variant
+//! may remove what its base says.
+
+use super::document::{
+    AlgebraEntry, AxisEntry, Branches, ConventionsEntry, IdentifyEntry, SetUpEntry, ToolEntry, VolumeFields,
+    WorkpieceEntry,
+};
+use super::term::{CurveEntry, TermEntry};
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde_json::{Value, json};
+
+const NUMBER: &str = r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?";
+const LENGTH: &str = "(nm|um|µm|μm|mm|cm|m|in|inch)";
+const ANGLE: &str = "(nrad|urad|µrad|μrad|mrad|rad|deg|°|arcmin|arcsec)";
+/// Axis names.
+const AXIS: &str = "[A-Z][A-Z0-9]{0,7}";
+
+/// The schema of a machine file.
+pub fn schema() -> Value {
+    let mut generator = SchemaSettings::draft07().into_generator();
+    let sections = sections(&mut generator);
+    let definitions = generator.take_definitions(true);
+    json!({
+        "$schema": "http://json-schema.org/draft-07/schema#",
+        "title": "abbe machine file",
+        "description": "A machine tool: how it is built and how it errs.",
+        "type": "object",
+        "additionalProperties": false,
+        "properties": sections,
+        "anyOf": [
+            { "required": ["extends"] },
+            { "required": ["machine", "axes", "chain"] },
+            { "required": ["machine", "axes", "branches"] }
+        ],
+        "allOf": [
+            { "not": { "required": ["chain", "branches"] } },
+            { "not": { "required": ["tool", "tools"] } }
+        ],
+        "definitions": definitions
+    })
+}
+
+/// The top-level keys.
+fn sections(generator: &mut SchemaGenerator) -> Value {
+    json!({
+        "abbe": { "description": "Version of the language.", "const": 1 },
+        "machine": name("The machine's name, one line.", 120),
+        "extends": { "description": "Path of the file that this one is a variant of.", "type": "string", "minLength": 1 },
+        "chain": or_null(chain()),
+        "branches": or_null(object::<Branches>(generator)),
+        "axes": or_null(json!({
+            "description": "Axes by name.",
+            "type": "object",
+            "patternProperties": { format!("^{AXIS}$"): or_null(object::<AxisEntry>(generator)) },
+            "additionalProperties": false
+        })),
+        "tool": or_null(object::<ToolEntry>(generator)),
+        "tools": or_null(json!({
+            "description": "Tools by name; the first is the default.",
+            "type": "object",
+            "patternProperties": { r"^[A-Za-z0-9](\.?[A-Za-z0-9_-])*$": or_null(object::<ToolEntry>(generator)) },
+            "additionalProperties": false
+        })),
+        "workpiece": or_null(object::<WorkpieceEntry>(generator)),
+        "conventions": any(vec![preset(generator).to_value(), object::<ConventionsEntry>(generator)]),
+        "errors": or_null(errors(generator)),
+        "measured": or_null(json!({
+            "description": "CSV files of which every error column counts.",
+            "type": "array",
+            "items": { "type": "string", "minLength": 1 }
+        })),
+        "volume": or_null(volume(generator)),
+        "provenance": notes(generator),
+        "setup": or_null(object::<SetUpEntry>(generator)),
+        "algebra": or_null(object::<AlgebraEntry>(generator)),
+        "identify": or_null(object::<IdentifyEntry>(generator))
+    })
+}
+
+fn object<T: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
+    generator.subschema_for::<T>().to_value()
+}
+
+fn any(of: Vec<Value>) -> Value {
+    json!({ "anyOf": of })
+}
+
+fn or_null(schema: Value) -> Value {
+    any(vec![schema, json!({ "type": "null" })])
+}
+
+/// A single line of text.
+fn name(description: &str, longest: usize) -> Value {
+    json!({ "description": description, "type": "string", "minLength": 1, "maxLength": longest, "pattern": r"^[^\u0000-\u001f\u007f]+$" })
+}
+
+fn chain() -> Value {
+    let prime = "['’′]";
+    let between = r"[\s,–-]+";
+    let walk = format!(
+        r"^\s*([VH]?\s*\[)?\s*w{between}({AXIS}{prime}{between})*b{between}({AXIS}{between})*(\({AXIS}\){between})?t\s*\]?\s*$"
+    );
+    json!({
+        "description": "The walk from workpiece to tool: w C' A' Y' b X Z t.",
+        "anyOf": [{ "type": "string", "pattern": walk }, { "type": "array", "items": { "type": "string" }, "minItems": 1 }]
+    })
+}
+
+/// Errors by name. The short form must have a unit of the right kind.
+fn errors(generator: &mut SchemaGenerator) -> Value {
+    let length = text(&format!(r"^\s*{NUMBER}\s*{LENGTH}\s*$"));
+    let angle = text(&format!(r"^\s*{NUMBER}\s*({ANGLE}|{LENGTH}\s*/\s*{LENGTH}|/\s*{NUMBER})\s*$"));
+    let term = object::<TermEntry>(generator);
+    let constant = json!({
+        "type": "object",
+        "properties": { "value": quantity(generator), "tolerance": quantity(generator), "provenance": notes(generator) },
+        "oneOf": [{ "required": ["value"] }, { "required": ["tolerance"] }],
+        "additionalProperties": false
+    });
+    let either = |short: &Value, long: &Value| any(vec![short.clone(), long.clone(), json!({ "type": "null" })]);
+    let mut patterns = serde_json::Map::new();
+    let mut put = |pattern: String, schema: Value| patterns.insert(pattern, schema);
+    for (letters, short, lower) in [("XYZ", &length, "d"), ("ABC", &angle, "e")] {
+        put(format!(r"^E_?\{{?[{letters}]{AXIS}\}}?$"), either(short, &term));
+        put(format!(r"^(E_?\{{?)?[{letters}](0|\(0X\)){AXIS}\}}?$"), either(short, &constant));
+        put(format!(r"^[{letters}]O{AXIS}$"), either(short, &constant));
+        put(format!("^{lower}[xyz][xyz]$"), either(short, &term));
+    }
+    put("^S(xy|xz|yz)$".to_owned(), either(&angle, &constant));
+    json!({
+        "description": "Errors by name: EXX, EC0Y. Values carry their unit.",
+        "type": "object",
+        "patternProperties": patterns,
+        "additionalProperties": false
+    })
+}
+
+fn volume(generator: &mut SchemaGenerator) -> Value {
+    let axis = any(vec![interval(generator).to_value(), object::<VolumeFields>(generator)]);
+    json!({
+        "description": "Where maps and tables are computed; default: the travels.",
+        "type": "object",
+        "properties": { "step": step(generator) },
+        "patternProperties": { format!("^{AXIS}$"): axis },
+        "additionalProperties": false
+    })
+}
+
+fn text(pattern: &str) -> Value {
+    json!({ "type": "string", "pattern": pattern })
+}
+
+/// A number with any unit.
+pub fn quantity(_: &mut SchemaGenerator) -> Schema {
+    let unit = format!(r"({LENGTH}|{ANGLE})(\^[1-9])?");
+    let pattern = format!(r"^\s*{NUMBER}\s*({unit}(\s*/\s*{unit})*|/\s*{NUMBER})\s*$");
+    json_schema!({ "description": "A value with its unit, such as 12 um.", "type": ["string", "null"], "pattern": pattern })
+}
+
+/// A position: bare in mm or deg, or with a unit.
+fn position() -> Value {
+    let pattern = format!(r"^\s*{NUMBER}\s*({LENGTH}|{ANGLE})?\s*$");
+    any(vec![json!({ "type": "number" }), text(&pattern)])
+}
+
+/// A length from zero up: bare in mm, or with a unit.
+pub fn length(_: &mut SchemaGenerator) -> Schema {
+    let unsigned = NUMBER.replacen("[+-]?", r"\+?", 1);
+    let pattern = format!(r"^\s*{unsigned}\s*{LENGTH}?\s*$");
+    json_schema!({ "anyOf": [{ "type": ["number", "null"], "minimum": 0 }, { "type": "string", "pattern": pattern }] })
+}
+
+/// Three lengths.
+pub fn point(_: &mut SchemaGenerator) -> Schema {
+    let pattern = format!(r"^\s*{NUMBER}\s*{LENGTH}?\s*$");
+    let items = json!({ "anyOf": [{ "type": "number" }, { "type": "string", "pattern": pattern }] });
+    json_schema!({
+        "description": "[x, y, z] in machine coordinates at the zero pose, mm.",
+        "type": ["array", "null"], "items": items, "minItems": 3, "maxItems": 3
+    })
+}
+
+/// Three plain numbers.
+pub fn direction(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({
+        "description": "Of positive motion; any length but zero.",
+        "type": ["array", "null"], "items": { "type": "number" }, "minItems": 3, "maxItems": 3,
+        "not": { "items": { "const": 0 } , "type": "array" }
+    })
+}
+
+/// From, to.
+pub fn interval(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "description": "[min, max], mm or deg.", "type": ["array", "null"], "items": position(), "minItems": 2, "maxItems": 2 })
+}
+
+/// From, to; or `continuous`.
+pub fn travel(generator: &mut SchemaGenerator) -> Schema {
+    let range = interval(generator).to_value();
+    json_schema!({ "anyOf": [range, { "const": "continuous" }] })
+}
+
+/// A distance above zero.
+pub fn step(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "anyOf": [{ "type": ["number", "null"], "exclusiveMinimum": 0 }, position()["anyOf"][1].clone()] })
+}
+
+/// [[position, value], ...]
+pub fn points(generator: &mut SchemaGenerator) -> Schema {
+    let value = quantity(generator).to_value();
+    json_schema!({
+        "description": "[[position, value], ...] with rising positions.",
+        "type": ["array", "null"], "minItems": 1,
+        "items": { "type": "array", "items": [position(), value], "minItems": 2, "maxItems": 2 }
+    })
+}
+
+/// Coefficients with units.
+pub fn polynomial(generator: &mut SchemaGenerator) -> Schema {
+    let value = quantity(generator).to_value();
+    json_schema!({
+        "description": "Coefficients by rising power: [0 um, 3 um/m].",
+        "type": ["array", "null"], "items": value, "minItems": 1, "maxItems": 21
+    })
+}
+
+/// { ORDER: [cosine, sine] }
+pub fn harmonics(generator: &mut SchemaGenerator) -> Schema {
+    let value = quantity(generator).to_value();
+    let pair = json!({ "type": "array", "items": value, "minItems": 2, "maxItems": 2 });
+    json_schema!({
+        "description": "[cosine, sine] by order; rotary axes only.",
+        "type": ["object", "null"], "minProperties": 1,
+        "patternProperties": { "^[0-9]+$": pair }, "additionalProperties": false
+    })
+}
+
+/// A curve of one direction, short or long.
+pub fn curve(generator: &mut SchemaGenerator) -> Schema {
+    let (short, long) = (quantity(generator).to_value(), object::<CurveEntry>(generator));
+    json_schema!({ "anyOf": [short, long] })
+}
+
+/// Keys and single values.
+pub fn notes(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({
+        "description": "Where the numbers come from; free text.",
+        "type": ["object", "null"], "additionalProperties": { "type": ["string", "number"] }
+    })
+}
+
+fn setup(letters: &[&str], generator: &mut SchemaGenerator) -> Schema {
+    let value = quantity(generator).to_value();
+    let properties: serde_json::Map<String, Value> = letters.iter().map(|l| ((*l).to_owned(), value.clone())).collect();
+    json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
+}
+
+/// Errors of the tip.
+pub fn tool_setup(generator: &mut SchemaGenerator) -> Schema {
+    setup(&["X", "Y", "Z"], generator)
+}
+
+/// Errors of the workpiece.
+pub fn workpiece_setup(generator: &mut SchemaGenerator) -> Schema {
+    setup(&["X", "Y", "Z", "A", "B", "C"], generator)
+}
+
+/// 1 to 6.
+pub fn degree(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "type": ["integer", "null"], "minimum": 1, "maximum": 6 })
+}
+
+/// A word, or groups of error names.
+pub fn generators(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "anyOf": [
+        { "enum": ["per-error", "per-axis", "single", null] },
+        { "type": "object", "additionalProperties": { "type": "array", "items": { "type": "string" } } }
+    ] })
+}
+
+/// Basis by error name.
+pub fn bases(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "type": "object", "additionalProperties": { "type": "string", "pattern": "^(poly|fourier|spline)[1-9][0-9]?$" } })
+}
+
+/// Exactly one form of a curve; `interpolation` only beside points.
+pub fn one_form(schema: &mut Schema) {
+    let directions = schema.get("properties").is_some_and(|p| p.get("forward").is_some());
+    let single = ["value", "table", "points", "polynomial", "harmonics"];
+    let mut forms: Vec<Value> = single.iter().map(|form| json!({ "required": [form] })).collect();
+    if directions {
+        forms.extend([json!({ "required": ["forward", "reverse"] }), json!({ "required": ["tolerance"] })]);
+    }
+    schema.insert("oneOf".to_owned(), forms.into());
+    let between = json!({ "anyOf": [{ "required": ["table"] }, { "required": ["points"] }] });
+    schema.insert("dependencies".to_owned(), json!({ "interpolation": between }));
+}
+
+/// Functions for fields that hold one of some words.
+macro_rules! words {
+    ($($name:ident: [$($word:literal),*], $description:literal;)*) => {$(
+        #[doc = $description]
+        pub fn $name(_: &mut SchemaGenerator) -> Schema {
+            json_schema!({ "description": $description, "enum": [$($word,)* null] })
+        }
+    )*};
+}
+
+words! {
+    kind: ["linear", "rotary"], "What the axis does; follows from the letter.";
+    sense: ["iso841", "direct"], "What a positive command of a workpiece-side axis does.";
+    preset: ["holub-2015", "bui-kimm", "hrdina-vasik-2014"], "Conventions of a paper.";
+    location: ["axis_only", "carried_body"], "How location errors act.";
+    linear_order: ["after", "before"], "Where component errors of linear axes sit.";
+    rotary_order: ["stationary", "rotating"], "Where component errors of rotary axes sit.";
+    errors_are: ["tool_relative", "body"], "Whose errors those of workpiece-side axes are.";
+    location_order: ["nilpotent", "real"], "Of which order location errors are.";
+    joints: ["orthogonal", "linearised"], "Shape of error matrices.";
+    interpolation: ["linear", "cubic"], "Between points.";
+}

@@ -1,0 +1,189 @@
+//! House rules that are facts about the tree: direction of imports, sizes, no printing and no file
+//! access outside `cli`, every code explained.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// What each module may import besides itself; `units`, `diagnostic` and `algebra` are open to all.
+const MAY_IMPORT: [(&str, &[&str]); 13] = [
+    ("units", &[]),
+    ("diagnostic", &[]),
+    ("algebra", &[]),
+    ("syntax", &["units", "diagnostic"]),
+    ("machine", &["syntax"]),
+    ("lower", &["machine"]),
+    ("evaluate", &["lower", "machine"]),
+    ("analysis", &["evaluate", "lower", "machine"]),
+    ("identify", &["evaluate", "lower", "machine", "syntax"]),
+    ("compensation", &["evaluate", "lower", "machine"]),
+    ("target", &["compensation", "evaluate", "machine", "syntax"]),
+    ("report", &["analysis", "identify", "target", "compensation", "evaluate", "machine"]),
+    ("cli", &["*"]),
+];
+
+const OPEN_TO_ALL: [&str; 3] = ["units", "diagnostic", "algebra"];
+const LONGEST_FILE: usize = 800;
+const LONGEST_FUNCTION: usize = 100;
+
+/// All files with an ending below a folder.
+fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if entry.is_dir() {
+            found.extend(files(&entry, ending));
+        } else if entry.extension().is_some_and(|e| e == ending) {
+            found.push(entry);
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Source files with their text, tests at the foot cut off.
+fn sources() -> Vec<(PathBuf, String)> {
+    let read = |path: PathBuf| {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let code = text.split("#[cfg(test)]\nmod tests").next().unwrap().to_owned();
+        (path, code)
+    };
+    files(Path::new("src"), "rs").into_iter().map(read).filter(|(path, _)| !path.ends_with("tests.rs")).collect()
+}
+
+/// The top-level module a file belongs to.
+fn module(path: &Path) -> String {
+    path.components().nth(1).unwrap().as_os_str().to_string_lossy().trim_end_matches(".rs").to_owned()
+}
+
+/// Code without comments and attributes' strings: what follows `//` on a line goes.
+fn code_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.lines().enumerate().map(|(n, line)| (n + 1, line.split("//").next().unwrap_or("")))
+}
+
+/// Names after `crate::` in a piece of code, also within `use crate::{a, b}`.
+fn imported(text: &str) -> Vec<String> {
+    let code: String = code_lines(text).map(|(_, line)| line.to_owned() + "\n").collect();
+    let word = |s: &str| s.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    let mut names = Vec::new();
+    for piece in code.split("crate::").skip(1) {
+        match piece.strip_prefix('{') {
+            Some(list) => names.extend(list.split('}').next().unwrap().split(',').map(|s| word(s.trim()))),
+            None => names.push(word(piece)),
+        }
+    }
+    names
+}
+
+#[test]
+fn imports_follow_the_pipeline() {
+    let allowed: BTreeMap<&str, &[&str]> = MAY_IMPORT.into_iter().collect();
+    let mut wrong = Vec::new();
+    for (path, text) in sources() {
+        let own = module(&path);
+        if own == "lib" || own == "main" {
+            continue;
+        }
+        let may = allowed.get(own.as_str()).unwrap_or_else(|| panic!("the module `{own}` is not in the table"));
+        for name in imported(&text) {
+            let known = allowed.contains_key(name.as_str());
+            let open = OPEN_TO_ALL.contains(&name.as_str()) && !OPEN_TO_ALL.contains(&own.as_str());
+            if known && name != own && !open && !may.contains(&name.as_str()) && !may.contains(&"*") {
+                wrong.push(format!("{}: imports `{name}`", path.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "against the direction of the pipeline:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn files_and_functions_are_short() {
+    let mut long = Vec::new();
+    for folder in ["src", "tests", "benches"].into_iter().filter(|folder| Path::new(folder).is_dir()) {
+        for ending in ["rs", "py", "sh"] {
+            for path in files(Path::new(folder), ending) {
+                let text = std::fs::read_to_string(&path).unwrap();
+                let lines = text.lines().count();
+                if lines > LONGEST_FILE {
+                    long.push(format!("{}: {lines} lines", path.display()));
+                }
+                let functions = if ending == "rs" { functions(&text) } else { Vec::new() };
+                let too_long = functions.into_iter().filter(|(_, lines)| *lines > LONGEST_FUNCTION);
+                long.extend(
+                    too_long.map(|(line, lines)| format!("{}:{line}: {lines} lines in one function", path.display())),
+                );
+            }
+        }
+    }
+    assert!(long.is_empty(), "too long:\n{}", long.join("\n"));
+}
+
+/// Functions as (first line, lines): rustfmt closes a function with a brace at its own indentation.
+fn functions(text: &str) -> Vec<(usize, usize)> {
+    let lines: Vec<&str> = text.lines().collect();
+    let is_function = |line: &str| {
+        let head = line.trim_start().split('(').next().unwrap_or("");
+        head.split_whitespace().any(|word| word == "fn") && !line.trim_start().starts_with("//")
+    };
+    let mut found = Vec::new();
+    for (start, line) in lines.iter().enumerate().filter(|(_, line)| is_function(line)) {
+        let indent = line.len() - line.trim_start().len();
+        let closes = |l: &str| l.len() - l.trim_start().len() == indent && l.trim_start().starts_with('}');
+        let end = lines[start..].iter().position(|l| closes(l)).unwrap_or(0);
+        found.push((start + 1, end + 1));
+    }
+    found
+}
+
+#[test]
+fn only_the_command_line_prints_and_touches_files() {
+    let banned = [
+        "println!",
+        "eprintln!",
+        "print!(",
+        "std::fs",
+        "std::net",
+        "std::process",
+        "std::env::",
+        "File::open",
+        "io::stdout",
+        "io::stderr",
+    ];
+    let mut wrong = Vec::new();
+    for (path, text) in sources().into_iter().filter(|(path, _)| !["cli", "main"].contains(&module(path).as_str())) {
+        for (number, line) in code_lines(&text) {
+            wrong.extend(
+                banned
+                    .iter()
+                    .filter(|word| line.contains(**word))
+                    .map(|word| format!("{}:{number}: {word}", path.display())),
+            );
+        }
+    }
+    assert!(wrong.is_empty(), "outside cli:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_code_in_the_sources_is_explained() {
+    let known: Vec<&str> = abbe::diagnostic::CODES.iter().map(|code| code.code).collect();
+    let mut unknown = Vec::new();
+    for (path, text) in sources() {
+        for piece in text.split('"').skip(1).step_by(2) {
+            let looks =
+                piece.len() == 5 && piece.starts_with(['E', 'W']) && piece[1..].chars().all(|c| c.is_ascii_digit());
+            if looks && !known.contains(&piece) {
+                unknown.push(format!("{}: {piece}", path.display()));
+            }
+        }
+    }
+    assert!(unknown.is_empty(), "codes without a text:\n{}", unknown.join("\n"));
+    assert!(abbe::diagnostic::CODES.iter().all(|code| code.explanation.len() > 40));
+}
+
+#[test]
+fn the_checks_themselves_notice() {
+    assert_eq!(
+        imported("use crate::{cli::x, machine};\nlet a = crate::lower::B; // crate::report"),
+        ["cli", "machine", "lower"]
+    );
+    let long = format!("    fn long() {{\n{}    }}\n", "        x();\n".repeat(150));
+    assert_eq!(functions(&long), [(1, 152)]);
+}
