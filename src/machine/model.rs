@@ -90,7 +90,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Only [`super::resolve`] makes machines, after its checks.
+    /// Only [`super::resolve()`] makes machines, after its checks.
     pub(in crate::machine) fn new(parts: MachineParts) -> Self {
         Self { parts, tool: 0 }
     }

@@ -11,7 +11,7 @@ use crate::compensation::{Capability, Correction, Jacobian, Lattice, Scope, Tabl
 use crate::evaluate::{
     Bare, Deviation, Field, Order, Statistics, Summary, error_by_error, random_poses, tool_axis_tilt,
 };
-use crate::machine::{Approach, ErrorId, ErrorTerm, Machine, Pose};
+use crate::machine::{Approach, AxisKind, ErrorId, ErrorTerm, Machine, Pose};
 use rayon::prelude::*;
 
 /// How much of one error a target takes away.
@@ -163,12 +163,12 @@ impl Singles<'_> {
     fn each_error_left(&self, lattice: &Lattice, replay: &Replay, pose: &[f64]) -> Vec<(Deviation, Deviation)> {
         let here = error_by_error(self.machine, pose, Approach::Mean);
         let mut added = vec![vec![0.0; pose.len()]; here.len()];
+        let scope = self.scope(lattice);
         for (node, weight) in replay.corners(lattice, pose) {
             let place = lattice.pose(self.machine, node);
             let jacobian = Jacobian::at(self.machine, &place);
             for (sum, (_, deviation)) in added.iter_mut().zip(error_by_error(self.machine, &place, Approach::Mean)) {
-                let Correction(step) =
-                    jacobian.correction(&deviation, &Correction::none(self.machine), self.damping(lattice));
+                let Correction(step) = jacobian.correction(&deviation, &Correction::none(self.machine), scope);
                 lattice.corrected.iter().for_each(|axis| sum[*axis] += weight * step[*axis]);
             }
         }
@@ -180,13 +180,10 @@ impl Singles<'_> {
         here.into_iter().zip(added).map(after).collect()
     }
 
-    fn damping(&self, lattice: &Lattice) -> Option<f64> {
-        let rotary =
-            lattice.corrected.iter().any(|axis| self.machine.axes()[*axis].kind == crate::machine::AxisKind::Rotary);
-        match self.scope {
-            Scope::Pose { damping } if rotary => Some(damping),
-            _ => None,
-        }
+    /// What the tables correct: without rotary columns, the rotary axes were left alone.
+    fn scope(&self, lattice: &Lattice) -> Scope {
+        let rotary = lattice.corrected.iter().any(|axis| self.machine.axes()[*axis].kind == AxisKind::Rotary);
+        Scope { rotary, ..self.scope }
     }
 }
 

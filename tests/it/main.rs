@@ -17,6 +17,7 @@ mod oracle;
 mod paper_2015;
 mod program;
 mod published;
+mod readme;
 mod reconfigure;
 mod schema;
 mod show;
