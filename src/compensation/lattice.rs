@@ -42,7 +42,7 @@ pub fn lattice_nodes(machine: &Machine, capability: &LatticeCapability) -> Vec<V
         counts[axis] = count;
         errors[axis] = None;
     }
-    volume.iter().zip(counts).map(|(grid, n)| spread(grid, n)).collect()
+    volume.iter().zip(counts).map(|(grid, n)| capability.increment.distinct(spread(grid, n))).collect()
 }
 
 /// Nodes that keep every distance within the step.
