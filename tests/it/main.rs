@@ -4,7 +4,11 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod bad_input;
+mod certificate;
 mod compare;
+mod compile;
+mod compile_linuxcnc;
+mod compile_refusals;
 mod configs;
 mod diagnostics;
 mod eval_exact;
@@ -18,4 +22,5 @@ mod published;
 mod reconfigure;
 mod schema;
 mod show;
+mod support;
 mod tidy;
