@@ -2,8 +2,8 @@
 //! each machine's own ideal inverse kinematics.
 
 use super::inverse::{ToolPose, Unreachable, inverse, rest, tool_pose};
-use crate::evaluate::{Difference, Poses, Statistics};
 use crate::evaluate::{Deviation, Field};
+use crate::evaluate::{Difference, Poses, Statistics};
 use crate::machine::{Approach, Pose};
 use rayon::prelude::*;
 

@@ -22,7 +22,8 @@ const CORNERS: usize = 10;
 /// The lever arms of all axes, in their order.
 pub fn levers(machine: &Machine) -> Vec<Lever> {
     let zero = vec![0.0; machine.axes().len()];
-    let mut levers: Vec<Lever> = arms(machine, &zero).into_iter().map(|at_zero| Lever { at_zero, longest: 0.0 }).collect();
+    let mut levers: Vec<Lever> =
+        arms(machine, &zero).into_iter().map(|at_zero| Lever { at_zero, longest: 0.0 }).collect();
     for pose in corners(machine).into_iter().chain(Poses::Random(Random::of(machine, WITHIN, 0)).iter()) {
         for (lever, arm) in levers.iter_mut().zip(arms(machine, &pose)) {
             lever.longest = lever.longest.max(arm);
@@ -40,7 +41,10 @@ fn arms(machine: &Machine, pose: &[f64]) -> Vec<f64> {
     };
     let ids: Vec<ErrorId> = machine.axes().iter().flat_map(|axis| tilts(&axis.name)).collect();
     let sensitivities = sensitivities_to(machine, pose, &ids);
-    sensitivities.chunks(3).map(|three| (three.iter().map(|s| s.deviation.norm_squared()).sum::<f64>() / 2.0).sqrt()).collect()
+    sensitivities
+        .chunks(3)
+        .map(|three| (three.iter().map(|s| s.deviation.norm_squared()).sum::<f64>() / 2.0).sqrt())
+        .collect()
 }
 
 fn corners(machine: &Machine) -> Vec<Pose> {
@@ -48,6 +52,8 @@ fn corners(machine: &Machine) -> Vec<Pose> {
     if volume.len() > CORNERS {
         return Vec::new();
     }
-    let corner = |k: usize| volume.iter().enumerate().map(|(i, grid)| if k >> i & 1 == 0 { grid.min } else { grid.max }).collect();
+    let corner = |k: usize| {
+        volume.iter().enumerate().map(|(i, grid)| if k >> i & 1 == 0 { grid.min } else { grid.max }).collect()
+    };
     (0..1 << volume.len()).map(corner).collect()
 }

@@ -90,7 +90,8 @@ fn candidates(machine: &Machine) -> Vec<ErrorId> {
     let of = |name: &AxisName, directions: &[Direction]| -> Vec<ErrorId> {
         directions.iter().map(|d| ErrorId { axis: name.clone(), location: true, direction: *d }).collect()
     };
-    let (slides, turns): (Vec<&Axis>, Vec<&Axis>) = machine.axes().iter().partition(|axis| axis.kind == AxisKind::Linear);
+    let (slides, turns): (Vec<&Axis>, Vec<&Axis>) =
+        machine.axes().iter().partition(|axis| axis.kind == AxisKind::Linear);
     let main = |axis: &&&Axis| ["X", "Y", "Z"].contains(&axis.name.as_str());
     let squareness = [("Y", C), ("Z", B), ("Z", A)].into_iter().flat_map(|(name, direction)| {
         slides.iter().filter(move |axis| axis.name.as_str() == name).flat_map(move |axis| of(&axis.name, &[direction]))

@@ -1,7 +1,7 @@
 //! A field over many poses.
 
-use crate::evaluate::{Poses, Statistics};
 use crate::evaluate::{Deviation, Field, Frame};
+use crate::evaluate::{Poses, Statistics};
 use crate::lower::Ideal;
 use crate::machine::{Approach, Machine};
 use nalgebra::Vector3;

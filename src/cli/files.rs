@@ -9,8 +9,8 @@ use std::path::Path;
 /// Largest file that is read, in bytes.
 pub const LIMIT: u64 = 16 * 1024 * 1024;
 
-/// Largest file of a compensation set that is read back, in bytes: 200,000 nodes of nine axes are half of it.
-pub const SET_LIMIT: u64 = 4 * LIMIT;
+/// Largest file of a compensation set that is read back: as large as one is written.
+pub const SET_LIMIT: u64 = crate::target::LARGEST_FILE as u64;
 
 /// The file system.
 #[derive(Debug, Clone, Copy, Default)]

@@ -4,16 +4,23 @@
 
 mod certificate_output;
 mod check;
+mod compare;
 mod compile;
 mod eval;
 mod explain;
 mod file_set;
 pub mod files;
+mod init;
 mod load;
+mod map;
 mod poses;
+mod progress;
 mod session;
+mod show;
 mod targets;
 mod verify;
+mod view;
+mod write;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use session::Session;
@@ -73,8 +80,14 @@ enum Color {
 enum Verb {
     /// All diagnostics, and a summary of the machine.
     Check(check::Args),
+    /// The chain, frames, lever arms, and the location errors it needs.
+    Show(show::Args),
     /// Deviation and E_VE at poses.
     Eval(eval::Args),
+    /// The error over a volume.
+    Map(map::Args),
+    /// Machines side by side on the same tool poses.
+    Compare(compare::Args),
     /// The compensation files of a controller, with their certificate.
     Compile(compile::Args),
     /// Replay compensation files as the controller would, and say what they leave.
@@ -83,6 +96,10 @@ enum Verb {
     Targets,
     /// The long text of a code, an error name or a target.
     Explain(explain::Args),
+    /// Write a machine file to begin with.
+    Init(init::Args),
+    /// The JSON Schema (draft-07) of the machine file, for editors.
+    Schema,
     /// Completions for a shell.
     Completions {
         /// Which.
@@ -121,11 +138,16 @@ fn usage(message: &clap::Error) -> ExitCode {
 fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
     match verb {
         Verb::Eval(args) => eval::run(session, &args),
+        Verb::Show(args) => show::run(session, &args),
+        Verb::Map(args) => map::run(session, &args),
+        Verb::Compare(args) => compare::run(session, &args),
+        Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),
         Verb::Verify(args) => verify::run(session, &args),
         Verb::Targets => targets::run(session),
         Verb::Check(args) => check::run(session, &args),
         Verb::Explain(args) => explain::run(session, &args),
+        Verb::Schema => schema(session),
         Verb::Completions { shell } => completions(session, shell),
     }
 }
@@ -134,5 +156,10 @@ fn completions(session: &Session, shell: clap_complete::Shell) -> Outcome {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut <Cli as clap::CommandFactory>::command(), "abbe", &mut script);
     session.print(&String::from_utf8_lossy(&script));
+    Ok(())
+}
+
+fn schema(session: &Session) -> Outcome {
+    session.print(&format!("{:#}", crate::syntax::schema()));
     Ok(())
 }

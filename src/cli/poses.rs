@@ -1,8 +1,8 @@
 //! Poses from the command line (`--at X=100,C=90`) and from CSV files.
 
+use super::Stop;
 use super::files::Disk;
 use super::session::Session;
-use super::Stop;
 use crate::diagnostic::{Diagnostic, Place, SourceId};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::syntax::read_text;
@@ -41,7 +41,8 @@ pub(super) fn poses(session: &mut Session, machine: &Machine, args: &PoseArgs) -
     Ok(list)
 }
 
-fn pose_at(machine: &Machine, text: &str) -> Result<Pose, String> {
+/// One pose from `X=100,C=90`; axes left out are at 0.
+pub(super) fn pose_at(machine: &Machine, text: &str) -> Result<Pose, String> {
     let mut pose = vec![0.0; machine.axes().len()];
     let mut seen = vec![false; pose.len()];
     for part in text.split(',').filter(|part| !part.trim().is_empty()) {
@@ -61,7 +62,9 @@ fn position(machine: &Machine, axis: usize, text: &str) -> Result<f64, String> {
     let quantity = units::quantity(text).map_err(|_| failure.to_string())?;
     let linear = machine.axes()[axis].kind == AxisKind::Linear;
     let value = if linear { quantity.as_length() } else { quantity.as_angle().map(f64::to_degrees) };
-    value.ok_or_else(|| format!("`{text}` is {}, not a position in {}", quantity.dimension.word(), machine.axes()[axis].unit()))
+    value.ok_or_else(|| {
+        format!("`{text}` is {}, not a position in {}", quantity.dimension.word(), machine.axes()[axis].unit())
+    })
 }
 
 fn unknown_axis(machine: &Machine, name: &str) -> String {
@@ -81,9 +84,11 @@ fn from_file(session: &mut Session, machine: &Machine, path: &Path) -> Result<Ve
     let parsed = parse(machine, &text);
     parsed.or_else(|(line, message)| {
         let place = Some(line_place(source, &text, line));
-        session.refuse(Diagnostic::new("E0802", message).at(place, "").help(
-            "a pose file has a header of axis names (`X, Y, C` or `X [mm]`) and one pose a line, mm and deg",
-        ))
+        session.refuse(
+            Diagnostic::new("E0802", message)
+                .at(place, "")
+                .help("a pose file has a header of axis names (`X, Y, C` or `X [mm]`) and one pose a line, mm and deg"),
+        )
     })
 }
 
@@ -146,7 +151,7 @@ fn row(machine: &Machine, columns: &[Column], line: &str) -> Result<Pose, String
 }
 
 /// Refuses poses where an error curve is not defined; warns about those beyond the travel.
-fn check(session: &mut Session, machine: &Machine, poses: &[Pose]) -> Result<(), Stop> {
+pub(super) fn check(session: &mut Session, machine: &Machine, poses: &[Pose]) -> Result<(), Stop> {
     for pose in poses {
         if let Some(outside) = machine.outside(pose) {
             return session.refuse(
@@ -166,7 +171,9 @@ fn check(session: &mut Session, machine: &Machine, poses: &[Pose]) -> Result<(),
     beyond.sort_unstable();
     beyond.dedup();
     for name in beyond {
-        session.diagnostics.push(Diagnostic::new("W0801", format!("poses beyond the travel of `{name}` were evaluated")));
+        session
+            .diagnostics
+            .push(Diagnostic::new("W0801", format!("poses beyond the travel of `{name}` were evaluated")));
     }
     session.checked()
 }

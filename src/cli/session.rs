@@ -31,6 +31,18 @@ impl Session {
         let _ = out.flush();
     }
 
+    /// Says something to the person, on standard error, unless `--quiet`.
+    pub(super) fn say(&self, text: &str) {
+        if !self.global.quiet {
+            let _ = writeln!(std::io::stderr().lock(), "{text}");
+        }
+    }
+
+    /// No progress, please.
+    pub(super) fn is_quiet(&self) -> bool {
+        self.global.quiet
+    }
+
     /// Prints a JSON object with the warnings found so far in it.
     pub(super) fn print_json(&self, mut value: serde_json::Value) {
         let warnings: Vec<_> = self.diagnostics.iter().map(|d| self.warning(d)).collect();

@@ -21,7 +21,8 @@ pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
 pub(super) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
     if path.symlink_metadata().is_ok() {
         let message = format!("`{}` is there already", path.display());
-        return Err(Diagnostic::new("E0811", message).help("give another name, or remove it first: nothing is overwritten here"));
+        return Err(Diagnostic::new("E0811", message)
+            .help("give another name, or remove it first: nothing is overwritten here"));
     }
     write_whole(path, bytes)
 }
@@ -104,7 +105,13 @@ mod tests {
     #[test]
     fn what_cannot_be_written_is_said_and_leaves_nothing() {
         let folder = Folder::new("refused");
-        for path in [folder.0.clone(), folder.0.join("none/map.csv"), PathBuf::from("/dev/null"), PathBuf::from("/"), PathBuf::new()] {
+        for path in [
+            folder.0.clone(),
+            folder.0.join("none/map.csv"),
+            PathBuf::from("/dev/null"),
+            PathBuf::from("/"),
+            PathBuf::new(),
+        ] {
             let diagnostic = write_whole(&path, b"x").unwrap_err();
             assert_eq!(diagnostic.code, "E0810", "{path:?}");
         }

@@ -81,6 +81,8 @@ pub const CODES: &[CodeInfo] = &[
     code!("E0707", "files do not read back"),
     code!("E0810", "a file cannot be written"),
     code!("E0811", "a file is there already"),
+    code!("E0812", "too many poses for a map"),
+    code!("E0813", "no tool pose in common"),
     code!("W0201", "no version of the language"),
     code!("W0401", "an axis is left out"),
     code!("W0402", "a location error cannot act"),

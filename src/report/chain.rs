@@ -53,7 +53,7 @@ pub fn chain_svg(machine: &Machine) -> String {
 }
 
 const NOTE: &str = "Blue: motion of the tool relative to the workpiece for a positive command, in machine coordinates \
-    at the zero pose. A prime marks an axis that carries the workpiece. Arm: longest distance in the volume from the \
+    at the zero pose; lengths in mm. A prime marks an axis that carries the workpiece. Arm: longest distance in the volume from the \
     point about which the axis's angular errors turn to the functional point; an angle of 10 µrad moves it by 1 µm for every 100 mm of arm.";
 
 fn stations(machine: &Machine) -> Vec<Station<'_>> {
@@ -87,7 +87,13 @@ fn draw_end(svg: &mut Svg, (name, what, remark): (&str, &str, &str), x: f64) {
     let fill = if bed { "#d9dee3" } else { "#f4f1e8" };
     svg.rect((x, top), (SMALL, height), &format!(r#"rx="6" fill="{fill}" stroke="{INK}""#));
     let (centre, middle) = (x + SMALL / 2.0, TOP + BOX.1 / 2.0);
-    svg.text((centre, middle), &fitted(name, 8), Font::bold(if name.chars().count() > 4 { 13.0 } else { 20.0 }), Anchor::Middle, 0.0);
+    svg.text(
+        (centre, middle),
+        &fitted(name, 8),
+        Font::bold(if name.chars().count() > 4 { 13.0 } else { 20.0 }),
+        Anchor::Middle,
+        0.0,
+    );
     svg.text((centre, middle + 20.0), what, Font::faint(11.5), Anchor::Middle, 0.0);
     svg.text((centre, middle + 36.0), &fitted(remark, 11), Font::faint(11.0), Anchor::Middle, 0.0);
 }
@@ -105,10 +111,14 @@ fn draw_axis(svg: &mut Svg, axis: &Axis, lever: Lever, x: f64) {
     }
 }
 
-/// `linear +X`, or the vector of an oblique axis.
+/// `linear +X`, or the vector of an oblique axis, whose kind the drawing shows.
 fn along(axis: &Axis) -> String {
+    let text = direction(axis);
+    if text.starts_with('(') {
+        return text;
+    }
     let kind = if axis.kind == AxisKind::Linear { "linear" } else { "rotary" };
-    format!("{kind} {}", direction(axis))
+    format!("{kind} {text}")
 }
 
 /// `+X`, or the vector of an oblique axis; a command of the sense `direct` moves the tool against it.

@@ -49,15 +49,16 @@ impl PlanePicture<'_> {
         let values = self.values();
         let bands = Bands::new(&values, self.shown);
         let scale = self.scale();
-        let notes: Vec<String> = self.notes(&values, self.exaggeration(scale)).iter().flat_map(|note| wrapped(note, 118)).collect();
+        let notes: Vec<String> =
+            self.notes(&values, self.exaggeration(scale)).iter().flat_map(|note| wrapped(note, 118)).collect();
         let area = self.area(scale);
         let below = TOP + area.1.max(BAR) + 66.0;
         let mut svg = Svg::new(WIDTH, below + 17.0 * notes.len() as f64 + 8.0);
         svg.text((LEFT, 32.0), &fitted(&self.title(), 70), Font::bold(18.0), Anchor::Start, 0.0);
         svg.text((LEFT, 54.0), &fitted(&self.subtitle(), 100), Font::faint(13.0), Anchor::Start, 0.0);
         self.fill(&mut svg, &values, &bands, scale);
-        self.frame(&mut svg, scale);
         self.arrows(&mut svg, scale);
+        self.frame(&mut svg, scale);
         bands.bar(&mut svg, (LEFT + area.0 + 34.0, TOP), area.1.max(BAR), &self.quantity());
         for (i, note) in notes.iter().enumerate() {
             svg.text((LEFT, below + 17.0 * i as f64), note, Font::plain(12.0), Anchor::Start, 0.0);
@@ -138,15 +139,22 @@ impl PlanePicture<'_> {
         };
         let colour = match self.shown {
             Shown::Length => "length of the deviation d".to_owned(),
-            Shown::Component(k) => format!("component of the deviation d along {} of the {frame} frame", ["x", "y", "z"][k.min(2)]),
+            Shown::Component(k) => {
+                format!("component of the deviation d along {} of the {frame} frame", ["x", "y", "z"][k.min(2)])
+            }
         };
         let arrows = exaggeration.map_or("No deviation within the plane.".to_owned(), |e| {
-            format!("Arrows: the part of d within the plane, drawn {} times as long as it is.", thousands(e))
+            let [right, times] = [self.axis(0).to_owned(), thousands(e)];
+            format!("Arrows: the part of d within the plane, {times} times as long as it is; to the right is too far in +{right}.")
         });
-        let tool = if self.machine.tool().name.is_empty() { String::new() } else { format!(", tool {}", self.machine.tool().name) };
+        let tool = if self.machine.tool().name.is_empty() {
+            String::new()
+        } else {
+            format!(", tool {}", self.machine.tool().name)
+        };
         vec![
             format!("Colour: {colour}; {}.", self.largest(values)),
-            format!("Sign: actual minus nominal position of the functional point, tool relative to workpiece; to the right means too far in +{}.", self.axis(0)),
+            "Sign: actual minus nominal position of the functional point, tool relative to workpiece.".to_owned(),
             arrows,
             format!("Frame: {frame}, {order}, {approach}{tool}."),
         ]
@@ -203,7 +211,8 @@ impl PlanePicture<'_> {
     }
 
     fn corners(&self, values: &[f64], (i, j): (usize, usize)) -> [((f64, f64), f64); 4] {
-        [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| (self.node(i, j), values[j * self.plane.counts[0] + i]))
+        [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+            .map(|(i, j)| (self.node(i, j), values[j * self.plane.counts[0] + i]))
     }
 
     fn is_whole(&self, values: &[f64], level: f64, cell: (usize, usize)) -> bool {
@@ -244,8 +253,20 @@ impl PlanePicture<'_> {
             svg.line((LEFT - 5.0, y), (LEFT, y), &tick);
             svg.text((LEFT - 9.0, y + 4.0), &tick_text(value, step), Font::plain(12.0), Anchor::End, 0.0);
         }
-        svg.text((LEFT + width / 2.0, TOP + height + 40.0), &format!("{} in mm", self.axis(0)), Font::plain(13.0), Anchor::Middle, 0.0);
-        svg.text((22.0, TOP + height / 2.0), &format!("{} in mm", self.axis(1)), Font::plain(13.0), Anchor::Middle, -90.0);
+        svg.text(
+            (LEFT + width / 2.0, TOP + height + 40.0),
+            &format!("{} in mm", self.axis(0)),
+            Font::plain(13.0),
+            Anchor::Middle,
+            0.0,
+        );
+        svg.text(
+            (22.0, TOP + height / 2.0),
+            &format!("{} in mm", self.axis(1)),
+            Font::plain(13.0),
+            Anchor::Middle,
+            -90.0,
+        );
     }
 
     /// Every how many nodes there is an arrow.
@@ -254,10 +275,10 @@ impl PlanePicture<'_> {
         ((longest / ARROWS).round() as usize).max(1)
     }
 
-    /// Nodes with an arrow: evenly about the middle.
+    /// Nodes with an arrow: from half their distance off the edge, so that arrows stay near the area.
     fn arrow_nodes(&self) -> Vec<(usize, usize)> {
         let stride = self.stride();
-        let places = |count: usize| ((count - 1) % stride / 2..count).step_by(stride);
+        let places = |count: usize| ((stride / 2).min((count - 1) / 2)..count).step_by(stride);
         places(self.plane.counts[1]).flat_map(|j| places(self.plane.counts[0]).map(move |i| (i, j))).collect()
     }
 
@@ -273,7 +294,7 @@ impl PlanePicture<'_> {
         let distance = self.span(0).max(self.span(1)) / intervals * self.stride() as f64;
         // Beyond the first bound there is nothing but rounding to draw.
         (longest > 1e-9 && scale > 0.0).then(|| {
-            let exact = distance.min(45.0 / scale) * 1.15 / longest;
+            let exact = distance.min(45.0 / scale) * 0.95 / longest;
             let step = round_step(exact, 1);
             // `round_step` rounds up; arrows must not grow into each other.
             if step <= exact { step } else { previous(step) }
@@ -327,7 +348,8 @@ struct Bands {
 
 impl Bands {
     fn new(values: &[f64], shown: Shown) -> Self {
-        let (min, max) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), v| (min.min(*v), max.max(*v)));
+        let (min, max) =
+            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), v| (min.min(*v), max.max(*v)));
         let signed = shown != Shown::Length;
         let (min, max) = if max >= min { (min, max) } else { (0.0, 0.0) };
         // Differences below a tenth of a nanometre are rounding, not errors.
@@ -357,19 +379,26 @@ impl Bands {
 
     fn bar(&self, svg: &mut Svg, corner: (f64, f64), height: f64, quantity: &str) {
         let band = height / self.count as f64;
+        // Every how many levels there is a number; zero has one.
         let every = self.count.div_ceil((height / 18.0) as usize).max(1);
         for k in 0..=self.count {
             let y = corner.1 + height - band * k as f64;
             if k < self.count {
                 svg.rect((corner.0, y - band), (18.0, band), &format!(r#"fill="{}""#, self.colour(k)));
             }
-            if k % every == 0 {
+            if ((self.level(k) / self.step).round() as i64) % every as i64 == 0 {
                 svg.line((corner.0 + 18.0, y), (corner.0 + 23.0, y), &format!(r#"stroke="{INK}""#));
-                svg.text((corner.0 + 27.0, y + 4.0), &tick_text(self.level(k), self.step), Font::plain(12.0), Anchor::Start, 0.0);
+                svg.text(
+                    (corner.0 + 27.0, y + 4.0),
+                    &tick_text(self.level(k), self.step),
+                    Font::plain(12.0),
+                    Anchor::Start,
+                    0.0,
+                );
             }
         }
         let outline = format!(r#"fill="none" stroke="{FAINT}" stroke-width="{}""#, number(0.8));
         svg.rect(corner, (18.0, height), &outline);
-        svg.text((corner.0 + 92.0, corner.1 + height / 2.0), quantity, Font::plain(13.0), Anchor::Middle, -90.0);
+        svg.text((corner.0 + 78.0, corner.1 + height / 2.0), quantity, Font::plain(13.0), Anchor::Middle, -90.0);
     }
 }

@@ -23,7 +23,11 @@ pub fn ticks((min, max): (f64, f64), step: f64) -> Vec<f64> {
 pub fn tick_text(value: f64, step: f64) -> String {
     let decimals = (-libm::floor(libm::log10(step) + 1e-9)).clamp(0.0, 9.0) as usize;
     let text = format!("{value:.decimals$}");
-    if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') { text.trim_start_matches('-').to_owned() } else { text }
+    if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') {
+        text.trim_start_matches('-').to_owned()
+    } else {
+        text
+    }
 }
 
 /// A colour in OKLab's cylinder: lightness, chroma, hue in degrees.
@@ -33,7 +37,8 @@ type Lch = (f64, f64, f64);
 const RISING: [Lch; 4] = [(0.97, 0.035, 105.0), (0.87, 0.09, 140.0), (0.73, 0.105, 205.0), (0.56, 0.125, 255.0)];
 
 /// Blue for minus, white for zero, red for plus.
-const SIGNED: [Lch; 5] = [(0.56, 0.14, 255.0), (0.78, 0.075, 250.0), (0.975, 0.0, 0.0), (0.80, 0.085, 40.0), (0.60, 0.165, 28.0)];
+const SIGNED: [Lch; 5] =
+    [(0.56, 0.14, 255.0), (0.78, 0.075, 250.0), (0.975, 0.0, 0.0), (0.80, 0.085, 40.0), (0.60, 0.165, 28.0)];
 
 /// Colour of a share of the largest value, 0 to 1.
 pub fn rising(share: f64) -> String {

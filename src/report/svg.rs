@@ -82,7 +82,10 @@ impl Svg {
 
     /// A circle.
     pub fn circle(&mut self, centre: (f64, f64), radius: f64, style: &str) {
-        self.element("circle", &format!(r#"cx="{}" cy="{}" r="{}" {style}"#, number(centre.0), number(centre.1), number(radius)));
+        self.element(
+            "circle",
+            &format!(r#"cx="{}" cy="{}" r="{}" {style}"#, number(centre.0), number(centre.1), number(radius)),
+        );
     }
 
     /// A path.
@@ -115,9 +118,13 @@ impl Svg {
             Anchor::End => r#" text-anchor="end""#,
         };
         let weight = if font.bold { r#" font-weight="bold""# } else { "" };
-        let turn = if turned == 0.0 { String::new() } else { format!(r#" transform="rotate({} {x} {y})""#, number(turned)) };
+        let turn =
+            if turned == 0.0 { String::new() } else { format!(r#" transform="rotate({} {x} {y})""#, number(turned)) };
         let (size, colour, text) = (number(font.size), font.colour, escaped(text));
-        let _ = writeln!(self.body, r#"<text x="{x}" y="{y}" font-size="{size}" fill="{colour}"{weight}{anchor}{turn}>{text}</text>"#);
+        let _ = writeln!(
+            self.body,
+            r#"<text x="{x}" y="{y}" font-size="{size}" fill="{colour}"{weight}{anchor}{turn}>{text}</text>"#
+        );
     }
 
     /// The whole file. `title` is what a screen reader says.
@@ -148,7 +155,8 @@ pub fn polygon(points: &[(f64, f64)]) -> String {
 
 /// Data of an open path.
 pub fn polyline(points: &[(f64, f64)]) -> String {
-    let step = |(i, (x, y)): (usize, &(f64, f64))| format!("{}{} {}", if i == 0 { "M" } else { "L" }, number(*x), number(*y));
+    let step =
+        |(i, (x, y)): (usize, &(f64, f64))| format!("{}{} {}", if i == 0 { "M" } else { "L" }, number(*x), number(*y));
     points.iter().enumerate().map(step).collect()
 }
 

@@ -85,14 +85,18 @@ fn found(message: &str) -> String {
     let found = found.trim_start_matches("invalid type: ").trim_start_matches("invalid value: ");
     let words = [("sequence", "a list"), ("map", "a mapping"), ("unit value", "nothing"), ("string ", "the text ")];
     let word = words.iter().find_map(|(from, to)| found.strip_prefix(from).map(|rest| format!("{to}{rest}")));
-    let number = ["integer ", "floating point "].iter().find_map(|p| found.strip_prefix(p)).map(|n| format!("the number {n}"));
+    let number =
+        ["integer ", "floating point "].iter().find_map(|p| found.strip_prefix(p)).map(|n| format!("the number {n}"));
     format!("this is {}", shown(&word.or(number).unwrap_or_else(|| found.to_owned())))
 }
 
 /// What serde expected.
 fn expected(message: &str) -> String {
     let expected = message.split_once(", expected ").map_or("something else", |(_, expected)| expected);
-    format!("write {}", expected.replace("a sequence", "a list").replace("a map", "a mapping").replace("a string", "text"))
+    format!(
+        "write {}",
+        expected.replace("a sequence", "a list").replace("a map", "a mapping").replace("a string", "text")
+    )
 }
 
 /// The form of an entry by its key.

@@ -168,7 +168,8 @@ fn position() -> Value {
 
 /// A length from zero up: bare in mm, or with a unit.
 pub fn length(_: &mut SchemaGenerator) -> Schema {
-    let pattern = format!(r"^(?!\s*-)\s*{NUMBER}\s*{LENGTH}?\s*$");
+    let unsigned = NUMBER.replacen("[+-]?", r"\+?", 1);
+    let pattern = format!(r"^\s*{unsigned}\s*{LENGTH}?\s*$");
     json_schema!({ "anyOf": [{ "type": ["number", "null"], "minimum": 0 }, { "type": "string", "pattern": pattern }] })
 }
 

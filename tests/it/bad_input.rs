@@ -9,6 +9,9 @@ use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+/// Alone each takes well under a second; the machine may be busy with other tests.
+const SOON: Duration = Duration::from_secs(10);
+
 /// A folder of its own for each test, removed afterwards.
 struct Scratch(PathBuf);
 
@@ -32,22 +35,22 @@ impl Drop for Scratch {
     }
 }
 
-/// The text shown for a file on disk, which must be refused within a second.
+/// The text shown for a file on disk, which must be refused soon.
 fn refused_on_disk(path: &Path) -> String {
     let start = Instant::now();
     let mut diagnostics = Diagnostics::default();
     let document = syntax::load(path, &Disk, &mut diagnostics);
     let machine = document.and_then(|d| machine::resolve(&d, &Disk, &mut diagnostics));
-    assert!(machine.is_none() && start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
+    assert!(machine.is_none() && start.elapsed() < SOON, "{:?}", start.elapsed());
     assert!(diagnostics.iter().all(|d| d.help.is_some()));
     render(&diagnostics, Rendering::default())
 }
 
-/// The codes of a file in memory, which must be refused within a second.
+/// The codes of a file in memory, which must be refused soon.
 fn codes(text: &str) -> Vec<&'static str> {
     let start = Instant::now();
     let (machine, diagnostics) = read(&[("machine.yaml", text)]);
-    assert!(machine.is_none() && start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
+    assert!(machine.is_none() && start.elapsed() < SOON, "{:?}", start.elapsed());
     diagnostics.iter().map(|d| d.code).collect()
 }
 
@@ -59,7 +62,8 @@ fn small(line: &str) -> String {
 #[test]
 fn bombs_are_refused_at_once() {
     let levels = "abcdefghij".chars().zip("bcdefghijk".chars());
-    let bomb: String = levels.map(|(p, c)| format!("  {c}: &{c} [{}]\n", vec![format!("*{p}"); 10].join(", "))).collect();
+    let bomb: String =
+        levels.map(|(p, c)| format!("  {c}: &{c} [{}]\n", vec![format!("*{p}"); 10].join(", "))).collect();
     assert_eq!(codes(&small(&format!("provenance:\n  a: &a [x, x]\n{bomb}"))), ["E0106"]);
     assert_eq!(codes(&small("provenance: &a { b: *a }")), ["E0106"]);
     for open in ["[", "{a: ", "- ", "{\"\":["] {
@@ -101,12 +105,22 @@ fn fifos_devices_sockets_and_directories_are_refused_unopened() {
     let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
     let link = scratch.0.join("link");
     std::os::unix::fs::symlink(&fifo, &link).unwrap();
-    let cases = [(fifo, "a FIFO"), (link, "a FIFO"), (socket, "a socket"), ("/dev/zero".into(), "a device"), (scratch.0.clone(), "a directory")];
+    let cases = [
+        (fifo, "a FIFO"),
+        (link, "a FIFO"),
+        (socket, "a socket"),
+        ("/dev/zero".into(), "a device"),
+        (scratch.0.clone(), "a directory"),
+    ];
     for (path, word) in cases {
         let text = refused_on_disk(&path);
         assert!(text.contains("E0102") && text.contains(word), "{text}");
         let path = path.display();
-        for line in [format!("measured: [\"{path}\"]"), format!("errors: {{ EXX: {{ table: \"{path}\" }} }}"), format!("extends: \"{path}\"")] {
+        for line in [
+            format!("measured: [\"{path}\"]"),
+            format!("errors: {{ EXX: {{ table: \"{path}\" }} }}"),
+            format!("extends: \"{path}\""),
+        ] {
             let text = refused_on_disk(&scratch.file("machine.yaml", small(&line)));
             assert!(text.contains("E0102") && text.contains(word), "{text}");
         }
@@ -157,7 +171,8 @@ fn byte_order_mark_and_crlf_are_accepted_and_places_stay_right() {
     let table = "\u{feff}X [mm], EXX [um]\r\n0, 1\r\n\r\n500, 2\r\n";
     let (machine, diagnostics) = read(&[("m.yaml", &yaml), ("x.csv", table)]);
     assert!(machine.is_some(), "{}", render(&diagnostics, Rendering::default()));
-    let (_, diagnostics) = read(&[("m.yaml", &yaml.replace("500]", "500 deg]")), ("x.csv", &table.replace('2', "2,5"))]);
+    let (_, diagnostics) =
+        read(&[("m.yaml", &yaml.replace("500]", "500 deg]")), ("x.csv", &table.replace('2', "2,5"))]);
     let text = render(&diagnostics, Rendering::default());
     assert!(text.contains("m.yaml:4:26") && text.contains("x.csv:4:"), "{text}");
 }
@@ -173,7 +188,9 @@ fn empty_files_say_what_a_machine_is() {
 
 #[test]
 fn numbers_that_are_none_are_refused() {
-    for number in ["1e400", ".nan", ".inf", "-.inf", "nan", "inf", "0x1F um", "1_000 um", "1.2.3 um", "--1 um", "1e400 um", "1/0"] {
+    for number in
+        ["1e400", ".nan", ".inf", "-.inf", "nan", "inf", "0x1F um", "1_000 um", "1.2.3 um", "--1 um", "1e400 um", "1/0"]
+    {
         let found = codes(&small(&format!("errors: {{ EXX: {number} }}")));
         assert!(found == ["E0206"] || found == ["E0204"], "{number}: {found:?}");
         let found = codes(&small(&format!("tool: {{ length: {number} }}")));
@@ -205,7 +222,8 @@ fn nothing_of_the_file_reaches_the_terminal_raw() {
     let text = small("\"\\u001b[31mkey\": 1\nerrors: { \"E\\u001bX\": 1 um, EXX: \"\\u001b[2J um\" }");
     let (_, diagnostics) = read(&[("m.yaml", &text)]);
     assert!(!render(&diagnostics, Rendering::default()).contains('\u{1b}'));
-    let (_, diagnostics) = read(&[("m.yaml", &small("measured: [x.csv]")), ("x.csv", "X [mm], E\u{1b}[2JXX [um]\n0, \u{7}\n")]);
+    let (_, diagnostics) =
+        read(&[("m.yaml", &small("measured: [x.csv]")), ("x.csv", "X [mm], E\u{1b}[2JXX [um]\n0, \u{7}\n")]);
     assert!(!render(&diagnostics, Rendering::default()).contains(['\u{1b}', '\u{7}']));
 }
 
@@ -238,8 +256,23 @@ fn survives(machine: &[u8], table: &[u8]) {
 fn changes() -> impl Strategy<Value = Vec<(prop::sample::Index, usize, String)>> {
     let piece = prop_oneof![
         "[\\[\\]{}:,\"'#&*!|>%@` \n\t0-9a-zA-Zµ°é\u{1}-]{0,4}",
-        prop::sample::select(vec!["1e308", "-1", "0", "~", "[[", "um", "deg", "&a", "*a", "<<", "\u{feff}", "continuous", "E", "0 mm"])
-            .prop_map(str::to_owned),
+        prop::sample::select(vec![
+            "1e308",
+            "-1",
+            "0",
+            "~",
+            "[[",
+            "um",
+            "deg",
+            "&a",
+            "*a",
+            "<<",
+            "\u{feff}",
+            "continuous",
+            "E",
+            "0 mm"
+        ])
+        .prop_map(str::to_owned),
     ];
     prop::collection::vec((any::<prop::sample::Index>(), 0usize..12, piece), 1..6)
 }

@@ -158,7 +158,10 @@ fn left_of_single_errors_on_a_lattice() {
         ("EXC", "EXC: { points: [[0 deg, 0 um], [100 deg, 4 um], [190 deg, -3 um], [360 deg, 0 um]] }"),
         ("EBX", "EBX: { points: [[0 mm, 9 urad], [130 mm, -7 urad], [320 mm, 8 urad], [500 mm, -9 urad]] }"),
         // Reversal is what a lattice cannot hold: half of it is left in either direction.
-        ("EXX", "EXX: { forward: { points: [[0 mm, 0 um], [500 mm, 0 um]] }, reverse: { points: [[0 mm, 8 um], [500 mm, 8 um]] } }"),
+        (
+            "EXX",
+            "EXX: { forward: { points: [[0 mm, 0 um], [500 mm, 0 um]] }, reverse: { points: [[0 mm, 8 um], [500 mm, 8 um]] } }",
+        ),
     ];
     let folder = Folder::new();
     let all = errors.map(|(_, text)| text).join("\n  ");
@@ -171,7 +174,11 @@ fn left_of_single_errors_on_a_lattice() {
         let theirs = number(&json, "/compensated/position_um/p95");
         // The same poses: first order and the last place of the file are all that can differ.
         let tolerance = 1e-3 * theirs + 2e-4;
-        assert!((said(name, "left_um") - theirs).abs() < tolerance, "{name}: {} beside {theirs}", said(name, "left_um"));
+        assert!(
+            (said(name, "left_um") - theirs).abs() < tolerance,
+            "{name}: {} beside {theirs}",
+            said(name, "left_um")
+        );
         println!("{name}: left {} um, alone in a file {theirs} um", said(name, "left_um"));
     }
     // By the model, with our own interpolation between the nodes of its file.
@@ -180,7 +187,11 @@ fn left_of_single_errors_on_a_lattice() {
         let lattice = Lattice::read(&std::fs::read_to_string(folder.path("EB0C/corrections.csv")).unwrap());
         alone(&machine, Some(&lattice), SINGLE_POSES)
     };
-    assert!((low..=high).contains(&said("EB0C", "left_um")), "{} is not within {low} to {high}", said("EB0C", "left_um"));
+    assert!(
+        (low..=high).contains(&said("EB0C", "left_um")),
+        "{} is not within {low} to {high}",
+        said("EB0C", "left_um")
+    );
     // By hand.
     assert!((said("EXX", "left_um") - 4.0).abs() < 1e-3);
     assert_eq!(together["errors"]["EXX"]["handled"], "partly");

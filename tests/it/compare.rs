@@ -1,10 +1,12 @@
 //! Inverse kinematics against forward kinematics, and machines side by side.
 
 use crate::configs::{all, machine};
+use crate::program::{abbe, abbe_on, json, refused};
 use abbe::analysis::{ToolPose, Unreachable, inverse, rest, tool_pose};
 use abbe::evaluate::random_poses;
 use abbe::machine::{AxisKind, Machine};
 use nalgebra::Vector3;
+use serde_json::Value;
 
 /// Distance of place (mm) and direction (rad) between where the machine is and where it should be.
 fn miss(machine: &Machine, pose: &[f64], target: &ToolPose) -> (f64, f64) {
@@ -26,7 +28,7 @@ fn every_pose_of_every_config_is_reached_again_within_the_travel() {
             worst = (worst.0.max(place), worst.1.max(direction));
         }
         println!("{name}: {:.1e} mm, {:.1e} rad", worst.0, worst.1);
-        assert!(worst.0 < 1e-9 && worst.1 < 1e-12, "{name}: {worst:?}");
+        assert!(worst.0 < 1e-9 && worst.1 <= 1e-12, "{name}: {worst:?}");
     }
 }
 
@@ -56,9 +58,10 @@ fn ends_of_the_travel_and_singular_poses_are_reached() {
         };
         for pose in (0..1 << machine.axes().len()).map(corner).chain([rest(&machine)]) {
             let target = tool_pose(&machine, &pose);
-            let found = inverse(&machine, &target, &rest(&machine)).unwrap_or_else(|f| panic!("{name}: {f:?} at {pose:?}"));
+            let found =
+                inverse(&machine, &target, &rest(&machine)).unwrap_or_else(|f| panic!("{name}: {f:?} at {pose:?}"));
             let (place, direction) = miss(&machine, &found, &target);
-            assert!(place < 1e-9 && direction < 1e-11, "{name}: {place} {direction} at {pose:?}");
+            assert!(place < 1e-9 && direction <= 1e-12, "{name}: {place} {direction} at {pose:?}");
         }
     }
 }
@@ -84,9 +87,10 @@ fn nearly_singular_poses_lose_nothing() {
         for (mut pose, exponent) in random_poses(&machine, 60, 3).into_iter().zip((0..15).cycle()) {
             pose[tilt] = 10.0_f64.powi(-exponent);
             let target = tool_pose(&machine, &pose);
-            let found = inverse(&machine, &target, &rest(&machine)).unwrap_or_else(|f| panic!("{name}: {f:?} at {pose:?}"));
+            let found =
+                inverse(&machine, &target, &rest(&machine)).unwrap_or_else(|f| panic!("{name}: {f:?} at {pose:?}"));
             let (place, direction) = miss(&machine, &found, &target);
-            assert!(place < 1e-9 && direction < 2e-12, "{name}: {place} {direction} at {pose:?}");
+            assert!(place < 1e-9 && direction <= 1e-12, "{name}: {place} {direction} at {pose:?}");
         }
     }
 }
@@ -119,4 +123,62 @@ fn the_quill_and_the_column_share_the_way() {
     // 400 mm from Z = 0, W = 0 (its end): W cannot go up, so Z goes alone.
     assert!((found[z] - 400.0).abs() < 1e-9 && found[w] == 0.0, "{found:?}");
     assert!(machine.beyond_travel(&found).next().is_none());
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+#[test]
+fn a_machine_compared_with_itself_differs_in_nothing() {
+    for name in ["trunnion.yaml", "hh-bd-ram.yaml", "boring-w.yaml", "ht-nut45-c.yaml"] {
+        let result = json(&["compare", name, name, "--poses", "300", "--format", "json"]);
+        assert_eq!((&result["asked"], &result["poses"]), (&300.into(), &300.into()), "{name}");
+        let difference = &result["machines"][1]["minus_first"];
+        for key in ["position_um", "rotation_urad"] {
+            assert!(
+                ["max", "mean", "rms", "p95"].iter().all(|m| number(&difference[key][m]) == 0.0),
+                "{name}: {difference}"
+            );
+        }
+        assert_eq!(result["machines"][0]["position_um"], result["machines"][1]["position_um"]);
+        assert!(number(&result["machines"][0]["position_um"]["max"]) > 1.0);
+    }
+}
+
+#[test]
+fn every_config_reaches_all_tool_poses_of_its_own_volume() {
+    for name in crate::configs::names() {
+        let output = abbe_on(2, &["compare", &name, &name, "--poses", "200", "--format", "json", "--quiet"]);
+        assert!(output.status.success(), "{name}");
+        let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(result["machines"][0]["unreachable"]["total"], 0, "{name}: {}", result["machines"][0]);
+    }
+}
+
+#[test]
+fn two_machines_are_counted_and_subtracted() {
+    let result =
+        json(&["compare", "trunnion.yaml", "variants/trunnion-swivel-head.yaml", "--poses", "400", "--format", "json"]);
+    let (first, second) = (&result["machines"][0], &result["machines"][1]);
+    let missed = second["unreachable"]["total"].as_u64().unwrap();
+    assert_eq!(result["poses"].as_u64().unwrap() + missed, 400);
+    assert!(missed > 0 && second["unreachable"]["travel"] == second["unreachable"]["total"]);
+    for key in ["position_um", "rotation_urad"] {
+        for metric in ["max", "mean", "rms", "p95"] {
+            let expected = number(&second[key][metric]) - number(&first[key][metric]);
+            assert_eq!(number(&second["minus_first"][key][metric]), expected);
+        }
+    }
+    // The first machine's numbers are those of `eval` where the table of poses says it stands.
+    let csv =
+        abbe(&["compare", "trunnion.yaml", "variants/trunnion-swivel-head.yaml", "--poses", "400", "--format", "csv"]);
+    assert_eq!(csv.lines().count() as u64, 1 + 2 * (400 - missed));
+}
+
+#[test]
+fn nothing_in_common_is_refused_with_the_reasons() {
+    let (code, message) = refused(&["compare", "trunnion.yaml", "gantry-3ax.yaml", "--poses", "50"]);
+    assert!(code == 1 && message.contains("E0813") && message.contains("50 direction"), "{message}");
+    assert_eq!(refused(&["compare", "trunnion.yaml"]).0, 2);
 }

@@ -68,7 +68,8 @@ fn axes(path: &Path) -> Vec<String> {
     let base = text.lines().find_map(|line| line.strip_prefix("extends: "));
     match (line, base) {
         (Some(chain), _) => {
-            let words = chain.trim_matches('"').split(' ').filter(|w| !["w", "b", "t"].contains(w) && !w.starts_with('('));
+            let words =
+                chain.trim_matches('"').split(' ').filter(|w| !["w", "b", "t"].contains(w) && !w.starts_with('('));
             words.map(|word| word.trim_end_matches('\'').to_owned()).collect()
         }
         (None, Some(base)) => axes(&path.parent().unwrap().join(base)),
@@ -157,7 +158,11 @@ fn trims(machine: &Sample, index: usize, table: &Table) {
                 second_order += (tilt * shift).sqrt();
             }
             let apart = (trim - solved).abs();
-            assert!(apart <= 0.5e-9 + 1e-15 + second_order, "{} at {nominal}: {trim}, not {solved}: {apart:e} ({c:?})", axis.name);
+            assert!(
+                apart <= 0.5e-9 + 1e-15 + second_order,
+                "{} at {nominal}: {trim}, not {solved}: {apart:e} ({c:?})",
+                axis.name
+            );
         }
     }
 }
@@ -179,7 +184,8 @@ fn the_replay_is_the_controllers_arithmetic_bit_for_bit() {
             asked.extend(positions.into_iter().flat_map(|q| [(joint, q, false), (joint, q, true)]));
         }
         let word = |reverse| if reverse { "reverse" } else { "forward" };
-        let rows: String = asked.iter().map(|(joint, q, reverse)| format!("{joint},{},{q}\n", word(*reverse))).collect();
+        let rows: String =
+            asked.iter().map(|(joint, q, reverse)| format!("{joint},{},{q}\n", word(*reverse))).collect();
         let positions = folder.write("positions.csv", &format!("joint,direction,position\n{rows}"));
         let run = verify(&machine, &out, &["--replay", positions.to_str().unwrap()]);
         assert_eq!(run.code, Some(0), "{}", run.err);
@@ -190,7 +196,11 @@ fn the_replay_is_the_controllers_arithmetic_bit_for_bit() {
             assert_eq!(cells[..2], [joint.to_string().as_str(), word(reverse)]);
             assert_eq!(cells[2].parse::<f64>().unwrap(), position);
             let ours = set.joints[joint].1.added(position, reverse);
-            assert_eq!(cells[3].parse::<f64>().unwrap().to_bits(), (ours + 0.0).to_bits(), "{file}, joint {joint} at {position}");
+            assert_eq!(
+                cells[3].parse::<f64>().unwrap().to_bits(),
+                (ours + 0.0).to_bits(),
+                "{file}, joint {joint} at {position}"
+            );
         }
         assert_eq!(lines.next(), None);
     }
@@ -242,7 +252,13 @@ fn one_axis(rotary: bool, workpiece: bool, direct: bool, body: bool, own_sense: 
         origin: [70.0, 20.0, 5.0],
         location: [0.0; 6],
     };
-    let rigid = Machine { conventions, walk: vec![axis], gauge: [300.0, 40.0, 0.0], offset: [0.0, 0.0, -80.0], ..Machine::default() };
+    let rigid = Machine {
+        conventions,
+        walk: vec![axis],
+        gauge: [300.0, 40.0, 0.0],
+        offset: [0.0, 0.0, -80.0],
+        ..Machine::default()
+    };
     Sample { rigid, axes: vec![Extra { travel: Some([-200.0, 200.0]), errors }], branches: false }
 }
 

@@ -176,7 +176,10 @@ fn a_full_disk_leaves_the_old_set() {
     let (folder, _, out) = compiled("grid-csv");
     let before = tree(&out);
     // 13 x 13 x 13 nodes are over 100 kB, a block is 512 or 1024 bytes.
-    let fine = folder.write("fine.yaml", &std::fs::read_to_string(folder.path("machine.yaml")).unwrap().replace("step: 300", "step: 50"));
+    let fine = folder.write(
+        "fine.yaml",
+        &std::fs::read_to_string(folder.path("machine.yaml")).unwrap().replace("step: 300", "step: 50"),
+    );
     under_a_limit(&fine, &out, 20, true).refused("E0810").says("nothing was written");
     assert_eq!(tree(&out), before);
     // Killed in the middle: the old set stands, whatever lies beside it, and the next run is not in its way.
@@ -194,12 +197,17 @@ fn a_full_disk_leaves_the_old_set() {
 
 #[test]
 fn corrections_beyond_what_is_plausible() {
-    let rotary = "EAC: { points: [[0 deg, 0 urad], [360 deg, 0 urad]] }, ECC: { points: [[0 deg, 6 mrad], [360 deg, 6 mrad]] }";
+    let rotary =
+        "EAC: { points: [[0 deg, 0 urad], [360 deg, 0 urad]] }, ECC: { points: [[0 deg, 6 mrad], [360 deg, 6 mrad]] }";
     let cases = [
         ("linuxcnc", "EXX: { points: [[0 mm, 1.2 mm], [600 mm, 1.2 mm]] }", "2 mm"),
         ("grid-csv", "EXX: { points: [[0 mm, -1.2 mm], [600 mm, -1.2 mm]] }", "2 mm"),
         ("linuxcnc", "EXX: { points: [[0 mm, 0 mm], [10 mm, 0.2 mm], [600 mm, 0 mm]] }", "0.03"),
-        ("grid-csv", "EYX: { points: [[0 mm, 0.9 mm], [600 mm, 0.9 mm]] }, EYY: { points: [[0 mm, 0.3 mm], [600 mm, 0.3 mm]] }", "2 mm"),
+        (
+            "grid-csv",
+            "EYX: { points: [[0 mm, 0.9 mm], [600 mm, 0.9 mm]] }, EYY: { points: [[0 mm, 0.3 mm], [600 mm, 0.3 mm]] }",
+            "2 mm",
+        ),
         ("linuxcnc", rotary, "7 mrad"),
     ];
     for (target, errors, raised) in cases {
@@ -207,7 +215,8 @@ fn corrections_beyond_what_is_plausible() {
         let machine = machine(&folder, "machine.yaml", errors, "");
         let text = std::fs::read_to_string(&machine).unwrap();
         if errors.contains("ECC") {
-            let text = text.replace("chain: w b", "chain: w C' b").replace("axes: {", "axes: { C: { travel: continuous },");
+            let text =
+                text.replace("chain: w b", "chain: w C' b").replace("axes: {", "axes: { C: { travel: continuous },");
             folder.write("machine.yaml", &text);
         }
         let out = folder.path("out");
@@ -295,6 +304,12 @@ fn target(folder: &Folder, files: &str, templates: &[(&str, &str)]) -> PathBuf {
     own
 }
 
+/// Three loops in each other around a text.
+fn loops(text: &str) -> String {
+    let start: String = ["a", "b", "c"].map(|name| format!("{{% for {name} in range(10000) %}}")).concat();
+    format!("{start}{text}{}", "{% endfor %}".repeat(3))
+}
+
 const LATTICE: &str = "{{ columns | join(\",\") }}\n{% for row in rows %}{{ row }}\n{% endfor %}\n";
 
 fn spec(path: &str, template: &str, layout: bool) -> String {
@@ -336,8 +351,9 @@ fn templates_that_would_do_harm() {
         (files.clone(), "X [mm],dX [mm]\n", "E0704"),
         // What is written must be what was meant.
         (files.clone(), "X [mm],Y [mm],Z [mm],dX [mm],dY [mm],dZ [mm]\n1,1,1,0,0,0\n", "E0707"),
-        // Ten to the twelfth rounds.
-        (files.clone(), "{% for a in range(10000) %}{% for b in range(10000) %}{% for c in range(10000) %}{% endfor %}{% endfor %}{% endfor %}", "E0702"),
+        // Ten to the twelfth rounds; and as many bytes in few rounds.
+        (files.clone(), &loops(""), "E0702"),
+        (files.clone(), &loops(&"x".repeat(100_000)), "E0702"),
     ];
     for (files, template, code) in bad {
         let folder = Folder::new();
@@ -347,7 +363,12 @@ fn templates_that_would_do_harm() {
         let before = tree(&folder.path(""));
         let templates = folder.path("templates");
         let run = compile(&machine, "own", &folder.path("out"), &["--templates", templates.to_str().unwrap()]);
-        assert_eq!((run.code, run.err.contains(&format!("refused[{code}]"))), (Some(1), true), "{template}: {}", run.err);
+        assert_eq!(
+            (run.code, run.err.contains(&format!("refused[{code}]"))),
+            (Some(1), true),
+            "{template}: {}",
+            run.err
+        );
         assert_eq!(tree(&folder.path("")), before, "{template}");
     }
 }
@@ -357,7 +378,11 @@ fn templates_that_would_do_harm() {
 fn templates_that_are_links() {
     let folder = Folder::new();
     let machine = machine(&folder, "machine.yaml", EXX, "");
-    let own = target(&folder, &(spec("own.csv", "own.j2", true) + &spec("secret.txt", "secret.j2", false)), &[("own.j2", LATTICE)]);
+    let own = target(
+        &folder,
+        &(spec("own.csv", "own.j2", true) + &spec("secret.txt", "secret.j2", false)),
+        &[("own.j2", LATTICE)],
+    );
     std::os::unix::fs::symlink(folder.write("secret", "precious"), own.join("secret.j2")).unwrap();
     let templates = folder.path("templates");
     let run = compile(&machine, "own", &folder.path("out"), &["--templates", templates.to_str().unwrap()]);
@@ -451,7 +476,9 @@ fn lattices_that_are_none() {
     header("X [mm],Y [mm],X [mm],dX [mm],dY [mm],dZ [mm]").refused("E0704").says("twice");
     header("X [mm],Y [mm],Z [mm],dX [mm],dX [mm],dZ [mm]").refused("E0704").says("twice");
     // A row that is missing, there twice, in another's place, cut, or of no node.
-    for change in [(&|all: &mut Vec<String>| drop(all.remove(9))) as &dyn Fn(&mut Vec<String>), &|all| all.insert(5, all[5].clone())] {
+    for change in [(&|all: &mut Vec<String>| drop(all.remove(9))) as &dyn Fn(&mut Vec<String>), &|all| {
+        all.insert(5, all[5].clone())
+    }] {
         lines(change).refused("E0704");
     }
     for (one, other) in [(1, 2), (12, 13), (20, 27)] {

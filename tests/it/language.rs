@@ -130,8 +130,15 @@ fn near(a: f64, b: f64) -> bool {
 #[test]
 fn chains_are_read_in_every_spelling() {
     let spellings = [
-        "\"w C' b X Z t\"", "w C' b X Z t", "\"[w C' b X Z t]\"", "[w C' b X Z t]", "\"V [w C' b X Z t]\"",
-        "\"w-C'-b-X-Z-t\"", "\"w, C', b, X, Z, t\"", "\"  w  C’  b\\tX Z t \"", "w C′ b X Z t",
+        "\"w C' b X Z t\"",
+        "w C' b X Z t",
+        "\"[w C' b X Z t]\"",
+        "[w C' b X Z t]",
+        "\"V [w C' b X Z t]\"",
+        "\"w-C'-b-X-Z-t\"",
+        "\"w, C', b, X, Z, t\"",
+        "\"  w  C’  b\\tX Z t \"",
+        "w C′ b X Z t",
         "[w, \"C'\", b, X, Z, t]",
     ];
     for chain in spellings {
@@ -164,7 +171,10 @@ fn axes_follow_their_letter_or_say_what_they_are() {
     let axis = |name: &str| machine.axes()[machine.axis_index(name).unwrap()].clone();
     assert_eq!((axis("X1").kind, axis("X1").direction), (AxisKind::Linear, [1.0, 0.0, 0.0]));
     assert_eq!(axis("X1").travel, Travel::Range(0.0, 508.0));
-    assert_eq!((axis("V").direction, axis("V").travel, axis("V").sign()), ([0.0, 1.0, 0.0], Travel::Range(0.0, 500.0), -1.0));
+    assert_eq!(
+        (axis("V").direction, axis("V").travel, axis("V").sign()),
+        ([0.0, 1.0, 0.0], Travel::Range(0.0, 500.0), -1.0)
+    );
     assert_eq!((axis("W").direction, axis("W").travel), ([0.0, 0.0, 1.0], Travel::Range(-10.0, 0.0)));
     assert_eq!(axis("R").direction, [0.0, 0.0, 1.0]);
     assert_eq!((axis("C2").kind, axis("C2").origin), (AxisKind::Rotary, [1000.0, 2.0, 3.0]));
@@ -190,15 +200,39 @@ fn conventions_are_a_preset_single_words_or_both() {
 #[test]
 fn errors_are_read_in_every_spelling_and_sign() {
     let spellings = [
-        ("EXX", "EXX"), ("E_{XX}", "EXX"), ("E_XX", "EXX"), ("dxx", "EXX"), ("dyx", "EYX"), ("dxz", "EXZ"), ("exx", "EAX"),
-        ("eyx", "EBX"), ("ezz", "ECZ"), ("EC0Y", "EC0Y"), ("E_{C0Y}", "EC0Y"), ("E_C0Y", "EC0Y"), ("C0Y", "EC0Y"),
-        ("COY", "EC0Y"), ("ECOY", "EC0Y"), ("EC(0X)Y", "EC0Y"), ("E_{C(0X)Y}", "EC0Y"), ("Sxy", "EC0Y"), ("Sxz", "EB0Z"),
-        ("Syz", "EA0Z"), ("E_X0C", "EX0C"), ("X0C", "EX0C"), ("EA0S", "EA0S"), ("EA0C1", "EA0C1"), ("EXJ6", "EXJ6"), ("EXX1", "EXX1"),
+        ("EXX", "EXX"),
+        ("E_{XX}", "EXX"),
+        ("E_XX", "EXX"),
+        ("dxx", "EXX"),
+        ("dyx", "EYX"),
+        ("dxz", "EXZ"),
+        ("exx", "EAX"),
+        ("eyx", "EBX"),
+        ("ezz", "ECZ"),
+        ("EC0Y", "EC0Y"),
+        ("E_{C0Y}", "EC0Y"),
+        ("E_C0Y", "EC0Y"),
+        ("C0Y", "EC0Y"),
+        ("COY", "EC0Y"),
+        ("ECOY", "EC0Y"),
+        ("EC(0X)Y", "EC0Y"),
+        ("E_{C(0X)Y}", "EC0Y"),
+        ("Sxy", "EC0Y"),
+        ("Sxz", "EB0Z"),
+        ("Syz", "EA0Z"),
+        ("E_X0C", "EX0C"),
+        ("X0C", "EX0C"),
+        ("EA0S", "EA0S"),
+        ("EA0C1", "EA0C1"),
+        ("EXJ6", "EXJ6"),
+        ("EXX1", "EXX1"),
     ];
     for (written, name) in spellings {
         assert_eq!(parse_error_name(written).unwrap().to_string(), name, "{written}");
     }
-    for wrong in ["", "E", "EX", "XX", "EQX", "EX0", "EXx", "dxw", "Szx", "EX-Y", "E0XC", "EXABCDEFGHI", "dyX", "exX", "É"] {
+    for wrong in
+        ["", "E", "EX", "XX", "EQX", "EX0", "EXx", "dxw", "Szx", "EX-Y", "E0XC", "EXABCDEFGHI", "dyX", "exX", "É"]
+    {
         assert_eq!(parse_error_name(wrong), None, "{wrong}");
     }
     let text = small("errors: { Syz: 1 urad, Sxz: 2 urad, \"E_{X0C}\": 3 um, dzx: 4 um, eyx: 0.5 urad }");
@@ -217,15 +251,26 @@ fn an_axis_called_oy_keeps_its_errors() {
 #[test]
 fn every_unit_of_an_error_value() {
     let values = [
-        ("12 um", 12e-3), ("12um", 12e-3), ("12 µm", 12e-3), ("0.5 mm", 0.5), ("900 nm", 9e-4), ("1e-3 in", 0.0254), ("+.5 um", 5e-4),
+        ("12 um", 12e-3),
+        ("12um", 12e-3),
+        ("12 µm", 12e-3),
+        ("0.5 mm", 0.5),
+        ("900 nm", 9e-4),
+        ("1e-3 in", 0.0254),
+        ("+.5 um", 5e-4),
     ];
     for (written, value) in values {
         assert!(near(component(&resolved(&format!("errors: {{ EXX: {written} }}")), "X", 0.0)[0], value), "{written}");
     }
     let angle = |seconds: f64| (seconds / 3600.0).to_radians();
     let values = [
-        ("12 urad", 12e-6), ("0.01 mrad", 1e-5), ("5 arcsec", angle(5.0)), ("1 arcmin", angle(60.0)), ("0.001 deg", angle(3.6)),
-        ("3 um/m", 3e-6), ("0.02/500", 4e-5),
+        ("12 urad", 12e-6),
+        ("0.01 mrad", 1e-5),
+        ("5 arcsec", angle(5.0)),
+        ("1 arcmin", angle(60.0)),
+        ("0.001 deg", angle(3.6)),
+        ("3 um/m", 3e-6),
+        ("0.02/500", 4e-5),
     ];
     for (written, value) in values {
         assert!(near(location(&resolved(&format!("errors: {{ EA0Z: {written} }}")), "Z")[3], value), "{written}");
@@ -254,7 +299,9 @@ fn every_form_of_a_curve() {
 
 #[test]
 fn polynomials_on_rotary_axes_are_per_degree() {
-    let text = small("errors: { EXC: { polynomial: [0 um, 0.1 um/deg, 1 um/rad^2] }, ECC: { polynomial: [0 urad, 2 urad/deg] } }");
+    let text = small(
+        "errors: { EXC: { polynomial: [0 um, 0.1 um/deg, 1 um/rad^2] }, ECC: { polynomial: [0 urad, 2 urad/deg] } }",
+    );
     let machine = silent(&[("m.yaml", &text.replace("continuous", "[-90, 90]"))]);
     let c = component(&machine, "C", 90.0);
     let quarter = std::f64::consts::FRAC_PI_2;
@@ -280,7 +327,8 @@ fn tables_come_with_any_separator_unit_and_direction() {
         }
     }
     let cubic = "X [mm], EXX [um]\n0, 0\n250, 1\n500, 0\n";
-    let machine = silent(&[("m.yaml", &small("errors: { EXX: { table: x.csv, interpolation: cubic } }")), ("x.csv", cubic)]);
+    let machine =
+        silent(&[("m.yaml", &small("errors: { EXX: { table: x.csv, interpolation: cubic } }")), ("x.csv", cubic)]);
     assert!(near(component(&machine, "X", 125.0)[0], 0.6875e-3));
     let one_way = small("errors: { EXX: { forward: { table: x.csv }, reverse: { table: x.csv } } }");
     let machine = silent(&[("m.yaml", &one_way), ("x.csv", tables[4])]);
@@ -301,7 +349,10 @@ fn tools_workpiece_volume_and_names() {
     let grid: Vec<(f64, f64, f64)> = machine.volume().iter().map(|g| (g.min, g.max, g.step)).collect();
     assert_eq!(grid, [(-180.0, 180.0, 15.0), (100.0, 200.0, 20.0), (-400.0, 0.0, 20.0)]);
     let machine = resolved("volume: { step: 10 deg }");
-    assert_eq!(machine.volume().iter().map(|g| (g.max, g.step)).collect::<Vec<_>>(), [(360.0, 10.0), (500.0, 25.0), (0.0, 25.0)]);
+    assert_eq!(
+        machine.volume().iter().map(|g| (g.max, g.step)).collect::<Vec<_>>(),
+        [(360.0, 10.0), (500.0, 25.0), (0.0, 25.0)]
+    );
     assert_eq!((machine.tools().len(), machine.tool().tip, machine.workpiece()), (1, [0.0; 3], [0.0; 3]));
 }
 
@@ -326,7 +377,9 @@ fn variants_merge_replace_and_remove() {
     let preset = Conventions::preset("bui-kimm").unwrap();
     assert_eq!(*machine.conventions(), Conventions { joints: Joints::Orthogonal, ..preset });
     let errors = component(&machine, "C", 90.0);
-    assert!(near(errors[0], 1e-4) && errors[1] == 0.0 && near(errors[2], 1e-3) && near(location(&machine, "C")[0], 2e-3));
+    assert!(
+        near(errors[0], 1e-4) && errors[1] == 0.0 && near(errors[2], 1e-3) && near(location(&machine, "C")[0], 2e-3)
+    );
     assert!(near(component(&machine, "X", 300.0)[0], 3e-3));
     assert_eq!(machine.volume().iter().map(|g| g.step).collect::<Vec<_>>(), [10.0, 8.0, 15.0]);
     assert_eq!(machine.setup().tool, [0.0, 2e-3, 0.0]);
@@ -362,7 +415,9 @@ fn warnings(lines: &str) -> Vec<&'static str> {
 #[test]
 fn what_repeats_a_location_error_is_told_and_what_does_not_is_not() {
     // A displaced axis: its run-out turns with it, on the workpiece side against the position.
-    let run_out = |sine: &str| format!("EXC: {{ harmonics: {{ 1: [5 um, 0 um] }} }}, EYC: {{ harmonics: {{ 1: [0 um, {sine}] }} }}");
+    let run_out = |sine: &str| {
+        format!("EXC: {{ harmonics: {{ 1: [5 um, 0 um] }} }}, EYC: {{ harmonics: {{ 1: [0 um, {sine}] }} }}")
+    };
     let errors = |list: &str| format!("errors: {{ {list} }}");
     assert_eq!(warnings(&errors(&format!("EX0C: 3 um, {}", run_out("-5 um")))), ["W0403"]);
     assert_eq!(warnings(&errors(&format!("EX0C: 3 um, {}", run_out("5 um")))), [""; 0]);

@@ -1,7 +1,7 @@
 //! Integration tests.
 
 // A test that panics is a test that fails: nothing to be careful about.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr, clippy::print_stdout)]
 
 mod bad_input;
 mod certificate;
@@ -16,9 +16,12 @@ mod eval_order;
 mod golden_signs;
 mod language;
 mod linuxcnc_kinematics;
+mod map;
 mod oracle;
 mod paper_2015;
+mod program;
 mod published;
+mod readme;
 mod reconfigure;
 mod schema;
 mod show;

@@ -1,8 +1,10 @@
 //! The minimal set of location errors, and what `show` prints.
 
 use crate::configs::{all, machine};
+use crate::program::{Folder, abbe, abbe_on, available, json, refused, text, well_formed};
 use abbe::analysis::{LocationSet, Status};
 use abbe::machine::AxisKind;
+use std::process::Command;
 
 fn names(set: &LocationSet) -> Vec<String> {
     set.members.iter().map(|(id, _)| id.to_string()).collect()
@@ -27,7 +29,11 @@ fn their_size_is_the_rule_of_the_field() {
         let linear = of(AxisKind::Linear);
         let expected = 3 + 2 * linear.saturating_sub(3) + 4 * of(AxisKind::Rotary) + spindle;
         let set = LocationSet::of(&machine);
-        println!("{name}: {:?} besides {:?}", set.members.iter().map(|(id, s)| format!("{id} {s:?}")).collect::<Vec<_>>(), set.besides);
+        println!(
+            "{name}: {:?} besides {:?}",
+            set.members.iter().map(|(id, s)| format!("{id} {s:?}")).collect::<Vec<_>>(),
+            set.besides
+        );
         assert_eq!(set.members.len(), expected, "{name}: {:?}", names(&set));
     }
 }
@@ -37,6 +43,89 @@ fn what_the_file_gives_is_told_from_what_it_lacks() {
     let set = LocationSet::of(&machine("trunnion.yaml"));
     assert!(set.members.iter().all(|(_, status)| *status == Status::Given), "{set:?}");
     let bare = LocationSet::of(&machine("trunnion.yaml").filtered(|id| id.to_string() != "EX0C"));
-    let missing: Vec<_> = bare.members.iter().filter(|(_, s)| *s == Status::Missing).map(|(id, _)| id.to_string()).collect();
+    let missing: Vec<_> =
+        bare.members.iter().filter(|(_, s)| *s == Status::Missing).map(|(id, _)| id.to_string()).collect();
     assert_eq!(missing, ["EX0C"]);
+}
+
+#[test]
+fn the_chain_is_drawn_for_every_config() {
+    let folder = Folder::new("chains");
+    for name in crate::configs::names() {
+        let svg = folder.file("chain.svg");
+        let output = abbe_on(1, &["show", &name, "--svg", text(&svg), "--quiet"]);
+        assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+        let picture = std::fs::read_to_string(&svg).unwrap();
+        well_formed(&picture).unwrap_or_else(|why| panic!("{name}: {why}"));
+        let machine = machine(&name);
+        for axis in machine.axes() {
+            let prime = if axis.branch == abbe::machine::Branch::Workpiece { "′" } else { "" };
+            assert!(picture.contains(&format!(">{}{prime}</text>", axis.name)), "{name}: {}", axis.name);
+        }
+    }
+}
+
+#[test]
+fn graphviz_takes_the_dot_of_every_config() {
+    let present = available("dot", "DOT of every config against Graphviz");
+    let folder = Folder::new("dot");
+    for name in crate::configs::names() {
+        let output = abbe_on(1, &["show", &name, "--dot", "--quiet"]);
+        let dot = String::from_utf8(output.stdout).unwrap();
+        assert!(dot.starts_with("digraph chain {") && dot.ends_with("}\n"), "{name}");
+        let machine = machine(&name);
+        assert_eq!(dot.matches(" -> ").count(), machine.chain().graph().edge_count(), "{name}");
+        if present {
+            let file = folder.with("chain.dot", &dot);
+            let run = Command::new("dot").args(["-Tplain", text(&file)]).output().unwrap();
+            let plain = String::from_utf8_lossy(&run.stdout).into_owned();
+            assert!(run.status.success() && run.stderr.is_empty(), "{name}: {}", String::from_utf8_lossy(&run.stderr));
+            let nodes = plain.lines().filter(|line| line.starts_with("node ")).count();
+            assert_eq!(nodes, machine.chain().graph().node_count(), "{name}");
+        }
+    }
+}
+
+#[test]
+fn show_prints_what_the_machine_is() {
+    let shown = abbe(&["show", "trunnion.yaml"]);
+    for part in [
+        "w C' A' Y' b X Z t",
+        "workpiece origin   250, 225, -380 mm",
+        "functional point 250, 225, -120 mm",
+        "axis_only",
+        "(11)",
+    ] {
+        assert!(shown.contains(part), "{part}: {shown}");
+    }
+    let shown = json(&["show", "trunnion.yaml", "--format", "json"]);
+    // The tip at the zero pose is 230 mm above the line of A.
+    let arm = |name: &str| {
+        let axes = shown["axes"].as_array().unwrap().iter().find(|axis| axis["name"] == name).unwrap();
+        axes["arm_mm"]["at_zero"].as_f64().unwrap()
+    };
+    assert!((arm("A") - 230.0).abs() < 1e-9 && (arm("C") - 260.0).abs() < 1e-9);
+    assert_eq!(refused(&["show", "trunnion.yaml", "--dot", "--format", "json"]).0, 2);
+    assert_eq!(abbe(&["show", "trunnion.yaml", "--format", "csv"]).lines().count(), 6);
+}
+
+#[test]
+fn init_writes_a_machine_that_is_fine_and_never_overwrites() {
+    let folder = Folder::new("init");
+    for kind in ["three-axis", "trunnion", "head-table", "head-head"] {
+        let file = folder.file(&format!("{kind}.yaml"));
+        abbe(&["init", "--from", kind, text(&file), "--quiet"]);
+        let written = std::fs::read(&file).unwrap();
+        assert!(written.starts_with(b"# yaml-language-server: $schema="));
+        abbe(&["check", text(&file)]);
+        let map = json(&["map", text(&file), "--format", "json"]);
+        assert!(map["position_um"]["max"].as_f64().unwrap() > 1.0, "{kind}");
+        let shown = json(&["show", text(&file), "--format", "json"]);
+        let missing =
+            shown["location_errors"]["set"].as_array().unwrap().iter().filter(|m| m["status"] != "given").count();
+        assert_eq!(missing, 0, "{kind}");
+        let (code, message) = refused(&["init", text(&file)]);
+        assert!(code == 1 && message.contains("E0811"), "{message}");
+        assert_eq!(std::fs::read(&file).unwrap(), written);
+    }
 }

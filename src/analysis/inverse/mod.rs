@@ -19,7 +19,7 @@ use rotary::Directions;
 pub const PLACE_TOLERANCE: f64 = 1e-9;
 
 /// How far the direction reached may be from the one asked for, rad.
-pub const DIRECTION_TOLERANCE: f64 = 1e-11;
+pub const DIRECTION_TOLERANCE: f64 = 1e-12;
 
 /// A pose of the tool in the workpiece frame.
 #[derive(Debug, Clone, Copy, PartialEq)]

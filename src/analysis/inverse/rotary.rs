@@ -18,6 +18,9 @@ const AT_END: f64 = 1e-6;
 /// Where the axes that are held are tried, besides their reference.
 const SAMPLES: usize = 48;
 
+/// The same where an axis more than two might still find a way within the travel of the linear axes.
+const MANY_SAMPLES: usize = 512;
+
 /// How many of the positions of more than two axes are followed towards the reference.
 const REFINED: usize = 6;
 
@@ -42,7 +45,7 @@ pub struct Candidates {
     pub poses: Vec<Pose>,
     /// A direction was found, but only beyond the travel.
     pub beyond_travel: bool,
-    /// There are others, further away, for some axis has a choice.
+    /// There may be others, further away, for some axis has a choice.
     pub more: bool,
 }
 
@@ -76,13 +79,14 @@ impl Directions {
             search.found.extend(rough);
         }
         let poses = self.poses(search.found);
-        Candidates { poses, beyond_travel: search.beyond_travel, more: search.free }
+        Candidates { poses, beyond_travel: search.beyond_travel, more: search.free || self.turns.len() > 2 }
     }
 
-    /// Candidates with the axes that have no effect elsewhere than at their reference.
+    /// Candidates with the axes that have a choice elsewhere than at their reference.
     pub fn others(&self, direction: &Vector3<f64>) -> Vec<Pose> {
         let mut search = Search { directions: self, direction, found: Vec::new(), beyond_travel: false, free: false };
-        (1..SAMPLES).for_each(|sample| search.around(&self.sample(sample)));
+        let samples = if self.turns.len() > 2 { MANY_SAMPLES } else { SAMPLES };
+        (1..samples).for_each(|sample| search.around(&self.sample(sample)));
         self.poses(search.found)
     }
 
@@ -306,7 +310,12 @@ fn pair_angles(w1: &Vector3<f64>, w2: &Vector3<f64>, p: &Vector3<f64>, t: &Vecto
 }
 
 /// The two points at a height and distance of one axis, and at a height of the other.
-fn meeting(axis: &Vector3<f64>, other: &Vector3<f64>, (height, distance): (f64, f64), along_other: f64) -> Option<[Vector3<f64>; 2]> {
+fn meeting(
+    axis: &Vector3<f64>,
+    other: &Vector3<f64>,
+    (height, distance): (f64, f64),
+    along_other: f64,
+) -> Option<[Vector3<f64>; 2]> {
     let normal = axis.cross(other);
     let sine = normal.norm();
     let towards = (other - axis * axis.dot(other)) / sine;

@@ -247,7 +247,8 @@ fn carries(column: &Column, of: &CurveOf<'_>) -> bool {
 fn missing(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: Option<Place>) {
     let header = table.columns.first().map(|c| c.place.clone());
     let names: Vec<&str> = table.columns[1..].iter().map(|c| c.name.as_str()).collect();
-    let help = format!("its columns are {}", names.iter().map(|n| format!("`{}`", shown(n))).collect::<Vec<_>>().join(", "));
+    let help =
+        format!("its columns are {}", names.iter().map(|n| format!("`{}`", shown(n))).collect::<Vec<_>>().join(", "));
     let refusal = Diagnostic::new("E0114", format!("the table has no column `{}`", of.error));
     let header = header.filter(|h| named.as_ref().is_none_or(|n| n.source != h.source));
     context.diagnostics.push(refusal.at(named, "named here").at(header, "the table's header").help(help));

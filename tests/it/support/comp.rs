@@ -78,8 +78,14 @@ fn the_reader_takes_what_the_controller_takes_and_nothing_it_would_misread() {
     let good = "0.0 0.001 -0.001\n10.0 0.002 -0.003\n";
     let table = Table::read(good).unwrap();
     assert_eq!(table.nominal, [0.0, 10.0]);
-    let bad = ["", "# x\n0.0 0.0 0.0\n", "0.0 0.0 0.0\n\n", "0.0,0.0,0.0\n", "0.0 0.0\n", "0.0 nan 0.0\n", "0.0 1e-3 0.0\n"];
-    for text in bad.into_iter().chain(["0.0 -0.000 0.0\n", "1.0 0.0 0.0\n1.0 0.0 0.0\n", "0.0 0.0 0.0", "\u{feff}0.0 0.0 0.0\n"]) {
+    let bad =
+        ["", "# x\n0.0 0.0 0.0\n", "0.0 0.0 0.0\n\n", "0.0,0.0,0.0\n", "0.0 0.0\n", "0.0 nan 0.0\n", "0.0 1e-3 0.0\n"];
+    for text in bad.into_iter().chain([
+        "0.0 -0.000 0.0\n",
+        "1.0 0.0 0.0\n1.0 0.0 0.0\n",
+        "0.0 0.0 0.0",
+        "\u{feff}0.0 0.0 0.0\n",
+    ]) {
         assert!(Table::read(text).is_err(), "{text:?}");
     }
     let rows = |n: usize| (0..n).map(|i| format!("{i}.0 0.0 0.0\n")).collect::<String>();
@@ -90,7 +96,10 @@ fn the_reader_takes_what_the_controller_takes_and_nothing_it_would_misread() {
 fn the_replay_holds_its_ends_and_rounds_to_single_precision() {
     let table = Table::read("0.0 0.1 0.5\n10.0 0.3 0.7\n").unwrap();
     let single = |x: f32| f64::from(x);
-    assert_eq!([table.added(-5.0, false), table.added(10.0, false), table.added(50.0, true)], [single(0.1), single(0.3), single(0.7)]);
+    assert_eq!(
+        [table.added(-5.0, false), table.added(10.0, false), table.added(50.0, true)],
+        [single(0.1), single(0.3), single(0.7)]
+    );
     assert!((table.added(5.0, false) - 0.2).abs() < 1e-8);
     // Not what doubles would give: single precision shows in the ninth digit.
     assert!((table.added(5.0, false) - 0.2).abs() > 1e-10);

@@ -15,7 +15,10 @@ const DIRECTIONS: &str = "XYZABC";
 /// The machine of a file, its first tool mounted.
 pub fn sample(path: &Path) -> Sample {
     let file = load(path);
-    known(&file, &["abbe", "machine", "chain", "conventions", "axes", "tool", "tools", "workpiece", "errors", "measured"]);
+    known(
+        &file,
+        &["abbe", "machine", "chain", "conventions", "axes", "tool", "tools", "workpiece", "errors", "measured"],
+    );
     let mut sample = geometry(&file);
     for (name, value) in entries(&file, "errors") {
         constant(&mut sample, name, text(value));
@@ -54,11 +57,14 @@ fn merge(base: &mut Mapping, other: Mapping) {
 
 fn geometry(file: &Mapping) -> Sample {
     let conventions = file.get("conventions").map_or_else(Conventions::default, |preset| match text(preset) {
-        "bui-kimm" => Conventions { carried_body: true, direct: true, body: true, linearised: true, ..Conventions::default() },
+        "bui-kimm" => {
+            Conventions { carried_body: true, direct: true, body: true, linearised: true, ..Conventions::default() }
+        }
         other => panic!("preset {other}"),
     });
     let chain = text(&file["chain"]);
-    let mut rigid = Machine { conventions, workpiece_origin: optional(file, "workpiece", "origin"), ..Machine::default() };
+    let mut rigid =
+        Machine { conventions, workpiece_origin: optional(file, "workpiece", "origin"), ..Machine::default() };
     let mut axes = Vec::new();
     for word in chain.split(' ').filter(|word| !["w", "b", "t"].contains(word)) {
         if word.starts_with('(') {

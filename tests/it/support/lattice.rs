@@ -40,8 +40,7 @@ impl Lattice {
     }
 
     fn header(line: &str) -> Self {
-        let mut lattice =
-            Self { axes: vec![], units: vec![], nodes: vec![], corrected: vec![], values: vec![] };
+        let mut lattice = Self { axes: vec![], units: vec![], nodes: vec![], corrected: vec![], values: vec![] };
         for cell in line.split(',') {
             let (name, unit) = cell.strip_suffix(']').and_then(|c| c.split_once(" [")).unwrap();
             match name.strip_prefix('d') {

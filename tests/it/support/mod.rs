@@ -66,12 +66,7 @@ impl Run {
 /// `compile` for a target, with more options.
 pub fn compile(machine: &Path, target: &str, out: &Path, more: &[&str]) -> Run {
     Run::of(
-        abbe()
-            .arg("compile")
-            .arg(machine)
-            .args(["--target", target, "--format", "json", "--out"])
-            .arg(out)
-            .args(more),
+        abbe().arg("compile").arg(machine).args(["--target", target, "--format", "json", "--out"]).arg(out).args(more),
     )
 }
 

@@ -1,0 +1,141 @@
+//! `abbe compare`: machines side by side on the same tool poses.
+
+use super::progress::Progress;
+use super::session::Session;
+use super::view::{STATISTICS, ViewArgs, cell, numbers, order_text, statistics_rows, table};
+use super::{Format, Outcome, load};
+use crate::analysis::{Comparison, Missed, compare};
+use crate::diagnostic::Diagnostic;
+use crate::evaluate::{Bare, Field, Poses, Random, Statistics};
+use crate::machine::Machine;
+use serde_json::json;
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Two or more machine files; differences are to the first, and tool poses are drawn from its volume.
+    #[arg(required = true, num_args = 2..)]
+    machines: Vec<PathBuf>,
+    /// How many tool poses.
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    poses: u32,
+    /// Seed of the tool poses.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    view: ViewArgs,
+}
+
+pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
+    let mut machines = Vec::new();
+    for path in &args.machines {
+        machines.push(load::machine(session, path, args.view.tool.as_deref())?);
+    }
+    let bare: Vec<Bare<'_>> =
+        machines.iter().map(|machine| Bare { machine, order: args.view.order(machine) }).collect();
+    let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
+    let poses = Poses::Random(Random::of(&machines[0], args.poses as usize, args.seed));
+    let progress = Progress::new(poses.len(), session.is_quiet());
+    let comparison = compare(&fields, &poses, args.view.approach(), &|count| progress.add(count));
+    drop(progress);
+    let report = Report { args, machines: &machines, comparison: &comparison };
+    if comparison.common.is_empty() {
+        return session.refuse(nothing_in_common(&report));
+    }
+    match session.format() {
+        Format::Json => session.print_json(report.json()),
+        Format::Csv => session.print(&report.csv()),
+        Format::Text => session.print(&report.text()),
+    }
+    Ok(())
+}
+
+fn nothing_in_common(report: &Report<'_>) -> Diagnostic {
+    let missed = |(file, m): (String, &Missed)| format!("{file} misses {}", reasons(m));
+    let sides = report.files().zip(report.comparison.machines.iter().map(|c| &c.unreachable));
+    let help = sides.map(missed).collect::<Vec<_>>().join("; ");
+    let message = format!("none of the {} tool poses is reached by all machines", report.comparison.asked);
+    Diagnostic::new("E0813", message).help(format!(
+        "{help}. Tool poses count from the workpiece origin: give the machines comparable ones, or narrow the first one's `volume`"
+    ))
+}
+
+/// `12: 3 direction, 9 travel`.
+fn reasons(missed: &Missed) -> String {
+    let each = [(missed.direction, "direction"), (missed.place, "place"), (missed.travel, "travel")];
+    let list: Vec<String> = each.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect();
+    if list.is_empty() { "0".to_owned() } else { format!("{} ({})", missed.total, list.join(", ")) }
+}
+
+/// What is printed.
+struct Report<'a> {
+    args: &'a Args,
+    machines: &'a [Machine],
+    comparison: &'a Comparison,
+}
+
+impl Report<'_> {
+    fn files(&self) -> impl Iterator<Item = String> {
+        self.args.machines.iter().map(|path| path.display().to_string())
+    }
+
+    fn json(&self) -> serde_json::Value {
+        let side = |((machine, file), c): ((&Machine, String), &crate::analysis::Compared)| {
+            json!({
+                "machine": machine.name(), "file": file, "order": order_text(self.args.view.order(machine)),
+                "unreachable": c.unreachable, "position_um": c.statistics.position_um,
+                "rotation_urad": c.statistics.rotation_urad, "minus_first": c.difference,
+            })
+        };
+        let machines: Vec<_> =
+            self.machines.iter().zip(self.files()).zip(&self.comparison.machines).map(side).collect();
+        json!({
+            "asked": self.comparison.asked, "poses": self.comparison.common.len(), "seed": self.args.seed,
+            "frame": "workpiece", "direction": self.args.view.approach(), "machines": machines,
+        })
+    }
+
+    /// One line for each tool pose and machine.
+    fn csv(&self) -> String {
+        let mut csv =
+            "pose,file,x [mm],y [mm],z [mm],i,j,k,dx [um],dy [um],dz [um],wx [urad],wy [urad],wz [urad]\n".to_owned();
+        for (pose, target) in self.comparison.common.iter().enumerate() {
+            for (file, side) in self.files().zip(&self.comparison.machines) {
+                let (_, d) = &side.reached[pose];
+                let vectors = [target.tip, target.direction, d.position * 1e3, d.rotation * 1e6];
+                let values = numbers(vectors.iter().flat_map(|v| v.iter().copied()));
+                csv.push_str(&format!("{pose},{},{values}\n", cell(&file)));
+            }
+        }
+        csv
+    }
+
+    fn text(&self) -> String {
+        let c = self.comparison;
+        let mut text = format!(
+            "{} tool poses in the workpiece frame, drawn from the volume of {}; {} reached by all\n",
+            c.asked,
+            self.machines[0].name(),
+            c.common.len()
+        );
+        for (i, ((machine, file), side)) in self.machines.iter().zip(self.files()).zip(&c.machines).enumerate() {
+            let missed = reasons(&side.unreachable);
+            text.push_str(&format!(
+                "  {}  {} ({file}), {}: unreachable {missed}\n",
+                i + 1,
+                machine.name(),
+                machine.chain()
+            ));
+        }
+        let mut rows = table(&STATISTICS);
+        for (i, side) in c.machines.iter().enumerate() {
+            let _ = rows.add_rows(statistics_rows(&(i + 1).to_string(), &side.statistics));
+        }
+        for (i, side) in c.machines.iter().enumerate().skip(1) {
+            let (position_um, rotation_urad) = (side.difference.position_um, side.difference.rotation_urad);
+            let difference = Statistics { poses: c.common.len(), position_um, rotation_urad };
+            let _ = rows.add_rows(statistics_rows(&format!("{} - 1", i + 1), &difference));
+        }
+        format!("{text}{rows}\nNegative differences: less error than machine 1.\n")
+    }
+}

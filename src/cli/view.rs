@@ -1,0 +1,103 @@
+//! Options that the verbs about whole volumes share, and how their numbers are printed.
+
+use super::eval::{ApproachArg, FrameArg, order};
+use crate::evaluate::{Frame, Order, Statistics, Summary};
+use crate::machine::{Approach, Machine};
+use crate::units::significant;
+use serde_json::json;
+
+/// How errors are followed and looked at.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct ViewArgs {
+    /// 1 to 6, or `exact` (the default, unless the conventions' preset names an order).
+    #[arg(long, value_parser = order)]
+    order: Option<Order>,
+    /// Direction of approach where forward and reverse curves were given.
+    #[arg(long, value_enum, default_value = "mean")]
+    direction: ApproachArg,
+    /// Which of the machine's tools.
+    #[arg(long)]
+    pub(super) tool: Option<String>,
+}
+
+impl ViewArgs {
+    /// The order asked for, or the one the machine's conventions name.
+    pub(super) fn order(&self, machine: &Machine) -> Order {
+        self.order.unwrap_or_else(|| machine.conventions().default_order.map_or(Order::Exact, Order::Degree))
+    }
+
+    pub(super) fn approach(&self) -> Approach {
+        self.direction.into()
+    }
+}
+
+/// As printed.
+pub(super) fn order_text(order: Order) -> String {
+    match order {
+        Order::Exact => "exact".to_owned(),
+        Order::Degree(n) => n.to_string(),
+    }
+}
+
+/// As printed.
+pub(super) fn frame_text(frame: Frame) -> &'static str {
+    match frame {
+        Frame::Workpiece => "workpiece",
+        Frame::Machine => "machine",
+        Frame::Tool => "tool",
+    }
+}
+
+impl From<FrameArg> for Frame {
+    fn from(arg: FrameArg) -> Self {
+        match arg {
+            FrameArg::Workpiece => Self::Workpiece,
+            FrameArg::Machine => Self::Machine,
+            FrameArg::Tool => Self::Tool,
+        }
+    }
+}
+
+/// An object of axis names and positions (mm, deg).
+pub(super) fn axes_json(machine: &Machine, pose: &[f64]) -> serde_json::Value {
+    // Adding zero turns -0 into 0.
+    let entry = |(axis, q): (&crate::machine::Axis, &f64)| (axis.name.to_string(), json!(q + 0.0));
+    machine.axes().iter().zip(pose).map(entry).collect::<serde_json::Map<_, _>>().into()
+}
+
+/// `X = 100 mm, C = 90 deg`.
+pub(super) fn axes_text(machine: &Machine, pose: &[f64]) -> String {
+    let entry =
+        |(axis, q): (&crate::machine::Axis, &f64)| format!("{} = {} {}", axis.name, significant(*q, 7), axis.unit());
+    machine.axes().iter().zip(pose).map(entry).collect::<Vec<_>>().join(", ")
+}
+
+/// A table for the terminal, with its header.
+pub(super) fn table(header: &[&str]) -> comfy_table::Table {
+    let mut table = comfy_table::Table::new();
+    let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN).set_header(header);
+    table
+}
+
+/// Header of tables of statistics.
+pub(super) const STATISTICS: [&str; 9] = ["", "", "max", "mean", "rms", "95 %", "range x", "range y", "range z"];
+
+/// Two rows: position and rotation.
+pub(super) fn statistics_rows(name: &str, statistics: &Statistics) -> [Vec<String>; 2] {
+    let row = |name: &str, what: &str, s: &Summary| {
+        let numbers = [s.max, s.mean, s.rms, s.p95].into_iter().chain(s.range).map(|x| significant(x, 4));
+        [name.to_owned(), what.to_owned()].into_iter().chain(numbers).collect()
+    };
+    [row(name, "position, um", &statistics.position_um), row("", "rotation, urad", &statistics.rotation_urad)]
+}
+
+/// A cell of a CSV file, quoted where it has to be.
+pub(super) fn cell(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}
+
+/// Numbers of a CSV line.
+pub(super) fn numbers(values: impl IntoIterator<Item = f64>) -> String {
+    // Adding zero turns -0 into 0.
+    values.into_iter().map(|x| (x + 0.0).to_string()).collect::<Vec<_>>().join(",")
+}
