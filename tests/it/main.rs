@@ -4,7 +4,11 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr, clippy::print_stdout)]
 
 mod bad_input;
+mod certificate;
 mod compare;
+mod compile;
+mod compile_linuxcnc;
+mod compile_refusals;
 mod configs;
 mod diagnostics;
 mod eval_exact;
@@ -21,4 +25,5 @@ mod readme;
 mod reconfigure;
 mod schema;
 mod show;
+mod support;
 mod tidy;
