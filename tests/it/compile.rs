@@ -17,10 +17,10 @@ use crate::support::lattice::Lattice;
 use crate::support::{self, Run, compile, config, left, names, number, p95, p95_bracket, sha256::sha256, verify};
 
 /// The trunnion machine, its lattice and its certificate.
-pub struct Grid {
-    pub machine: Sample,
-    pub lattice: Lattice,
-    pub certificate: Value,
+struct Grid {
+    machine: Sample,
+    lattice: Lattice,
+    certificate: Value,
 }
 
 impl Grid {
@@ -33,13 +33,13 @@ impl Grid {
     }
 
     /// `--correct position`, compiled once for all tests.
-    pub fn position() -> &'static Self {
+    fn position() -> &'static Self {
         static GRID: OnceLock<Grid> = OnceLock::new();
         GRID.get_or_init(|| Self::compile("position"))
     }
 
     /// `--correct pose`.
-    pub fn pose() -> &'static Self {
+    fn pose() -> &'static Self {
         static GRID: OnceLock<Grid> = OnceLock::new();
         GRID.get_or_init(|| Self::compile("pose"))
     }
@@ -369,7 +369,7 @@ fn same_bytes_on_any_number_of_threads_and_from_anywhere() {
     let folder = Folder::new();
     let machine = config("hmc-4ax.yaml");
     for target in ["linuxcnc", "grid-csv"] {
-        let mut first: Option<(Vec<(String, Vec<u8>)>, String)> = None;
+        let mut first = None;
         for threads in ["1", "2", "3", "elsewhere"] {
             let out = folder.path(&format!("{target}-{threads}"));
             let mut command = support::abbe();
@@ -386,7 +386,7 @@ fn same_bytes_on_any_number_of_threads_and_from_anywhere() {
             let found = (bytes(&out), run.out);
             match &first {
                 None => first = Some(found),
-                Some(first) => assert_eq!(&found == first, true, "{target}, {threads}"),
+                Some(first) => assert!(found == *first, "{target}, {threads}: other bytes"),
             }
         }
     }
@@ -416,7 +416,8 @@ fn the_manifest_of_a_set_is_right() {
         certificate["files"].as_array().unwrap().iter().map(|n| n.as_str().unwrap().to_owned()).collect();
     let mut present = names(&out);
     present.retain(|name| name != "abbe.lock.json");
-    (listed.sort(), said.sort());
+    listed.sort();
+    said.sort();
     assert_eq!((&listed, &said), (&present, &present));
     let read = ["trunnion.yaml", "a.csv", "c.csv", "x.csv", "y.csv", "z.csv"];
     let mut inputs = hashes(&lock["inputs"]);

@@ -390,6 +390,9 @@ fn templates_that_are_links() {
     assert!(!folder.path("out").exists());
 }
 
+/// From the text of a file to the bytes of another.
+type Change<'a> = &'a dyn Fn(&str) -> Vec<u8>;
+
 /// Changes a file of a set, and asks `verify` what it thinks.
 fn tampered(set: &(Folder, PathBuf, PathBuf), file: &str, change: impl Fn(&str) -> Vec<u8>) -> Run {
     let (_, machine, out) = set;
@@ -438,10 +441,10 @@ fn tables_that_the_controller_would_misread() {
         let at = if words == "do not rise" && line.starts_with('7') { number + 1 } else { number };
         run.refused("E0704").says(words).says(&format!("joint_0_X.comp:{at}:"));
     }
-    let bytes: [(&dyn Fn(&str) -> Vec<u8>, &str); 6] = [
+    let bytes: [(Change, &str); 6] = [
         (&|_| Vec::new(), "empty"),
         (&|text| format!("\n{text}").into_bytes(), "0 numbers"),
-        (&|text| text[..text.len() - 12].as_bytes().to_vec(), "2 numbers"),
+        (&|text| text.as_bytes()[..text.len() - 12].to_vec(), "2 numbers"),
         (&|text| text.replacen(' ', &" ".repeat(300), 1).into_bytes(), "cut it in pieces"),
         (&|text| text.replace(' ', "\u{a0}").into_bytes(), "1 numbers"),
         (&|text| [text.as_bytes(), &[0xff, 0xfe]].concat(), "UTF-8"),
@@ -519,7 +522,7 @@ fn sets_that_are_not_whole() {
 fn harmless_edits_are_warnings() {
     let set = compiled("linuxcnc");
     let (_, machine, out) = &set;
-    let changes: [&dyn Fn(&str) -> Vec<u8>; 4] = [
+    let changes: [Change; 4] = [
         &|text| text.replace('\n', "\r\n").into_bytes(),
         &|text| text.replace(' ', "\t ").into_bytes(),
         &|text| text.trim_end().as_bytes().to_vec(),

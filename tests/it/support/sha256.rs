@@ -2,7 +2,7 @@
 
 /// The first 32 bits of the fractional parts of a root of the first primes, by integers alone.
 fn constants(cube: bool, count: usize) -> Vec<u32> {
-    let prime = |n: &u128| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0);
+    let prime = |n: &u128| (2..*n).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d));
     (2..).filter(prime).take(count).map(|p| root(p, cube)).collect()
 }
 
