@@ -1,6 +1,6 @@
 //! `abbe compile`: the compensation files of a target, with their certificate.
 
-use super::certificate_output::Shown;
+use super::certificate_output::{Shown, warnings};
 use super::files::Disk;
 use super::session::Session;
 use super::{Outcome, Stop, file_set, load};
@@ -84,6 +84,13 @@ impl Options {
         Scope { goal, rotary: self.with.unwrap_or(usual) == WithArg::All, damping: LATTICE_DAMPING }
     }
 
+    /// What is written into the manifest of a set.
+    fn words(&self) -> Vec<String> {
+        let scope = self.scope();
+        let goal = if scope.goal == Goal::Pose { "pose" } else { "position" };
+        vec![format!("correct {goal}"), format!("with {} axes", if scope.rotary { "all" } else { "linear" })]
+    }
+
     pub(super) fn target(&self, session: &mut Session, name: &str) -> Result<Target, Stop> {
         if let Some(folder) = self.templates.as_deref().filter(|_| is_plain_name(name)) {
             refuse_links(session, &folder.join(name))?;
@@ -127,8 +134,10 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     session.checked()?;
     let read = read_back(session, &machine, &target, &rendered, &tables)?;
     let certificate = certify(&machine, &target, &read, scope, args.options.poses as usize, args.options.seed);
+    warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
+    session.checked()?;
     let files = rendered.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
-    let lock = Lock::new(&args.target, machine.name(), machine.conventions(), inputs, files);
+    let lock = Lock::new(&args.target, &machine, args.options.words(), inputs, files);
     if let Err(refusal) = file_set::write(&args.out, &rendered, &lock) {
         return session.refuse(refusal);
     }
@@ -139,7 +148,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 /// Every file read so far, by name, with its hash.
-fn inputs(session: &Session) -> Vec<Hashed> {
+pub(super) fn inputs(session: &Session) -> Vec<Hashed> {
     let sources = session.diagnostics.sources.iter();
     let plain = |name: &str| Path::new(name).file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     sources.map(|(name, text)| Hashed::new(plain(name), text.as_bytes())).collect()

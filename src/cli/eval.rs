@@ -76,7 +76,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     };
     let results: Vec<_> =
         poses.iter().map(|pose| evaluate(&machine, pose, order, args.direction.into(), frame)).collect();
-    let report = Report { machine: &machine, poses: &poses, results: &results, order, frame };
+    let approach = args.direction.into();
+    let report = Report { machine: &machine, poses: &poses, results: &results, order, frame, approach };
     match session.format() {
         Format::Json => session.print_json(report.json()),
         Format::Csv => session.print(&report.csv()),
@@ -96,6 +97,7 @@ struct Report<'a> {
     results: &'a [Evaluation],
     order: Order,
     frame: Frame,
+    approach: Approach,
 }
 
 /// `-0` is nobody's result.
@@ -131,6 +133,7 @@ impl Report<'_> {
         let poses: Vec<_> = self.rows().map(|(pose, result)| self.pose_json(pose, result)).collect();
         json!({
             "machine": self.machine.name(), "order": self.order(), "frame": self.frame(),
+            "direction": self.approach, "tool": self.machine.tool().name,
             "units": {"position": "mm", "rotation": "rad", "linear_axis": "mm", "rotary_axis": "deg"},
             "poses": poses,
         })
@@ -177,10 +180,19 @@ impl Report<'_> {
             let _ = table.add_row(cells.chain(micro(&result.deviation.rotation)).collect::<Vec<_>>());
         }
         format!(
-            "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{table}\n",
+            "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}\n{table}\n",
             self.machine.name(),
             self.frame(),
-            self.order()
+            self.order(),
+            match self.approach {
+                Approach::Mean => "",
+                Approach::Forward => ", approached forward",
+                Approach::Reverse => ", approached in reverse",
+            },
+            match self.machine.tool().name.as_str() {
+                "" => String::new(),
+                name => format!(", tool {name}"),
+            }
         )
     }
 }
