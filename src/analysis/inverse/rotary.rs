@@ -105,7 +105,7 @@ impl Directions {
     fn in_order(&self, found: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         let rounded = |x: f64| (x * 1e6).round() as i64;
         let key = |angles: &Vec<f64>| {
-            let cost: f64 = self.turns.iter().zip(angles).map(|(t, q)| (q - t.reference).powi(2)).sum();
+            let cost: f64 = self.turns.iter().zip(angles).map(|(t, q)| (q - t.reference) * (q - t.reference)).sum();
             (rounded(cost), angles.iter().map(|q| -rounded(*q)).collect::<Vec<_>>())
         };
         let mut keyed: Vec<_> = found.into_iter().map(|angles| (key(&angles), angles)).collect();
