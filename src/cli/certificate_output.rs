@@ -211,7 +211,9 @@ pub(super) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
             "they take away an error that happened to cancel another one, which this target cannot correct: do not load them for volumetric accuracy",
         ));
     }
-    if worse(&before.tool_axis, &after.tool_axis) || worse(&before.all.rotation_urad, &after.all.rotation_urad) {
+    // A twentieth more is within what any table of angles changes here and there.
+    let turned = |b: &Summary, a: &Summary| a.p95 > b.p95 * 1.05 + ROUNDING;
+    if turned(&before.tool_axis, &after.tool_axis) || turned(&before.all.rotation_urad, &after.all.rotation_urad) {
         let message = format!(
             "the orientation gets worse: 95 % {} urad instead of {} (tool axis {} instead of {})",
             significant(after.all.rotation_urad.p95, 4),

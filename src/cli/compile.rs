@@ -4,7 +4,7 @@ use super::certificate_output::{Shown, warnings};
 use super::files::Disk;
 use super::session::Session;
 use super::{Outcome, Stop, file_set, load};
-use crate::compensation::{Goal, LatticeRequest, Scope, Tables};
+use crate::compensation::{Capability, Goal, LatticeRequest, Scope, Tables, resampled};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::Machine;
 use crate::target::{Hashed, Limits, Lock, RenderedFile, Target, certify, is_plain_name};
@@ -127,6 +127,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let axes = lattice_axes(session, &machine, &args.lattice)?;
     let request = LatticeRequest { axes, max_nodes: args.nodes, scope };
     let tables = Arc::new(target.tables(&machine, &request));
+    warn_left_out(session, &machine, &target, &tables);
     let limits = args.max_correction.unwrap_or_default();
     limits.exceeded(&machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
     session.checked()?;
@@ -145,6 +146,36 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.out }
         .print(session);
     Ok(())
+}
+
+/// What does not go into the tables: points beyond the format's limit, travel beyond the volume.
+fn warn_left_out(session: &mut Session, machine: &Machine, target: &Target, tables: &Tables) {
+    if let Capability::OwnAxis(capability) = target.manifest.capability() {
+        for (axis, points) in resampled(machine, &capability) {
+            let (name, most) = (&machine.axes()[axis].name, capability.max_points);
+            let message =
+                format!("the curves of `{name}` have {points} points, the format holds {most}: they were resampled");
+            let help = "thin the curve out yourself if certain points matter";
+            session.diagnostics.push(Diagnostic::new("W0604", message).help(help));
+        }
+    }
+    let Tables::Lattice(lattice) = tables else { return };
+    for axis in &lattice.axes {
+        let (this, grid) = (&machine.axes()[*axis], machine.volume()[*axis]);
+        let (min, max) = this.travel.interval();
+        let within = grid.max - grid.min < (max - min) * (1.0 - 1e-9);
+        if within {
+            let message = format!(
+                "the lattice covers `{}` from {} to {} {}, its travel is larger: outside the value at the end is held",
+                this.name,
+                grid.min,
+                grid.max,
+                this.unit()
+            );
+            let help = "leave the bounds out of `volume:` to cover the whole travel";
+            session.diagnostics.push(Diagnostic::new("W0605", message).help(help));
+        }
+    }
 }
 
 /// Every file read so far, by name, with its hash.

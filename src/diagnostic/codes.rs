@@ -90,6 +90,8 @@ pub const CODES: &[CodeInfo] = &[
     code!("W0601", "an axis is written under another letter"),
     code!("W0602", "tables that make it worse, or do nothing"),
     code!("W0603", "the orientation gets worse"),
+    code!("W0604", "a curve is resampled"),
+    code!("W0605", "a lattice covers less than the travel"),
     code!("W0701", "a file has been edited"),
     code!("W0702", "tables of another machine file"),
     code!("E0801", "the machine has no such tool"),
