@@ -6,7 +6,7 @@ use super::session::Session;
 use super::{Outcome, Stop, file_set, load};
 use crate::compensation::{Capability, Goal, LatticeRequest, Scope, Tables, resampled};
 use crate::diagnostic::{Diagnostic, shown};
-use crate::machine::Machine;
+use crate::machine::{AxisKind, Machine};
 use crate::target::{Hashed, Limits, Lock, RenderedFile, Target, certify, is_plain_name};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -126,6 +126,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let scope = args.options.scope();
     let axes = lattice_axes(session, &machine, &args.lattice)?;
     let request = LatticeRequest { axes, max_nodes: args.nodes, scope };
+    refuse_impossible_lattice(session, &machine, &target, &request)?;
     let tables = Arc::new(target.tables(&machine, &request));
     warn_left_out(session, &machine, &target, &tables);
     let limits = args.max_correction.unwrap_or_default();
@@ -145,6 +146,31 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let names = rendered.iter().map(|file| file.name.clone()).collect();
     Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.out }
         .print(session);
+    Ok(())
+}
+
+/// A lattice has two nodes on every axis at the least, and something to correct.
+fn refuse_impossible_lattice(
+    session: &mut Session,
+    machine: &Machine,
+    target: &Target,
+    request: &LatticeRequest,
+) -> Outcome {
+    let Capability::Lattice(capability) = target.manifest.capability() else { return Ok(()) };
+    let most = request.max_nodes.min(capability.max_nodes);
+    let least = 2_usize.checked_pow(u32::try_from(request.axes.len()).unwrap_or(u32::MAX)).unwrap_or(usize::MAX);
+    if least > most {
+        let message = format!("a lattice over {} axes has more than {most} nodes at the least", request.axes.len());
+        let help = "span it over fewer axes with --lattice X,Y,Z, or allow more with --nodes";
+        return session.refuse(Diagnostic::new("E0603", message).help(help));
+    }
+    let linear = machine.axes().iter().any(|axis| axis.kind == AxisKind::Linear);
+    let able = linear || (request.scope.rotary && capability.corrects_rotary);
+    if !able {
+        let message = "the machine has no linear axis to correct the position with";
+        let help = "let the rotary axes correct: --with all, or --correct pose";
+        return session.refuse(Diagnostic::new("E0603", message).help(help));
+    }
     Ok(())
 }
 

@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 /// Writes a set into a folder (made if it is not there), then its manifest.
 pub(super) fn write(folder: &Path, files: &[RenderedFile], lock: &Lock) -> Result<(), Diagnostic> {
     fs::create_dir_all(folder).map_err(|failure| unwritable(folder, &failure.to_string()))?;
+    let _guard = exclusive(folder)?;
     let old = existing_lock(folder);
     let manifest = RenderedFile { name: LOCK_NAME.to_owned(), bytes: lock.to_text().into_bytes() };
     for file in files {
@@ -25,6 +26,17 @@ pub(super) fn write(folder: &Path, files: &[RenderedFile], lock: &Lock) -> Resul
     // Last, so that whatever fails before leaves the old set whole.
     remove_stale(folder, files, old.as_ref());
     Ok(())
+}
+
+/// Holds the folder until it is dropped: two runs at once would mix their sets.
+fn exclusive(folder: &Path) -> Result<fs::File, Diagnostic> {
+    let handle = fs::File::open(folder).map_err(|failure| unwritable(folder, &failure.to_string()))?;
+    match handle.lock() {
+        Ok(()) => Ok(handle),
+        // A file system without locks: nothing to hold, as before.
+        Err(failure) if failure.kind() == std::io::ErrorKind::Unsupported => Ok(handle),
+        Err(failure) => Err(unwritable(folder, &failure.to_string())),
+    }
 }
 
 /// The manifest of the set that is in the folder.

@@ -10,7 +10,7 @@ use crate::units;
 use std::path::{Path, PathBuf};
 
 /// More poses than this belong into a map.
-const MOST_POSES: usize = 2_000_000;
+const MOST_POSES: usize = 200_000;
 
 /// Which poses to evaluate.
 #[derive(Debug, Clone, clap::Args)]
@@ -152,6 +152,11 @@ fn row(machine: &Machine, columns: &[Column], line: &str) -> Result<Pose, String
 
 /// Refuses poses where an error curve is not defined; warns about those beyond the travel.
 pub(super) fn check(session: &mut Session, machine: &Machine, poses: &[Pose]) -> Result<(), Stop> {
+    const FARTHEST: f64 = 1e6;
+    if poses.iter().flatten().any(|q| q.abs() > FARTHEST) {
+        let message = "a position is beyond 1000000 mm or deg: no machine goes there";
+        return session.refuse(Diagnostic::new("E0802", message).help("positions are in mm and deg"));
+    }
     for pose in poses {
         if let Some(outside) = machine.outside(pose) {
             return session.refuse(

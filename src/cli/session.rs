@@ -2,7 +2,8 @@
 
 use super::{Color, Format, Global, Outcome, Stop};
 use crate::diagnostic::{Diagnostic, Diagnostics, Rendering, render, summary};
-use std::io::{IsTerminal, Write};
+use std::cell::Cell;
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::process::ExitCode;
 
 /// The state of a run.
@@ -10,11 +11,13 @@ pub(super) struct Session {
     global: Global,
     /// Everything found wrong so far.
     pub diagnostics: Diagnostics,
+    /// Why standard output did not take everything.
+    output_lost: Cell<Option<ErrorKind>>,
 }
 
 impl Session {
     pub(super) fn new(global: Global) -> Self {
-        Self { global, diagnostics: Diagnostics::default() }
+        Self { global, diagnostics: Diagnostics::default(), output_lost: Cell::new(None) }
     }
 
     pub(super) fn format(&self) -> Format {
@@ -24,11 +27,12 @@ impl Session {
     /// Prints to standard output. A closed pipe ends the output, not the run.
     pub(super) fn print(&self, text: &str) {
         let mut out = std::io::stdout().lock();
-        let _ = out.write_all(text.as_bytes());
-        if !text.ends_with('\n') {
-            let _ = out.write_all(b"\n");
+        let ending: &[u8] = if text.ends_with('\n') { b"" } else { b"\n" };
+        let written = out.write_all(text.as_bytes()).and_then(|()| out.write_all(ending)).and_then(|()| out.flush());
+        match written {
+            Err(failure) if failure.kind() != ErrorKind::BrokenPipe => self.output_lost.set(Some(failure.kind())),
+            _ => {}
         }
-        let _ = out.flush();
     }
 
     /// Says something to the person, on standard error, unless `--quiet`.
@@ -95,6 +99,10 @@ impl Session {
             if refused {
                 let _ = writeln!(std::io::stderr().lock(), "{}", summary(&self.diagnostics));
             }
+        }
+        if let Some(why) = self.output_lost.get() {
+            let _ = writeln!(std::io::stderr().lock(), "abbe: standard output did not take everything: {why}");
+            return ExitCode::from(3);
         }
         match outcome {
             Ok(()) => ExitCode::SUCCESS,

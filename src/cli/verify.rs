@@ -7,7 +7,7 @@ use super::session::Session;
 use super::{Outcome, Stop, file_set, load};
 use crate::diagnostic::Diagnostic;
 use crate::machine::{Approach, Machine};
-use crate::target::{Lock, NAMES, Replay, Target, certify, is_plain_name};
+use crate::target::{LOCK_NAME, Lock, NAMES, Replay, Target, certify, is_plain_name};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -87,7 +87,14 @@ fn warn_other_inputs(session: &mut Session, lock: Option<&Lock>) {
 
 /// Files of the set that no longer are what its manifest says are said; its tables are read all the same.
 fn warn_edited(session: &mut Session, folder: &Path) {
-    let Some(lock) = file_set::existing_lock(folder) else { return };
+    let Some(lock) = file_set::existing_lock(folder) else {
+        let message =
+            format!("`{}` has no readable {LOCK_NAME}: whether its files were edited cannot be told", folder.display());
+        session
+            .diagnostics
+            .push(Diagnostic::new("W0703", message).help("files found on a machine are judged as they are"));
+        return;
+    };
     for file in lock.files.iter().filter(|file| is_plain_name(&file.name)) {
         // A missing file is the reader's to say.
         let Ok(bytes) = read_at_most(&folder.join(&file.name), SET_LIMIT) else { continue };
@@ -106,12 +113,22 @@ fn print_replay(session: &mut Session, machine: &Machine, target: &Target, repla
     let letters =
         crate::target::assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
     let mut out = String::from("joint,direction,position,correction\n");
-    for line in text.lines().skip(1) {
+    let mut lines = text.lines();
+    let header = lines.next().unwrap_or_default();
+    if !header.replace(' ', "").starts_with("joint,direction,position") {
+        let message = format!("`{}` does not begin with the header joint,direction,position", path.display());
+        return session
+            .refuse(Diagnostic::new("E0802", message).help("further columns may follow; one position a line"));
+    }
+    for line in lines {
         let mut cells = line.split(',');
         let parsed = parse_replay_row(&mut cells, &letters);
         let Some((joint, axis, approach, position)) = parsed else {
             let message = format!("`{}`: `{line}` is not joint,direction,position", path.display());
-            return session.refuse(Diagnostic::new("E0802", message));
+            return session.refuse(
+                Diagnostic::new("E0802", message)
+                    .help("write a joint of this machine, forward or reverse, and a number"),
+            );
         };
         let mut command = vec![0.0; machine.axes().len()];
         command[axis] = position;

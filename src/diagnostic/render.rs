@@ -18,8 +18,17 @@ const WIDEST_LINE: usize = 400;
 pub fn render(diagnostics: &Diagnostics, rendering: Rendering) -> String {
     let renderer = if rendering.color { Renderer::styled() } else { Renderer::plain() };
     let renderer = renderer.term_width(160);
-    diagnostics.iter().map(|d| renderer.render(&[group(diagnostics, d)]) + "\n\n").collect()
+    let mut text: String =
+        diagnostics.iter().take(MOST_SHOWN).map(|d| renderer.render(&[group(diagnostics, d)]) + "\n\n").collect();
+    let more = diagnostics.iter().count().saturating_sub(MOST_SHOWN);
+    if more > 0 {
+        text.push_str(&format!("and {more} more of the kind\n\n"));
+    }
+    text
 }
+
+/// Nobody reads more, and a hostile file has millions.
+const MOST_SHOWN: usize = 50;
 
 /// One line for the end of the run: `2 mistakes, 1 warning`; empty if there is nothing to say.
 pub fn summary(diagnostics: &Diagnostics) -> String {

@@ -27,18 +27,24 @@ impl Limits {
     /// From text such as `2 mm, 10 mrad, 0.05`; what is left out keeps its default.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut limits = Self::default();
-        for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
-            let slot = match units::quantity(part) {
-                Ok(quantity) if quantity.dimension == Dimension::LENGTH => (&mut limits.length, quantity.value),
-                Ok(quantity) if quantity.dimension == Dimension::ANGLE => (&mut limits.angle, quantity.value),
+        let mut seen = [false; 3];
+        for part in text.split(',').map(str::trim) {
+            let (kind, value, slot, largest) = match units::quantity(part) {
+                Ok(q) if q.dimension == Dimension::LENGTH => (0, q.value, &mut limits.length, 100.0),
+                Ok(q) if q.dimension == Dimension::ANGLE => (1, q.value, &mut limits.angle, 0.1),
                 Ok(_) => return Err(format!("`{part}` is neither a length nor an angle")),
-                Err(units::Failure::NoUnit(_)) => (&mut limits.slope, units::number(part).map_err(|f| f.to_string())?),
+                Err(units::Failure::NoUnit(_)) => {
+                    (2, units::number(part).map_err(|f| f.to_string())?, &mut limits.slope, 1.0)
+                }
                 Err(failure) => return Err(failure.to_string()),
             };
-            if slot.1 <= 0.0 {
-                return Err(format!("`{part}` is not above zero"));
+            if std::mem::replace(&mut seen[kind], true) {
+                return Err(format!("`{part}`: one length, one angle, one slope without a unit"));
             }
-            *slot.0 = slot.1;
+            if !(value > 0.0 && value <= largest) {
+                return Err(format!("`{part}` is not a limit: at most 100 mm, 100 mrad, 1"));
+            }
+            *slot = value;
         }
         Ok(limits)
     }

@@ -249,7 +249,9 @@ impl Manifest {
             return Some(format!("{decimals} decimals are more than the {MOST_DECIMALS} that a double has to give"));
         }
         match &self.mechanism {
-            Mechanism::OwnAxis(m) if m.max_points < 2 => Some("max_points: a table needs two points".to_owned()),
+            Mechanism::OwnAxis(m) if !(2..=MOST_POINTS).contains(&m.max_points) => {
+                Some(format!("max_points: a table has from 2 to {MOST_POINTS} points"))
+            }
             Mechanism::OwnAxis(m)
                 if !(m.continuous.1 > m.continuous.0 && m.continuous.1 - m.continuous.0 <= 36_000.0) =>
             {
@@ -268,6 +270,9 @@ impl Manifest {
 
 /// Digits behind the point that still mean something at 1000 mm.
 const MOST_DECIMALS: u8 = 12;
+
+/// More points than any controller's table.
+const MOST_POINTS: usize = 100_000;
 
 /// A lattice of so many nodes of six axes is half a gigabyte of text.
 const MOST_NODES: usize = 5_000_000;

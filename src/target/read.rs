@@ -85,6 +85,17 @@ impl Target {
     }
 }
 
+/// A number of a compensation file: nothing there is beyond a kilometre or a thousand turns.
+fn stored(cell: &str) -> Result<f64, String> {
+    const LARGEST: f64 = 1e6;
+    let value = units::number(cell).map_err(|failure| failure.to_string())?;
+    if value.abs() <= LARGEST {
+        Ok(value)
+    } else {
+        Err(format!("`{}` is no position or correction of a machine", cell.trim()))
+    }
+}
+
 /// Adds the point on a line, or says what is wrong with the line.
 fn point(table: &mut OwnAxisTable, columns: &[Column], line: &str) -> Result<(), String> {
     if line.len() > LONGEST_LINE {
@@ -96,7 +107,7 @@ fn point(table: &mut OwnAxisTable, columns: &[Column], line: &str) -> Result<(),
         return Err(format!("{found} numbers instead of {wanted}: the controller would stop reading here"));
     }
     for (cell, column) in cells.iter().zip(columns) {
-        let value = units::number(cell).map_err(|failure| failure.to_string())?;
+        let value = stored(cell)?;
         match column {
             Column::Position => table.positions.push(value),
             Column::Forward => table.forward.push(value),
@@ -145,7 +156,7 @@ fn lattice(machine: &Machine, text: &str) -> Result<Lattice, Fault> {
         let fault = |message: String| Fault { line: number, message };
         row.clear();
         for cell in line.split(',') {
-            row.push(units::number(cell).map_err(|failure| fault(failure.to_string()))?);
+            row.push(stored(cell).map_err(fault)?);
         }
         if row.len() != width {
             return Err(fault(format!("{} cells under {width} columns", row.len())));
