@@ -6,6 +6,7 @@ pub mod cli;
 pub mod compensation;
 pub mod diagnostic;
 pub mod evaluate;
+pub mod identify;
 pub mod lower;
 pub mod machine;
 pub mod report;
