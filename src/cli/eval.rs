@@ -74,7 +74,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         FrameArg::Machine => Frame::Machine,
         FrameArg::Tool => Frame::Tool,
     };
-    let results: Vec<_> = poses.iter().map(|pose| evaluate(&machine, pose, order, args.direction.into(), frame)).collect();
+    let results: Vec<_> =
+        poses.iter().map(|pose| evaluate(&machine, pose, order, args.direction.into(), frame)).collect();
     let report = Report { machine: &machine, poses: &poses, results: &results, order, frame };
     match session.format() {
         Format::Json => session.print_json(report.json()),
@@ -136,7 +137,8 @@ impl Report<'_> {
     }
 
     fn pose_json(&self, pose: &Pose, result: &Evaluation) -> serde_json::Value {
-        let axes: serde_json::Map<_, _> = self.axes().zip(pose).map(|(name, q)| (name.to_owned(), json!(plain(*q)))).collect();
+        let axes: serde_json::Map<_, _> =
+            self.axes().zip(pose).map(|(name, q)| (name.to_owned(), json!(plain(*q)))).collect();
         let e_ve: Vec<[f64; 4]> = (0..4).map(|i| std::array::from_fn(|j| plain(result.e_ve[(i, j)]))).collect();
         json!({
             "axes": axes, "nominal": row(&result.nominal), "deviation": row(&result.deviation.position),

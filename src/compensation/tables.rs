@@ -48,6 +48,13 @@ pub struct Increment {
 }
 
 impl Increment {
+    /// Positions as they will be stored; those that fall together are one.
+    pub(super) fn distinct(self, positions: impl IntoIterator<Item = f64>) -> Vec<f64> {
+        let mut stored: Vec<f64> = positions.into_iter().map(|q| round(q, self.position_decimals)).collect();
+        stored.dedup();
+        stored
+    }
+
     /// Half a last place of a correction (mm or deg).
     pub fn half_correction(self) -> f64 {
         0.5 * libm::pow(10.0, -f64::from(self.correction_decimals))
@@ -88,7 +95,8 @@ impl Lattice {
 impl Tables {
     /// Rounds every stored number to the increment of the format.
     pub fn quantise(&mut self, increment: Increment) {
-        let position = |values: &mut Vec<f64>| values.iter_mut().for_each(|x| *x = round(*x, increment.position_decimals));
+        let position =
+            |values: &mut Vec<f64>| values.iter_mut().for_each(|x| *x = round(*x, increment.position_decimals));
         let correction =
             |values: &mut Vec<f64>| values.iter_mut().for_each(|x| *x = round(*x, increment.correction_decimals));
         match self {
@@ -118,9 +126,13 @@ impl Tables {
             Self::OwnAxis(tables) => Box::new(
                 tables.iter().flat_map(|t| t.forward.iter().chain(&t.reverse).map(move |value| (t.axis, *value))),
             ),
-            Self::Lattice(lattice) => {
-                Box::new(lattice.values.iter().enumerate().map(|(i, value)| (lattice.corrected[i % lattice.corrected.len()], *value)))
-            }
+            Self::Lattice(lattice) => Box::new(
+                lattice
+                    .values
+                    .iter()
+                    .enumerate()
+                    .map(|(i, value)| (lattice.corrected[i % lattice.corrected.len()], *value)),
+            ),
         }
     }
 }

@@ -90,7 +90,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Only [`super::resolve`] makes machines, after its checks.
+    /// Only [`super::resolve()`] makes machines, after its checks.
     pub(in crate::machine) fn new(parts: MachineParts) -> Self {
         Self { parts, tool: 0 }
     }
@@ -174,9 +174,9 @@ impl Machine {
     /// Every error that is given, with its term, joint by joint.
     pub fn errors(&self) -> impl Iterator<Item = (ErrorId, &ErrorTerm)> {
         self.joint_names().zip(&self.parts.errors).flat_map(|(axis, errors)| {
-            errors.iter().map(move |(location, direction, term)| {
-                (ErrorId { axis: axis.clone(), location, direction }, term)
-            })
+            errors
+                .iter()
+                .map(move |(location, direction, term)| (ErrorId { axis: axis.clone(), location, direction }, term))
         })
     }
 

@@ -12,8 +12,29 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, UndefinedBehavior, Value, context};
 use std::sync::Arc;
 
-/// Enough for ten million numbers; a template that needs more is a loop.
-const FUEL: u64 = 400_000_000;
+/// Fifty instructions for each cell of 200,000 rows of ten; a template that needs more is a loop.
+const FUEL: u64 = 100_000_000;
+
+/// Largest file of a set, in bytes: 200,000 nodes of nine axes, all corrected, are less.
+pub const LARGEST_FILE: usize = 64 << 20;
+
+/// What a template has written so far: no more than anybody reads back.
+#[derive(Default)]
+struct Bounded(Vec<u8>);
+
+impl std::io::Write for Bounded {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        if self.0.len() + bytes.len() > LARGEST_FILE {
+            return Err(std::io::Error::other("too large"));
+        }
+        self.0.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
 
 /// A file as it will stand on disk.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,7 +47,12 @@ pub struct RenderedFile {
 
 impl Target {
     /// Writes the target's files for (rounded) tables. Diagnostics: a template that fails (E0702).
-    pub fn render(&self, machine: &Machine, tables: &Arc<Tables>, diagnostics: &mut Diagnostics) -> Option<Vec<RenderedFile>> {
+    pub fn render(
+        &self,
+        machine: &Machine,
+        tables: &Arc<Tables>,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<RenderedFile>> {
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let writer = Writer { target: self, machine, tables, letters, environment: environment() };
         match writer.files() {
@@ -88,7 +114,10 @@ fn no_letter(axis: &Axis) -> Diagnostic {
 }
 
 fn another_letter(axis: &Axis, letter: &str) -> Diagnostic {
-    Diagnostic::new("W0601", format!("axis `{}` is written as `{letter}`: the controller has no such letter", axis.name))
+    Diagnostic::new(
+        "W0601",
+        format!("axis `{}` is written as `{letter}`: the controller has no such letter", axis.name),
+    )
 }
 
 fn environment() -> Environment<'static> {
@@ -141,9 +170,12 @@ impl Writer<'_> {
     fn file(&self, spec: &FileSpec, template: &str, context: Value) -> Result<RenderedFile, String> {
         let name = file_name(&self.environment, spec, context.clone())?;
         let compiled = self.environment.template_from_str(template).map_err(|failure| describe(&failure))?;
-        let mut bytes = Vec::new();
-        let _ = compiled.render_captured_to(context, &mut bytes).map_err(|failure| describe(&failure))?;
-        Ok(RenderedFile { name, bytes })
+        let mut text = Bounded::default();
+        let _ = compiled.render_captured_to(context, &mut text).map_err(|failure| match failure.kind() {
+            minijinja::ErrorKind::WriteFailure => format!("`{name}` would have more than {} MB", LARGEST_FILE >> 20),
+            _ => describe(&failure),
+        })?;
+        Ok(RenderedFile { name, bytes: text.0 })
     }
 
     fn increment(&self) -> Increment {
@@ -182,7 +214,8 @@ impl Writer<'_> {
     }
 
     fn machine_context(&self) -> Result<Value, String> {
-        let axes = (0..self.letters.len()).map(|joint| self.axis_context(joint, false)).collect::<Result<Vec<_>, _>>()?;
+        let axes =
+            (0..self.letters.len()).map(|joint| self.axis_context(joint, false)).collect::<Result<Vec<_>, _>>()?;
         let lattice = matches!(**self.tables, Tables::Lattice(_));
         Ok(context! {
             axes,
@@ -205,7 +238,8 @@ impl Writer<'_> {
             }
         };
         let table = tables.iter().find(|table| table.axis == axis);
-        table.map_or_else(|| Value::from(Vec::<Value>::new()), |t| (0..t.positions.len()).map(|i| point(t, i)).collect())
+        table
+            .map_or_else(|| Value::from(Vec::<Value>::new()), |t| (0..t.positions.len()).map(|i| point(t, i)).collect())
     }
 
     fn columns(&self) -> Vec<String> {
@@ -222,7 +256,9 @@ impl Writer<'_> {
     fn rows(&self) -> Value {
         let increment = self.increment();
         Value::make_object_iterable(Arc::clone(self.tables), move |tables| match &**tables {
-            Tables::Lattice(lattice) => Box::new((0..lattice.len()).map(move |i| Value::from(row(lattice, i, increment)))),
+            Tables::Lattice(lattice) => {
+                Box::new((0..lattice.len()).map(move |i| Value::from(row(lattice, i, increment))))
+            }
             Tables::OwnAxis(_) => Box::new(std::iter::empty()),
         })
     }
@@ -274,7 +310,14 @@ mod tests {
 
     #[test]
     fn numbers_are_plain_decimals() {
-        let cases = [(0.0, "0.000"), (-0.0, "0.000"), (-0.0004, "0.000"), (-0.0006, "-0.001"), (12.5, "12.500"), (-359.9996, "-360.000")];
+        let cases = [
+            (0.0, "0.000"),
+            (-0.0, "0.000"),
+            (-0.0004, "0.000"),
+            (-0.0006, "-0.001"),
+            (12.5, "12.500"),
+            (-359.9996, "-360.000"),
+        ];
         for (value, text) in cases {
             assert_eq!(fixed(value, 3), text);
         }

@@ -1,10 +1,16 @@
 //! Integration tests.
 
 // A test that panics is a test that fails: nothing to be careful about.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+// The platform's sine is another oracle than ours.
+#![allow(clippy::disallowed_methods)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr, clippy::print_stdout)]
 
 mod bad_input;
+mod certificate;
 mod compare;
+mod compile;
+mod compile_linuxcnc;
+mod compile_refusals;
 mod configs;
 mod diagnostics;
 mod eval_exact;
@@ -18,7 +24,9 @@ mod oracle;
 mod paper_2015;
 mod program;
 mod published;
+mod readme;
 mod reconfigure;
 mod schema;
 mod show;
+mod support;
 mod tidy;
