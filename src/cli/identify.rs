@@ -2,7 +2,7 @@
 
 use super::files::Disk;
 use super::session::Session;
-use super::{Format, Outcome, Stop, load, poses, write};
+use super::{Format, Outcome, Stop, load, plan, poses, write};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::identify::{
     Estimate, Fit, Measurement, Model, Parameter, Residuals, Solution, fit, fitted_file, held_out, parameters,
@@ -10,7 +10,7 @@ use crate::identify::{
 };
 use crate::machine::{self, Machine};
 use crate::syntax::{self, Files, IdentifyEntry, ReadFailure};
-use crate::units::significant;
+use crate::units::{self, significant};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ pub(super) struct Args {
     /// The machine file.
     machine: PathBuf,
     /// Measurements: CSV with a column per axis and any of `dx [um]`, `dy [um]`, `dz [um]`.
-    #[arg(long, value_name = "FILE", num_args = 1.., required = true)]
+    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "plan")]
     data: Vec<PathBuf>,
     /// What to fit: `location`, `tool`, `workpiece`, `spindle`, `linear`, error names, `EXX:poly3` (default: the
     /// section `identify` of the machine file).
@@ -40,6 +40,16 @@ pub(super) struct Args {
     /// Check the prediction: leave out every measurement once, in this many parts.
     #[arg(long, value_name = "PARTS", value_parser = clap::value_parser!(u16).range(2..))]
     folds: Option<u16>,
+    /// Propose so many poses to measure, and say how well they will tell the parameters. Nothing is fitted.
+    #[arg(long, value_name = "POSES", conflicts_with_all = ["data", "out", "folds", "robust"],
+          value_parser = clap::value_parser!(u16).range(1..=1000))]
+    plan: Option<u16>,
+    /// Standard deviation of a reading to plan with.
+    #[arg(long, value_name = "LENGTH", default_value = "1 um", value_parser = noise)]
+    noise: f64,
+    /// Seed of the poses to choose from.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
     /// Which of the machine's tools was in use where the data name none.
     #[arg(long)]
     tool: Option<String>,
@@ -52,6 +62,10 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         Ok(parameters) => parameters,
         Err(refusal) => return session.refuse(*refusal),
     };
+    if let Some(count) = args.plan {
+        let model = Model::new(&machine, &parameters, args.frame.into());
+        return plan::run(session, &model, usize::from(count), args.noise, args.seed);
+    }
     let data = measurements(session, &machine, &args.data)?;
     enough(session, &data, &parameters)?;
     let model = Model::new(&machine, &parameters, args.frame.into());
@@ -82,6 +96,12 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         Format::Text => session.print(&report.text(session)),
     }
     session.checked()
+}
+
+/// A length above zero, such as `2 um`.
+fn noise(text: &str) -> Result<f64, String> {
+    let length = units::quantity(text).map_err(|failure| failure.to_string())?.as_length();
+    length.filter(|mm| *mm > 0.0).ok_or_else(|| "write a length above zero, such as `2 um`".to_owned())
 }
 
 /// The command line goes before the machine file.
@@ -209,12 +229,8 @@ impl Report<'_> {
     }
 
     fn json(&self, session: &Session) -> serde_json::Value {
-        let parameter = |(p, e): (&Parameter, &Estimate)| {
-            json!({"name": p.name, "value": p.shown(e.value) + 0.0, "sigma": e.sigma.map(|s| p.shown(s)), "unit": p.unit})
-        };
-        let outlier = |o: &crate::identify::Outlier| {
-            json!({"place": self.place(session, o.row), "residual_um": um(o.residual), "deviations": o.deviations})
-        };
+        let parameter = |(p, e): (&Parameter, &Estimate)| json!({"name": p.name, "value": p.shown(e.value) + 0.0, "sigma": e.sigma.map(|s| p.shown(s)), "unit": p.unit});
+        let outlier = |o: &crate::identify::Outlier| json!({"place": self.place(session, o.row), "residual_um": um(o.residual), "deviations": o.deviations});
         let (s, r) = (&self.solution, &self.residuals);
         json!({
             "rows": self.rows(), "points": self.data.len(),
@@ -243,7 +259,10 @@ impl Report<'_> {
             let sigma = e.sigma.map_or_else(String::new, |s| p.shown(s).to_string());
             format!("{},{},{sigma},{}", p.name, p.shown(e.value) + 0.0, p.unit)
         };
-        std::iter::once("name,value,sigma,unit".to_owned()).chain(self.estimates().map(row)).collect::<Vec<_>>().join("\n")
+        std::iter::once("name,value,sigma,unit".to_owned())
+            .chain(self.estimates().map(row))
+            .collect::<Vec<_>>()
+            .join("\n")
     }
 
     fn text(&self, session: &Session) -> String {
@@ -282,13 +301,15 @@ impl Report<'_> {
             text += &format!("held out   {} um on points that were not used\n", n(held_out));
         }
         if let Some((sigma, freedom)) = self.repeatability {
-            text += &format!("repeated   {} um per reading where a pose was measured again ({freedom} times)\n", n(sigma));
+            text +=
+                &format!("repeated   {} um per reading where a pose was measured again ({freedom} times)\n", n(sigma));
         }
         s.null_space.iter().for_each(|words| text += &format!("free       {words}\n"));
         s.drowned.iter().for_each(|words| text += &format!("drowned    {words}\n"));
         for outlier in r.outliers.iter().take(10) {
             let size = significant(outlier.deviations, 3);
-            text += &format!("outlier    {}: {} um, {size} sigma\n", self.place(session, outlier.row), n(outlier.residual));
+            text +=
+                &format!("outlier    {}: {} um, {size} sigma\n", self.place(session, outlier.row), n(outlier.residual));
         }
         if r.outliers.len() > 10 {
             text += &format!("           and {} more\n", r.outliers.len() - 10);

@@ -14,6 +14,7 @@ mod identify;
 mod init;
 mod load;
 mod map;
+mod plan;
 mod poses;
 mod progress;
 mod session;

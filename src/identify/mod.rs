@@ -7,6 +7,8 @@
 //! 5. [`Solution`]: rank, null space in words, uncertainty; what the noise drowns.
 //! 6. [`Residuals`], [`held_out`]: what is left, outliers, orders apart, prediction of data not used.
 //! 7. [`fitted_file`]: the fitted machine as a self-contained machine file.
+//!
+//! [`plan()`] goes before all of them: which poses to measure, and what they will tell.
 
 mod checks;
 mod file;
@@ -14,6 +16,7 @@ mod fit;
 mod measurement;
 mod model;
 mod parameter;
+mod plan;
 mod request;
 mod solution;
 
@@ -23,5 +26,6 @@ pub use fit::{Fit, fit, robust_fit};
 pub use measurement::{Measurement, read_measurements};
 pub use model::Model;
 pub use parameter::{Basis, Parameter, Term};
+pub use plan::{Plan, plan};
 pub use request::parameters;
 pub use solution::{Estimate, Solution};

@@ -45,6 +45,11 @@ impl<'a> Model<'a> {
         self.parameters
     }
 
+    /// The machine with each of its tools.
+    pub fn machines(&self) -> &[Machine] {
+        &self.machines
+    }
+
     /// The machine with the tool of a measurement.
     pub fn machine(&self, measurement: &Measurement) -> &Machine {
         &self.machines[measurement.tool]
@@ -126,7 +131,7 @@ impl<'a> Model<'a> {
     }
 
     /// Derivative of the predicted deviation by each parameter, and the residual.
-    fn rows(&self, measurement: &Measurement, theta: &[f64]) -> (Vec<Vector3<f64>>, Vector3<f64>) {
+    pub(super) fn rows(&self, measurement: &Measurement, theta: &[f64]) -> (Vec<Vector3<f64>>, Vector3<f64>) {
         let pose = &measurement.pose;
         let errors = self.errors(measurement, theta);
         let at = tangents(self.machine(measurement), pose, &errors, &self.sources);

@@ -10,7 +10,9 @@ use super::oracle::yaml;
 use abbe::cli::files::Disk;
 use abbe::diagnostic::{Diagnostics, Place as InFile};
 use abbe::evaluate::{Frame, Order, evaluate};
-use abbe::identify::{Fit, Measurement, Model, Parameter, Solution, fit, fitted_file, held_out, parameters, robust_fit};
+use abbe::identify::{
+    Fit, Measurement, Model, Parameter, Solution, fit, fitted_file, held_out, parameters, robust_fit,
+};
 use abbe::lower::{Place, Source, actual_point, tangents, values};
 use abbe::machine::{self, Approach, Direction, Machine};
 use abbe::syntax::{self, IdentifyEntry};
@@ -56,7 +58,8 @@ fn tangents_are_the_derivatives_of_the_actual_point() {
         let machine = of_sample(&sample);
         let joints = machine.axes().len() + usize::from(machine.spindle_errors().is_some());
         let locations = (0..joints).map(Place::Location);
-        let places = locations.chain((0..machine.axes().len()).map(Place::Component)).chain([Place::Workpiece, Place::Tool]);
+        let places =
+            locations.chain((0..machine.axes().len()).map(Place::Component)).chain([Place::Workpiece, Place::Tool]);
         let sources: Vec<Source> = places
             .flat_map(|place| Direction::ALL.map(|direction| Source { place, direction }))
             .filter(|s| s.place != Place::Tool || !s.direction.is_rotation())
@@ -163,7 +166,9 @@ fn five(errors: &str) -> Machine {
 
 fn five_poses(random: &mut Random, count: usize) -> Vec<Vec<f64>> {
     let mut one = |low, high| random.between(low, high);
-    (0..count).map(|_| vec![one(0.0, 360.0), one(-120.0, 30.0), one(0.0, 450.0), one(0.0, 500.0), one(-400.0, 0.0)]).collect()
+    (0..count)
+        .map(|_| vec![one(0.0, 360.0), one(-120.0, 30.0), one(0.0, 450.0), one(0.0, 500.0), one(-400.0, 0.0)])
+        .collect()
 }
 
 fn deviation(machine: &Machine, pose: &[f64]) -> [f64; 3] {
@@ -177,7 +182,9 @@ fn normal(random: &mut Random) -> f64 {
 
 #[test]
 fn intervals_cover_the_truth_as_often_as_they_say() {
-    let truth = five("errors: { EC0Y: 12 urad, EB0Z: -20 urad, EA0Z: 7 urad, EX0C: 6 um, EY0C: -9 um, EA0C: 15 urad, EXX: { polynomial: [0 um, 8 um/m, -20 um/m^2] } }\n");
+    let truth = five(
+        "errors: { EC0Y: 12 urad, EB0Z: -20 urad, EA0Z: 7 urad, EX0C: 6 um, EY0C: -9 um, EA0C: 15 urad, EXX: { polynomial: [0 um, 8 um/m, -20 um/m^2] } }\n",
+    );
     let blank = five("");
     let parameters = wanted(&blank, &["EC0Y", "EB0Z", "EA0Z", "EX0C", "EY0C", "EA0C", "EXX:poly2"]);
     let known = [12.0, -20.0, 7.0, 6.0, -9.0, 15.0, 0.0, 8.0, -20.0];
@@ -204,7 +211,9 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
 fn every_kind_of_curve_is_found_again_and_the_fitted_file_says_it() {
     let text = "errors:\n  EC0Y: 12 urad\n  EXX: { polynomial: [0 um, 8 um/m, -20 um/m^2, 30 um/m^3] }\n  ECC: { harmonics: { 0: [3 urad, 0 urad], 1: [20 urad, -10 urad], 2: [4 urad, 5 urad] } }\n  EYX: { points: [[0 mm, 0 um], [125 mm, 3 um], [250 mm, -2 um], [375 mm, 1 um], [500 mm, 4 um]], interpolation: cubic }\n  EXA: { harmonics: { 0: [0 um, 0 um], 1: [2 um, 1 um] } }\n";
     let truth = five(text);
-    let blank = five("errors: { EXA: { harmonics: { 0: [0 um, 0 um], 1: [2 um, 1 um] } }, EZZ: { tolerance: 3 um } }\nprovenance: { class: test, source: 'a: \"b\"' }\n");
+    let blank = five(
+        "errors: { EXA: { harmonics: { 0: [0 um, 0 um], 1: [2 um, 1 um] } }, EZZ: { tolerance: 3 um } }\nprovenance: { class: test, source: 'a: \"b\"' }\n",
+    );
     let parameters = wanted(&blank, &["EC0Y", "EXX:poly3", "ECC:fourier2", "EYX:spline5"]);
     let mut random = Random::new(65);
     let data: Vec<Measurement> =
@@ -299,7 +308,11 @@ fn the_ur5_robot_has_rank_27() {
     assert!(after < 0.1125, "{after}");
     for axis in 1..=6 {
         let own = if [1, 5].contains(&axis) { "Z" } else { "Y" };
-        assert!(solution.null_space.iter().any(|w| w.contains(&format!("E{own}0J{axis}"))), "{:?}", solution.null_space);
+        assert!(
+            solution.null_space.iter().any(|w| w.contains(&format!("E{own}0J{axis}"))),
+            "{:?}",
+            solution.null_space
+        );
     }
 }
 
@@ -330,7 +343,8 @@ fn data_file(folder: &Folder, machine: &Machine, poses: &[Vec<f64>], tools: &[&s
 #[test]
 fn the_verb_writes_a_machine_that_the_other_verbs_take() {
     let folder = Folder::new();
-    let tools = "tools: { short: { gauge: [250, 225, 0], length: 120 mm }, long: { gauge: [250, 225, 0], length: 240 mm } }\n";
+    let tools =
+        "tools: { short: { gauge: [250, 225, 0], length: 120 mm }, long: { gauge: [250, 225, 0], length: 240 mm } }\n";
     let base = FIVE.replace("tool: { gauge: [250, 225, 0], length: 120 mm }\n", tools).replace("Z t", "Z (S) t");
     let errors = "errors: { EC0Y: 12 urad, EX0C: 6 um, EA0S: 15 urad, EB0S: -9 urad, EZ0A: 4 um }\n";
     let truth = silent(&[("machine.yaml", &format!("{base}{errors}"))]);
@@ -377,12 +391,25 @@ fn what_is_wrong_with_the_input_is_said() {
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
     let row = "X,Y,dx [um]\n1,2,3\n4,5,6\n7,8,9\n";
-    for data in ["", "X,Y,dx [um]\n", "X,dx\n1,2\n", "X,dq [um]\n1,2\n", "X,dx [deg]\n1,2\n", "X,Y\n1,2\n",
-        "X,dx [um]\n1\n", "X,dx [um]\n1,nan\n", "X,dx [um]\n1,\n", "X,dx [um],weight\n1,2,-1\n", "X,X,dx [um]\n1,1,2\n",
-        "X,dx [um],tool\n1,2,nosuch\n"] {
+    for data in [
+        "",
+        "X,Y,dx [um]\n",
+        "X,dx\n1,2\n",
+        "X,dq [um]\n1,2\n",
+        "X,dx [deg]\n1,2\n",
+        "X,Y\n1,2\n",
+        "X,dx [um]\n1\n",
+        "X,dx [um]\n1,nan\n",
+        "X,dx [um]\n1,\n",
+        "X,dx [um],weight\n1,2,-1\n",
+        "X,X,dx [um]\n1,1,2\n",
+        "X,dx [um],tool\n1,2,nosuch\n",
+    ] {
         assert!(codes(data, "EC0Y").contains("E0501"), "{data}");
     }
-    for fit in ["locations", "EXQ", "EXX:poly0", "EXX:fourier2", "ECC:poly2", "EC0Y:poly2", "linear,EXX:poly2", "spindle"] {
+    for fit in
+        ["locations", "EXQ", "EXX:poly0", "EXX:fourier2", "ECC:poly2", "EC0Y:poly2", "linear,EXX:poly2", "spindle"]
+    {
         assert!(codes(row, fit).contains("E0502"), "{fit}");
     }
     assert!(codes(row, "location").contains("E0503"));
@@ -395,11 +422,79 @@ fn contradictory_data_are_explained() {
     let folder = Folder::new();
     let machine = folder.write("machine.yaml", FIVE);
     // X has a bend that a squareness error cannot make; every pose was measured twice.
-    let rows: String = (0..20).map(|i| format!("{0},0,{1}\n{0},0,{2}\n", 25 * i, 5 * (i % 5), 5 * (i % 5) + 1)).collect();
+    let rows: String =
+        (0..20).map(|i| format!("{0},0,{1}\n{0},0,{2}\n", 25 * i, 5 * (i % 5), 5 * (i % 5) + 1)).collect();
     let data = folder.write("data.csv", &format!("X,Y,dx [um]\n{rows}"));
-    let output =
-        run(&["identify", machine.to_str().unwrap(), "--data", data.to_str().unwrap(), "--fit", "EXX:poly1", "--format", "json"]);
+    let output = run(&[
+        "identify",
+        machine.to_str().unwrap(),
+        "--data",
+        data.to_str().unwrap(),
+        "--fit",
+        "EXX:poly1",
+        "--format",
+        "json",
+    ]);
     let report = json(&output);
     assert!((report["repeatability_um"].as_f64().unwrap() - 0.5_f64.sqrt()).abs() < 1e-9);
     assert_eq!(report["warnings"][0]["code"], "W0502");
+}
+
+#[test]
+fn planned_poses_tell_more_than_random_ones_and_their_uncertainty_is_met() {
+    let blank = five("");
+    let parameters = wanted(
+        &blank,
+        &["EC0Y", "EB0Z", "EA0Z", "EX0C", "EY0C", "EA0C", "EB0C", "EY0A", "EZ0A", "EB0A", "EC0A", "workpiece"],
+    );
+    let model = Model::new(&blank, &parameters, Frame::Workpiece);
+    let planned = abbe::identify::plan(&model, 16, 1e-3, 7);
+    assert_eq!((planned.poses.len(), planned.expected.rank), (16, 17));
+    // The determinant of the covariance, by way of the singular values of the design.
+    let information = |poses: &[Measurement]| -> f64 {
+        let theta = vec![0.0; parameters.len()];
+        model.linearised(poses, &vec![1.0; poses.len()], &theta).r.determinant().abs().ln()
+    };
+    let mut random = Random::new(69);
+    let best = (0..20)
+        .map(|_| information(&five_poses(&mut random, 16).iter().map(|p| measured(p, [0.0; 3])).collect::<Vec<_>>()));
+    let best = best.fold(f64::NEG_INFINITY, f64::max);
+    assert!(information(&planned.poses) > best + 1.0, "{} {best}", information(&planned.poses));
+    // Measured with that noise, the fit scatters as was said.
+    let (mut squares, draws) = (0.0, 200);
+    for _ in 0..draws {
+        let data: Vec<Measurement> =
+            planned.poses.iter().map(|m| measured(&m.pose, [0.0; 3].map(|d| d + 1e-3 * normal(&mut random)))).collect();
+        let (_, solution) = solve(&blank, &parameters, &data);
+        let z = |(e, p): (&abbe::identify::Estimate, &abbe::identify::Estimate)| (e.value / p.sigma.unwrap()).powi(2);
+        squares += solution.estimates.iter().zip(&planned.expected.estimates).map(z).sum::<f64>() / 17.0;
+    }
+    assert!((0.9..1.1).contains(&(squares / f64::from(draws))), "{}", squares / f64::from(draws));
+}
+
+#[test]
+fn a_plan_is_a_file_of_measurements_to_be_filled_in() {
+    let folder = Folder::new();
+    let machine = folder.write("machine.yaml", FIVE);
+    let machine = machine.to_str().unwrap();
+    let plan = |format| {
+        run(&["identify", machine, "--fit", "EC0Y,EX0C", "--plan", "6", "--noise", "2 um", "--format", format])
+    };
+    let report = json(&plan("json"));
+    assert_eq!((report["poses"].as_array().unwrap().len(), &report["rank"]), (6, &serde_json::json!(2)));
+    let text = String::from_utf8(plan("csv").stdout).unwrap();
+    let filled = folder.write("data.csv", &text.replace(",,,", ",1,2,3"));
+    let report = json(&run(&[
+        "identify",
+        machine,
+        "--fit",
+        "EC0Y,EX0C",
+        "--data",
+        filled.to_str().unwrap(),
+        "--format",
+        "json",
+    ]));
+    assert_eq!(report["rows"], 18);
+    assert_eq!(run(&["identify", machine, "--fit", "EC0Y"]).status.code(), Some(2));
+    assert_eq!(run(&["identify", machine, "--fit", "EC0Y", "--plan", "3", "--noise", "2 deg"]).status.code(), Some(2));
 }
