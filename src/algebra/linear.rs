@@ -180,7 +180,13 @@ impl Svd {
 
     /// The x that minimises `|A x - right|^2 + pull |x + away|^2 + damping |x|^2`: a step of somebody who
     /// stands `away` from home, is drawn there, and takes care not to step too far.
-    pub fn step(&self, right: &DVector<f64>, rank: usize, (away, pull): (&DVector<f64>, f64), damping: f64) -> DVector<f64> {
+    pub fn step(
+        &self,
+        right: &DVector<f64>,
+        rank: usize,
+        (away, pull): (&DVector<f64>, f64),
+        damping: f64,
+    ) -> DVector<f64> {
         let mut x = DVector::zeros(self.v.nrows());
         for k in 0..self.v.ncols() {
             let value = if k < rank { self.values[k] } else { 0.0 };

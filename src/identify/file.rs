@@ -9,7 +9,12 @@ use std::collections::BTreeMap;
 
 /// The text of a machine file that says what `machine` says, the fitted parameters with their new values;
 /// `provenance` are further entries of that section (single lines).
-pub fn fitted_file(machine: &Machine, parameters: &[Parameter], theta: &[f64], provenance: &[(String, String)]) -> String {
+pub fn fitted_file(
+    machine: &Machine,
+    parameters: &[Parameter],
+    theta: &[f64],
+    provenance: &[(String, String)],
+) -> String {
     let fitted = Fitted::new(machine, parameters, theta);
     let mut text = format!("abbe: 1\nmachine: {}\nchain: \"{}\"\naxes:\n", quoted(machine.name()), machine.chain());
     machine.axes().iter().for_each(|axis| text += &axis_line(axis));
@@ -178,7 +183,8 @@ impl<'a> Fitted<'a> {
         let axis = &self.machine.axes()[axis];
         match curve {
             Curve::Polynomial(c) => {
-                let terms: Vec<String> = c.iter().enumerate().map(|(k, c)| coefficient(*c, direction, axis, k)).collect();
+                let terms: Vec<String> =
+                    c.iter().enumerate().map(|(k, c)| coefficient(*c, direction, axis, k)).collect();
                 format!("{{ polynomial: [{}] }}", terms.join(", "))
             }
             Curve::Harmonics(orders) => {
@@ -235,7 +241,11 @@ fn spline(known: Option<Curve>, one: &Curve, amount: f64) -> Curve {
 
 /// A value with its unit.
 fn amount(value: f64, direction: Direction) -> String {
-    if direction.is_rotation() { format!("{} urad", number(value * 1e6)) } else { format!("{} um", number(value * 1e3)) }
+    if direction.is_rotation() {
+        format!("{} urad", number(value * 1e6))
+    } else {
+        format!("{} um", number(value * 1e3))
+    }
 }
 
 /// A coefficient of the position to a power, in um/m^k, urad/m^k, or per degree.

@@ -116,8 +116,7 @@ pub fn robust_fit(model: &Model<'_>, data: &[Measurement]) -> Fit {
 
 /// Root mean square component of each residual in robust standard deviations.
 pub fn standardised(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<f64> {
-    let component =
-        |(m, r): (&Measurement, &Vector3<f64>)| r.norm() * (m.weight / m.readings().max(1) as f64).sqrt();
+    let component = |(m, r): (&Measurement, &Vector3<f64>)| r.norm() * (m.weight / m.readings().max(1) as f64).sqrt();
     let sizes: Vec<f64> = data.iter().zip(residuals).map(component).collect();
     let mut components: Vec<f64> = data
         .iter()

@@ -197,7 +197,8 @@ fn row(
 }
 
 fn number(cell: &str) -> Result<f64, String> {
-    units::number(cell).map_err(|failure| if cell.is_empty() { "a cell is empty".to_owned() } else { failure.to_string() })
+    units::number(cell)
+        .map_err(|failure| if cell.is_empty() { "a cell is empty".to_owned() } else { failure.to_string() })
 }
 
 fn weight(cell: &str) -> Result<f64, String> {

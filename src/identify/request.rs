@@ -27,7 +27,8 @@ pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Para
         list.retain(|parameter| !fixed.contains(&parameter.name));
     }
     if list.is_empty() {
-        let help = "name errors or groups: `--fit location,tool`, or `identify: { fit: [location] }` in the machine file";
+        let help =
+            "name errors or groups: `--fit location,tool`, or `identify: { fit: [location] }` in the machine file";
         return Err(Box::new(Diagnostic::new("E0502", "there is nothing to fit").help(help)));
     }
     Ok(list)
@@ -243,7 +244,8 @@ fn linear(machine: &Machine) -> Vec<Parameter> {
 fn slopes(machine: &Machine, axis: usize, u: [f64; 3]) -> Vec<Parameter> {
     let name = &machine.axes()[axis].name;
     let at = |direction| Source { place: Place::Component(axis), direction };
-    let term = |k: usize, power, factor: f64| Term { source: at(Direction::ALL[k]), basis: Basis::Power(power), factor };
+    let term =
+        |k: usize, power, factor: f64| Term { source: at(Direction::ALL[k]), basis: Basis::Power(power), factor };
     let parameter = |main: Direction, terms: Vec<Term>| {
         let error = ErrorId { axis: name.clone(), location: false, direction: main };
         let terms = terms.into_iter().filter(|t| t.factor != 0.0).collect();

@@ -130,10 +130,12 @@ type Direction = Vec<(usize, f64)>;
 fn echelon(basis: &DMatrix<f64>) -> Vec<DVector<f64>> {
     let mut rows: Vec<DVector<f64>> = basis.column_iter().map(|column| column.into_owned()).collect();
     // Among equals the first: which of two equal parts is larger must not depend on rounding.
-    let largest = |row: &DVector<f64>| (0..row.len()).fold(0, |p, j| if row[j].abs() > 1.0001 * row[p].abs() { j } else { p });
+    let largest =
+        |row: &DVector<f64>| (0..row.len()).fold(0, |p, j| if row[j].abs() > 1.0001 * row[p].abs() { j } else { p });
     for k in 0..rows.len() {
         let size = |row: &DVector<f64>| row[largest(row)].abs();
-        let best = (k..rows.len()).fold(k, |best, i| if size(&rows[i]) > 1.0001 * size(&rows[best]) { i } else { best });
+        let best =
+            (k..rows.len()).fold(k, |best, i| if size(&rows[i]) > 1.0001 * size(&rows[best]) { i } else { best });
         rows.swap(k, best);
         let pivot = largest(&rows[k]);
         if rows[k][pivot] == 0.0 {
@@ -178,11 +180,7 @@ fn inseparable(direction: &Direction, parameters: &[Parameter]) -> String {
         format!("{} {} {}", p.name, signed(p.shown(x / p.size) / first), p.unit)
     };
     let parts: Vec<String> = direction.iter().map(part).collect();
-    format!(
-        "{} cannot be separated: together {} change nothing",
-        list(&names(direction, parameters)),
-        parts.join(", ")
-    )
+    format!("{} cannot be separated: together {} change nothing", list(&names(direction, parameters)), parts.join(", "))
 }
 
 fn signed(value: f64) -> String {
