@@ -70,7 +70,7 @@ impl Triangle {
         self.folded = stacked.qr().unpack_r();
     }
 
-    /// R (square, as many rows as unknowns), Q^T r, and the norm of what no x can reach.
+    /// R (square, as many rows as unknowns) and Q^T r.
     pub fn finish(mut self) -> Reduced {
         self.fold();
         let n = self.unknowns;
@@ -95,13 +95,19 @@ pub struct Reduced {
     pub r: DMatrix<f64>,
     /// Right side in the rows of `r`.
     pub right: DVector<f64>,
-    /// Norm of the part of the right side that no solution reaches.
+    /// Norm of the right side below the triangle: out of reach for every x. (Where `r` is short of rank, parts
+    /// of `right` are out of reach too.)
     pub rest: f64,
     /// Rows before the reduction.
     pub rows: usize,
 }
 
 impl Reduced {
+    /// Euclidean length of the right side, all rows together.
+    pub fn right_norm(&self) -> f64 {
+        libm::hypot(self.rest, self.right.norm())
+    }
+
     /// Euclidean length of each column.
     pub fn column_norms(&self) -> DVector<f64> {
         DVector::from_fn(self.r.ncols(), |j, _| self.r.column(j).norm())
@@ -306,7 +312,8 @@ mod tests {
             prop_assert_eq!(first.rows(), a.nrows());
             let (merged, whole) = (first.finish(), reduce(&a, &b));
             prop_assert!((merged.r.transpose() * &merged.r - whole.r.transpose() * &whole.r).amax() < 1e-12);
-            prop_assert!((merged.rest - whole.rest).abs() < 1e-12);
+            prop_assert!((merged.right_norm() - b.norm()).abs() < 1e-12);
+            prop_assert!((whole.right_norm() - b.norm()).abs() < 1e-12);
         }
     }
 

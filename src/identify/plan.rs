@@ -87,6 +87,7 @@ fn expected(model: &Model<'_>, poses: &[Measurement], theta: &[f64], noise: f64)
     let mut fit = Fit { theta: theta.to_vec(), reduced, weights, steps: 0, settled: true };
     // As if the readings scattered by the noise over as many degrees of freedom as there will be.
     let freedom = Solution::of(&fit, model.parameters()).freedom.max(1);
+    fit.reduced.right.fill(0.0);
     fit.reduced.rest = noise * (freedom as f64).sqrt();
     Solution::of(&fit, model.parameters())
 }

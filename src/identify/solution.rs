@@ -59,7 +59,7 @@ impl Solution {
         let rank = unit.rank(RANK);
         let sized = fit.reduced.scaled(&sizes);
         let freedom = fit.reduced.rows.saturating_sub(rank);
-        let sigma = fit.reduced.rest / (freedom.max(1) as f64).sqrt();
+        let sigma = fit.reduced.right_norm() / (freedom.max(1) as f64).sqrt();
         let null = echelon(&sized.null_space(rank));
         let well_determined = heard(&unit, rank, fit.reduced.rows);
         let smallest = if rank > 0 { unit.values[rank - 1] } else { 0.0 };
