@@ -8,6 +8,7 @@
 mod dual;
 mod htm;
 mod lift;
+pub mod linear;
 
 pub use dual::Dual;
 pub use htm::{Htm, exp_hat, hat, rotation_about, rotation_vector, skew_vector};

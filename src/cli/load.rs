@@ -5,18 +5,28 @@ use super::files::Disk;
 use super::session::Session;
 use crate::diagnostic::Diagnostic;
 use crate::machine::{self, Machine};
-use crate::syntax;
+use crate::syntax::{self, IdentifyEntry};
 use std::path::Path;
 
 /// Reads, resolves and checks a machine file; `tool` picks one of its tools.
 pub(super) fn machine(session: &mut Session, path: &Path, tool: Option<&str>) -> Result<Machine, Stop> {
+    with_identify(session, path, tool).map(|(machine, _)| machine)
+}
+
+/// The same, with the section `identify` of the file.
+pub(super) fn with_identify(
+    session: &mut Session,
+    path: &Path,
+    tool: Option<&str>,
+) -> Result<(Machine, Option<IdentifyEntry>), Stop> {
     let document = syntax::load(path, &Disk, &mut session.diagnostics);
-    let machine = document.and_then(|document| machine::resolve(&document, &Disk, &mut session.diagnostics));
+    let machine = document.as_ref().and_then(|d| machine::resolve(d, &Disk, &mut session.diagnostics));
     session.checked()?;
     let Some(machine) = machine else { return Err(Stop::Refused) };
-    let Some(name) = tool else { return Ok(machine) };
+    let section = document.and_then(|document| document.identify);
+    let Some(name) = tool else { return Ok((machine, section)) };
     match machine.with_tool(name) {
-        Some(machine) => Ok(machine),
+        Some(machine) => Ok((machine, section)),
         None => session.refuse(unknown_tool(&machine, name)),
     }
 }

@@ -10,9 +10,11 @@ mod eval;
 mod explain;
 mod file_set;
 pub mod files;
+mod identify;
 mod init;
 mod load;
 mod map;
+mod plan;
 mod poses;
 mod progress;
 mod session;
@@ -88,6 +90,8 @@ enum Verb {
     Map(map::Args),
     /// Machines side by side on the same tool poses.
     Compare(compare::Args),
+    /// Measurements to error parameters, with rank, uncertainty and a fitted machine file.
+    Identify(identify::Args),
     /// The compensation files of a controller, with their certificate.
     Compile(compile::Args),
     /// Replay compensation files as the controller would, and say what they leave.
@@ -141,6 +145,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Show(args) => show::run(session, &args),
         Verb::Map(args) => map::run(session, &args),
         Verb::Compare(args) => compare::run(session, &args),
+        Verb::Identify(args) => identify::run(session, &args),
         Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),
         Verb::Verify(args) => verify::run(session, &args),

@@ -4,13 +4,17 @@
 //! 2. [`ErrorLift`] turns each number into an element: itself over the reals, `value * i` over D_n.
 //! 3. [`joint()`] builds the matrix G of one joint from them, as the conventions say.
 //! 4. [`Chain`] multiplies the joints on the walk from the workpiece to the tool.
+//!
+//! [`sensitivities`] are derivatives at the ideal machine, [`tangents`] at the actual errors.
 
 mod chain;
 mod joint;
 mod sensitivity;
 mod source;
+mod tangent;
 
 pub use chain::{Chain, Ideal};
 pub use joint::{JointElements, joint};
 pub use sensitivity::{Sensitivity, sensitivities, sensitivities_to};
 pub use source::{ErrorLift, Exact, OrderN, Place, Source, Values, values};
+pub use tangent::{Tangents, actual_point, tangents};

@@ -16,6 +16,7 @@ mod diagnostics;
 mod eval_exact;
 mod eval_order;
 mod golden_signs;
+mod identify;
 mod language;
 mod linuxcnc_kinematics;
 mod map;

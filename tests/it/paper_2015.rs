@@ -3,9 +3,16 @@
 
 use std::path::Path;
 
+use crate::identify::{measured, solve, wanted};
+use crate::language::silent;
 use crate::oracle::matrix::{V3, minus, norm, plus};
 use crate::oracle::program::{Ask, DEFAULT, Folder, eval};
 use crate::oracle::random::Random;
+use abbe::algebra::Dual;
+use abbe::algebra::linear::Triangle;
+use abbe::lower::{Chain, OrderN, values};
+use abbe::machine::Approach;
+use nalgebra::DMatrix;
 
 /// The linear parametrisation, in mm and rad: angles grow by f, g, h per mm of X, Y, Z, lengths by a, b, c.
 #[derive(Clone, Copy, Debug, Default)]
@@ -290,5 +297,89 @@ fn the_configured_machines_are_the_closed_forms() {
         same(one[i], first, p, &coefficients);
         same(two[i], plus(first, coefficients.second(p)), p, &coefficients);
         same(printed[i], plus(coefficients.real(p), coefficients.first_as_printed(p)), p, &coefficients);
+    }
+}
+
+/// Taylor coefficients of Dx at positions, over D_2: real, i, i^2.
+fn taylor(coefficients: &Coefficients, at: &[V3]) -> Vec<[f64; 3]> {
+    let machine = silent(&[("machine.yaml", &coefficients.yaml(true))]);
+    let one = |p: &V3| {
+        let errors = values(&machine, p, Approach::Mean);
+        let chain = Chain::<Dual<3>>::real(&machine, p, &errors, &OrderN);
+        chain.tool_in_workpiece(&machine.workpiece()).translation.x.0
+    };
+    at.iter().map(one).collect()
+}
+
+/// The design matrix of Dx as the paper prints it: 7 columns of the i-part, 15 products of the i^2-part.
+fn design(coefficients: &Coefficients, at: &[V3]) -> DMatrix<f64> {
+    let probe = [[311.0, 217.0, -83.0]];
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for i in 0..12 {
+        for j in i..12 {
+            let only = coefficients.with_list(std::array::from_fn(|k| if k == i || k == j { 1e-6 } else { 0.0 }));
+            let order = if i == j { 1 } else { 2 };
+            if taylor(&only, &probe)[0][order].abs() > 1e-18 {
+                columns.push(taylor(&only, at).iter().map(|t| t[order]).collect());
+            }
+        }
+    }
+    let length = |column: &Vec<f64>| column.iter().map(|x| x * x).sum::<f64>().sqrt();
+    DMatrix::from_fn(at.len(), columns.len(), |i, j| columns[j][i] / length(&columns[j]))
+}
+
+fn design_rank(coefficients: &Coefficients, at: &[V3]) -> (usize, usize) {
+    let design = design(coefficients, at);
+    let mut triangle = Triangle::new(design.ncols());
+    design.row_iter().for_each(|row| triangle.push(row.iter().copied(), 0.0));
+    (triangle.finish().rank(1e-10), design.ncols())
+}
+
+/// Points of the paper's measuring space: x 300..450, y 200..300, z -200..-50 mm.
+fn measuring_space(nodes: usize) -> Vec<V3> {
+    let at = |low: f64, high: f64, i: usize| low + (high - low) * i as f64 / (nodes - 1) as f64;
+    let node = |i: usize| {
+        let (x, y, z) = (i / (nodes * nodes), i / nodes % nodes, i % nodes);
+        [at(300.0, 450.0, x), at(200.0, 300.0, y), at(-200.0, -50.0, z)]
+    };
+    (0..nodes.pow(3)).map(node).collect()
+}
+
+#[test]
+fn the_design_of_the_paper_has_rank_2_along_a_line_and_12_of_22_on_a_grid() {
+    let coefficients = Coefficients::random(&mut Random::new(36));
+    let line: Vec<V3> = (0..31).map(|i| [300.0 + 5.0 * f64::from(i), 250.0, -125.0]).collect();
+    assert_eq!(design_rank(&coefficients, &line), (2, 22));
+    assert_eq!(design_rank(&coefficients, &measuring_space(7)), (12, 22));
+}
+
+/// Data by the closed form to second order, noise of 0.3 um, squareness and tool length known.
+#[test]
+fn its_linear_parametrisation_is_found_again_from_noisy_data() {
+    let mut random = Random::new(37);
+    let truth = Coefficients::random(&mut random);
+    let at = measuring_space(7);
+    let noise = |random: &mut Random| (0..12).map(|_| random.unit()).sum::<f64>() * 3e-4 - 6.0 * 3e-4;
+    let data: Vec<_> = at
+        .iter()
+        .map(|&p| {
+            let d = plus(truth.real(p), plus(truth.first(p), truth.second(p)));
+            measured(&p, d.map(|d| d + noise(&mut random)))
+        })
+        .collect();
+    let known = truth.with_list([0.0; 12]);
+    let machine = silent(&[("machine.yaml", &known.yaml(false))]);
+    let parameters = wanted(&machine, &["linear"]);
+    let (_, solution) = solve(&machine, &parameters, &data);
+    // h2, the yaw of Z, turns about the tool: no lever, no effect.
+    assert_eq!((solution.rank, parameters.len()), (11, 12));
+    assert_eq!(solution.null_space, ["ECZ:slope has no effect on these data"]);
+    assert!((solution.sigma - 3e-4).abs() < 3e-5, "{}", solution.sigma);
+    let Coefficients { abc, f, g, h, .. } = truth;
+    // Of each axis: positioning, then the slopes of its angles A, B, C.
+    let expected = [[abc[0], f[2], f[0], f[1]], [abc[1], g[0], g[2], g[1]], [abc[2], h[0], h[2], h[1]]].concat();
+    for ((estimate, parameter), expected) in solution.estimates.iter().zip(&parameters).zip(expected) {
+        let Some(sigma) = estimate.sigma else { continue };
+        assert!((estimate.value - expected).abs() < 4.0 * sigma, "{}: {estimate:?}, {expected}", parameter.name);
     }
 }

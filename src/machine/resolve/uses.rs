@@ -11,7 +11,7 @@ use crate::syntax::{GeneratorsEntry, Keys, below, keys};
 /// Highest degree of the algebra.
 const DEGREE: u8 = 6;
 /// Groups that may be fitted.
-const GROUPS: [&str; 4] = ["location", "tool", "workpiece", "linear"];
+const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
 /// Families of basis functions, each with its order behind it.
 const BASES: [&str; 3] = ["poly", "fourier", "spline"];
 

@@ -1,0 +1,341 @@
+//! Least squares: rows streamed into a triangle (blockwise TSQR), its singular values and vectors by
+//! one-sided Jacobi rotations, rank, null space and covariance.
+//!
+//! Error parameters that the data do not tell apart make the matrices here short of rank as a rule, not as
+//! an exception. nalgebra's singular vectors are wrong there (nalgebra#1172): only its QR is used.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Rows that are collected before they are folded into the triangle.
+const BLOCK: usize = 512;
+
+/// Sweeps of Jacobi rotations; quadratic convergence needs about ten.
+const SWEEPS: usize = 60;
+
+/// The triangle R and the transformed right side of a least-squares problem `min |J x - r|`. Rows go in,
+/// nothing but `(n + 1)^2` numbers stay: memory does not grow with the rows.
+#[derive(Debug, Clone)]
+pub struct Triangle {
+    unknowns: usize,
+    rows: usize,
+    buffer: Vec<f64>,
+    folded: DMatrix<f64>,
+}
+
+impl Triangle {
+    /// No rows yet.
+    pub fn new(unknowns: usize) -> Self {
+        Self { unknowns, rows: 0, buffer: Vec::new(), folded: DMatrix::zeros(0, unknowns + 1) }
+    }
+
+    /// Adds one row: coefficients, then the right side.
+    pub fn push(&mut self, coefficients: impl IntoIterator<Item = f64>, right: f64) {
+        let start = self.buffer.len();
+        self.buffer.extend(coefficients);
+        self.buffer.resize(start + self.unknowns, 0.0);
+        self.buffer.push(right);
+        self.rows += 1;
+        if self.buffer.len() >= BLOCK.max(2 * self.unknowns) * (self.unknowns + 1) {
+            self.fold();
+        }
+    }
+
+    /// Adds the rows of another triangle of as many unknowns.
+    pub fn merge(&mut self, other: Self) {
+        let mut other = other;
+        other.fold();
+        self.fold();
+        self.rows += other.rows;
+        self.buffer = transposed(&other.folded);
+        self.fold();
+    }
+
+    /// How many rows went in.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// QR of the triangle so far on top of the rows collected since.
+    fn fold(&mut self) {
+        let width = self.unknowns + 1;
+        let fresh = self.buffer.len() / width;
+        if fresh == 0 {
+            return;
+        }
+        let kept = self.folded.nrows();
+        let mut stacked = DMatrix::zeros(kept + fresh, width);
+        stacked.rows_mut(0, kept).copy_from(&self.folded);
+        stacked.rows_mut(kept, fresh).copy_from(&DMatrix::from_row_slice(fresh, width, &self.buffer));
+        self.buffer.clear();
+        self.folded = stacked.qr().unpack_r();
+    }
+
+    /// R (square, as many rows as unknowns) and Q^T r.
+    pub fn finish(mut self) -> Reduced {
+        self.fold();
+        let n = self.unknowns;
+        let at = |i: usize, j: usize| if i < self.folded.nrows() { self.folded[(i, j)] } else { 0.0 };
+        Reduced {
+            r: DMatrix::from_fn(n, n, |i, j| if i <= j { at(i, j) } else { 0.0 }),
+            right: DVector::from_fn(n, |i, _| at(i, n)),
+            rest: at(n, n).abs(),
+            rows: self.rows,
+        }
+    }
+}
+
+fn transposed(matrix: &DMatrix<f64>) -> Vec<f64> {
+    matrix.transpose().as_slice().to_vec()
+}
+
+/// A least-squares problem reduced to a triangle.
+#[derive(Debug, Clone)]
+pub struct Reduced {
+    /// Upper triangle, one column per unknown.
+    pub r: DMatrix<f64>,
+    /// Right side in the rows of `r`.
+    pub right: DVector<f64>,
+    /// Norm of the right side below the triangle: out of reach for every x. (Where `r` is short of rank, parts
+    /// of `right` are out of reach too.)
+    pub rest: f64,
+    /// Rows before the reduction.
+    pub rows: usize,
+}
+
+impl Reduced {
+    /// Euclidean length of the right side, all rows together.
+    pub fn right_norm(&self) -> f64 {
+        libm::hypot(self.rest, self.right.norm())
+    }
+
+    /// Euclidean length of each column.
+    pub fn column_norms(&self) -> DVector<f64> {
+        DVector::from_fn(self.r.ncols(), |j, _| self.r.column(j).norm())
+    }
+
+    /// Singular values and vectors of R with each column divided by its `scale` (0: the column counts as zero).
+    pub fn scaled(&self, scale: &DVector<f64>) -> Svd {
+        let column = |i: usize, j: usize| if scale[j] > 0.0 { self.r[(i, j)] / scale[j] } else { 0.0 };
+        Svd::new(&DMatrix::from_fn(self.r.nrows(), self.r.ncols(), column))
+    }
+
+    /// Rank: singular values above `relative` of the largest, columns scaled to unit length. A column
+    /// below `relative` of the longest one, in the units of the caller, is not told from zero.
+    pub fn rank(&self, relative: f64) -> usize {
+        self.scaled(&self.column_norms()).rank(relative)
+    }
+}
+
+/// `A = U diag(values) V^T` with values in falling order; right vectors are complete, also for values of 0.
+#[derive(Debug, Clone)]
+pub struct Svd {
+    /// Singular values, falling.
+    pub values: DVector<f64>,
+    /// Left vectors; zero where the value is zero.
+    pub u: DMatrix<f64>,
+    /// Right vectors, orthonormal.
+    pub v: DMatrix<f64>,
+}
+
+impl Svd {
+    /// By one-sided Jacobi rotations. Works on any rank; meant for triangles of up to some hundred columns.
+    pub fn new(matrix: &DMatrix<f64>) -> Self {
+        let n = matrix.ncols();
+        let (mut a, mut v) = (matrix.clone(), DMatrix::identity(n, n));
+        let floor = matrix.norm() * f64::EPSILON * f64::EPSILON;
+        for _ in 0..SWEEPS {
+            let mut turned = false;
+            for p in 0..n {
+                for q in p + 1..n {
+                    turned |= orthogonalise(&mut a, &mut v, p, q, floor);
+                }
+            }
+            if !turned {
+                break;
+            }
+        }
+        Self::sorted(&a, &v)
+    }
+
+    fn sorted(a: &DMatrix<f64>, v: &DMatrix<f64>) -> Self {
+        let norms: Vec<f64> = a.column_iter().map(|column| column.norm()).collect();
+        let mut order: Vec<usize> = (0..norms.len()).collect();
+        order.sort_by(|i, j| norms[*j].total_cmp(&norms[*i]).then(i.cmp(j)));
+        let unit = |i: usize, j: usize| if norms[order[j]] > 0.0 { a[(i, order[j])] / norms[order[j]] } else { 0.0 };
+        Self {
+            values: DVector::from_fn(norms.len(), |j, _| norms[order[j]]),
+            u: DMatrix::from_fn(a.nrows(), a.ncols(), unit),
+            v: DMatrix::from_fn(v.nrows(), v.ncols(), |i, j| v[(i, order[j])]),
+        }
+    }
+
+    /// How many singular values are above `relative` of the largest.
+    pub fn rank(&self, relative: f64) -> usize {
+        let largest = self.values.iter().copied().fold(0.0, f64::max);
+        self.values.iter().filter(|value| **value > relative * largest && **value > 0.0).count()
+    }
+
+    /// The shortest x that minimises `|A x - right|`, the `rank` largest values in use.
+    pub fn solve(&self, right: &DVector<f64>, rank: usize) -> DVector<f64> {
+        let mut x = DVector::zeros(self.v.nrows());
+        for k in 0..rank {
+            x.axpy(self.u.column(k).dot(right) / self.values[k], &self.v.column(k), 1.0);
+        }
+        x
+    }
+
+    /// The x that minimises `|A x - right|^2 + pull |x + away|^2 + damping |x|^2`: a step of somebody who
+    /// stands `away` from home, is drawn there, and takes care not to step too far.
+    pub fn step(
+        &self,
+        right: &DVector<f64>,
+        rank: usize,
+        (away, pull): (&DVector<f64>, f64),
+        damping: f64,
+    ) -> DVector<f64> {
+        let mut x = DVector::zeros(self.v.nrows());
+        for k in 0..self.v.ncols() {
+            let value = if k < rank { self.values[k] } else { 0.0 };
+            let stiffness = value * value + pull + damping;
+            if stiffness > 0.0 {
+                let force = value * self.u.column(k).dot(right) - pull * self.v.column(k).dot(away);
+                x.axpy(force / stiffness, &self.v.column(k), 1.0);
+            }
+        }
+        x
+    }
+
+    /// Orthonormal basis of what A does not see, the columns of the result.
+    pub fn null_space(&self, rank: usize) -> DMatrix<f64> {
+        self.v.columns(rank, self.v.ncols() - rank).into_owned()
+    }
+
+    /// Covariance of the shortest solution for right sides of unit variance: `V S^-2 V^T` over the rank.
+    pub fn covariance(&self, rank: usize) -> DMatrix<f64> {
+        let kept = DMatrix::from_fn(self.v.nrows(), rank, |i, k| self.v[(i, k)] / self.values[k]);
+        &kept * kept.transpose()
+    }
+}
+
+/// Makes two columns orthogonal; false if they are already.
+fn orthogonalise(a: &mut DMatrix<f64>, v: &mut DMatrix<f64>, p: usize, q: usize, floor: f64) -> bool {
+    let (alpha, beta) = (a.column(p).norm_squared(), a.column(q).norm_squared());
+    let gamma = a.column(p).dot(&a.column(q));
+    // Columns of rounding noise are left alone: they have no direction to be made orthogonal.
+    if gamma.abs() <= 3e-15 * (alpha * beta).sqrt() || alpha.min(beta).sqrt() <= floor {
+        return false;
+    }
+    let zeta = (beta - alpha) / (2.0 * gamma);
+    let t = zeta.signum() / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
+    let c = 1.0 / (1.0 + t * t).sqrt();
+    rotate(a, p, q, c, c * t);
+    rotate(v, p, q, c, c * t);
+    true
+}
+
+fn rotate(m: &mut DMatrix<f64>, p: usize, q: usize, c: f64, s: f64) {
+    for i in 0..m.nrows() {
+        let (x, y) = (m[(i, p)], m[(i, q)]);
+        m[(i, p)] = c * x - s * y;
+        m[(i, q)] = s * x + c * y;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// `rows x columns` of the given rank: a product of two random factors.
+    fn deficient() -> impl Strategy<Value = (DMatrix<f64>, usize, DVector<f64>)> {
+        (1_usize..9, 0_usize..30).prop_flat_map(|(columns, more)| {
+            let rows = columns + more;
+            (0..=columns).prop_flat_map(move |rank| {
+                let left = prop::collection::vec(-1.0..1.0_f64, rows * rank);
+                let right = prop::collection::vec(-1.0..1.0_f64, rank * columns);
+                let b = prop::collection::vec(-1.0..1.0_f64, rows);
+                (left, right, b).prop_map(move |(l, r, b)| {
+                    let product = DMatrix::from_vec(rows, rank, l) * DMatrix::from_vec(rank, columns, r);
+                    (product, rank, DVector::from_vec(b))
+                })
+            })
+        })
+    }
+
+    fn reduce(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Reduced {
+        let mut triangle = Triangle::new(matrix.ncols());
+        for i in 0..matrix.nrows() {
+            triangle.push(matrix.row(i).iter().copied().collect::<Vec<_>>(), right[i]);
+        }
+        triangle.finish()
+    }
+
+    proptest! {
+        #[test]
+        fn singular_values_and_vectors_make_up_the_matrix((a, rank, b) in deficient()) {
+            let reduced = reduce(&a, &b);
+            let svd = Svd::new(&reduced.r);
+            prop_assert!((&reduced.r.transpose() * &reduced.r - a.transpose() * &a).amax() < 1e-12);
+            let again = &svd.u * DMatrix::from_diagonal(&svd.values) * svd.v.transpose();
+            prop_assert!((again - &reduced.r).amax() < 1e-13);
+            let n = a.ncols();
+            prop_assert!((svd.v.transpose() * &svd.v - DMatrix::identity(n, n)).amax() < 1e-13);
+            prop_assert!(svd.rank(1e-10) <= rank);
+        }
+
+        #[test]
+        fn the_solution_is_the_shortest_of_the_best((a, _, b) in deficient()) {
+            let reduced = reduce(&a, &b);
+            let svd = Svd::new(&reduced.r);
+            let rank = svd.rank(1e-7);
+            // Between rank and noise there must be a gap, or the question has no answer.
+            prop_assume!(rank == svd.rank(1e-12));
+            let x = svd.solve(&reduced.right, rank);
+            // Best: the rest is orthogonal to every column. Shortest: x has no part in the null space.
+            let rest = &b - &a * &x;
+            prop_assert!((a.transpose() * &rest).amax() < 1e-7, "{}", (a.transpose() * &rest).amax());
+            prop_assert!((rest.norm() - reduced.rest.hypot((&reduced.right - &reduced.r * &x).norm())).abs() < 1e-9);
+            let null = svd.null_space(rank);
+            prop_assert!((&a * &null).amax() < 1e-10);
+            prop_assert!((null.transpose() * &x).iter().all(|part| part.abs() < 1e-9 * x.norm().max(1.0)));
+        }
+
+        #[test]
+        fn blocks_and_merging_change_nothing((a, _, b) in deficient(), cut in 0.0..1.0_f64) {
+            let cut = (cut * a.nrows() as f64) as usize;
+            let mut parts = [Triangle::new(a.ncols()), Triangle::new(a.ncols())];
+            for i in 0..a.nrows() {
+                parts[usize::from(i >= cut)].push(a.row(i).iter().copied().collect::<Vec<_>>(), b[i]);
+            }
+            let [mut first, second] = parts;
+            first.merge(second);
+            prop_assert_eq!(first.rows(), a.nrows());
+            let (merged, whole) = (first.finish(), reduce(&a, &b));
+            prop_assert!((merged.r.transpose() * &merged.r - whole.r.transpose() * &whole.r).amax() < 1e-12);
+            prop_assert!((merged.right_norm() - b.norm()).abs() < 1e-12);
+            prop_assert!((whole.right_norm() - b.norm()).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn many_rows_are_folded_on_the_way() {
+        let mut triangle = Triangle::new(2);
+        for i in 0..5000 {
+            let x = f64::from(i) / 1000.0;
+            triangle.push([1.0, x], 3.0 - 2.0 * x);
+        }
+        let reduced = triangle.finish();
+        let svd = Svd::new(&reduced.r);
+        let x = svd.solve(&reduced.right, 2);
+        assert!((x[0] - 3.0).abs() < 1e-12 && (x[1] + 2.0).abs() < 1e-12, "{x}");
+        assert!(reduced.rest < 1e-10 && reduced.rows == 5000);
+    }
+
+    /// nalgebra's own decomposition gives 4.541 here.
+    #[test]
+    fn a_matrix_of_ones_has_one_value() {
+        let svd = Svd::new(&DMatrix::from_element(3, 5, 1.0));
+        assert!((svd.values[0] - 15.0_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(svd.rank(1e-10), 1);
+    }
+}

@@ -1,0 +1,137 @@
+//! What is left after the fit: residuals, outliers, orders apart, and the prediction of data not used.
+
+use super::fit::{Fit, fit, robust_fit, standardised};
+use super::measurement::Measurement;
+use super::model::Model;
+use crate::algebra::Dual;
+use crate::lower::{Chain, OrderN};
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+/// A measurement this many robust standard deviations off (root mean square of its components) is listed.
+const OUTLYING: f64 = 4.0;
+
+/// A measurement that does not fit the others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outlier {
+    /// Its index among the measurements.
+    pub row: usize,
+    /// Length of its residual (mm).
+    pub residual: f64,
+    /// The same in robust standard deviations, per component.
+    pub deviations: f64,
+}
+
+/// What is left, before and after. Every RMS is that of vector lengths (mm).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Residuals {
+    /// With the machine as the file says.
+    pub before: f64,
+    /// With the fitted machine.
+    pub after: f64,
+    /// Measurements that stand out, the worst first.
+    pub outliers: Vec<Outlier>,
+    /// RMS of the first-order part of the fitted deviations, of the second, and of all higher ones.
+    pub parts: [f64; 3],
+    /// RMS of what the first order alone, and the first two together, leave of the measurements.
+    pub left: [f64; 2],
+}
+
+/// RMS of vector lengths.
+fn rms(vectors: &[Vector3<f64>]) -> f64 {
+    (vectors.iter().map(|v| v.norm_squared()).sum::<f64>() / vectors.len().max(1) as f64).sqrt()
+}
+
+impl Residuals {
+    /// Compares the measurements with the machine before and after a fit.
+    pub fn of(model: &Model<'_>, data: &[Measurement], theta: &[f64]) -> Self {
+        let start: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+        let after = model.residuals(data, theta);
+        let orders: Vec<[Vector3<f64>; 3]> =
+            data.par_iter().zip(&after).map(|(m, residual)| orders(model, m, theta, residual)).collect();
+        let part = |k: usize| rms(&orders.iter().map(|o| o[k]).collect::<Vec<_>>());
+        let sum = |k: usize| -> Vec<Vector3<f64>> {
+            after.iter().zip(&orders).map(|(r, o)| r + o[k..].iter().sum::<Vector3<f64>>()).collect()
+        };
+        Self {
+            before: rms(&model.residuals(data, &start)),
+            after: rms(&after),
+            outliers: outliers(data, &after),
+            parts: [part(0), part(1), part(2)],
+            left: [rms(&sum(1)), rms(&sum(2))],
+        }
+    }
+}
+
+/// First-order, second-order and higher part of a fitted deviation, where it was measured.
+fn orders(model: &Model<'_>, m: &Measurement, theta: &[f64], residual: &Vector3<f64>) -> [Vector3<f64>; 3] {
+    let machine = model.machine(m);
+    let errors = model.errors(m, theta);
+    let chain = Chain::<Dual<3>>::real(machine, &m.pose, &errors, &OrderN);
+    let point = chain.tool_in_workpiece(&machine.workpiece()).translation;
+    let nominal = Chain::<f64>::ideal(machine, &m.pose).tool_in_workpiece(&machine.workpiece()).translation;
+    let exact = Vector3::from_fn(|i, _| m.deviation[i].map_or(0.0, |d| d - residual[i]));
+    let rotation = model.to_frame(m);
+    let seen = |v: Vector3<f64>| {
+        let v = rotation * v;
+        Vector3::from_fn(|i, _| if m.deviation[i].is_some() { v[i] } else { 0.0 })
+    };
+    // With location errors of order 0 the real part differs from the ideal one: it counts as first order.
+    let first = seen(Vector3::from_fn(|i, _| point[i].0[1] + (point[i].0[0] - nominal[i])));
+    let second = seen(Vector3::from_fn(|i, _| point[i].0[2]));
+    [first, second, exact - first - second]
+}
+
+fn outliers(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<Outlier> {
+    // Residuals of mere rounding have no outliers.
+    let sizes = standardised(data, residuals);
+    let one = |(row, deviations): (usize, f64)| Outlier { row, residual: residuals[row].norm(), deviations };
+    let mut found: Vec<Outlier> = sizes.into_iter().enumerate().map(one).collect();
+    found.retain(|o| o.deviations > OUTLYING && o.residual > 1e-6);
+    found.sort_by(|a, b| b.deviations.total_cmp(&a.deviations));
+    found
+}
+
+/// RMS (mm) of the prediction of data that the fit has not seen: every measurement is left out once, in
+/// `folds` parts taken in turn. `None` with fewer than two parts or measurements than parts.
+pub fn held_out(model: &Model<'_>, data: &[Measurement], folds: usize, robust: bool) -> Option<f64> {
+    if folds < 2 || folds > data.len() {
+        return None;
+    }
+    let part = |fold: usize| {
+        let (held, used): (Vec<_>, Vec<_>) = data.iter().cloned().enumerate().partition(|(i, _)| i % folds == fold);
+        let bare = |list: Vec<(usize, Measurement)>| list.into_iter().map(|(_, m)| m).collect::<Vec<_>>();
+        let (held, used) = (bare(held), bare(used));
+        let Fit { theta, .. } = if robust { robust_fit(model, &used) } else { fit(model, &used, weights(&used), None) };
+        model.residuals(&held, &theta)
+    };
+    let left: Vec<Vector3<f64>> = (0..folds).flat_map(part).collect();
+    Some(rms(&left))
+}
+
+/// The weights that stand in the data.
+pub(super) fn weights(data: &[Measurement]) -> Vec<f64> {
+    data.iter().map(|m| m.weight).collect()
+}
+
+/// Standard deviation of a reading (mm) from poses that were measured more than once, and how many
+/// degrees of freedom that rests on; `None` without repeats.
+pub fn repeatability(data: &[Measurement]) -> Option<(f64, usize)> {
+    let key = |m: &Measurement| -> Vec<u64> {
+        // -0 and 0 are the same position.
+        m.pose.iter().map(|q| (q + 0.0).to_bits()).chain([m.tool as u64]).collect()
+    };
+    let mut groups: std::collections::BTreeMap<(Vec<u64>, usize), Vec<f64>> = std::collections::BTreeMap::new();
+    for m in data {
+        for (i, value) in m.deviation.iter().enumerate() {
+            value.iter().for_each(|v| groups.entry((key(m), i)).or_default().push(*v));
+        }
+    }
+    let (mut squares, mut freedom) = (0.0, 0);
+    for values in groups.values().filter(|values| values.len() > 1) {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        squares += values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>();
+        freedom += values.len() - 1;
+    }
+    (freedom > 0).then(|| ((squares / freedom as f64).sqrt(), freedom))
+}

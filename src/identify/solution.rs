@@ -1,0 +1,218 @@
+//! What a fit is worth: rank, null space in words, uncertainty, and what the noise drowns.
+
+use super::fit::Fit;
+use super::parameter::Parameter;
+use crate::algebra::linear::Svd;
+use crate::units::significant;
+use nalgebra::{DMatrix, DVector};
+
+/// Singular values of the column-scaled Jacobian below this share of the largest are zero.
+const RANK: f64 = 1e-10;
+/// A column is scaled as if it had at least this share of the displacement its parameter usually makes: what
+/// is far smaller consists of the rounding of the model, and scaled to unit length would count as rank.
+const FAINT: f64 = 1e-2;
+/// A parameter with more than this squared share in the null space has no value of its own.
+const LOST: f64 = 1e-3;
+/// Parameters below this share of the largest in a direction are not named.
+const NAMED: f64 = 0.02;
+
+/// A parameter's value and what it is worth; in the parameter's kept unit (mm, rad, degrees of position).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The value. Of parameters that the data do not tell apart, the shortest combination.
+    pub value: f64,
+    /// Standard uncertainty from the scatter of the residuals; `None`: the data leave the value free.
+    pub sigma: Option<f64>,
+}
+
+/// A fit with its diagnosis.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// One for each parameter.
+    pub estimates: Vec<Estimate>,
+    /// Numerical rank of the column-scaled Jacobian at the solution.
+    pub rank: usize,
+    /// How many independent directions the noise does not drown.
+    pub well_determined: usize,
+    /// What cannot be told apart, in words.
+    pub null_space: Vec<String>,
+    /// What can in principle, but not with this noise, in words.
+    pub drowned: Vec<String>,
+    /// Singular values of the column-scaled Jacobian, falling.
+    pub singular_values: Vec<f64>,
+    /// Largest over smallest of those within the rank.
+    pub condition: f64,
+    /// Standard deviation of one reading of weight 1 (mm).
+    pub sigma: f64,
+    /// Readings minus rank.
+    pub freedom: usize,
+}
+
+impl Solution {
+    /// Examines a fit.
+    pub fn of(fit: &Fit, parameters: &[Parameter]) -> Self {
+        let sizes = DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size));
+        let norms = fit.reduced.column_norms();
+        let strongest = norms.component_div(&sizes).iter().copied().fold(0.0, f64::max);
+        let scale = DVector::from_fn(norms.len(), |j, _| norms[j].max(FAINT * strongest * sizes[j]));
+        let unit = fit.reduced.scaled(&scale);
+        let rank = unit.rank(RANK);
+        let sized = fit.reduced.scaled(&sizes);
+        let freedom = fit.reduced.rows.saturating_sub(rank);
+        let sigma = fit.reduced.right_norm() / (freedom.max(1) as f64).sqrt();
+        let null = echelon(&sized.null_space(rank));
+        let well_determined = heard(&unit, rank, fit.reduced.rows);
+        let smallest = if rank > 0 { unit.values[rank - 1] } else { 0.0 };
+        Self {
+            estimates: estimates(fit, &null, &sized, parameters, rank, sigma),
+            rank,
+            well_determined,
+            null_space: null.iter().map(|row| inseparable(&named(row), parameters)).collect(),
+            drowned: drowned(&unit, &scale, well_determined..rank, sigma, parameters),
+            condition: if smallest > 0.0 { unit.values[0] / smallest } else { f64::INFINITY },
+            singular_values: unit.values.iter().copied().collect(),
+            sigma,
+            freedom,
+        }
+    }
+
+    /// Values of the parameters (mm, rad, degrees of position).
+    pub fn theta(&self) -> Vec<f64> {
+        self.estimates.iter().map(|estimate| estimate.value).collect()
+    }
+}
+
+/// Independent directions in which one standard deviation of the estimate moves the points, parameter by
+/// parameter, less than the noise of a single reading does. It depends on where was measured, not on what.
+fn heard(unit: &Svd, rank: usize, readings: usize) -> usize {
+    let limit = 1.0 / (readings.max(1) as f64).sqrt();
+    (0..rank).filter(|k| unit.values[*k] > limit).count()
+}
+
+fn estimates(
+    fit: &Fit,
+    null: &[DVector<f64>],
+    sized: &Svd,
+    parameters: &[Parameter],
+    rank: usize,
+    sigma: f64,
+) -> Vec<Estimate> {
+    let covariance = sized.covariance(rank);
+    let hidden = sized.null_space(rank);
+    let theta = at_rest(&fit.theta, null, parameters);
+    let estimate = |(j, value): (usize, f64)| {
+        let free = hidden.row(j).norm_squared() > LOST;
+        let spread = covariance[(j, j)].max(0.0).sqrt() / parameters[j].size * sigma;
+        Estimate { value, sigma: (!free).then_some(spread) }
+    };
+    theta.into_iter().enumerate().map(estimate).collect()
+}
+
+/// Puts parameters that have no effect back to where they started: what is left of them is the bend of
+/// the directions they hid in while the others moved.
+fn at_rest(theta: &[f64], null: &[DVector<f64>], parameters: &[Parameter]) -> Vec<f64> {
+    let mut theta = theta.to_vec();
+    for row in null {
+        let [(alone, amount)] = named(row)[..] else { continue };
+        let away = (theta[alone] - parameters[alone].start) * parameters[alone].size / amount;
+        for (j, parameter) in parameters.iter().enumerate().filter(|(j, _)| *j != alone) {
+            theta[j] -= away * row[j] / parameter.size;
+        }
+        theta[alone] = parameters[alone].start;
+    }
+    theta
+}
+
+/// A direction: parameters and how much of each (unit size 1).
+type Direction = Vec<(usize, f64)>;
+
+/// A basis of a subspace in which few parameters take part in each direction: reduced echelon form.
+fn echelon(basis: &DMatrix<f64>) -> Vec<DVector<f64>> {
+    let mut rows: Vec<DVector<f64>> = basis.column_iter().map(|column| column.into_owned()).collect();
+    // Among equals the first: which of two equal parts is larger must not depend on rounding.
+    let largest =
+        |row: &DVector<f64>| (0..row.len()).fold(0, |p, j| if row[j].abs() > 1.0001 * row[p].abs() { j } else { p });
+    for k in 0..rows.len() {
+        let size = |row: &DVector<f64>| row[largest(row)].abs();
+        let best =
+            (k..rows.len()).fold(k, |best, i| if size(&rows[i]) > 1.0001 * size(&rows[best]) { i } else { best });
+        rows.swap(k, best);
+        let pivot = largest(&rows[k]);
+        if rows[k][pivot] == 0.0 {
+            continue;
+        }
+        let row = &rows[k] / rows[k][pivot];
+        for (i, other) in rows.iter_mut().enumerate() {
+            let factor = other[pivot];
+            if i == k { other.copy_from(&row) } else { *other -= &row * factor }
+        }
+    }
+    rows.sort_by_key(|row| (named(row).len(), largest(row)));
+    rows
+}
+
+/// The parameters that matter in a direction.
+fn named(row: &DVector<f64>) -> Direction {
+    let largest = row.iter().map(|x| x.abs()).fold(0.0, f64::max);
+    row.iter().copied().enumerate().filter(|(_, x)| x.abs() > NAMED * largest && *x != 0.0).collect()
+}
+
+/// `EX0C, tool.X and workpiece.X`.
+fn list(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [init @ .., last] => format!("{} and {last}", init.join(", ")),
+    }
+}
+
+fn names<'a>(direction: &Direction, parameters: &'a [Parameter]) -> Vec<&'a str> {
+    direction.iter().map(|(j, _)| parameters[*j].name.as_str()).collect()
+}
+
+fn inseparable(direction: &Direction, parameters: &[Parameter]) -> String {
+    if let [(j, _)] = direction[..] {
+        return format!("{} has no effect on these data", parameters[j].name);
+    }
+    let first = direction.first().map_or(1.0, |(j, x)| parameters[*j].shown(x / parameters[*j].size));
+    let part = |(j, x): &(usize, f64)| {
+        let p = &parameters[*j];
+        format!("{} {} {}", p.name, signed(p.shown(x / p.size) / first), p.unit)
+    };
+    let parts: Vec<String> = direction.iter().map(part).collect();
+    format!("{} cannot be separated: together {} change nothing", list(&names(direction, parameters)), parts.join(", "))
+}
+
+fn signed(value: f64) -> String {
+    let text = significant(value, 3);
+    if text.starts_with('-') { text } else { format!("+{text}") }
+}
+
+/// The directions within the rank whose uncertainty is beyond use, each with what it amounts to.
+fn drowned(
+    unit: &Svd,
+    scale: &DVector<f64>,
+    which: std::ops::Range<usize>,
+    sigma: f64,
+    parameters: &[Parameter],
+) -> Vec<String> {
+    let describe = |k: usize| {
+        let value = unit.values[k];
+        // One standard deviation along this direction, in units of displacement.
+        let spread = |j: usize| unit.v[(j, k)] / scale[j] * sigma / value * parameters[j].size;
+        let direction = named(&DVector::from_fn(parameters.len(), |j, _| spread(j)));
+        let mut direction: Direction = direction.into_iter().filter(|(j, _)| unit.v[(*j, k)].abs() > 0.1).collect();
+        direction.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+        let part = |(j, x): &(usize, f64)| {
+            let p = &parameters[*j];
+            format!("{} {} {}", p.name, signed(p.shown(x / p.size)), p.unit)
+        };
+        let parts: Vec<String> = direction.iter().map(part).collect();
+        format!(
+            "{} are only known together: the noise (one standard deviation) cannot be told from {}",
+            list(&names(&direction, parameters)),
+            parts.join(", ")
+        )
+    };
+    which.map(describe).collect()
+}
