@@ -2,10 +2,13 @@
 //!
 //! Exit codes: 0 done, 1 input refused, 2 usage, 3 our own fault.
 
+mod algebra;
 mod certificate_output;
 mod check;
 mod compare;
 mod compile;
+mod effects;
+mod equations;
 mod eval;
 mod explain;
 mod file_set;
@@ -84,6 +87,8 @@ enum Verb {
     Show(show::Args),
     /// Deviation and E_VE at poses.
     Eval(eval::Args),
+    /// The closed forms: joint matrices, E_VE and deviations as polynomials in the errors.
+    Equations(equations::Args),
     /// The error over a volume.
     Map(map::Args),
     /// Machines side by side on the same tool poses.
@@ -138,6 +143,7 @@ fn usage(message: &clap::Error) -> ExitCode {
 fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
     match verb {
         Verb::Eval(args) => eval::run(session, &args),
+        Verb::Equations(args) => equations::run(session, &args),
         Verb::Show(args) => show::run(session, &args),
         Verb::Map(args) => map::run(session, &args),
         Verb::Compare(args) => compare::run(session, &args),

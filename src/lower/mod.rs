@@ -6,11 +6,13 @@
 //! 4. [`Chain`] multiplies the joints on the walk from the workpiece to the tool.
 
 mod chain;
+mod generators;
 mod joint;
 mod sensitivity;
 mod source;
 
-pub use chain::{Chain, Ideal};
-pub use joint::{JointElements, joint};
+pub use chain::{Chain, Ideal, positions};
+pub use generators::{Declared, Given, WeilLift, given, presence};
+pub use joint::{JointElements, Position, joint};
 pub use sensitivity::{Sensitivity, sensitivities, sensitivities_to};
 pub use source::{ErrorLift, Exact, OrderN, Place, Source, Values, values};
