@@ -1,4 +1,4 @@
-//! Dual numbers of order n: R[i]/<i^(n+1)>.
+//! Dual numbers of order n: `R[i]/<i^(n+1)>`.
 
 use super::Algebra;
 use num_traits::{One, Zero};

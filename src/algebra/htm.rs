@@ -27,7 +27,8 @@ impl<S: Algebra> Htm<S> {
     /// A linear part about a point that stays where it is: `T(point) linear T(-point)`.
     pub fn about(point: &[f64; 3], inner: Self) -> Self {
         let moved = apply(&inner.linear, point);
-        let translation = Vector3::from_fn(|i, _| inner.translation[i].clone() + S::from_real(point[i]) - moved[i].clone());
+        let translation =
+            Vector3::from_fn(|i, _| inner.translation[i].clone() + S::from_real(point[i]) - moved[i].clone());
         Self { linear: inner.linear, translation }
     }
 

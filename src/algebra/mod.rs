@@ -6,6 +6,7 @@
 //! nothing in the trait makes an element from an algebra alone but [`Algebra::from_real`].
 
 mod dual;
+mod group;
 mod htm;
 mod lift;
 mod solve;
@@ -14,10 +15,11 @@ mod tangent;
 pub mod weil;
 
 pub use dual::Dual;
+pub use group::{Inadmissible, Split, admissibility, is_special, orthogonality_defect, split};
 pub use htm::{Htm, exp_hat, hat, rotation_about, rotation_vector, skew_vector};
 pub use solve::{Singular, newton_step, newton_steps, solve};
-pub use tangent::Tangent;
 pub use symbolic::Symbolic;
+pub use tangent::Tangent;
 pub use weil::Weil;
 
 use num_traits::{One, Zero};

@@ -30,9 +30,9 @@ pub fn solve<S: Algebra>(mut matrix: Vec<Vec<S>>, mut right: Vec<S>) -> Result<V
         right.swap(column, pivot);
         for row in column + 1..n {
             let factor = matrix[row][column].clone() * inverse.clone();
-            for k in column..n {
-                let step = factor.clone() * matrix[column][k].clone();
-                matrix[row][k] -= step;
+            let pivots = matrix[column].clone();
+            for (entry, pivot) in matrix[row].iter_mut().zip(pivots).skip(column) {
+                *entry -= factor.clone() * pivot;
             }
             let step = factor * right[column].clone();
             right[row] -= step;

@@ -73,7 +73,8 @@ impl Calculation<'_> {
         let names = self.lift.declared().names();
         let effect = |monomial: &Monomial| {
             let read = |v: &Vector3<Weil>| v.map(|x| x.coefficient(monomial));
-            let each = || monomial.factors().iter().flat_map(|(g, p)| std::iter::repeat_n(usize::from(*g), usize::from(*p)));
+            let each =
+                || monomial.factors().iter().flat_map(|(g, p)| std::iter::repeat_n(usize::from(*g), usize::from(*p)));
             Effect {
                 errors: each().map(|g| names[g].clone()).collect(),
                 deviation: read(&response.position),

@@ -29,9 +29,7 @@ impl Shown<'_> {
 
     fn json(&self) -> serde_json::Value {
         let certificate = self.certificate;
-        let summary = |f: &Figures| {
-            json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis})
-        };
+        let summary = |f: &Figures| json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis});
         let errors: serde_json::Map<_, _> = certificate
             .errors
             .iter()
@@ -53,7 +51,8 @@ impl Shown<'_> {
     }
 
     fn csv(&self) -> String {
-        let rows = self.certificate.errors.iter().map(|e| format!("{},{},{},{}", e.error, word(e.handled), e.alone, e.left));
+        let rows =
+            self.certificate.errors.iter().map(|e| format!("{},{},{},{}", e.error, word(e.handled), e.alone, e.left));
         let header = "error,handled,alone [um],left [um]".to_owned();
         std::iter::once(header).chain(rows).collect::<Vec<_>>().join("\n")
     }
@@ -104,14 +103,26 @@ impl Shown<'_> {
     fn by_error(&self) -> String {
         let mut left: Vec<_> = self.certificate.errors.iter().filter(|e| e.handled != Handled::Fully).collect();
         left.sort_by(|a, b| b.left.total_cmp(&a.left));
-        let gone: Vec<String> =
-            self.certificate.errors.iter().filter(|e| e.handled == Handled::Fully).map(|e| e.error.to_string()).collect();
-        let mut text = format!("Fully compensated: {}\n", if gone.is_empty() { "none".to_owned() } else { gone.join(" ") });
+        let gone: Vec<String> = self
+            .certificate
+            .errors
+            .iter()
+            .filter(|e| e.handled == Handled::Fully)
+            .map(|e| e.error.to_string())
+            .collect();
+        let mut text =
+            format!("Fully compensated: {}\n", if gone.is_empty() { "none".to_owned() } else { gone.join(" ") });
         if !left.is_empty() {
             text.push_str("Left of each error alone (95 %, um; in brackets without compensation):\n");
         }
         for e in left {
-            text.push_str(&format!("  {:6} {:6} {:>8} ({})\n", e.error.to_string(), word(e.handled), significant(e.left, 3), significant(e.alone, 3)));
+            text.push_str(&format!(
+                "  {:6} {:6} {:>8} ({})\n",
+                e.error.to_string(),
+                word(e.handled),
+                significant(e.left, 3),
+                significant(e.alone, 3)
+            ));
         }
         text
     }
@@ -119,9 +130,16 @@ impl Shown<'_> {
     fn cautions(&self) -> String {
         let manifest = &self.target.manifest;
         let [forward, reverse] = &self.certificate.at_reference;
-        let mut text = String::from("At the reference position (all axes at 0) the controller adds, forward / reverse:\n");
+        let mut text =
+            String::from("At the reference position (all axes at 0) the controller adds, forward / reverse:\n");
         for ((axis, f), r) in self.machine.axes().iter().zip(forward).zip(reverse) {
-            text.push_str(&format!("  {:4} {} / {} {}\n", axis.name.to_string(), significant(*f, 4), significant(*r, 4), axis.unit()));
+            text.push_str(&format!(
+                "  {:4} {} / {} {}\n",
+                axis.name.to_string(),
+                significant(*f, 4),
+                significant(*r, 4),
+                axis.unit()
+            ));
         }
         text.push_str("This is also the step at the first motion after switching the compensation on.\n");
         text.push_str("This target cannot correct:\n");

@@ -4,7 +4,7 @@ use super::certificate_output::Shown;
 use super::files::Disk;
 use super::session::Session;
 use super::{Outcome, Stop, file_set, load};
-use crate::compensation::{Scope, Tables};
+use crate::compensation::{Goal, LatticeRequest, Scope, Tables};
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
 use crate::target::{Hashed, Limits, Lock, RenderedFile, Target, certify};
@@ -26,14 +26,23 @@ pub(super) struct Args {
     /// Raise the limits on corrections: length, angle, slope.
     #[arg(long, value_name = "1 mm, 5 mrad, 0.01", value_parser = Limits::parse)]
     max_correction: Option<Limits>,
+    /// Axes that span a lattice; all by default. The others stand at 0 in its nodes.
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
+    lattice: Vec<String>,
+    /// At most so many nodes of a lattice.
+    #[arg(long, value_name = "N", default_value_t = usize::MAX, hide_default_value = true)]
+    nodes: usize,
 }
 
 /// Options that `compile` and `verify` share.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct Options {
-    /// Correct the position with the linear axes, or position and tool direction with all axes.
+    /// What a lattice corrects: the position, or the position and the direction of the tool axis.
     #[arg(long, value_enum, default_value = "position")]
-    pub correct: CorrectArg,
+    pub correct: GoalArg,
+    /// With which axes; linear by default for the position, all for the pose.
+    #[arg(long, value_enum)]
+    pub with: Option<WithArg>,
     /// Which of the machine's tools.
     #[arg(long)]
     pub tool: Option<String>,
@@ -49,12 +58,17 @@ pub(super) struct Options {
 }
 
 /// What is corrected.
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-pub(super) enum CorrectArg {
-    /// The functional point, with the linear axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum GoalArg {
     Position,
-    /// The functional point and the direction of the tool axis, with all axes.
     Pose,
+}
+
+/// Which axes correct.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum WithArg {
+    Linear,
+    All,
 }
 
 /// Below this sine of the angle from a singular pose the rotary axes' correction is bounded: lattice
@@ -63,10 +77,11 @@ const LATTICE_DAMPING: f64 = 0.15;
 
 impl Options {
     pub(super) fn scope(&self) -> Scope {
-        match self.correct {
-            CorrectArg::Position => Scope::Position,
-            CorrectArg::Pose => Scope::Pose { damping: LATTICE_DAMPING },
-        }
+        let (goal, usual) = match self.correct {
+            GoalArg::Position => (Goal::Position, WithArg::Linear),
+            GoalArg::Pose => (Goal::Pose, WithArg::All),
+        };
+        Scope { goal, rotary: self.with.unwrap_or(usual) == WithArg::All, damping: LATTICE_DAMPING }
     }
 
     pub(super) fn target(&self, session: &mut Session, name: &str) -> Result<Target, Stop> {
@@ -75,12 +90,24 @@ impl Options {
     }
 }
 
+/// Indices of the axes that span a lattice: those named, in the order of the chain, or all.
+fn lattice_axes(session: &Session, machine: &Machine, named: &[String]) -> Result<Vec<usize>, Stop> {
+    let all = 0..machine.axes().len();
+    if let Some(unknown) = named.iter().find(|name| machine.axis_index(name).is_none()) {
+        return session.usage(&format!("--lattice: the chain has no axis `{}`", unknown.escape_debug()));
+    }
+    let wanted = |axis: &usize| named.is_empty() || named.iter().any(|name| machine.axis_index(name) == Some(*axis));
+    Ok(all.filter(wanted).collect())
+}
+
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.options.tool.as_deref())?;
     let inputs = inputs(session);
     let target = args.options.target(session, &args.target)?;
     let scope = args.options.scope();
-    let tables = Arc::new(target.tables(&machine, scope));
+    let axes = lattice_axes(session, &machine, &args.lattice)?;
+    let request = LatticeRequest { axes, max_nodes: args.nodes, scope };
+    let tables = Arc::new(target.tables(&machine, &request));
     let limits = args.max_correction.unwrap_or_default();
     limits.exceeded(&machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
     session.checked()?;
@@ -94,7 +121,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         return session.refuse(refusal);
     }
     let names = rendered.iter().map(|file| file.name.clone()).collect();
-    Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.out }.print(session);
+    Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.out }
+        .print(session);
     Ok(())
 }
 
@@ -106,7 +134,13 @@ fn inputs(session: &Session) -> Vec<Hashed> {
 }
 
 /// Reads the rendered bytes back as `verify` would, and insists that they are the tables we meant.
-fn read_back(session: &mut Session, machine: &Machine, target: &Target, files: &[RenderedFile], meant: &Tables) -> Result<Tables, Stop> {
+fn read_back(
+    session: &mut Session,
+    machine: &Machine,
+    target: &Target,
+    files: &[RenderedFile],
+    meant: &Tables,
+) -> Result<Tables, Stop> {
     let text = |file: &RenderedFile| (file.name.clone(), String::from_utf8_lossy(&file.bytes).into_owned());
     let wanted = target.table_files(machine);
     let texts: Vec<_> = files.iter().filter(|file| wanted.contains(&file.name)).map(text).collect();
@@ -115,8 +149,11 @@ fn read_back(session: &mut Session, machine: &Machine, target: &Target, files: &
     match read {
         Some(read) if read == *meant => Ok(read),
         _ => session.refuse(
-            Diagnostic::new("E0707", format!("the files of target `{}` do not read back as what was to be written", target.manifest.target))
-                .help("its templates do not write what its manifest says; nothing was written"),
+            Diagnostic::new(
+                "E0707",
+                format!("the files of target `{}` do not read back as what was to be written", target.manifest.target),
+            )
+            .help("its templates do not write what its manifest says; nothing was written"),
         ),
     }
 }

@@ -30,10 +30,13 @@ impl Effects {
         approach: Approach,
         interacting: bool,
     ) -> Result<Self, Stop> {
-        let calculation = interactions(machine, 1 + u8::from(interacting)).or_else(|refusal| session.refuse(refusal))?;
+        let calculation =
+            interactions(machine, 1 + u8::from(interacting)).or_else(|refusal| session.refuse(refusal))?;
         let at: Vec<Interactions> = poses.iter().map(|pose| calculation.at(pose, approach)).collect();
         let bound = || {
-            let volume = random_poses(machine, BOUND_POSES, 1).into_iter().map(|pose| calculation.at(&pose, approach).neglected());
+            let volume = random_poses(machine, BOUND_POSES, 1)
+                .into_iter()
+                .map(|pose| calculation.at(&pose, approach).neglected());
             let worst = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.max(b.1));
             volume.chain(at.iter().map(Interactions::neglected)).fold((0.0, 0.0), worst)
         };
@@ -59,7 +62,10 @@ impl Effects {
             text.push_str(&format!("Pose {}: what 1 um or 1 urad of an error does\n", number + 1));
             text.push_str(&format!("{}\n", first_table(&at.first)));
             if self.interacting {
-                text.push_str(&format!("Interactions that do most, with the errors as they are\n{}\n", second_table(&at.second)));
+                text.push_str(&format!(
+                    "Interactions that do most, with the errors as they are\n{}\n",
+                    second_table(&at.second)
+                ));
             }
         }
         self.sentence().map_or(text.clone(), |sentence| format!("{text}{sentence}\n"))

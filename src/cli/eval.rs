@@ -1,8 +1,8 @@
 //! `abbe eval`: deviation and E_VE at poses.
 
+use super::effects::{Effects, inverse};
 use super::poses::{PoseArgs, poses};
 use super::session::Session;
-use super::effects::{Effects, inverse};
 use super::view::order_text;
 use super::{Format, Outcome, algebra, load};
 use crate::evaluate::{Evaluation, Frame, MAX_DUAL_ORDER, Order, evaluate, evaluate_over};
@@ -97,9 +97,11 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     };
     let results: Vec<_> = poses.iter().map(result).collect();
     let order = lift.as_ref().map_or_else(|| order_text(order), algebra::name);
-    let effects = args.sensitivity.then(|| Effects::new(session, &machine, &poses, approach, args.interactions)).transpose()?;
+    let effects =
+        args.sensitivity.then(|| Effects::new(session, &machine, &poses, approach, args.interactions)).transpose()?;
     let mut displacements = Vec::new();
-    for (lift, pose) in lift.iter().filter(|_| args.inverse).flat_map(|lift| poses.iter().map(move |pose| (lift, pose))) {
+    for (lift, pose) in lift.iter().filter(|_| args.inverse).flat_map(|lift| poses.iter().map(move |pose| (lift, pose)))
+    {
         displacements.push(inverse(session, &machine, pose, lift, approach)?);
     }
     let report = Report { machine: &machine, poses: &poses, results: &results, order, frame, effects, displacements };
@@ -160,7 +162,8 @@ impl Report<'_> {
 
     fn pose_json(&self, index: usize) -> serde_json::Value {
         let (pose, result) = (&self.poses[index], &self.results[index]);
-        let axes: serde_json::Map<_, _> = self.axes().zip(pose).map(|(name, q)| (name.to_owned(), json!(plain(*q)))).collect();
+        let axes: serde_json::Map<_, _> =
+            self.axes().zip(pose).map(|(name, q)| (name.to_owned(), json!(plain(*q)))).collect();
         let e_ve: Vec<[f64; 4]> = (0..4).map(|i| std::array::from_fn(|j| plain(result.e_ve[(i, j)]))).collect();
         let mut fields = json!({
             "axes": axes, "nominal": row(&result.nominal), "deviation": row(&result.deviation.position),
@@ -170,7 +173,8 @@ impl Report<'_> {
             fields[name] = value;
         }
         if let Some(by) = self.displacements.get(index) {
-            fields["inverse"] = by.iter().map(|(axis, by)| (axis.clone(), json!(plain(*by)))).collect::<serde_json::Map<_, _>>().into();
+            fields["inverse"] =
+                by.iter().map(|(axis, by)| (axis.clone(), json!(plain(*by)))).collect::<serde_json::Map<_, _>>().into();
         }
         fields
     }

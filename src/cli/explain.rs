@@ -30,7 +30,9 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 fn explanation(what: &str) -> Option<(String, String)> {
-    let code = |code: &CodeInfo| (code.code.to_owned(), format!("{}: {}\n\n{}", code.code, code.title, code.explanation.trim()));
+    let code = |code: &CodeInfo| {
+        (code.code.to_owned(), format!("{}: {}\n\n{}", code.code, code.title, code.explanation.trim()))
+    };
     let target = |target: Target| (target.manifest.target.clone(), targets::describe(&target));
     info(what).map(code).or_else(|| Target::embedded(what).map(target)).or_else(|| error_name(what))
 }
@@ -46,9 +48,14 @@ fn describe(id: &ErrorId) -> String {
     let mut text = if id.location {
         format!("{id}: location error of axis {}: {motion} {letter} of its axis of motion, a constant.\n", id.axis)
     } else {
-        format!("{id}: component error of axis {}: {motion} {letter} while {} moves, a function of its position.\n", id.axis, id.axis)
+        format!(
+            "{id}: component error of axis {}: {motion} {letter} while {} moves, a function of its position.\n",
+            id.axis, id.axis
+        )
     };
-    text.push_str("Sign: tool relative to workpiece, actual minus nominal, in the directions of the machine frame (ISO 841).\n");
+    text.push_str(
+        "Sign: tool relative to workpiece, actual minus nominal, in the directions of the machine frame (ISO 841).\n",
+    );
     if let Some(sentence) = squareness(id) {
         text.push_str(sentence);
         text.push('\n');
@@ -60,9 +67,15 @@ fn describe(id: &ErrorId) -> String {
 /// The sentence that says the sign of a squareness without a sign.
 fn squareness(id: &ErrorId) -> Option<&'static str> {
     match (id.location, id.direction, id.axis.as_str()) {
-        (true, Direction::C, "Y") => Some("Squareness of Y to X: positive when the angle between +X and +Y is above 90 degrees. +10 urad at Y = 500 mm moves the tool by -5 um in X."),
-        (true, Direction::B, "Z") => Some("Squareness of Z to X: positive when the angle between +X and +Z is below 90 degrees. +10 urad at Z = 300 mm moves the tool by +3 um in X."),
-        (true, Direction::A, "Z") => Some("Squareness of Z to Y: positive when the angle between +Y and +Z is above 90 degrees. +10 urad at Z = 300 mm moves the tool by -3 um in Y."),
+        (true, Direction::C, "Y") => Some(
+            "Squareness of Y to X: positive when the angle between +X and +Y is above 90 degrees. +10 urad at Y = 500 mm moves the tool by -5 um in X.",
+        ),
+        (true, Direction::B, "Z") => Some(
+            "Squareness of Z to X: positive when the angle between +X and +Z is below 90 degrees. +10 urad at Z = 300 mm moves the tool by +3 um in X.",
+        ),
+        (true, Direction::A, "Z") => Some(
+            "Squareness of Z to Y: positive when the angle between +Y and +Z is above 90 degrees. +10 urad at Z = 300 mm moves the tool by -3 um in Y.",
+        ),
         _ => None,
     }
 }

@@ -3,10 +3,10 @@
 //! Files that the manifest in the folder lists with their present bytes are ours and are replaced;
 //! a file of the same name that is not is foreign or hand-edited and is refused; others are left alone.
 
+use super::files::Disk;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::syntax::{Files, ReadFailure};
 use crate::target::{LOCK_NAME, Lock, RenderedFile};
-use super::files::Disk;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 //! From a path to a valid machine.
 
+use super::Stop;
 use super::files::Disk;
 use super::session::Session;
-use super::Stop;
 use crate::diagnostic::Diagnostic;
 use crate::machine::{self, Machine};
 use crate::syntax;

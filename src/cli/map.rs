@@ -49,7 +49,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "Z=-100,A=30", requires = "svg", allow_hyphen_values = true)]
     at: Option<String>,
     /// What the colours of the picture show.
-    #[arg(long, value_enum, default_value = "length")]
+    #[arg(long, value_enum, default_value = "length", requires = "svg")]
     component: ComponentArg,
 }
 

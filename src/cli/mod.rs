@@ -5,6 +5,7 @@
 mod algebra;
 mod certificate_output;
 mod check;
+mod classify;
 mod compare;
 mod compile;
 mod effects;
@@ -89,6 +90,8 @@ enum Verb {
     Eval(eval::Args),
     /// The closed forms: joint matrices, E_VE and deviations as polynomials in the errors.
     Equations(equations::Args),
+    /// Which motion and which errors a 4x4 matrix over the dual numbers is.
+    Classify(classify::Args),
     /// The error over a volume.
     Map(map::Args),
     /// Machines side by side on the same tool poses.
@@ -143,6 +146,7 @@ fn usage(message: &clap::Error) -> ExitCode {
 fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
     match verb {
         Verb::Eval(args) => eval::run(session, &args),
+        Verb::Classify(args) => classify::run(session, &args),
         Verb::Equations(args) => equations::run(session, &args),
         Verb::Show(args) => show::run(session, &args),
         Verb::Map(args) => map::run(session, &args),

@@ -1,8 +1,8 @@
 //! Poses from the command line (`--at X=100,C=90`) and from CSV files.
 
+use super::Stop;
 use super::files::Disk;
 use super::session::Session;
-use super::Stop;
 use crate::diagnostic::{Diagnostic, Place, SourceId};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::syntax::read_text;
@@ -62,7 +62,9 @@ fn position(machine: &Machine, axis: usize, text: &str) -> Result<f64, String> {
     let quantity = units::quantity(text).map_err(|_| failure.to_string())?;
     let linear = machine.axes()[axis].kind == AxisKind::Linear;
     let value = if linear { quantity.as_length() } else { quantity.as_angle().map(f64::to_degrees) };
-    value.ok_or_else(|| format!("`{text}` is {}, not a position in {}", quantity.dimension.word(), machine.axes()[axis].unit()))
+    value.ok_or_else(|| {
+        format!("`{text}` is {}, not a position in {}", quantity.dimension.word(), machine.axes()[axis].unit())
+    })
 }
 
 fn unknown_axis(machine: &Machine, name: &str) -> String {
@@ -82,9 +84,11 @@ fn from_file(session: &mut Session, machine: &Machine, path: &Path) -> Result<Ve
     let parsed = parse(machine, &text);
     parsed.or_else(|(line, message)| {
         let place = Some(line_place(source, &text, line));
-        session.refuse(Diagnostic::new("E0802", message).at(place, "").help(
-            "a pose file has a header of axis names (`X, Y, C` or `X [mm]`) and one pose a line, mm and deg",
-        ))
+        session.refuse(
+            Diagnostic::new("E0802", message)
+                .at(place, "")
+                .help("a pose file has a header of axis names (`X, Y, C` or `X [mm]`) and one pose a line, mm and deg"),
+        )
     })
 }
 
@@ -167,7 +171,9 @@ pub(super) fn check(session: &mut Session, machine: &Machine, poses: &[Pose]) ->
     beyond.sort_unstable();
     beyond.dedup();
     for name in beyond {
-        session.diagnostics.push(Diagnostic::new("W0801", format!("poses beyond the travel of `{name}` were evaluated")));
+        session
+            .diagnostics
+            .push(Diagnostic::new("W0801", format!("poses beyond the travel of `{name}` were evaluated")));
     }
     session.checked()
 }

@@ -45,7 +45,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let certificate =
         certify(&machine, &target, &tables, args.options.scope(), args.options.poses as usize, args.options.seed);
-    Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.folder }.print(session);
+    Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.folder }
+        .print(session);
     Ok(())
 }
 
@@ -82,7 +83,8 @@ fn warn_edited(session: &mut Session, folder: &Path, names: &[String]) {
 fn print_replay(session: &mut Session, machine: &Machine, target: &Target, replay: &Replay, path: &Path) -> Outcome {
     let read = crate::syntax::read_text(path, None, &super::files::Disk, &mut session.diagnostics);
     let Some((_, text)) = read else { return Err(Stop::Refused) };
-    let letters = crate::target::assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
+    let letters =
+        crate::target::assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
     let mut out = String::from("joint,direction,position,correction\n");
     for line in text.lines().skip(1) {
         let mut cells = line.split(',');

@@ -5,26 +5,30 @@ use crate::evaluate::{Deviation, command_deviation};
 use crate::lower::Ideal;
 use crate::machine::{Approach, Machine};
 
+/// What is corrected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Goal {
+    /// The position of the functional point.
+    Position,
+    /// The position and the direction of the tool axis; rotation about the tool axis is left.
+    Pose,
+}
+
 /// What is corrected, and with which axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Scope {
-    /// The position of the functional point, with the linear axes.
-    Position,
-    /// The position and the direction of the tool axis, with all axes; rotation about the tool axis
-    /// is left. Rotary axes are trusted down to this sensitivity (sine of the angle from a singular pose).
-    Pose {
-        /// Below it their correction is bounded instead of exact.
-        damping: f64,
-    },
+pub struct Scope {
+    /// What.
+    pub goal: Goal,
+    /// With the rotary axes too? They turn the tool, and move it where the linear axes cannot.
+    pub rotary: bool,
+    /// Rotary axes are trusted with the direction of the tool down to this sensitivity (sine of the
+    /// angle from a singular pose); below it their correction is bounded instead of exact.
+    pub damping: f64,
 }
 
 impl Scope {
-    fn damping(self) -> Option<f64> {
-        match self {
-            Self::Position => None,
-            Self::Pose { damping } => Some(damping),
-        }
-    }
+    /// The position, with the linear axes.
+    pub const POSITION: Self = Self { goal: Goal::Position, rotary: false, damping: 0.0 };
 }
 
 /// The solution for one pose.
@@ -51,7 +55,7 @@ pub fn correct(machine: &Machine, pose: &[f64], approach: Approach, scope: Scope
     let mut correction = Correction::none(machine);
     let mut left = command_deviation(machine, &ideal, pose, approach);
     for _ in 0..MOST_STEPS {
-        let step = jacobian.correction(&left, &correction, scope.damping());
+        let step = jacobian.correction(&left, &correction, scope);
         correction.0.iter_mut().zip(&step.0).for_each(|(c, s)| *c += s);
         left = command_deviation(machine, &ideal, &correction.applied(pose), approach);
         if step.0.iter().all(|s| s.abs() < SMALL_STEP) || settled(&left, scope) {
@@ -63,5 +67,5 @@ pub fn correct(machine: &Machine, pose: &[f64], approach: Approach, scope: Scope
 
 /// Nothing left that the scope asks for: far below any controller's increment.
 fn settled(left: &Deviation, scope: Scope) -> bool {
-    scope == Scope::Position && left.position.amax() < 1e-10
+    scope.goal == Goal::Position && left.position.amax() < 1e-10
 }

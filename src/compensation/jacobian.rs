@@ -1,5 +1,6 @@
 //! First-order motion of the ideal machine, and the one place where a deviation becomes a correction.
 
+use super::{Goal, Scope};
 use crate::evaluate::Deviation;
 use crate::lower::Chain;
 use crate::machine::{AxisKind, Machine};
@@ -63,17 +64,23 @@ impl Jacobian {
         Self { kinds: machine.axes().iter().map(|axis| axis.kind).collect(), displacement, tilt, across }
     }
 
-    /// The correction that takes a deviation away, to first order. `so_far` is what the rotary axes have been corrected by already; `damping` the
-    /// smallest sensitivity (rad per rad) at which they are still trusted, `None` to leave them alone.
-    pub fn correction(&self, deviation: &Deviation, so_far: &Correction, damping: Option<f64>) -> Correction {
+    /// The correction that takes a deviation away, to first order: a step from what the rotary axes
+    /// have been corrected by `so_far`.
+    pub fn correction(&self, deviation: &Deviation, so_far: &Correction, scope: Scope) -> Correction {
         let mut step = vec![0.0; self.kinds.len()];
         let mut wanted = deviation.position.map(against);
-        if let Some(threshold) = damping {
-            let tilt = Vector2::new(deviation.rotation.dot(&self.across[0]), deviation.rotation.dot(&self.across[1]));
-            for (axis, angle) in self.rotary_step(tilt.map(against), so_far, threshold) {
-                wanted -= self.displacement[axis] * angle;
-                step[axis] = angle.to_degrees();
+        let turns = match scope.goal {
+            _ if !scope.rotary => Vec::new(),
+            Goal::Pose => {
+                let tilt =
+                    Vector2::new(deviation.rotation.dot(&self.across[0]), deviation.rotation.dot(&self.across[1]));
+                self.turning_step(tilt.map(against), so_far, scope.damping)
             }
+            Goal::Position => self.reaching_step(wanted, so_far),
+        };
+        for (axis, angle) in turns {
+            wanted -= self.displacement[axis] * angle;
+            step[axis] = angle.to_degrees();
         }
         for (axis, way) in self.linear_step(wanted) {
             step[axis] = way;
@@ -96,7 +103,7 @@ impl Jacobian {
 
     /// Damped least squares `min |J x - tilt|^2 + l^2 |x + so_far|^2`: near a singular pose (tool
     /// parallel to the last rotary axis) the damping l grows from 0 to the threshold and bounds x.
-    fn rotary_step(&self, tilt: Vector2<f64>, so_far: &Correction, threshold: f64) -> Vec<(usize, f64)> {
+    fn turning_step(&self, tilt: Vector2<f64>, so_far: &Correction, threshold: f64) -> Vec<(usize, f64)> {
         let axes: Vec<usize> = self.axes(AxisKind::Rotary).collect();
         let gram: Matrix2<f64> = axes.iter().map(|i| self.tilt[*i] * self.tilt[*i].transpose()).sum();
         let square = damping(&gram, axes.len(), threshold);
@@ -106,6 +113,23 @@ impl Jacobian {
         let damped = gram + Matrix2::identity() * (square + f64::EPSILON);
         let weights = solve2(&damped, &goal);
         axes.iter().map(|i| (*i, self.tilt[*i].dot(&weights) - total(*i))).collect()
+    }
+
+    /// Rotary motion towards where the linear axes cannot go (a lathe with C for a third axis).
+    fn reaching_step(&self, wanted: Vector3<f64>, so_far: &Correction) -> Vec<(usize, f64)> {
+        // mm per rad: far below any lever arm that is worth turning about.
+        const SHORTEST_ARM: f64 = 0.1;
+        let beyond = |v: Vector3<f64>| {
+            v - self.linear_step(v).iter().map(|(i, way)| self.displacement[*i] * *way).sum::<Vector3<f64>>()
+        };
+        let axes: Vec<(usize, Vector3<f64>)> =
+            self.axes(AxisKind::Rotary).map(|i| (i, beyond(self.displacement[i]))).collect();
+        let total = |i: usize| so_far.0[i].to_radians();
+        let goal: Vector3<f64> = beyond(wanted) + axes.iter().map(|(i, arm)| arm * total(*i)).sum::<Vector3<f64>>();
+        let gram: Matrix3<f64> = axes.iter().map(|(_, arm)| arm * arm.transpose()).sum();
+        let damped = gram + Matrix3::identity() * (SHORTEST_ARM * SHORTEST_ARM);
+        let weights = damped.cholesky().map_or_else(Vector3::zeros, |c| c.solve(&goal));
+        axes.iter().map(|(i, arm)| (*i, arm.dot(&weights) - total(*i))).collect()
     }
 
     /// Shortest motion of the linear axes that moves the functional point as wanted, as far as they can.

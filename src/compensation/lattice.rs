@@ -5,15 +5,28 @@ use crate::evaluate::{Bare, Field, Order, random_poses};
 use crate::machine::{Approach, AxisKind, Grid, Machine, Pose};
 use rayon::prelude::*;
 
-/// Fills a lattice over all axes of the volume. Nodes are solved for the mean of forward and reverse.
-pub fn lattice(machine: &Machine, capability: &LatticeCapability, scope: Scope) -> Lattice {
-    let rotary = capability.corrects_rotary && matches!(scope, Scope::Pose { .. });
-    let kept = |axis: &usize| rotary || machine.axes()[*axis].kind == AxisKind::Linear;
-    let all = 0..machine.axes().len();
-    let corrected = all.clone().filter(kept).collect();
-    let mut lattice =
-        Lattice { axes: all.collect(), nodes: lattice_nodes(machine, capability), corrected, values: Vec::new() };
-    let scope = if rotary { scope } else { Scope::Position };
+/// Which lattice is wanted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LatticeRequest {
+    /// Indices of the axes that span it, in the order of the machine's axes; the others stand at 0.
+    pub axes: Vec<usize>,
+    /// At most so many nodes (and never more than the capability's).
+    pub max_nodes: usize,
+    /// What is corrected.
+    pub scope: Scope,
+}
+
+/// Fills a lattice. Nodes are solved for the mean of forward and reverse.
+pub fn lattice(machine: &Machine, capability: &LatticeCapability, request: &LatticeRequest) -> Lattice {
+    let scope = Scope { rotary: request.scope.rotary && capability.corrects_rotary, ..request.scope };
+    let kept = |axis: &usize| scope.rotary || machine.axes()[*axis].kind == AxisKind::Linear;
+    let max_nodes = request.max_nodes.min(capability.max_nodes);
+    let mut lattice = Lattice {
+        axes: request.axes.clone(),
+        nodes: lattice_nodes(machine, &request.axes, max_nodes),
+        corrected: (0..machine.axes().len()).filter(kept).collect(),
+        values: Vec::new(),
+    };
     lattice.values = (0..lattice.len())
         .into_par_iter()
         .flat_map_iter(|number| {
@@ -24,25 +37,25 @@ pub fn lattice(machine: &Machine, capability: &LatticeCapability, scope: Scope) 
     lattice
 }
 
-/// Nodes of every axis: the steps of the machine file's volume, made coarser where that costs least
-/// until the capability is not exceeded.
-pub fn lattice_nodes(machine: &Machine, capability: &LatticeCapability) -> Vec<Vec<f64>> {
-    let volume = machine.volume();
-    let mut counts: Vec<usize> = volume.iter().map(steps).collect();
-    let mut errors: Vec<Option<f64>> = vec![None; counts.len()];
-    while counts.iter().product::<usize>() > capability.max_nodes {
-        for (axis, error) in errors.iter_mut().enumerate() {
-            let coarser = coarser(counts[axis]);
-            let fresh = || coarser.map_or(f64::INFINITY, |n| interpolation_error(machine, axis, n));
-            let _ = error.get_or_insert_with(fresh);
+/// Nodes of the given axes: the steps of the machine file's volume, made coarser where that costs
+/// least until there are no more than `max_nodes`.
+pub fn lattice_nodes(machine: &Machine, axes: &[usize], max_nodes: usize) -> Vec<Vec<f64>> {
+    let volume: Vec<&Grid> = axes.iter().map(|axis| &machine.volume()[*axis]).collect();
+    let mut counts: Vec<usize> = volume.iter().map(|grid| steps(grid)).collect();
+    let mut costs: Vec<Option<f64>> = vec![None; counts.len()];
+    while counts.iter().fold(1, |product: usize, n| product.saturating_mul(*n)) > max_nodes {
+        for (place, cost) in costs.iter_mut().enumerate() {
+            let fresh =
+                || coarser(counts[place]).map_or(f64::INFINITY, |n| interpolation_error(machine, axes[place], n));
+            let _ = cost.get_or_insert_with(fresh);
         }
-        let cheapest = errors.iter().enumerate().min_by(|a, b| a.1.unwrap_or(f64::INFINITY).total_cmp(&b.1.unwrap_or(f64::INFINITY)));
-        let Some((axis, _)) = cheapest else { break };
-        let Some(count) = coarser(counts[axis]) else { break };
-        counts[axis] = count;
-        errors[axis] = None;
+        let cost = |place: &usize| costs[*place].unwrap_or(f64::INFINITY);
+        let cheapest = (0..counts.len()).min_by(|a, b| cost(a).total_cmp(&cost(b)));
+        let Some((place, count)) = cheapest.and_then(|place| Some((place, coarser(counts[place])?))) else { break };
+        counts[place] = count;
+        costs[place] = None;
     }
-    volume.iter().zip(counts).map(|(grid, n)| spread(grid, n)).collect()
+    volume.into_iter().zip(counts).map(|(grid, n)| spread(grid, n)).collect()
 }
 
 /// Nodes that keep every distance within the step.
@@ -85,6 +98,7 @@ fn interpolation_error(machine: &Machine, axis: usize, count: usize) -> f64 {
 /// Corrections of the linear axes to first order (mm).
 fn linear_correction(machine: &Machine, pose: &[f64]) -> Vec<f64> {
     let deviation = Bare { machine, order: Order::Exact }.deviation(pose, Approach::Mean);
-    let Correction(all) = Jacobian::at(machine, pose).correction(&deviation, &Correction::none(machine), None);
+    let Correction(all) =
+        Jacobian::at(machine, pose).correction(&deviation, &Correction::none(machine), Scope::POSITION);
     all
 }

@@ -88,7 +88,8 @@ impl Lattice {
 impl Tables {
     /// Rounds every stored number to the increment of the format.
     pub fn quantise(&mut self, increment: Increment) {
-        let position = |values: &mut Vec<f64>| values.iter_mut().for_each(|x| *x = round(*x, increment.position_decimals));
+        let position =
+            |values: &mut Vec<f64>| values.iter_mut().for_each(|x| *x = round(*x, increment.position_decimals));
         let correction =
             |values: &mut Vec<f64>| values.iter_mut().for_each(|x| *x = round(*x, increment.correction_decimals));
         match self {
@@ -118,9 +119,13 @@ impl Tables {
             Self::OwnAxis(tables) => Box::new(
                 tables.iter().flat_map(|t| t.forward.iter().chain(&t.reverse).map(move |value| (t.axis, *value))),
             ),
-            Self::Lattice(lattice) => {
-                Box::new(lattice.values.iter().enumerate().map(|(i, value)| (lattice.corrected[i % lattice.corrected.len()], *value)))
-            }
+            Self::Lattice(lattice) => Box::new(
+                lattice
+                    .values
+                    .iter()
+                    .enumerate()
+                    .map(|(i, value)| (lattice.corrected[i % lattice.corrected.len()], *value)),
+            ),
         }
     }
 }

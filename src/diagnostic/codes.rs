@@ -89,6 +89,7 @@ pub const CODES: &[CodeInfo] = &[
     code!("E0812", "too many poses for a map"),
     code!("E0813", "no tool pose in common"),
     code!("E0814", "not an algebra"),
+    code!("E0815", "not a matrix over the dual numbers"),
     code!("W0201", "no version of the language"),
     code!("W0401", "an axis is left out"),
     code!("W0402", "a location error cannot act"),

@@ -172,9 +172,6 @@ impl Ideal {
     /// The ideal machine at a pose (mm, deg).
     pub fn at(machine: &Machine, pose: &[f64]) -> Self {
         let chain = Chain::<f64>::ideal(machine, pose);
-        Self {
-            pose: chain.tool_in_workpiece(&machine.workpiece()),
-            r_work: chain.t_work_inverse().linear.transpose(),
-        }
+        Self { pose: chain.tool_in_workpiece(&machine.workpiece()), r_work: chain.t_work_inverse().linear.transpose() }
     }
 }

@@ -106,7 +106,8 @@ impl Declared {
 
     /// The generator of a name; `x1` is the first one.
     pub fn generator(&self, name: &str) -> Option<u16> {
-        let numbered = || name.strip_prefix('x')?.parse::<usize>().ok()?.checked_sub(1).filter(|k| *k < self.names.len());
+        let numbered =
+            || name.strip_prefix('x')?.parse::<usize>().ok()?.checked_sub(1).filter(|k| *k < self.names.len());
         let spelt = || self.position(&parse_error_name(name)?.to_string());
         let index = self.position(name).or_else(numbered).or_else(spelt)?;
         u16::try_from(index).ok()
@@ -161,7 +162,9 @@ impl Declared {
     fn refusal(&self, failure: &BasisFailure) -> Diagnostic {
         let (count, degree) = (self.names.len(), self.ideal.degree);
         match failure {
-            BasisFailure::KillsOne => Diagnostic::new("E0502", "the ideal contains 1: nothing would be left of the algebra"),
+            BasisFailure::KillsOne => {
+                Diagnostic::new("E0502", "the ideal contains 1: nothing would be left of the algebra")
+            }
             BasisFailure::Degree(degree) => Diagnostic::new("E0215", format!("an algebra of degree {degree}")),
             BasisFailure::Generator(k) => self.unknown(&format!("x{}", k + 1)),
             BasisFailure::Size(size) => {
@@ -190,7 +193,8 @@ fn generator_name(generators: &Generators, given: &Given) -> String {
         Generators::Single => "i".to_owned(),
         Generators::PerAxis => given.error.as_ref().map_or_else(|| whole(&given.name), |id| id.axis.to_string()),
         Generators::Groups(groups) => {
-            let member = |(_, errors): &&(String, Vec<ErrorId>)| given.error.as_ref().is_some_and(|e| errors.contains(e));
+            let member =
+                |(_, errors): &&(String, Vec<ErrorId>)| given.error.as_ref().is_some_and(|e| errors.contains(e));
             groups.iter().find(member).map_or_else(|| given.name.clone(), |(name, _)| name.clone())
         }
     }

@@ -79,7 +79,8 @@ pub fn joint<S: Algebra>(
     let carried = conventions.location == Location::CarriedBody;
     let nominal = nominal(axis, position);
     let error = errors.component.as_ref().map(|six| invert_if(body, error_motion(six, conventions.joints)));
-    let location = errors.location.as_ref().map(|six| invert_if(body && carried, error_motion(six, conventions.joints)));
+    let location =
+        errors.location.as_ref().map(|six| invert_if(body && carried, error_motion(six, conventions.joints)));
     let bracket = match location {
         Some(location) if carried => {
             let inner = with_error(axis, conventions, nominal, error);

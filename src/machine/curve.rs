@@ -183,9 +183,8 @@ fn second_derivatives(knots: &Knots) -> Vec<f64> {
 }
 
 fn natural_spline(h: &[f64], slope: &[f64]) -> Vec<f64> {
-    let rows: Vec<[f64; 4]> = (1..h.len())
-        .map(|i| [h[i - 1], 2.0 * (h[i - 1] + h[i]), h[i], 6.0 * (slope[i] - slope[i - 1])])
-        .collect();
+    let rows: Vec<[f64; 4]> =
+        (1..h.len()).map(|i| [h[i - 1], 2.0 * (h[i - 1] + h[i]), h[i], 6.0 * (slope[i] - slope[i - 1])]).collect();
     let mut second = vec![0.0];
     second.extend(tridiagonal(&rows));
     second.push(0.0);
@@ -205,7 +204,13 @@ fn periodic_spline(h: &[f64], slope: &[f64]) -> Vec<f64> {
     rows[n - 1][1] -= corner * corner / gamma;
     let base = tridiagonal(&rows);
     for (i, row) in rows.iter_mut().enumerate() {
-        row[3] = if i == 0 { gamma } else if i == n - 1 { corner } else { 0.0 };
+        row[3] = if i == 0 {
+            gamma
+        } else if i == n - 1 {
+            corner
+        } else {
+            0.0
+        };
     }
     let side = tridiagonal(&rows);
     let factor = (base[0] + corner * base[n - 1] / gamma) / (1.0 + side[0] + corner * side[n - 1] / gamma);

@@ -1,7 +1,8 @@
 //! [`Machine`] and what it is made of.
 
 use super::{
-    AlgebraChoice, Approach, Axis, AxisKind, AxisName, Conventions, Direction, ErrorId, ErrorTerm, JointErrors, KinematicChain, Travel,
+    AlgebraChoice, Approach, Axis, AxisKind, AxisName, Conventions, Direction, ErrorId, ErrorTerm, JointErrors,
+    KinematicChain, Travel,
 };
 
 /// Positions of all axes as programmed (mm, deg), in the order of [`Machine::axes`].
@@ -92,7 +93,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Only [`super::resolve`] makes machines, after its checks.
+    /// Only [`super::resolve()`] makes machines, after its checks.
     pub(in crate::machine) fn new(parts: MachineParts) -> Self {
         Self { parts, tool: 0 }
     }
@@ -181,9 +182,9 @@ impl Machine {
     /// Every error that is given, with its term, joint by joint.
     pub fn errors(&self) -> impl Iterator<Item = (ErrorId, &ErrorTerm)> {
         self.joint_names().zip(&self.parts.errors).flat_map(|(axis, errors)| {
-            errors.iter().map(move |(location, direction, term)| {
-                (ErrorId { axis: axis.clone(), location, direction }, term)
-            })
+            errors
+                .iter()
+                .map(move |(location, direction, term)| (ErrorId { axis: axis.clone(), location, direction }, term))
         })
     }
 

@@ -379,13 +379,14 @@ impl Bands {
 
     fn bar(&self, svg: &mut Svg, corner: (f64, f64), height: f64, quantity: &str) {
         let band = height / self.count as f64;
+        // Every how many levels there is a number; zero has one.
         let every = self.count.div_ceil((height / 18.0) as usize).max(1);
         for k in 0..=self.count {
             let y = corner.1 + height - band * k as f64;
             if k < self.count {
                 svg.rect((corner.0, y - band), (18.0, band), &format!(r#"fill="{}""#, self.colour(k)));
             }
-            if k % every == 0 {
+            if ((self.level(k) / self.step).round() as i64) % every as i64 == 0 {
                 svg.line((corner.0 + 18.0, y), (corner.0 + 23.0, y), &format!(r#"stroke="{INK}""#));
                 svg.text(
                     (corner.0 + 27.0, y + 4.0),

@@ -8,8 +8,10 @@
 use super::replay::{Compensated, Replay};
 use super::{Controller, Target};
 use crate::compensation::{Capability, Correction, Jacobian, Lattice, Scope, Tables, own_axis_tables};
-use crate::evaluate::{Bare, Deviation, Field, Order, Statistics, Summary, error_by_error, random_poses, tool_axis_tilt};
-use crate::machine::{Approach, ErrorId, ErrorTerm, Machine, Pose};
+use crate::evaluate::{
+    Bare, Deviation, Field, Order, Statistics, Summary, error_by_error, random_poses, tool_axis_tilt,
+};
+use crate::machine::{Approach, AxisKind, ErrorId, ErrorTerm, Machine, Pose};
 use rayon::prelude::*;
 
 /// How much of one error a target takes away.
@@ -64,7 +66,14 @@ pub struct Certificate {
 }
 
 /// Compares the machine with and without tables on `count` seeded poses.
-pub fn certify(machine: &Machine, target: &Target, tables: &Tables, scope: Scope, count: usize, seed: u64) -> Certificate {
+pub fn certify(
+    machine: &Machine,
+    target: &Target,
+    tables: &Tables,
+    scope: Scope,
+    count: usize,
+    seed: u64,
+) -> Certificate {
     let controller = target.manifest.controller;
     let poses: Vec<Pose> = random_poses(machine, count, seed);
     let bare = Bare { machine, order: Order::Exact };
@@ -117,8 +126,11 @@ impl Singles<'_> {
                 let alone = |error: &ErrorId| {
                     let machine = self.machine.filtered(|id| id == error);
                     let tables = Tables::OwnAxis(own_axis_tables(&machine, &capability));
-                    let compensated = Compensated { machine: &machine, replay: Replay::new(&machine, &tables, self.controller) };
-                    let p95 = |field: &dyn Field| Statistics::of(&deviations(field, self.poses, Approach::Mean)).position_um.p95;
+                    let compensated =
+                        Compensated { machine: &machine, replay: Replay::new(&machine, &tables, self.controller) };
+                    let p95 = |field: &dyn Field| {
+                        Statistics::of(&deviations(field, self.poses, Approach::Mean)).position_um.p95
+                    };
                     verdict(error.clone(), p95(&Bare { machine: &machine, order: Order::Exact }), p95(&compensated))
                 };
                 ids.par_iter().map(alone).collect()
@@ -151,11 +163,12 @@ impl Singles<'_> {
     fn each_error_left(&self, lattice: &Lattice, replay: &Replay, pose: &[f64]) -> Vec<(Deviation, Deviation)> {
         let here = error_by_error(self.machine, pose, Approach::Mean);
         let mut added = vec![vec![0.0; pose.len()]; here.len()];
+        let scope = self.scope(lattice);
         for (node, weight) in replay.corners(lattice, pose) {
             let place = lattice.pose(self.machine, node);
             let jacobian = Jacobian::at(self.machine, &place);
             for (sum, (_, deviation)) in added.iter_mut().zip(error_by_error(self.machine, &place, Approach::Mean)) {
-                let Correction(step) = jacobian.correction(&deviation, &Correction::none(self.machine), self.damping(lattice));
+                let Correction(step) = jacobian.correction(&deviation, &Correction::none(self.machine), scope);
                 lattice.corrected.iter().for_each(|axis| sum[*axis] += weight * step[*axis]);
             }
         }
@@ -167,12 +180,10 @@ impl Singles<'_> {
         here.into_iter().zip(added).map(after).collect()
     }
 
-    fn damping(&self, lattice: &Lattice) -> Option<f64> {
-        let rotary = lattice.corrected.iter().any(|axis| self.machine.axes()[*axis].kind == crate::machine::AxisKind::Rotary);
-        match self.scope {
-            Scope::Pose { damping } if rotary => Some(damping),
-            _ => None,
-        }
+    /// What the tables correct: without rotary columns, the rotary axes were left alone.
+    fn scope(&self, lattice: &Lattice) -> Scope {
+        let rotary = lattice.corrected.iter().any(|axis| self.machine.axes()[*axis].kind == AxisKind::Rotary);
+        Scope { rotary, ..self.scope }
     }
 }
 

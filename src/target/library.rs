@@ -56,7 +56,9 @@ impl Target {
             Ok(manifest) => manifest,
             Err(failure) => {
                 let message = format!("`{}`: {failure}", folder.join("target.yaml").display());
-                diagnostics.push(Diagnostic::new("E0703", message).help("docs/adding-a-target.md lists the keys of a manifest"));
+                diagnostics.push(
+                    Diagnostic::new("E0703", message).help("docs/adding-a-target.md lists the keys of a manifest"),
+                );
                 return None;
             }
         };

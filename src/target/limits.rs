@@ -48,14 +48,29 @@ impl Limits {
         let [linear, rotary] = tables.largest(machine);
         let name = |axis: usize| machine.axes()[axis].name.as_str();
         let length = linear.filter(|(_, c)| c.abs() > self.length).map(|(axis, c)| {
-            refusal(format!("a correction of {} mm for `{}` is above the limit of {} mm", significant(c, 4), name(axis), self.length))
+            refusal(format!(
+                "a correction of {} mm for `{}` is above the limit of {} mm",
+                significant(c, 4),
+                name(axis),
+                self.length
+            ))
         });
         let angle = rotary.filter(|(_, c)| c.to_radians().abs() > self.angle).map(|(axis, c)| {
             let mrad = |rad: f64| significant(rad * 1e3, 4);
-            refusal(format!("a correction of {} mrad for `{}` is above the limit of {} mrad", mrad(c.to_radians()), name(axis), mrad(self.angle)))
+            refusal(format!(
+                "a correction of {} mrad for `{}` is above the limit of {} mrad",
+                mrad(c.to_radians()),
+                name(axis),
+                mrad(self.angle)
+            ))
         });
         let slope = steepest(machine, tables).filter(|(_, slope)| *slope > self.slope).map(|(axis, slope)| {
-            refusal(format!("the corrections of `{}` change by {} of its travel, above the limit of {}", name(axis), significant(slope, 3), self.slope))
+            refusal(format!(
+                "the corrections of `{}` change by {} of its travel, above the limit of {}",
+                name(axis),
+                significant(slope, 3),
+                self.slope
+            ))
         });
         length.into_iter().chain(angle).chain(slope).collect()
     }

@@ -47,7 +47,13 @@ impl Hashed {
 
 impl Lock {
     /// The manifest of a set.
-    pub fn new(target: &str, machine: &str, conventions: &Conventions, inputs: Vec<Hashed>, files: Vec<Hashed>) -> Self {
+    pub fn new(
+        target: &str,
+        machine: &str,
+        conventions: &Conventions,
+        inputs: Vec<Hashed>,
+        files: Vec<Hashed>,
+    ) -> Self {
         Self {
             abbe: env!("CARGO_PKG_VERSION").to_owned(),
             target: target.to_owned(),

@@ -2,8 +2,8 @@
 //! misread (comments, blank lines, commas, unsorted lines, NaN, too many points) is refused here
 //! with its place.
 
-use super::manifest::{Column, FileSpec, Layout, Per};
 use super::Target;
+use super::manifest::{Column, FileSpec, Layout, Per};
 use crate::compensation::{Capability, Lattice, OwnAxisTable, Tables};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 use crate::machine::Machine;
@@ -66,11 +66,16 @@ impl Target {
         for (number, line) in text.lines().enumerate() {
             let cells: Vec<&str> = line.split_ascii_whitespace().collect();
             if cells.len() != columns.len() {
-                let message = format!("{} numbers instead of {}: the controller would stop reading here", cells.len(), columns.len());
+                let message = format!(
+                    "{} numbers instead of {}: the controller would stop reading here",
+                    cells.len(),
+                    columns.len()
+                );
                 return Err(Fault { line: number, message });
             }
             for (cell, column) in cells.iter().zip(columns) {
-                let value = units::number(cell).map_err(|failure| Fault { line: number, message: failure.to_string() })?;
+                let value =
+                    units::number(cell).map_err(|failure| Fault { line: number, message: failure.to_string() })?;
                 match column {
                     Column::Position => table.positions.push(value),
                     Column::Forward => table.forward.push(value),
@@ -78,15 +83,23 @@ impl Target {
                 }
             }
             if number >= most {
-                return Err(Fault { line: number, message: format!("more than {most} points: the controller would drop this one") });
+                return Err(Fault {
+                    line: number,
+                    message: format!("more than {most} points: the controller would drop this one"),
+                });
             }
-            if let [.., before, last] = table.positions[..] {
-                if last <= before {
-                    return Err(Fault { line: number, message: "the positions do not rise: the controller would drop this line".to_owned() });
-                }
+            if let [.., before, last] = table.positions[..]
+                && last <= before
+            {
+                let message = "the positions do not rise: the controller would drop this line".to_owned();
+                return Err(Fault { line: number, message });
             }
         }
-        if table.positions.is_empty() { Err(Fault { line: 0, message: "the table is empty".to_owned() }) } else { Ok(table) }
+        if table.positions.is_empty() {
+            Err(Fault { line: 0, message: "the table is empty".to_owned() })
+        } else {
+            Ok(table)
+        }
     }
 }
 
@@ -108,7 +121,8 @@ impl Fault {
 }
 
 fn missing(name: &str) -> Diagnostic {
-    Diagnostic::new("E0705", format!("the file `{name}` is missing")).help("a set of compensation files is only whole with all of them")
+    Diagnostic::new("E0705", format!("the file `{name}` is missing"))
+        .help("a set of compensation files is only whole with all of them")
 }
 
 /// A lattice in CSV: header of `X [mm]` and `dX [mm]` columns, rows in lattice order.
@@ -136,7 +150,9 @@ fn lattice(machine: &Machine, text: &str) -> Result<Lattice, Fault> {
         rows += 1;
     }
     let lattice = Lattice { axes, nodes: positions, corrected, values };
-    if rows == lattice.len() { Ok(lattice) } else {
+    if rows == lattice.len() {
+        Ok(lattice)
+    } else {
         Err(Fault { line: 0, message: format!("{rows} rows do not fill a lattice of {} nodes", lattice.len()) })
     }
 }
@@ -153,11 +169,17 @@ fn lattice_columns(machine: &Machine, header: &str) -> Result<(Vec<usize>, Vec<u
     for cell in header.split(',') {
         let (name, unit) = units::header(cell);
         let position = machine.axis_index(name);
-        let axis = position.or_else(|| machine.axis_index(name.strip_prefix('d')?)).ok_or_else(|| format!("unknown column `{name}`"))?;
+        let axis = position
+            .or_else(|| machine.axis_index(name.strip_prefix('d')?))
+            .ok_or_else(|| format!("unknown column `{name}`"))?;
         if unit != Some(machine.axes()[axis].unit()) {
             return Err(format!("column `{name}` must be in {}", machine.axes()[axis].unit()));
         }
         if position.is_some() { axes.push(axis) } else { corrected.push(axis) }
     }
-    if axes.is_empty() || corrected.is_empty() { Err("no columns of positions or of corrections".to_owned()) } else { Ok((axes, corrected)) }
+    if axes.is_empty() || corrected.is_empty() {
+        Err("no columns of positions or of corrections".to_owned())
+    } else {
+        Ok((axes, corrected))
+    }
 }

@@ -26,7 +26,12 @@ pub struct RenderedFile {
 
 impl Target {
     /// Writes the target's files for (rounded) tables. Diagnostics: a template that fails (E0702).
-    pub fn render(&self, machine: &Machine, tables: &Arc<Tables>, diagnostics: &mut Diagnostics) -> Option<Vec<RenderedFile>> {
+    pub fn render(
+        &self,
+        machine: &Machine,
+        tables: &Arc<Tables>,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<RenderedFile>> {
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let writer = Writer { target: self, machine, tables, letters, environment: environment() };
         match writer.files() {
@@ -88,7 +93,10 @@ fn no_letter(axis: &Axis) -> Diagnostic {
 }
 
 fn another_letter(axis: &Axis, letter: &str) -> Diagnostic {
-    Diagnostic::new("W0601", format!("axis `{}` is written as `{letter}`: the controller has no such letter", axis.name))
+    Diagnostic::new(
+        "W0601",
+        format!("axis `{}` is written as `{letter}`: the controller has no such letter", axis.name),
+    )
 }
 
 fn environment() -> Environment<'static> {
@@ -182,7 +190,8 @@ impl Writer<'_> {
     }
 
     fn machine_context(&self) -> Result<Value, String> {
-        let axes = (0..self.letters.len()).map(|joint| self.axis_context(joint, false)).collect::<Result<Vec<_>, _>>()?;
+        let axes =
+            (0..self.letters.len()).map(|joint| self.axis_context(joint, false)).collect::<Result<Vec<_>, _>>()?;
         let lattice = matches!(**self.tables, Tables::Lattice(_));
         Ok(context! {
             axes,
@@ -205,7 +214,8 @@ impl Writer<'_> {
             }
         };
         let table = tables.iter().find(|table| table.axis == axis);
-        table.map_or_else(|| Value::from(Vec::<Value>::new()), |t| (0..t.positions.len()).map(|i| point(t, i)).collect())
+        table
+            .map_or_else(|| Value::from(Vec::<Value>::new()), |t| (0..t.positions.len()).map(|i| point(t, i)).collect())
     }
 
     fn columns(&self) -> Vec<String> {
@@ -222,7 +232,9 @@ impl Writer<'_> {
     fn rows(&self) -> Value {
         let increment = self.increment();
         Value::make_object_iterable(Arc::clone(self.tables), move |tables| match &**tables {
-            Tables::Lattice(lattice) => Box::new((0..lattice.len()).map(move |i| Value::from(row(lattice, i, increment)))),
+            Tables::Lattice(lattice) => {
+                Box::new((0..lattice.len()).map(move |i| Value::from(row(lattice, i, increment))))
+            }
             Tables::OwnAxis(_) => Box::new(std::iter::empty()),
         })
     }
@@ -274,7 +286,14 @@ mod tests {
 
     #[test]
     fn numbers_are_plain_decimals() {
-        let cases = [(0.0, "0.000"), (-0.0, "0.000"), (-0.0004, "0.000"), (-0.0006, "-0.001"), (12.5, "12.500"), (-359.9996, "-360.000")];
+        let cases = [
+            (0.0, "0.000"),
+            (-0.0, "0.000"),
+            (-0.0004, "0.000"),
+            (-0.0006, "-0.001"),
+            (12.5, "12.500"),
+            (-359.9996, "-360.000"),
+        ];
         for (value, text) in cases {
             assert_eq!(fixed(value, 3), text);
         }

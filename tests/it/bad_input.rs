@@ -9,6 +9,9 @@ use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+/// Alone each takes well under a second; the machine may be busy with other tests.
+const SOON: Duration = Duration::from_secs(10);
+
 /// A folder of its own for each test, removed afterwards.
 struct Scratch(PathBuf);
 
@@ -32,22 +35,22 @@ impl Drop for Scratch {
     }
 }
 
-/// The text shown for a file on disk, which must be refused within a second.
+/// The text shown for a file on disk, which must be refused soon.
 fn refused_on_disk(path: &Path) -> String {
     let start = Instant::now();
     let mut diagnostics = Diagnostics::default();
     let document = syntax::load(path, &Disk, &mut diagnostics);
     let machine = document.and_then(|d| machine::resolve(&d, &Disk, &mut diagnostics));
-    assert!(machine.is_none() && start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
+    assert!(machine.is_none() && start.elapsed() < SOON, "{:?}", start.elapsed());
     assert!(diagnostics.iter().all(|d| d.help.is_some()));
     render(&diagnostics, Rendering::default())
 }
 
-/// The codes of a file in memory, which must be refused within a second.
+/// The codes of a file in memory, which must be refused soon.
 fn codes(text: &str) -> Vec<&'static str> {
     let start = Instant::now();
     let (machine, diagnostics) = read(&[("machine.yaml", text)]);
-    assert!(machine.is_none() && start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
+    assert!(machine.is_none() && start.elapsed() < SOON, "{:?}", start.elapsed());
     diagnostics.iter().map(|d| d.code).collect()
 }
 

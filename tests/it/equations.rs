@@ -99,7 +99,9 @@ fn machine(chain: &str, conventions: &str, errors: &[String], rest: &str) -> Mac
     let axes: Vec<String> = names
         .map(|n| format!("{n}: {{ travel: {} }}", if "ABC".contains(n) { "[-90, 90]" } else { "[-500, 500]" }))
         .collect();
-    let term = |name: &String| format!("  {name}: {{ tolerance: {} }}\n", if "XYZ".contains(&name[1..2]) { "1 um" } else { "1 urad" });
+    let term = |name: &String| {
+        format!("  {name}: {{ tolerance: {} }}\n", if "XYZ".contains(&name[1..2]) { "1 um" } else { "1 urad" })
+    };
     let yaml = format!(
         "abbe: 1\nmachine: M\nchain: \"{chain}\"\nconventions: {conventions}\naxes: {{ {} }}\n{rest}errors:\n{}",
         axes.join(", "),
@@ -125,12 +127,22 @@ fn same_matrix(ours: &nalgebra::Matrix4<Symbolic>, theirs: &Value, found: &Equat
     }
 }
 
+/// A factor and powers by letter.
+type Scaled = (f64, Vec<(&'static str, u64)>);
+
 /// Every symbol of the 2015 chain in its linear parametrisation: a factor and powers.
-fn parameters(printed: bool) -> BTreeMap<&'static str, (f64, Vec<(&'static str, u64)>)> {
+fn parameters(printed: bool) -> BTreeMap<&'static str, Scaled> {
     let scales = [("dxx", "a", "x"), ("dyy", "b", "y"), ("dzz", "c", "z")];
     let angles = [
-        ("eyx", "f1", "x"), ("ezx", "f2", "x"), ("exx", "f3", "x"), ("exy", "g1", "y"), ("ezy", "g2", "y"),
-        ("eyy", "g3", "y"), ("exz", "h1", "z"), ("ezz", "h2", "z"), ("eyz", "h3", "z"),
+        ("eyx", "f1", "x"),
+        ("ezx", "f2", "x"),
+        ("exx", "f3", "x"),
+        ("exy", "g1", "y"),
+        ("ezy", "g2", "y"),
+        ("eyy", "g3", "y"),
+        ("exz", "h1", "z"),
+        ("ezz", "h2", "z"),
+        ("eyz", "h3", "z"),
     ];
     let sign = if printed { 0.5 } else { -0.5 };
     let straight = [
@@ -151,9 +163,11 @@ fn parametrised(polynomial: &Terms, printed: bool) -> Terms {
     for (monomial, value) in polynomial {
         let (mut factor, mut powers) = (*value, BTreeMap::new());
         for (symbol, power) in monomial {
-            let plain = (1.0, vec![(symbol.as_str(), 1)]);
-            let (k, by) = table.get(symbol.as_str()).unwrap_or(&plain);
-            factor *= k.powi(*power as i32);
+            let Some((k, by)) = table.get(symbol.as_str()) else {
+                *powers.entry(symbol.clone()).or_default() += power;
+                continue;
+            };
+            factor *= num_traits::pow(*k, *power as usize);
             by.iter().for_each(|(s, p)| *powers.entry((*s).to_owned()).or_default() += p * power);
         }
         *all.entry(powers).or_default() += factor;
@@ -294,7 +308,9 @@ fn the_json_carries_the_polynomials() {
     let value = |name: &str| at[found.symbols.iter().position(|s| s.text == name).unwrap()];
     let term = |term: &Value| {
         let powers = term["powers"].as_object().unwrap().iter();
-        powers.fold(term["coefficient"].as_f64().unwrap(), |x, (s, p)| x * value(s).powi(p.as_u64().unwrap() as i32))
+        powers.fold(term["coefficient"].as_f64().unwrap(), |x, (s, p)| {
+            x * num_traits::pow(value(s), p.as_u64().unwrap() as usize)
+        })
     };
     let number = |p: &Value| p["terms"].as_array().unwrap().iter().map(term).sum::<f64>();
     let expected = evaluate(&machine, &pose, Order::Degree(2), Approach::Mean, Frame::Workpiece);
@@ -313,7 +329,10 @@ fn latex_is_a_balanced_document() {
             assert_eq!(exit, 0);
             let body = out.lines().filter(|l| l.starts_with('$'));
             let depth = |l: &str| l.chars().map(|c| i32::from(c == '{') - i32::from(c == '}')).sum::<i32>();
-            assert!(body.clone().count() > 20 && body.clone().all(|l| depth(l) == 0 && l.matches('$').count() == 2), "{name}");
+            assert!(
+                body.clone().count() > 20 && body.clone().all(|l| depth(l) == 0 && l.matches('$').count() == 2),
+                "{name}"
+            );
             assert!(out.starts_with("\\documentclass") && out.ends_with("\\end{document}\n"));
         }
     }

@@ -93,8 +93,8 @@ fn converges(subject: &Subject, machines: &[Sample], orders: &[&str], tolerance:
     }
 }
 
-/// The next power of errors of some mrad, and the rounding below the rest of order 3.
-const TOLERANCE: f64 = 0.02;
+/// The next power of errors of some mrad, and the rounding below the rest of order 3; found 0.0034.
+const TOLERANCE: f64 = 0.01;
 
 fn every_combination(seed: u64, change: impl Fn(&mut Conventions)) {
     let mut random = Random::new(seed);
@@ -115,7 +115,7 @@ fn linearised_joints_converge_in_every_convention() {
     every_combination(12, |c| c.linearised = true);
 }
 
-/// Higher orders need larger errors to be seen above the rounding.
+/// Higher orders need larger errors to be seen above the rounding, and those have a larger next power: found 0.009.
 #[test]
 fn orders_up_to_six_converge() {
     let mut random = Random::new(13);
@@ -123,7 +123,7 @@ fn orders_up_to_six_converge() {
         for conventions in combinations().step_by(7) {
             let subject = Subject::random(&mut random, Conventions { linearised, ..conventions }, 1e-2);
             let machines = [1.0, 0.5].map(|s| subject.sample.scaled(s, 5.0 * s));
-            converges(&subject, &machines, &ORDERS, 0.1);
+            converges(&subject, &machines, &ORDERS, 0.02);
         }
     }
 }

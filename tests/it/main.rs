@@ -1,9 +1,10 @@
 //! Integration tests.
 
 // A test that panics is a test that fails: nothing to be careful about.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr, clippy::print_stdout)]
 
 mod bad_input;
+mod classify;
 mod compare;
 mod configs;
 mod diagnostics;
@@ -11,6 +12,7 @@ mod equations;
 mod eval_exact;
 mod eval_order;
 mod golden_signs;
+mod interactions;
 mod language;
 mod linuxcnc_kinematics;
 mod map;
@@ -18,8 +20,10 @@ mod oracle;
 mod paper_2015;
 mod program;
 mod published;
+mod readme;
 mod reconfigure;
 mod schema;
 mod show;
+mod theorems;
 mod tidy;
 mod weil;

@@ -107,7 +107,9 @@ fn files_and_functions_are_short() {
                 }
                 let functions = if ending == "rs" { functions(&text) } else { Vec::new() };
                 let too_long = functions.into_iter().filter(|(_, lines)| *lines > LONGEST_FUNCTION);
-                long.extend(too_long.map(|(line, lines)| format!("{}:{line}: {lines} lines in one function", path.display())));
+                long.extend(
+                    too_long.map(|(line, lines)| format!("{}:{line}: {lines} lines in one function", path.display())),
+                );
             }
         }
     }
@@ -124,8 +126,8 @@ fn functions(text: &str) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     for (start, line) in lines.iter().enumerate().filter(|(_, line)| is_function(line)) {
         let indent = line.len() - line.trim_start().len();
-        let closes = |l: &&str| l.len() - l.trim_start().len() == indent && l.trim_start().starts_with('}');
-        let end = lines[start..].iter().position(|l| closes(&l)).unwrap_or(0);
+        let closes = |l: &str| l.len() - l.trim_start().len() == indent && l.trim_start().starts_with('}');
+        let end = lines[start..].iter().position(|l| closes(l)).unwrap_or(0);
         found.push((start + 1, end + 1));
     }
     found
@@ -133,11 +135,27 @@ fn functions(text: &str) -> Vec<(usize, usize)> {
 
 #[test]
 fn only_the_command_line_prints_and_touches_files() {
-    let banned = ["println!", "eprintln!", "print!(", "std::fs", "std::net", "std::process", "std::env::", "File::open", "io::stdout", "io::stderr"];
+    let banned = [
+        "println!",
+        "eprintln!",
+        "print!(",
+        "std::fs",
+        "std::net",
+        "std::process",
+        "std::env::",
+        "File::open",
+        "io::stdout",
+        "io::stderr",
+    ];
     let mut wrong = Vec::new();
     for (path, text) in sources().into_iter().filter(|(path, _)| !["cli", "main"].contains(&module(path).as_str())) {
         for (number, line) in code_lines(&text) {
-            wrong.extend(banned.iter().filter(|word| line.contains(**word)).map(|word| format!("{}:{number}: {word}", path.display())));
+            wrong.extend(
+                banned
+                    .iter()
+                    .filter(|word| line.contains(**word))
+                    .map(|word| format!("{}:{number}: {word}", path.display())),
+            );
         }
     }
     assert!(wrong.is_empty(), "outside cli:\n{}", wrong.join("\n"));
@@ -149,7 +167,8 @@ fn every_code_in_the_sources_is_explained() {
     let mut unknown = Vec::new();
     for (path, text) in sources() {
         for piece in text.split('"').skip(1).step_by(2) {
-            let looks = piece.len() == 5 && piece.starts_with(['E', 'W']) && piece[1..].chars().all(|c| c.is_ascii_digit());
+            let looks =
+                piece.len() == 5 && piece.starts_with(['E', 'W']) && piece[1..].chars().all(|c| c.is_ascii_digit());
             if looks && !known.contains(&piece) {
                 unknown.push(format!("{}: {piece}", path.display()));
             }
@@ -161,7 +180,10 @@ fn every_code_in_the_sources_is_explained() {
 
 #[test]
 fn the_checks_themselves_notice() {
-    assert_eq!(imported("use crate::{cli::x, machine};\nlet a = crate::lower::B; // crate::report"), ["cli", "machine", "lower"]);
+    assert_eq!(
+        imported("use crate::{cli::x, machine};\nlet a = crate::lower::B; // crate::report"),
+        ["cli", "machine", "lower"]
+    );
     let long = format!("    fn long() {{\n{}    }}\n", "        x();\n".repeat(150));
     assert_eq!(functions(&long), [(1, 152)]);
 }

@@ -62,8 +62,10 @@ fn an_ideal_of_all_products_is_order_one() {
     let mixed = lift(&machine, &AlgebraChoice { vanish: squares, ..choice(2, Generators::PerAxis) });
     let all = lift(&machine, &choice(2, Generators::PerAxis));
     for pose in random_poses(&machine, 3, 7) {
-        let position = |lift: &WeilLift| evaluate_over(&machine, &pose, lift, Approach::Mean, Frame::Workpiece).deviation.position;
-        let order = |n| evaluate(&machine, &pose, Order::Degree(n), Approach::Mean, Frame::Workpiece).deviation.position;
+        let position =
+            |lift: &WeilLift| evaluate_over(&machine, &pose, lift, Approach::Mean, Frame::Workpiece).deviation.position;
+        let order =
+            |n| evaluate(&machine, &pose, Order::Degree(n), Approach::Mean, Frame::Workpiece).deviation.position;
         assert!((position(&none) - order(1)).amax() < 1e-14);
         assert!((position(&all) - order(2)).amax() < 1e-14);
         let gap = (position(&mixed) - order(2)).amax();
@@ -175,14 +177,18 @@ fn the_inverse_undoes_the_errors() {
     let machine = configs::folder().join("trunnion.yaml");
     let machine = machine.to_str().unwrap();
     let at = ["--at", "X=100,Y=60,Z=-90,A=-40,C=25"];
-    let arguments = [&["eval", machine, "--algebra", "degree: 3, generators: single", "--inverse", "--format", "json"][..], &at].concat();
+    let arguments =
+        [&["eval", machine, "--algebra", "degree: 3, generators: single", "--inverse", "--format", "json"][..], &at]
+            .concat();
     let (out, complaint, exit) = abbe(&arguments);
     assert_eq!(exit, 0, "{complaint}");
     let json: serde_json::Value = serde_json::from_str(&out).unwrap();
     let by = &json["poses"][0]["inverse"];
     let loaded = configs::machine("trunnion.yaml");
-    let pose: Vec<f64> = loaded.axes().iter().map(|a| json["poses"][0]["axes"][a.name.as_str()].as_f64().unwrap()).collect();
-    let moved: Vec<f64> = loaded.axes().iter().zip(&pose).map(|(a, q)| q + by[a.name.as_str()].as_f64().unwrap()).collect();
+    let pose: Vec<f64> =
+        loaded.axes().iter().map(|a| json["poses"][0]["axes"][a.name.as_str()].as_f64().unwrap()).collect();
+    let moved: Vec<f64> =
+        loaded.axes().iter().zip(&pose).map(|(a, q)| q + by[a.name.as_str()].as_f64().unwrap()).collect();
     let before = evaluate(&loaded, &pose, Order::Exact, Approach::Mean, Frame::Workpiece).deviation.position.norm();
     let left = abbe::evaluate::commanded_deviation(&loaded, &pose, &moved, Approach::Mean).position.norm();
     // What is left is the change of the error curves along the displacement.

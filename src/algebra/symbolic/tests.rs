@@ -77,6 +77,9 @@ fn a_chain_evaluates_to_the_dual_numbers() {
     let dual = chain(std::array::from_fn(|k| number(k as u16)));
     for (ours, theirs) in symbolic.to_matrix().iter().zip(dual.to_matrix().iter()) {
         let ours = ours.evaluate(number);
-        assert!(ours.0.iter().zip(theirs.0).all(|(a, b)| (a - b).abs() < 1e-12 * b.abs().max(1.0)), "{ours:?} {theirs:?}");
+        assert!(
+            ours.0.iter().zip(theirs.0).all(|(a, b)| (a - b).abs() < 1e-12 * b.abs().max(1.0)),
+            "{ours:?} {theirs:?}"
+        );
     }
 }

@@ -132,7 +132,9 @@ impl Alphabet {
         symbols.extend(options.tool_length.then(symbols::tool_length));
         symbols.extend(axes.flat_map(|(i, axis)| symbols::position(i, axis, options.naming)));
         let kind = |(index, symbol): (usize, &Symbol)| match symbol.meaning {
-            Meaning::Error(source, _) => declared.of(source).map_or(Kind::Real, |generator| Kind::Nilpotent { generator }),
+            Meaning::Error(source, _) => {
+                declared.of(source).map_or(Kind::Real, |generator| Kind::Nilpotent { generator })
+            }
             // The cosine is the next one.
             Meaning::Sine(_) => Kind::Sine { cosine: index as u16 + 1 },
             _ => Kind::Real,

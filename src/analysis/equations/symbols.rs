@@ -58,10 +58,10 @@ pub(super) fn error(machine: &Machine, given: &Given, naming: Naming) -> Symbol 
 }
 
 fn iso(given: &Given) -> (String, String, i8) {
-    let latex = given.name.strip_prefix('E').map_or_else(
-        || format!("\\mathit{{{}}}", given.name.replace('.', "\\_")),
-        |rest| format!("E_{{{rest}}}"),
-    );
+    let latex = given
+        .name
+        .strip_prefix('E')
+        .map_or_else(|| format!("\\mathit{{{}}}", given.name.replace('.', "\\_")), |rest| format!("E_{{{rest}}}"));
     (given.name.clone(), latex, 1)
 }
 

@@ -32,7 +32,8 @@ impl<'a> Inverse<'a> {
     /// Three linear axes hold the point; two rotary axes besides, if there are just two, the tool axis.
     pub fn new(machine: &'a Machine, pose: &'a [f64], errors: &'a Values) -> Self {
         let ideal = Ideal::at(machine, pose).pose;
-        let axes = |kind: AxisKind| machine.axes().iter().enumerate().filter(move |(_, a)| a.kind == kind).map(|(i, _)| i);
+        let axes =
+            |kind: AxisKind| machine.axes().iter().enumerate().filter(move |(_, a)| a.kind == kind).map(|(i, _)| i);
         let rotary: Vec<usize> = axes(AxisKind::Rotary).collect();
         let holds_axis = rotary.len() == 2;
         let moved = axes(AxisKind::Linear).chain(rotary.into_iter().filter(|_| holds_axis)).collect();
@@ -52,7 +53,8 @@ impl<'a> Inverse<'a> {
 
     /// What is wrong with displacements (mm, rad): of the point, and of the tool axis.
     pub fn residual<S: Algebra>(&self, by: &[S], lift: &impl ErrorLift<S>) -> Vec<S> {
-        let displacement = |axis: usize| self.moved.iter().position(|m| *m == axis).map_or(S::zero(), |k| by[k].clone());
+        let displacement =
+            |axis: usize| self.moved.iter().position(|m| *m == axis).map_or(S::zero(), |k| by[k].clone());
         let axes = self.machine.axes().iter().zip(self.pose).enumerate();
         let at: Vec<Position<S>> = axes.map(|(i, (axis, q))| Position::displaced(axis, *q, &displacement(i))).collect();
         let real = Chain::real_at(self.machine, &at, self.errors, lift).tool_in_workpiece(&self.machine.workpiece());

@@ -18,6 +18,9 @@ const AT_END: f64 = 1e-6;
 /// Where the axes that are held are tried, besides their reference.
 const SAMPLES: usize = 48;
 
+/// The same where an axis more than two might still find a way within the travel of the linear axes.
+const MANY_SAMPLES: usize = 512;
+
 /// How many of the positions of more than two axes are followed towards the reference.
 const REFINED: usize = 6;
 
@@ -42,7 +45,7 @@ pub struct Candidates {
     pub poses: Vec<Pose>,
     /// A direction was found, but only beyond the travel.
     pub beyond_travel: bool,
-    /// There are others, further away, for some axis has a choice.
+    /// There may be others, further away, for some axis has a choice.
     pub more: bool,
 }
 
@@ -76,13 +79,14 @@ impl Directions {
             search.found.extend(rough);
         }
         let poses = self.poses(search.found);
-        Candidates { poses, beyond_travel: search.beyond_travel, more: search.free }
+        Candidates { poses, beyond_travel: search.beyond_travel, more: search.free || self.turns.len() > 2 }
     }
 
-    /// Candidates with the axes that have no effect elsewhere than at their reference.
+    /// Candidates with the axes that have a choice elsewhere than at their reference.
     pub fn others(&self, direction: &Vector3<f64>) -> Vec<Pose> {
         let mut search = Search { directions: self, direction, found: Vec::new(), beyond_travel: false, free: false };
-        (1..SAMPLES).for_each(|sample| search.around(&self.sample(sample)));
+        let samples = if self.turns.len() > 2 { MANY_SAMPLES } else { SAMPLES };
+        (1..samples).for_each(|sample| search.around(&self.sample(sample)));
         self.poses(search.found)
     }
 
@@ -101,7 +105,7 @@ impl Directions {
     fn in_order(&self, found: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         let rounded = |x: f64| (x * 1e6).round() as i64;
         let key = |angles: &Vec<f64>| {
-            let cost: f64 = self.turns.iter().zip(angles).map(|(t, q)| (q - t.reference).powi(2)).sum();
+            let cost: f64 = self.turns.iter().zip(angles).map(|(t, q)| (q - t.reference) * (q - t.reference)).sum();
             (rounded(cost), angles.iter().map(|q| -rounded(*q)).collect::<Vec<_>>())
         };
         let mut keyed: Vec<_> = found.into_iter().map(|angles| (key(&angles), angles)).collect();

@@ -5,8 +5,8 @@ use super::axes::Declared;
 use super::context::Context;
 use super::errors::named;
 use crate::diagnostic::shown;
-use crate::machine::algebra::{AlgebraChoice, named_monomial};
 use crate::machine::AxisName;
+use crate::machine::algebra::{AlgebraChoice, named_monomial};
 use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, below, keys};
 
 /// Groups that may be fitted.
@@ -20,14 +20,14 @@ pub struct Known<'a> {
     pub spindle: Option<&'a AxisName>,
 }
 
-impl Known<'_> {
+impl<'a> Known<'a> {
     /// The axis of this name, if it is declared.
     pub fn axis(&self, name: &AxisName) -> Option<&Declared> {
         self.declared.iter().find(|d| d.name == *name)
     }
 
     /// Every axis and the spindle.
-    fn names(&self) -> Vec<&str> {
+    fn names(&self) -> Vec<&'a str> {
         self.declared.iter().map(|d| &d.name).chain(self.spindle).map(AxisName::as_str).collect()
     }
 
@@ -42,34 +42,34 @@ impl Known<'_> {
 pub fn algebra(context: &mut Context<'_>, known: &Known<'_>) -> Option<AlgebraChoice> {
     let entry = context.document.algebra.as_ref()?;
     let at = keys(["algebra"]);
-    let here = below(&at, "generators");
-    let before = context.diagnostics.iter().count();
-    let mut names: Vec<&str> = Vec::new();
-    match &entry.generators {
-        Some(GeneratorsEntry::Groups(map)) => {
-            names = map.keys().map(String::as_str).collect();
-            for (group, errors) in map {
-                let list = below(&here, group);
-                errors.iter().enumerate().for_each(|(i, name)| known.error(context, name, &below(&list, i)));
-            }
+    let without = AlgebraEntry { vanish: Vec::new(), ..entry.clone() };
+    match AlgebraChoice::new(&without) {
+        // Names of errors are judged one by one below.
+        Err(refusal) if refusal.code != "E0405" => {
+            let wrong = below(&at, if refusal.code == "E0210" { "generators" } else { "degree" });
+            context.at_value(refusal.code, &wrong, refusal.message, refusal.help.unwrap_or_default());
         }
-        Some(GeneratorsEntry::Word(word)) if word == "per-axis" => names = known.names(),
         _ => {}
     }
+    let names = generators(context, known, entry, &below(&at, "generators"));
     for (i, monomial) in entry.vanish.iter().enumerate() {
         vanishing(context, known, monomial, &names, &below(&below(&at, "vanish"), i));
     }
-    let without = AlgebraEntry { vanish: Vec::new(), ..entry.clone() };
-    match AlgebraChoice::new(if context.diagnostics.iter().count() == before { entry } else { &without }) {
-        Ok(choice) => Some(choice),
-        Err(refusal) => {
-            let wrong = if refusal.code == "E0210" { here } else { below(&at, "degree") };
-            // What the names of errors are has been said already.
-            if refusal.code != "E0405" {
-                context.at_value(refusal.code, &wrong, refusal.message, refusal.help.unwrap_or_default());
+    AlgebraChoice::new(entry).ok()
+}
+
+/// Checks the errors of groups; names that generators have besides those of errors.
+fn generators<'a>(context: &mut Context<'_>, known: &Known<'a>, entry: &'a AlgebraEntry, at: &Keys) -> Vec<&'a str> {
+    match &entry.generators {
+        Some(GeneratorsEntry::Groups(map)) => {
+            for (group, errors) in map {
+                let list = below(at, group);
+                errors.iter().enumerate().for_each(|(i, name)| known.error(context, name, &below(&list, i)));
             }
-            None
+            map.keys().map(String::as_str).collect()
         }
+        Some(GeneratorsEntry::Word(word)) if word == "per-axis" => known.names(),
+        _ => Vec::new(),
     }
 }
 

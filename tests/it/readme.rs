@@ -1,0 +1,279 @@
+//! README.md and docs/*.md are true: their commands run, their output is the program's, their links lead somewhere.
+//!
+//! In a block fenced as `console`, lines after `$ ` are commands and run in order in a copy of `configs` and `docs`, one copy for each
+//! document. The other lines must stand in the output of the command above them, in that order; `[...]` stands for what is left out.
+
+use crate::oracle::program::Folder;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_abbe");
+
+/// Commands that a block may show but that are not run here: they install, or run this test.
+const NOT_RUN: [&str; 6] = ["git clone ", "cd ", "tests/run", ".ci/run", "cargo install ", "cargo build --release"];
+
+/// A fenced block: what stands behind the fence, and its lines.
+struct Block {
+    kind: String,
+    lines: Vec<String>,
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// README.md and everything in docs, as paths from the top.
+fn documents() -> Vec<PathBuf> {
+    let docs = fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().file_name());
+    let pages =
+        docs.map(|name| Path::new("docs").join(name)).filter(|path| path.extension().is_some_and(|e| e == "md"));
+    let mut all: Vec<PathBuf> =
+        pages.chain(["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(PathBuf::from)).collect();
+    all.sort();
+    all
+}
+
+fn text(document: &Path) -> String {
+    fs::read_to_string(root().join(document)).unwrap()
+}
+
+fn blocks(text: &str) -> Vec<Block> {
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut inside = false;
+    for line in text.lines() {
+        match line.strip_prefix("```") {
+            Some(_) if inside => inside = false,
+            Some(kind) => {
+                blocks.push(Block { kind: kind.to_owned(), lines: Vec::new() });
+                inside = true;
+            }
+            None if inside => blocks.last_mut().unwrap().lines.push(line.to_owned()),
+            None => {}
+        }
+    }
+    assert!(!inside, "a fence is not closed");
+    blocks
+}
+
+/// The text without its blocks.
+fn prose(text: &str) -> String {
+    let mut inside = false;
+    let outside = |line: &&str| {
+        let fence = line.starts_with("```");
+        inside ^= fence;
+        !inside && !fence
+    };
+    text.lines().filter(outside).collect::<Vec<_>>().join("\n")
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap().map(Result::unwrap) {
+        let target = to.join(entry.file_name());
+        if entry.file_type().unwrap().is_dir() {
+            copy(&entry.path(), &target);
+        } else {
+            fs::copy(entry.path(), target).unwrap();
+        }
+    }
+}
+
+/// A folder with what the documents' commands read.
+fn workshop() -> Folder {
+    let folder = Folder::new();
+    ["configs", "docs"].iter().for_each(|name| copy(&root().join(name), &folder.path(name)));
+    folder
+}
+
+/// What a line's command is for a shell; `None` if it is not run here.
+fn runnable(command: &str, document: &Path) -> Option<String> {
+    if NOT_RUN.iter().any(|start| command.starts_with(start)) {
+        return None;
+    }
+    let ours = ["abbe ", "cargo run --release -- "]
+        .iter()
+        .find_map(|start| command.strip_prefix("/usr/bin/time -v ").unwrap_or(command).strip_prefix(start));
+    match ours {
+        Some(arguments) => Some(format!("\"$ABBE\" {arguments}")),
+        None => {
+            assert!(
+                ["sed ", "cp ", "mkdir "].iter().any(|known| command.starts_with(known)),
+                "{}: `{command}` is not known to this test",
+                document.display()
+            );
+            Some(command.to_owned())
+        }
+    }
+}
+
+fn shell(folder: &Folder, script: &str) -> Output {
+    let mut shell = Command::new("sh");
+    shell.args(["-ec", script]).env("ABBE", PROGRAM).env("NO_COLOR", "1").env("COLUMNS", "100");
+    shell.current_dir(folder.path("")).output().unwrap()
+}
+
+fn both(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+/// Runs the commands of a block and compares what is said to be their output.
+fn run(folder: &Folder, block: &Block, document: &Path) -> usize {
+    let mut count = 0;
+    // Nothing was run yet, or the last command is not run here.
+    let mut rest: Option<String> = None;
+    for line in &block.lines {
+        if let Some(command) = line.strip_prefix("$ ") {
+            rest = runnable(command, document).map(|script| {
+                let output = shell(folder, &script);
+                assert!(output.status.success(), "{}: `{command}`\n{}", document.display(), both(&output));
+                count += 1;
+                both(&output)
+            });
+        } else if let (Some(output), false) = (&mut rest, line.trim().is_empty() || line.trim() == "[...]") {
+            let at = output.lines().position(|said| said.trim_end() == line.trim_end());
+            let Some(at) = at else {
+                panic!("{}: the program does not say\n{line}\nbut\n{output}", document.display())
+            };
+            *output = output.lines().skip(at + 1).collect::<Vec<_>>().join("\n");
+        }
+    }
+    count
+}
+
+#[test]
+fn commands_run_and_say_what_the_documents_say() {
+    let mut count = 0;
+    for document in documents() {
+        let folder = workshop();
+        for block in blocks(&text(&document)).iter().filter(|block| ["console", "sh"].contains(&block.kind.as_str())) {
+            count += run(&folder, block, &document);
+        }
+        for image in fs::read_dir(root().join("docs/images")).unwrap().map(|entry| entry.unwrap().file_name()) {
+            let both = [root().join("docs/images").join(&image), folder.path("docs/images").join(&image)]
+                .map(|path| fs::read(path).unwrap());
+            assert!(
+                both[0] == both[1],
+                "docs/images/{} is not what the command in {} draws",
+                image.display(),
+                document.display()
+            );
+        }
+    }
+    assert!(count > 15, "{count} commands");
+}
+
+/// Links of Markdown that are no addresses of the web.
+fn links(text: &str) -> Vec<String> {
+    let ends = prose(text)
+        .split("](")
+        .skip(1)
+        .filter_map(|rest| rest.split_once(')').map(|(link, _)| link.to_owned()))
+        .collect::<Vec<_>>();
+    ends.into_iter().filter(|link| !link.contains("://")).collect()
+}
+
+/// Anchors of a page's headings.
+fn anchors(text: &str) -> BTreeSet<String> {
+    let keep = |c: char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
+    let anchor = |heading: &str| {
+        heading.trim().to_lowercase().chars().filter(|c| keep(*c)).collect::<String>().replace(' ', "-")
+    };
+    prose(text).lines().filter(|line| line.starts_with('#')).map(|line| anchor(line.trim_start_matches('#'))).collect()
+}
+
+#[test]
+fn links_lead_somewhere() {
+    for document in documents() {
+        let content = text(&document);
+        assert!(
+            !content.contains("/work/") && !content.contains("/root/"),
+            "{}: a path of one machine",
+            document.display()
+        );
+        for link in links(&content) {
+            let (file, anchor) = link.split_once('#').unwrap_or((&link, ""));
+            let target = if file.is_empty() {
+                root().join(&document)
+            } else {
+                root().join(&document).parent().unwrap().join(file)
+            };
+            assert!(target.exists(), "{}: `{link}` leads nowhere", document.display());
+            let found = anchor.is_empty() || anchors(&fs::read_to_string(&target).unwrap()).contains(anchor);
+            assert!(found, "{}: `{link}` has no such heading", document.display());
+        }
+    }
+}
+
+#[test]
+fn every_verb_and_every_target_is_described() {
+    let all: String = documents().iter().map(|document| text(document)).collect();
+    let help = Command::new(PROGRAM).arg("--help").output().unwrap();
+    let help = String::from_utf8(help.stdout).unwrap();
+    let commands =
+        help.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1).take_while(|line| !line.is_empty());
+    let verbs: Vec<&str> =
+        commands.filter_map(|line| line.split_whitespace().next()).filter(|verb| *verb != "help").collect();
+    assert!(verbs.contains(&"compile"), "{help}");
+    let targets = Command::new(PROGRAM).args(["targets", "--format", "csv"]).output().unwrap();
+    let targets = String::from_utf8(targets.stdout).unwrap();
+    let targets: Vec<&str> = targets.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
+    assert!(targets.contains(&"linuxcnc"));
+    for name in verbs.iter().chain(&targets) {
+        let marked = [format!("`{name}"), format!("abbe {name}")];
+        assert!(marked.iter().any(|form| all.contains(form)), "`{name}` is nowhere described");
+    }
+}
+
+/// Fragments of the language page extend this.
+const BASE: &str = "
+abbe: 1
+machine: Base
+chain: \"w C' A' Y' b X Z t\"
+axes:
+  X: { travel: [0 mm, 500 mm] }
+  Y: { travel: [0 mm, 450 mm] }
+  Z: { travel: [-400 mm, 0 mm] }
+  A: { travel: [-120 deg, 30 deg] }
+  C: { travel: continuous }
+";
+
+#[test]
+fn examples_of_the_machine_language_are_accepted() {
+    let folder = workshop();
+    folder.write("configs/base.yaml", BASE);
+    let page = text(Path::new("docs/language.md"));
+    let mut count = 0;
+    for block in blocks(&page).iter().filter(|block| block.kind == "yaml") {
+        let example = block.lines.join("\n");
+        let whole = example.contains("machine: ") && !example.contains("extends: ");
+        let (name, example) = match example.contains("extends: ") {
+            true => ("configs/variants/example.yaml", example),
+            false if whole => ("configs/example.yaml", example),
+            false => ("configs/example.yaml", format!("abbe: 1\nextends: base.yaml\n{example}")),
+        };
+        folder.write(name, &example);
+        let output = shell(&folder, &format!("\"$ABBE\" check {name}"));
+        assert!(output.status.success(), "{example}\n{}", both(&output));
+        count += 1;
+    }
+    assert!(count > 10, "{count} examples");
+    let table = blocks(&page).into_iter().find(|block| block.kind == "csv").unwrap();
+    folder.write("configs/table.csv", &table.lines.join("\n"));
+    folder.write(
+        "configs/example.yaml",
+        "abbe: 1\nmachine: M\nchain: w b X t\naxes: { X: { travel: [0, 50] } }\nmeasured: [table.csv]\n",
+    );
+    let output = shell(&folder, "\"$ABBE\" check configs/example.yaml");
+    assert!(output.status.success(), "{}", both(&output));
+}
+
+#[test]
+fn the_page_on_targets_quotes_the_example_that_runs() {
+    let page = text(Path::new("docs/adding-a-target.md"));
+    for file in fs::read_dir(root().join("docs/examples/northmill")).unwrap() {
+        let file = file.unwrap().path();
+        assert!(page.contains(&fs::read_to_string(&file).unwrap()), "{} is not quoted", file.display());
+    }
+}
