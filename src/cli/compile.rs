@@ -5,9 +5,9 @@ use super::files::Disk;
 use super::session::Session;
 use super::{Outcome, Stop, file_set, load};
 use crate::compensation::{Goal, LatticeRequest, Scope, Tables};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::Machine;
-use crate::target::{Hashed, Limits, Lock, RenderedFile, Target, certify};
+use crate::target::{Hashed, Limits, Lock, RenderedFile, Target, certify, is_plain_name};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -85,9 +85,21 @@ impl Options {
     }
 
     pub(super) fn target(&self, session: &mut Session, name: &str) -> Result<Target, Stop> {
+        if let Some(folder) = self.templates.as_deref().filter(|_| is_plain_name(name)) {
+            refuse_links(session, &folder.join(name))?;
+        }
         let target = Target::find(name, self.templates.as_deref(), &Disk, &mut session.diagnostics);
         target.ok_or(Stop::Refused)
     }
+}
+
+/// A link in a target's folder would carry a file from anywhere into the set.
+fn refuse_links(session: &mut Session, folder: &Path) -> Outcome {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut links = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_symlink()));
+    let Some(link) = links.next() else { return Ok(()) };
+    let message = format!("`{}` is a link", shown(&link.path().display().to_string()));
+    session.refuse(Diagnostic::new("E0703", message).help("copy the file: a target's folder holds its own files"))
 }
 
 /// Indices of the axes that span a lattice: those named, in the order of the chain, or all.

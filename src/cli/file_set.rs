@@ -3,9 +3,9 @@
 //! Files that the manifest in the folder lists with their present bytes are ours and are replaced;
 //! a file of the same name that is not is foreign or hand-edited and is refused; others are left alone.
 
-use super::files::Disk;
+use super::files::{SET_LIMIT, read_at_most};
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::syntax::{Files, ReadFailure};
+use crate::syntax::ReadFailure;
 use crate::target::{LOCK_NAME, Lock, RenderedFile};
 use std::fs;
 use std::io::Write;
@@ -21,14 +21,15 @@ pub(super) fn write(folder: &Path, files: &[RenderedFile], lock: &Lock) -> Resul
     }
     refuse_odd_manifest(folder, old.is_some())?;
     let all: Vec<&RenderedFile> = files.iter().chain([&manifest]).collect();
-    let beside = Beside::write(folder, &all)?;
+    Beside::write(folder, &all)?.rename(folder)?;
+    // Last, so that whatever fails before leaves the old set whole.
     remove_stale(folder, files, old.as_ref());
-    beside.rename(folder)
+    Ok(())
 }
 
 /// The manifest of the set that is in the folder.
 pub(super) fn existing_lock(folder: &Path) -> Option<Lock> {
-    let bytes = Disk.read(&folder.join(LOCK_NAME)).ok()?;
+    let bytes = read_at_most(&folder.join(LOCK_NAME), SET_LIMIT).ok()?;
     Lock::from_text(&String::from_utf8(bytes).ok()?)
 }
 
@@ -38,7 +39,7 @@ fn refuse_foreign(folder: &Path, file: &RenderedFile, old: Option<&Lock>) -> Res
     if !metadata.is_file() {
         return Err(foreign(&path, "is not a regular file"));
     }
-    match Disk.read(&path) {
+    match read_at_most(&path, SET_LIMIT) {
         // The bytes we would write anyway: nothing of anybody's is lost.
         Ok(bytes) if bytes == file.bytes => Ok(()),
         Ok(bytes) if old.is_some_and(|lock| lock.wrote(&file.name, &bytes)) => Ok(()),
@@ -78,7 +79,7 @@ fn remove_stale(folder: &Path, files: &[RenderedFile], old: Option<&Lock>) {
     for old in gone.filter(|old| crate::target::is_plain_name(&old.name)) {
         let path = folder.join(&old.name);
         let regular = fs::symlink_metadata(&path).is_ok_and(|m| m.is_file());
-        if regular && Disk.read(&path).is_ok_and(|bytes| lock.wrote(&old.name, &bytes)) {
+        if regular && read_at_most(&path, SET_LIMIT).is_ok_and(|bytes| lock.wrote(&old.name, &bytes)) {
             // A file that will not go stays: it is only not ours any more.
             let _ = fs::remove_file(&path);
         }
@@ -123,14 +124,32 @@ impl Drop for Beside {
     }
 }
 
-/// The text of those of the named files that are in a folder.
+/// The text of those of the named files that are in a folder, as the controller finds it: a byte order
+/// mark is no letter of ours to take away.
 pub(super) fn read(folder: &Path, names: &[String], diagnostics: &mut Diagnostics) -> Vec<(String, String)> {
     let present = |name: &&String| fs::symlink_metadata(folder.join(name)).is_ok();
     let mut found = Vec::new();
     for name in names.iter().filter(present) {
-        if let Some((_, text)) = crate::syntax::read_text(&folder.join(name), None, &Disk, diagnostics) {
-            found.push((name.clone(), text));
+        let text = read_at_most(&folder.join(name), SET_LIMIT)
+            .map_err(|failure| unreadable(&failure))
+            .and_then(|bytes| String::from_utf8(bytes).map_err(|_| "is not text in UTF-8".to_owned()));
+        match text {
+            Ok(text) => found.push((name.clone(), text)),
+            Err(why) => diagnostics.push(
+                Diagnostic::new("E0704", format!("`{name}` {why}"))
+                    .help("compile the file set again; do not edit compensation files by hand"),
+            ),
         }
     }
     found
+}
+
+fn unreadable(failure: &ReadFailure) -> String {
+    match failure {
+        ReadFailure::NotAFile(word) => format!("is {word}, not a file"),
+        ReadFailure::TooLarge(size, limit) => format!("has {size} bytes; no set has a file of more than {limit}"),
+        ReadFailure::NotFound => "is a link to nothing".to_owned(),
+        ReadFailure::Denied => "may not be read".to_owned(),
+        ReadFailure::Other(words) => format!("cannot be read: {words}"),
+    }
 }

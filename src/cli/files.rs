@@ -9,29 +9,33 @@ use std::path::Path;
 /// Largest file that is read, in bytes.
 pub const LIMIT: u64 = 16 * 1024 * 1024;
 
+/// Largest file of a compensation set that is read back: as large as one is written.
+pub const SET_LIMIT: u64 = crate::target::LARGEST_FILE as u64;
+
 /// The file system.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Disk;
 
 impl Files for Disk {
     fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
-        let metadata = fs::metadata(path).map_err(|e| failure(&e))?;
-        if let Some(word) = irregular(metadata.file_type()) {
-            return Err(ReadFailure::NotAFile(word));
-        }
-        if metadata.len() > LIMIT {
-            return Err(ReadFailure::TooLarge(metadata.len(), LIMIT));
-        }
-        read_at_most(path)
+        read_at_most(path, LIMIT)
     }
 }
 
-/// The file may have grown since its size was asked for.
-fn read_at_most(path: &Path) -> Result<Vec<u8>, ReadFailure> {
+/// The bytes of a regular file that has no more than so many.
+pub(super) fn read_at_most(path: &Path, limit: u64) -> Result<Vec<u8>, ReadFailure> {
+    let metadata = fs::metadata(path).map_err(|e| failure(&e))?;
+    if let Some(word) = irregular(metadata.file_type()) {
+        return Err(ReadFailure::NotAFile(word));
+    }
+    if metadata.len() > limit {
+        return Err(ReadFailure::TooLarge(metadata.len(), limit));
+    }
     let mut bytes = Vec::new();
     let file = fs::File::open(path).map_err(|e| failure(&e))?;
-    file.take(LIMIT + 1).read_to_end(&mut bytes).map_err(|e| failure(&e))?;
-    if bytes.len() as u64 > LIMIT { Err(ReadFailure::TooLarge(bytes.len() as u64, LIMIT)) } else { Ok(bytes) }
+    // The file may have grown since its size was asked for.
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(|e| failure(&e))?;
+    if bytes.len() as u64 > limit { Err(ReadFailure::TooLarge(bytes.len() as u64, limit)) } else { Ok(bytes) }
 }
 
 fn failure(error: &std::io::Error) -> ReadFailure {

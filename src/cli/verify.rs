@@ -2,12 +2,12 @@
 
 use super::certificate_output::Shown;
 use super::compile::Options;
+use super::files::{Disk, SET_LIMIT, read_at_most};
 use super::session::Session;
 use super::{Outcome, Stop, file_set, load};
 use crate::diagnostic::Diagnostic;
 use crate::machine::{Approach, Machine};
-use crate::syntax::Files;
-use crate::target::{NAMES, Replay, Target, certify};
+use crate::target::{NAMES, Replay, Target, certify, is_plain_name};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -33,7 +33,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let names = target.table_files(&machine);
     let texts = file_set::read(&args.folder, &names, &mut session.diagnostics);
     session.checked()?;
-    warn_edited(session, &args.folder, &names);
+    warn_edited(session, &args.folder);
     let Some(tables) = target.read(&machine, &texts, &mut session.diagnostics) else {
         session.checked()?;
         return session.refuse(nothing_found(&args.folder));
@@ -68,20 +68,22 @@ fn nothing_found(folder: &Path) -> Diagnostic {
         .help("name the folder that `compile --out` was given, and the target with --target")
 }
 
-/// Files that no longer are what the manifest says are read all the same, and said.
-fn warn_edited(session: &mut Session, folder: &Path, names: &[String]) {
+/// Files of the set that no longer are what its manifest says are said; its tables are read all the same.
+fn warn_edited(session: &mut Session, folder: &Path) {
     let Some(lock) = file_set::existing_lock(folder) else { return };
-    for name in names {
-        let bytes = super::files::Disk.read(&folder.join(name)).unwrap_or_default();
-        if !lock.wrote(name, &bytes) {
-            session.diagnostics.push(Diagnostic::new("W0701", format!("`{name}` has been edited since abbe wrote it")));
+    for file in lock.files.iter().filter(|file| is_plain_name(&file.name)) {
+        let bytes = read_at_most(&folder.join(&file.name), SET_LIMIT).unwrap_or_default();
+        if !lock.wrote(&file.name, &bytes) {
+            session
+                .diagnostics
+                .push(Diagnostic::new("W0701", format!("`{}` has been edited since abbe wrote it", file.name)));
         }
     }
 }
 
 /// The replay at single positions: what a test of a real controller compares with.
 fn print_replay(session: &mut Session, machine: &Machine, target: &Target, replay: &Replay, path: &Path) -> Outcome {
-    let read = crate::syntax::read_text(path, None, &super::files::Disk, &mut session.diagnostics);
+    let read = crate::syntax::read_text(path, None, &Disk, &mut session.diagnostics);
     let Some((_, text)) = read else { return Err(Stop::Refused) };
     let letters =
         crate::target::assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();

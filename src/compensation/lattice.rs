@@ -21,9 +21,10 @@ pub fn lattice(machine: &Machine, capability: &LatticeCapability, request: &Latt
     let scope = Scope { rotary: request.scope.rotary && capability.corrects_rotary, ..request.scope };
     let kept = |axis: &usize| scope.rotary || machine.axes()[*axis].kind == AxisKind::Linear;
     let max_nodes = request.max_nodes.min(capability.max_nodes);
+    let nodes = lattice_nodes(machine, &request.axes, max_nodes);
     let mut lattice = Lattice {
         axes: request.axes.clone(),
-        nodes: lattice_nodes(machine, &request.axes, max_nodes),
+        nodes: nodes.into_iter().map(|nodes| capability.increment.distinct(nodes)).collect(),
         corrected: (0..machine.axes().len()).filter(kept).collect(),
         values: Vec::new(),
     };

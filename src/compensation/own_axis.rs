@@ -62,11 +62,8 @@ fn positions(machine: &Machine, axis: usize, capability: &OwnAxisCapability) -> 
     let (min, max) = interval(machine, axis, capability);
     let knots = knots(machine, axis, min, max);
     let fits = (2..=capability.max_points).contains(&knots.len());
-    if capability.spacing == Spacing::Free && fits && all_by_knots(machine, axis) {
-        knots
-    } else {
-        equal(min, max, capability.max_points)
-    }
+    let by_knots = capability.spacing == Spacing::Free && fits && all_by_knots(machine, axis);
+    capability.increment.distinct(if by_knots { knots } else { equal(min, max, capability.max_points) })
 }
 
 fn equal(min: f64, max: f64, points: usize) -> Vec<f64> {

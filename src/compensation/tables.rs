@@ -48,6 +48,13 @@ pub struct Increment {
 }
 
 impl Increment {
+    /// Positions as they will be stored; those that fall together are one.
+    pub(super) fn distinct(self, positions: impl IntoIterator<Item = f64>) -> Vec<f64> {
+        let mut stored: Vec<f64> = positions.into_iter().map(|q| round(q, self.position_decimals)).collect();
+        stored.dedup();
+        stored
+    }
+
     /// Half a last place of a correction (mm or deg).
     pub fn half_correction(self) -> f64 {
         0.5 * libm::pow(10.0, -f64::from(self.correction_decimals))

@@ -1,7 +1,7 @@
 //! The certificate: what is left after the controller has applied the files just written.
 //!
 //! The poses are spread over the volume from a seed and are no table points. Where forward and reverse
-//! curves were given the worse of the two directions counts. What is left of a single error is the
+//! curves were given the worse of the two directions counts, for single errors too. What is left of one is the
 //! 95 % deviation of a machine with that error alone and with tables made for it alone, replayed like
 //! the real ones; on a lattice to first order (relative difference about 1e-4).
 
@@ -12,6 +12,7 @@ use crate::evaluate::{
     Bare, Deviation, Field, Order, Statistics, Summary, error_by_error, random_poses, tool_axis_tilt,
 };
 use crate::machine::{Approach, AxisKind, ErrorId, ErrorTerm, Machine, Pose};
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 /// How much of one error a target takes away.
@@ -78,10 +79,8 @@ pub fn certify(
     let poses: Vec<Pose> = random_poses(machine, count, seed);
     let bare = Bare { machine, order: Order::Exact };
     let compensated = Compensated { machine, replay: Replay::new(machine, tables, controller) };
-    let approaches: &[Approach] =
-        if machine.is_bidirectional() { &[Approach::Forward, Approach::Reverse] } else { &[Approach::Mean] };
     let of = |field: &dyn Field, approach| figures(field, &poses, approach);
-    let both = approaches.iter().map(|approach| (*approach, of(&compensated, *approach)));
+    let both = approaches(machine).iter().map(|approach| (*approach, of(&compensated, *approach)));
     let worse = both.reduce(|a, b| if b.1.all.position_um.p95 > a.1.all.position_um.p95 { b } else { a });
     let (approach, left) = worse.unwrap_or_else(|| (Approach::Mean, of(&compensated, Approach::Mean)));
     let zero = vec![0.0; machine.axes().len()];
@@ -94,6 +93,16 @@ pub fn certify(
         errors: single.errors(target, tables),
         at_reference: [Approach::Forward, Approach::Reverse].map(|a| compensated.replay.added(&zero, a)),
     }
+}
+
+/// The directions of approach that can differ.
+fn approaches(machine: &Machine) -> &'static [Approach] {
+    if machine.is_bidirectional() { &[Approach::Forward, Approach::Reverse] } else { &[Approach::Mean] }
+}
+
+/// The 95 % position deviation (um), in the direction of approach where it is larger.
+fn worse_p95(machine: &Machine, of: impl Fn(Approach) -> Vec<Deviation>) -> f64 {
+    approaches(machine).iter().map(|approach| Statistics::of(&of(*approach)).position_um.p95).fold(0.0, f64::max)
 }
 
 /// Poses for the figures of single errors: every one costs a cell of the lattice.
@@ -109,6 +118,9 @@ fn figures(field: &dyn Field, poses: &[Pose], approach: Approach) -> Figures {
     let tilts: Vec<_> = poses.iter().zip(&deviations).map(tilt).collect();
     Figures { all: Statistics::of(&deviations), tool_axis: Summary::of(&tilts) }
 }
+
+/// The deviation of every error alone, before and after compensation.
+type EachError = Vec<(Deviation, Deviation)>;
 
 /// The single-error part of a certificate.
 struct Singles<'a> {
@@ -128,9 +140,8 @@ impl Singles<'_> {
                     let tables = Tables::OwnAxis(own_axis_tables(&machine, &capability));
                     let compensated =
                         Compensated { machine: &machine, replay: Replay::new(&machine, &tables, self.controller) };
-                    let p95 = |field: &dyn Field| {
-                        Statistics::of(&deviations(field, self.poses, Approach::Mean)).position_um.p95
-                    };
+                    let p95 =
+                        |field: &dyn Field| worse_p95(&machine, |approach| deviations(field, self.poses, approach));
                     verdict(error.clone(), p95(&Bare { machine: &machine, order: Order::Exact }), p95(&compensated))
                 };
                 ids.par_iter().map(alone).collect()
@@ -148,21 +159,21 @@ impl Singles<'_> {
     /// All errors at once: they are independent to first order, and only the cells around the poses count.
     fn on_lattice(&self, lattice: &Lattice, tables: &Tables) -> Vec<ErrorLeft> {
         let replay = Replay::new(self.machine, tables, self.controller);
-        let rows: Vec<Vec<(Deviation, Deviation)>> =
+        let rows: Vec<Vec<EachError>> =
             self.poses.par_iter().map(|pose| self.each_error_left(lattice, &replay, pose)).collect();
         let p95 = |index: usize, pick: fn(&(Deviation, Deviation)) -> Deviation| {
-            let column: Vec<Deviation> = rows.iter().map(|row| pick(&row[index])).collect();
-            Statistics::of(&column).position_um.p95
+            let columns = 0..approaches(self.machine).len();
+            let column = |way: usize| rows.iter().map(|row| pick(&row[way][index])).collect::<Vec<_>>();
+            columns.map(|way| Statistics::of(&column(way)).position_um.p95).fold(0.0, f64::max)
         };
         let names = self.machine.errors().enumerate();
         let known = names.filter(|(_, (_, term))| !matches!(term, ErrorTerm::Tolerance(_)));
         known.map(|(index, (error, _))| verdict(error, p95(index, |both| both.0), p95(index, |both| both.1))).collect()
     }
 
-    /// For every error alone: the deviation at a pose before and after compensation.
-    fn each_error_left(&self, lattice: &Lattice, replay: &Replay, pose: &[f64]) -> Vec<(Deviation, Deviation)> {
-        let here = error_by_error(self.machine, pose, Approach::Mean);
-        let mut added = vec![vec![0.0; pose.len()]; here.len()];
+    /// For every direction of approach and every error alone: the deviation at a pose before and after compensation.
+    fn each_error_left(&self, lattice: &Lattice, replay: &Replay, pose: &[f64]) -> Vec<EachError> {
+        let mut added = vec![vec![0.0; pose.len()]; self.machine.errors().count()];
         let scope = self.scope(lattice);
         for (node, weight) in replay.corners(lattice, pose) {
             let place = lattice.pose(self.machine, node);
@@ -173,11 +184,15 @@ impl Singles<'_> {
             }
         }
         let jacobian = Jacobian::at(self.machine, pose);
-        let after = |((_, deviation), added): ((ErrorId, Deviation), Vec<f64>)| {
-            let position = deviation.position + jacobian.displacement(&Correction(added));
+        let moved: Vec<_> = added.into_iter().map(|added| jacobian.displacement(&Correction(added))).collect();
+        let after = |((_, deviation), moved): ((ErrorId, Deviation), &Vector3<f64>)| {
+            let position = deviation.position + moved;
             (deviation, Deviation { position, rotation: deviation.rotation })
         };
-        here.into_iter().zip(added).map(after).collect()
+        let from = |approach: &Approach| {
+            error_by_error(self.machine, pose, *approach).into_iter().zip(&moved).map(after).collect()
+        };
+        approaches(self.machine).iter().map(from).collect()
     }
 
     /// What the tables correct: without rotary columns, the rotary axes were left alone.

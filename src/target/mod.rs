@@ -23,5 +23,5 @@ pub use limits::Limits;
 pub use lock::{Hashed, LOCK_NAME, Lock, sha256};
 pub use manifest::{Certainty, Controller, FileSpec, Layout, Manifest, Mechanism};
 pub use read::ReadBack;
-pub use render::{RenderedFile, assigned_letters};
+pub use render::{LARGEST_FILE, RenderedFile, assigned_letters};
 pub use replay::{Compensated, Replay};

@@ -64,6 +64,10 @@ impl Target {
         };
         let mut table = OwnAxisTable { axis, positions: Vec::new(), forward: Vec::new(), reverse: Vec::new() };
         for (number, line) in text.lines().enumerate() {
+            if line.len() > LONGEST_LINE {
+                let message = format!("{} characters in a line: the controller would cut it in pieces", line.len());
+                return Err(Fault { line: number, message });
+            }
             let cells: Vec<&str> = line.split_ascii_whitespace().collect();
             if cells.len() != columns.len() {
                 let message = format!(
@@ -103,6 +107,9 @@ impl Target {
     }
 }
 
+/// Three numbers need a quarter of it; LinuxCNC's buffer takes no more and reads the rest as a line of its own.
+const LONGEST_LINE: usize = 254;
+
 /// What is wrong with a line (counted from 0).
 struct Fault {
     line: usize,
@@ -134,20 +141,25 @@ fn lattice(machine: &Machine, text: &str) -> Result<Lattice, Fault> {
     let mut positions: Vec<Vec<f64>> = vec![Vec::new(); axes.len()];
     let mut values = Vec::new();
     let mut rows = 0;
+    let (mut before, mut row) = (Vec::with_capacity(width), Vec::with_capacity(width));
     for (number, line) in lines {
-        let mut cells = 0;
-        for (column, cell) in line.split(',').enumerate() {
-            let value = units::number(cell).map_err(|failure| Fault { line: number, message: failure.to_string() })?;
-            match positions.get_mut(column) {
-                Some(nodes) => insert_node(nodes, value),
-                None => values.push(value),
-            }
-            cells += 1;
+        let fault = |message: String| Fault { line: number, message };
+        row.clear();
+        for cell in line.split(',') {
+            row.push(units::number(cell).map_err(|failure| fault(failure.to_string()))?);
         }
-        if cells != width {
-            return Err(Fault { line: number, message: format!("{cells} cells under {width} columns") });
+        if row.len() != width {
+            return Err(fault(format!("{} cells under {width} columns", row.len())));
         }
+        let (node, corrections) = row.split_at(axes.len());
+        in_order(&before, node, &mut positions).map_err(fault)?;
+        before.clear();
+        before.extend_from_slice(node);
+        values.extend_from_slice(corrections);
         rows += 1;
+    }
+    if rows == 0 {
+        return Err(Fault { line: 0, message: "there are no rows under the header".to_owned() });
     }
     let lattice = Lattice { axes, nodes: positions, corrected, values };
     if rows == lattice.len() {
@@ -157,11 +169,21 @@ fn lattice(machine: &Machine, text: &str) -> Result<Lattice, Fault> {
     }
 }
 
-/// Nodes come in lattice order: a new one is larger than all before.
-fn insert_node(nodes: &mut Vec<f64>, value: f64) {
-    if nodes.last().is_none_or(|last| value > *last) {
-        nodes.push(value);
+/// Rows come in lattice order, the last axis fastest: each node after the one before, and no position
+/// that an axis passed by. As many such rows as the lattice has nodes are the lattice.
+fn in_order(before: &[f64], node: &[f64], positions: &mut [Vec<f64>]) -> Result<(), String> {
+    let rises = node.iter().zip(before).find(|(new, old)| new != old).is_none_or(|(new, old)| new > old);
+    if !rises || node == before {
+        return Err("the rows are not in the order of the lattice, the last axis fastest".to_owned());
     }
+    for (nodes, value) in positions.iter_mut().zip(node) {
+        if nodes.last().is_none_or(|last| value > last) {
+            nodes.push(*value);
+        } else if !nodes.contains(value) {
+            return Err(format!("the position {value} is none of the lattice's"));
+        }
+    }
+    Ok(())
 }
 
 fn lattice_columns(machine: &Machine, header: &str) -> Result<(Vec<usize>, Vec<usize>), String> {
@@ -175,7 +197,14 @@ fn lattice_columns(machine: &Machine, header: &str) -> Result<(Vec<usize>, Vec<u
         if unit != Some(machine.axes()[axis].unit()) {
             return Err(format!("column `{name}` must be in {}", machine.axes()[axis].unit()));
         }
-        if position.is_some() { axes.push(axis) } else { corrected.push(axis) }
+        let list = if position.is_some() { &mut axes } else { &mut corrected };
+        if list.contains(&axis) {
+            return Err(format!("column `{name}` is there twice"));
+        }
+        list.push(axis);
+        if position.is_some() && !corrected.is_empty() {
+            return Err(format!("column `{name}`: all positions stand before all corrections"));
+        }
     }
     if axes.is_empty() || corrected.is_empty() {
         Err("no columns of positions or of corrections".to_owned())

@@ -12,8 +12,29 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, UndefinedBehavior, Value, context};
 use std::sync::Arc;
 
-/// Enough for ten million numbers; a template that needs more is a loop.
-const FUEL: u64 = 400_000_000;
+/// Fifty instructions for each cell of 200,000 rows of ten; a template that needs more is a loop.
+const FUEL: u64 = 100_000_000;
+
+/// Largest file of a set, in bytes: 200,000 nodes of nine axes, all corrected, are less.
+pub const LARGEST_FILE: usize = 64 << 20;
+
+/// What a template has written so far: no more than anybody reads back.
+#[derive(Default)]
+struct Bounded(Vec<u8>);
+
+impl std::io::Write for Bounded {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        if self.0.len() + bytes.len() > LARGEST_FILE {
+            return Err(std::io::Error::other("too large"));
+        }
+        self.0.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
 
 /// A file as it will stand on disk.
 #[derive(Debug, Clone, PartialEq)]
@@ -149,9 +170,12 @@ impl Writer<'_> {
     fn file(&self, spec: &FileSpec, template: &str, context: Value) -> Result<RenderedFile, String> {
         let name = file_name(&self.environment, spec, context.clone())?;
         let compiled = self.environment.template_from_str(template).map_err(|failure| describe(&failure))?;
-        let mut bytes = Vec::new();
-        let _ = compiled.render_captured_to(context, &mut bytes).map_err(|failure| describe(&failure))?;
-        Ok(RenderedFile { name, bytes })
+        let mut text = Bounded::default();
+        let _ = compiled.render_captured_to(context, &mut text).map_err(|failure| match failure.kind() {
+            minijinja::ErrorKind::WriteFailure => format!("`{name}` would have more than {} MB", LARGEST_FILE >> 20),
+            _ => describe(&failure),
+        })?;
+        Ok(RenderedFile { name, bytes: text.0 })
     }
 
     fn increment(&self) -> Increment {

@@ -58,7 +58,7 @@ impl<'a> Replay<'a> {
     pub fn corners(&self, lattice: &Lattice, command: &[f64]) -> Vec<(usize, f64)> {
         let mut corners = vec![(0, 1.0)];
         for (axis, nodes) in lattice.axes.iter().zip(&lattice.nodes) {
-            let position = if self.continuous[*axis] { command[*axis].rem_euclid(360.0) } else { command[*axis] };
+            let position = if self.continuous[*axis] { within_turn(nodes[0], command[*axis]) } else { command[*axis] };
             let (low, share) = cell(nodes, position);
             corners = corners
                 .iter()
@@ -71,6 +71,11 @@ impl<'a> Replay<'a> {
         }
         corners
     }
+}
+
+/// The same angle in the turn that starts at the first node.
+fn within_turn(first: f64, angle: f64) -> f64 {
+    first + (angle - first).rem_euclid(360.0)
 }
 
 /// Lower node of the cell and the share of the upper one; held at the ends.

@@ -1,11 +1,17 @@
 //! Integration tests.
 
 // A test that panics is a test that fails: nothing to be careful about.
+// The platform's sine is another oracle than ours.
+#![allow(clippy::disallowed_methods)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr, clippy::print_stdout)]
 
 mod bad_input;
+mod certificate;
 mod classify;
 mod compare;
+mod compile;
+mod compile_linuxcnc;
+mod compile_refusals;
 mod configs;
 mod diagnostics;
 mod equations;
@@ -24,6 +30,7 @@ mod readme;
 mod reconfigure;
 mod schema;
 mod show;
+mod support;
 mod theorems;
 mod tidy;
 mod weil;

@@ -1,0 +1,251 @@
+//! The certificate of `compile` and `verify`: its contract, and whether what it says is true.
+
+use serde_json::Value;
+
+use crate::oracle::curves::Travel;
+use crate::oracle::machines::Sample;
+use crate::oracle::matrix::norm;
+use crate::oracle::program::Folder;
+use crate::support::lattice::Lattice;
+use crate::support::{Run, abbe, compile, config, left, number, p95_bracket, verify};
+
+/// The trunnion machine in a folder of its own.
+fn trunnion(folder: &Folder, errors: &str, volume: &str) -> std::path::PathBuf {
+    let text = std::fs::read_to_string(config("trunnion.yaml")).unwrap();
+    let head = text.split("\n# Complete").next().unwrap();
+    folder.write("machine.yaml", &format!("{head}\nerrors:\n  {errors}\nvolume: {{ {volume} }}\n"))
+}
+
+/// 3 x 3 x 3 x 11 x 25 poses.
+const COARSE: &str = "step: 250 mm, A: { step: 15 deg }, C: { step: 15 deg }";
+
+fn keys(value: &Value) -> Vec<&str> {
+    value.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+/// Every key of the contract is there, with a number of the right kind.
+fn contract(json: &Value, target: &str, poses: u64) {
+    assert_eq!(json["target"], target);
+    assert_eq!(json["poses"], poses);
+    assert!(!json["files"].as_array().unwrap().is_empty() && json["files"][0].is_string());
+    for state in ["uncompensated", "compensated"] {
+        for kind in ["position_um", "rotation_urad"] {
+            let of = |key: &str| number(json, &format!("/{state}/{kind}/{key}"));
+            let (mean, rms, p95, max) = (of("mean"), of("rms"), of("p95"), of("max"));
+            assert!(0.0 <= mean && mean <= rms && rms <= max && p95 <= max, "{json}");
+            let range = json[state][kind]["range"].as_array().unwrap();
+            assert!(range.len() == 3 && range.iter().all(|r| (0.0..=2.0 * max + 1e-9).contains(&r.as_f64().unwrap())));
+        }
+    }
+    for (name, error) in json["errors"].as_object().unwrap() {
+        assert!(name.starts_with('E'), "{name}");
+        assert!(["fully", "partly", "no"].contains(&error["handled"].as_str().unwrap()), "{error}");
+        assert!(error["left_um"].as_f64().unwrap() >= 0.0, "{error}");
+    }
+}
+
+#[test]
+fn the_json_of_compile_and_verify_is_the_contract() {
+    for target in ["linuxcnc", "grid-csv"] {
+        let folder = Folder::new();
+        let machine = config("hmc-4ax.yaml");
+        let more = ["--poses", "300", "--seed", "7"];
+        let written = compile(&machine, target, &folder.path("out"), &more);
+        let json = written.json();
+        contract(&json, target, 300);
+        assert_eq!(json["errors"].as_object().unwrap().len(), 9 + 4 * 6, "{:?}", keys(&json["errors"]));
+        // The files say it themselves: read back another day they give the same certificate.
+        let mut again = verify(&machine, &folder.path("out"), &more).json();
+        again["files"] = json["files"].clone();
+        assert_eq!(again, json, "{target}");
+        assert_eq!(written.err, "");
+    }
+}
+
+/// Uniform along one axis, a deviation is known in closed form: every figure of the certificate with it.
+#[test]
+fn the_figures_are_what_their_names_say() {
+    let folder = Folder::new();
+    let machine = trunnion(&folder, "EC0Y: 20 urad", COARSE);
+    let json = compile(&machine, "linuxcnc", &folder.path("out"), &["--poses", "2000"]).json();
+    let of = |key: &str| number(&json, &format!("/uncompensated/position_um/{key}"));
+    // 20 urad of up to 450 mm: 9 um. Four standard deviations of a uniform sample of 2000.
+    let (top, root) = (9.0, 2000.0_f64.sqrt());
+    assert!((of("mean") - top / 2.0).abs() < 4.0 * top / 12.0_f64.sqrt() / root);
+    assert!((of("rms") - top / 3.0_f64.sqrt()).abs() < 4.0 * top * (1.0 / 5.0 - 1.0 / 9.0_f64).sqrt() / root);
+    assert!((of("p95") - 0.95 * top).abs() < 4.0 * top * (0.95 * 0.05_f64).sqrt() / root);
+    assert!(of("max") <= top + 1e-6 && of("max") > top * (1.0 - 10.0 / 2000.0));
+    // In the workpiece the direction turns with C, so x and y both see it with either sign.
+    let range = |i: usize| number(&json, &format!("/uncompensated/position_um/range/{i}"));
+    assert!(range(0) > 1.8 * top && range(0) <= 2.0 * top && range(1) > 1.6 * top, "{json}");
+    // A straight slide that stands askew does not turn the tool.
+    assert!(number(&json, "/uncompensated/rotation_urad/max") < 1e-9);
+}
+
+/// The ceil(0.95 n)-th smallest: of up to 19 the largest, of 20 no more.
+#[test]
+fn the_quantile_is_the_named_rank() {
+    let folder = Folder::new();
+    let figure = |poses: &str, key: &str| {
+        let json = compile(&config("vmc-cframe-754.yaml"), "linuxcnc", &folder.path("out"), &["--poses", poses]).json();
+        number(&json, &format!("/uncompensated/position_um/{key}"))
+    };
+    for key in ["max", "mean", "rms"] {
+        assert_eq!(figure("1", "p95"), figure("1", key));
+    }
+    assert_eq!(figure("19", "p95"), figure("19", "max"));
+    assert!(figure("20", "p95") < figure("20", "max"));
+}
+
+#[test]
+fn own_axis_tables_do_not_claim_what_they_cannot_do() {
+    let folder = Folder::new();
+    let json = compile(&config("trunnion.yaml"), "linuxcnc", &folder.path("out"), &[]).json();
+    let errors = json["errors"].as_object().unwrap();
+    assert_eq!(errors.len(), 11 + 30);
+    for (name, error) in errors {
+        // Positioning errors, each along its own axis.
+        let own = ["EXX", "EYY", "EZZ", "EAA", "ECC"].contains(&name.as_str());
+        assert_eq!(error["handled"], if own { "fully" } else { "no" }, "{name}: {error}");
+    }
+    // The whole: hardly anything, and it says so.
+    let [before, after] = ["uncompensated", "compensated"].map(|w| number(&json, &format!("/{w}/position_um/p95")));
+    assert!(after > 0.85 * before, "from {before} to {after}");
+}
+
+/// Deviations (um) over own poses in the worse direction, after a lattice's or no correction.
+fn alone(machine: &Sample, lattice: Option<&Lattice>, theirs: usize) -> (f64, f64) {
+    let poses = left::poses(machine, 3, 2000);
+    let command = |pose: &Vec<f64>| lattice.map_or_else(|| pose.clone(), |l| left::corrected(pose, &l.at(pose)));
+    let um = |travel| {
+        let all = poses.iter().map(|pose| norm(left::position(machine, pose, &command(pose), travel)) * 1000.0);
+        p95_bracket(&all.collect::<Vec<_>>(), theirs)
+    };
+    let [forward, reverse] = [um(Travel::Forward), um(Travel::Reverse)];
+    (forward.0.max(reverse.0), forward.1.max(reverse.1))
+}
+
+/// How many poses the figures of single errors rest on.
+const SINGLE_POSES: usize = 200;
+
+const DIRECTIONS: &str = "XYZABC";
+
+/// The machine with one error alone, as the model of these tests has it.
+fn with_only(machine: &Sample, name: &str) -> Sample {
+    let (direction, location) = (DIRECTIONS.find(&name[1..2]).unwrap(), &name[2..3] == "0");
+    let axis = &name[if location { 3 } else { 2 }..];
+    left::only(machine, |joint, k, at| joint == axis && k == direction && at == location)
+}
+
+/// What own-axis tables cannot touch is left whole: by the model, error by error.
+#[test]
+fn left_of_single_errors_under_own_axis_tables() {
+    let folder = Folder::new();
+    let json = compile(&config("trunnion.yaml"), "linuxcnc", &folder.path("out"), &[]).json();
+    let machine = crate::support::config::sample(&config("trunnion.yaml"));
+    for name in ["EC0Y", "EB0C", "EY0A", "EBX", "EXC", "ECA"] {
+        let left = number(&json, &format!("/errors/{name}/left_um"));
+        let (low, high) = alone(&with_only(&machine, name), None, SINGLE_POSES);
+        assert!((low..=high).contains(&left), "{name}: {left} is not within {low} to {high} um");
+    }
+}
+
+/// The same error in a machine file of its own, compiled, and its file replayed by us.
+#[test]
+fn left_of_single_errors_on_a_lattice() {
+    let errors = [
+        ("EB0C", "EB0C: 24 urad"),
+        ("EXC", "EXC: { points: [[0 deg, 0 um], [100 deg, 4 um], [190 deg, -3 um], [360 deg, 0 um]] }"),
+        ("EBX", "EBX: { points: [[0 mm, 9 urad], [130 mm, -7 urad], [320 mm, 8 urad], [500 mm, -9 urad]] }"),
+        // Reversal is what a lattice cannot hold: half of it is left in either direction.
+        (
+            "EXX",
+            "EXX: { forward: { points: [[0 mm, 0 um], [500 mm, 0 um]] }, reverse: { points: [[0 mm, 8 um], [500 mm, 8 um]] } }",
+        ),
+    ];
+    let folder = Folder::new();
+    let all = errors.map(|(_, text)| text).join("\n  ");
+    let together = compile(&trunnion(&folder, &all, COARSE), "grid-csv", &folder.path("all"), &[]).json();
+    let said = |name: &str, key: &str| number(&together, &format!("/errors/{name}/{key}"));
+    for (name, text) in errors {
+        let machine = trunnion(&folder, text, COARSE);
+        let out = folder.path(name);
+        let json = compile(&machine, "grid-csv", &out, &["--poses", "200"]).json();
+        let theirs = number(&json, "/compensated/position_um/p95");
+        // The same poses: first order and the last place of the file are all that can differ.
+        let tolerance = 1e-3 * theirs + 2e-4;
+        assert!(
+            (said(name, "left_um") - theirs).abs() < tolerance,
+            "{name}: {} beside {theirs}",
+            said(name, "left_um")
+        );
+        println!("{name}: left {} um, alone in a file {theirs} um", said(name, "left_um"));
+    }
+    // By the model, with our own interpolation between the nodes of its file.
+    let (low, high) = {
+        let machine = crate::support::config::sample(&trunnion(&folder, "EB0C: 24 urad", COARSE));
+        let lattice = Lattice::read(&std::fs::read_to_string(folder.path("EB0C/corrections.csv")).unwrap());
+        alone(&machine, Some(&lattice), SINGLE_POSES)
+    };
+    assert!(
+        (low..=high).contains(&said("EB0C", "left_um")),
+        "{} is not within {low} to {high}",
+        said("EB0C", "left_um")
+    );
+    // By hand.
+    assert!((said("EXX", "left_um") - 4.0).abs() < 1e-3);
+    assert_eq!(together["errors"]["EXX"]["handled"], "partly");
+}
+
+/// Of two directions the certificate is that of the worse, and says which.
+#[test]
+fn the_worse_direction_counts() {
+    let folder = Folder::new();
+    for (forward, reverse, worse) in [(1.0, 6.0, "reverse"), (-7.0, 3.0, "forward")] {
+        let curve = |um: f64| format!("{{ points: [[0 mm, {um} um], [500 mm, {um} um]] }}");
+        let both = |name: &str| format!("{name}: {{ forward: {}, reverse: {} }}", curve(forward), curve(reverse));
+        let of = |name: &str, target: &str| {
+            let out = folder.path(&format!("{name}{target}{worse}"));
+            compile(&trunnion(&folder, &both(name), COARSE), target, &out, &["--poses", "50"]).json()
+        };
+        // Straightness is out of reach of own-axis tables: the larger of both is left.
+        let json = of("EYX", "linuxcnc");
+        assert_eq!(json["direction"], worse);
+        for state in ["uncompensated", "compensated"] {
+            let max = number(&json, &format!("/{state}/position_um/max"));
+            assert!((max - f64::max(forward.abs(), reverse.abs())).abs() < 1e-5, "{state}: {json}");
+        }
+        // They have a column for each direction of positioning, a lattice holds the mean of both.
+        assert!(number(&of("EXX", "linuxcnc"), "/compensated/position_um/max") < 1e-5);
+        let half = (reverse - forward) / 2.0;
+        // Half a last place of the file.
+        assert!((number(&of("EXX", "grid-csv"), "/compensated/position_um/max") - half).abs() < 1e-4);
+    }
+}
+
+/// The value at the reference position and the step at the first motion are said.
+#[test]
+fn what_happens_at_the_reference_position_is_said() {
+    let folder = Folder::new();
+    let curve = |um: f64| format!("{{ points: [[0 mm, {um} um], [500 mm, 0 um]] }}");
+    let errors = format!("EXX: {{ forward: {}, reverse: {} }}", curve(-3.0), curve(5.0));
+    let machine = trunnion(&folder, &errors, COARSE);
+    let json = compile(&machine, "linuxcnc", &folder.path("out"), &[]).json();
+    // The trim meets the curve at the corrected command: 3 um on a slope of 6e-6.
+    assert!((number(&json, "/at_reference/forward/X") - 0.003).abs() < 3e-3 * 6e-6 + 1e-9);
+    assert!((number(&json, "/at_reference/reverse/X") + 0.005).abs() < 5e-3 * 1e-5 + 1e-9);
+    let text = Run::of(abbe().args(["verify"]).arg(&machine).arg(folder.path("out")));
+    assert_eq!(text.code, Some(0), "{}", text.err);
+    assert!(text.out.contains("reference position") && text.out.contains("0.003 / -0.005 mm"), "{}", text.out);
+}
+
+#[test]
+fn a_machine_without_errors_has_a_certificate_of_zeros() {
+    let folder = Folder::new();
+    let machine = trunnion(&folder, "EC0Y: 0 urad", COARSE);
+    for target in ["linuxcnc", "grid-csv"] {
+        let json = compile(&machine, target, &folder.path(target), &["--poses", "20"]).json();
+        contract(&json, target, 20);
+        assert!(number(&json, "/compensated/position_um/max") < 1e-9, "{json}");
+    }
+}
