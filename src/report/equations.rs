@@ -187,3 +187,30 @@ fn escaped(text: &str) -> String {
     };
     text.chars().map(one).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_as_people_would() {
+        let text = |value| number(Script::Text, value);
+        assert_eq!([text(380.0), text(0.5), text(1.0 / 6.0), text(62.5)], ["380", "1/2", "1/6", "125/2"]);
+        assert_eq!([text(0.1), text(libm::sqrt(0.5))], ["0.1", "0.7071067811865476"]);
+        assert_eq!(number(Script::Latex, 1.5), "\\tfrac{3}{2}");
+    }
+
+    #[test]
+    fn powers_of_functions_stand_before_their_argument() {
+        let meaning = Meaning::Cosine(0);
+        let symbol = Symbol { text: "cos(A)".to_owned(), latex: "\\cos\\mathit{A}".to_owned(), meaning };
+        assert_eq!(latex_power(Some(&symbol), 2), "\\cos^{2}\\mathit{A}");
+        let plain = Symbol { text: "X".to_owned(), latex: "\\mathit{X}".to_owned(), meaning: Meaning::Position(0) };
+        assert_eq!(latex_power(Some(&plain), 3), "{\\mathit{X}}^{3}");
+    }
+
+    #[test]
+    fn user_text_cannot_break_the_document() {
+        assert_eq!(escaped("50% {A_1} \\x"), "50\\% \\{A\\_1\\} \\textbackslash{}x");
+    }
+}

@@ -67,6 +67,33 @@ def matrix_terms(m):
     return [[terms(order(m[i, j], 0) + order(m[i, j], 1)) for j in range(4)] for i in range(3)]
 
 
+# The formulas of the 2015 paper: (component, order).
+PRINTED = {
+    (0, 1): "a*x + L*(f1*x + g3*y + h3*z) + z*(f1*x + g3*y) + Syz*z*(f2*x + g2*y) - f2*x*y - f2*x + g2*y**2/2 - g2*y"
+    " + h2*z**2/2 - h2*z",
+    (1, 1): "b*y + f1*x**2/2 - Sxz*z*(f2*x + g2*y) - f2*Sxy*x*y + f2*x - L*(f3*x + g1*y + h1*z) - z*(f3*x + g1*y)"
+    " + g2*y + h1*z**2/2 + h2*z",
+    (2, 1): "c*z + Sxz*z*(f1*x + g3*y) + f1*Sxy*x*y - f1*x + f2*x**2/2 - Syz*z*(f3*x + g1*y) + f3*x*y + f3*x"
+    " + g1*y**2/2 + g1*y - g3*y + h1*z - h3*z",
+}
+RIGHT = {
+    (0, 0): "-Sxy*y - Sxz*z",
+    (1, 0): "-Syz*z",
+    (2, 0): "0",
+    (0, 1): "a*x + L*(f1*x + g3*y + h3*z) + z*(f1*x + g3*y) + Syz*z*(f2*x + g2*y) - f2*x*y - g2*y**2/2 + h3*z**2/2",
+    (1, 1): "b*y + f2*x**2/2 - Sxz*z*(f2*x + g2*y) - f2*Sxy*x*y - L*(f3*x + g1*y + h1*z) - z*(f3*x + g1*y)"
+    " - h1*z**2/2",
+    (2, 1): "c*z + Sxz*z*(f1*x + g3*y) + f1*Sxy*x*y - f1*x**2/2 - Syz*z*(f3*x + g1*y) + f3*x*y + g1*y**2/2",
+    (0, 2): "L*(f2*g1*x*y + f2*h1*x*z + g2*h1*y*z) - b*f2*x*y + f1*g1*x*y**2/2 + z**2*(f2*h1*x + g2*h1*y)/2"
+    " + z*(Sxz*f1*g3*x*y + Sxz*f2*g2*x*y - Syz*f1*g1*x*y + c*f1*x + c*g3*y + f2*g1*x*y)",
+    (1, 2): "L*(f2*g3*x*y + f2*h3*x*z + g2*h3*y*z) - c*z*(f3*x + g1*y) - (f2*g2 + f3*g1)*x*y**2/2"
+    " + z**2*(f2*h3*x + g2*h3*y)/2 + z*(Syz*f2*g2*x*y + Syz*f3*g1*x*y - Sxz*f3*g3*x*y + f2*g3*x*y)",
+    (2, 2): "-L*(f1*g3*x*y + f3*g1*x*y + f1*h3*x*z + f3*h1*x*z + g3*h3*y*z + g1*h1*y*z) + b*f3*x*y + f1*g2*x*y**2/2"
+    " - z**2*(f1*h3*x + f3*h1*x + g3*h3*y + g1*h1*y)/2"
+    " - z*(Sxz*f3*g2*x*y + Syz*f1*g2*x*y + f1*g3*x*y + f3*g1*x*y)",
+}
+
+
 def holub(printed):
     x, y, z, L = symbols("x y z L")
     a, b, c, f1, f2, f3, g1, g2, g3, h1, h2, h3 = symbols("a b c f1 f2 f3 g1 g2 g3 h1 h2 h3")
@@ -87,24 +114,9 @@ def holub(printed):
     ez[1, 3] -= syz * z
     real = trans(x, 0, 0) * ex * trans(0, y, 0) * ey * trans(0, 0, z) * ez * tip
     d = (real - trans(x, y, z) * tip).applyfunc(expand)
-    if printed:
-        first = sympify(
-            "a*x + L*(f1*x + g3*y + h3*z) + z*(f1*x + g3*y) + Syz*z*(f2*x + g2*y) - f2*x*y - f2*x + g2*y**2/2 - g2*y"
-            " + h2*z**2/2 - h2*z"
-        )
-        assert expand(order(d[0], 1) - first) == 0
-        assert len({monomial_of(term) for term in terms(order(d[0], 1))}) == 14
-    else:
-        second = sympify(
-            "L*(f2*g1*x*y + f2*h1*x*z + g2*h1*y*z) - b*f2*x*y + f1*g1*x*y**2/2 + z**2*(f2*h1*x + g2*h1*y)/2"
-            " + z*(Sxz*f1*g3*x*y + Sxz*f2*g2*x*y - Syz*f1*g1*x*y + c*f1*x + c*g3*y + f2*g1*x*y)"
-        )
-        assert expand(order(d[0], 2) - second) == 0
+    for (i, n), formula in (PRINTED if printed else RIGHT).items():
+        assert expand(order(d[i], n) - sympify(formula)) == 0, (printed, i, n)
     return {f"D{'xyz'[i]}": [terms(order(d[i], n)) for n in range(3)] for i in range(3)}
-
-
-def monomial_of(term):
-    return tuple(sorted(term[1].items()))
 
 
 def inverse_to_first_order(m):

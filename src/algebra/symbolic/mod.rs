@@ -19,6 +19,10 @@ use std::collections::BTreeMap;
 use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use std::sync::Arc;
 
+/// Functions are lifted of determinants and of squared angles only, numbers without a unit: what
+/// rounding has left of sines and cosines in their real part is far below this.
+const NEGLIGIBLE: f64 = 1e-9;
+
 /// A polynomial in symbols.
 #[derive(Debug, Clone)]
 pub struct Symbolic {
@@ -57,8 +61,12 @@ impl Symbolic {
 
     /// The terms of one degree in the nilpotent symbols.
     pub fn part(&self, degree: usize) -> Self {
-        let of_degree = |monomial: &Monomial| self.rules.as_ref().map_or(0, |r| r.degree(monomial)) == degree;
-        let terms = self.terms.iter().filter(|(m, _)| of_degree(m)).map(|(m, c)| (m.clone(), *c));
+        self.filtered(|d| d == degree)
+    }
+
+    fn filtered(&self, keep: impl Fn(usize) -> bool) -> Self {
+        let degree = |monomial: &Monomial| self.rules.as_ref().map_or(0, |r| r.degree(monomial));
+        let terms = self.terms.iter().filter(|(m, _)| keep(degree(m))).map(|(m, c)| (m.clone(), *c));
         Self { rules: self.rules.clone(), terms: terms.collect() }
     }
 
@@ -115,8 +123,9 @@ impl Algebra for Symbolic {
     /// NaN if the part without nilpotent symbols is not a number: nothing can be expanded there.
     fn real(&self) -> f64 {
         let Some(rules) = &self.rules else { return self.coefficient(&Monomial::default()) };
-        let symbols = self.terms.keys().any(|m| m.degree() > 0 && rules.degree(m) == 0);
-        if symbols { f64::NAN } else { self.coefficient(&Monomial::default()) }
+        let symbol =
+            |(m, c): (&Monomial, &f64)| m.degree() > 0 && rules.degree(m) == 0 && (c.is_nan() || c.abs() > NEGLIGIBLE);
+        if self.terms.iter().any(symbol) { f64::NAN } else { self.coefficient(&Monomial::default()) }
     }
 
     fn nilpotent_sum(&self) -> f64 {
@@ -128,9 +137,7 @@ impl Algebra for Symbolic {
     }
 
     fn nilpotent(&self) -> Self {
-        let mut nilpotent = self.clone();
-        let _ = nilpotent.terms.remove(&Monomial::default());
-        nilpotent
+        self.filtered(|degree| degree > 0)
     }
 
     fn scaled(&self, factor: f64) -> Self {

@@ -111,7 +111,11 @@ impl Sum {
     }
 }
 
+/// Sums below this fraction of their parts are rounding: coefficients of long products of rotations
+/// about skew axes have lost some digits before they cancel.
+const ROUNDING: f64 = 1e-12;
+
 /// `None` if a sum is no more than the rounding of its parts. NaN stays, to be noticed.
 pub(super) fn rounded(sum: f64, size: f64) -> Option<f64> {
-    (sum.is_nan() || sum.abs() > 64.0 * f64::EPSILON * size).then_some(sum)
+    (sum.is_nan() || sum.abs() > ROUNDING * size).then_some(sum)
 }

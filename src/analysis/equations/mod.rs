@@ -64,7 +64,7 @@ pub fn equations(machine: &Machine, declared: &Declared, options: Options) -> Re
             tip[2] += length.clone() - number.clone();
         }
     }
-    let found = collected(machine, &real, &ideal).ok_or_else(|| no_polynomial("location_order: real"))?;
+    let found = collected(machine, &real, &ideal).ok_or_else(no_number)?;
     Ok(Equations { symbols: alphabet.symbols, ..found })
 }
 
@@ -86,6 +86,16 @@ fn collected(machine: &Machine, real: &Chain<Symbolic>, ideal: &Chain<Symbolic>)
         e_ve: backwards.0.to_matrix() - backwards.1.to_matrix(),
         position: pose.0.translation - pose.1.translation,
         rotation: rotation(&pose.0.linear, &pose.1.linear, machine.conventions().joints),
+    };
+    let found = match machine.conventions().location_order {
+        LocationOrder::Real => found,
+        // Of order 0 there is nothing but rounding.
+        LocationOrder::Nilpotent => Equations {
+            e_ve: found.e_ve.map(|p| p.nilpotent()),
+            position: found.position.map(|p| p.nilpotent()),
+            rotation: found.rotation.map(|p| p.nilpotent()),
+            ..found
+        },
     };
     let all = found.e_ve.iter().chain(found.position.iter()).chain(found.rotation.iter());
     all.into_iter().all(Symbolic::is_polynomial).then_some(found)
@@ -115,6 +125,11 @@ fn is_polynomial(machine: &Machine, error: &Given) -> bool {
 fn no_polynomial(culprit: &str) -> Diagnostic {
     Diagnostic::new("E0505", format!("with `location_order: real` the equations are no polynomials ({culprit})"))
         .help("write `conventions: { location_order: nilpotent }` for the equations, or leave the error out")
+}
+
+fn no_number() -> Diagnostic {
+    Diagnostic::new("E0505", "the equations are no polynomials: a joint's determinant is not a number")
+        .help("write `conventions: { location_order: nilpotent, joints: orthogonal }` for the equations")
 }
 
 /// The symbols, and the rules of their products.
