@@ -2,9 +2,10 @@
 
 use super::Format;
 use super::session::Session;
+use crate::diagnostic::Diagnostic;
 use crate::evaluate::Summary;
 use crate::machine::{Approach, Machine};
-use crate::target::{Certificate, Figures, Handled, Target};
+use crate::target::{Certificate, ErrorLeft, Figures, Handled, Mechanism, Target};
 use crate::units::significant;
 use serde_json::json;
 use std::path::Path;
@@ -37,7 +38,7 @@ impl Shown<'_> {
             .collect();
         json!({
             "target": self.target.manifest.target, "files": self.files, "poses": certificate.poses,
-            "direction": certificate.approach,
+            "direction": certificate.approach, "tool": self.machine.tool().name,
             "uncompensated": summary(&certificate.uncompensated), "compensated": summary(&certificate.compensated),
             "errors": errors,
             "at_reference": {"forward": self.by_axis(0), "reverse": self.by_axis(1)},
@@ -64,12 +65,14 @@ impl Shown<'_> {
     fn heading(&self) -> String {
         let what = &self.target.manifest;
         let certificate = self.certificate;
+        let files = if self.files.len() == 1 { "file" } else { "files" };
         format!(
-            "{}: {}\n{} files in {}\n\nCertificate: {} poses spread over the volume, none a table point{}\n",
+            "{}: {}\n{} {files} in {}\nTool: {}\n\nCertificate: {} poses spread over the volume, none a table point{}\n",
             self.machine.name(),
             what.title,
             self.files.len(),
             self.folder.display(),
+            tool(self.machine, self.target),
             certificate.poses,
             match certificate.approach {
                 Approach::Mean => String::new(),
@@ -101,30 +104,51 @@ impl Shown<'_> {
 
     /// Only what is left: a list of forty errors that are gone helps nobody.
     fn by_error(&self) -> String {
-        let mut left: Vec<_> = self.certificate.errors.iter().filter(|e| e.handled != Handled::Fully).collect();
+        let list = |keep: &dyn Fn(&ErrorLeft) -> bool| {
+            let names: Vec<String> =
+                self.certificate.errors.iter().filter(|e| keep(e)).map(|e| e.error.to_string()).collect();
+            if names.is_empty() { "none".to_owned() } else { names.join(" ") }
+        };
+        let idle = |e: &ErrorLeft| e.alone < NO_EFFECT;
+        let gone = list(&|e| e.handled == Handled::Fully && !idle(e));
+        let mut text = format!(
+            "What this target can do against each error alone, with tables made for it:\n  fully compensated: {gone}\n"
+        );
+        if self.certificate.errors.iter().any(idle) {
+            text.push_str(&format!("  without effect here: {}\n", list(&idle)));
+        }
+        let mut left: Vec<_> =
+            self.certificate.errors.iter().filter(|e| e.handled != Handled::Fully && !idle(e)).collect();
         left.sort_by(|a, b| b.left.total_cmp(&a.left));
-        let gone: Vec<String> = self
-            .certificate
-            .errors
-            .iter()
-            .filter(|e| e.handled == Handled::Fully)
-            .map(|e| e.error.to_string())
-            .collect();
-        let mut text =
-            format!("Fully compensated: {}\n", if gone.is_empty() { "none".to_owned() } else { gone.join(" ") });
         if !left.is_empty() {
-            text.push_str("Left of each error alone (95 %, um; in brackets without compensation):\n");
+            text.push_str("  left of it (95 %, um; in brackets without compensation):\n");
         }
         for e in left {
-            text.push_str(&format!(
-                "  {:6} {:6} {:>8} ({})\n",
-                e.error.to_string(),
-                word(e.handled),
-                significant(e.left, 3),
-                significant(e.alone, 3)
-            ));
+            let (left, alone) = (significant(e.left, 3), significant(e.alone, 3));
+            text.push_str(&format!("  {:6} {:6} {left:>8} ({alone})\n", e.error.to_string(), word(e.handled)));
         }
         text
+    }
+
+    /// A test at the machine with a number from these tables.
+    fn sign_test(&self) -> String {
+        let Some(strongest) = &self.certificate.strongest else { return String::new() };
+        let axes = self.machine.axes();
+        let place: Vec<String> = strongest
+            .at
+            .iter()
+            .map(|(axis, q)| format!("{} = {} {}", axes[*axis].name, significant(*q, 7), axes[*axis].unit()))
+            .collect();
+        let (axis, value) = (&axes[strongest.axis], strongest.value);
+        let number = |x: f64| format!("{} {}", significant(x, 4), axis.unit());
+        format!(
+            "Then measure: at {} the tables add {} to {}. Where an instrument reads {} without them it must read 0 with them; {} means a wrong sign.\n",
+            place.join(", "),
+            number(value),
+            axis.name,
+            number(0.0 - value),
+            number(-2.0 * value),
+        )
     }
 
     fn cautions(&self) -> String {
@@ -145,16 +169,74 @@ impl Shown<'_> {
         text.push_str("This target cannot correct:\n");
         manifest.cannot.iter().for_each(|line| text.push_str(&format!("  - {line}\n")));
         text.push_str(&format!("Test the sign before cutting: {}\n", manifest.sign_test.trim()));
+        text.push_str(&self.sign_test());
         text
     }
 }
 
+/// Below this (um) an error does nothing at the functional point.
+const NO_EFFECT: f64 = 0.05;
+
+/// Below this (um) a deviation is rounding, and a factor says nothing.
+const ROUNDING: f64 = 1e-3;
+
 fn ratio(before: &Summary, after: &Summary) -> String {
-    if after.p95 > 0.0 {
-        format!("The 95 % position deviation falls by a factor of {}.\n", significant(before.p95 / after.p95, 3))
+    let (before, after) = (before.p95, after.p95);
+    if before < ROUNDING {
+        "There was nothing to compensate.\n".to_owned()
+    } else if after < ROUNDING {
+        "The 95 % position deviation falls below a nanometre.\n".to_owned()
+    } else if after <= before {
+        format!("The 95 % position deviation falls by a factor of {}.\n", significant(before / after, 3))
     } else {
-        String::new()
+        format!("The 95 % position deviation RISES from {} to {} um.\n", significant(before, 4), significant(after, 4))
     }
+}
+
+/// What to warn of before anybody loads such files.
+pub(super) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    let (before, after) = (&certificate.uncompensated, &certificate.compensated);
+    let worse = |b: &Summary, a: &Summary| a.p95 > b.p95 * 1.001 + ROUNDING;
+    if certificate.strongest.is_none() {
+        let message = "the tables correct nothing: no error of this machine is within the target's reach";
+        found.push(Diagnostic::new("W0602", message).help("compile for a target with a lattice, such as grid-csv"));
+    } else if worse(&before.all.position_um, &after.all.position_um) {
+        let message = format!(
+            "the tables make the 95 % position deviation worse: {} um instead of {}",
+            significant(after.all.position_um.p95, 4),
+            significant(before.all.position_um.p95, 4)
+        );
+        found.push(Diagnostic::new("W0602", message).help(
+            "they take away an error that happened to cancel another one, which this target cannot correct: do not load them for volumetric accuracy",
+        ));
+    }
+    // A twentieth more is within what any table of angles changes here and there.
+    let turned = |b: &Summary, a: &Summary| a.p95 > b.p95 * 1.05 + ROUNDING;
+    if turned(&before.tool_axis, &after.tool_axis) || turned(&before.all.rotation_urad, &after.all.rotation_urad) {
+        let message = format!(
+            "the orientation gets worse: 95 % {} urad instead of {} (tool axis {} instead of {})",
+            significant(after.all.rotation_urad.p95, 4),
+            significant(before.all.rotation_urad.p95, 4),
+            significant(after.tool_axis.p95, 4),
+            significant(before.tool_axis.p95, 4)
+        );
+        found.push(Diagnostic::new("W0603", message).help("rotation about the tool axis matters to tools that do not turn; `--correct position` leaves the rotary axes alone"));
+    }
+    found
+}
+
+/// The tool in words: a table holds for its length.
+fn tool(machine: &Machine, target: &Target) -> String {
+    let tool = machine.tool();
+    let length: f64 = (0..3).map(|i| (tool.tip[i] - tool.gauge[i]) * (tool.tip[i] - tool.gauge[i])).sum();
+    let length = significant(libm::sqrt(length), 6);
+    let name = if tool.name.is_empty() { String::new() } else { format!("`{}`, ", tool.name) };
+    let only = match target.manifest.mechanism {
+        Mechanism::Lattice(_) => "; the tables hold for it only",
+        Mechanism::OwnAxis(_) => "",
+    };
+    format!("{name}{length} mm from the gauge point to the functional point{only}")
 }
 
 fn word(handled: Handled) -> &'static str {

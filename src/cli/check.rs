@@ -18,7 +18,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     match session.format() {
         Format::Json => session.print_json(json(&machine)),
         Format::Csv => session.print(&csv(&machine)),
-        Format::Text => session.print(&text(&machine)),
+        Format::Text => session.print(&text(&machine, session.diagnostics.warnings())),
     }
     Ok(())
 }
@@ -43,7 +43,7 @@ fn travel(travel: Travel, unit: &str) -> String {
     }
 }
 
-fn text(machine: &Machine) -> String {
+fn text(machine: &Machine, warnings: usize) -> String {
     let [location, component, tolerance] = counts(machine);
     let axes: Vec<String> =
         machine.axes().iter().map(|axis| format!("{} {}", axis.name, travel(axis.travel, axis.unit()))).collect();
@@ -56,7 +56,11 @@ fn text(machine: &Machine) -> String {
     for (key, value) in &machine.provenance().entries {
         text.push_str(&format!("  {key:7} {value}\n"));
     }
-    text.push_str("  no mistakes found\n");
+    text.push_str(&match warnings {
+        0 => "  no mistakes found\n".to_owned(),
+        1 => "  no mistakes, 1 warning\n".to_owned(),
+        n => format!("  no mistakes, {n} warnings\n"),
+    });
     text
 }
 

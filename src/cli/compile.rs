@@ -1,10 +1,10 @@
 //! `abbe compile`: the compensation files of a target, with their certificate.
 
-use super::certificate_output::Shown;
+use super::certificate_output::{Shown, warnings};
 use super::files::Disk;
 use super::session::Session;
 use super::{Outcome, Stop, file_set, load};
-use crate::compensation::{Goal, LatticeRequest, Scope, Tables};
+use crate::compensation::{Capability, Goal, LatticeRequest, Scope, Tables, resampled};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::Machine;
 use crate::target::{Hashed, Limits, Lock, RenderedFile, Target, certify, is_plain_name};
@@ -84,6 +84,13 @@ impl Options {
         Scope { goal, rotary: self.with.unwrap_or(usual) == WithArg::All, damping: LATTICE_DAMPING }
     }
 
+    /// What is written into the manifest of a set.
+    fn words(&self) -> Vec<String> {
+        let scope = self.scope();
+        let goal = if scope.goal == Goal::Pose { "pose" } else { "position" };
+        vec![format!("correct {goal}"), format!("with {} axes", if scope.rotary { "all" } else { "linear" })]
+    }
+
     pub(super) fn target(&self, session: &mut Session, name: &str) -> Result<Target, Stop> {
         if let Some(folder) = self.templates.as_deref().filter(|_| is_plain_name(name)) {
             refuse_links(session, &folder.join(name))?;
@@ -120,6 +127,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let axes = lattice_axes(session, &machine, &args.lattice)?;
     let request = LatticeRequest { axes, max_nodes: args.nodes, scope };
     let tables = Arc::new(target.tables(&machine, &request));
+    warn_left_out(session, &machine, &target, &tables);
     let limits = args.max_correction.unwrap_or_default();
     limits.exceeded(&machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
     session.checked()?;
@@ -127,8 +135,10 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     session.checked()?;
     let read = read_back(session, &machine, &target, &rendered, &tables)?;
     let certificate = certify(&machine, &target, &read, scope, args.options.poses as usize, args.options.seed);
+    warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
+    session.checked()?;
     let files = rendered.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
-    let lock = Lock::new(&args.target, machine.name(), machine.conventions(), inputs, files);
+    let lock = Lock::new(&args.target, &machine, args.options.words(), inputs, files);
     if let Err(refusal) = file_set::write(&args.out, &rendered, &lock) {
         return session.refuse(refusal);
     }
@@ -138,8 +148,38 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     Ok(())
 }
 
+/// What does not go into the tables: points beyond the format's limit, travel beyond the volume.
+fn warn_left_out(session: &mut Session, machine: &Machine, target: &Target, tables: &Tables) {
+    if let Capability::OwnAxis(capability) = target.manifest.capability() {
+        for (axis, points) in resampled(machine, &capability) {
+            let (name, most) = (&machine.axes()[axis].name, capability.max_points);
+            let message =
+                format!("the curves of `{name}` have {points} points, the format holds {most}: they were resampled");
+            let help = "thin the curve out yourself if certain points matter";
+            session.diagnostics.push(Diagnostic::new("W0604", message).help(help));
+        }
+    }
+    let Tables::Lattice(lattice) = tables else { return };
+    for axis in &lattice.axes {
+        let (this, grid) = (&machine.axes()[*axis], machine.volume()[*axis]);
+        let (min, max) = this.travel.interval();
+        let within = grid.max - grid.min < (max - min) * (1.0 - 1e-9);
+        if within {
+            let message = format!(
+                "the lattice covers `{}` from {} to {} {}, its travel is larger: outside the value at the end is held",
+                this.name,
+                grid.min,
+                grid.max,
+                this.unit()
+            );
+            let help = "leave the bounds out of `volume:` to cover the whole travel";
+            session.diagnostics.push(Diagnostic::new("W0605", message).help(help));
+        }
+    }
+}
+
 /// Every file read so far, by name, with its hash.
-fn inputs(session: &Session) -> Vec<Hashed> {
+pub(super) fn inputs(session: &Session) -> Vec<Hashed> {
     let sources = session.diagnostics.sources.iter();
     let plain = |name: &str| Path::new(name).file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     sources.map(|(name, text)| Hashed::new(plain(name), text.as_bytes())).collect()

@@ -104,7 +104,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     {
         displacements.push(inverse(session, &machine, pose, lift, approach)?);
     }
-    let report = Report { machine: &machine, poses: &poses, results: &results, order, frame, effects, displacements };
+    let results = &results;
+    let report = Report { machine: &machine, poses: &poses, results, order, frame, approach, effects, displacements };
     match session.format() {
         Format::Json => session.print_json(report.json()),
         Format::Csv => session.print(&report.csv()),
@@ -124,6 +125,7 @@ struct Report<'a> {
     results: &'a [Evaluation],
     order: String,
     frame: Frame,
+    approach: Approach,
     effects: Option<Effects>,
     /// By pose; none without `--inverse`.
     displacements: Vec<Vec<(String, f64)>>,
@@ -155,6 +157,7 @@ impl Report<'_> {
         let poses: Vec<_> = (0..self.poses.len()).map(|i| self.pose_json(i)).collect();
         json!({
             "machine": self.machine.name(), "order": self.order, "frame": self.frame(),
+            "direction": self.approach, "tool": self.machine.tool().name,
             "units": {"position": "mm", "rotation": "rad", "linear_axis": "mm", "rotary_axis": "deg"},
             "poses": poses,
         })
@@ -211,10 +214,19 @@ impl Report<'_> {
         }
         let effects = self.effects.as_ref().map_or_else(String::new, Effects::text);
         format!(
-            "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{table}\n{}{effects}",
+            "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}\n{table}\n{}{effects}",
             self.machine.name(),
             self.frame(),
             self.order,
+            match self.approach {
+                Approach::Mean => "",
+                Approach::Forward => ", approached forward",
+                Approach::Reverse => ", approached in reverse",
+            },
+            match self.machine.tool().name.as_str() {
+                "" => String::new(),
+                name => format!(", tool {name}"),
+            },
             self.displacements_text()
         )
     }

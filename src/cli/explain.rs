@@ -56,7 +56,7 @@ fn describe(id: &ErrorId) -> String {
     text.push_str(
         "Sign: tool relative to workpiece, actual minus nominal, in the directions of the machine frame (ISO 841).\n",
     );
-    if let Some(sentence) = squareness(id) {
+    if let Some(sentence) = squareness(id).or_else(|| rotary(id)) {
         text.push_str(sentence);
         text.push('\n');
     }
@@ -78,4 +78,23 @@ fn squareness(id: &ErrorId) -> Option<&'static str> {
         ),
         _ => None,
     }
+}
+
+/// What a location error of a rotary axis or spindle moves, with a number.
+fn rotary(id: &ErrorId) -> Option<&'static str> {
+    if !id.location {
+        return None;
+    }
+    Some(match (id.axis.as_str(), id.direction) {
+        ("A" | "B" | "C", Direction::X | Direction::Y | Direction::Z) => {
+            "The axis line stands that far in + of the machine direction, in a table and in a head alike; nothing moves at position 0. EX0C = +10 um of a C' table moves the tool by +20 um in X of the workpiece frame at C = 180 deg (-20 um in X of the machine frame)."
+        }
+        ("A" | "B" | "C", _) => {
+            "The axis line is turned by that angle, right-handed, about the machine direction through the axis's origin; nothing moves at position 0. EA0C = +10 urad of a C' table moves the tool by -4 um in Z at C = 180 deg, 200 mm from the axis in Y of the machine."
+        }
+        ("S", Direction::A | Direction::B) => {
+            "The spindle is tilted about the gauge point. EA0S = +10 urad moves the tip of a tool of 100 mm by +1 um in Y, EB0S = +10 urad by -1 um in X."
+        }
+        _ => return None,
+    })
 }

@@ -1,13 +1,13 @@
 //! `abbe verify`: replay files as the controller would and certify what they leave.
 
-use super::certificate_output::Shown;
+use super::certificate_output::{Shown, warnings};
 use super::compile::Options;
 use super::files::{Disk, SET_LIMIT, read_at_most};
 use super::session::Session;
 use super::{Outcome, Stop, file_set, load};
 use crate::diagnostic::Diagnostic;
 use crate::machine::{Approach, Machine};
-use crate::target::{NAMES, Replay, Target, certify, is_plain_name};
+use crate::target::{Lock, NAMES, Replay, Target, certify, is_plain_name};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -28,7 +28,11 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let machine = load::machine(session, &args.machine, args.options.tool.as_deref())?;
+    let lock = file_set::existing_lock(&args.folder);
+    // The tables hold for the tool they were made for.
+    let made_for = lock.as_ref().map(|lock| lock.tool.clone()).filter(|name| !name.is_empty());
+    let machine = load::machine(session, &args.machine, args.options.tool.clone().or(made_for).as_deref())?;
+    warn_other_inputs(session, lock.as_ref());
     let target = target(session, &machine, args)?;
     let names = target.table_files(&machine);
     let texts = file_set::read(&args.folder, &names, &mut session.diagnostics);
@@ -45,6 +49,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let certificate =
         certify(&machine, &target, &tables, args.options.scope(), args.options.poses as usize, args.options.seed);
+    warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
+    session.checked()?;
     Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.folder }
         .print(session);
     Ok(())
@@ -68,11 +74,23 @@ fn nothing_found(folder: &Path) -> Diagnostic {
         .help("name the folder that `compile --out` was given, and the target with --target")
 }
 
+/// Tables made from other files than those just read are judged all the same, and that is said.
+fn warn_other_inputs(session: &mut Session, lock: Option<&Lock>) {
+    let same = lock.is_none_or(|lock| lock.inputs == super::compile::inputs(session));
+    if !same {
+        let message = "the tables were made from another machine file, or from other error tables, than these";
+        session
+            .diagnostics
+            .push(Diagnostic::new("W0702", message).help("compile again if the machine file has changed"));
+    }
+}
+
 /// Files of the set that no longer are what its manifest says are said; its tables are read all the same.
 fn warn_edited(session: &mut Session, folder: &Path) {
     let Some(lock) = file_set::existing_lock(folder) else { return };
     for file in lock.files.iter().filter(|file| is_plain_name(&file.name)) {
-        let bytes = read_at_most(&folder.join(&file.name), SET_LIMIT).unwrap_or_default();
+        // A missing file is the reader's to say.
+        let Ok(bytes) = read_at_most(&folder.join(&file.name), SET_LIMIT) else { continue };
         if !lock.wrote(&file.name, &bytes) {
             session
                 .diagnostics

@@ -18,5 +18,5 @@ pub use capability::{Capability, LatticeCapability, OwnAxisCapability, Spacing};
 pub use correct::{Corrected, Goal, Scope, correct};
 pub use jacobian::{Correction, Jacobian};
 pub use lattice::{LatticeRequest, lattice, lattice_nodes};
-pub use own_axis::{own_axis_error, own_axis_tables};
-pub use tables::{Increment, Lattice, OwnAxisTable, Tables};
+pub use own_axis::{own_axis_error, own_axis_tables, resampled};
+pub use tables::{Increment, Lattice, OwnAxisTable, Strongest, Tables};

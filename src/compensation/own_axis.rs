@@ -57,6 +57,16 @@ fn interval(machine: &Machine, axis: usize, capability: &OwnAxisCapability) -> (
     }
 }
 
+/// Axes whose measured points do not fit into the tables, with how many there are: their curves are
+/// resampled at equal distances.
+pub fn resampled(machine: &Machine, capability: &OwnAxisCapability) -> Vec<(usize, usize)> {
+    let count = |axis: usize| {
+        let (min, max) = interval(machine, axis, capability);
+        (axis, knots(machine, axis, min, max).len())
+    };
+    (0..machine.axes().len()).map(count).filter(|(_, n)| *n > capability.max_points).collect()
+}
+
 /// The knots of the curves that act along the axis where they fit, otherwise equal distances.
 fn positions(machine: &Machine, axis: usize, capability: &OwnAxisCapability) -> Vec<f64> {
     let (min, max) = interval(machine, axis, capability);

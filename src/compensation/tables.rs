@@ -28,6 +28,17 @@ pub struct Lattice {
     pub values: Vec<f64>,
 }
 
+/// The strongest entry of tables.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strongest {
+    /// Index of the axis that is corrected.
+    pub axis: usize,
+    /// Where: axes with their positions (mm or deg).
+    pub at: Vec<(usize, f64)>,
+    /// What is added (mm or deg).
+    pub value: f64,
+}
+
 /// What a target's files hold.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Tables {
@@ -118,6 +129,25 @@ impl Tables {
             let of_kind = self.corrections().filter(|(axis, _)| machine.axes()[*axis].kind == kind);
             of_kind.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
         })
+    }
+
+    /// The largest correction of a linear axis (of any axis if there is none), and where it stands.
+    pub fn strongest(&self, machine: &Machine) -> Option<Strongest> {
+        let [linear, rotary] = self.largest(machine);
+        let (axis, value) = linear.or(rotary).filter(|(_, value)| *value != 0.0)?;
+        let at = match self {
+            Self::OwnAxis(tables) => tables.iter().filter(|t| t.axis == axis).find_map(|t| {
+                let same = |i: &usize| t.forward[*i] == value || t.reverse[*i] == value;
+                (0..t.positions.len()).find(same).map(|i| vec![(axis, t.positions[i])])
+            })?,
+            Self::Lattice(lattice) => {
+                let column = lattice.corrected.iter().position(|a| *a == axis)?;
+                let width = lattice.corrected.len();
+                let node = (0..lattice.len()).find(|node| lattice.values[node * width + column] == value)?;
+                lattice.axes.iter().copied().zip(lattice.node(node)).collect()
+            }
+        };
+        Some(Strongest { axis, at, value })
     }
 
     /// Every stored correction with its axis.

@@ -74,8 +74,11 @@ const DENOMINATORS: [f64; 12] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 24.0, 60.0,
 /// A whole number, a fraction of small numbers, or the double as it is.
 fn number(script: Script, value: f64) -> String {
     let near = |d: &&f64| (value * **d - libm::round(value * **d)).abs() <= 1e-14 * value * **d && value * **d < 1e6;
+    // 6/60 is better written 0.1.
+    let reduced =
+        |(above, below): &(f64, f64)| (2..=*below as u32).map(f64::from).all(|p| above % p != 0.0 || below % p != 0.0);
     // Doubles print without an exponent: LaTeX needs nothing else.
-    match DENOMINATORS.iter().find(near).map(|d| (libm::round(value * d), *d)) {
+    match DENOMINATORS.iter().find(near).map(|d| (libm::round(value * d), *d)).filter(reduced) {
         Some((whole, 1.0)) => whole.to_string(),
         Some((above, below)) if script == Script::Latex => format!("\\tfrac{{{above}}}{{{below}}}"),
         Some((above, below)) => format!("{above}/{below}"),

@@ -7,7 +7,7 @@
 
 use super::replay::{Compensated, Replay};
 use super::{Controller, Target};
-use crate::compensation::{Capability, Correction, Jacobian, Lattice, Scope, Tables, own_axis_tables};
+use crate::compensation::{Capability, Correction, Jacobian, Lattice, Scope, Strongest, Tables, own_axis_tables};
 use crate::evaluate::{
     Bare, Deviation, Field, Order, Statistics, Summary, error_by_error, random_poses, tool_axis_tilt,
 };
@@ -64,6 +64,8 @@ pub struct Certificate {
     pub errors: Vec<ErrorLeft>,
     /// What is added with all axes at 0, approaching forward and reverse (mm, deg).
     pub at_reference: [Vec<f64>; 2],
+    /// The entry by which the sign is best tested; none if nothing is corrected.
+    pub strongest: Option<Strongest>,
 }
 
 /// Compares the machine with and without tables on `count` seeded poses.
@@ -92,6 +94,7 @@ pub fn certify(
         compensated: left,
         errors: single.errors(target, tables),
         at_reference: [Approach::Forward, Approach::Reverse].map(|a| compensated.replay.added(&zero, a)),
+        strongest: tables.strongest(machine),
     }
 }
 

@@ -62,6 +62,12 @@ impl Target {
                 return None;
             }
         };
+        if let Some(fault) = manifest.fault() {
+            let message = format!("`{}`: {fault}", folder.join("target.yaml").display());
+            diagnostics
+                .push(Diagnostic::new("E0703", message).help("docs/adding-a-target.md lists the keys of a manifest"));
+            return None;
+        }
         if let Some(file) = manifest.files.iter().find(|file| !is_plain_name(&file.template)) {
             let message = format!("the template `{}` is not a plain file name", file.template);
             diagnostics.push(Diagnostic::new("E0703", message).help("a template stands in the target's own folder"));

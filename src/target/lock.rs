@@ -1,7 +1,7 @@
 //! `abbe.lock.json`: which files belong to a set, from which inputs, and their hashes. By it our own
 //! earlier files are told from foreign and hand-edited ones.
 
-use crate::machine::Conventions;
+use crate::machine::Machine;
 use sha2::{Digest, Sha256};
 
 /// Name of the manifest of a file set.
@@ -16,6 +16,12 @@ pub struct Lock {
     pub target: String,
     /// Name of the machine.
     pub machine: String,
+    /// The tool for which the tables hold; empty if the machine has one without a name.
+    #[serde(default)]
+    pub tool: String,
+    /// What was asked for: `position` or `pose`, and with which axes.
+    #[serde(default)]
+    pub options: Vec<String>,
     /// Conventions in force.
     pub conventions: serde_json::Value,
     /// Files read: name and SHA-256.
@@ -47,18 +53,14 @@ impl Hashed {
 
 impl Lock {
     /// The manifest of a set.
-    pub fn new(
-        target: &str,
-        machine: &str,
-        conventions: &Conventions,
-        inputs: Vec<Hashed>,
-        files: Vec<Hashed>,
-    ) -> Self {
+    pub fn new(target: &str, machine: &Machine, options: Vec<String>, inputs: Vec<Hashed>, files: Vec<Hashed>) -> Self {
         Self {
             abbe: env!("CARGO_PKG_VERSION").to_owned(),
             target: target.to_owned(),
-            machine: machine.to_owned(),
-            conventions: serde_json::to_value(conventions).unwrap_or_default(),
+            machine: machine.name().to_owned(),
+            tool: machine.tool().name.clone(),
+            options,
+            conventions: serde_json::to_value(machine.conventions()).unwrap_or_default(),
             inputs,
             files,
         }

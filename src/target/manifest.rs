@@ -240,4 +240,45 @@ impl Manifest {
     pub fn unverified(&self) -> bool {
         [&self.certainty.syntax, &self.certainty.sign].into_iter().any(|c| c.level == "memory")
     }
+
+    /// What makes a manifest impossible to work with, in words.
+    pub fn fault(&self) -> Option<String> {
+        let increment = self.increment();
+        let decimals = increment.position_decimals.max(increment.correction_decimals);
+        if decimals > MOST_DECIMALS {
+            return Some(format!("{decimals} decimals are more than the {MOST_DECIMALS} that a double has to give"));
+        }
+        match &self.mechanism {
+            Mechanism::OwnAxis(m) if m.max_points < 2 => Some("max_points: a table needs two points".to_owned()),
+            Mechanism::OwnAxis(m)
+                if !(m.continuous.1 > m.continuous.0 && m.continuous.1 - m.continuous.0 <= 36_000.0) =>
+            {
+                Some("continuous: write [from, to] in deg, rising, at most a hundred turns".to_owned())
+            }
+            Mechanism::Lattice(m) if !(2..=MOST_NODES).contains(&m.max_nodes) => {
+                Some(format!("max_nodes: a lattice has from 2 to {MOST_NODES} nodes"))
+            }
+            Mechanism::OwnAxis(m) => {
+                self.files.iter().filter_map(|f| f.layout.as_ref()).find_map(|l| l.fault(m.bidirectional))
+            }
+            Mechanism::Lattice(_) => None,
+        }
+    }
+}
+
+/// Digits behind the point that still mean something at 1000 mm.
+const MOST_DECIMALS: u8 = 12;
+
+/// A lattice of so many nodes of six axes is half a gigabyte of text.
+const MOST_NODES: usize = 5_000_000;
+
+impl Layout {
+    fn fault(&self, bidirectional: bool) -> Option<String> {
+        let Self::Columns { columns } = self else { return None };
+        let count = |column| columns.iter().filter(|c| **c == column).count();
+        let (position, forward, reverse) = (count(Column::Position), count(Column::Forward), count(Column::Reverse));
+        let fits = position == 1 && forward == 1 && reverse == usize::from(bidirectional);
+        (!fits)
+            .then(|| "columns: position, forward, and reverse if the mechanism is bidirectional, each once".to_owned())
+    }
 }

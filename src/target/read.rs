@@ -64,47 +64,46 @@ impl Target {
         };
         let mut table = OwnAxisTable { axis, positions: Vec::new(), forward: Vec::new(), reverse: Vec::new() };
         for (number, line) in text.lines().enumerate() {
-            if line.len() > LONGEST_LINE {
-                let message = format!("{} characters in a line: the controller would cut it in pieces", line.len());
-                return Err(Fault { line: number, message });
-            }
-            let cells: Vec<&str> = line.split_ascii_whitespace().collect();
-            if cells.len() != columns.len() {
-                let message = format!(
-                    "{} numbers instead of {}: the controller would stop reading here",
-                    cells.len(),
-                    columns.len()
-                );
-                return Err(Fault { line: number, message });
-            }
-            for (cell, column) in cells.iter().zip(columns) {
-                let value =
-                    units::number(cell).map_err(|failure| Fault { line: number, message: failure.to_string() })?;
-                match column {
-                    Column::Position => table.positions.push(value),
-                    Column::Forward => table.forward.push(value),
-                    Column::Reverse => table.reverse.push(value),
-                }
-            }
+            let at = |message: String| Fault { line: number, message };
+            point(&mut table, columns, line).map_err(at)?;
             if number >= most {
-                return Err(Fault {
-                    line: number,
-                    message: format!("more than {most} points: the controller would drop this one"),
-                });
+                return Err(at(format!("more than {most} points: the controller would drop this one")));
             }
             if let [.., before, last] = table.positions[..]
                 && last <= before
             {
-                let message = "the positions do not rise: the controller would drop this line".to_owned();
-                return Err(Fault { line: number, message });
+                return Err(at("the positions do not rise: the controller would drop this line".to_owned()));
             }
         }
         if table.positions.is_empty() {
-            Err(Fault { line: 0, message: "the table is empty".to_owned() })
-        } else {
-            Ok(table)
+            return Err(Fault { line: 0, message: "the table is empty".to_owned() });
+        }
+        if !columns.contains(&Column::Reverse) {
+            table.reverse.clone_from(&table.forward);
+        }
+        Ok(table)
+    }
+}
+
+/// Adds the point on a line, or says what is wrong with the line.
+fn point(table: &mut OwnAxisTable, columns: &[Column], line: &str) -> Result<(), String> {
+    if line.len() > LONGEST_LINE {
+        return Err(format!("{} characters in a line: the controller would cut it in pieces", line.len()));
+    }
+    let cells: Vec<&str> = line.split_ascii_whitespace().collect();
+    if cells.len() != columns.len() {
+        let (found, wanted) = (cells.len(), columns.len());
+        return Err(format!("{found} numbers instead of {wanted}: the controller would stop reading here"));
+    }
+    for (cell, column) in cells.iter().zip(columns) {
+        let value = units::number(cell).map_err(|failure| failure.to_string())?;
+        match column {
+            Column::Position => table.positions.push(value),
+            Column::Forward => table.forward.push(value),
+            Column::Reverse => table.reverse.push(value),
         }
     }
+    Ok(())
 }
 
 /// Three numbers need a quarter of it; LinuxCNC's buffer takes no more and reads the rest as a line of its own.

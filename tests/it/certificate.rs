@@ -215,6 +215,10 @@ fn the_worse_direction_counts() {
             let max = number(&json, &format!("/{state}/position_um/max"));
             assert!((max - f64::max(forward.abs(), reverse.abs())).abs() < 1e-5, "{state}: {json}");
         }
+        // So it says of the error by itself.
+        let left = number(&json, "/errors/EYX/left_um");
+        assert!((left - f64::max(forward.abs(), reverse.abs())).abs() < 1e-5, "{left}");
+        assert_eq!(json["errors"]["EYX"]["handled"], "no");
         // They have a column for each direction of positioning, a lattice holds the mean of both.
         assert!(number(&of("EXX", "linuxcnc"), "/compensated/position_um/max") < 1e-5);
         let half = (reverse - forward) / 2.0;
