@@ -134,7 +134,7 @@ pub(super) fn inverse(
     let solution = problem.solve(lift, lift.basis().order());
     let Ok(by) = solution else {
         return session.refuse(
-            Diagnostic::new("E0504", "the axes cannot be solved for at this pose: a division by an element whose real part is zero")
+            Diagnostic::new("E0524", "the axes cannot be solved for at this pose: a division by an element whose real part is zero")
                 .help("`--inverse` needs three linear axes that are independent, with or without two rotary ones, at a pose that is not singular"),
         );
     };

@@ -125,7 +125,7 @@ impl Declared {
         } else {
             did_you_mean(name, &known)
         };
-        Diagnostic::new("E0501", format!("there is no generator `{}`", shown(name))).help(help)
+        Diagnostic::new("E0521", format!("there is no generator `{}`", shown(name))).help(help)
     }
 
     /// Names of the generators.
@@ -163,7 +163,7 @@ impl Declared {
         let (count, degree) = (self.names.len(), self.ideal.degree);
         match failure {
             BasisFailure::KillsOne => {
-                Diagnostic::new("E0502", "the ideal contains 1: nothing would be left of the algebra")
+                Diagnostic::new("E0522", "the ideal contains 1: nothing would be left of the algebra")
             }
             BasisFailure::Degree(degree) => Diagnostic::new("E0215", format!("an algebra of degree {degree}")),
             BasisFailure::Generator(k) => self.unknown(&format!("x{}", k + 1)),
@@ -173,7 +173,7 @@ impl Declared {
                     size.monomials,
                     crate::units::significant(size.bytes() * 1e-9, 3)
                 );
-                Diagnostic::new("E0503", message).help(
+                Diagnostic::new("E0523", message).help(
                     "1 GB is the limit: lower the degree, group the errors (`generators: per-axis`), or let more monomials vanish",
                 )
             }

@@ -98,7 +98,7 @@ pub(super) fn named_monomial(text: &str) -> Result<NamedMonomial, Diagnostic> {
     })?;
     if factors.iter().all(|(name, power)| *power == 0 || name == "1") {
         let message = format!("the ideal contains 1 (`{}`): nothing would be left of the algebra", shown(text));
-        return Err(Diagnostic::new("E0502", message).help("only products of generators can vanish, such as `x1^2`"));
+        return Err(Diagnostic::new("E0522", message).help("only products of generators can vanish, such as `x1^2`"));
     }
     Ok(factors)
 }

@@ -371,7 +371,7 @@ fn what_is_no_polynomial_is_refused() {
                 axes: { X: { travel: [0, 1] }, C: { travel: continuous } }\nerrors: { EA0C: 3 urad }\n";
     let path = folder.write("machine.yaml", yaml);
     let (_, complaint, exit) = abbe(&[path.to_str().unwrap()]);
-    assert!(exit == 1 && complaint.contains("E0505") && complaint.contains("EA0C"), "{complaint}");
+    assert!(exit == 1 && complaint.contains("E0525") && complaint.contains("EA0C"), "{complaint}");
     let (_, _, exit) = abbe(&[path.to_str().unwrap(), "--order", "1", "--algebra", "degree: 2"]);
     assert_eq!(exit, 2);
     let (_, _, exit) = abbe(&[path.to_str().unwrap(), "--format", "csv"]);

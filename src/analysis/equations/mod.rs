@@ -123,12 +123,12 @@ fn is_polynomial(machine: &Machine, error: &Given) -> bool {
 }
 
 fn no_polynomial(culprit: &str) -> Diagnostic {
-    Diagnostic::new("E0505", format!("with `location_order: real` the equations are no polynomials ({culprit})"))
+    Diagnostic::new("E0525", format!("with `location_order: real` the equations are no polynomials ({culprit})"))
         .help("write `conventions: { location_order: nilpotent }` for the equations, or leave the error out")
 }
 
 fn no_number() -> Diagnostic {
-    Diagnostic::new("E0505", "the equations are no polynomials: a joint's determinant is not a number")
+    Diagnostic::new("E0525", "the equations are no polynomials: a joint's determinant is not a number")
         .help("write `conventions: { location_order: nilpotent, joints: orthogonal }` for the equations")
 }
 
