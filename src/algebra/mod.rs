@@ -1,4 +1,4 @@
-//! Algebras over which a machine is lowered: the reals and the dual numbers of order n.
+//! Algebras over which a machine is lowered: the reals, the dual numbers of order n, Weil algebras.
 //!
 //! An element is a real part plus a nilpotent part; everything analytic lifts by its finite Taylor
 //! series at the real part. `f64` has no nilpotent part, so over it the same lowering is the exact
@@ -6,12 +6,22 @@
 //! nothing in the trait makes an element from an algebra alone but [`Algebra::from_real`].
 
 mod dual;
+mod group;
 mod htm;
 mod lift;
 pub mod linear;
+mod solve;
+pub mod symbolic;
+mod tangent;
+pub mod weil;
 
 pub use dual::Dual;
+pub use group::{Inadmissible, Split, admissibility, is_special, orthogonality_defect, split};
 pub use htm::{Htm, exp_hat, hat, rotation_about, rotation_vector, skew_vector};
+pub use solve::{Singular, newton_step, newton_steps, solve};
+pub use symbolic::Symbolic;
+pub use tangent::Tangent;
+pub use weil::Weil;
 
 use num_traits::{One, Zero};
 use std::fmt::Debug;

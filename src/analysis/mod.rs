@@ -4,10 +4,15 @@
 //! - [`Plane`]: a field over a plane of two linear axes, for drawing.
 //! - [`inverse()`]: where the axes must be for a pose of the tool; [`compare()`] puts machines side by
 //!   side on the same tool poses.
+//! - [`Inverse`]: the same for the real machine over an algebra, by Newton's iteration.
+//! - [`equations()`]: the closed forms, over an algebra of polynomials in symbols.
+//! - [`interactions()`]: what errors do one by one and two by two, and what order 1 neglects.
 //! - [`levers`]: the lever arms that turn angles into displacements.
 //! - [`LocationSet`]: the location errors this chain needs, and which of them are given.
 
 mod compare;
+mod equations;
+mod interactions;
 mod inverse;
 mod lever;
 mod location_set;
@@ -15,7 +20,9 @@ mod map;
 mod plane;
 
 pub use compare::{Compared, Comparison, Missed, compare};
-pub use inverse::{DIRECTION_TOLERANCE, PLACE_TOLERANCE, ToolPose, Unreachable, inverse, rest, tool_pose};
+pub use equations::{Equations, Meaning, Naming, Options, Symbol, equations};
+pub use interactions::{Calculation, Effect, Interactions, interactions};
+pub use inverse::{DIRECTION_TOLERANCE, Inverse, PLACE_TOLERANCE, ToolPose, Unreachable, inverse, rest, tool_pose};
 pub use lever::{Lever, levers};
 pub use location_set::{LocationSet, Status};
 pub use map::{MOST_POSES, Map, TooManyPoses, View, deviation_in, map};

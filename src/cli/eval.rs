@@ -1,9 +1,11 @@
 //! `abbe eval`: deviation and E_VE at poses.
 
+use super::effects::{Effects, inverse};
 use super::poses::{PoseArgs, poses};
 use super::session::Session;
-use super::{Format, Outcome, load};
-use crate::evaluate::{Evaluation, Frame, MAX_DUAL_ORDER, Order, evaluate};
+use super::view::order_text;
+use super::{Format, Outcome, algebra, load};
+use crate::evaluate::{Evaluation, Frame, MAX_DUAL_ORDER, Order, evaluate, evaluate_over};
 use crate::machine::{Approach, Machine, Pose};
 use crate::units::significant;
 use nalgebra::Vector3;
@@ -19,6 +21,19 @@ pub(super) struct Args {
     /// 1 to 6, or `exact` (the default, unless the conventions' preset names an order).
     #[arg(long, value_parser = order)]
     order: Option<Order>,
+    /// Follow errors over a Weil algebra: the machine file's, or one in the words of its section
+    /// `algebra`, such as `degree: 3, generators: per-axis, vanish: [x1^2, x3*x4]`.
+    #[arg(long, value_name = "ALGEBRA", num_args = 0..=1, default_missing_value = "", conflicts_with = "order")]
+    algebra: Option<String>,
+    /// Besides: how far the axes have to move to undo the errors, by Newton over the algebra.
+    #[arg(long, requires = "algebra")]
+    inverse: bool,
+    /// Besides: what 1 um or 1 urad of every error does (workpiece frame).
+    #[arg(long)]
+    sensitivity: bool,
+    /// Besides: what pairs of errors do, and how far order 1 can be trusted.
+    #[arg(long, requires = "sensitivity")]
+    interactions: bool,
     /// Frame of the vectors.
     #[arg(long, value_enum, default_value = "workpiece")]
     frame: FrameArg,
@@ -74,10 +89,23 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         FrameArg::Machine => Frame::Machine,
         FrameArg::Tool => Frame::Tool,
     };
-    let results: Vec<_> =
-        poses.iter().map(|pose| evaluate(&machine, pose, order, args.direction.into(), frame)).collect();
+    let lift = args.algebra.as_deref().map(|text| algebra::lift(session, &machine, text)).transpose()?;
     let approach = args.direction.into();
-    let report = Report { machine: &machine, poses: &poses, results: &results, order, frame, approach };
+    let result = |pose: &Pose| match &lift {
+        Some(lift) => evaluate_over(&machine, pose, lift, approach, frame),
+        None => evaluate(&machine, pose, order, approach, frame),
+    };
+    let results: Vec<_> = poses.iter().map(result).collect();
+    let order = lift.as_ref().map_or_else(|| order_text(order), algebra::name);
+    let effects =
+        args.sensitivity.then(|| Effects::new(session, &machine, &poses, approach, args.interactions)).transpose()?;
+    let mut displacements = Vec::new();
+    for (lift, pose) in lift.iter().filter(|_| args.inverse).flat_map(|lift| poses.iter().map(move |pose| (lift, pose)))
+    {
+        displacements.push(inverse(session, &machine, pose, lift, approach)?);
+    }
+    let results = &results;
+    let report = Report { machine: &machine, poses: &poses, results, order, frame, approach, effects, displacements };
     match session.format() {
         Format::Json => session.print_json(report.json()),
         Format::Csv => session.print(&report.csv()),
@@ -95,9 +123,12 @@ struct Report<'a> {
     machine: &'a Machine,
     poses: &'a [Pose],
     results: &'a [Evaluation],
-    order: Order,
+    order: String,
     frame: Frame,
     approach: Approach,
+    effects: Option<Effects>,
+    /// By pose; none without `--inverse`.
+    displacements: Vec<Vec<(String, f64)>>,
 }
 
 /// `-0` is nobody's result.
@@ -110,13 +141,6 @@ fn row(vector: &Vector3<f64>) -> [f64; 3] {
 }
 
 impl Report<'_> {
-    fn order(&self) -> String {
-        match self.order {
-            Order::Exact => "exact".to_owned(),
-            Order::Degree(n) => n.to_string(),
-        }
-    }
-
     fn frame(&self) -> &'static str {
         match self.frame {
             Frame::Workpiece => "workpiece",
@@ -130,23 +154,32 @@ impl Report<'_> {
     }
 
     fn json(&self) -> serde_json::Value {
-        let poses: Vec<_> = self.rows().map(|(pose, result)| self.pose_json(pose, result)).collect();
+        let poses: Vec<_> = (0..self.poses.len()).map(|i| self.pose_json(i)).collect();
         json!({
-            "machine": self.machine.name(), "order": self.order(), "frame": self.frame(),
+            "machine": self.machine.name(), "order": self.order, "frame": self.frame(),
             "direction": self.approach, "tool": self.machine.tool().name,
             "units": {"position": "mm", "rotation": "rad", "linear_axis": "mm", "rotary_axis": "deg"},
             "poses": poses,
         })
     }
 
-    fn pose_json(&self, pose: &Pose, result: &Evaluation) -> serde_json::Value {
+    fn pose_json(&self, index: usize) -> serde_json::Value {
+        let (pose, result) = (&self.poses[index], &self.results[index]);
         let axes: serde_json::Map<_, _> =
             self.axes().zip(pose).map(|(name, q)| (name.to_owned(), json!(plain(*q)))).collect();
         let e_ve: Vec<[f64; 4]> = (0..4).map(|i| std::array::from_fn(|j| plain(result.e_ve[(i, j)]))).collect();
-        json!({
+        let mut fields = json!({
             "axes": axes, "nominal": row(&result.nominal), "deviation": row(&result.deviation.position),
             "rotation": row(&result.deviation.rotation), "e_ve": e_ve,
-        })
+        });
+        for (name, value) in self.effects.iter().flat_map(|e| e.json(index)) {
+            fields[name] = value;
+        }
+        if let Some(by) = self.displacements.get(index) {
+            fields["inverse"] =
+                by.iter().map(|(axis, by)| (axis.clone(), json!(plain(*by)))).collect::<serde_json::Map<_, _>>().into();
+        }
+        fields
     }
 
     fn axes(&self) -> impl Iterator<Item = &str> {
@@ -179,11 +212,12 @@ impl Report<'_> {
             let cells = pose.iter().map(|q| significant(*q, 9)).chain(micro(&position)).chain([length]);
             let _ = table.add_row(cells.chain(micro(&result.deviation.rotation)).collect::<Vec<_>>());
         }
+        let effects = self.effects.as_ref().map_or_else(String::new, Effects::text);
         format!(
-            "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}\n{table}\n",
+            "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}\n{table}\n{}{effects}",
             self.machine.name(),
             self.frame(),
-            self.order(),
+            self.order,
             match self.approach {
                 Approach::Mean => "",
                 Approach::Forward => ", approached forward",
@@ -192,7 +226,16 @@ impl Report<'_> {
             match self.machine.tool().name.as_str() {
                 "" => String::new(),
                 name => format!(", tool {name}"),
-            }
+            },
+            self.displacements_text()
         )
+    }
+
+    fn displacements_text(&self) -> String {
+        let line = |by: &Vec<(String, f64)>| {
+            let axis = |(name, by): &(String, f64)| format!("{name} {}", significant(plain(*by), 6));
+            format!("To undo the errors, move by (mm, deg): {}\n", by.iter().map(axis).collect::<Vec<_>>().join(", "))
+        };
+        self.displacements.iter().map(line).collect()
     }
 }

@@ -2,10 +2,14 @@
 //!
 //! Exit codes: 0 done, 1 input refused, 2 usage, 3 our own fault.
 
+mod algebra;
 mod certificate_output;
 mod check;
+mod classify;
 mod compare;
 mod compile;
+mod effects;
+mod equations;
 mod eval;
 mod explain;
 mod file_set;
@@ -86,6 +90,10 @@ enum Verb {
     Show(show::Args),
     /// Deviation and E_VE at poses.
     Eval(eval::Args),
+    /// The closed forms: joint matrices, E_VE and deviations as polynomials in the errors.
+    Equations(equations::Args),
+    /// Which motion and which errors a 4x4 matrix over the dual numbers is.
+    Classify(classify::Args),
     /// The error over a volume.
     Map(map::Args),
     /// Machines side by side on the same tool poses.
@@ -142,6 +150,8 @@ fn usage(message: &clap::Error) -> ExitCode {
 fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
     match verb {
         Verb::Eval(args) => eval::run(session, &args),
+        Verb::Classify(args) => classify::run(session, &args),
+        Verb::Equations(args) => equations::run(session, &args),
         Verb::Show(args) => show::run(session, &args),
         Verb::Map(args) => map::run(session, &args),
         Verb::Compare(args) => compare::run(session, &args),

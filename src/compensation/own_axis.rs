@@ -3,7 +3,7 @@
 use super::jacobian::against;
 use super::{OwnAxisCapability, OwnAxisTable, Spacing};
 use crate::algebra::skew_vector;
-use crate::lower::{JointElements, joint};
+use crate::lower::{JointElements, Position, joint};
 use crate::machine::{Approach, AxisKind, Curve, Direction, ErrorTerm, Machine, Travel};
 use nalgebra::Vector3;
 
@@ -14,8 +14,9 @@ pub fn own_axis_error(machine: &Machine, axis: usize, command: f64, wanted: f64,
     let this = &machine.axes()[axis];
     let none = JointElements { location: None, component: None };
     let component = Some(machine.component_values(axis, command, approach));
-    let real = joint(this, machine.conventions(), command, &JointElements { location: None, component });
-    let ideal = joint(this, machine.conventions(), wanted, &none);
+    let at = |position| Position::at(this, position);
+    let real = joint(this, machine.conventions(), &at(command), &JointElements { location: None, component });
+    let ideal = joint(this, machine.conventions(), &at(wanted), &none);
     let direction = Vector3::from(this.direction) * this.sign();
     match this.kind {
         AxisKind::Linear => direction.dot(&(real.apply(&this.origin) - ideal.apply(&this.origin))),

@@ -1,7 +1,7 @@
 //! Deviation, rotation and E_VE at one pose, exact or to order n.
 
 use crate::algebra::{Algebra, Dual, Htm, difference, rotation_vector, skew_vector};
-use crate::lower::{Chain, ErrorLift, Exact, Ideal, OrderN, values};
+use crate::lower::{Chain, ErrorLift, Exact, Ideal, OrderN, Values, values};
 use crate::machine::{Approach, Joints, Machine};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
@@ -62,6 +62,45 @@ pub fn evaluate(machine: &Machine, pose: &[f64], order: Order, approach: Approac
         Order::Degree(5) => at.over::<Dual<6>>(&OrderN),
         Order::Degree(_) => at.over::<Dual<7>>(&OrderN),
     };
+    framed(evaluation, machine, pose, frame)
+}
+
+/// The same over any algebra: errors enter through `lift`, and all degrees are summed.
+pub fn evaluate_over<S: Algebra>(
+    machine: &Machine,
+    pose: &[f64],
+    lift: &impl ErrorLift<S>,
+    approach: Approach,
+    frame: Frame,
+) -> Evaluation {
+    framed(At { machine, pose, approach }.over(lift), machine, pose, frame)
+}
+
+/// The elements behind an evaluation: what each interference of errors does. Workpiece frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Response<S: Algebra> {
+    /// Ideal position of the functional point from the workpiece origin, mm.
+    pub nominal: Vector3<f64>,
+    /// Its deviation, mm.
+    pub position: Vector3<S>,
+    /// Of the tool's orientation, rad.
+    pub rotation: Vector3<S>,
+}
+
+/// Deviations as elements of the algebra, errors entering through `lift`.
+pub fn response<S: Algebra>(machine: &Machine, pose: &[f64], errors: &Values, lift: &impl ErrorLift<S>) -> Response<S> {
+    let origin = machine.workpiece();
+    let real = Chain::real(machine, pose, errors, lift).tool_in_workpiece(&origin);
+    let ideal = Chain::<f64>::ideal(machine, pose).tool_in_workpiece(&origin);
+    Response {
+        nominal: ideal.translation,
+        position: Vector3::from_fn(|i, _| real.translation[i].clone() - S::from_real(ideal.translation[i])),
+        rotation: rotation(&real.linear, &ideal.linear.map(S::from_real), machine.conventions().joints),
+    }
+}
+
+/// Vectors in the frame asked for.
+fn framed(evaluation: Evaluation, machine: &Machine, pose: &[f64], frame: Frame) -> Evaluation {
     match frame {
         Frame::Workpiece => evaluation,
         Frame::Machine => turned(evaluation, &Ideal::at(machine, pose).r_work),
@@ -107,7 +146,8 @@ impl At<'_> {
             nominal: ideal.translation,
             deviation: Deviation {
                 position: Vector3::from_fn(|i, _| difference(&real.translation[i], ideal.translation[i])),
-                rotation: rotation(&real.linear, &ideal.linear, self.machine.conventions().joints),
+                rotation: rotation(&real.linear, &ideal.linear.map(S::from_real), self.machine.conventions().joints)
+                    .map(|x| difference(&x, 0.0)),
             },
             e_ve: e_ve(&real, &ideal),
         }
@@ -115,13 +155,12 @@ impl At<'_> {
 }
 
 /// Vector of log(R_real R_ideal^T); with linearised joints, of the skew part (R_real is not orthogonal).
-fn rotation<S: Algebra>(real: &Matrix3<S>, ideal: &Matrix3<f64>, joints: Joints) -> Vector3<f64> {
-    let relative = real * ideal.transpose().map(S::from_real);
-    let vector = match joints {
+pub fn rotation<S: Algebra>(real: &Matrix3<S>, ideal: &Matrix3<S>, joints: Joints) -> Vector3<S> {
+    let relative = real * ideal.transpose();
+    match joints {
         Joints::Orthogonal => rotation_vector(&relative),
         Joints::Linearised => skew_vector(&relative),
-    };
-    vector.map(|x| difference(&x, 0.0))
+    }
 }
 
 fn e_ve<S: Algebra>(real: &Htm<S>, ideal: &Htm<f64>) -> Matrix4<f64> {

@@ -8,7 +8,10 @@ mod field;
 mod poses;
 mod statistics;
 
-pub use deviation::{Deviation, Evaluation, Frame, MAX_DUAL_ORDER, Order, command_deviation, evaluate};
+pub use deviation::{
+    Deviation, Evaluation, Frame, MAX_DUAL_ORDER, Order, Response, command_deviation, evaluate, evaluate_over,
+    response, rotation,
+};
 pub use field::{Bare, Field, commanded_deviation, error_by_error, tool_axis_tilt};
 pub use poses::{Nodes, Poses, Random, random_poses};
 pub use statistics::{Difference, Statistics, Summary, worst};

@@ -1,6 +1,6 @@
 //! The chain: joints on the walk from workpiece to tool, their product and its halves.
 
-use super::joint::{JointElements, error_motion, invert_if, joint};
+use super::joint::{JointElements, Position, error_motion, invert_if, joint};
 use super::source::{ErrorLift, Place, Source, Values};
 use crate::algebra::{Algebra, Htm};
 use crate::machine::{Branch, Direction, LocationOrder, Machine};
@@ -24,6 +24,11 @@ pub struct Chain<S: Algebra> {
 impl<S: Algebra> Chain<S> {
     /// The real machine: errors as given by `values`, entering the algebra through `lift`.
     pub fn real(machine: &Machine, pose: &[f64], values: &Values, lift: &impl ErrorLift<S>) -> Self {
+        Self::real_at(machine, &positions(machine, pose), values, lift)
+    }
+
+    /// The real machine at positions that are elements of the algebra themselves.
+    pub fn real_at(machine: &Machine, at: &[Position<S>], values: &Values, lift: &impl ErrorLift<S>) -> Self {
         let conventions = machine.conventions();
         let elements = Elements { lift, real_locations: conventions.location_order == LocationOrder::Real };
         let axis = |i: usize| {
@@ -32,14 +37,14 @@ impl<S: Algebra> Chain<S> {
                 location: elements.six(Place::Location(i), location),
                 component: elements.six(Place::Component(i), component),
             };
-            joint(&machine.axes()[i], conventions, pose[i], &errors)
+            joint(&machine.axes()[i], conventions, &at[i], &errors)
         };
         let motion = |place, six: &[f64; 6]| elements.six(place, six).map(|six| error_motion(&six, conventions.joints));
         let gauge = machine.tool().gauge;
-        let spindle = values.spindle.and_then(|six| motion(Place::Location(pose.len()), &six));
+        let spindle = values.spindle.and_then(|six| motion(Place::Location(at.len()), &six));
         let clamping = motion(Place::Workpiece, &values.workpiece);
         Self {
-            joints: (0..pose.len()).map(axis).collect(),
+            joints: (0..at.len()).map(axis).collect(),
             spindle: spindle.map_or_else(Htm::identity, |g| Htm::about(&gauge, g)),
             clamping: clamping.map_or_else(Htm::identity, |g| Htm::about(&machine.workpiece(), invert_if(true, g))),
             tip: elements.tip(machine.tool().tip, values.tool),
@@ -49,10 +54,15 @@ impl<S: Algebra> Chain<S> {
 
     /// The ideal machine: no errors at all.
     pub fn ideal(machine: &Machine, pose: &[f64]) -> Self {
+        Self::ideal_at(machine, &positions(machine, pose))
+    }
+
+    /// The ideal machine at positions that are elements of the algebra.
+    pub fn ideal_at(machine: &Machine, at: &[Position<S>]) -> Self {
         let none = JointElements { location: None, component: None };
-        let axes = machine.axes().iter().zip(pose);
+        let axes = machine.axes().iter().zip(at);
         Self {
-            joints: axes.map(|(axis, q)| joint(axis, machine.conventions(), *q, &none)).collect(),
+            joints: axes.map(|(axis, q)| joint(axis, machine.conventions(), q, &none)).collect(),
             spindle: Htm::identity(),
             clamping: Htm::identity(),
             tip: Vector3::from(machine.tool().tip).map(S::from_real),
@@ -60,9 +70,19 @@ impl<S: Algebra> Chain<S> {
         }
     }
 
+    /// The factors of [`Self::t_work_inverse`].
+    pub fn workpiece_walk(&self) -> impl DoubleEndedIterator<Item = &Htm<S>> {
+        std::iter::once(&self.clamping).chain(&self.joints[..self.workpiece_side])
+    }
+
+    /// The factors of [`Self::t_wt`].
+    pub fn walk(&self) -> impl DoubleEndedIterator<Item = &Htm<S>> {
+        std::iter::once(&self.clamping).chain(&self.joints).chain([&self.spindle])
+    }
+
     /// T_work^-1: from the bed to the workpiece.
     pub fn t_work_inverse(&self) -> Htm<S> {
-        product(std::iter::once(&self.clamping).chain(&self.joints[..self.workpiece_side]))
+        product(self.workpiece_walk())
     }
 
     /// T_tool: from the bed to the tool.
@@ -72,8 +92,7 @@ impl<S: Algebra> Chain<S> {
 
     /// T_wt = T_work^-1 T_tool, the product over the whole walk (machine coordinates at the zero pose).
     pub fn t_wt(&self) -> Htm<S> {
-        let walk = std::iter::once(&self.clamping).chain(&self.joints).chain([&self.spindle]);
-        product(walk)
+        product(self.walk())
     }
 
     /// T_wt between the frames at the workpiece origin and at the functional point.
@@ -83,6 +102,11 @@ impl<S: Algebra> Chain<S> {
         let translation = Vector3::from_fn(|i, _| image[i].clone() - S::from_real(origin[i]));
         Htm { linear: t_wt.linear, translation }
     }
+}
+
+/// A pose (mm, deg) as elements.
+pub fn positions<S: Algebra>(machine: &Machine, pose: &[f64]) -> Vec<Position<S>> {
+    machine.axes().iter().zip(pose).map(|(axis, q)| Position::at(axis, *q)).collect()
 }
 
 fn workpiece_side(machine: &Machine) -> usize {
@@ -115,7 +139,7 @@ impl<L> Elements<'_, L> {
         L: ErrorLift<S>,
     {
         match source.place {
-            Place::Location(_) if self.real_locations => S::from_real(value),
+            Place::Location(_) if self.real_locations => self.lift.real(source, value),
             _ => self.lift.lift(source, value),
         }
     }

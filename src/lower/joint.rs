@@ -25,8 +25,56 @@ pub struct JointElements<S> {
     pub component: Option<[S; 6]>,
 }
 
-/// The matrix G of an axis at a position (mm or deg): tool relative to workpiece.
-pub fn joint<S: Algebra>(axis: &Axis, conventions: &Conventions, position: f64, errors: &JointElements<S>) -> Htm<S> {
+/// What an axis does nominally, as programmed: the way of a linear axis (mm), or sine and cosine of a
+/// rotary axis's angle. Elements of any algebra: numbers, unknowns of Newton's iteration, symbols.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Position<S> {
+    /// Along the direction.
+    Linear(S),
+    /// Sine and cosine of the angle about it.
+    Rotary(S, S),
+}
+
+impl<S: Algebra> Position<S> {
+    /// At a number (mm or deg).
+    pub fn at(axis: &Axis, position: f64) -> Self {
+        match axis.kind {
+            AxisKind::Linear => Self::Linear(S::from_real(position)),
+            AxisKind::Rotary => {
+                let (sine, cosine) = sin_cos_degrees(position);
+                Self::Rotary(S::from_real(sine), S::from_real(cosine))
+            }
+        }
+    }
+
+    /// At a number (mm or deg) plus a nilpotent displacement (mm or rad).
+    pub fn displaced(axis: &Axis, position: f64, by: &S) -> Self {
+        match Self::at(axis, position) {
+            Self::Linear(way) => Self::Linear(way + by.clone()),
+            Self::Rotary(sine, cosine) => {
+                let (s, c) = by.sin_cos();
+                let turned = cosine.clone() * c.clone() - sine.clone() * s.clone();
+                Self::Rotary(sine * c + cosine * s, turned)
+            }
+        }
+    }
+
+    /// In the sense in which the axis moves the tool relative to the workpiece.
+    fn sensed(&self, axis: &Axis) -> Self {
+        match self.clone() {
+            Self::Linear(way) => Self::Linear(way.scaled(axis.sign())),
+            Self::Rotary(sine, cosine) => Self::Rotary(sine.scaled(axis.sign()), cosine),
+        }
+    }
+}
+
+/// The matrix G of an axis at a position: tool relative to workpiece.
+pub fn joint<S: Algebra>(
+    axis: &Axis,
+    conventions: &Conventions,
+    position: &Position<S>,
+    errors: &JointElements<S>,
+) -> Htm<S> {
     let body = conventions.errors_are == ErrorsAre::Body && axis.branch == Branch::Workpiece;
     let carried = conventions.location == Location::CarriedBody;
     let nominal = nominal(axis, position);
@@ -38,21 +86,18 @@ pub fn joint<S: Algebra>(axis: &Axis, conventions: &Conventions, position: f64, 
             let inner = with_error(axis, conventions, nominal, error);
             outermost(axis, &location, &inner)
         }
-        Some(location) => with_error(axis, conventions, displaced(&location, &nominal), error),
+        Some(location) => with_error(axis, conventions, displaced(axis, &location, &nominal), error),
         None => with_error(axis, conventions, nominal, error),
     };
     Htm::about(&axis.origin, bracket)
 }
 
 /// N(q): translation along, or rotation about, the axis direction.
-fn nominal<S: Algebra>(axis: &Axis, position: f64) -> Htm<S> {
-    let q = axis.sign() * position;
-    match axis.kind {
-        AxisKind::Linear => Htm::translation(Vector3::from(axis.direction).map(|u| S::from_real(u * q))),
-        AxisKind::Rotary => {
-            let (sine, cosine) = sin_cos_degrees(q);
-            let linear = rotation_about(&axis.direction, (S::from_real(sine), S::from_real(cosine)));
-            Htm { linear, ..Htm::identity() }
+fn nominal<S: Algebra>(axis: &Axis, position: &Position<S>) -> Htm<S> {
+    match position.sensed(axis) {
+        Position::Linear(way) => Htm::translation(Vector3::from(axis.direction).map(|u| way.scaled(u))),
+        Position::Rotary(sine, cosine) => {
+            Htm { linear: rotation_about(&axis.direction, (sine, cosine)), ..Htm::identity() }
         }
     }
 }
@@ -77,8 +122,12 @@ pub(super) fn invert_if<S: Algebra>(invert: bool, matrix: Htm<S>) -> Htm<S> {
     if invert { matrix.inverse().unwrap_or(matrix) } else { matrix }
 }
 
-/// `Loc N Loc^-1`.
-fn displaced<S: Algebra>(location: &Htm<S>, nominal: &Htm<S>) -> Htm<S> {
+/// `Loc N Loc^-1`. Of a translation it is the translation along the displaced direction: written so,
+/// there is nothing to divide by.
+fn displaced<S: Algebra>(axis: &Axis, location: &Htm<S>, nominal: &Htm<S>) -> Htm<S> {
+    if axis.kind == AxisKind::Linear {
+        return Htm::translation(&location.linear * &nominal.translation);
+    }
     location.compose(nominal).compose(&invert_if(true, location.clone()))
 }
 

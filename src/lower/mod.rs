@@ -8,13 +8,15 @@
 //! [`sensitivities`] are derivatives at the ideal machine, [`tangents`] at the actual errors.
 
 mod chain;
+mod generators;
 mod joint;
 mod sensitivity;
 mod source;
 mod tangent;
 
-pub use chain::{Chain, Ideal};
-pub use joint::{JointElements, joint};
+pub use chain::{Chain, Ideal, positions};
+pub use generators::{Declared, Given, WeilLift, given, presence};
+pub use joint::{JointElements, Position, joint};
 pub use sensitivity::{Sensitivity, sensitivities, sensitivities_to};
 pub use source::{ErrorLift, Exact, OrderN, Place, Source, Values, values};
 pub use tangent::{Tangents, actual_point, tangents};

@@ -1,7 +1,7 @@
 //! First-order sensitivities in the structured form: each error source lives in one joint, so
 //! dT = P dG S with the ideal prefix P and suffix S of the walk.
 
-use super::joint::{JointElements, joint};
+use super::joint::{JointElements, Position, joint};
 use crate::algebra::{Algebra, Dual, Htm};
 use crate::machine::{Direction, ErrorId, Machine};
 use nalgebra::Vector3;
@@ -76,7 +76,10 @@ fn unit_joint(machine: &Machine, pose: &[f64], index: usize, error: &ErrorId) ->
     let six = Some(Direction::ALL.map(unit));
     let (location, component) = if error.location { (six, None) } else { (None, six) };
     match machine.axes().get(index) {
-        Some(axis) => joint(axis, machine.conventions(), pose[index], &JointElements { location, component }),
+        Some(axis) => {
+            let at = Position::at(axis, pose[index]);
+            joint(axis, machine.conventions(), &at, &JointElements { location, component })
+        }
         None => {
             let elements = location.unwrap_or_else(|| Direction::ALL.map(|_| Dual::from_real(0.0)));
             Htm::about(&machine.tool().gauge, super::joint::error_motion(&elements, machine.conventions().joints))

@@ -4,7 +4,7 @@ use crate::algebra::{Algebra, Dual};
 use crate::machine::{Approach, Direction, Machine};
 
 /// Which part of the machine an error belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Place {
     /// Location error of the joint with this index (the spindle comes after the axes).
     Location(usize),
@@ -17,7 +17,7 @@ pub enum Place {
 }
 
 /// One error source.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Source {
     /// Where it sits.
     pub place: Place,
@@ -29,6 +29,11 @@ pub struct Source {
 pub trait ErrorLift<S: Algebra> {
     /// The element.
     fn lift(&self, source: Source, value: f64) -> S;
+
+    /// The element of an error that counts in the real part (`location_order: real`).
+    fn real(&self, _: Source, value: f64) -> S {
+        S::from_real(value)
+    }
 }
 
 /// The exact model: errors are real numbers.
@@ -75,5 +80,21 @@ pub fn values(machine: &Machine, pose: &[f64], approach: Approach) -> Values {
         spindle: machine.spindle_errors().map(crate::machine::JointErrors::location_values),
         tool: machine.setup().tool,
         workpiece: machine.setup().workpiece,
+    }
+}
+
+impl Values {
+    /// The value of one error, mm or rad.
+    pub fn of(&self, source: Source) -> f64 {
+        let direction = source.direction.index();
+        match source.place {
+            Place::Location(i) => match self.axes.get(i) {
+                Some((location, _)) => location[direction],
+                None => self.spindle.map_or(0.0, |six| six[direction]),
+            },
+            Place::Component(i) => self.axes.get(i).map_or(0.0, |(_, component)| component[direction]),
+            Place::Tool => self.tool.get(direction).copied().unwrap_or(0.0),
+            Place::Workpiece => self.workpiece[direction],
+        }
     }
 }

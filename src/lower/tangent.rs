@@ -2,7 +2,7 @@
 //! dp = P dG s with the actual prefix P and the actual point s that the rest of the walk makes of the tip.
 
 use super::chain::Chain;
-use super::joint::{JointElements, error_motion, invert_if, joint};
+use super::joint::{JointElements, Position, error_motion, invert_if, joint};
 use super::source::{Exact, Place, Source, Values};
 use crate::algebra::{Algebra, Dual, Htm};
 use crate::machine::{Direction, Machine};
@@ -59,17 +59,18 @@ fn with_generator(machine: &Machine, pose: &[f64], values: &Values, source: Sour
     let marked = |six: &[f64; 6]| -> [Dual<2>; 6] {
         Direction::ALL.map(|d| Dual([six[d.index()], f64::from(u8::from(d == source.direction))]))
     };
+    let at = |i: usize| Position::at(&machine.axes()[i], pose[i]);
     let plain = |six: &[f64; 6]| six.iter().any(|e| *e != 0.0).then(|| six.map(Dual::from_real));
     match source.place {
         Place::Location(i) if i < pose.len() => {
             let (location, component) = &values.axes[i];
             let errors = JointElements { location: Some(marked(location)), component: plain(component) };
-            joint(&machine.axes()[i], conventions, pose[i], &errors)
+            joint(&machine.axes()[i], conventions, &at(i), &errors)
         }
         Place::Component(i) => {
             let (location, component) = &values.axes[i];
             let errors = JointElements { location: plain(location), component: Some(marked(component)) };
-            joint(&machine.axes()[i], conventions, pose[i], &errors)
+            joint(&machine.axes()[i], conventions, &at(i), &errors)
         }
         Place::Workpiece => {
             let motion = error_motion(&marked(&values.workpiece), conventions.joints);

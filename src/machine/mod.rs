@@ -4,6 +4,7 @@
 //! rad; positions of axes are as programmed, mm and deg. A [`Pose`] lists them in the order of
 //! [`Machine::axes`], the walk from workpiece to tool.
 
+mod algebra;
 mod axis;
 mod chain;
 mod conventions;
@@ -13,6 +14,7 @@ mod model;
 mod name;
 mod resolve;
 
+pub use algebra::{AlgebraChoice, Generators, NamedMonomial};
 pub use axis::{Axis, AxisKind, Travel};
 pub use chain::{Body, Branch, KinematicChain};
 pub use conventions::{Conventions, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, RotaryOrder, Sense};

@@ -1,7 +1,8 @@
 //! [`Machine`] and what it is made of.
 
 use super::{
-    Approach, Axis, AxisKind, AxisName, Conventions, Direction, ErrorId, ErrorTerm, JointErrors, KinematicChain, Travel,
+    AlgebraChoice, Approach, Axis, AxisKind, AxisName, Conventions, Direction, ErrorId, ErrorTerm, JointErrors,
+    KinematicChain, Travel,
 };
 
 /// Positions of all axes as programmed (mm, deg), in the order of [`Machine::axes`].
@@ -68,6 +69,8 @@ pub struct MachineParts {
     pub volume: Vec<Grid>,
     /// Where the numbers come from.
     pub provenance: Provenance,
+    /// The algebra it names, if any.
+    pub algebra: Option<AlgebraChoice>,
 }
 
 /// A position that cannot be evaluated: an error curve is not defined there.
@@ -164,6 +167,11 @@ impl Machine {
     /// Where the numbers come from.
     pub fn provenance(&self) -> &Provenance {
         &self.parts.provenance
+    }
+
+    /// The algebra that the file names.
+    pub fn algebra(&self) -> Option<&AlgebraChoice> {
+        self.parts.algebra.as_ref()
     }
 
     /// Names of the axes and the spindle, in the order of the errors.

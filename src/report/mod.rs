@@ -1,10 +1,12 @@
 //! Pictures for people: SVG and Graphviz as text, without outside resources, the same bytes every time.
 //!
 //! - [`PlanePicture`]: the deviation over a plane of two linear axes.
+//! - [`equations`]: the closed forms as text and as LaTeX.
 //! - [`chain_svg`], [`chain_dot`]: the kinematic chain.
 
 mod chain;
 mod dot;
+pub mod equations;
 mod plane;
 mod scale;
 mod svg;

@@ -7,16 +7,19 @@
 
 mod bad_input;
 mod certificate;
+mod classify;
 mod compare;
 mod compile;
 mod compile_linuxcnc;
 mod compile_refusals;
 mod configs;
 mod diagnostics;
+mod equations;
 mod eval_exact;
 mod eval_order;
 mod golden_signs;
 mod identify;
+mod interactions;
 mod language;
 mod linuxcnc_kinematics;
 mod map;
@@ -29,4 +32,6 @@ mod reconfigure;
 mod schema;
 mod show;
 mod support;
+mod theorems;
 mod tidy;
+mod weil;

@@ -7,8 +7,11 @@
 //! 3. The first of the candidates, nearest to the reference first, that is within the travel is taken,
 //!    and the ideal machine is asked whether it gets there.
 
+mod algebra;
 mod linear;
 mod rotary;
+
+pub use algebra::Inverse;
 
 use crate::lower::Ideal;
 use crate::machine::{Axis, Machine, Pose, Travel};

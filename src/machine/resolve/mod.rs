@@ -44,7 +44,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
     let provenance = parts::provenance(context);
     let known = Known { declared: &declared, spindle: chain.as_ref().and_then(|c| c.spindle()) };
     let mut errors = errors::errors(context, &known);
-    uses::algebra(context, &known);
+    let algebra = uses::algebra(context, &known);
     uses::identify(context, &known);
     let volume = axes.as_ref().and_then(|axes| volume::volume(context, axes, &declared));
     let chain = chain?;
@@ -59,6 +59,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
         setup,
         volume: volume?,
         provenance,
+        algebra,
         chain,
     };
     doubles::warn(context, &parts, &errors);

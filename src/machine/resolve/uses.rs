@@ -1,15 +1,14 @@
-//! The sections `algebra` and `identify`: they stay in the document for later stages; here the
-//! error names and words in them are checked.
+//! The sections `algebra` and `identify`: the error names and words in them are checked. `identify`
+//! stays in the document for a later stage.
 
 use super::axes::Declared;
 use super::context::Context;
 use super::errors::named;
-use crate::diagnostic::{did_you_mean, shown};
+use crate::diagnostic::shown;
 use crate::machine::AxisName;
-use crate::syntax::{GeneratorsEntry, Keys, below, keys};
+use crate::machine::algebra::{AlgebraChoice, named_monomial};
+use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, below, keys};
 
-/// Highest degree of the algebra.
-const DEGREE: u8 = 6;
 /// Groups that may be fitted.
 const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
 /// Families of basis functions, each with its order behind it.
@@ -21,10 +20,15 @@ pub struct Known<'a> {
     pub spindle: Option<&'a AxisName>,
 }
 
-impl Known<'_> {
+impl<'a> Known<'a> {
     /// The axis of this name, if it is declared.
     pub fn axis(&self, name: &AxisName) -> Option<&Declared> {
         self.declared.iter().find(|d| d.name == *name)
+    }
+
+    /// Every axis and the spindle.
+    fn names(&self) -> Vec<&'a str> {
+        self.declared.iter().map(|d| &d.name).chain(self.spindle).map(AxisName::as_str).collect()
     }
 
     /// Reports a name that is none.
@@ -35,52 +39,49 @@ impl Known<'_> {
 }
 
 /// The section `algebra`.
-pub fn algebra(context: &mut Context<'_>, known: &Known<'_>) {
-    let Some(entry) = &context.document.algebra else { return };
+pub fn algebra(context: &mut Context<'_>, known: &Known<'_>) -> Option<AlgebraChoice> {
+    let entry = context.document.algebra.as_ref()?;
     let at = keys(["algebra"]);
-    if let Some(degree) = entry.degree.filter(|d| !(1..=DEGREE).contains(d)) {
-        let message = format!("an algebra of degree {degree}");
-        context.at_value("E0215", &below(&at, "degree"), message, format!("write 1 to {DEGREE}"));
-    }
-    let here = below(&at, "generators");
-    let mut groups: Vec<&str> = Vec::new();
-    match &entry.generators {
-        Some(GeneratorsEntry::Word(word)) => {
-            let words = ["per-error", "per-axis", "single"];
-            if !words.contains(&word.as_str()) {
-                let message = format!("`{}` is not a choice for `generators`", shown(word));
-                context.at_value("E0210", &here, message, did_you_mean(word, &words));
-            }
+    let without = AlgebraEntry { vanish: Vec::new(), ..entry.clone() };
+    match AlgebraChoice::new(&without) {
+        // Names of errors are judged one by one below.
+        Err(refusal) if refusal.code != "E0405" => {
+            let wrong = below(&at, if refusal.code == "E0210" { "generators" } else { "degree" });
+            context.at_value(refusal.code, &wrong, refusal.message, refusal.help.unwrap_or_default());
         }
-        Some(GeneratorsEntry::Groups(map)) => {
-            groups = map.keys().map(String::as_str).collect();
-            for (group, names) in map {
-                let list = below(&here, group);
-                names.iter().enumerate().for_each(|(i, name)| known.error(context, name, &below(&list, i)));
-            }
-        }
-        None => {}
+        _ => {}
     }
+    let names = generators(context, known, entry, &below(&at, "generators"));
     for (i, monomial) in entry.vanish.iter().enumerate() {
-        vanishing(context, known, monomial, &groups, &below(&below(&at, "vanish"), i));
+        vanishing(context, known, monomial, &names, &below(&below(&at, "vanish"), i));
+    }
+    AlgebraChoice::new(entry).ok()
+}
+
+/// Checks the errors of groups; names that generators have besides those of errors.
+fn generators<'a>(context: &mut Context<'_>, known: &Known<'a>, entry: &'a AlgebraEntry, at: &Keys) -> Vec<&'a str> {
+    match &entry.generators {
+        Some(GeneratorsEntry::Groups(map)) => {
+            for (group, errors) in map {
+                let list = below(at, group);
+                errors.iter().enumerate().for_each(|(i, name)| known.error(context, name, &below(&list, i)));
+            }
+            map.keys().map(String::as_str).collect()
+        }
+        Some(GeneratorsEntry::Word(word)) if word == "per-axis" => known.names(),
+        _ => Vec::new(),
     }
 }
 
-/// `EXX*EYX`, `EXX^2`: names of errors or groups with powers.
-fn vanishing(context: &mut Context<'_>, known: &Known<'_>, monomial: &str, groups: &[&str], at: &Keys) {
-    for factor in monomial.split('*') {
-        let (name, power) = factor.trim().split_once('^').unwrap_or((factor.trim(), "1"));
-        if name.trim().is_empty() || !power.trim().parse::<u8>().is_ok_and(|p| (1..=DEGREE).contains(&p)) {
-            let message = format!("`{}` is not a monomial", shown(monomial));
-            return context.at_value(
-                "E0215",
-                at,
-                message,
-                "write names with `*` and `^`, such as `EXX*EYX` or `EXX^2`",
-            );
-        }
-        if !groups.contains(&name.trim()) {
-            known.error(context, name.trim(), at);
+/// `EXX*EYX`, `EXX^2`: names of errors or generators with powers.
+fn vanishing(context: &mut Context<'_>, known: &Known<'_>, monomial: &str, names: &[&str], at: &Keys) {
+    match named_monomial(monomial) {
+        Err(refusal) => context.at_value(refusal.code, at, refusal.message, refusal.help.unwrap_or_default()),
+        Ok(factors) => {
+            let numbered = |name: &str| name.strip_prefix('x').is_some_and(|k| k.parse::<u16>().is_ok_and(|k| k > 0));
+            for (name, _) in factors.iter().filter(|(name, _)| !names.contains(&name.as_str()) && !numbered(name)) {
+                known.error(context, name, at);
+            }
         }
     }
 }

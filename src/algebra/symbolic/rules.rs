@@ -1,0 +1,121 @@
+//! What symbols are, and how their products are reduced.
+
+use crate::algebra::weil::{Ideal, Monomial};
+use std::collections::BTreeMap;
+
+/// What a symbol stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A number that is not small: a position, a cosine.
+    Real,
+    /// The sine of an angle whose cosine is another symbol.
+    Sine {
+        /// The cosine's index.
+        cosine: u16,
+    },
+    /// An error, as large as a generator of the Weil algebra.
+    Nilpotent {
+        /// Index of the generator.
+        generator: u16,
+    },
+}
+
+/// The symbols of a calculation, and which products of them vanish.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rules {
+    symbols: Vec<Kind>,
+    ideal: Ideal,
+}
+
+impl Rules {
+    /// Symbols in their order; the ideal is one of the generators.
+    pub fn new(symbols: Vec<Kind>, ideal: Ideal) -> Self {
+        Self { symbols, ideal }
+    }
+
+    /// Which products of generators vanish.
+    pub fn ideal(&self) -> &Ideal {
+        &self.ideal
+    }
+
+    fn kind(&self, symbol: u16) -> Kind {
+        self.symbols.get(usize::from(symbol)).copied().unwrap_or(Kind::Real)
+    }
+
+    /// Degree in the nilpotent symbols.
+    pub fn degree(&self, monomial: &Monomial) -> usize {
+        let nilpotent = |(symbol, _): &&(u16, u8)| matches!(self.kind(*symbol), Kind::Nilpotent { .. });
+        monomial.factors().iter().filter(nilpotent).map(|(_, power)| usize::from(*power)).sum()
+    }
+
+    /// Is the monomial other than zero?
+    fn keeps(&self, monomial: &Monomial) -> bool {
+        if self.ideal.vanish.is_empty() {
+            return self.degree(monomial) <= usize::from(self.ideal.degree);
+        }
+        let generator = |(symbol, power): &(u16, u8)| match self.kind(*symbol) {
+            Kind::Nilpotent { generator } => Some((generator, *power)),
+            _ => None,
+        };
+        self.ideal.keeps(&Monomial::new(monomial.factors().iter().filter_map(generator)))
+    }
+
+    /// A monomial with the square of a sine as the same without it and the cosine that belongs to it.
+    fn sine_square(&self, monomial: &Monomial) -> Option<(Monomial, Monomial)> {
+        let square = |(symbol, power): &(u16, u8)| match self.kind(*symbol) {
+            Kind::Sine { cosine } if *power > 1 => Some((*symbol, cosine)),
+            _ => None,
+        };
+        let (sine, cosine) = monomial.factors().iter().find_map(square)?;
+        let lowered = |(symbol, power): &(u16, u8)| (*symbol, if *symbol == sine { power - 2 } else { *power });
+        let without = Monomial::new(monomial.factors().iter().map(lowered));
+        let with_cosine = without.times(&Monomial::new([(cosine, 2)]));
+        Some((without, with_cosine))
+    }
+
+    /// The product of two polynomials.
+    pub(super) fn product(&self, a: &BTreeMap<Monomial, f64>, b: &BTreeMap<Monomial, f64>) -> BTreeMap<Monomial, f64> {
+        let highest = usize::from(self.ideal.degree);
+        let right: Vec<(usize, &Monomial, f64)> = b.iter().map(|(m, c)| (self.degree(m), m, *c)).collect();
+        let mut sum = Sum::default();
+        for (left, value) in a {
+            let degree = self.degree(left);
+            for (_, monomial, c) in right.iter().filter(|(d, ..)| degree + d <= highest) {
+                sum.add(self, left.times(monomial), value * c);
+            }
+        }
+        sum.terms()
+    }
+}
+
+/// A sum of monomials, with the sum of the sizes of what made each of them.
+#[derive(Default)]
+pub(super) struct Sum(BTreeMap<Monomial, (f64, f64)>);
+
+impl Sum {
+    /// Adds a term, reduced.
+    pub(super) fn add(&mut self, rules: &Rules, monomial: Monomial, value: f64) {
+        if let Some((without, with_cosine)) = rules.sine_square(&monomial) {
+            self.add(rules, without, value);
+            self.add(rules, with_cosine, -value);
+        } else if rules.keeps(&monomial) {
+            let (sum, size) = self.0.entry(monomial).or_default();
+            *sum += value;
+            *size += value.abs();
+        }
+    }
+
+    /// The terms that are not what rounding has left of others.
+    pub(super) fn terms(self) -> BTreeMap<Monomial, f64> {
+        self.0.into_iter().filter_map(|(m, (sum, size))| Some((m, rounded(sum, size)?))).collect()
+    }
+}
+
+/// Sums below this fraction of their parts are rounding: coefficients of long products of rotations
+/// about skew axes have lost some digits before they cancel.
+const ROUNDING: f64 = 1e-12;
+
+/// `None` if a sum is no more than the rounding of its parts. NaN stays, to be noticed.
+pub(super) fn rounded(sum: f64, size: f64) -> Option<f64> {
+    (sum.is_nan() || sum.abs() > ROUNDING * size).then_some(sum)
+}

@@ -1,0 +1,107 @@
+//! The basis of a Weil algebra: its surviving monomials and their products.
+
+use super::monomials::{Ideal, Monomial, Size};
+use crate::algebra::MAX_ORDER;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Memory that no algebra may need.
+const MOST_BYTES: f64 = 1e9;
+
+/// Why there is no such algebra.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BasisFailure {
+    /// The ideal contains 1: nothing is left.
+    KillsOne,
+    /// The degree is 0 or above [`MAX_ORDER`].
+    Degree(u8),
+    /// A vanishing monomial names a generator that is not there.
+    Generator(u16),
+    /// It would need more than 1 GB: at most this much.
+    Size(Size),
+}
+
+/// R[x_0, ...] modulo a monomial ideal.
+#[derive(Debug, PartialEq)]
+pub struct Basis {
+    generators: u16,
+    ideal: Ideal,
+    /// Lowest degree first; 1 is the first.
+    monomials: Vec<Monomial>,
+    index: BTreeMap<Monomial, u32>,
+    /// Row k of the table: the pairs (i, j) of monomials whose product is the k-th, by rising i.
+    rows: Vec<u32>,
+    pairs: Vec<(u32, u32)>,
+}
+
+impl Basis {
+    /// Builds the basis and the table of products.
+    pub fn new(generators: u16, ideal: Ideal) -> Result<Arc<Self>, BasisFailure> {
+        if !(1..=MAX_ORDER).contains(&usize::from(ideal.degree)) {
+            return Err(BasisFailure::Degree(ideal.degree));
+        }
+        if ideal.vanish.iter().any(|v| v.degree() == 0) {
+            return Err(BasisFailure::KillsOne);
+        }
+        let named = ideal.vanish.iter().flat_map(|v| v.factors()).map(|(generator, _)| *generator);
+        if let Some(unknown) = named.into_iter().find(|g| *g >= generators) {
+            return Err(BasisFailure::Generator(unknown));
+        }
+        let size = ideal.size(generators, MOST_BYTES);
+        if size.bytes() > MOST_BYTES {
+            return Err(BasisFailure::Size(size));
+        }
+        Ok(Arc::new(Self::within_limits(generators, ideal)))
+    }
+
+    fn within_limits(generators: u16, ideal: Ideal) -> Self {
+        let monomials = ideal.survivors(generators);
+        let index: BTreeMap<Monomial, u32> = monomials.iter().cloned().zip(0..).collect();
+        let at = |monomial: &Monomial| index.get(monomial).copied().unwrap_or_default();
+        let (mut rows, mut pairs) = (vec![0], Vec::new());
+        for monomial in &monomials {
+            let mut row: Vec<(u32, u32)> = monomial.divisors().iter().map(|(a, b)| (at(a), at(b))).collect();
+            row.sort_unstable();
+            pairs.extend(row);
+            rows.push(pairs.len() as u32);
+        }
+        Self { generators, ideal, monomials, index, rows, pairs }
+    }
+
+    /// How many generators.
+    pub fn generators(&self) -> u16 {
+        self.generators
+    }
+
+    /// What vanishes.
+    pub fn ideal(&self) -> &Ideal {
+        &self.ideal
+    }
+
+    /// The surviving monomials, 1 first, lowest degree first.
+    pub fn monomials(&self) -> &[Monomial] {
+        &self.monomials
+    }
+
+    /// Where a monomial is in [`Self::monomials`]; `None` if it vanishes.
+    pub fn position(&self, monomial: &Monomial) -> Option<usize> {
+        self.index.get(monomial).map(|i| *i as usize)
+    }
+
+    /// Highest degree of a surviving monomial.
+    pub fn order(&self) -> usize {
+        self.monomials.last().map_or(0, Monomial::degree)
+    }
+
+    /// Entries of the product table: multiplications in one product.
+    pub fn products(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// The product of two lists of coefficients. Each sum runs by rising index of the left factor,
+    /// as in the dedicated dual numbers: over one generator the two agree to the last bit.
+    pub(super) fn multiply(&self, a: &[f64], b: &[f64]) -> Vec<f64> {
+        let term = |(i, j): &(u32, u32)| a[*i as usize] * b[*j as usize];
+        self.rows.windows(2).map(|row| self.pairs[row[0] as usize..row[1] as usize].iter().map(term).sum()).collect()
+    }
+}

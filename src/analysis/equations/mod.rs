@@ -1,0 +1,188 @@
+//! The closed forms of a machine: the lowering over polynomials in symbols.
+//!
+//! 1. Every error that is given becomes a symbol, as large as its generator in the declared algebra;
+//!    positions of linear axes become symbols, those of rotary axes a sine and a cosine.
+//! 2. The same joints and the same chain as in every evaluation are multiplied.
+//! 3. E_VE takes the inverse joint by joint; deviations are those of `eval`, workpiece frame.
+
+mod symbols;
+
+pub use symbols::{Meaning, Naming, Symbol};
+
+use crate::algebra::symbolic::{Kind, Rules, Symbolic};
+use crate::algebra::{Algebra, Htm};
+use crate::diagnostic::Diagnostic;
+use crate::evaluate::rotation;
+use crate::lower::{Chain, Declared, ErrorLift, Given, Place, Position, Source, given, presence};
+use crate::machine::{AxisKind, Joints, Location, LocationOrder, Machine};
+use nalgebra::{Matrix4, Vector3};
+use num_traits::Zero;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// How the equations are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Options {
+    /// Whose letters.
+    pub naming: Naming,
+    /// The length of the tool as the symbol L instead of a number.
+    pub tool_length: bool,
+}
+
+/// The closed forms.
+#[derive(Debug, Clone)]
+pub struct Equations {
+    /// The symbols, by the index that polynomials use.
+    pub symbols: Vec<Symbol>,
+    /// The matrix G of every axis, and of the spindle if it has errors, with their names.
+    pub joints: Vec<(String, Htm<Symbolic>)>,
+    /// From the bed to the tool.
+    pub t_tool: Htm<Symbolic>,
+    /// From the bed to the workpiece.
+    pub t_work: Htm<Symbolic>,
+    /// (T_tool^-1 T_work) real minus ideal, between workpiece frame and tool frame.
+    pub e_ve: Matrix4<Symbolic>,
+    /// Deviation of the functional point, mm.
+    pub position: Vector3<Symbolic>,
+    /// Deviation of the tool's orientation, rad.
+    pub rotation: Vector3<Symbolic>,
+}
+
+/// The closed forms of a machine in a declared algebra.
+pub fn equations(machine: &Machine, declared: &Declared, options: Options) -> Result<Equations, Diagnostic> {
+    let errors = given(machine);
+    if let Some(culprit) = errors.iter().find(|error| !is_polynomial(machine, error)) {
+        return Err(no_polynomial(&culprit.name));
+    }
+    let alphabet = Alphabet::new(machine, declared, &errors, options);
+    let at = alphabet.positions(machine);
+    let mut real = Chain::real_at(machine, &at, &presence(machine), &alphabet);
+    let mut ideal = Chain::ideal_at(machine, &at);
+    if let Some(length) = alphabet.find(|m| m == Meaning::ToolLength) {
+        let number = Symbolic::from_real(machine.tool().tip[2] - machine.tool().gauge[2]);
+        for tip in [&mut real.tip, &mut ideal.tip] {
+            tip[2] += length.clone() - number.clone();
+        }
+    }
+    let found = collected(machine, &real, &ideal).ok_or_else(no_number)?;
+    Ok(Equations { symbols: alphabet.symbols, ..found })
+}
+
+/// `None` if anything in it is no polynomial.
+fn collected(machine: &Machine, real: &Chain<Symbolic>, ideal: &Chain<Symbolic>) -> Option<Equations> {
+    let origin = machine.workpiece();
+    let pose = (real.tool_in_workpiece(&origin), ideal.tool_in_workpiece(&origin));
+    let backwards = (inverse_pose(real, &origin)?, inverse_pose(ideal, &origin)?);
+    let names = machine.axes().iter().map(|axis| axis.name.to_string());
+    let mut joints: Vec<(String, Htm<Symbolic>)> = names.zip(real.joints.iter().cloned()).collect();
+    if let (Some(name), true) = (machine.chain().spindle(), real.spindle != Htm::identity()) {
+        joints.push((name.to_string(), real.spindle.clone()));
+    }
+    let found = Equations {
+        symbols: Vec::new(),
+        joints,
+        t_tool: real.t_tool(),
+        t_work: inverse(real.workpiece_walk())?,
+        e_ve: backwards.0.to_matrix() - backwards.1.to_matrix(),
+        position: pose.0.translation - pose.1.translation,
+        rotation: rotation(&pose.0.linear, &pose.1.linear, machine.conventions().joints),
+    };
+    let found = match machine.conventions().location_order {
+        LocationOrder::Real => found,
+        // Of order 0 there is nothing but rounding.
+        LocationOrder::Nilpotent => Equations {
+            e_ve: found.e_ve.map(|p| p.nilpotent()),
+            position: found.position.map(|p| p.nilpotent()),
+            rotation: found.rotation.map(|p| p.nilpotent()),
+            ..found
+        },
+    };
+    let all = found.e_ve.iter().chain(found.position.iter()).chain(found.rotation.iter());
+    all.into_iter().all(Symbolic::is_polynomial).then_some(found)
+}
+
+/// Inverse of a product: of each factor, in reverse order.
+fn inverse<'a>(factors: impl DoubleEndedIterator<Item = &'a Htm<Symbolic>>) -> Option<Htm<Symbolic>> {
+    factors.rev().try_fold(Htm::identity(), |product, factor| Some(product.compose(&factor.inverse()?)))
+}
+
+/// From the tool frame to the workpiece frame, inverted.
+fn inverse_pose(chain: &Chain<Symbolic>, origin: &[f64; 3]) -> Option<Htm<Symbolic>> {
+    let walk = inverse(chain.walk())?;
+    let translation = walk.apply(origin) - &chain.tip;
+    Some(Htm { linear: walk.linear, translation })
+}
+
+/// Under `location_order: real` only squareness is a polynomial.
+fn is_polynomial(machine: &Machine, error: &Given) -> bool {
+    let conventions = machine.conventions();
+    let Place::Location(index) = error.source.place else { return true };
+    let linear = machine.axes().get(index).is_some_and(|axis| axis.kind == AxisKind::Linear);
+    let squareness = linear && conventions.location == Location::AxisOnly && conventions.joints == Joints::Linearised;
+    conventions.location_order == LocationOrder::Nilpotent || squareness
+}
+
+fn no_polynomial(culprit: &str) -> Diagnostic {
+    Diagnostic::new("E0525", format!("with `location_order: real` the equations are no polynomials ({culprit})"))
+        .help("write `conventions: { location_order: nilpotent }` for the equations, or leave the error out")
+}
+
+fn no_number() -> Diagnostic {
+    Diagnostic::new("E0525", "the equations are no polynomials: a joint's determinant is not a number")
+        .help("write `conventions: { location_order: nilpotent, joints: orthogonal }` for the equations")
+}
+
+/// The symbols, and the rules of their products.
+struct Alphabet {
+    symbols: Vec<Symbol>,
+    rules: Arc<Rules>,
+    errors: BTreeMap<Source, u16>,
+}
+
+impl Alphabet {
+    fn new(machine: &Machine, declared: &Declared, errors: &[Given], options: Options) -> Self {
+        let axes = machine.axes().iter().enumerate();
+        let mut symbols: Vec<Symbol> = errors.iter().map(|e| symbols::error(machine, e, options.naming)).collect();
+        let sources = errors.iter().map(|e| e.source).zip(0..).collect();
+        symbols.extend(options.tool_length.then(symbols::tool_length));
+        symbols.extend(axes.flat_map(|(i, axis)| symbols::position(i, axis, options.naming)));
+        let kind = |(index, symbol): (usize, &Symbol)| match symbol.meaning {
+            Meaning::Error(source, _) => {
+                declared.of(source).map_or(Kind::Real, |generator| Kind::Nilpotent { generator })
+            }
+            // The cosine is the next one.
+            Meaning::Sine(_) => Kind::Sine { cosine: index as u16 + 1 },
+            _ => Kind::Real,
+        };
+        let kinds = symbols.iter().enumerate().map(kind).collect();
+        let rules = Arc::new(Rules::new(kinds, declared.ideal().clone()));
+        Self { symbols, rules, errors: sources }
+    }
+
+    fn find(&self, wanted: impl Fn(Meaning) -> bool) -> Option<Symbolic> {
+        let index = self.symbols.iter().position(|s| wanted(s.meaning))?;
+        Some(Symbolic::symbol(&self.rules, index as u16))
+    }
+
+    fn positions(&self, machine: &Machine) -> Vec<Position<Symbolic>> {
+        let symbol = |meaning: Meaning| self.find(|m| m == meaning).unwrap_or_else(Symbolic::zero);
+        let position = |(i, axis): (usize, &crate::machine::Axis)| match axis.kind {
+            AxisKind::Linear => Position::Linear(symbol(Meaning::Position(i))),
+            AxisKind::Rotary => Position::Rotary(symbol(Meaning::Sine(i)), symbol(Meaning::Cosine(i))),
+        };
+        machine.axes().iter().enumerate().map(position).collect()
+    }
+}
+
+impl ErrorLift<Symbolic> for Alphabet {
+    fn lift(&self, source: Source, value: f64) -> Symbolic {
+        match self.errors.get(&source).filter(|_| value != 0.0) {
+            Some(index) => Symbolic::symbol(&self.rules, *index).scaled(self.symbols[usize::from(*index)].sign()),
+            None => Symbolic::zero(),
+        }
+    }
+
+    fn real(&self, source: Source, value: f64) -> Symbolic {
+        self.lift(source, value)
+    }
+}

@@ -1,0 +1,109 @@
+//! What errors do to first order, one by one, and to second order, two by two: both are read off the
+//! algebra with a generator for every error.
+
+use crate::algebra::Weil;
+use crate::algebra::weil::Monomial;
+use crate::diagnostic::Diagnostic;
+use crate::evaluate::response;
+use crate::lower::{Declared, ErrorLift, Source, Values, WeilLift, given, presence, values};
+use crate::machine::{AlgebraChoice, Approach, LocationOrder, Machine};
+use nalgebra::Vector3;
+
+/// What a product of errors does: the coefficient of its monomial, in mm and rad.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Effect {
+    /// The errors, one or two; twice the same one for a square.
+    pub errors: Vec<String>,
+    /// Displacement of the functional point when each of them is 1 mm or 1 rad, workpiece frame.
+    pub deviation: Vector3<f64>,
+    /// Rotation of the tool.
+    pub rotation: Vector3<f64>,
+    /// Product of the errors' values at the pose.
+    pub value: f64,
+}
+
+/// All effects at a pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interactions {
+    /// First degree: the derivatives by the errors.
+    pub first: Vec<Effect>,
+    /// Second degree: mixed derivatives, and half the second ones. Those that are not zero.
+    pub second: Vec<Effect>,
+}
+
+impl Interactions {
+    /// What order 1 neglects at most (mm, rad), as far as the second degree goes: all interactions of
+    /// one sign.
+    pub fn neglected(&self) -> (f64, f64) {
+        let length = |v: &Vector3<f64>, effect: &Effect| v.norm() * effect.value.abs();
+        let sum = |(position, rotation): (f64, f64), e: &Effect| {
+            (position + length(&e.deviation, e), rotation + length(&e.rotation, e))
+        };
+        self.second.iter().fold((0.0, 0.0), sum)
+    }
+}
+
+/// The effects of errors at poses.
+#[derive(Debug)]
+pub struct Calculation<'a> {
+    machine: &'a Machine,
+    lift: WeilLift,
+    units: Values,
+}
+
+/// Prepares the algebra of a machine: a generator for every error, to degree 2 (or 1).
+pub fn interactions(machine: &Machine, degree: u8) -> Result<Calculation<'_>, Diagnostic> {
+    let lift = Declared::new(machine, &AlgebraChoice::per_error(degree))?.build()?;
+    let mut units = presence(machine);
+    if machine.conventions().location_order == LocationOrder::Real {
+        // These are no generators: they stand in the real part as they are.
+        let actual = values(machine, &vec![0.0; machine.axes().len()], Approach::Mean);
+        units.axes.iter_mut().zip(&actual.axes).for_each(|(unit, actual)| unit.0 = actual.0);
+        units.spindle = actual.spindle;
+    }
+    Ok(Calculation { machine, lift, units })
+}
+
+impl Calculation<'_> {
+    /// The effects at a pose (mm, deg).
+    pub fn at(&self, pose: &[f64], approach: Approach) -> Interactions {
+        let response = response(self.machine, pose, &self.units, &Unit(&self.lift));
+        let errors = values(self.machine, pose, approach);
+        let sizes = self.sizes(&errors);
+        let names = self.lift.declared().names();
+        let effect = |monomial: &Monomial| {
+            let read = |v: &Vector3<Weil>| v.map(|x| x.coefficient(monomial));
+            let each =
+                || monomial.factors().iter().flat_map(|(g, p)| std::iter::repeat_n(usize::from(*g), usize::from(*p)));
+            Effect {
+                errors: each().map(|g| names[g].clone()).collect(),
+                deviation: read(&response.position),
+                rotation: read(&response.rotation),
+                value: each().map(|g| sizes[g]).product(),
+            }
+        };
+        let of_degree = |degree| self.lift.basis().monomials().iter().filter(move |m| m.degree() == degree).map(effect);
+        let acts = |e: &Effect| e.deviation != Vector3::zeros() || e.rotation != Vector3::zeros();
+        Interactions { first: of_degree(1).collect(), second: of_degree(2).filter(acts).collect() }
+    }
+
+    /// Values of the errors in the order of the generators.
+    fn sizes(&self, errors: &Values) -> Vec<f64> {
+        let mut sizes = vec![0.0; self.lift.declared().names().len()];
+        for given in given(self.machine) {
+            if let Some(generator) = self.lift.declared().of(given.source) {
+                sizes[usize::from(generator)] = errors.of(given.source);
+            }
+        }
+        sizes
+    }
+}
+
+/// Errors as large as their generators.
+struct Unit<'a>(&'a WeilLift);
+
+impl ErrorLift<Weil> for Unit<'_> {
+    fn lift(&self, source: Source, value: f64) -> Weil {
+        if value == 0.0 { Weil::Constant(0.0) } else { self.0.lift(source, 1.0) }
+    }
+}

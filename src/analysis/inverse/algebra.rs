@@ -1,0 +1,122 @@
+//! Inverse kinematics of the real machine over an algebra: which displacements of the axes bring the
+//! functional point and the tool axis to where the ideal machine has them at a pose.
+//!
+//! The displacements are elements: their coefficient of a monomial is what an interference of errors
+//! asks of the axes. Newton's iteration starts from the real solution and is exact after
+//! ceil(log2(n + 1)) steps. The errors are those at the pose: their change along the displacement, of
+//! second order, is not followed.
+
+use crate::algebra::{Algebra, Singular, Tangent, newton_step, newton_steps};
+use crate::lower::{Chain, ErrorLift, Ideal, Position, Values};
+use crate::machine::{AxisKind, Machine};
+use nalgebra::Vector3;
+
+/// A problem of inverse kinematics at a pose.
+#[derive(Debug)]
+pub struct Inverse<'a> {
+    machine: &'a Machine,
+    pose: &'a [f64],
+    errors: &'a Values,
+    /// Axes that move, as many as there are conditions.
+    moved: Vec<usize>,
+    /// Where the functional point shall be.
+    tip: Vector3<f64>,
+    /// The two directions across the tool axis, if it is to be held too.
+    across: Option<[Vector3<f64>; 2]>,
+}
+
+/// Steps after which the real solution, if it is one, has been found.
+const REAL_STEPS: usize = 12;
+
+impl<'a> Inverse<'a> {
+    /// Three linear axes hold the point; two rotary axes besides, if there are just two, the tool axis.
+    pub fn new(machine: &'a Machine, pose: &'a [f64], errors: &'a Values) -> Self {
+        let ideal = Ideal::at(machine, pose).pose;
+        let axes =
+            |kind: AxisKind| machine.axes().iter().enumerate().filter(move |(_, a)| a.kind == kind).map(|(i, _)| i);
+        let rotary: Vec<usize> = axes(AxisKind::Rotary).collect();
+        let holds_axis = rotary.len() == 2;
+        let moved = axes(AxisKind::Linear).chain(rotary.into_iter().filter(|_| holds_axis)).collect();
+        let [x, y, _] = [0, 1, 2].map(|k| ideal.linear.column(k).into_owned());
+        Self { machine, pose, errors, moved, tip: ideal.translation, across: holds_axis.then_some([x, y]) }
+    }
+
+    /// The axes that move, by their index.
+    pub fn moved(&self) -> &[usize] {
+        &self.moved
+    }
+
+    /// How many conditions there are.
+    fn conditions(&self) -> usize {
+        if self.across.is_some() { 5 } else { 3 }
+    }
+
+    /// What is wrong with displacements (mm, rad): of the point, and of the tool axis.
+    pub fn residual<S: Algebra>(&self, by: &[S], lift: &impl ErrorLift<S>) -> Vec<S> {
+        let displacement =
+            |axis: usize| self.moved.iter().position(|m| *m == axis).map_or(S::zero(), |k| by[k].clone());
+        let axes = self.machine.axes().iter().zip(self.pose).enumerate();
+        let at: Vec<Position<S>> = axes.map(|(i, (axis, q))| Position::displaced(axis, *q, &displacement(i))).collect();
+        let real = Chain::real_at(self.machine, &at, self.errors, lift).tool_in_workpiece(&self.machine.workpiece());
+        let place = (0..3).map(|i| real.translation[i].clone() - S::from_real(self.tip[i]));
+        let tilt = |across: &Vector3<f64>| {
+            (0..3).map(|i| real.linear[(i, 2)].scaled(across[i])).fold(S::zero(), |sum, x| sum + x)
+        };
+        place.chain(self.across.iter().flatten().map(tilt)).collect()
+    }
+
+    /// The displacements after a number of Newton steps over the algebra.
+    pub fn after<S, L>(&self, lift: &L, steps: usize) -> Result<Vec<S>, Singular>
+    where
+        S: Algebra,
+        L: ErrorLift<S>,
+    {
+        if self.moved.len() != self.conditions() {
+            return Err(Singular { column: self.moved.len().min(self.conditions()) });
+        }
+        let mut by: Vec<S> = self.real(lift)?.into_iter().map(S::from_real).collect();
+        for _ in 0..steps {
+            by = newton_step(&by, |by| self.residual(by, &OnTangents(lift)))?;
+        }
+        Ok(by)
+    }
+
+    /// The displacements, exact over an algebra of the given order.
+    pub fn solve<S: Algebra, L: ErrorLift<S>>(&self, lift: &L, order: usize) -> Result<Vec<S>, Singular> {
+        self.after(lift, newton_steps(order))
+    }
+
+    /// The solution of the real part: zero, unless location errors count there.
+    fn real<S: Algebra, L: ErrorLift<S>>(&self, lift: &L) -> Result<Vec<f64>, Singular> {
+        let mut by = vec![0.0; self.moved.len()];
+        let real_part = RealPart { lift, algebra: std::marker::PhantomData::<S> };
+        for _ in 0..REAL_STEPS {
+            if self.residual(&by, &real_part).iter().all(|r| r.abs() < 1e-13) {
+                break;
+            }
+            by = newton_step(&by, |by| self.residual(by, &OnTangents(&real_part)))?;
+        }
+        Ok(by)
+    }
+}
+
+/// Errors do not depend on the displacements.
+struct OnTangents<'a, L>(&'a L);
+
+impl<S: Algebra, L: ErrorLift<S>> ErrorLift<Tangent<S>> for OnTangents<'_, L> {
+    fn lift(&self, source: crate::lower::Source, value: f64) -> Tangent<S> {
+        Tangent::fixed(self.0.lift(source, value))
+    }
+}
+
+/// The real parts of errors over an algebra.
+struct RealPart<'a, S, L> {
+    lift: &'a L,
+    algebra: std::marker::PhantomData<S>,
+}
+
+impl<S: Algebra, L: ErrorLift<S>> ErrorLift<f64> for RealPart<'_, S, L> {
+    fn lift(&self, source: crate::lower::Source, value: f64) -> f64 {
+        self.lift.lift(source, value).real()
+    }
+}

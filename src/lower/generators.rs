@@ -1,0 +1,226 @@
+//! Which error has which generator: a declared algebra on a machine.
+
+use super::source::{ErrorLift, Place, Source, Values};
+use crate::algebra::weil::{Basis, BasisFailure, Ideal, Monomial, Weil};
+use crate::diagnostic::{Diagnostic, did_you_mean, shown};
+use crate::machine::{AlgebraChoice, Direction, ErrorId, Generators, LocationOrder, Machine, parse_error_name};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// An error that a machine has.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Given {
+    /// Where it enters.
+    pub source: Source,
+    /// `EXX`, `EC0Y`; errors of clamping are `tool.X` and `workpiece.A`.
+    pub name: String,
+    /// Which error of a joint it is; `None` for errors of clamping.
+    pub error: Option<ErrorId>,
+}
+
+/// The errors given for a machine, those of clamping last.
+pub fn given(machine: &Machine) -> Vec<Given> {
+    let joint = |(id, _): (ErrorId, _)| {
+        let index = machine.axis_index(id.axis.as_str()).unwrap_or(machine.axes().len());
+        let place = if id.location { Place::Location(index) } else { Place::Component(index) };
+        Given { source: Source { place, direction: id.direction }, name: id.to_string(), error: Some(id) }
+    };
+    let clamped = |place: Place, word: &str, values: &[f64]| {
+        let given = Direction::ALL.into_iter().zip(values).filter(|(_, value)| **value != 0.0);
+        let one = |(direction, _): (Direction, _)| Given {
+            source: Source { place, direction },
+            name: format!("{word}.{}", direction.letter()),
+            error: None,
+        };
+        given.map(one).collect::<Vec<_>>()
+    };
+    let setup = machine.setup();
+    let mut all: Vec<Given> = machine.errors().map(joint).collect();
+    all.extend(clamped(Place::Tool, "tool", &setup.tool));
+    all.extend(clamped(Place::Workpiece, "workpiece", &setup.workpiece));
+    all
+}
+
+/// One for every error that is given, zero elsewhere: errors as large as their generators.
+pub fn presence(machine: &Machine) -> Values {
+    let errors = given(machine);
+    let has = |place: Place| {
+        let mut six = [0.0; 6];
+        errors.iter().filter(|e| e.source.place == place).for_each(|e| six[e.source.direction.index()] = 1.0);
+        six
+    };
+    let axes = machine.axes().len();
+    let [x, y, z, ..] = has(Place::Tool);
+    Values {
+        axes: (0..axes).map(|i| (has(Place::Location(i)), has(Place::Component(i)))).collect(),
+        spindle: machine.spindle_errors().map(|_| has(Place::Location(axes))),
+        tool: [x, y, z],
+        workpiece: has(Place::Workpiece),
+    }
+}
+
+/// The generators of an algebra on a machine.
+#[derive(Debug, Clone)]
+pub struct Declared {
+    names: Vec<String>,
+    generators: BTreeMap<Source, u16>,
+    ideal: Ideal,
+}
+
+impl Declared {
+    /// Gives the errors their generators and the vanishing monomials their meaning.
+    pub fn new(machine: &Machine, choice: &AlgebraChoice) -> Result<Self, Diagnostic> {
+        let real = machine.conventions().location_order == LocationOrder::Real;
+        let mut names: Vec<String> = match &choice.generators {
+            Generators::Groups(groups) => groups.iter().map(|(name, _)| name.clone()).collect(),
+            _ => Vec::new(),
+        };
+        let mut generators = BTreeMap::new();
+        for given in given(machine).iter().filter(|g| !(real && matches!(g.source.place, Place::Location(_)))) {
+            let name = generator_name(&choice.generators, given);
+            let index = names.iter().position(|n| *n == name).unwrap_or_else(|| {
+                names.push(name);
+                names.len() - 1
+            });
+            let _ = generators.insert(given.source, u16::try_from(index).unwrap_or(u16::MAX));
+        }
+        let mut declared = Self { names, generators, ideal: Ideal::above(choice.degree) };
+        for monomial in &choice.vanish {
+            declared.ideal.vanish.extend(declared.monomial(machine, monomial)?);
+        }
+        Ok(declared)
+    }
+
+    /// `None` if it names an error that the machine might have, but has not.
+    fn monomial(&self, machine: &Machine, named: &[(String, u8)]) -> Result<Option<Monomial>, Diagnostic> {
+        let mut factors = Vec::new();
+        for (name, power) in named {
+            match self.generator(name) {
+                Some(generator) => factors.push((generator, *power)),
+                None if parse_error_name(name).is_some_and(|id| belongs(machine, &id)) => return Ok(None),
+                None => return Err(self.unknown(name)),
+            }
+        }
+        Ok(Some(Monomial::new(factors)))
+    }
+
+    /// The generator of a name; `x1` is the first one.
+    pub fn generator(&self, name: &str) -> Option<u16> {
+        let numbered =
+            || name.strip_prefix('x')?.parse::<usize>().ok()?.checked_sub(1).filter(|k| *k < self.names.len());
+        let spelt = || self.position(&parse_error_name(name)?.to_string());
+        let index = self.position(name).or_else(numbered).or_else(spelt)?;
+        u16::try_from(index).ok()
+    }
+
+    fn position(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|n| n == name)
+    }
+
+    fn unknown(&self, name: &str) -> Diagnostic {
+        let known: Vec<&str> = self.names.iter().map(String::as_str).collect();
+        let count = known.len();
+        let help = if name.starts_with('x') {
+            format!("there are {count} generators, x1 to x{count}: {}", known.join(", "))
+        } else {
+            did_you_mean(name, &known)
+        };
+        Diagnostic::new("E0521", format!("there is no generator `{}`", shown(name))).help(help)
+    }
+
+    /// Names of the generators.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The generator of an error; none for errors that the machine does not have, or in the real part.
+    pub fn of(&self, source: Source) -> Option<u16> {
+        self.generators.get(&source).copied()
+    }
+
+    /// What vanishes.
+    pub fn ideal(&self) -> &Ideal {
+        &self.ideal
+    }
+
+    /// A monomial in words: `EXX*EYX^2`.
+    pub fn monomial_name(&self, monomial: &Monomial) -> String {
+        let factor = |(generator, power): &(u16, u8)| {
+            let name = self.names.get(usize::from(*generator)).map_or("?", String::as_str);
+            if *power == 1 { name.to_owned() } else { format!("{name}^{power}") }
+        };
+        monomial.factors().iter().map(factor).collect::<Vec<_>>().join("*")
+    }
+
+    /// Basis and product table.
+    pub fn build(self) -> Result<WeilLift, Diagnostic> {
+        let count = u16::try_from(self.names.len()).unwrap_or(u16::MAX);
+        let basis = Basis::new(count, self.ideal.clone()).map_err(|failure| self.refusal(&failure))?;
+        Ok(WeilLift { declared: self, basis })
+    }
+
+    fn refusal(&self, failure: &BasisFailure) -> Diagnostic {
+        let (count, degree) = (self.names.len(), self.ideal.degree);
+        match failure {
+            BasisFailure::KillsOne => {
+                Diagnostic::new("E0522", "the ideal contains 1: nothing would be left of the algebra")
+            }
+            BasisFailure::Degree(degree) => Diagnostic::new("E0215", format!("an algebra of degree {degree}")),
+            BasisFailure::Generator(k) => self.unknown(&format!("x{}", k + 1)),
+            BasisFailure::Size(size) => {
+                let message = format!(
+                    "an algebra of {count} generators to degree {degree} needs up to {:.3e} monomials and {} GB",
+                    size.monomials,
+                    crate::units::significant(size.bytes() * 1e-9, 3)
+                );
+                Diagnostic::new("E0523", message).help(
+                    "1 GB is the limit: lower the degree, group the errors (`generators: per-axis`), or let more monomials vanish",
+                )
+            }
+        }
+    }
+}
+
+/// Could the machine have this error?
+fn belongs(machine: &Machine, id: &ErrorId) -> bool {
+    machine.axis_index(id.axis.as_str()).is_some() || machine.chain().spindle() == Some(&id.axis)
+}
+
+fn generator_name(generators: &Generators, given: &Given) -> String {
+    let whole = |word: &str| word.split('.').next().unwrap_or(word).to_owned();
+    match generators {
+        Generators::PerError => given.name.clone(),
+        Generators::Single => "i".to_owned(),
+        Generators::PerAxis => given.error.as_ref().map_or_else(|| whole(&given.name), |id| id.axis.to_string()),
+        Generators::Groups(groups) => {
+            let member =
+                |(_, errors): &&(String, Vec<ErrorId>)| given.error.as_ref().is_some_and(|e| errors.contains(e));
+            groups.iter().find(member).map_or_else(|| given.name.clone(), |(name, _)| name.clone())
+        }
+    }
+}
+
+/// Errors as elements of a Weil algebra: the value times the error's generator.
+#[derive(Debug, Clone)]
+pub struct WeilLift {
+    declared: Declared,
+    basis: Arc<Basis>,
+}
+
+impl WeilLift {
+    /// The generators.
+    pub fn declared(&self) -> &Declared {
+        &self.declared
+    }
+
+    /// The basis.
+    pub fn basis(&self) -> &Arc<Basis> {
+        &self.basis
+    }
+}
+
+impl ErrorLift<Weil> for WeilLift {
+    fn lift(&self, source: Source, value: f64) -> Weil {
+        self.declared.of(source).map_or(Weil::Constant(0.0), |generator| Weil::generator(&self.basis, generator, value))
+    }
+}

@@ -1,0 +1,219 @@
+//! The closed forms as text and as LaTeX.
+
+use crate::algebra::symbolic::Symbolic;
+use crate::algebra::weil::Monomial;
+use crate::algebra::{Algebra, Htm};
+use crate::analysis::{Equations, Meaning, Symbol};
+use crate::machine::Machine;
+use nalgebra::{Matrix4, Vector3};
+
+/// How polynomials are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Script {
+    Text,
+    Latex,
+}
+
+/// Components of a vector: letter, name.
+const COMPONENTS: [&str; 3] = ["x", "y", "z"];
+
+/// A polynomial as text: `EXX - 1/2*ECY*X`.
+pub fn polynomial_text(polynomial: &Symbolic, symbols: &[Symbol]) -> String {
+    polynomial_in(Script::Text, polynomial, symbols)
+}
+
+/// A polynomial as LaTeX.
+pub fn polynomial_latex(polynomial: &Symbolic, symbols: &[Symbol]) -> String {
+    polynomial_in(Script::Latex, polynomial, symbols)
+}
+
+fn polynomial_in(script: Script, polynomial: &Symbolic, symbols: &[Symbol]) -> String {
+    let mut text = String::new();
+    for (monomial, coefficient) in polynomial.terms() {
+        let sign = match (text.is_empty(), coefficient < 0.0) {
+            (true, false) => "",
+            (true, true) => "-",
+            (false, false) => " + ",
+            (false, true) => " - ",
+        };
+        text.push_str(sign);
+        text.push_str(&term(script, monomial, coefficient.abs(), symbols));
+    }
+    if text.is_empty() { "0".to_owned() } else { text }
+}
+
+fn term(script: Script, monomial: &Monomial, size: f64, symbols: &[Symbol]) -> String {
+    let factor = |(index, power): &(u16, u8)| {
+        let symbol = symbols.get(usize::from(*index));
+        match (script, *power) {
+            (Script::Text, 1) => symbol.map_or("?", |s| &s.text).to_owned(),
+            (Script::Text, p) => format!("{}^{p}", symbol.map_or("?", |s| &s.text)),
+            (Script::Latex, p) => latex_power(symbol, p),
+        }
+    };
+    let mut factors: Vec<String> = monomial.factors().iter().map(factor).collect();
+    if size != 1.0 || factors.is_empty() {
+        factors.insert(0, number(script, size));
+    }
+    factors.join(if script == Script::Text { "*" } else { "\\," })
+}
+
+/// `\sin^2 A`, but `E_{AX}^2`.
+fn latex_power(symbol: Option<&Symbol>, power: u8) -> String {
+    let Some(symbol) = symbol else { return "?".to_owned() };
+    match (symbol.latex.split_once("\\mathit"), power) {
+        (_, 1) => symbol.latex.clone(),
+        (Some((function, name)), p) if !function.is_empty() => format!("{function}^{{{p}}}\\mathit{name}"),
+        (_, p) => format!("{{{}}}^{{{p}}}", symbol.latex),
+    }
+}
+
+/// Denominators of Taylor coefficients and of common halves.
+const DENOMINATORS: [f64; 12] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 24.0, 60.0, 120.0, 360.0, 720.0];
+
+/// A whole number, a fraction of small numbers, or the double as it is.
+fn number(script: Script, value: f64) -> String {
+    let near = |d: &&f64| (value * **d - libm::round(value * **d)).abs() <= 1e-14 * value * **d && value * **d < 1e6;
+    // 6/60 is better written 0.1.
+    let reduced =
+        |(above, below): &(f64, f64)| (2..=*below as u32).map(f64::from).all(|p| above % p != 0.0 || below % p != 0.0);
+    // Doubles print without an exponent: LaTeX needs nothing else.
+    match DENOMINATORS.iter().find(near).map(|d| (libm::round(value * d), *d)).filter(reduced) {
+        Some((whole, 1.0)) => whole.to_string(),
+        Some((above, below)) if script == Script::Latex => format!("\\tfrac{{{above}}}{{{below}}}"),
+        Some((above, below)) => format!("{above}/{below}"),
+        None => value.to_string(),
+    }
+}
+
+/// The parts of a polynomial by degree: (degree, part), those that are not 0.
+pub fn by_order(polynomial: &Symbolic) -> Vec<(usize, Symbolic)> {
+    let parts = (0..=polynomial.order()).map(|degree| (degree, polynomial.part(degree)));
+    parts.filter(|(_, part)| !part.is_empty()).collect()
+}
+
+/// The entries of a matrix that are not 0, by row and column from 1.
+fn entries(matrix: &Matrix4<Symbolic>) -> Vec<(usize, usize, &Symbolic)> {
+    let places = (0..3).flat_map(|i| (0..4).map(move |j| (i, j)));
+    places.map(|(i, j)| (i + 1, j + 1, &matrix[(i, j)])).filter(|(.., p)| !p.is_empty()).collect()
+}
+
+/// Everything, a line for each entry that is not 0.
+pub fn text(machine: &Machine, equations: &Equations) -> String {
+    let mut text = format!("{}: closed forms, workpiece frame; mm and rad\n", machine.name());
+    text.push_str("Entries that are 0 are left out, as is the last row 0 0 0 1.\n");
+    for line in equations.symbols.iter().filter_map(|symbol| remark(machine, symbol)) {
+        text.push_str(&format!("  {line}\n"));
+    }
+    let line = |p: &Symbolic| polynomial_in(Script::Text, p, &equations.symbols);
+    for (name, matrix) in matrices(equations) {
+        text.push_str(&format!("\n{name}\n"));
+        for (i, j, entry) in entries(&matrix) {
+            text.push_str(&format!("  [{i},{j}] = {}\n", line(entry)));
+        }
+    }
+    for (name, letter, vector) in vectors(equations) {
+        text.push_str(&format!("\n{name}\n"));
+        for (component, polynomial) in COMPONENTS.iter().zip(vector.iter()) {
+            for (degree, part) in by_order(polynomial) {
+                text.push_str(&format!("  {letter}{component}, order {degree}: {}\n", line(&part)));
+            }
+        }
+    }
+    text
+}
+
+/// What needs to be said of a symbol.
+fn remark(machine: &Machine, symbol: &Symbol) -> Option<String> {
+    match symbol.meaning {
+        Meaning::ToolLength => {
+            let length = machine.tool().tip[2] - machine.tool().gauge[2];
+            Some(format!("L: Z of the functional point from the gauge point, {length} mm on this machine"))
+        }
+        Meaning::Error(_, -1) => Some(format!("{} is the error in ISO's names with the opposite sign", symbol.text)),
+        _ => None,
+    }
+}
+
+/// All matrices with their names.
+fn matrices(equations: &Equations) -> Vec<(String, Matrix4<Symbolic>)> {
+    let joint = |(name, htm): &(String, Htm<Symbolic>)| (format!("Joint {name}"), htm.to_matrix());
+    let mut all: Vec<_> = equations.joints.iter().map(joint).collect();
+    all.push(("T_tool".to_owned(), equations.t_tool.to_matrix()));
+    all.push(("T_work".to_owned(), equations.t_work.to_matrix()));
+    all.push(("E_VE = (T_tool^-1 T_work) real minus ideal".to_owned(), equations.e_ve.clone()));
+    all
+}
+
+/// The two vectors, with their titles and letters.
+fn vectors(equations: &Equations) -> [(&'static str, &'static str, &Vector3<Symbolic>); 2] {
+    [
+        ("Deviation of the functional point, actual minus nominal", "D", &equations.position),
+        ("Deviation of the orientation", "w", &equations.rotation),
+    ]
+}
+
+/// A LaTeX document.
+pub fn latex(machine: &Machine, equations: &Equations) -> String {
+    let mut text = String::from(
+        "\\documentclass{article}\n\\usepackage{amsmath}\n\\usepackage[margin=20mm]{geometry}\n\
+         \\setlength{\\parindent}{0pt}\n\\begin{document}\n\\raggedright\n",
+    );
+    text.push_str(&format!("\\section*{{{}}}\n", escaped(machine.name())));
+    let line = |p: &Symbolic| polynomial_in(Script::Latex, p, &equations.symbols);
+    for (name, matrix) in matrices(equations) {
+        text.push_str(&format!("\n\\subsection*{{{}}}\n", escaped(&name)));
+        for (i, j, entry) in entries(&matrix) {
+            text.push_str(&format!("$[{i},{j}] = {}$\\par\n", line(entry)));
+        }
+    }
+    for (name, letter, vector) in vectors(equations) {
+        text.push_str(&format!("\n\\subsection*{{{name}}}\n"));
+        for (component, polynomial) in COMPONENTS.iter().zip(vector.iter()) {
+            for (degree, part) in by_order(polynomial) {
+                text.push_str(&format!("${letter}_{component}^{{({degree})}} = {}$\\par\n", line(&part)));
+            }
+        }
+    }
+    text.push_str("\\end{document}\n");
+    text
+}
+
+/// Text for LaTeX.
+fn escaped(text: &str) -> String {
+    let one = |c: char| match c {
+        '\\' => "\\textbackslash{}".to_owned(),
+        '^' => "\\textasciicircum{}".to_owned(),
+        '~' => "\\textasciitilde{}".to_owned(),
+        '{' | '}' | '_' | '#' | '$' | '%' | '&' => format!("\\{c}"),
+        _ => c.to_string(),
+    };
+    text.chars().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_as_people_would() {
+        let text = |value| number(Script::Text, value);
+        assert_eq!([text(380.0), text(0.5), text(1.0 / 6.0), text(62.5)], ["380", "1/2", "1/6", "125/2"]);
+        assert_eq!([text(0.1), text(libm::sqrt(0.5))], ["0.1", "0.7071067811865476"]);
+        assert_eq!(number(Script::Latex, 1.5), "\\tfrac{3}{2}");
+    }
+
+    #[test]
+    fn powers_of_functions_stand_before_their_argument() {
+        let meaning = Meaning::Cosine(0);
+        let symbol = Symbol { text: "cos(A)".to_owned(), latex: "\\cos\\mathit{A}".to_owned(), meaning };
+        assert_eq!(latex_power(Some(&symbol), 2), "\\cos^{2}\\mathit{A}");
+        let plain = Symbol { text: "X".to_owned(), latex: "\\mathit{X}".to_owned(), meaning: Meaning::Position(0) };
+        assert_eq!(latex_power(Some(&plain), 3), "{\\mathit{X}}^{3}");
+    }
+
+    #[test]
+    fn user_text_cannot_break_the_document() {
+        assert_eq!(escaped("50% {A_1} \\x"), "50\\% \\{A\\_1\\} \\textbackslash{}x");
+    }
+}

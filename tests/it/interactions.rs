@@ -1,0 +1,75 @@
+//! Sensitivities and interactions: read off the algebra, they are the structured form's numbers, the
+//! derivatives of the exact model, and a bound on what order 1 neglects.
+
+use crate::configs;
+use abbe::analysis::interactions;
+use abbe::evaluate::{Frame, Order, evaluate, random_poses};
+use abbe::lower::sensitivities;
+use abbe::machine::{Approach, LocationOrder};
+use serde_json::Value;
+use std::process::Command;
+
+#[test]
+fn the_first_degree_is_the_structured_form() {
+    for (name, machine) in configs::all() {
+        if machine.conventions().location_order == LocationOrder::Real {
+            continue;
+        }
+        let calculation = interactions(&machine, 1).unwrap();
+        for pose in random_poses(&machine, 3, 21) {
+            let first = calculation.at(&pose, Approach::Mean).first;
+            for structured in sensitivities(&machine, &pose, |_| true) {
+                let error = structured.error.to_string();
+                let effect = first.iter().find(|e| e.errors == [error.clone()]).unwrap();
+                let gap = (effect.deviation - structured.deviation).amax();
+                let turn = (effect.rotation - structured.rotation).amax();
+                assert!(gap < 1e-11 && turn < 1e-14, "{name} {error}: {gap:e} {turn:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn effects_sum_to_the_orders_and_bound_what_order_one_neglects() {
+    for (name, machine) in configs::all() {
+        let calculation = interactions(&machine, 2).unwrap();
+        for pose in random_poses(&machine, 2, 22) {
+            let effects = calculation.at(&pose, Approach::Mean);
+            let order = |n| evaluate(&machine, &pose, Order::Degree(n), Approach::Mean, Frame::Workpiece).deviation;
+            let second: nalgebra::Vector3<f64> = effects.second.iter().map(|e| e.deviation * e.value).sum();
+            let difference = order(2).position - order(1).position;
+            assert!((second - difference).amax() < 2e-13, "{name} {second} {difference}");
+            let exact = evaluate(&machine, &pose, Order::Exact, Approach::Mean, Frame::Workpiece).deviation;
+            let (position, rotation) = effects.neglected();
+            // The third degree is a thousandth of the second.
+            assert!((exact.position - order(1).position).norm() <= 1.01 * position + 1e-13, "{name}");
+            assert!((exact.rotation - order(1).rotation).norm() <= 1.01 * rotation + 1e-16, "{name}");
+        }
+    }
+}
+
+fn eval(arguments: &[&str]) -> String {
+    let machine = configs::folder().join("trunnion.yaml");
+    let output = Command::new(env!("CARGO_BIN_EXE_abbe")).arg("eval").arg(machine).args(arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn eval_prints_them_on_request() {
+    let at = ["--at", "X=100,Y=50,A=-40,C=30"];
+    let plain: Value = serde_json::from_str(&eval(&[&at[..], &["--format", "json"]].concat())).unwrap();
+    assert!(plain["poses"][0].get("sensitivity").is_none());
+    let arguments = [&at[..], &["--sensitivity", "--interactions", "--format", "json"]].concat();
+    let json: Value = serde_json::from_str(&eval(&arguments)).unwrap();
+    let pose = &json["poses"][0];
+    assert_eq!(pose["deviation"], plain["poses"][0]["deviation"]);
+    let count = configs::machine("trunnion.yaml").errors().count();
+    assert_eq!(pose["sensitivity"].as_array().unwrap().len(), count);
+    assert!(pose["interactions"].as_array().unwrap().len() > 100);
+    assert!(pose["order_1_neglects"]["position_mm"].as_f64().unwrap() > 1e-7);
+    let text = eval(&[&at[..], &["--sensitivity"]].concat());
+    assert!(text.contains("EBX") && !text.contains("order 1 is good to"));
+    let text = eval(&[&at[..], &["--sensitivity", "--interactions"]].concat());
+    assert!(text.contains("order 1 is good to ") && text.contains(" nm and "), "{text}");
+}
