@@ -187,8 +187,9 @@ fn anchors(text: &str) -> BTreeSet<String> {
 fn links_lead_somewhere() {
     for document in documents() {
         let content = text(&document);
+        let here = root().display().to_string();
         assert!(
-            !content.contains("/work/") && !content.contains("/root/"),
+            !content.contains(&here) && !content.contains("/root/"),
             "{}: a path of one machine",
             document.display()
         );
