@@ -7,10 +7,12 @@
 //! - [`Inverse`]: the same for the real machine over an algebra, by Newton's iteration.
 //! - [`equations()`]: the closed forms, over an algebra of polynomials in symbols.
 //! - [`interactions()`]: what errors do one by one and two by two, and what order 1 neglects.
+//! - [`sources()`]: what each error alone does over the volume; [`body_diagonals`]: its four diagonals.
 //! - [`levers`]: the lever arms that turn angles into displacements.
 //! - [`LocationSet`]: the location errors this chain needs, and which of them are given.
 
 mod compare;
+mod diagonals;
 mod equations;
 mod interactions;
 mod inverse;
@@ -18,12 +20,15 @@ mod lever;
 mod location_set;
 mod map;
 mod plane;
+mod sources;
 
 pub use compare::{Compared, Comparison, Missed, compare};
+pub use diagonals::{Diagonal, body_diagonals, space_axes};
 pub use equations::{Equations, Meaning, Naming, Options, Symbol, equations};
 pub use interactions::{Calculation, Effect, Interactions, interactions};
 pub use inverse::{DIRECTION_TOLERANCE, Inverse, PLACE_TOLERANCE, ToolPose, Unreachable, inverse, rest, tool_pose};
 pub use lever::{Lever, levers};
 pub use location_set::{LocationSet, Status};
-pub use map::{MOST_POSES, Map, TooManyPoses, View, deviation_in, map};
+pub use map::{MOST_POSES, Map, TooManyPoses, View, deviation_in, frame_rotation, map};
 pub use plane::Plane;
+pub use sources::{Source, sources};

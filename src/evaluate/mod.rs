@@ -6,6 +6,7 @@
 mod deviation;
 mod field;
 mod poses;
+mod spread;
 mod statistics;
 
 pub use deviation::{
@@ -14,4 +15,5 @@ pub use deviation::{
 };
 pub use field::{Bare, Field, commanded_deviation, error_by_error, tool_axis_tilt};
 pub use poses::{Nodes, Poses, Random, random_poses};
+pub use spread::Spread;
 pub use statistics::{Difference, Statistics, Summary, worst};
