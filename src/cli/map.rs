@@ -84,7 +84,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let rows = Rows { machine: &machine, poses: &poses, deviations: &map.deviations, view, order, target };
     args.outputs.write(session, &rows)?;
     if let Some(place) = place {
-        let state = if target.is_empty() { String::new() } else { format!("after compensation by {target}") };
+        let state = if target.is_empty() { String::new() } else { format!("after {target}") };
         let subject = Subject { field, state: &state };
         let before = replayed.is_some().then_some(&bare as &dyn Field);
         args.pictures.write(session, &place, (&subject, before), (view, order))?;

@@ -111,7 +111,7 @@ impl Pictures {
         let shown = self.component.into();
         let one = PlanePicture { machine, plane: &plane, view, order, shown, drawn, state: subject.state, like: None };
         let picture = match before.filter(|_| self.drawing == DrawingArg::BeforeAfter).map(of) {
-            Some(before) => before_after(&PlanePicture { plane: &before, state: "before compensation", ..one }, &one),
+            Some(before) => before_after(&PlanePicture { plane: &before, state: "uncompensated", ..one }, &one),
             None => one.picture(),
         };
         self.files(session, &picture)

@@ -7,7 +7,7 @@ use super::files::Disk;
 use super::progress::Progress;
 use super::session::Session;
 use super::write::{refuse_input, write_whole};
-use super::{Outcome, Stop, load, watch};
+use super::{Format, Outcome, Stop, load, watch};
 use crate::analysis::{Plane, View, map, rest, space_axes};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Bare, Field, Frame, Order};
@@ -16,7 +16,8 @@ use crate::report::page::{ComparisonData, Data, Given, MachineData, Page, Pictur
 use crate::report::{Drawn, PlanePicture, Shown, axis_curves, chain_picture};
 use crate::syntax::Files;
 use crate::target::{Compensated, Limits, Replay, Target};
-use std::path::PathBuf;
+use serde_json::json;
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -51,16 +52,20 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let built = build(session, args, &Disk)?;
     let page = built.page(Served::Alone, None).or_else(|d| session.refuse(d))?;
-    write(session, args, &page)
+    write(session, args, &page)?;
+    let (out, bytes) = (args.out.as_deref().unwrap_or(Path::new("")), page.text.len());
+    match session.format() {
+        Format::Json => session.print_json(json!({"page": out.display().to_string(), "bytes": bytes})),
+        _ => session.print(&format!("{}: {} kB, self-contained", out.display(), bytes.div_ceil(1000))),
+    }
+    Ok(())
 }
 
 /// Writes the page where it was asked for.
 pub(super) fn write(session: &mut Session, args: &Args, page: &Rendered) -> Outcome {
     let Some(out) = &args.out else { return Ok(()) };
     refuse_input(out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
-    write_whole(out, page.text.as_bytes()).or_else(|d| session.refuse(d))?;
-    session.say(&format!("wrote {} ({} kB)", out.display(), page.text.len().div_ceil(1000)));
-    Ok(())
+    write_whole(out, page.text.as_bytes()).or_else(|d| session.refuse(d))
 }
 
 /// All that a page shows.
@@ -168,8 +173,8 @@ fn plane(given: &Given<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
     let counts = spans.map(|span| 1 + (PLANE_NODES * span / longest).round().max(2.0) as usize);
     let of = |field: &dyn Field| Plane::of(field, axes, &rest(machine), counts, view);
     let bare = of(&Bare { machine, order });
-    let picture =
-        PlanePicture { machine, plane: &bare, view, order, shown: Shown::Length, drawn: Drawn::Colours, state: "", like: None };
+    let (state, like) = if given.written.is_empty() { ("", None) } else { ("uncompensated", Some(&bare)) };
+    let picture = PlanePicture { machine, plane: &bare, view, order, shown: Shown::Length, drawn: Drawn::Colours, state, like };
     let mut svgs = vec![picture.svg(), PlanePicture { drawn: Drawn::Grid, ..picture }.svg()];
     for written in given.written {
         let replay = Replay::new(machine, &written.tables, written.target.manifest.controller);

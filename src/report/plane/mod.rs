@@ -51,7 +51,8 @@ pub struct PlanePicture<'a> {
     pub drawn: Drawn,
     /// What is said of the machine's state, such as `after compensation by linuxcnc`; may be empty.
     pub state: &'a str,
-    /// The plane whose colours and exaggeration this one shares, so that both can be compared.
+    /// The plane (perhaps this one) whose colours, from zero, and exaggeration are shared by pictures that are
+    /// to be compared; `None` for a scale of its own.
     pub like: Option<&'a Plane>,
 }
 
@@ -78,7 +79,9 @@ impl PlanePicture<'_> {
 
     fn draw(&self) -> Svg {
         let values = self.values(self.plane);
-        let bands = Bands::new(&self.values(self.reference()), self.shown);
+        let mut scaled = self.values(self.reference());
+        scaled.extend(self.like.map(|_| 0.0));
+        let bands = Bands::new(&scaled, self.shown);
         let scale = self.scale();
         let exaggeration = self.exaggeration(scale);
         let notes: Vec<String> =
@@ -193,7 +196,7 @@ impl PlanePicture<'_> {
             format!(", tool {}", self.machine.tool().name)
         };
         let first = if self.drawn == Drawn::Colours { "Colour" } else { "In all directions" };
-        let shared = if self.like.is_some() { " Colours and factor are those of the first picture." } else { "" };
+        let shared = if self.like.is_some_and(|like| !std::ptr::eq(like, self.plane)) { " Colours and factor are those of the first picture." } else { "" };
         vec![
             format!("{first}: {colour}; {}.{shared}", self.largest(values)),
             "Sign: actual minus nominal position of the functional point, tool relative to workpiece.".to_owned(),

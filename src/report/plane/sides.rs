@@ -10,9 +10,10 @@ const SHARE: f64 = 0.62;
 /// colours and exaggeration of its own. Both pictures show the same plane of the same machine.
 pub fn before_after(before: &PlanePicture<'_>, after: &PlanePicture<'_>) -> Picture {
     let compared = PlanePicture { like: Some(before.plane), ..*after };
-    let state = format!("{}: what is left, on its own scale", after.state);
+    let first = PlanePicture { like: Some(before.plane), ..*before };
+    let state = format!("{}, own scale", after.state);
     let left = PlanePicture { like: None, state: &state, ..*after };
-    let panels = [before.draw(), compared.draw(), left.draw()];
+    let panels = [first.draw(), compared.draw(), left.draw()];
     let (width, height) = panels.iter().map(Svg::size).fold((0.0, 0.0_f64), |(w, h), s| (w + s.0, h.max(s.1)));
     let mut svg = Svg::new(width * SHARE, height * SHARE);
     let mut x = 0.0;
