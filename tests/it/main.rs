@@ -25,6 +25,7 @@ mod linuxcnc_kinematics;
 mod map;
 mod oracle;
 mod paper_2015;
+mod plan;
 mod program;
 mod published;
 mod readme;
