@@ -100,7 +100,29 @@ pub struct Answer {
     pub e_ve: M4,
 }
 
+/// Where the tool is, in the workpiece frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Held {
+    /// Its tip from the workpiece origin.
+    pub tip: V3,
+    /// The direction of its axis; of linearised joints not of length 1.
+    pub axis: V3,
+    /// How it is turned.
+    pub rotation: M4,
+}
+
 impl Machine {
+    /// Where the tool of the real machine is, then of the ideal one.
+    pub fn holds(&self, states: &[State]) -> [Held; 2] {
+        let tip = plus(self.gauge, self.offset);
+        let held = |walk: M4, tip: V3| Held {
+            tip: minus(apply(&walk, tip), self.workpiece_origin),
+            axis: turn(&walk, [0.0, 0.0, 1.0]),
+            rotation: rotation_of(&walk),
+        };
+        [held(self.real(states), plus(tip, self.tool_setup)), held(self.ideal(states, |_| true), tip)]
+    }
+
     /// The answer at a pose, `states` in the order of the walk.
     pub fn evaluate(&self, states: &[State], frame: Frame) -> Answer {
         let ideal = self.ideal(states, |_| true);
