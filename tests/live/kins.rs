@@ -80,10 +80,10 @@ impl Bench {
     fn missed(&self, pose: &[f64], command: &[f64]) -> [f64; 3] {
         let [_, wanted] = self.sample.holds(&pose.to_vec(), Travel::Mean);
         let [real, _] = self.sample.holds(&command.to_vec(), Travel::Mean);
-        let angle = norm(cross(unit(real.axis), unit(wanted.axis)));
+        let angle = norm(cross(unit(real.axis()), unit(wanted.axis())));
         let m = mul(&real.rotation, &transposed(&wanted.rotation));
         let skew = [m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]];
-        let about: f64 = (0..3).map(|k| 0.5 * skew[k] * wanted.axis[k]).sum();
+        let about: f64 = (0..3).map(|k| 0.5 * skew[k] * wanted.axis()[k]).sum();
         [norm(minus(real.tip, wanted.tip)), angle, about.abs()]
     }
 }
@@ -99,7 +99,8 @@ fn drive(path: &str, tilting: Option<&str>) -> Seen {
     let _ = abbe(&["--quiet", "compile", path, "--target", "linuxcnc-kins", "--out", &out, "--poses", "50"]);
     let poses = poses(&bench);
     let singular = singular(&bench);
-    let entry = |pose: &[f64], record: bool, enable: bool| json!({"mdi": bench.line(pose), "record": record, "enable": enable});
+    let entry =
+        |pose: &[f64], record: bool, enable: bool| json!({"mdi": bench.line(pose), "record": record, "enable": enable});
     // A motion of 1e-9 deg is none to the controller: each of these is approached from elsewhere.
     let mut lines: Vec<Value> =
         singular.iter().flat_map(|pose| [entry(&poses[0], false, true), entry(pose, true, true)]).collect();
@@ -160,7 +161,9 @@ fn steady(bench: &Bench, poses: &[Vec<f64>], commands: &[Vec<f64>]) {
     let tip = poses.iter().zip(commands).map(|(p, c)| bench.missed(p, c)[0]).fold(0.0, f64::max);
     assert!(largest < 2e-8 && tip < TIP, "{largest:e} {tip:e}");
     if !poses.is_empty() {
-        println!("  around the singular pose: joints move by {largest:.1e} (mm, deg) for 1e-9 deg, tip {tip:.1e} mm off");
+        println!(
+            "  around the singular pose: joints move by {largest:.1e} (mm, deg) for 1e-9 deg, tip {tip:.1e} mm off"
+        );
     }
 }
 
@@ -202,7 +205,12 @@ fn report(
     let (tip, axis) = (largest(driven, 0), largest(driven, 1));
     let (tip_bare, axis_bare) = (largest(bare, 0), largest(bare, 1));
     println!("  {path}: {POSES} poses, tip {:.1e} um (without {:.1} um)", tip * 1e3, tip_bare * 1e3);
-    println!("  tool axis {:.1e} urad (without {:.1} urad); about it at most {:.0} urad", axis * 1e6, axis_bare * 1e6, largest(driven, 2) * 1e6);
+    println!(
+        "  tool axis {:.1e} urad (without {:.1} urad); about it at most {:.0} urad",
+        axis * 1e6,
+        axis_bare * 1e6,
+        largest(driven, 2) * 1e6
+    );
     println!("  at most {} steps; failures {}", pin("iterations"), pin("failures"));
     assert!(tip < TIP, "tip {tip:e} mm");
     assert!(tip_bare > 20e-3 || bench.tilting.is_some() && tip_bare > 10e-3, "without correction {tip_bare:e} mm");

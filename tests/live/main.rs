@@ -22,11 +22,12 @@ use std::process::{Command, ExitCode, Output};
 /// Name and body of a check.
 type Check = (&'static str, fn());
 
-const CHECKS: [Check; 8] = [
+const CHECKS: [Check; 9] = [
     ("three-axis tables in the running controller", tables::three_axis),
     ("five-axis tables in the running controller", tables::five_axis),
     ("malformed tables: what the controller swallows never comes out of compile", tables::malformed),
     ("ideal kinematics of xyzac-trt, xyzbc-trt and 5axiskins", kinematics::ideal),
+    ("fitted centres in xyzac-trt and xyzbc-trt", kinematics::centres),
     ("error model in the kinematics, three axes", kins::three_axis),
     ("error model in the kinematics, tilting table", kins::table_table),
     ("error model in the kinematics, head and table", kins::head_table),

@@ -105,10 +105,15 @@ pub struct Answer {
 pub struct Held {
     /// Its tip from the workpiece origin.
     pub tip: V3,
-    /// The direction of its axis; of linearised joints not of length 1.
-    pub axis: V3,
-    /// How it is turned.
+    /// How it is turned; with linearised joints no rotation.
     pub rotation: M4,
+}
+
+impl Held {
+    /// The direction of its axis; with linearised joints not of length 1.
+    pub fn axis(&self) -> V3 {
+        turn(&self.rotation, [0.0, 0.0, 1.0])
+    }
 }
 
 impl Machine {
@@ -117,7 +122,6 @@ impl Machine {
         let tip = plus(self.gauge, self.offset);
         let held = |walk: M4, tip: V3| Held {
             tip: minus(apply(&walk, tip), self.workpiece_origin),
-            axis: turn(&walk, [0.0, 0.0, 1.0]),
             rotation: rotation_of(&walk),
         };
         [held(self.real(states), plus(tip, self.tool_setup)), held(self.ideal(states, |_| true), tip)]
