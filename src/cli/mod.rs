@@ -16,6 +16,7 @@ mod file_set;
 pub mod files;
 mod identify;
 mod init;
+mod kinematics;
 mod load;
 mod map;
 mod plan;

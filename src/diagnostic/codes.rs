@@ -91,6 +91,8 @@ pub const CODES: &[CodeInfo] = &[
     code!("E0705", "a compensation file is missing"),
     code!("E0706", "a file is not ours to replace"),
     code!("E0707", "files do not read back"),
+    code!("E0750", "kinematics that cannot hold the tip"),
+    code!("E0751", "a machine that the controller's module is not for"),
     code!("E0810", "a file cannot be written"),
     code!("E0811", "a file is there already"),
     code!("E0812", "too many poses for a map"),
