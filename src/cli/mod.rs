@@ -8,6 +8,7 @@ mod check;
 mod classify;
 mod compare;
 mod compile;
+mod convert;
 mod effects;
 mod equations;
 mod eval;
@@ -95,6 +96,8 @@ enum Verb {
     Equations(equations::Args),
     /// Which motion and which errors a 4x4 matrix over the dual numbers is.
     Classify(classify::Args),
+    /// The same machine under other conventions, proved by an equal map.
+    Convert(convert::Args),
     /// The error over a volume.
     Map(map::Args),
     /// Machines side by side on the same tool poses.
@@ -152,6 +155,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
     match verb {
         Verb::Eval(args) => eval::run(session, &args),
         Verb::Classify(args) => classify::run(session, &args),
+        Verb::Convert(args) => convert::run(session, &args),
         Verb::Equations(args) => equations::run(session, &args),
         Verb::Show(args) => show::run(session, &args),
         Verb::Map(args) => map::run(session, &args),

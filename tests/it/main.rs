@@ -13,6 +13,7 @@ mod compile;
 mod compile_linuxcnc;
 mod compile_refusals;
 mod configs;
+mod convert;
 mod diagnostics;
 mod equations;
 mod eval_exact;
