@@ -10,7 +10,9 @@
 //! - [`levers`]: the lever arms that turn angles into displacements.
 //! - [`LocationSet`]: the location errors this chain needs, and which of them are given.
 
+pub mod budget;
 mod compare;
+pub mod enumerate;
 mod equations;
 mod interactions;
 mod inverse;
@@ -18,6 +20,7 @@ mod lever;
 mod location_set;
 mod map;
 mod plane;
+mod twist;
 
 pub use compare::{Compared, Comparison, Missed, compare};
 pub use equations::{Equations, Meaning, Naming, Options, Symbol, equations};
@@ -27,3 +30,4 @@ pub use lever::{Lever, levers};
 pub use location_set::{LocationSet, Status};
 pub use map::{MOST_POSES, Map, TooManyPoses, View, deviation_in, map};
 pub use plane::Plane;
+pub use twist::{Map as TwistMap, Quantity, Share, Twist, twists};

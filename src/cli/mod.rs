@@ -3,12 +3,14 @@
 //! Exit codes: 0 done, 1 input refused, 2 usage, 3 our own fault.
 
 mod algebra;
+mod budget;
 mod certificate_output;
 mod check;
 mod classify;
 mod compare;
 mod compile;
 mod effects;
+mod enumerate;
 mod equations;
 mod eval;
 mod explain;
@@ -16,6 +18,7 @@ mod file_set;
 pub mod files;
 mod identify;
 mod init;
+mod journal;
 mod load;
 mod map;
 mod plan;
@@ -24,6 +27,7 @@ mod progress;
 mod session;
 mod show;
 mod targets;
+mod tolerances;
 mod verify;
 mod view;
 mod write;
@@ -98,6 +102,10 @@ enum Verb {
     Map(map::Args),
     /// Machines side by side on the same tool poses.
     Compare(compare::Args),
+    /// Tolerances to the volumetric error: worst case, RSS, drawn machines, and what to tighten first.
+    Budget(budget::Args),
+    /// All arrangements of the axes on the two sides of the bed, ranked on the same work.
+    Enumerate(enumerate::Args),
     /// Measurements to error parameters, with rank, uncertainty and a fitted machine file.
     Identify(identify::Args),
     /// The compensation files of a controller, with their certificate.
@@ -155,6 +163,8 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Show(args) => show::run(session, &args),
         Verb::Map(args) => map::run(session, &args),
         Verb::Compare(args) => compare::run(session, &args),
+        Verb::Budget(args) => budget::run(session, &args),
+        Verb::Enumerate(args) => enumerate::run(session, &args),
         Verb::Identify(args) => identify::run(session, &args),
         Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),

@@ -138,7 +138,7 @@ fn with_error<S: Algebra>(axis: &Axis, conventions: &Conventions, motion: Htm<S>
 }
 
 /// Is the product E M rather than M E? Both sides of the bed are mirror images.
-fn error_outside(axis: &Axis, conventions: &Conventions) -> bool {
+pub fn error_outside(axis: &Axis, conventions: &Conventions) -> bool {
     let on_guide = match axis.kind {
         AxisKind::Linear => conventions.linear == LinearOrder::Before,
         AxisKind::Rotary => conventions.rotary == RotaryOrder::Stationary,
