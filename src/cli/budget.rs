@@ -3,7 +3,7 @@
 use super::poses::{check, pose_at};
 use super::progress::Progress;
 use super::session::Session;
-use super::tolerances::{ToleranceArgs, moving};
+use super::tolerances::ToleranceArgs;
 use super::view::{axes_json, axes_text, table};
 use super::write::write_whole;
 use super::{Format, Outcome, load};
@@ -52,7 +52,6 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         None => None,
     };
     check(session, &machine, at.as_slice())?;
-    moving(session, &machine)?;
     let (bounds, source) = args.tolerances.bounds(session, &machine)?;
     let draws = args.tolerances.draws();
     let poses = budget_poses(&machine, args.poses as usize, args.tolerances.seed);
@@ -271,15 +270,19 @@ impl Report<'_> {
         let bar = |c: &Contribution| Bar { label: self.bounds[c.bound].error.to_string(), value: c.um };
         ParetoPicture {
             title: self.machine.name().to_owned(),
-            subtitle: format!(
-                "Each error at its bound, at {}",
-                axes_text(self.machine, &self.budget.position.rss_pose)
-            ),
+            subtitle: format!("Each error at its bound, at {}", self.rounded(&self.budget.position.rss_pose)),
             quantity: "position deviation in µm".to_owned(),
             bars: self.budget.worst.iter().take(self.args.top.max(1)).map(bar).collect(),
             total: self.budget.worst.iter().map(|c| c.um * c.um).sum::<f64>(),
         }
         .svg()
+    }
+
+    /// A pose with the digits a picture has room for.
+    fn rounded(&self, pose: &[f64]) -> String {
+        let axes = self.machine.axes().iter().zip(pose);
+        axes.map(|(axis, q)| format!("{} {}", axis.name, significant(*q, 4))).collect::<Vec<_>>().join(", ")
+            + " (mm, deg)"
     }
 
     fn waterfall(&self) -> String {

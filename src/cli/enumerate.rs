@@ -3,7 +3,7 @@
 use super::journal::{Keeper, merged, shard};
 use super::progress::Progress;
 use super::session::Session;
-use super::tolerances::{ToleranceArgs, moving};
+use super::tolerances::ToleranceArgs;
 use super::view::{cell, table};
 use super::{Format, Outcome, Stop, load};
 use crate::analysis::budget::{Bound, Statistic, known};
@@ -71,6 +71,9 @@ enum ByArg {
     Errors,
 }
 
+/// Poses times samples: as many figures are kept of the file's own arrangement.
+const MOST_DRAWS: u64 = 20_000_000;
+
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let part = match args.shard.as_deref().map(shard) {
         Some(Ok(part)) => Some(part),
@@ -81,7 +84,11 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         return session.usage("`--reach` is a share in percent, 0 to 100");
     }
     let machine = load::machine(session, &args.machine, args.tool.as_deref())?;
-    moving(session, &machine)?;
+    let draws = u64::from(args.poses) * u64::from(args.samples);
+    if draws > MOST_DRAWS {
+        let message = format!("{} poses and {} samples are {draws} drawn poses; {MOST_DRAWS} are kept at most", args.poses, args.samples);
+        return session.refuse(Diagnostic::new("E0606", message).help("take fewer `--poses` or `--samples`"));
+    }
     let rules = rules(session, args, &machine)?;
     let walks = listed(session, args, &machine, &rules)?;
     let (judge, source) = judge(session, args, &machine)?;

@@ -18,6 +18,7 @@ mod file_set;
 pub mod files;
 mod identify;
 mod init;
+mod instrument;
 mod journal;
 mod load;
 mod map;
@@ -106,6 +107,8 @@ enum Verb {
     Budget(budget::Args),
     /// All arrangements of the axes on the two sides of the bed, ranked on the same work.
     Enumerate(enumerate::Args),
+    /// What a ball bar, an R-test or a laser along the diagonals would read.
+    Instrument(instrument::Args),
     /// Measurements to error parameters, with rank, uncertainty and a fitted machine file.
     Identify(identify::Args),
     /// The compensation files of a controller, with their certificate.
@@ -165,6 +168,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Compare(args) => compare::run(session, &args),
         Verb::Budget(args) => budget::run(session, &args),
         Verb::Enumerate(args) => enumerate::run(session, &args),
+        Verb::Instrument(args) => instrument::run(session, &args),
         Verb::Identify(args) => identify::run(session, &args),
         Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),

@@ -97,12 +97,3 @@ fn nothing_bounded(machine: &Machine) -> Diagnostic {
         "{values}write bounds, `EAY: {{ tolerance: 20 urad }}`, or take those of a class: `--class production`"
     ))
 }
-
-/// A volume in which nothing moves has nothing to be looked at.
-pub(super) fn moving(session: &mut Session, machine: &Machine) -> Result<(), Stop> {
-    if machine.volume().iter().any(|grid| grid.max > grid.min) {
-        return Ok(());
-    }
-    let help = "widen `volume` in the machine file for at least one axis, or remove it: the default is the travel";
-    session.refuse(Diagnostic::new("E0606", "the volume is a single pose: no axis moves in it").help(help))
-}

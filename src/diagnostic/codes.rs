@@ -86,7 +86,7 @@ pub const CODES: &[CodeInfo] = &[
     code!("E0603", "a lattice that cannot be"),
     code!("E0604", "no error is bounded"),
     code!("E0605", "a class of machines is refused"),
-    code!("E0606", "nothing moves in the volume"),
+    code!("E0606", "too many drawn poses"),
     code!("E0607", "too many arrangements"),
     code!("E0608", "a rule of arrangements is not understood"),
     code!("E0609", "no arrangement is left"),

@@ -40,11 +40,6 @@ impl Axis {
 }
 
 impl Frame {
-    /// Where a value is, from the left.
-    pub fn x(&self, axis: &Axis, value: f64) -> f64 {
-        self.left + self.width * axis.share(value)
-    }
-
     /// Where a value is, from above.
     pub fn y(&self, axis: &Axis, value: f64) -> f64 {
         self.top + self.height * (1.0 - axis.share(value))
@@ -73,17 +68,5 @@ impl Frame {
             svg.text((edge + 9.0, y + 4.0), &tick_text(value, step), font, Anchor::Start, 0.0);
         }
         svg.text((edge + 48.0, self.top + self.height / 2.0), name, font, Anchor::Middle, -90.0);
-    }
-
-    /// The axis at the lower edge.
-    pub fn horizontal(&self, svg: &mut Svg, axis: &Axis, name: &str) {
-        let (values, step) = axis.ticks(self.width, 80.0);
-        let edge = self.top + self.height;
-        for value in values {
-            let x = self.x(axis, value);
-            svg.line((x, edge), (x, edge + 5.0), &format!(r#"stroke="{INK}""#));
-            svg.text((x, edge + 19.0), &tick_text(value, step), Font::plain(12.0), Anchor::Middle, 0.0);
-        }
-        svg.text((self.left + self.width / 2.0, edge + 40.0), name, Font::plain(13.0), Anchor::Middle, 0.0);
     }
 }

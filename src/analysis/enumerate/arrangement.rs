@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn subsets_and_orders_are_complete() {
         assert_eq!(choices(&[3, 4, 5], 2), [[3, 4], [3, 5], [4, 5]]);
-        assert_eq!(choices(&[3], 0), [[]; 1]);
+        assert_eq!(choices(&[3], 0), vec![Vec::<usize>::new()]);
         let mut orders = Vec::new();
         permutations(&mut Vec::new(), &[0, 1, 2], &mut |order| orders.push(order.to_vec()));
         assert_eq!(orders, [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]]);
