@@ -13,7 +13,7 @@
 //!    documented order, and multiplies them along the chain.
 //! 4. [`evaluate`] subtracts the ideal machine: deviation of the functional point, orientation, E_VE.
 //!    Whatever has a deviation at a pose is an [`evaluate::Field`].
-//! 5. [`analysis`] maps and compares fields over a volume.
+//! 5. [`analysis`] maps and compares fields over a volume, budgets tolerances, ranks arrangements of the axes.
 //! 6. [`convert`] writes a machine under other conventions, and proves that it is the same machine.
 //! 7. [`identify`] fits errors to measured deviations and writes a machine file again.
 //! 8. [`compensation`] solves for the corrected command and fills what a controller's mechanism can hold.

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 input refused, 2 usage, 3 our own fault.
 
 mod algebra;
+mod budget;
 mod certificate_output;
 mod check;
 mod classify;
@@ -10,6 +11,7 @@ mod compare;
 mod compile;
 mod convert;
 mod effects;
+mod enumerate;
 mod equations;
 mod eval;
 mod explain;
@@ -17,6 +19,8 @@ mod file_set;
 pub mod files;
 mod identify;
 mod init;
+mod instrument;
+mod journal;
 mod kinematics;
 mod load;
 mod map;
@@ -26,6 +30,7 @@ mod progress;
 mod session;
 mod show;
 mod targets;
+mod tolerances;
 mod verify;
 mod view;
 mod write;
@@ -102,6 +107,12 @@ enum Verb {
     Map(map::Args),
     /// Machines side by side on the same tool poses.
     Compare(compare::Args),
+    /// Tolerances to the volumetric error: worst case, RSS, drawn machines, and what to tighten first.
+    Budget(budget::Args),
+    /// All arrangements of the axes on the two sides of the bed, ranked on the same work.
+    Enumerate(enumerate::Args),
+    /// What a ball bar, an R-test or a laser along the diagonals would read.
+    Instrument(instrument::Args),
     /// Measurements to error parameters, with rank, uncertainty and a fitted machine file.
     Identify(identify::Args),
     /// The compensation files of a controller, with their certificate.
@@ -160,6 +171,9 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Show(args) => show::run(session, &args),
         Verb::Map(args) => map::run(session, &args),
         Verb::Compare(args) => compare::run(session, &args),
+        Verb::Budget(args) => budget::run(session, &args),
+        Verb::Enumerate(args) => enumerate::run(session, &args),
+        Verb::Instrument(args) => instrument::run(session, &args),
         Verb::Identify(args) => identify::run(session, &args),
         Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),
