@@ -28,8 +28,12 @@ impl Diagonal {
 }
 
 /// Signs of the motion, in the order of the field.
-const SIGNS: [(&str, [bool; 3]); 4] =
-    [("ppp", [true, true, true]), ("npp", [false, true, true]), ("pnp", [true, false, true]), ("nnp", [false, false, true])];
+const SIGNS: [(&str, [bool; 3]); 4] = [
+    ("ppp", [true, true, true]),
+    ("npp", [false, true, true]),
+    ("pnp", [true, false, true]),
+    ("nnp", [false, false, true]),
+];
 
 /// The body diagonals over the volume of [`space_axes`], `steps` intervals each; none if there are no
 /// three such axes. `at` is where the other axes are (mm, deg).

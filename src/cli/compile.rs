@@ -3,7 +3,7 @@
 use super::certificate_output::{Shown, warnings};
 use super::files::Disk;
 use super::session::Session;
-use super::{Outcome, Stop, file_set, load};
+use super::{Outcome, Stop, file_set, kinematics, load};
 use crate::compensation::{Capability, Goal, LatticeRequest, Scope, Tables, resampled};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{AxisKind, Machine};
@@ -17,15 +17,15 @@ pub(super) struct Args {
     machine: PathBuf,
     /// The controller; `abbe targets` lists them.
     #[arg(long)]
-    target: String,
+    pub target: String,
     /// Folder for the files.
     #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    pub out: PathBuf,
     #[command(flatten)]
-    options: Options,
+    pub options: Options,
     /// Raise the limits on corrections: length, angle, slope.
     #[arg(long, value_name = "1 mm, 5 mrad, 0.01", value_parser = Limits::parse)]
-    max_correction: Option<Limits>,
+    pub max_correction: Option<Limits>,
     /// Axes that span a lattice; all by default. The others stand at 0 in its nodes.
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
     lattice: Vec<String>,
@@ -53,9 +53,9 @@ pub(super) struct Options {
 /// How a machine is compensated.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct How {
-    /// What a lattice corrects: the position, or the position and the direction of the tool axis.
-    #[arg(long, value_enum, default_value = "position")]
-    correct: GoalArg,
+    /// What is corrected: the position (a lattice's default), or the position and the direction of the tool axis (a kinematics module's).
+    #[arg(long, value_enum)]
+    correct: Option<GoalArg>,
     /// With which axes; linear by default for the position, all for the pose.
     #[arg(long, value_enum)]
     with: Option<WithArg>,
@@ -91,11 +91,16 @@ impl Options {
 
 impl How {
     pub(super) fn scope(&self) -> Scope {
-        let (goal, usual) = match self.correct {
+        let (goal, usual) = match self.correct.unwrap_or(GoalArg::Position) {
             GoalArg::Position => (Goal::Position, WithArg::Linear),
             GoalArg::Pose => (Goal::Pose, WithArg::All),
         };
         Scope { goal, rotary: self.with.unwrap_or(usual) == WithArg::All, damping: LATTICE_DAMPING }
+    }
+
+    /// Does a kinematics module correct the direction of the tool axis too?
+    pub(super) fn orientation(&self) -> bool {
+        self.correct != Some(GoalArg::Position) && self.with != Some(WithArg::Linear)
     }
 
     /// What is written into the manifest of a set.
@@ -137,8 +142,12 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.options.tool.as_deref())?;
     let inputs = inputs(session);
     let target = args.options.how.target(session, &args.target)?;
+    if target.manifest.kinematics().is_some() {
+        return kinematics::compile(session, args, &machine, &target, inputs);
+    }
     let limits = args.max_correction.unwrap_or_default();
-    let Made { rendered, tables } = made(session, &machine, &target, (&args.lattice, args.nodes), args.options.how.scope(), limits)?;
+    let Made { rendered, tables } =
+        made(session, &machine, &target, (&args.lattice, args.nodes), args.options.how.scope(), limits)?;
     let certificate = args.options.certificate(&machine, &target, &tables);
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
@@ -151,6 +160,13 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.out }
         .print(session);
     Ok(())
+}
+
+/// `map` and `report` replay tables.
+fn without_tables(target: &Target) -> Diagnostic {
+    let message =
+        format!("the target `{}` replaces the controller's kinematics and has no tables", target.manifest.target);
+    Diagnostic::new("E0633", message).help("`abbe compile` and `abbe verify` certify what it leaves")
 }
 
 /// A set of files before it is written, and the tables that the controller reads from it.
@@ -169,6 +185,9 @@ pub(super) fn made(
     scope: Scope,
     limits: Limits,
 ) -> Result<Made, Stop> {
+    if target.manifest.kinematics().is_some() {
+        return session.refuse(without_tables(target));
+    }
     let axes = lattice_axes(session, machine, lattice)?;
     let request = LatticeRequest { axes, max_nodes, scope };
     refuse_impossible_lattice(session, machine, target, &request)?;

@@ -10,12 +10,12 @@ use super::session::Session;
 use super::view::{STATISTICS, ViewArgs, axes_json, axes_text, frame_text, order_text, statistics_rows, table};
 use super::{Format, Outcome, Stop, load};
 use crate::analysis::{Diagonal, MOST_POSES, Map, TooManyPoses, View, body_diagonals, map, rest};
+use crate::compensation::Tables;
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Bare, Deviation, Field, Nodes, Order, Poses, Random, Spread, Statistics, worst};
 use crate::machine::Machine;
 use crate::report::Rows;
 use crate::target::{Compensated, Limits, Replay, Target, certify};
-use crate::compensation::Tables;
 use crate::units::significant;
 use serde_json::json;
 use std::path::PathBuf;
@@ -115,10 +115,17 @@ fn poses(args: &Args, machine: &Machine) -> Poses {
 const CERTIFIED: usize = 1000;
 
 /// What `compile` would write for the target, with its warnings.
-fn compensation(session: &mut Session, args: &Args, machine: &Machine, order: Order) -> Result<Option<Compensation>, Stop> {
+fn compensation(
+    session: &mut Session,
+    args: &Args,
+    machine: &Machine,
+    order: Order,
+) -> Result<Option<Compensation>, Stop> {
     let Some(name) = &args.target else { return Ok(None) };
     if order != Order::Exact {
-        return session.usage("a compensated machine is mapped with the exact model: leave `--order` out, or say `--order exact`");
+        return session.usage(
+            "a compensated machine is mapped with the exact model: leave `--order` out, or say `--order exact`",
+        );
     }
     let target = args.how.target(session, name)?;
     let tables = made(session, machine, &target, (&[], usize::MAX), args.how.scope(), Limits::default())?.tables;

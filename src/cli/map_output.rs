@@ -1,8 +1,8 @@
 //! Files of `abbe map`: every pose with its deviation, for other programs.
 
+use super::Outcome;
 use super::session::Session;
 use super::write::{refuse_input, write_streamed};
-use super::Outcome;
 use crate::report::Rows;
 use std::path::PathBuf;
 

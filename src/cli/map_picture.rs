@@ -76,13 +76,23 @@ pub(super) struct Subject<'a> {
 
 impl Pictures {
     /// Refuses what cannot be drawn, before any work; `None` if nothing is asked for.
-    pub(super) fn place(&self, session: &mut Session, machine: &Machine, compensated: bool) -> Result<Option<Place>, Stop> {
+    pub(super) fn place(
+        &self,
+        session: &mut Session,
+        machine: &Machine,
+        compensated: bool,
+    ) -> Result<Option<Place>, Stop> {
         if self.svg.is_none() && self.png.is_none() {
             let asked = self.plane.is_some() || self.at.is_some() || self.drawing != DrawingArg::Colours;
-            return if asked { session.usage("`--plane`, `--at` and `--drawing` are for a picture: add `--svg FILE` or `--png FILE`") } else { Ok(None) };
+            return if asked {
+                session.usage("`--plane`, `--at` and `--drawing` are for a picture: add `--svg FILE` or `--png FILE`")
+            } else {
+                Ok(None)
+            };
         }
         if self.drawing == DrawingArg::BeforeAfter && !compensated {
-            return session.usage("`--drawing before-after` needs the compensation of a controller: add `--target NAME`");
+            return session
+                .usage("`--drawing before-after` needs the compensation of a controller: add `--target NAME`");
         }
         let axes = plane_axes(machine, self.plane.as_deref()).or_else(|message| session.usage(&message))?;
         let at = match &self.at {

@@ -12,7 +12,9 @@ use crate::analysis::{Plane, View, map, rest, space_axes};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Bare, Field, Frame, Order};
 use crate::machine::Machine;
-use crate::report::page::{ComparisonData, Data, Given, MachineData, Page, Pictures, Rendered, Served, Written, colours};
+use crate::report::page::{
+    ComparisonData, Data, Given, MachineData, Page, Pictures, Rendered, Served, Written, colours,
+};
 use crate::report::{Drawn, PlanePicture, Shown, axis_curves, chain_picture};
 use crate::syntax::Files;
 use crate::target::{Compensated, Limits, Replay, Target};
@@ -93,7 +95,8 @@ pub(super) fn build(session: &mut Session, args: &Args, files: &dyn Files) -> Re
     for path in &args.machines {
         let seen = session.diagnostics.iter().count();
         let machine = load::machine_through(session, path, args.options.tool.as_deref(), files)?;
-        let written = args.target.iter().map(|name| compensation(session, args, &machine, name)).collect::<Result<_, _>>()?;
+        let written =
+            args.target.iter().map(|name| compensation(session, args, &machine, name)).collect::<Result<_, _>>()?;
         let warnings = session.diagnostics.iter().skip(seen).map(|d| format!("{}: {}", d.code, d.message)).collect();
         machines.push(Subject { machine, file: path.display().to_string(), written, warnings });
     }
@@ -174,7 +177,8 @@ fn plane(given: &Given<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
     let of = |field: &dyn Field| Plane::of(field, axes, &rest(machine), counts, view);
     let bare = of(&Bare { machine, order });
     let (state, like) = if given.written.is_empty() { ("", None) } else { ("uncompensated", Some(&bare)) };
-    let picture = PlanePicture { machine, plane: &bare, view, order, shown: Shown::Length, drawn: Drawn::Colours, state, like };
+    let picture =
+        PlanePicture { machine, plane: &bare, view, order, shown: Shown::Length, drawn: Drawn::Colours, state, like };
     let mut svgs = vec![picture.svg(), PlanePicture { drawn: Drawn::Grid, ..picture }.svg()];
     for written in given.written {
         let replay = Replay::new(machine, &written.tables, written.target.manifest.controller);

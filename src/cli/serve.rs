@@ -121,7 +121,8 @@ impl Reply {
 fn reply(head: &str, port: u16, tag: &str) -> Reply {
     let mut lines = head.split("\r\n");
     let mut words = lines.next().unwrap_or_default().split(' ');
-    let (Some(method), Some(path), Some(version), None) = (words.next(), words.next(), words.next(), words.next()) else {
+    let (Some(method), Some(path), Some(version), None) = (words.next(), words.next(), words.next(), words.next())
+    else {
         return Reply::Bad;
     };
     if !version.starts_with("HTTP/1.") {

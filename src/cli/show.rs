@@ -58,8 +58,12 @@ fn draw(session: &mut Session, args: &Args, machine: &Machine) -> Outcome {
         pictures.extend(path.as_ref().map(|path| (path, kind, chain_picture(machine))));
     }
     if let Some(path) = &args.curves {
-        let Some(kind) = Kind::of(path) else { return session.usage("`--curves` takes a file that ends in .svg or .png") };
-        let Some(picture) = all_curves(machine) else { return session.usage("the machine has no component errors to draw") };
+        let Some(kind) = Kind::of(path) else {
+            return session.usage("`--curves` takes a file that ends in .svg or .png");
+        };
+        let Some(picture) = all_curves(machine) else {
+            return session.usage("the machine has no component errors to draw");
+        };
         pictures.push((path, kind, picture));
     }
     for (path, kind, picture) in pictures {

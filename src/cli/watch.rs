@@ -55,7 +55,9 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let (files, first) = turn.take(session)?;
     let answer = Arc::new(Mutex::new(Arc::new(first)));
     serve(listener, port, Arc::clone(&answer));
-    session.print(&format!("http://127.0.0.1:{port}/ shows the page; it follows the files until this program is ended (Ctrl-C)."));
+    session.print(&format!(
+        "http://127.0.0.1:{port}/ shows the page; it follows the files until this program is ended (Ctrl-C)."
+    ));
     follow(session, &mut turn, files, &answer)
 }
 

@@ -12,7 +12,10 @@ pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
 }
 
 /// The same for what is made while it is written.
-pub(super) fn write_streamed(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), Diagnostic> {
+pub(super) fn write_streamed(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), Diagnostic> {
     let target = replaceable(path)?;
     let temporary = temporary(&target).ok_or_else(|| unwritable(path, "the path names no file"))?;
     let written = filled(&temporary, &target, fill).and_then(|()| fs::rename(&temporary, &target));
@@ -47,7 +50,10 @@ pub(super) fn write_picture(path: &Path, picture: &Picture, kind: Kind, sources:
     match kind {
         Kind::Svg => write_whole(path, picture.svg().as_bytes()),
         Kind::Png => {
-            let undrawable = |why: String| Diagnostic::new("E0632", format!("`{}` cannot be drawn: {why}", path.display())).help("write SVG instead");
+            let undrawable = |why: String| {
+                Diagnostic::new("E0632", format!("`{}` cannot be drawn: {why}", path.display()))
+                    .help("write SVG instead")
+            };
             write_whole(path, &picture.png().map_err(undrawable)?)
         }
     }

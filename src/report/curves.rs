@@ -139,9 +139,8 @@ fn drawn(component: &ComponentError, interval: (f64, f64), factor: f64) -> Vec<D
     };
     let of = |(approach, curve): (Approach, &Curve)| {
         let knots = curve.knots();
-        let points: Vec<(f64, f64)> = knots.map_or_else(Vec::new, |k| {
-            k.positions().iter().zip(k.values()).map(|(p, v)| (*p, v * factor)).collect()
-        });
+        let points: Vec<(f64, f64)> = knots
+            .map_or_else(Vec::new, |k| k.positions().iter().zip(k.values()).map(|(p, v)| (*p, v * factor)).collect());
         let even = (0..=SAMPLES).map(|i| interval.0 + (interval.1 - interval.0) * i as f64 / SAMPLES as f64);
         let within = |p: &f64| (interval.0..=interval.1).contains(p);
         let mut places: Vec<f64> = even.chain(points.iter().map(|p| p.0).filter(within)).collect();
@@ -201,7 +200,11 @@ impl Frame {
         for value in ticks((low, high), step) {
             let at = self.at((self.x.0, value)).1;
             let zero = value.abs() < 0.5 * step;
-            let style = if zero { format!(r#"stroke="{FAINT}""#) } else { r##"stroke="#c3cad1" stroke-width="0.7""##.to_owned() };
+            let style = if zero {
+                format!(r#"stroke="{FAINT}""#)
+            } else {
+                r##"stroke="#c3cad1" stroke-width="0.7""##.to_owned()
+            };
             svg.line((x, at), (x + PANEL.0, at), &style);
             svg.text((x - 6.0, at + 4.0), &tick_text(value, step), Font::plain(11.5), Anchor::End, 0.0);
         }

@@ -29,13 +29,26 @@ pub struct Browser {
 impl Browser {
     /// Starts one with a window of this size, whose names all resolve to nothing.
     pub fn new(width: u32, height: u32) -> Self {
-        let mut driver = Command::new("chromedriver").arg("--port=0").stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        let mut driver =
+            Command::new("chromedriver").arg("--port=0").stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let mut lines = BufReader::new(driver.stdout.take().unwrap()).lines();
-        let port = lines.find_map(|line| line.unwrap().split("on port ").nth(1)?.trim_end_matches('.').parse().ok()).unwrap();
+        let port = lines
+            .find_map(|line| {
+                line.unwrap().split("on port ").nth(1)?.trim_end_matches('.').parse().ok().filter(|port| *port > 0)
+            })
+            .unwrap();
+        // The rest of what it says must not stop it.
+        let _ = std::thread::spawn(move || lines.for_each(drop));
         let mut browser = Self { driver, port, session: String::new() };
         let arguments = [
-            "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars", "--force-device-scale-factor=1",
-            "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", &format!("--window-size={width},{height}"),
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-dev-shm-usage",
+            "--hide-scrollbars",
+            "--force-device-scale-factor=1",
+            "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+            &format!("--window-size={width},{height}"),
         ];
         let capabilities = json!({"capabilities": {"alwaysMatch": {
             "browserName": "chrome", "goog:chromeOptions": {"args": arguments, "perfLoggingPrefs": {"enableNetwork": true}},
@@ -49,7 +62,11 @@ impl Browser {
     fn call(&self, method: &str, path: &str, body: &Value) -> Value {
         let body = if method == "POST" { body.to_string() } else { String::new() };
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
-        let head = format!("{method} {path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nContent-Type: application/json\r\nContent-Length: {}\r\nConnection: close\r\n\r\n", self.port, body.len());
+        let head = format!(
+            "{method} {path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nContent-Type: application/json\r\nContent-Length: {}\r\nConnection: close\r\n\r\n",
+            self.port,
+            body.len()
+        );
         stream.write_all(head.as_bytes()).unwrap();
         stream.write_all(body.as_bytes()).unwrap();
         let mut answer = BufReader::new(stream);
@@ -116,14 +133,16 @@ impl Browser {
         let url = |entry: &Value| {
             let message: Value = serde_json::from_str(entry["message"].as_str()?).ok()?;
             let request = &message["message"];
-            (request["method"] == "Network.requestWillBeSent").then(|| request["params"]["request"]["url"].as_str().unwrap().to_owned())
+            (request["method"] == "Network.requestWillBeSent")
+                .then(|| request["params"]["request"]["url"].as_str().unwrap().to_owned())
         };
         log.as_array().unwrap().iter().filter_map(url).collect()
     }
 
     /// The window as PNG, into a file.
     pub fn screenshot(&self, path: &Path, whole: bool) {
-        let picture = self.devtools("Page.captureScreenshot", &json!({"format": "png", "captureBeyondViewport": whole}));
+        let picture =
+            self.devtools("Page.captureScreenshot", &json!({"format": "png", "captureBeyondViewport": whole}));
         std::fs::write(path, decoded(&picture["data"])).unwrap();
     }
 

@@ -83,7 +83,8 @@ pub fn abbe() -> Command {
 /// Writes a report with these arguments and returns where it is.
 pub fn report(folder: &Folder, name: &str, arguments: &[&str]) -> PathBuf {
     let path = folder.0.join(name);
-    let output = abbe().arg("report").args(arguments).arg("--out").arg(&path).args(["--poses", "300"]).output().unwrap();
+    let output =
+        abbe().arg("report").args(arguments).arg("--out").arg(&path).args(["--poses", "300"]).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     path
 }

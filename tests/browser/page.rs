@@ -18,11 +18,16 @@ fn opened(folder: &Folder, arguments: &[&str]) -> Browser {
 
 pub fn loads() {
     let folder = Folder::new("loads");
-    for arguments in [&FIVE_AXES[..], &["vmc-cframe-754.yaml"], &["trunnion.yaml", "ht-b-c.yaml"], &["robots/ur5.yaml"]] {
+    for arguments in [&FIVE_AXES[..], &["vmc-cframe-754.yaml"], &["trunnion.yaml", "ht-b-c.yaml"], &["robots/ur5.yaml"]]
+    {
         let browser = opened(&folder, arguments);
         let complaints = browser.complaints();
         assert!(complaints.is_empty(), "{arguments:?}: {complaints:?}");
-        let strangers: Vec<String> = browser.requests().into_iter().filter(|url| !url.starts_with("file://") && !url.starts_with("data:")).collect();
+        let strangers: Vec<String> = browser
+            .requests()
+            .into_iter()
+            .filter(|url| !url.starts_with("file://") && !url.starts_with("data:"))
+            .collect();
         assert!(strangers.is_empty(), "{strangers:?}");
         let drawn = browser.run("return views.length > 0 && views.every((view) => view.canvas.width > 100 && new Set(view.canvas.getContext('2d').getImageData(0, 0, view.canvas.width, view.canvas.height).data).size > 20);");
         assert_eq!(drawn, true, "{arguments:?}: an empty picture");
@@ -38,8 +43,11 @@ pub fn loads() {
 pub fn numbers() {
     let folder = Folder::new("numbers");
     let browser = opened(&folder, &["trunnion.yaml", "ht-b-c.yaml", "--target", "grid-csv"]);
-    let data: Value = serde_json::from_str(browser.run("return document.getElementById('data').textContent;").as_str().unwrap()).unwrap();
-    let shown = browser.run("return [...document.querySelectorAll('[data-at]')].map((n) => [n.dataset.at, n.textContent]);");
+    let data: Value =
+        serde_json::from_str(browser.run("return document.getElementById('data').textContent;").as_str().unwrap())
+            .unwrap();
+    let shown =
+        browser.run("return [...document.querySelectorAll('[data-at]')].map((n) => [n.dataset.at, n.textContent]);");
     let shown = shown.as_array().unwrap();
     assert!(shown.len() > 800, "{}", shown.len());
     for pair in shown {
@@ -55,7 +63,8 @@ pub fn numbers() {
     // What the view says in words.
     let said = browser.run("return document.querySelector('.said').textContent;");
     let at = &data["machines"][0]["field"]["layers"][0]["at"][0];
-    let number = said.as_str().unwrap().split("Largest ").nth(1).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
+    let number =
+        said.as_str().unwrap().split("Largest ").nth(1).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
     assert!((number / at["max_um"].as_f64().unwrap() - 1.0).abs() < 1e-3, "{said}");
 }
 
@@ -74,13 +83,23 @@ pub fn controls() {
     let picture = || browser.run(PICTURE);
     let first = picture();
     for (name, value) in [
-        ("layer", "'EB0C'"), ("layer", "'axis-Y'"), ("layer", "'location'"), ("layer", "'after-grid-csv'"), ("layer", "'removed-linuxcnc'"), ("station", "'2'"),
-        ("part", "'0'"), ("part", "'2'"), ("exaggeration", "'3'"), ("colour", "0"), ("arrows", "1"),
+        ("layer", "'EB0C'"),
+        ("layer", "'axis-Y'"),
+        ("layer", "'location'"),
+        ("layer", "'after-grid-csv'"),
+        ("layer", "'removed-linuxcnc'"),
+        ("station", "'2'"),
+        ("part", "'0'"),
+        ("part", "'2'"),
+        ("exaggeration", "'3'"),
+        ("colour", "0"),
+        ("arrows", "1"),
     ] {
         let old = browser.run(&set(name, value));
         assert_ne!(picture(), first, "{name} = {value} changes nothing");
         let old = old.as_str().unwrap();
-        let back = if ["true", "false"].contains(&old) { u8::from(old == "true").to_string() } else { format!("'{old}'") };
+        let back =
+            if ["true", "false"].contains(&old) { u8::from(old == "true").to_string() } else { format!("'{old}'") };
         let _ = browser.run(&set(name, &back));
         assert_eq!(picture(), first, "{name} back to {old} is not the first picture");
     }

@@ -18,7 +18,10 @@ fn ground(browser: &Browser) -> String {
 }
 
 fn scheme(browser: &Browser, value: &str) {
-    let _ = browser.devtools("Emulation.setEmulatedMedia", &json!({"features": [{"name": "prefers-color-scheme", "value": value}]}));
+    let _ = browser.devtools(
+        "Emulation.setEmulatedMedia",
+        &json!({"features": [{"name": "prefers-color-scheme", "value": value}]}),
+    );
 }
 
 pub fn screenshots() {
@@ -28,8 +31,11 @@ pub fn screenshots() {
     let kept = kept();
     let mut shots = Vec::new();
     for (name, width, height, colours, file) in [
-        ("light", 1366, 900, "light", &page), ("dark", 1366, 900, "dark", &page), ("projector", 1920, 1080, "light", &page),
-        ("mobile", 390, 844, "light", &page), ("comparison", 1366, 900, "light", &both),
+        ("light", 1366, 900, "light", &page),
+        ("dark", 1366, 900, "dark", &page),
+        ("projector", 1920, 1080, "light", &page),
+        ("mobile", 390, 844, "light", &page),
+        ("comparison", 1366, 900, "light", &both),
     ] {
         let browser = Browser::new(width, height);
         let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500});
@@ -53,7 +59,11 @@ pub fn screenshots() {
     std::fs::write(kept.join("print.pdf"), &pdf).unwrap();
     shots.push(kept.join("print.pdf"));
     // For looking at without a reader of PDF.
-    let _ = Command::new("pdftoppm").args(["-png", "-r", "60"]).arg(kept.join("print.pdf")).arg(kept.join("print")).status();
+    let _ = Command::new("pdftoppm")
+        .args(["-png", "-r", "60"])
+        .arg(kept.join("print.pdf"))
+        .arg(kept.join("print"))
+        .status();
     for shot in &shots {
         println!("  {}", shot.display());
         assert!(std::fs::metadata(shot).unwrap().len() > 20_000);

@@ -35,7 +35,14 @@ pub fn refreshes() {
     let folder = Folder::new("watch");
     let file = folder.0.join("m.yaml");
     std::fs::write(&file, MACHINE).unwrap();
-    let mut child = abbe().arg("report").arg(&file).args(["--watch", "--poses", "100"]).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+    let mut child = abbe()
+        .arg("report")
+        .arg(&file)
+        .args(["--watch", "--poses", "100"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
     let mut line = String::new();
     BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
     let _serving = Serving(child);
@@ -54,9 +61,15 @@ pub fn refreshes() {
     std::fs::write(&file, MACHINE.replace("20 urad", "20 furlongs")).unwrap();
     wait(&browser, "return !document.getElementById('problem').hidden;");
     let problem = browser.run("return document.querySelector('#problem pre').textContent;");
-    assert!(problem.as_str().unwrap().contains("furlongs") && problem.as_str().unwrap().contains("m.yaml"), "{problem}");
+    assert!(
+        problem.as_str().unwrap().contains("furlongs") && problem.as_str().unwrap().contains("m.yaml"),
+        "{problem}"
+    );
     assert_eq!(browser.run("return document.querySelector('.tile b').textContent;"), before);
     std::fs::write(&file, MACHINE).unwrap();
-    wait(&browser, "return document.getElementById('problem').hidden && document.querySelector('h1').textContent === 'Watched';");
+    wait(
+        &browser,
+        "return document.getElementById('problem').hidden && document.querySelector('h1').textContent === 'Watched';",
+    );
     assert!(browser.complaints().is_empty(), "{:?}", browser.complaints());
 }

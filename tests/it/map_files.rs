@@ -40,7 +40,20 @@ fn all_forms_hold_the_same_numbers_to_the_last_bit() {
     let folder = Folder::new("forms");
     let [c, j, p, v] = ["m.csv", "m.json", "m.parquet", "m.vtu"].map(|name| folder.file(name));
     abbe(&[
-        "map", "ht-b-c.yaml", "--random", "70", "--frame", "machine", "--csv", text(&c), "--json", text(&j), "--parquet", text(&p), "--vtk", text(&v),
+        "map",
+        "ht-b-c.yaml",
+        "--random",
+        "70",
+        "--frame",
+        "machine",
+        "--csv",
+        text(&c),
+        "--json",
+        text(&j),
+        "--parquet",
+        text(&p),
+        "--vtk",
+        text(&v),
     ]);
     let (header, rows) = csv(&c);
     assert_eq!(rows.len(), 70);
@@ -48,10 +61,15 @@ fn all_forms_hold_the_same_numbers_to_the_last_bit() {
     assert_eq!((parsed["frame"].as_str(), parsed["order"].as_str()), (Some("machine"), Some("exact")));
     let reader = SerializedFileReader::new(std::fs::File::open(&p).unwrap()).unwrap();
     let facts = reader.metadata().file_metadata().key_value_metadata().unwrap();
-    assert!(facts.iter().any(|kv| kv.key == "sign" && kv.value.as_deref().unwrap().starts_with("actual minus nominal")));
-    let names: Vec<String> = reader.metadata().file_metadata().schema().get_fields().iter().map(|f| f.name().to_owned()).collect();
+    assert!(
+        facts.iter().any(|kv| kv.key == "sign" && kv.value.as_deref().unwrap().starts_with("actual minus nominal"))
+    );
+    let names: Vec<String> =
+        reader.metadata().file_metadata().schema().get_fields().iter().map(|f| f.name().to_owned()).collect();
     assert_eq!(names, header);
-    for ((row, object), record) in rows.iter().zip(parsed["poses"].as_array().unwrap()).zip(reader.get_row_iter(None).unwrap()) {
+    for ((row, object), record) in
+        rows.iter().zip(parsed["poses"].as_array().unwrap()).zip(reader.get_row_iter(None).unwrap())
+    {
         let numbers = |v: &Value| v.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect::<Vec<_>>();
         let axes: Vec<f64> = object["axes"].as_object().unwrap().values().map(|x| x.as_f64().unwrap()).collect();
         assert_eq!([axes, numbers(&object["deviation_um"]), numbers(&object["rotation_urad"])].concat(), *row);
@@ -88,7 +106,8 @@ fn a_grid_is_joined_to_cells_that_fill_the_volume() {
         let [o, a, b, c] = [0, 1, 3, 4].map(|k| point(cell[k]));
         let edge = |p: [f64; 3]| [p[0] - o[0], p[1] - o[1], p[2] - o[2]];
         let [u, v, w] = [edge(a), edge(b), edge(c)];
-        let volume = u[0] * (v[1] * w[2] - v[2] * w[1]) - u[1] * (v[0] * w[2] - v[2] * w[0]) + u[2] * (v[0] * w[1] - v[1] * w[0]);
+        let volume = u[0] * (v[1] * w[2] - v[2] * w[1]) - u[1] * (v[0] * w[2] - v[2] * w[0])
+            + u[2] * (v[0] * w[1] - v[1] * w[0]);
         assert!((volume - 1e6).abs() < 1e-3, "{volume}");
         // VTK's order: the corner opposite to the first is the seventh.
         let far = point(cell[6]);
@@ -102,9 +121,32 @@ fn a_grid_is_joined_to_cells_that_fill_the_volume() {
 fn a_map_after_compensation_is_the_certificates() {
     let folder = Folder::new("after");
     let out = folder.file("set");
-    let certificate = json(&["compile", "ht-b-c.yaml", "--target", "grid-csv", "--out", text(&out), "--poses", "300", "--format", "json", "--quiet"]);
+    let certificate = json(&[
+        "compile",
+        "ht-b-c.yaml",
+        "--target",
+        "grid-csv",
+        "--out",
+        text(&out),
+        "--poses",
+        "300",
+        "--format",
+        "json",
+        "--quiet",
+    ]);
     let direction = certificate["direction"].as_str().unwrap();
-    let map = json(&["map", "ht-b-c.yaml", "--target", "grid-csv", "--random", "300", "--direction", direction, "--format", "json"]);
+    let map = json(&[
+        "map",
+        "ht-b-c.yaml",
+        "--target",
+        "grid-csv",
+        "--random",
+        "300",
+        "--direction",
+        direction,
+        "--format",
+        "json",
+    ]);
     assert_eq!(map["target"], "grid-csv");
     for key in ["position_um", "rotation_urad"] {
         assert_eq!(map[key], certificate["compensated"][key]);
@@ -117,7 +159,11 @@ fn a_map_after_compensation_is_the_certificates() {
 
 #[test]
 fn low_discrepancy_poses_come_nearer_to_the_mean() {
-    let mean = |options: &[&str]| json(&[&["map", "trunnion.yaml", "--format", "json"], options].concat())["position_um"]["mean"].as_f64().unwrap();
+    let mean = |options: &[&str]| {
+        json(&[&["map", "trunnion.yaml", "--format", "json"], options].concat())["position_um"]["mean"]
+            .as_f64()
+            .unwrap()
+    };
     // A grid puts weight on its ends, so the truth is a long random run.
     let truth = mean(&["--random", "60000", "--seed", "99"]);
     let off = |kind: &str| {
@@ -147,7 +193,10 @@ fn body_diagonals_are_the_closed_form() {
         let expected = dx * sign * x / length;
         let got = d["deviations_um"].as_array().unwrap().last().unwrap().as_f64().unwrap();
         // The exact model turns by cosine and sine: second order, far below a picometre here.
-        assert!((got - expected).abs() < 1e-3 && (d["length_mm"].as_f64().unwrap() - length).abs() < 1e-9, "{name}: {got} {expected}");
+        assert!(
+            (got - expected).abs() < 1e-3 && (d["length_mm"].as_f64().unwrap() - length).abs() < 1e-9,
+            "{name}: {got} {expected}"
+        );
         assert!((d["range_um"].as_f64().unwrap() - expected.abs()).abs() < 1e-3);
     }
 }
@@ -159,15 +208,27 @@ fn inputs_are_never_overwritten_and_a_full_disk_leaves_nothing() {
     let table = folder.with("x.csv", "X [mm],EXX [um]\n0,0\n500,3\n");
     let link = folder.file("link.csv");
     std::os::unix::fs::symlink(&table, &link).unwrap();
-    for (option, path) in [("--csv", &machine), ("--json", &table), ("--parquet", &link), ("--vtk", &machine), ("--svg", &machine), ("--png", &table)] {
+    for (option, path) in [
+        ("--csv", &machine),
+        ("--json", &table),
+        ("--parquet", &link),
+        ("--vtk", &machine),
+        ("--svg", &machine),
+        ("--png", &table),
+    ] {
         let (code, message) = refused(&["map", text(&machine), "--random", "3", option, text(path)]);
         assert!(code == 1 && message.contains("E0630"), "{option}: {message}");
     }
     assert_eq!(std::fs::read_to_string(&table).unwrap(), "X [mm],EXX [um]\n0,0\n500,3\n");
     // The shell's limit on the size of files stands for a disk that fills up.
     for (option, name) in [("--csv", "a.csv"), ("--json", "a.json"), ("--parquet", "a.parquet"), ("--vtk", "a.vtu")] {
-        let script = format!("trap '' XFSZ; ulimit -f 16; exec \"$0\" map m.yaml --random 5000 --quiet {option} {name}");
-        let output = Command::new("sh").args(["-c", &script, env!("CARGO_BIN_EXE_abbe")]).current_dir(&folder.0).output().unwrap();
+        let script =
+            format!("trap '' XFSZ; ulimit -f 16; exec \"$0\" map m.yaml --random 5000 --quiet {option} {name}");
+        let output = Command::new("sh")
+            .args(["-c", &script, env!("CARGO_BIN_EXE_abbe")])
+            .current_dir(&folder.0)
+            .output()
+            .unwrap();
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.code() == Some(1) && message.contains("E0810"), "{option}: {message}");
     }
@@ -187,13 +248,31 @@ fn png_pictures_are_the_svg_ones_at_twice_the_size_with_their_text() {
     let size = |svg: &Path| {
         let text = std::fs::read_to_string(svg).unwrap();
         crate::program::well_formed(&text).unwrap();
-        let of = |name: &str| text.split(&format!("{name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse::<f64>().unwrap();
+        let of = |name: &str| {
+            text.split(&format!("{name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse::<f64>().unwrap()
+        };
         (of("width"), of("height"))
     };
     let pairs: [(&str, &[&str]); 4] = [
         ("colours", &["map", "trunnion.yaml", "--random", "9", "--quiet"]),
-        ("grid", &["map", "trunnion.yaml", "--random", "9", "--drawing", "grid", "--plane", "YZ", "--at", "A=30", "--quiet"]),
-        ("sides", &["map", "vmc-cframe-754.yaml", "--target", "linuxcnc", "--random", "9", "--drawing", "before-after", "--quiet"]),
+        (
+            "grid",
+            &["map", "trunnion.yaml", "--random", "9", "--drawing", "grid", "--plane", "YZ", "--at", "A=30", "--quiet"],
+        ),
+        (
+            "sides",
+            &[
+                "map",
+                "vmc-cframe-754.yaml",
+                "--target",
+                "linuxcnc",
+                "--random",
+                "9",
+                "--drawing",
+                "before-after",
+                "--quiet",
+            ],
+        ),
         ("chain", &["show", "trunnion.yaml", "--quiet"]),
     ];
     for (name, arguments) in pairs {
@@ -213,6 +292,8 @@ fn png_pictures_are_the_svg_ones_at_twice_the_size_with_their_text() {
     // Six panels an axis, each named once; a dot for each of the 26 points that x.csv gives EXX, forward and reverse.
     assert_eq!(curves.matches(">EXX, µm<").count(), 1);
     let given = std::fs::read_to_string(crate::configs::folder().join("errors/trunnion/x.csv")).unwrap();
-    assert!(curves.matches("<circle").count() >= 6 * (given.lines().filter(|l| !l.starts_with(['#', 'X'])).count() - 1));
+    assert!(
+        curves.matches("<circle").count() >= 6 * (given.lines().filter(|l| !l.starts_with(['#', 'X'])).count() - 1)
+    );
     assert_eq!(refused(&["show", "trunnion.yaml", "--curves", "curves.jpg"]).0, 2);
 }

@@ -40,10 +40,15 @@ fn near(a: &Value, b: &Value) -> bool {
 fn the_page_loads_nothing_and_its_policy_names_its_own_style_and_script() {
     let folder = Folder::new("report-alone");
     let page = page(&folder, &["vmc-cframe-754.yaml", "--poses", "50"]);
-    let addresses: Vec<&str> = page.split("http").skip(1).filter(|rest| !rest.starts_with("://www.w3.org/2000/svg\"")).collect();
+    let addresses: Vec<&str> =
+        page.split("http").skip(1).filter(|rest| !rest.starts_with("://www.w3.org/2000/svg\"")).collect();
     // The policy's own header is named; no address is.
     assert!(addresses.iter().all(|rest| rest.starts_with("-equiv=")), "{addresses:?}");
-    assert!(["<link", "src=", "@import", "url("].iter().all(|word| page.matches(word).count() == usize::from(*word == "<link")));
+    assert!(
+        ["<link", "src=", "@import", "url("]
+            .iter()
+            .all(|word| page.matches(word).count() == usize::from(*word == "<link"))
+    );
     let policy = between(&page, "http-equiv=\"Content-Security-Policy\" content=\"", "\"").replace("&#x27;", "'");
     assert!(policy.starts_with("default-src 'none';") && policy.contains("connect-src 'none'"), "{policy}");
     let script = page.rsplit_once("<script>").unwrap().1.split_once("</script>").unwrap().0;
@@ -61,7 +66,8 @@ fn the_page_loads_nothing_and_its_policy_names_its_own_style_and_script() {
 #[test]
 fn its_statistics_are_those_of_map_compare_and_compile() {
     let folder = Folder::new("report-numbers");
-    let page = page(&folder, &["trunnion.yaml", "ht-b-c.yaml", "--target", "grid-csv", "--poses", "400", "--seed", "7"]);
+    let page =
+        page(&folder, &["trunnion.yaml", "ht-b-c.yaml", "--target", "grid-csv", "--poses", "400", "--seed", "7"]);
     let data = data(&page);
     for (i, file) in ["trunnion.yaml", "ht-b-c.yaml"].into_iter().enumerate() {
         let machine = &data["machines"][i];
@@ -73,7 +79,19 @@ fn its_statistics_are_those_of_map_compare_and_compile() {
         assert!(near(&machine["diagonals"][1]["deviations_um"], &map["diagonals"][1]["deviations_um"]));
         let out = folder.file(&format!("set{i}"));
         let certificate = json(&[
-            "compile", file, "--target", "grid-csv", "--out", text(&out), "--poses", "400", "--seed", "7", "--format", "json", "--quiet",
+            "compile",
+            file,
+            "--target",
+            "grid-csv",
+            "--out",
+            text(&out),
+            "--poses",
+            "400",
+            "--seed",
+            "7",
+            "--format",
+            "json",
+            "--quiet",
         ]);
         let shown = &machine["certificates"][0];
         for state in ["uncompensated", "compensated"] {
@@ -84,7 +102,8 @@ fn its_statistics_are_those_of_map_compare_and_compile() {
             assert!(near(&error["left_um"], &other["left_um"]) && error["handled"] == other["handled"], "{error}");
         }
     }
-    let compare = json(&["compare", "trunnion.yaml", "ht-b-c.yaml", "--poses", "400", "--seed", "7", "--format", "json"]);
+    let compare =
+        json(&["compare", "trunnion.yaml", "ht-b-c.yaml", "--poses", "400", "--seed", "7", "--format", "json"]);
     for i in 0..2 {
         for key in ["position_um", "rotation_urad", "unreachable"] {
             assert!(near(&data["comparison"]["machines"][i][key], &compare["machines"][i][key]), "{i} {key}");
@@ -101,7 +120,10 @@ fn nodes(field: &Value) -> Vec<Vec<(String, f64)>> {
         let name = axis["name"].as_str().unwrap();
         let positions = axis["positions"].as_array().unwrap();
         let with = |rest: &Vec<(String, f64)>| {
-            positions.iter().map(|q| [&[(name.to_owned(), q.as_f64().unwrap())], &rest[..]].concat()).collect::<Vec<_>>()
+            positions
+                .iter()
+                .map(|q| [&[(name.to_owned(), q.as_f64().unwrap())], &rest[..]].concat())
+                .collect::<Vec<_>>()
         };
         list = list.iter().flat_map(with).collect();
     }
@@ -131,13 +153,17 @@ fn the_field_of_the_view_is_the_one_eval_gives() {
         let others = station(of["label"].as_str().unwrap());
         // Every 17th node: all corners of the grid's cube are not needed to find a wrong order.
         for node in (0..nodes.len()).step_by(17) {
-            let at = nodes[node].iter().chain(&others).map(|(name, q)| format!("{name}={q}")).collect::<Vec<_>>().join(",");
+            let at =
+                nodes[node].iter().chain(&others).map(|(name, q)| format!("{name}={q}")).collect::<Vec<_>>().join(",");
             let eval = json(&["eval", "trunnion.yaml", "--frame", "machine", "--at", &at, "--format", "json"]);
             for k in 0..3 {
                 let exact = eval["poses"][0]["deviation"][k].as_f64().unwrap() * 1e3;
                 assert!((vector("total", s, node)[k] - exact).abs() <= 0.0005 + 1e-9, "{at}: {k}");
                 let nominal = eval["poses"][0]["nominal"][k].as_f64().unwrap();
-                assert!((of["nominal_mm"][3 * node + k].as_f64().unwrap() - nominal).abs() <= 0.0005 + 1e-9, "{at}: {k}");
+                assert!(
+                    (of["nominal_mm"][3 * node + k].as_f64().unwrap() - nominal).abs() <= 0.0005 + 1e-9,
+                    "{at}: {k}"
+                );
             }
             if s > 1 {
                 break; // One node of the later stations: each `eval` is a process.
@@ -145,8 +171,10 @@ fn the_field_of_the_view_is_the_one_eval_gives() {
         }
         for node in 0..nodes.len() {
             let total = vector("total", s, node);
-            let after: [f64; 3] = std::array::from_fn(|k| vector("after-grid-csv", s, node)[k] + vector("removed-grid-csv", s, node)[k]);
-            let kinds: [f64; 3] = std::array::from_fn(|k| vector("location", s, node)[k] + vector("component", s, node)[k]);
+            let after: [f64; 3] =
+                std::array::from_fn(|k| vector("after-grid-csv", s, node)[k] + vector("removed-grid-csv", s, node)[k]);
+            let kinds: [f64; 3] =
+                std::array::from_fn(|k| vector("location", s, node)[k] + vector("component", s, node)[k]);
             for k in 0..3 {
                 // Three numbers of whole nanometres; first order neglects some nm on this machine.
                 assert!((after[k] - total[k]).abs() <= 0.0016, "after and removed do not add up");
@@ -161,7 +189,10 @@ fn the_bytes_do_not_depend_on_the_number_of_threads() {
     let folder = Folder::new("report-threads");
     let run = |threads: usize| {
         let out = folder.file("page.html");
-        let output = abbe_on(threads, &["report", "trunnion.yaml", "--target", "linuxcnc", "--poses", "60", "--out", text(&out), "--quiet"]);
+        let output = abbe_on(
+            threads,
+            &["report", "trunnion.yaml", "--target", "linuxcnc", "--poses", "60", "--out", text(&out), "--quiet"],
+        );
         assert!(output.status.success());
         std::fs::read(out).unwrap()
     };
@@ -171,7 +202,14 @@ fn the_bytes_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn every_kind_of_machine_has_a_page() {
     let folder = Folder::new("report-all");
-    for file in ["gantry-3ax.yaml", "millturn-bc.yaml", "boring-w.yaml", "robots/ur5.yaml", "papers/hrdina-vasik-2014.yaml", "hh-bd-ram.yaml"] {
+    for file in [
+        "gantry-3ax.yaml",
+        "millturn-bc.yaml",
+        "boring-w.yaml",
+        "robots/ur5.yaml",
+        "papers/hrdina-vasik-2014.yaml",
+        "hh-bd-ram.yaml",
+    ] {
         let out = folder.file("page.html");
         let output = abbe_on(2, &["report", file, "--poses", "20", "--out", text(&out), "--quiet"]);
         assert!(output.status.success(), "{file}: {}", String::from_utf8_lossy(&output.stderr));
@@ -184,7 +222,12 @@ fn every_kind_of_machine_has_a_page() {
 #[test]
 fn what_is_refused_leaves_nothing() {
     let folder = Folder::new("report-refused");
-    let own = folder.with("m.yaml", &std::fs::read_to_string(crate::configs::folder().join("gantry-3ax.yaml")).unwrap().replace("errors/", &format!("{}/errors/", crate::configs::folder().display())));
+    let own = folder.with(
+        "m.yaml",
+        &std::fs::read_to_string(crate::configs::folder().join("gantry-3ax.yaml"))
+            .unwrap()
+            .replace("errors/", &format!("{}/errors/", crate::configs::folder().display())),
+    );
     let before = std::fs::read(&own).unwrap();
     let (code, message) = refused(&["report", text(&own), "--poses", "5", "--out", text(&own)]);
     assert!(code == 1 && message.contains("E0630"), "{message}");
@@ -253,7 +296,9 @@ impl Serving {
 fn the_watched_page_follows_its_file_and_answers_this_computer_only() {
     let folder = Folder::new("report-watch");
     let machine = |name: &str, error: &str| {
-        format!("abbe: 1\nmachine: {name}\nchain: \"w b X Y Z t\"\naxes:\n  X: {{ travel: [0, 500] }}\n  Y: {{ travel: [0, 400] }}\n  Z: {{ travel: [0, 300] }}\nextends: base.yaml\nerrors:\n  EC0Y: {error}\n")
+        format!(
+            "abbe: 1\nmachine: {name}\nchain: \"w b X Y Z t\"\naxes:\n  X: {{ travel: [0, 500] }}\n  Y: {{ travel: [0, 400] }}\n  Z: {{ travel: [0, 300] }}\nextends: base.yaml\nerrors:\n  EC0Y: {error}\n"
+        )
     };
     folder.with("base.yaml", "provenance: { source: one }\n");
     let file = folder.with("m.yaml", &machine("First", "20 urad"));
@@ -272,7 +317,10 @@ fn the_watched_page_follows_its_file_and_answers_this_computer_only() {
         let (head, body) = serving.ask(&request);
         assert!(head.starts_with(&format!("HTTP/1.1 {status}")) && body.is_empty(), "{request}: {head}");
     }
-    assert!(serving.ask(&format!("GET / HTTP/1.1\nX: {}\n\n", "x".repeat(20_000))).0.is_empty(), "a request without end");
+    assert!(
+        serving.ask(&format!("GET / HTTP/1.1\nX: {}\n\n", "x".repeat(20_000))).0.is_empty(),
+        "a request without end"
+    );
     let _ = folder.with("m.yaml", &machine("Second", "30 urad"));
     serving.until("<h1>Second</h1>");
     // A file that is extended is followed too.

@@ -44,7 +44,8 @@ pub fn path_elements(text: &Text) -> String {
     let (x, y, colour) = (number(text.at.0), number(text.at.1), text.font.colour);
     let stroke = if text.font.bold { format!(r#" stroke="{colour}" stroke-width="{BOLD}""#) } else { String::new() };
     let turn = if text.turned == 0.0 { String::new() } else { format!(" rotate({})", number(text.turned)) };
-    let mut out = format!(r#"<g fill="{colour}"{stroke} transform="translate({x} {y}){turn} scale({scale} -{scale})">"#);
+    let mut out =
+        format!(r#"<g fill="{colour}"{stroke} transform="translate({x} {y}){turn} scale({scale} -{scale})">"#);
     let mut pen = start;
     for character in text.text.chars() {
         let (advance, outline) = glyph(character);

@@ -4,10 +4,10 @@
 use super::comparison::ComparisonData;
 use super::field::FieldData;
 use crate::analysis::{LocationSet, Map, Source, Status, body_diagonals, levers, rest, sources};
+use crate::compensation::Tables;
 use crate::evaluate::{Bare, Order, Poses, Random, Summary, worst};
 use crate::machine::{Approach, Axis, ErrorTerm, Machine, Pose, Travel};
 use crate::target::{Certificate, Handled, Target};
-use crate::compensation::Tables;
 use serde::Serialize;
 use serde_json::{Map as Object, Value, json};
 
@@ -224,7 +224,8 @@ fn certificate(machine: &Machine, written: &Written) -> Value {
     errors.sort_by(|a, b| b.left.total_cmp(&a.left));
     let error = |e: &&crate::target::ErrorLeft| json!({"error": e.error, "handled": handled(e.handled), "alone_um": e.alone, "left_um": e.left});
     let by_axis = |values: &[f64]| {
-        let entry = |(axis, c): (&Axis, &f64)| json!({"axis": axis.name.as_str(), "unit": axis.unit(), "added": c + 0.0});
+        let entry =
+            |(axis, c): (&Axis, &f64)| json!({"axis": axis.name.as_str(), "unit": axis.unit(), "added": c + 0.0});
         machine.axes().iter().zip(values).map(entry).collect::<Vec<_>>()
     };
     json!({

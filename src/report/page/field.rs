@@ -124,7 +124,8 @@ fn stations(machine: &Machine, grid: &[usize]) -> Vec<Pose> {
     let mut list = vec![home.clone()];
     for axis in (0..home.len()).filter(|axis| !grid.contains(axis)) {
         let volume = machine.volume()[axis];
-        let places: &[f64] = if machine.is_continuous(axis) { &[90.0, 180.0, 270.0] } else { &[volume.min, volume.max] };
+        let places: &[f64] =
+            if machine.is_continuous(axis) { &[90.0, 180.0, 270.0] } else { &[volume.min, volume.max] };
         for place in places.iter().filter(|q| (volume.min..=volume.max).contains(*q) && **q != home[axis]) {
             let mut pose = home.clone();
             pose[axis] = *place;
@@ -188,7 +189,11 @@ impl Lattice<'_> {
 
     fn position(&self, axis: usize, node: usize) -> f64 {
         let grid = self.given.machine.volume()[axis];
-        if node + 1 == self.count { grid.max } else { grid.min + (grid.max - grid.min) * node as f64 / (self.count - 1) as f64 }
+        if node + 1 == self.count {
+            grid.max
+        } else {
+            grid.min + (grid.max - grid.min) * node as f64 / (self.count - 1) as f64
+        }
     }
 
     /// The pose of a node; the first axis runs fastest.
@@ -209,7 +214,8 @@ impl Lattice<'_> {
     }
 
     fn sample(&self, station: &Pose, groups: &[Group]) -> Sampled {
-        let rows: Vec<_> = (0..self.len()).into_par_iter().map(|node| self.node(&self.pose(station, node), groups)).collect();
+        let rows: Vec<_> =
+            (0..self.len()).into_par_iter().map(|node| self.node(&self.pose(station, node), groups)).collect();
         let (nominal, nodes) = rows.into_iter().unzip();
         Sampled { nominal, nodes }
     }

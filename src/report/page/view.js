@@ -100,7 +100,7 @@ class FieldView {
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, width, height);
     const box = this.box();
-    this.frame = { width, height, middle: box.middle, scale: (0.95 * camera.zoom * Math.min(width, height * 1.15)) / box.size };
+    this.frame = { width, height, middle: box.middle, scale: (0.95 * camera.zoom * Math.min(width * 0.85, height * 1.15)) / box.size };
     this.ink = getComputedStyle(canvas);
     this.drawBox(pen);
     if (this.choice.colour) this.drawQuads(pen);

@@ -9,11 +9,11 @@ pub use sides::before_after;
 
 use super::scale::{round_step, tick_text, ticks};
 use super::svg::{Anchor, Font, INK, Picture, Svg, fitted, polygon, wrapped};
-use bands::Bands;
 use crate::analysis::{Plane, View};
 use crate::evaluate::{Frame, Order};
 use crate::machine::{Approach, Machine};
 use crate::units::significant;
+use bands::Bands;
 
 /// What the colours show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,8 +84,7 @@ impl PlanePicture<'_> {
         let bands = Bands::new(&scaled, self.shown);
         let scale = self.scale();
         let exaggeration = self.exaggeration(scale);
-        let notes: Vec<String> =
-            self.notes(&values, exaggeration).iter().flat_map(|note| wrapped(note, 106)).collect();
+        let notes: Vec<String> = self.notes(&values, exaggeration).iter().flat_map(|note| wrapped(note, 106)).collect();
         let area = self.area(scale);
         let below = TOP + area.1.max(BAR) + 66.0;
         let mut svg = Svg::new(WIDTH, below + 18.5 * notes.len() as f64 + 8.0);
@@ -196,7 +195,11 @@ impl PlanePicture<'_> {
             format!(", tool {}", self.machine.tool().name)
         };
         let first = if self.drawn == Drawn::Colours { "Colour" } else { "In all directions" };
-        let shared = if self.like.is_some_and(|like| !std::ptr::eq(like, self.plane)) { " Colours and factor are those of the first picture." } else { "" };
+        let shared = if self.like.is_some_and(|like| !std::ptr::eq(like, self.plane)) {
+            " Colours and factor are those of the first picture."
+        } else {
+            ""
+        };
         vec![
             format!("{first}: {colour}; {}.{shared}", self.largest(values)),
             "Sign: actual minus nominal position of the functional point, tool relative to workpiece.".to_owned(),
@@ -208,8 +211,12 @@ impl PlanePicture<'_> {
     fn drawn_note(&self, exaggeration: f64) -> String {
         let [right, times] = [self.axis(0).to_owned(), thousands(exaggeration)];
         match self.drawn {
-            Drawn::Colours => format!("Arrows: the part of d within the plane, {times} times as long as it is; to the right is too far in +{right}."),
-            Drawn::Grid => format!("Grey: nominal grid; blue: displaced by the part of d within the plane, {times} times as far as it is; to the right is too far in +{right}."),
+            Drawn::Colours => format!(
+                "Arrows: the part of d within the plane, {times} times as long as it is; to the right is too far in +{right}."
+            ),
+            Drawn::Grid => format!(
+                "Grey: nominal grid; blue: displaced by the part of d within the plane, {times} times as far as it is; to the right is too far in +{right}."
+            ),
         }
     }
 

@@ -7,7 +7,8 @@ use std::io::{self, Write};
 impl Rows<'_> {
     /// Writes JSON: a pose a line, so that it can be read by eye and by line.
     pub fn json(&self, out: &mut dyn Write) -> io::Result<()> {
-        let facts: Map<String, Value> = self.facts().into_iter().map(|(name, word)| (name.to_owned(), json!(word))).collect();
+        let facts: Map<String, Value> =
+            self.facts().into_iter().map(|(name, word)| (name.to_owned(), json!(word))).collect();
         let head = Value::Object(facts).to_string();
         write!(out, "{},\"poses\":[", head.trim_end_matches('}'))?;
         for index in 0..self.deviations.len() {

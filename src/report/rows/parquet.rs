@@ -51,7 +51,10 @@ impl Rows<'_> {
     }
 }
 
-fn columns<W: Write + Send>(group: &mut SerializedRowGroupWriter<'_, W>, rows: &[Vec<f64>]) -> Result<(), ParquetError> {
+fn columns<W: Write + Send>(
+    group: &mut SerializedRowGroupWriter<'_, W>,
+    rows: &[Vec<f64>],
+) -> Result<(), ParquetError> {
     let mut k = 0;
     while let Some(mut column) = group.next_column()? {
         let values: Vec<f64> = rows.iter().map(|row| row[k]).collect();
