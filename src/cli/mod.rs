@@ -9,6 +9,7 @@ mod check;
 mod classify;
 mod compare;
 mod compile;
+mod convert;
 mod effects;
 mod enumerate;
 mod equations;
@@ -20,6 +21,7 @@ mod identify;
 mod init;
 mod instrument;
 mod journal;
+mod kinematics;
 mod load;
 mod map;
 mod plan;
@@ -99,6 +101,8 @@ enum Verb {
     Equations(equations::Args),
     /// Which motion and which errors a 4x4 matrix over the dual numbers is.
     Classify(classify::Args),
+    /// The same machine under other conventions, proved by an equal map.
+    Convert(convert::Args),
     /// The error over a volume.
     Map(map::Args),
     /// Machines side by side on the same tool poses.
@@ -162,6 +166,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
     match verb {
         Verb::Eval(args) => eval::run(session, &args),
         Verb::Classify(args) => classify::run(session, &args),
+        Verb::Convert(args) => convert::run(session, &args),
         Verb::Equations(args) => equations::run(session, &args),
         Verb::Show(args) => show::run(session, &args),
         Verb::Map(args) => map::run(session, &args),

@@ -103,7 +103,7 @@ fn nominal<S: Algebra>(axis: &Axis, position: &Position<S>) -> Htm<S> {
 }
 
 /// The matrix of six errors: orthogonal or linearised.
-pub(super) fn error_motion<S: Algebra>(six: &[S; 6], joints: Joints) -> Htm<S> {
+pub fn error_motion<S: Algebra>(six: &[S; 6], joints: Joints) -> Htm<S> {
     let [dx, dy, dz, ex, ey, ez] = six.clone();
     let linear = match joints {
         Joints::Orthogonal => exp_hat(&[ex, ey, ez]),
@@ -118,7 +118,7 @@ pub(super) fn error_motion<S: Algebra>(six: &[S; 6], joints: Joints) -> Htm<S> {
 
 /// Inverse of an error matrix. Its determinant is 1 plus second-order terms: at the error sizes the
 /// machine language admits (0.1 rad) it cannot vanish.
-pub(super) fn invert_if<S: Algebra>(invert: bool, matrix: Htm<S>) -> Htm<S> {
+pub fn invert_if<S: Algebra>(invert: bool, matrix: Htm<S>) -> Htm<S> {
     if invert { matrix.inverse().unwrap_or(matrix) } else { matrix }
 }
 

@@ -98,6 +98,13 @@ impl Machine {
         Self { parts, tool: 0 }
     }
 
+    /// Its fields, the tool in use first: with [`super::written()`] the file of another machine.
+    pub fn to_parts(&self) -> MachineParts {
+        let mut parts = self.parts.clone();
+        parts.tools[..=self.tool].rotate_right(1);
+        parts
+    }
+
     /// Its name.
     pub fn name(&self) -> &str {
         &self.parts.name
