@@ -162,11 +162,6 @@ impl Svg {
         self.body.push(Piece::Text(Text { at, text: text.to_owned(), font, anchor, turned }));
     }
 
-    /// The whole file as text. `title` is what a screen reader says.
-    pub fn finish(self, title: &str) -> String {
-        self.picture(title).svg()
-    }
-
     /// The finished picture. `title` is what a screen reader says.
     pub fn picture(self, title: &str) -> Picture {
         Picture { drawing: self, title: title.to_owned() }

@@ -2,7 +2,7 @@
 //! complaint, shows the numbers of its data, and its controls, keys and `--watch` do what they say.
 //!
 //! Without Chromium every check is left out and named; with `ABBE_REQUIRE_BROWSER=1` (as in `tests/run`) that
-//! is a failure. Screenshots are kept in `target/screenshots/`.
+//! is a failure. Screenshots are kept in `target/debug/screenshots/`.
 
 // A test that panics is a test that fails: nothing to be careful about.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
