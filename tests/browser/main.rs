@@ -80,11 +80,32 @@ pub fn abbe() -> Command {
     command
 }
 
+/// Where screenshots and the five-axis page are kept: beside the program, under `target`.
+pub fn kept() -> PathBuf {
+    let folder = Path::new(env!("CARGO_BIN_EXE_abbe")).parent().unwrap().join("screenshots");
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// The page of a five-axis machine with two targets, written once.
+pub fn five_axes() -> PathBuf {
+    static PAGE: std::sync::OnceLock<PathBuf> = std::sync::OnceLock::new();
+    let write =
+        || report(&kept(), "five-axes.html", &["trunnion.yaml", "--target", "linuxcnc", "--target", "grid-csv"]);
+    PAGE.get_or_init(write).clone()
+}
+
 /// Writes a report with these arguments and returns where it is.
-pub fn report(folder: &Folder, name: &str, arguments: &[&str]) -> PathBuf {
-    let path = folder.0.join(name);
-    let output =
-        abbe().arg("report").args(arguments).arg("--out").arg(&path).args(["--poses", "300"]).output().unwrap();
+pub fn report(folder: &Path, name: &str, arguments: &[&str]) -> PathBuf {
+    let path = folder.join(name);
+    let output = abbe()
+        .arg("report")
+        .args(arguments)
+        .arg("--out")
+        .arg(&path)
+        .args(["--poses", "300", "--quiet"])
+        .output()
+        .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     path
 }

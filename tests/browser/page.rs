@@ -1,28 +1,28 @@
 //! The page as a file.
 
 use crate::driver::Browser;
-use crate::{Folder, report};
+use crate::{Folder, five_axes, report};
 use serde_json::Value;
-
-const FIVE_AXES: [&str; 5] = ["trunnion.yaml", "--target", "linuxcnc", "--target", "grid-csv"];
+use std::path::{Path, PathBuf};
 
 /// The picture of the first view, as text.
 const PICTURE: &str = "return document.querySelector('canvas').toDataURL();";
 
-fn opened(folder: &Folder, arguments: &[&str]) -> Browser {
-    let page = report(folder, "page.html", arguments);
+fn opened(page: &Path) -> Browser {
     let browser = Browser::new(1366, 900);
-    browser.open_file(&page);
+    browser.open_file(page);
     browser
 }
 
 pub fn loads() {
     let folder = Folder::new("loads");
-    for arguments in [&FIVE_AXES[..], &["vmc-cframe-754.yaml"], &["trunnion.yaml", "ht-b-c.yaml"], &["robots/ur5.yaml"]]
-    {
-        let browser = opened(&folder, arguments);
+    let of = |(i, arguments): (usize, &&[&str])| report(&folder.0, &format!("{i}.html"), arguments);
+    let others: [&[&str]; 3] = [&["vmc-cframe-754.yaml"], &["trunnion.yaml", "ht-b-c.yaml"], &["robots/ur5.yaml"]];
+    let pages: Vec<PathBuf> = others.iter().enumerate().map(of).chain([five_axes()]).collect();
+    for page in &pages {
+        let browser = opened(page);
         let complaints = browser.complaints();
-        assert!(complaints.is_empty(), "{arguments:?}: {complaints:?}");
+        assert!(complaints.is_empty(), "{page:?}: {complaints:?}");
         let strangers: Vec<String> = browser
             .requests()
             .into_iter()
@@ -30,19 +30,20 @@ pub fn loads() {
             .collect();
         assert!(strangers.is_empty(), "{strangers:?}");
         let drawn = browser.run("return views.length > 0 && views.every((view) => view.canvas.width > 100 && new Set(view.canvas.getContext('2d').getImageData(0, 0, view.canvas.width, view.canvas.height).data).size > 20);");
-        assert_eq!(drawn, true, "{arguments:?}: an empty picture");
+        assert_eq!(drawn, true, "{page:?}: an empty picture");
         // The policy holds: what a script would fetch is refused.
         let fetched = browser.run("return fetch('http://127.0.0.1:1/').then(() => 'reached', () => 'refused');");
         assert_eq!(fetched, "refused");
         assert!(browser.complaints().iter().any(|(_, text)| text.contains("Content Security Policy")));
     }
-    let size = std::fs::metadata(report(&folder, "five.html", &FIVE_AXES)).unwrap().len();
+    let size = std::fs::metadata(five_axes()).unwrap().len();
     assert!(size < 6_000_000, "{size} bytes");
 }
 
 pub fn numbers() {
     let folder = Folder::new("numbers");
-    let browser = opened(&folder, &["trunnion.yaml", "ht-b-c.yaml", "--target", "grid-csv"]);
+    let browser =
+        opened(&report(&folder.0, "page.html", &["trunnion.yaml", "vmc-cframe-754.yaml", "--target", "linuxcnc"]));
     let data: Value =
         serde_json::from_str(browser.run("return document.getElementById('data').textContent;").as_str().unwrap())
             .unwrap();
@@ -78,8 +79,7 @@ fn set(name: &str, value: &str) -> String {
 }
 
 pub fn controls() {
-    let folder = Folder::new("controls");
-    let browser = opened(&folder, &FIVE_AXES);
+    let browser = opened(&five_axes());
     let picture = || browser.run(PICTURE);
     let first = picture();
     for (name, value) in [
@@ -127,8 +127,7 @@ const TAB: &str = "\u{e004}";
 const RIGHT: &str = "\u{e014}";
 
 pub fn keyboard() {
-    let folder = Folder::new("keyboard");
-    let browser = opened(&folder, &["trunnion.yaml"]);
+    let browser = opened(&five_axes());
     let mut reached = false;
     for _ in 0..40 {
         browser.press(&[TAB]);
@@ -155,8 +154,7 @@ pub fn keyboard() {
 }
 
 pub fn names() {
-    let folder = Folder::new("names");
-    let browser = opened(&folder, &FIVE_AXES);
+    let browser = opened(&five_axes());
     let nameless = browser.run(
         "const named = (e) => (e.labels && [...e.labels].some((l) => l.textContent.trim())) || e.getAttribute('aria-label') || e.textContent.trim(); \
          return [...document.querySelectorAll('input, select, button, canvas, a, form')].filter((e) => !named(e)).map((e) => e.outerHTML.slice(0, 80)) \
@@ -177,7 +175,7 @@ pub fn hostile() {
     );
     let file = folder.0.join("hostile.yaml");
     std::fs::write(&file, machine).unwrap();
-    let browser = opened(&folder, &[file.to_str().unwrap()]);
+    let browser = opened(&report(&folder.0, "page.html", &[file.to_str().unwrap()]));
     assert!(browser.complaints().is_empty());
     assert_ne!(browser.run("return document.title;"), "taken");
     assert_eq!(browser.run("return document.querySelector('h1').textContent;"), name);

@@ -1,16 +1,9 @@
 //! Screenshots, for people to look at.
 
 use crate::driver::Browser;
-use crate::{Folder, report};
+use crate::{Folder, five_axes, kept, report};
 use serde_json::json;
-use std::path::{Path, PathBuf};
 use std::process::Command;
-
-fn kept() -> PathBuf {
-    let folder = Path::new(env!("CARGO_BIN_EXE_abbe")).ancestors().nth(2).unwrap().join("screenshots");
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
 
 /// Colour of the page's ground.
 fn ground(browser: &Browser) -> String {
@@ -26,8 +19,8 @@ fn scheme(browser: &Browser, value: &str) {
 
 pub fn screenshots() {
     let folder = Folder::new("pictures");
-    let page = report(&folder, "five.html", &["trunnion.yaml", "--target", "linuxcnc", "--target", "grid-csv"]);
-    let both = report(&folder, "both.html", &["trunnion.yaml", "ht-b-c.yaml"]);
+    let page = five_axes();
+    let both = report(&folder.0, "both.html", &["trunnion.yaml", "ht-b-c.yaml"]);
     let kept = kept();
     let mut shots = Vec::new();
     for (name, width, height, colours, file) in [

@@ -75,6 +75,8 @@ pub struct MachineData {
     locations: Vec<Value>,
     statistics: Value,
     worst: Vec<Value>,
+    /// The first so many poses are those of `sources`.
+    source_poses: usize,
     sources: Vec<Value>,
     diagonals: Vec<Value>,
     certificates: Vec<Value>,
@@ -83,6 +85,9 @@ pub struct MachineData {
 
 /// How many of the worst poses are named.
 const WORST: usize = 5;
+
+/// Poses for what each error does alone, at most: all errors at all poses are held at once.
+const SOURCE_POSES: usize = 10_000;
 
 /// Intervals of a body diagonal.
 const DIAGONAL_STEPS: usize = 20;
@@ -95,6 +100,8 @@ impl MachineData {
         let poses = given.sample();
         let bad = worst(&map.deviations, WORST);
         let worst_pose = bad.first().map_or_else(|| rest(machine), |i| poses.get(*i));
+        let few = (given.poses.0.min(SOURCE_POSES), given.poses.1);
+        let few_poses = Given { poses: few, ..*given }.sample();
         let named = |i: &usize| {
             let d = &map.deviations[*i];
             json!({"axes": positions(machine, &poses.get(*i)), "deviation_um": scaled(d.position, 1e3),
@@ -119,7 +126,8 @@ impl MachineData {
             statistics: json!({"position_um": map.statistics.position_um, "rotation_urad": map.statistics.rotation_urad,
                 "rotation_arcsec": arcsec(&map.statistics.rotation_urad)}),
             worst: bad.iter().map(named).collect(),
-            sources: sources(&bare, &poses, &worst_pose, given.approach).iter().map(source).collect(),
+            source_poses: few.0,
+            sources: sources(&bare, &few_poses, &worst_pose, given.approach).iter().map(source).collect(),
             diagonals: diagonals(&bare, given.approach),
             certificates: given.written.iter().map(|written| certificate(machine, written)).collect(),
             field: FieldData::new(given),
