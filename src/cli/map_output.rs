@@ -42,9 +42,7 @@ impl Outputs {
         let json = self.json.as_ref().map(|path| write_streamed(path, |out| rows.json(out)));
         let parquet = self.parquet.as_ref().map(|path| write_streamed(path, |out| rows.parquet(out)));
         let vtk = self.vtk.as_ref().map(|path| write_streamed(path, |out| rows.vtk(out)));
-        for failure in [csv, json, parquet, vtk].into_iter().flatten().filter_map(Result::err) {
-            return session.refuse(failure);
-        }
-        Ok(())
+        let failure = [csv, json, parquet, vtk].into_iter().flatten().find_map(Result::err);
+        failure.map_or(Ok(()), |diagnostic| session.refuse(diagnostic))
     }
 }

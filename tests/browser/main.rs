@@ -5,7 +5,7 @@
 //! is a failure. Screenshots are kept in `target/debug/screenshots/`.
 
 // A test that panics is a test that fails: nothing to be careful about.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod driver;
 mod page;
