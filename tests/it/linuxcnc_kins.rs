@@ -324,6 +324,24 @@ fn a_name_cannot_break_out_of_the_text() {
     }
 }
 
+/// What is no pose is refused, and the controller stops with a message; the next pose is taken again.
+#[test]
+fn absurd_poses_are_failures() {
+    let folder = Folder::new();
+    let (_, out) = set(&folder);
+    let module = Module::build(&out);
+    let at = |x: f64| Ask {
+        share: 1.0,
+        orientation: true,
+        tool: [0.0, 0.0, 100.0],
+        world: [x, 0., 0., 0., 0., 0., 0., 0., 0.],
+    };
+    let far_tool = Ask { tool: [f64::NAN, 0.0, 0.0], ..at(0.0) };
+    let answers = module.answers(&[at(1.0), at(f64::NAN), at(f64::INFINITY), at(-1e12), far_tool, at(1.0)]);
+    assert_eq!(answers.iter().map(|answer| answer.failures).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 4]);
+    assert_eq!(answers[0].joints, answers[5].joints);
+}
+
 /// A compiled three-axis set.
 fn set(folder: &Folder) -> (PathBuf, PathBuf) {
     let (machine, out) = (config("vmc-cframe-754.yaml"), folder.path("out"));
