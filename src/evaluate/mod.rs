@@ -5,6 +5,7 @@
 
 mod deviation;
 mod field;
+pub mod plan;
 mod poses;
 mod statistics;
 
@@ -13,5 +14,6 @@ pub use deviation::{
     response, rotation,
 };
 pub use field::{Bare, Field, commanded_deviation, error_by_error, tool_axis_tilt};
+pub use plan::{Batch, Columns, Normal, Output, Plan, PoseColumns, Unknown, Width};
 pub use poses::{Nodes, Poses, Random, random_poses};
-pub use statistics::{Difference, Statistics, Summary, worst};
+pub use statistics::{Difference, Statistics, Summary, quantile_95, worst};
