@@ -186,8 +186,8 @@ fn poses(sample: &Sample, random: &mut Random, count: usize) -> Vec<Pose> {
         let position = |i: usize| {
             let [low, high] = sample.axes[i].travel.unwrap_or([-500.0, 800.0]);
             let (middle, half) = (0.5 * (low + high), 0.45 * (high - low));
-            let near = if k % 10 == 0 { 1e-9 } else { 1.0 };
-            let small = sample.rigid.walk[i].rotary && k % 5 == 0 && low < -1.0 && high > 1.0;
+            let near = if k.is_multiple_of(10) { 1e-9 } else { 1.0 };
+            let small = sample.rigid.walk[i].rotary && k.is_multiple_of(5) && low < -1.0 && high > 1.0;
             if small { random.around(near) } else { middle + random.around(half) }
         };
         (0..sample.axes.len()).map(position).collect()
