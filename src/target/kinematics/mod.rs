@@ -2,7 +2,7 @@
 //! the programmed pose to the joints itself.
 //!
 //! 1. [`Carried::of`] takes from the machine what such a module can carry, as plain numbers;
-//! 2. [`Target::render_kinematics`] writes the files, [`Target::read_kinematics`] reads the numbers back;
+//! 2. [`render_kinematics`](super::Target::render_kinematics) writes the files, [`read_kinematics`](super::Target::read_kinematics) reads the numbers back;
 //! 3. [`Driven`] does what the module does with them, in own arithmetic: nothing here uses the lowering
 //!    of the machine, and only numbers that were read from the files count;
 //! 4. [`certify_kinematics`] says what is left.
