@@ -107,9 +107,9 @@ enum Verb {
     Map(map::Args),
     /// Machines side by side on the same tool poses.
     Compare(compare::Args),
-    /// Tolerances to the volumetric error: worst case, RSS, drawn machines, and what to tighten first.
+    /// Tolerances to the volumetric error, and which of them to tighten first.
     Budget(budget::Args),
-    /// All arrangements of the axes on the two sides of the bed, ranked on the same work.
+    /// All arrangements of the axes, ranked on the same work.
     Enumerate(enumerate::Args),
     /// What a ball bar, an R-test or a laser along the diagonals would read.
     Instrument(instrument::Args),
