@@ -64,8 +64,11 @@ impl Basis {
             row
         };
         let packed = ideal.degree == 2 && monomials.len() == packed_length(generators);
-        let table =
-            if packed { Table::Quadratic(usize::from(generators)) } else { Table::new(monomials.iter().map(row)) };
+        let table = if packed {
+            Table::Quadratic(usize::from(generators))
+        } else {
+            Table::new(monomials.iter().map(row), generators)
+        };
         Self { generators, ideal, monomials, index, table }
     }
 
@@ -94,13 +97,18 @@ impl Basis {
         self.monomials.last().map_or(0, Monomial::degree)
     }
 
+    #[cfg(test)]
+    pub(super) fn table(&self) -> &Table {
+        &self.table
+    }
+
     /// Multiplications in one product.
     pub fn products(&self) -> usize {
         self.table.products()
     }
 
-    /// The product of two lists of coefficients, all three as long as [`Self::monomials`]. Each sum runs by rising
-    /// index of the left factor, as in the dedicated dual numbers: over one generator the two agree to the last bit.
+    /// The product of two lists of coefficients, all three as long as [`Self::monomials`]. With one generator each sum
+    /// runs by rising index of the left factor: it agrees with the dedicated dual numbers to the last bit.
     pub fn multiply(&self, a: &[f64], b: &[f64], out: &mut [f64]) {
         self.table.multiply(a, b, out);
     }
