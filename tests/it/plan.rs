@@ -155,7 +155,7 @@ fn what_no_kernel_covers_goes_through_the_general_algebra() {
         agree(&machine, &poses, Order::Exact, ROUNDING);
     }
     // Rotations of some tenths of a radian: beyond the series.
-    let (machine, poses) = random_machine(&mut random, Conventions::default(), 0.1);
+    let (machine, poses) = random_machine(&mut random, Conventions::default(), 0.08);
     agree(&machine, &poses, Order::Exact, ROUNDING);
 }
 

@@ -83,14 +83,17 @@ impl Kernel for Sensitivities<'_, '_> {
             self.step::<V>(at);
             at += V::COUNT;
         }
-        while at < self.count {
-            self.step::<f64>(at);
-            at += 1;
-        }
+        self.rest(at);
     }
 }
 
 impl Sensitivities<'_, '_> {
+    /// What is less than a vector.
+    #[inline(never)]
+    fn rest(&mut self, from: usize) {
+        (from..self.count).for_each(|at| self.step::<f64>(at));
+    }
+
     #[inline(always)]
     fn step<V: Lanes>(&mut self, at: usize) {
         let frames = self.frames::<V>(at);
