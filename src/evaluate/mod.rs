@@ -14,6 +14,6 @@ pub use deviation::{
     response, rotation,
 };
 pub use field::{Bare, Field, commanded_deviation, error_by_error, tool_axis_tilt};
-pub use plan::{Batch, Columns, Normal, Output, Plan, PoseColumns, Unknown, Width};
+pub use plan::{Batch, Columns, GridPlan, Normal, Output, Plan, PoseColumns, Unknown, Width};
 pub use poses::{Nodes, Poses, Random, random_poses};
 pub use statistics::{Difference, Statistics, Summary, worst};

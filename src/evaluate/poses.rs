@@ -80,6 +80,12 @@ impl Nodes {
         false
     }
 
+    /// Positions of the nodes of every axis.
+    pub fn positions(&self) -> Vec<Vec<f64>> {
+        let of = |(grid, count): &(Grid, usize)| (0..*count).map(|node| position(grid, *count, node)).collect();
+        self.axes.iter().map(of).collect()
+    }
+
     /// The node with this index (mm, deg); the last axis runs fastest.
     pub fn get(&self, index: usize) -> Pose {
         let mut rest = index;
