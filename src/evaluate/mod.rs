@@ -16,4 +16,4 @@ pub use deviation::{
 pub use field::{Bare, Field, commanded_deviation, error_by_error, tool_axis_tilt};
 pub use plan::{Batch, Columns, GridPlan, Normal, Output, Plan, PoseColumns, Unknown, Width};
 pub use poses::{Nodes, Poses, Random, random_poses};
-pub use statistics::{Difference, Statistics, Summary, worst};
+pub use statistics::{Difference, Statistics, Summary, quantile_95, worst};
