@@ -86,7 +86,10 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.tool.as_deref())?;
     let draws = u64::from(args.poses) * u64::from(args.samples);
     if draws > MOST_DRAWS {
-        let message = format!("{} poses and {} samples are {draws} drawn poses; {MOST_DRAWS} are kept at most", args.poses, args.samples);
+        let message = format!(
+            "{} poses and {} samples are {draws} drawn poses; {MOST_DRAWS} are kept at most",
+            args.poses, args.samples
+        );
         return session.refuse(Diagnostic::new("E0606", message).help("take fewer `--poses` or `--samples`"));
     }
     let rules = rules(session, args, &machine)?;
