@@ -6,8 +6,9 @@
 
 mod naive;
 
+use abbe::analysis::{SurveyTask, View, survey};
 use abbe::diagnostic::Diagnostics;
-use abbe::evaluate::{Batch, Columns, Order, Plan, Width};
+use abbe::evaluate::{Batch, Columns, Nodes, Order, Plan, Planned, Poses, Width};
 use abbe::machine::{Approach, Machine};
 use abbe::syntax::{Files, ReadFailure};
 use std::io::{BufRead, Write};
@@ -69,6 +70,27 @@ impl Bench {
                     "1" => clock(len, &mut once(|| plan.deviations(&batch, out))),
                     _ => clock(len, &mut once(|| plan.deviations_parallel(&batch, out))),
                 })
+            }
+            ["grid", width, threads] => {
+                let plan = plan(&self.machine, "1", width);
+                let grid = plan.grid(&Nodes::of(&self.machine)).unwrap();
+                let nodes = len.min(grid.lines().saturating_mul(grid.line())) / grid.line() * grid.line();
+                let first = grid.lines() / 3;
+                let first = first.min(grid.lines() - nodes / grid.line());
+                let out = self.out.output(nodes);
+                Some(match threads {
+                    "1" => clock(nodes, &mut once(|| grid.fill(first, out))),
+                    _ => clock(nodes, &mut once(|| grid.fill_parallel(first, out))),
+                })
+            }
+            ["survey", order, threads] => {
+                let order = order.parse().map_or(Order::Exact, Order::Degree);
+                let field = Planned::new(&self.machine, order);
+                let poses = Poses::Nodes(Nodes::of(&self.machine));
+                let view = View::default();
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.parse().ok()?).build().unwrap();
+                let task = SurveyTask { field: &field, poses: &poses, view, worst: 5 };
+                Some(clock(poses.len(), &mut || drop(pool.install(|| survey(task, &|_| ())))))
             }
             ["general", order] => {
                 let plan = plan(&self.machine, order, "widest");

@@ -6,7 +6,7 @@
 //! `eps x p + (delta - eps x o)`: the bracket is folded into the tables, and so are location errors.
 
 use super::batch::{Slices, Task};
-use super::curves::{Curves, Six};
+use super::curves::{Curves, Six, splat_six};
 use super::lanes::Lanes;
 use super::links::{Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, slid, splat, times};
 use super::trigonometry::sin_cos;
@@ -81,7 +81,7 @@ impl FirstOrder {
                 *last = std::mem::take(last).plus(&before.take().unwrap_or_default());
             }
             joints.push(Joint {
-                turns: link.turns(),
+                turns: link.turns,
                 motion: link.motion,
                 origin: link.origin,
                 curves: (!curves.is_zero()).then_some(curves),
@@ -102,7 +102,7 @@ impl FirstOrder {
         let rotation = [V::splat(0.0); 3];
         let mut state = State { point: splat(&self.tip), displacement: splat(&self.tool), rotation };
         if let Some(constant) = &self.end {
-            state.add(constant.map(V::splat));
+            state.add(splat_six(constant));
         }
         state
     }
@@ -116,7 +116,10 @@ impl Task for FirstOrder {
         for (axis, joint) in self.joints.iter().enumerate().rev() {
             let q = V::load(&poses.axes[axis][at..]);
             let turn = if joint.turns { sin_cos(q) } else { (zero, zero) };
-            let errors = joint.curves.as_ref().map(|curves| curves.at(q, turn));
+            let errors = match &joint.curves {
+                Some(curves) => Some(curves.at(q, turn)),
+                None => None,
+            };
             state.pass(joint, q, turn, errors);
         }
         (state.displacement, state.rotation, zero)
@@ -156,7 +159,7 @@ impl<V: Lanes> State<V> {
             self.add(six);
         }
         if let Some(constant) = &joint.constant {
-            self.add(constant.map(V::splat));
+            self.add(splat_six(constant));
         }
     }
 

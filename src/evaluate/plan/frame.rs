@@ -30,8 +30,9 @@ impl Kernel for Turned<'_, '_> {
 impl Turned<'_, '_> {
     #[inline(always)]
     fn step<V: Lanes>(&mut self, at: usize) {
-        let mut d: [V; 3] = self.out.position.each_ref().map(|column| V::load(&column[at..]));
-        let mut w: [V; 3] = self.out.rotation.each_ref().map(|column| V::load(&column[at..]));
+        let (p, r) = (&self.out.position, &self.out.rotation);
+        let mut d = [V::load(&p[0][at..]), V::load(&p[1][at..]), V::load(&p[2][at..])];
+        let mut w = [V::load(&r[0][at..]), V::load(&r[1][at..]), V::load(&r[2][at..])];
         for (axis, about) in self.joints {
             let (s, c) = sin_cos(V::load(&self.poses.axes[*axis][at..]));
             let back = (V::splat(0.0) - s, c);

@@ -16,7 +16,7 @@ use super::batch::Output;
 use super::curves::Six;
 use super::first::{FirstOrder, Joint};
 use super::lanes::{Kernel, Lanes, MOST};
-use super::links::{Motion, cross, minus, plus, times};
+use super::links::{Motion, cross, minus, plus, splat, times};
 use super::trigonometry::sin_cos;
 use crate::evaluate::Nodes;
 use rayon::prelude::*;
@@ -234,6 +234,17 @@ impl Kernel for Lines<'_, '_> {
     }
 }
 
+/// Three columns at a node.
+#[inline(always)]
+fn load<V: Lanes>(columns: &[Vec<f64>; 3], at: usize) -> [V; 3] {
+    [V::load(&columns[0][at..]), V::load(&columns[1][at..]), V::load(&columns[2][at..])]
+}
+
+#[inline(always)]
+fn splat_columns<V: Lanes>([a, b, c]: &[Vector3; 3]) -> [[V; 3]; 3] {
+    [splat(a), splat(b), splat(c)]
+}
+
 /// The next line; which is the outermost axis that moved.
 fn advance(nodes: &mut [usize], outer: &[AxisNodes]) -> usize {
     for k in (0..outer.len()).rev() {
@@ -252,11 +263,13 @@ impl Lines<'_, '_> {
     fn write<V: Lanes>(&mut self, base: usize, i: usize, d: [V; 3], w: [V; 3]) {
         let at = base + i;
         let room = self.out.position[0].len() - at;
-        for (column, value) in self.out.position.iter_mut().chain(&mut self.out.rotation).zip(d.into_iter().chain(w)) {
+        for k in 0..3 {
             if V::COUNT <= room {
-                value.store(&mut column[at..]);
+                d[k].store(&mut self.out.position[k][at..]);
+                w[k].store(&mut self.out.rotation[k][at..]);
             } else {
-                column[at..].copy_from_slice(&value.spread()[..room]);
+                self.out.position[k][at..].copy_from_slice(&d[k].spread()[..room]);
+                self.out.rotation[k][at..].copy_from_slice(&w[k].spread()[..room]);
             }
         }
     }
@@ -265,15 +278,15 @@ impl Lines<'_, '_> {
     #[inline(always)]
     fn straight<V: Lanes>(&mut self, line: usize, level: &Level, direction: &Vector3, start: &Vector3) {
         let inner = &self.grid.inner;
-        let slope = cross(level.turn, level.turned(*direction)).map(V::splat);
-        let base = plus(level.shift, cross(level.turn, plus(level.turned(*start), level.place))).map(V::splat);
-        let turn = level.turn.map(V::splat);
-        let columns = level.columns.map(|column| column.map(V::splat));
+        let slope = splat::<V>(&cross(level.turn, level.turned(*direction)));
+        let base = splat::<V>(&plus(level.shift, cross(level.turn, plus(level.turned(*start), level.place))));
+        let turn = splat::<V>(&level.turn);
+        let columns = splat_columns::<V>(&level.columns);
         let mut i = 0;
         while i < inner.count {
             let q = V::load(&inner.position[i..]);
-            let d: [V; 3] = std::array::from_fn(|k| V::load(&inner.displacement[k][i..]));
-            let w: [V; 3] = std::array::from_fn(|k| V::load(&inner.rotation[k][i..]));
+            let d = load::<V>(&inner.displacement, i);
+            let w = load::<V>(&inner.rotation, i);
             let mut moved = [q; 3];
             let mut turned = [q; 3];
             for k in 0..3 {
@@ -290,15 +303,16 @@ impl Lines<'_, '_> {
     #[inline(always)]
     fn round<V: Lanes>(&mut self, line: usize, level: &Level) {
         let inner = &self.grid.inner;
-        let base = plus(level.shift, cross(level.turn, level.place)).map(V::splat);
-        let turn = level.turn.map(V::splat);
-        let columns = level.columns.map(|column| column.map(V::splat));
-        let levers = level.columns.map(|column| cross(level.turn, column).map(V::splat));
+        let base = splat::<V>(&plus(level.shift, cross(level.turn, level.place)));
+        let turn = splat::<V>(&level.turn);
+        let columns = splat_columns::<V>(&level.columns);
+        let [a, b, c] = level.columns;
+        let levers = splat_columns::<V>(&[cross(level.turn, a), cross(level.turn, b), cross(level.turn, c)]);
         let mut i = 0;
         while i < inner.count {
-            let p: [V; 3] = std::array::from_fn(|k| V::load(&inner.point[k][i..]));
-            let d: [V; 3] = std::array::from_fn(|k| V::load(&inner.displacement[k][i..]));
-            let w: [V; 3] = std::array::from_fn(|k| V::load(&inner.rotation[k][i..]));
+            let p = load::<V>(&inner.point, i);
+            let d = load::<V>(&inner.displacement, i);
+            let w = load::<V>(&inner.rotation, i);
             let (mut moved, mut turned) = (p, p);
             for k in 0..3 {
                 let sum = columns[0][k] * d[0] + columns[1][k] * d[1] + columns[2][k] * d[2];

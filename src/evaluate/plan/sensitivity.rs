@@ -121,7 +121,12 @@ impl Sensitivities<'_, '_> {
                 Motion::Slide(u) => (columns, plus(place, times(combined(&columns, splat(u)), q))),
                 Motion::Turn(about) => {
                     let turn = sin_cos(q);
-                    let turned = unit.map(|e| combined(&columns, about.turned(turn, e)));
+                    let [a, b, c] = unit;
+                    let turned = [
+                        combined(&columns, about.turned(turn, a)),
+                        combined(&columns, about.turned(turn, b)),
+                        combined(&columns, about.turned(turn, c)),
+                    ];
                     let o = splat(&link.origin);
                     let moved = minus(o, about.turned(turn, o));
                     (turned, plus(place, combined(&columns, moved)))
