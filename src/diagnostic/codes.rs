@@ -83,6 +83,7 @@ pub const CODES: &[CodeInfo] = &[
     code!("E0527", "a tolerance that would have to be split"),
     code!("E0528", "conventions are not understood"),
     code!("E0529", "the converted machine is refused"),
+    code!("E0541", "a table too long to be printed"),
     code!("W0501", "a fit has not settled"),
     code!("W0502", "the fit does not explain the data"),
     code!("E0601", "no letter for an axis"),
