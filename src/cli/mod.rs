@@ -27,6 +27,7 @@ mod map;
 mod plan;
 mod poses;
 mod progress;
+mod ranking;
 mod session;
 mod show;
 mod targets;
