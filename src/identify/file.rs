@@ -3,7 +3,7 @@
 use super::parameter::{Basis, Parameter};
 use crate::lower::{Place, Source};
 use crate::machine::{
-    Axis, AxisKind, Branch, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine, Sense, Travel,
+    Approach, Axis, AxisKind, Branch, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine, Sense, Travel,
 };
 use std::collections::BTreeMap;
 
@@ -99,7 +99,19 @@ fn volume(machine: &Machine) -> String {
 /// The fitted curves, source by source.
 struct Fitted<'a> {
     machine: &'a Machine,
-    curves: BTreeMap<(u8, usize, usize), Curve>,
+    curves: BTreeMap<(u8, usize, usize), Directed>,
+}
+
+/// Curves of mean, forward and reverse approach, as far as they were fitted.
+type Directed = [Option<Curve>; 3];
+
+/// Where an approach stands in [`Directed`].
+fn way(approach: Approach) -> usize {
+    match approach {
+        Approach::Mean => 0,
+        Approach::Forward => 1,
+        Approach::Reverse => 2,
+    }
 }
 
 /// A sortable key: set-up of tool and workpiece, location and component errors by joint and direction.
@@ -115,13 +127,12 @@ fn key(source: Source) -> (u8, usize, usize) {
 
 impl<'a> Fitted<'a> {
     fn new(machine: &'a Machine, parameters: &[Parameter], theta: &[f64]) -> Self {
-        let mut curves: BTreeMap<(u8, usize, usize), Curve> = BTreeMap::new();
+        let mut curves: BTreeMap<(u8, usize, usize), Directed> = BTreeMap::new();
         for (parameter, value) in parameters.iter().zip(theta) {
             for term in &parameter.terms {
                 let amount = value * term.factor;
-                let key = key(term.source);
-                let sum = join(curves.remove(&key), &term.basis, amount);
-                curves.insert(key, sum);
+                let sum = &mut curves.entry(key(term.source)).or_default()[way(term.approach)];
+                *sum = Some(join(sum.take(), &term.basis, amount));
             }
         }
         Self { machine, curves }
@@ -129,7 +140,7 @@ impl<'a> Fitted<'a> {
 
     /// The fitted constant of a source, if it was fitted.
     fn constant(&self, source: Source) -> Option<f64> {
-        self.curves.get(&key(source)).map(|curve| curve.value(0.0))
+        self.curves.get(&key(source)).and_then(|[mean, ..]| mean.as_ref()).map(|curve| curve.value(0.0))
     }
 
     fn setup(&self) -> String {
@@ -153,11 +164,13 @@ impl<'a> Fitted<'a> {
             for (location, direction) in [true, false].into_iter().flat_map(|l| Direction::ALL.map(|d| (l, d))) {
                 let id = ErrorId { axis: name.clone(), location, direction };
                 let place = if location { Place::Location(joint) } else { Place::Component(joint) };
-                let fitted = self.curves.get(&key(Source { place, direction }));
+                let source = Source { place, direction };
+                let fitted = self.curves.get(&key(source));
+                let constant = if location { self.constant(source) } else { None };
                 let written = match (fitted, known.get(&id)) {
-                    (Some(fitted), None) if location && fitted.value(0.0) == 0.0 => None,
-                    (Some(fitted), _) if location => Some(amount(fitted.value(0.0), direction)),
-                    (Some(fitted), _) => Some(self.curve(fitted, joint, direction)),
+                    (Some(_), None) if constant == Some(0.0) => None,
+                    (Some(_), _) if location => Some(amount(constant.unwrap_or(0.0), direction)),
+                    (Some(fitted), term) => Some(self.fitted(fitted, term.copied(), joint, direction)),
                     (None, Some(term)) => Some(self.term(term, joint, direction)),
                     (None, None) => None,
                 };
@@ -165,6 +178,29 @@ impl<'a> Fitted<'a> {
             }
         }
         if lines.is_empty() { lines } else { format!("errors:\n{lines}") }
+    }
+
+    /// A fitted component error. A direction that was not fitted keeps what the file says.
+    fn fitted(&self, curves: &Directed, known: Option<&ErrorTerm>, joint: usize, direction: Direction) -> String {
+        let kept = match known {
+            Some(ErrorTerm::Component(ComponentError::Single(curve))) => [Some(curve), Some(curve)],
+            Some(ErrorTerm::Component(ComponentError::Bidirectional { forward, reverse })) => {
+                [Some(forward), Some(reverse)]
+            }
+            _ => [None, None],
+        };
+        let text = |curve: Option<&Curve>| {
+            let none = Curve::Polynomial(vec![0.0]);
+            self.curve(curve.unwrap_or(&none), joint, direction)
+        };
+        let [mean, forward, reverse] = curves;
+        match mean {
+            Some(mean) => text(Some(mean)),
+            None => {
+                let [forward, reverse] = [text(forward.as_ref().or(kept[0])), text(reverse.as_ref().or(kept[1]))];
+                format!("{{ forward: {forward}, reverse: {reverse} }}")
+            }
+        }
     }
 
     fn term(&self, term: &ErrorTerm, joint: usize, direction: Direction) -> String {
@@ -236,7 +272,9 @@ fn spline(known: Option<Curve>, one: &Curve, amount: f64) -> Curve {
     let before = known.as_ref().and_then(Curve::knots);
     let value = |i: usize| before.map_or(0.0, |k| k.values()[i]) + amount * knots.values()[i];
     let points: Vec<(f64, f64)> = knots.positions().iter().enumerate().map(|(i, q)| (*q, value(i))).collect();
-    crate::machine::Knots::new(&points, knots.period()).map_or_else(|_| one.clone(), Curve::cubic)
+    let smooth = matches!(one, Curve::Cubic(..));
+    let through = |knots| if smooth { Curve::cubic(knots) } else { Curve::Linear(knots) };
+    crate::machine::Knots::new(&points, knots.period()).map_or_else(|_| one.clone(), through)
 }
 
 /// A value with its unit.

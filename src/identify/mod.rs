@@ -11,21 +11,29 @@
 //! [`plan()`] goes before all of them: which poses to measure, and what they will tell.
 
 mod checks;
+mod columns;
+mod curves;
 mod file;
 mod fit;
+pub mod import;
 mod measurement;
 mod model;
 mod parameter;
 mod plan;
+mod randomness;
+mod reader;
 mod request;
 mod solution;
+mod station;
 
 pub use checks::{Outlier, Residuals, held_out, repeatability};
 pub use file::fitted_file;
 pub use fit::{Fit, fit, robust_fit};
-pub use measurement::{Measurement, read_measurements};
+pub use measurement::{Data, End, Kind, Measurement, Reading};
 pub use model::Model;
-pub use parameter::{Basis, Parameter, Term};
+pub use parameter::{Basis, Parameter, SlopeBound, Term};
 pub use plan::{Plan, plan};
-pub use request::parameters;
+pub use randomness::{Randomness, randomness};
+pub use reader::read_measurements;
+pub use request::{parameters, slope_bounds};
 pub use solution::{Estimate, Solution};

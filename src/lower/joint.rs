@@ -93,7 +93,7 @@ pub fn joint<S: Algebra>(
 }
 
 /// N(q): translation along, or rotation about, the axis direction.
-fn nominal<S: Algebra>(axis: &Axis, position: &Position<S>) -> Htm<S> {
+pub(super) fn nominal<S: Algebra>(axis: &Axis, position: &Position<S>) -> Htm<S> {
     match position.sensed(axis) {
         Position::Linear(way) => Htm::translation(Vector3::from(axis.direction).map(|u| way.scaled(u))),
         Position::Rotary(sine, cosine) => {
@@ -138,7 +138,7 @@ fn with_error<S: Algebra>(axis: &Axis, conventions: &Conventions, motion: Htm<S>
 }
 
 /// Is the product E M rather than M E? Both sides of the bed are mirror images.
-fn error_outside(axis: &Axis, conventions: &Conventions) -> bool {
+pub(super) fn error_outside(axis: &Axis, conventions: &Conventions) -> bool {
     let on_guide = match axis.kind {
         AxisKind::Linear => conventions.linear == LinearOrder::Before,
         AxisKind::Rotary => conventions.rotary == RotaryOrder::Stationary,
