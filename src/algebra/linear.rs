@@ -5,13 +5,14 @@
 //! an exception. nalgebra's singular vectors are wrong there (nalgebra#1172): only its QR is used.
 
 mod gram;
+mod householder;
 
 pub use gram::Gram;
 
 use nalgebra::{DMatrix, DVector};
 
 /// Rows that are collected before they are folded into the triangle.
-const BLOCK: usize = 512;
+const BLOCK: usize = 1536;
 
 /// Sweeps of Jacobi rotations; quadratic convergence needs about ten.
 const SWEEPS: usize = 60;
@@ -71,7 +72,7 @@ impl Triangle {
         stacked.rows_mut(0, kept).copy_from(&self.folded);
         stacked.rows_mut(kept, fresh).copy_from(&DMatrix::from_row_slice(fresh, width, &self.buffer));
         self.buffer.clear();
-        self.folded = stacked.qr().unpack_r();
+        self.folded = householder::triangle(stacked);
     }
 
     /// R (square, as many rows as unknowns) and Q^T r.

@@ -1,14 +1,14 @@
 //! `abbe identify`: measurements to error parameters, and a fitted machine file.
 
 use super::files::Disk;
-use super::session::Session;
 use super::identify_report::Report;
-use super::{Format, Outcome, Stop, load, plan, poses, write};
+use super::session::Session;
+use super::{Format, Outcome, Stop, load, monomials, pictures, plan, poses, write};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::evaluate::Order;
 use crate::identify::{
-    Data, End, Measurement, Model, Parameter, Reading, Residuals, Solution, fit, fitted_file, held_out, parameters,
-    randomness, read_measurements, repeatability, robust_fit, slope_bounds,
+    Data, End, Measurement, Model, Parameter, Reading, Residuals, Solution, fit, fitted_file, held_out, moore_penrose,
+    parameters, randomness, read_measurements, repeatability, robust_fit, slope_bounds,
 };
 use crate::machine::{self, Machine};
 use crate::syntax::{self, Files, IdentifyEntry, ReadFailure};
@@ -39,6 +39,12 @@ pub(super) struct Args {
     /// The model: `exact`, or of order 1 or 2 of the dual numbers.
     #[arg(long, value_name = "N|exact", default_value = "exact", value_parser = order)]
     order: Order,
+    /// How: all components at once on the model itself, or the papers' way, each for itself on the monomials.
+    #[arg(long, value_enum, default_value = "joint")]
+    method: Method,
+    /// Draw prediction and data over the planes of the linear axes, as SVG files in this folder.
+    #[arg(long, value_name = "DIR")]
+    svg: Option<PathBuf>,
     /// Let measurements that stand out count less (Huber weights).
     #[arg(long)]
     robust: bool,
@@ -60,6 +66,15 @@ pub(super) struct Args {
     tool: Option<String>,
 }
 
+/// Ways to solve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Method {
+    /// One weighted least-squares problem, Levenberg-Marquardt.
+    Joint,
+    /// Holub and others 2015: monomials of order 2, component by component, pseudo-inverse.
+    MoorePenrose,
+}
+
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let (machine, section) = load::with_identify(session, &args.machine, args.tool.as_deref())?;
     let wanted = request(args, section);
@@ -77,8 +92,13 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let Data { rows: data, nuisances } = measurements(session, &machine, args)?;
     let unknowns: Vec<Parameter> = own.into_iter().chain(nuisances).collect();
-    enough(session, &data, &unknowns)?;
+    if args.method == Method::Joint {
+        enough(session, &data, &unknowns)?;
+    }
     let model = Model::new(&machine, &unknowns).bounded(&bounds).to_order(args.order);
+    if args.method == Method::MoorePenrose {
+        return papers_way(session, args, &model, &data);
+    }
     let found = if args.robust {
         robust_fit(&model, &data)
     } else {
@@ -103,6 +123,9 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     if let Some(out) = &args.out {
         write_machine(session, &report, args, out)?;
     }
+    if let Some(folder) = &args.svg {
+        pictures::write(session, &model, &data, &theta, folder)?;
+    }
     match session.format() {
         Format::Json => session.print_json(report.json(session)),
         Format::Csv => session.print(&report.csv()),
@@ -110,6 +133,33 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     session.checked()
 }
+
+/// The fit on the monomials, which gives no machine.
+fn papers_way(session: &mut Session, args: &Args, model: &Model<'_>, data: &[Measurement]) -> Outcome {
+    if args.out.is_some() || args.svg.is_some() || args.robust || args.folds.is_some() {
+        return session.usage(
+            "`--method moore-penrose` gives coefficients of monomials, no machine: no --out, --svg, --robust, --folds",
+        );
+    }
+    if model.own() > MOST_FACTORS {
+        let message = format!("{} parameters have too many products for the papers' way", model.own());
+        let help = format!("at most {MOST_FACTORS}; the joint fit takes more");
+        return session.refuse(Diagnostic::new("E0508", message).help(help));
+    }
+    let Some(components) = moore_penrose(model, data) else {
+        let help = "leave the other files out, or use the joint fit";
+        return session.refuse(Diagnostic::new("E0510", "the papers' way takes deviations dx, dy, dz only").help(help));
+    };
+    match session.format() {
+        Format::Json => session.print_json(monomials::json(&components)),
+        Format::Csv => session.print(&monomials::csv(&components)),
+        Format::Text => session.print(&monomials::text(model.machines().first().map_or("", |m| m.name()), &components)),
+    }
+    session.checked()
+}
+
+/// Most parameters whose products are unknowns.
+const MOST_FACTORS: usize = 24;
 
 /// The orders that can be fitted.
 fn order(text: &str) -> Result<Order, String> {
@@ -193,7 +243,8 @@ fn remarks(session: &mut Session, report: &Report<'_>) {
     let names: Vec<String> = drifting.map(|r| r.name()).collect();
     if !names.is_empty() {
         let message = format!("what is left of {} is not noise: neighbours in the file are alike", names.join(", "));
-        let help = "drift of machine or instrument while measuring, or a shape that was not fitted; sigmas are too small then";
+        let help =
+            "drift of machine or instrument while measuring, or a shape that was not fitted; sigmas are too small then";
         session.diagnostics.push(Diagnostic::new("W0503", message).help(help));
     }
 }
@@ -209,7 +260,12 @@ impl Files for Text<'_> {
 
 /// Writes the fitted machine, if it is one that the program itself would take.
 fn write_machine(session: &mut Session, report: &Report<'_>, args: &Args, out: &Path) -> Outcome {
-    let text = fitted_file(report.machine, &report.unknowns[..report.own], &report.solution.theta(), &report.provenance(&args.data));
+    let text = fitted_file(
+        report.machine,
+        &report.unknowns[..report.own],
+        &report.solution.theta(),
+        &report.provenance(&args.data),
+    );
     let files = Text(&text);
     let mut own = Diagnostics::default();
     let again = syntax::load(out, &files, &mut own).and_then(|d| machine::resolve(&d, &files, &mut own));

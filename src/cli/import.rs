@@ -92,7 +92,8 @@ fn per(rotary: bool) -> (f64, &'static str) {
 
 fn json(session: &Session, found: &Import) -> serde_json::Value {
     let sources = &session.diagnostics.sources;
-    let left = found.left_out.iter().map(|row| json!({"line": sources.line_column(&row.place).0, "reason": row.reason}));
+    let left =
+        found.left_out.iter().map(|row| json!({"line": sources.line_column(&row.place).0, "reason": row.reason}));
     let one = |(k, error): (usize, &ErrorId)| {
         let f = found.figures(k)?;
         let factor = unit(error).0;

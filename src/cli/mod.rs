@@ -20,6 +20,8 @@ mod import;
 mod init;
 mod load;
 mod map;
+mod monomials;
+mod pictures;
 mod plan;
 mod poses;
 mod progress;

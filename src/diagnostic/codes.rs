@@ -79,6 +79,8 @@ pub const CODES: &[CodeInfo] = &[
     code!("E0507", "a line without a direction"),
     code!("E0508", "too many unknowns"),
     code!("E0509", "an export is not understood"),
+    code!("E0510", "not for the papers' way"),
+    code!("E0511", "no plane to draw"),
     code!("E0521", "unknown generator"),
     code!("E0522", "an ideal that contains 1"),
     code!("E0523", "an algebra that is too large"),

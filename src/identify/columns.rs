@@ -85,8 +85,28 @@ impl Column {
 }
 
 const WORDS: [&str; 22] = [
-    "dx", "dy", "dz", "rel.dx", "rel.dy", "rel.dz", "ball", "length", "dl", "displacement", "along", "station",
-    "station.x", "station.y", "station.z", "tool", "weight", "u", "run", "approach", "EXX", "to.X",
+    "dx",
+    "dy",
+    "dz",
+    "rel.dx",
+    "rel.dy",
+    "rel.dz",
+    "ball",
+    "length",
+    "dl",
+    "displacement",
+    "along",
+    "station",
+    "station.x",
+    "station.y",
+    "station.z",
+    "tool",
+    "weight",
+    "u",
+    "run",
+    "approach",
+    "EXX",
+    "to.X",
 ];
 
 /// The columns of a header and what its rows are.
@@ -117,14 +137,17 @@ fn belongs(columns: &[Column], form: Form) -> Result<(), String> {
         return Err("`station` and `to.` columns belong to a length".to_owned());
     }
     if form == Form::Distance && station == to {
-        let words = "a length needs its other end: a column `station`, or `to.` columns with the positions of a second pose";
+        let words =
+            "a length needs its other end: a column `station`, or `to.` columns with the positions of a second pose";
         return Err(if to { format!("{words}, not both") } else { words.to_owned() });
     }
     if ![0, 3].contains(&places) {
         return Err("give all of `station.x`, `station.y` and `station.z`, or none".to_owned());
     }
     if station && places == 0 && columns.iter().any(|c| matches!(c, Column::LengthError(_))) {
-        return Err("`dl` is the difference from the nominal distance: say with `station.x [mm]` ... from where".to_owned());
+        return Err(
+            "`dl` is the difference from the nominal distance: say with `station.x [mm]` ... from where".to_owned()
+        );
     }
     let approach = columns.iter().any(|c| matches!(c, Column::Approach));
     if approach && columns.iter().any(|c| matches!(c, Column::Error(_, Some(_), _))) {
@@ -184,7 +207,9 @@ fn error(machine: &Machine, name: &str, unit: Option<&str>) -> Result<Column, St
     let wanted = if error.direction.is_rotation() { Dimension::ANGLE } else { Dimension::LENGTH };
     let unit = unit.ok_or_else(|| format!("column `{name}` has no unit: write `{name} [um]` or `[urad]`"))?;
     match units::unit(unit) {
-        Ok((factor, dimension)) if dimension == wanted || (dimension == Dimension::RATIO && wanted == Dimension::ANGLE) => {
+        Ok((factor, dimension))
+            if dimension == wanted || (dimension == Dimension::RATIO && wanted == Dimension::ANGLE) =>
+        {
             Ok(Column::Error(Source { place: Place::Component(axis), direction: error.direction }, approach, factor))
         }
         _ => Err(format!("`{}` is not a unit of `{error}`", shown(unit))),

@@ -3,9 +3,7 @@
 use super::parameter::{Basis, Parameter};
 use super::request::{Refused, refusal, source};
 use crate::diagnostic::shown;
-use crate::machine::{
-    Approach, AxisKind, ComponentError, Curve, ErrorId, ErrorTerm, Knots, Machine, Travel,
-};
+use crate::machine::{Approach, AxisKind, ComponentError, Curve, ErrorId, ErrorTerm, Knots, Machine, Travel};
 use crate::syntax::Scalar;
 use crate::units;
 

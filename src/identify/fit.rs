@@ -47,7 +47,13 @@ pub struct Fit {
 /// Fits the unknowns to the data, from their starts or from `theta`.
 pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>, theta: Option<Vec<f64>>) -> Fit {
     let prior = Prior::new(model);
-    let linearised = |theta: &[f64]| model.linearised(data, &weights, theta);
+    // Once the normal equations were not good enough, they are not tried again.
+    let easy = std::cell::Cell::new(data.len() > 2 * model.parameters().len());
+    let linearised = |theta: &[f64]| {
+        let quick = if easy.get() { model.quick(data, &weights, theta) } else { None };
+        easy.set(quick.is_some());
+        quick.unwrap_or_else(|| model.triangle(data, &weights, theta))
+    };
     let mut theta = theta.unwrap_or_else(|| model.parameters().iter().map(|p| p.start).collect());
     let mut reduced = linearised(&theta);
     let mut damping = FIRST;
@@ -158,7 +164,8 @@ impl Problem {
             }
             Solver::Normal(normal, largest) => {
                 let n = normal.ncols();
-                let force = self.reduced.r.tr_mul(&self.reduced.right).component_div(&self.scale) - &self.home * self.pull;
+                let force =
+                    self.reduced.r.tr_mul(&self.reduced.right).component_div(&self.scale) - &self.home * self.pull;
                 let stiff = normal + DMatrix::identity(n, n) * (self.pull + damping * largest);
                 stiff.cholesky().map_or_else(|| DVector::zeros(n), |factor| factor.solve(&force))
             }

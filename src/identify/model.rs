@@ -186,9 +186,7 @@ impl<'a> Model<'a> {
                 let along = along(direction, &minus(&at(&m.pose), &nominal));
                 single(along - S::from_real(self.nuisance(theta, *zero)))
             }
-            Reading::Error { source, .. } => {
-                single(S::LIFT.lift(*source, self.errors(m, &m.pose, theta).of(*source)))
-            }
+            Reading::Error { source, .. } => single(S::LIFT.lift(*source, self.errors(m, &m.pose, theta).of(*source))),
         }
     }
 
@@ -212,12 +210,20 @@ impl<'a> Model<'a> {
         [first, second, exact - ideal - first - second]
     }
 
+    /// The first degree (with what location errors of order 0 do) and the second degree of what would be read.
+    pub(super) fn degrees(&self, m: &Measurement, theta: &[f64]) -> [Vector3<f64>; 2] {
+        let [first, second, _] = self.orders(m, theta, &Vector3::zeros());
+        [first, second]
+    }
+
     /// The reading of the ideal machine.
     fn ideal(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
         let at = |pose: &[f64]| Ideal::at(self.machine(m), pose).pose.translation;
         let single = |x| Vector3::new(x, 0.0, 0.0);
         match &m.reading {
-            Reading::Deviation { zero, .. } => zero.map_or_else(Vector3::zeros, |zero| -self.nuisance_point(theta, zero)),
+            Reading::Deviation { zero, .. } => {
+                zero.map_or_else(Vector3::zeros, |zero| -self.nuisance_point(theta, zero))
+            }
             Reading::Distance { from, zero, .. } => {
                 let way = match from {
                     End::Station(first) => at(&m.pose) - self.nuisance_point(theta, *first),
@@ -240,24 +246,18 @@ impl<'a> Model<'a> {
         data.par_iter().map(|m| self.residual(m, theta)).collect()
     }
 
-    /// The linear problem at these unknowns: `min |J step - residual|`, rows times the root of their weights. By normal
-    /// equations where they are good enough, else by the triangle of all rows.
-    pub fn linearised(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Reduced {
-        let rows: usize = data.iter().map(Measurement::readings).sum();
-        if rows > 2 * self.parameters.len() {
-            let gram = self.pieces(data, weights, |data, weights| self.gram(data, weights, theta));
-            let sum = gram.into_iter().reduce(|mut sum, piece| {
-                sum.merge(piece);
-                sum
-            });
-            if let Some(reduced) = sum.and_then(Gram::finish).filter(|reduced| reduced.condition() < CONDITION) {
-                return reduced;
-            }
-        }
-        self.triangle(data, weights, theta)
+    /// The linear problem at these unknowns, `min |J step - residual|`, rows times the root of their weights, by
+    /// normal equations; none where they are not good enough.
+    pub(super) fn quick(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Option<Reduced> {
+        let gram = self.pieces(data, weights, |data, weights| self.gram(data, weights, theta));
+        let sum = gram.into_iter().reduce(|mut sum, piece| {
+            sum.merge(piece);
+            sum
+        });
+        sum.and_then(Gram::finish).filter(|reduced| reduced.condition() < CONDITION)
     }
 
-    /// The same, always by the triangle: singular values are good to the last digits.
+    /// The same by the triangle of all rows: singular values are good to the last digits.
     pub fn triangle(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Reduced {
         let pieces = self.pieces(data, weights, |data, weights| self.piece(data, weights, theta));
         let mut whole = Triangle::new(self.parameters.len());
@@ -266,7 +266,12 @@ impl<'a> Model<'a> {
     }
 
     /// The pieces do not depend on the number of threads, nor does the order in which they are joined.
-    fn pieces<T: Send>(&self, data: &[Measurement], weights: &[f64], f: impl Fn(&[Measurement], &[f64]) -> T + Sync) -> Vec<T> {
+    fn pieces<T: Send>(
+        &self,
+        data: &[Measurement],
+        weights: &[f64],
+        f: impl Fn(&[Measurement], &[f64]) -> T + Sync,
+    ) -> Vec<T> {
         let piece = data.len().div_ceil(16).clamp(32, 4096);
         data.par_chunks(piece).zip(weights.par_chunks(piece)).map(|(data, weights)| f(data, weights)).collect()
     }
@@ -308,7 +313,9 @@ impl<'a> Model<'a> {
         let from_end = matches!(m.reading, Reading::Distance { from: End::Pose(_), .. });
         bases.clear();
         if !from_end {
-            let value = |p: &Parameter| -> Vec<f64> { p.terms.iter().map(|t| t.value(position(&m.pose, t.source), m.approach)).collect() };
+            let value = |p: &Parameter| -> Vec<f64> {
+                p.terms.iter().map(|t| t.value(position(&m.pose, t.source), m.approach)).collect()
+            };
             self.parameters[..self.own].iter().for_each(|p| match &p.terms[..] {
                 [one] => bases.push(one.value(position(&m.pose, one.source), m.approach)),
                 _ => bases.extend(value(p)),
@@ -322,7 +329,8 @@ impl<'a> Model<'a> {
                     row[j] = local.by_source[j][k] * root;
                     continue;
                 }
-                let sum: f64 = links.iter().zip(&bases[at..]).map(|((source, _), b)| local.by_source[*source][k] * b).sum();
+                let sum: f64 =
+                    links.iter().zip(&bases[at..]).map(|((source, _), b)| local.by_source[*source][k] * b).sum();
                 row[j] = sum * root;
                 at += links.len();
             }
@@ -389,7 +397,8 @@ impl<'a> Model<'a> {
                     let moved = |(s, k): &(usize, usize)| {
                         let term = &p.terms[*k];
                         let basis = |pose: &[f64]| term.value(position(pose, term.source), m.approach);
-                        slope(*s, &here.derivatives[*s]) * basis(&m.pose) - slope(*s, &there.derivatives[*s]) * basis(to)
+                        slope(*s, &here.derivatives[*s]) * basis(&m.pose)
+                            - slope(*s, &there.derivatives[*s]) * basis(to)
                     };
                     unit(0, links.iter().map(moved).sum())
                 };

@@ -85,7 +85,7 @@ fn update(covariance: &mut DMatrix<f64>, rows: &DMatrix<f64>) {
 
 fn expected(model: &Model<'_>, poses: &[Measurement], theta: &[f64], noise: f64) -> Solution {
     let weights = vec![1.0; poses.len()];
-    let reduced = model.linearised(poses, &weights, theta);
+    let reduced = model.triangle(poses, &weights, theta);
     let mut fit = Fit { theta: theta.to_vec(), reduced, weights, steps: 0, settled: true };
     // As if the readings scattered by the noise over as many degrees of freedom as there will be.
     let freedom = Solution::of(&fit, model.parameters()).freedom.max(1);

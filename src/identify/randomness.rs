@@ -102,7 +102,10 @@ mod tests {
     fn drift_and_outliers_are_told_from_noise() {
         // A fixed permutation of even quantiles of a normal distribution, near enough: sums of three.
         let noise: Vec<f64> = (0..300_u32)
-            .map(|i| (0..12).map(|k| f64::from((i * 7919 + k * 104_729 + i * i * 31 * (k + 1)) % 1009) / 1009.0).sum::<f64>() - 6.0)
+            .map(|i| {
+                (0..12).map(|k| f64::from((i * 7919 + k * 104_729 + i * i * 31 * (k + 1)) % 1009) / 1009.0).sum::<f64>()
+                    - 6.0
+            })
             .collect();
         assert!(normality(&noise) > 0.01 && runs(&noise) > 0.01 && lag1(&noise).abs() < 0.15);
         let drift: Vec<f64> = noise.iter().enumerate().map(|(i, v)| v + i as f64 / 75.0 - 2.0).collect();

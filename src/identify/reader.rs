@@ -7,8 +7,8 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Place, did_you_mean, shown};
 use crate::evaluate::Frame;
 use crate::lower::{Ideal, Source};
 use crate::machine::{Approach, Machine, Pose};
-use crate::syntax::sheet::{self, Line, read_sheet};
 use crate::syntax::Files;
+use crate::syntax::sheet::{self, Line, read_sheet};
 use nalgebra::Vector3;
 use std::path::Path;
 
@@ -75,7 +75,9 @@ fn refusal(code: &'static str, message: String, place: Option<Place>) -> Diagnos
             "say with columns `station.x [mm]`, `station.y [mm]`, `station.z [mm]` where it is about, from the workpiece origin"
         }
         "E0506" => "leave the row out, or correct its pose: a length has a direction only between different points",
-        "E0507" => "a line needs at least two poses in different places, and every run of a laser is a `run` of its own",
+        "E0507" => {
+            "a line needs at least two poses in different places, and every run of a laser is a `run` of its own"
+        }
         _ => {
             "a measurement file has a column for each axis (mm, deg), and `dx [um]`, `dy [um]`, `dz [um]`, or another kind \
                 of reading: `rel.dx [um]`, `ball`, `length [mm]`, `displacement [mm]`, `dl [um]`, `along [um]`, `EXX [um]`; \
@@ -116,7 +118,13 @@ impl Reader<'_> {
         }
     }
 
-    fn drafts(&self, columns: &[Column], body: &[Line], separator: char, diagnostics: &mut Diagnostics) -> Option<Vec<Draft>> {
+    fn drafts(
+        &self,
+        columns: &[Column],
+        body: &[Line],
+        separator: char,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<Draft>> {
         let (mut drafts, mut mistakes) = (Vec::new(), 0);
         for line in body {
             match self.draft(columns, line, separator) {
@@ -161,7 +169,8 @@ impl Reader<'_> {
         }
         let number = |cell: &str| {
             let said = |failure: crate::units::Failure| failure.to_string();
-            sheet::number(cell, separator).map_err(|f| if cell.is_empty() { "a cell is empty".to_owned() } else { said(f) })
+            sheet::number(cell, separator)
+                .map_err(|f| if cell.is_empty() { "a cell is empty".to_owned() } else { said(f) })
         };
         let mut draft = self.blank(line.place.clone());
         let mut to: Vec<(usize, f64)> = Vec::new();
@@ -268,7 +277,10 @@ impl Reader<'_> {
         for (run, drafts) in runs(drafts, |_| String::new()) {
             let points: Vec<Vector3<f64>> = drafts.iter().map(|d| self.nominal(&d.row, &d.row.pose)).collect();
             let from = |p: &Vector3<f64>| points.first().map_or_else(Vector3::zeros, |first| p - first);
-            let far = points.iter().map(from).fold(Vector3::zeros(), |a: Vector3<f64>, b| if b.norm() > a.norm() { b } else { a });
+            let far = points
+                .iter()
+                .map(from)
+                .fold(Vector3::zeros(), |a: Vector3<f64>, b| if b.norm() > a.norm() { b } else { a });
             if far.norm() < NEAREST {
                 let message = format!("the poses of this run{run} are in one place: they have no line");
                 return Err(Box::new(refusal("E0507", message, drafts.first().map(|d| d.row.place.clone()))));

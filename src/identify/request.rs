@@ -17,6 +17,10 @@ pub(super) type Refused = Box<Diagnostic>;
 /// The parameters that `request` asks for, in its order, each once.
 pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refused> {
     let mut list: Vec<Parameter> = Vec::new();
+    // What is wrong with a parameter of one's own is said whether it is fitted or not.
+    for (name, errors) in &request.parameters {
+        own_parameter(machine, name, errors)?;
+    }
     for word in &request.fit {
         for parameter in of_word(machine, word.trim(), request)? {
             add(&mut list, parameter)?;
@@ -253,9 +257,13 @@ fn own_parameter(
     name: &str,
     errors: &indexmap::IndexMap<String, Vec<Scalar>>,
 ) -> Result<Parameter, Refused> {
-    let help = "write coefficients by rising power of the position, in mm and rad: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`";
+    let help =
+        "write coefficients by rising power of the position, in mm and rad: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`";
     if GROUPS.contains(&name) || parse_error_name(name).is_some() || name.contains(':') {
-        return Err(refusal(format!("`{}` cannot be the name of a parameter: it means something else", shown(name)), help));
+        return Err(refusal(
+            format!("`{}` cannot be the name of a parameter: it means something else", shown(name)),
+            help,
+        ));
     }
     let mut terms: Vec<Term> = Vec::new();
     for (key, powers) in errors {
@@ -266,7 +274,11 @@ fn own_parameter(
             let factor = curves::plain(factor).ok_or_else(said)?;
             let power = u8::try_from(k).ok().filter(|k| *k < 10 && (*k == 0 || !error.location)).ok_or_else(said)?;
             if factor != 0.0 {
-                terms.push(Term::new(source, if error.location { Basis::Constant } else { Basis::Power(power) }, factor));
+                terms.push(Term::new(
+                    source,
+                    if error.location { Basis::Constant } else { Basis::Power(power) },
+                    factor,
+                ));
             }
         }
     }
@@ -287,8 +299,7 @@ fn linear(machine: &Machine) -> Vec<Parameter> {
 fn slopes(machine: &Machine, axis: usize, u: [f64; 3]) -> Vec<Parameter> {
     let name = &machine.axes()[axis].name;
     let at = |direction| Source { place: Place::Component(axis), direction };
-    let term =
-        |k: usize, power, factor: f64| Term::new(at(Direction::ALL[k]), Basis::Power(power), factor);
+    let term = |k: usize, power, factor: f64| Term::new(at(Direction::ALL[k]), Basis::Power(power), factor);
     let parameter = |main: Direction, terms: Vec<Term>| {
         let error = ErrorId { axis: name.clone(), location: false, direction: main };
         let terms = terms.into_iter().filter(|t| t.factor != 0.0).collect();

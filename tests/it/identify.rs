@@ -11,7 +11,8 @@ use abbe::cli::files::Disk;
 use abbe::diagnostic::{Diagnostics, Place as InFile};
 use abbe::evaluate::{Frame, Order, evaluate};
 use abbe::identify::{
-    Fit, Measurement, Model, Parameter, Reading, Solution, fit, fitted_file, held_out, parameters, read_measurements, robust_fit,
+    Fit, Measurement, Model, Parameter, Reading, Solution, fit, fitted_file, held_out, parameters, read_measurements,
+    robust_fit,
 };
 use abbe::lower::{Exact, Place, Source, actual_point, tangents, values};
 use abbe::machine::{self, Approach, Direction, Machine};
@@ -38,7 +39,7 @@ pub fn solve(machine: &Machine, parameters: &[Parameter], data: &[Measurement]) 
 }
 
 /// The machine of a sample as the program reads it.
-fn of_sample(sample: &Sample) -> Machine {
+pub fn of_sample(sample: &Sample) -> Machine {
     let folder = Folder::new();
     yaml::write(sample, &folder);
     let mut diagnostics = Diagnostics::default();
@@ -90,7 +91,7 @@ fn tangents_are_the_derivatives_of_the_actual_point() {
 }
 
 /// The sample with only its location errors and set-up, and measurements by the independent model.
-fn located(random: &mut Random, count: usize) -> (Sample, Vec<Measurement>) {
+pub fn located(random: &mut Random, count: usize) -> (Sample, Vec<Measurement>) {
     let mut sample = Sample::random(random, Default::default(), 2e-4);
     sample.axes.iter_mut().for_each(|extra| extra.errors = Default::default());
     sample.rigid.spindle = None;
@@ -159,25 +160,25 @@ fn the_rank_is_that_of_the_independent_model() {
     }
 }
 
-const FIVE: &str = "abbe: 1\nmachine: Five\nchain: \"w C' A' Y' b X Z t\"\naxes:\n  X: { travel: [0 mm, 500 mm] }\n  Y: { travel: [0 mm, 450 mm] }\n  Z: { travel: [-400 mm, 0 mm] }\n  A: { travel: [-120 deg, 30 deg], origin: [250, 225, -350] }\n  C: { travel: continuous, origin: [250, 225, -380] }\ntool: { gauge: [250, 225, 0], length: 120 mm }\nworkpiece: { origin: [250, 225, -380] }\n";
+pub const FIVE: &str = "abbe: 1\nmachine: Five\nchain: \"w C' A' Y' b X Z t\"\naxes:\n  X: { travel: [0 mm, 500 mm] }\n  Y: { travel: [0 mm, 450 mm] }\n  Z: { travel: [-400 mm, 0 mm] }\n  A: { travel: [-120 deg, 30 deg], origin: [250, 225, -350] }\n  C: { travel: continuous, origin: [250, 225, -380] }\ntool: { gauge: [250, 225, 0], length: 120 mm }\nworkpiece: { origin: [250, 225, -380] }\n";
 
-fn five(errors: &str) -> Machine {
+pub fn five(errors: &str) -> Machine {
     silent(&[("machine.yaml", &format!("{FIVE}{errors}"))])
 }
 
-fn five_poses(random: &mut Random, count: usize) -> Vec<Vec<f64>> {
+pub fn five_poses(random: &mut Random, count: usize) -> Vec<Vec<f64>> {
     let mut one = |low, high| random.between(low, high);
     (0..count)
         .map(|_| vec![one(0.0, 360.0), one(-120.0, 30.0), one(0.0, 450.0), one(0.0, 500.0), one(-400.0, 0.0)])
         .collect()
 }
 
-fn deviation(machine: &Machine, pose: &[f64]) -> [f64; 3] {
+pub fn deviation(machine: &Machine, pose: &[f64]) -> [f64; 3] {
     evaluate(machine, pose, Order::Exact, Approach::Mean, Frame::Workpiece).deviation.position.into()
 }
 
 /// A sum of twelve even numbers is normal enough: standard deviation 1.
-fn normal(random: &mut Random) -> f64 {
+pub fn normal(random: &mut Random) -> f64 {
     (0..12).map(|_| random.unit()).sum::<f64>() - 6.0
 }
 
@@ -318,11 +319,11 @@ fn the_ur5_robot_has_rank_27() {
 }
 
 /// Runs the program.
-fn run(arguments: &[&str]) -> std::process::Output {
+pub fn run(arguments: &[&str]) -> std::process::Output {
     std::process::Command::new(env!("CARGO_BIN_EXE_abbe")).args(arguments).output().unwrap()
 }
 
-fn json(output: &std::process::Output) -> serde_json::Value {
+pub fn json(output: &std::process::Output) -> serde_json::Value {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
 }
@@ -454,7 +455,7 @@ fn planned_poses_tell_more_than_random_ones_and_their_uncertainty_is_met() {
     // The determinant of the covariance, by way of the singular values of the design.
     let information = |poses: &[Measurement]| -> f64 {
         let theta = vec![0.0; parameters.len()];
-        model.linearised(poses, &vec![1.0; poses.len()], &theta).r.determinant().abs().ln()
+        model.triangle(poses, &vec![1.0; poses.len()], &theta).r.determinant().abs().ln()
     };
     let mut random = Random::new(69);
     let best = (0..20)

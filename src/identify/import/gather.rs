@@ -127,13 +127,19 @@ fn infer(import: &mut Import) {
             continue;
         }
         // A jump back to the start of the next run in one direction is not a way that was measured.
-        if steps.iter().filter(|s| s.is_lt()).count() * 4 < steps.len() && !steps.windows(2).any(|w| w[0].is_lt() && w[1].is_lt()) {
+        if steps.iter().filter(|s| s.is_lt()).count() * 4 < steps.len()
+            && !steps.windows(2).any(|w| w[0].is_lt() && w[1].is_lt())
+        {
             continue;
         }
         let next = |k: usize| steps[k..].iter().find(|s| s.is_ne()).copied();
         let mut ways: Vec<Option<ColumnDirection>> = Vec::with_capacity(of.len());
         for k in 0..of.len() {
-            let came = if k == 0 || steps[k - 1].is_eq() { next(k.min(steps.len().saturating_sub(1))) } else { Some(steps[k - 1]) };
+            let came = if k == 0 || steps[k - 1].is_eq() {
+                next(k.min(steps.len().saturating_sub(1)))
+            } else {
+                Some(steps[k - 1])
+            };
             let came = came.or_else(|| steps.iter().rev().find(|s| s.is_ne()).copied());
             ways.push(came.map(|s| if s.is_gt() { ColumnDirection::Forward } else { ColumnDirection::Reverse }));
         }

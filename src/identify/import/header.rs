@@ -34,7 +34,12 @@ impl Form {
 pub(super) enum Role {
     Position(f64),
     /// Readings of an error: index, direction, run.
-    Value { error: usize, direction: Option<ColumnDirection>, run: String, factor: f64 },
+    Value {
+        error: usize,
+        direction: Option<ColumnDirection>,
+        run: String,
+        factor: f64,
+    },
     /// Tidy: the reading, in the unit of its row or this.
     Reading(Option<(f64, Dimension)>),
     ErrorName,
@@ -74,7 +79,9 @@ fn title(cell: &str) -> (String, Option<String>) {
     let bracketed = cell.strip_suffix(')').and_then(|open| open.split_once('('));
     let split = bracketed.or_else(|| cell.rsplit_once('/')).or_else(|| cell.rsplit_once('_'));
     match split {
-        Some((name, unit)) if units::unit(unit.trim()).is_ok() => (name.trim().to_owned(), Some(unit.trim().to_owned())),
+        Some((name, unit)) if units::unit(unit.trim()).is_ok() => {
+            (name.trim().to_owned(), Some(unit.trim().to_owned()))
+        }
         _ => (cell.to_owned(), None),
     }
 }
@@ -117,7 +124,8 @@ pub(super) fn direction(label: &str) -> (Option<ColumnDirection>, String) {
 /// `key: value` or `key = value` before the table; with a separator in between as spreadsheets write it.
 fn metadata(line: &str, separator: char) -> Option<(String, String)> {
     let (key, value) = line.split_once([':', '=']).or_else(|| line.split_once(separator))?;
-    let tame = |text: &str| text.trim_matches(|c: char| c.is_whitespace() || [':', '"', separator].contains(&c)).to_owned();
+    let tame =
+        |text: &str| text.trim_matches(|c: char| c.is_whitespace() || [':', '"', separator].contains(&c)).to_owned();
     let (key, value) = (tame(key), tame(value));
     (!key.is_empty() && !value.is_empty()).then(|| (key.chars().take(80).collect(), value.chars().take(200).collect()))
 }
@@ -146,7 +154,10 @@ pub(super) fn find(lines: &[Line], wanted: &Wanted) -> Result<Header, Box<Diagno
         }
         known.extend(metadata(&line.text, separator));
     }
-    Err(Box::new(refusal("there is no header with a position column".to_owned(), lines.first().map(|l| l.place.clone()))))
+    Err(Box::new(refusal(
+        "there is no header with a position column".to_owned(),
+        lines.first().map(|l| l.place.clone()),
+    )))
 }
 
 struct Reading<'a> {
@@ -172,12 +183,15 @@ impl Reading<'_> {
         if row_of_units {
             for ((_, unit), cell) in titles.iter_mut().zip(&below) {
                 let cell = cell.trim_matches(['[', ']', '(', ')']);
-                *unit = unit.take().or_else(|| units::unit(cell).ok().filter(|_| !cell.is_empty()).map(|_| cell.to_owned()));
+                *unit = unit
+                    .take()
+                    .or_else(|| units::unit(cell).ok().filter(|_| !cell.is_empty()).map(|_| cell.to_owned()));
             }
         }
         let lower: Vec<String> = titles.iter().map(|(name, _)| name.to_lowercase()).collect();
         let (error, value) = (lower.iter().position(|n| n == "error"), lower.iter().position(|n| n == "value"));
-        let axis = self.axis(&titles).ok_or_else(|| refuse("nothing says which axis moved: give `--axis X`".to_owned()))?;
+        let axis =
+            self.axis(&titles).ok_or_else(|| refuse("nothing says which axis moved: give `--axis X`".to_owned()))?;
         let letter = axis.chars().next().unwrap_or('X');
         let position = titles.iter().position(|(name, _)| self.is_position(name, &axis));
         let Some(position) = position else { return Err(refuse("there is no position column".to_owned())) };
@@ -199,15 +213,21 @@ impl Reading<'_> {
             body: at + 1 + usize::from(row_of_units),
             metadata: self.metadata.to_vec(),
         };
-        let has_error = |(name, _): &(String, Option<String>)| super::super::request::directed(name).0.len() >= 3
-            && error_name(super::super::request::directed(name).0).is_some();
+        let has_error = |(name, _): &(String, Option<String>)| {
+            super::super::request::directed(name).0.len() >= 3
+                && error_name(super::super::request::directed(name).0).is_some()
+        };
         header.form = match (error, value) {
             (Some(_), Some(_)) => Form::Tidy,
             _ if titles.iter().any(has_error) => Form::Wide,
             _ => Form::Runs,
         };
         for (k, (name, unit)) in titles.iter().enumerate() {
-            let role = if k == position { Role::Position(factor) } else { self.role(&mut header, name, unit.as_deref()).map_err(&refuse)? };
+            let role = if k == position {
+                Role::Position(factor)
+            } else {
+                self.role(&mut header, name, unit.as_deref()).map_err(&refuse)?
+            };
             header.roles.push(role);
         }
         let readings = header.roles.iter().any(|r| matches!(r, Role::Value { .. } | Role::Reading(_)));
@@ -238,9 +258,12 @@ impl Reading<'_> {
             "unit" if header.form == Form::Tidy => return Ok(Role::Unit),
             "value" if header.form == Form::Tidy => {
                 let unit = unit.map(str::to_owned).or_else(|| self.wanted.unit.clone());
-                return unit.map_or(Ok(Role::Reading(None)), |u| reading_unit(&u).map(|known| Role::Reading(Some(known))));
+                return unit
+                    .map_or(Ok(Role::Reading(None)), |u| reading_unit(&u).map(|known| Role::Reading(Some(known))));
             }
-            "" | "axis" | "temp" | "temperature" | "time" | "comment" | "point" | "no" | "index" => return Ok(Role::Ignored),
+            "" | "axis" | "temp" | "temperature" | "time" | "comment" | "point" | "no" | "index" => {
+                return Ok(Role::Ignored);
+            }
             _ => {}
         }
         if header.form == Form::Tidy {
@@ -277,7 +300,10 @@ impl Reading<'_> {
         }
         let unit = unit.or(self.wanted.unit.as_deref()).or(self.said("unit")).or(self.said("units"));
         let Some(unit) = unit else {
-            return Err(format!("nothing says in which unit `{}` is: write `{0} [um]`, or give `--unit um`", shown(name)));
+            return Err(format!(
+                "nothing says in which unit `{}` is: write `{0} [um]`, or give `--unit um`",
+                shown(name)
+            ));
         };
         let (factor, dimension) = reading_unit(unit)?;
         fits(&error, dimension).map_err(|()| format!("`{}` is not a unit of `{error}`", shown(unit)))?;

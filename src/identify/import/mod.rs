@@ -15,7 +15,7 @@ pub use header::Form;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, shown};
 use crate::machine::{ErrorId, parse_error_name};
 use crate::syntax::sheet::read_sheet;
-use crate::syntax::{Files, ColumnDirection};
+use crate::syntax::{ColumnDirection, Files};
 use std::path::Path;
 
 /// What the file itself may leave open.
