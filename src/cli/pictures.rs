@@ -8,7 +8,7 @@ use crate::machine::AxisKind;
 use crate::report::{FitPicture, FitPoint};
 use std::path::Path;
 
-/// Writes `xy.svg` and so on, as many as there are pairs of linear axes with data.
+/// Writes `fit-xy.svg` and so on, as many as there are pairs of linear axes with data.
 pub(super) fn write(
     session: &mut Session,
     model: &Model<'_>,
@@ -43,7 +43,7 @@ pub(super) fn write(
         let axes = plane.map(|(i, _)| machine.axes()[i].name.to_string());
         let (slice, points) = slice(model, &whole, theta, plane);
         let picture = FitPicture { machine: machine.name(), axes: [&axes[0], &axes[1]], slice, points };
-        let path = folder.join(format!("{}{}.svg", axes[0].to_lowercase(), axes[1].to_lowercase()));
+        let path = folder.join(format!("fit-{}{}.svg", axes[0].to_lowercase(), axes[1].to_lowercase()));
         if let Err(refusal) = write::write_whole(&path, picture.svg().as_bytes()) {
             return session.refuse(refusal);
         }

@@ -10,6 +10,7 @@ use super::measurement::Measurement;
 use super::model::Model;
 use crate::algebra::linear::{Reduced, Svd};
 use nalgebra::{DMatrix, DVector, Vector3};
+use std::cell::Cell;
 
 /// Most accepted steps.
 const STEPS: usize = 200;
@@ -23,6 +24,8 @@ const NOISE: f64 = 1e-12;
 const FIRST: f64 = 1e-9;
 const MOST: f64 = 1e6;
 
+/// Readings times unknowns squared from which on the triangle is left for the end.
+const LARGE: f64 = 1e8;
 /// Condition up to which the normal equations give the step.
 const EASY: f64 = 1e5;
 
@@ -47,12 +50,16 @@ pub struct Fit {
 /// Fits the unknowns to the data, from their starts or from `theta`.
 pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>, theta: Option<Vec<f64>>) -> Fit {
     let prior = Prior::new(model);
-    // Once the normal equations were not good enough, they are not tried again.
-    let easy = std::cell::Cell::new(data.len() > 2 * model.parameters().len());
+    let readings: usize = data.iter().map(Measurement::readings).sum();
+    let unknowns = model.parameters().len() as f64;
+    let quick = Cell::new(readings as f64 * unknowns * unknowns > LARGE);
+    // Whether the last normal equations had digits enough for the end.
+    let enough = Cell::new(false);
     let linearised = |theta: &[f64]| {
-        let quick = if easy.get() { model.quick(data, &weights, theta) } else { None };
-        easy.set(quick.is_some());
-        quick.unwrap_or_else(|| model.triangle(data, &weights, theta))
+        let (reduced, good) = if quick.get() { model.quick(data, &weights, theta) } else { (None, false) };
+        enough.set(good);
+        quick.set(reduced.is_some());
+        reduced.unwrap_or_else(|| model.triangle(data, &weights, theta))
     };
     let mut theta = theta.unwrap_or_else(|| model.parameters().iter().map(|p| p.start).collect());
     let mut reduced = linearised(&theta);
@@ -65,7 +72,15 @@ pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>, theta: Op
         loop {
             let scaled = problem.step(damping);
             let promise = before - problem.cost(&scaled);
-            if promise.is_nan() || promise <= PROMISE * before + ROUNDING * reduced.rows as f64 || damping > MOST {
+            let last =
+                promise.is_nan() || promise <= PROMISE * before + ROUNDING * reduced.rows as f64 || damping > MOST;
+            if last && quick.get() && !enough.get() {
+                // From here on by the triangle: it sees what the normal equations do not.
+                quick.set(false);
+                (reduced, damping) = (linearised(&theta), FIRST);
+                break;
+            }
+            if last {
                 let settled = damping <= MOST;
                 return Fit { theta, reduced, weights, steps, settled };
             }

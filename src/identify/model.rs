@@ -13,6 +13,8 @@ use rayon::prelude::*;
 
 /// Normal equations are trusted up to this condition.
 const CONDITION: f64 = 1e5;
+/// Where they are not, a step is damped by this share of each column.
+const DAMPED: f64 = 1e-9;
 
 /// Machine and unknowns: parameters of the machine first, then those of the instruments.
 pub struct Model<'a> {
@@ -247,14 +249,18 @@ impl<'a> Model<'a> {
     }
 
     /// The linear problem at these unknowns, `min |J step - residual|`, rows times the root of their weights, by
-    /// normal equations; none where they are not good enough.
-    pub(super) fn quick(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Option<Reduced> {
+    /// normal equations. False: they have not digits enough to say more than a (slightly damped) step.
+    pub(super) fn quick(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> (Option<Reduced>, bool) {
         let gram = self.pieces(data, weights, |data, weights| self.gram(data, weights, theta));
         let sum = gram.into_iter().reduce(|mut sum, piece| {
             sum.merge(piece);
             sum
         });
-        sum.and_then(Gram::finish).filter(|reduced| reduced.condition() < CONDITION)
+        let Some(mut sum) = sum else { return (None, false) };
+        match sum.finish(0.0).filter(|reduced| reduced.condition() < CONDITION) {
+            Some(reduced) => (Some(reduced), true),
+            None => (sum.finish(DAMPED), false),
+        }
     }
 
     /// The same by the triangle of all rows: singular values are good to the last digits.

@@ -27,6 +27,7 @@ mod map;
 mod measurements;
 mod oracle;
 mod paper_2015;
+mod papers_way;
 mod parametrisation;
 mod program;
 mod published;

@@ -5,8 +5,8 @@ use super::axes::Declared;
 use super::context::Context;
 use super::errors::named;
 use crate::diagnostic::shown;
-use crate::machine::{AxisName, parse_error_name};
 use crate::machine::algebra::{AlgebraChoice, named_monomial};
+use crate::machine::{AxisName, parse_error_name};
 use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, below, keys};
 
 /// Groups that may be fitted.
