@@ -234,7 +234,7 @@ fn tool(machine: &Machine, target: &Target) -> String {
     let name = if tool.name.is_empty() { String::new() } else { format!("`{}`, ", tool.name) };
     let only = match target.manifest.mechanism {
         Mechanism::Lattice(_) => "; the tables hold for it only",
-        Mechanism::OwnAxis(_) => "",
+        Mechanism::OwnAxis(_) | Mechanism::Kinematics(_) => "",
     };
     format!("{name}{length} mm from the gauge point to the functional point{only}")
 }

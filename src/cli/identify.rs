@@ -4,14 +4,14 @@ use super::files::Disk;
 use super::identify_report::Report;
 use super::session::Session;
 use super::{Format, Outcome, Stop, load, monomials, pictures, plan, poses, write};
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::Diagnostic;
 use crate::evaluate::Order;
 use crate::identify::{
     Data, End, Measurement, Model, Parameter, Reading, Residuals, Solution, fit, fitted_file, held_out, moore_penrose,
     parameters, randomness, read_measurements, repeatability, robust_fit, slope_bounds,
 };
 use crate::machine::{self, Machine};
-use crate::syntax::{self, Files, IdentifyEntry, ReadFailure};
+use crate::syntax::IdentifyEntry;
 use crate::units::{self, significant};
 use std::path::{Path, PathBuf};
 
@@ -249,15 +249,6 @@ fn remarks(session: &mut Session, report: &Report<'_>) {
     }
 }
 
-/// One file in memory.
-struct Text<'a>(&'a str);
-
-impl Files for Text<'_> {
-    fn read(&self, _: &Path) -> Result<Vec<u8>, ReadFailure> {
-        Ok(self.0.as_bytes().to_vec())
-    }
-}
-
 /// Writes the fitted machine, if it is one that the program itself would take.
 fn write_machine(session: &mut Session, report: &Report<'_>, args: &Args, out: &Path) -> Outcome {
     let text = fitted_file(
@@ -266,11 +257,7 @@ fn write_machine(session: &mut Session, report: &Report<'_>, args: &Args, out: &
         &report.solution.theta(),
         &report.provenance(&args.data),
     );
-    let files = Text(&text);
-    let mut own = Diagnostics::default();
-    let again = syntax::load(out, &files, &mut own).and_then(|d| machine::resolve(&d, &files, &mut own));
-    if again.is_none() {
-        let why = own.iter().map(|d| d.message.as_str()).next().unwrap_or("it does not read back");
+    if let Err(why) = load::own(&text) {
         let message = format!("the fitted machine is refused: {why}");
         let help = "some parameters ran away because the data hardly see them: fix those, or fit less";
         return session.refuse(Diagnostic::new("E0504", message).help(help));

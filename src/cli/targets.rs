@@ -2,7 +2,7 @@
 
 use super::session::Session;
 use super::{Format, Outcome};
-use crate::target::{Mechanism, NAMES, Target};
+use crate::target::{Carries, Mechanism, NAMES, Target};
 use serde_json::json;
 
 pub(super) fn run(session: &Session) -> Outcome {
@@ -34,6 +34,7 @@ fn limits(target: &Target) -> String {
     match target.manifest.capability() {
         Capability::OwnAxis(own) => format!("{} points per axis, {decimals}", own.max_points),
         Capability::Lattice(lattice) => format!("{} nodes, {decimals}", lattice.max_nodes),
+        Capability::Kinematics => kinematics_limits(target, &decimals),
     }
 }
 
@@ -41,6 +42,16 @@ fn mechanism(target: &Target) -> &'static str {
     match target.manifest.mechanism {
         Mechanism::OwnAxis(_) => "own_axis",
         Mechanism::Lattice(_) => "lattice",
+        Mechanism::Kinematics(_) => "kinematics",
+    }
+}
+
+fn kinematics_limits(target: &Target, decimals: &str) -> String {
+    match target.manifest.kinematics().map(|mechanism| mechanism.carries) {
+        Some(Carries::FullModel) => {
+            "nine axes, numbers as exact as the machine file's; the mean of forward and reverse".to_owned()
+        }
+        _ => format!("a few constants, {}", decimals.replace("a correction (mm, deg)", "each")),
     }
 }
 

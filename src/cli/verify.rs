@@ -4,7 +4,7 @@ use super::certificate_output::{Shown, warnings};
 use super::compile::Options;
 use super::files::{Disk, SET_LIMIT, read_at_most};
 use super::session::Session;
-use super::{Outcome, Stop, file_set, load};
+use super::{Outcome, Stop, file_set, kinematics, load};
 use crate::diagnostic::Diagnostic;
 use crate::machine::{Approach, Machine};
 use crate::target::{LOCK_NAME, Lock, NAMES, Replay, Target, certify, is_plain_name};
@@ -15,16 +15,16 @@ pub(super) struct Args {
     /// The machine file.
     machine: PathBuf,
     /// The folder with the compensation files.
-    folder: PathBuf,
+    pub folder: PathBuf,
     /// The controller, if the folder has no manifest that says it.
     #[arg(long)]
     target: Option<String>,
     /// Instead of a certificate: what the controller adds at positions from a CSV file with the
     /// columns joint, direction, position (further columns are left alone), as CSV.
     #[arg(long, value_name = "FILE")]
-    replay: Option<PathBuf>,
+    pub replay: Option<PathBuf>,
     #[command(flatten)]
-    options: Options,
+    pub options: Options,
 }
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
@@ -38,6 +38,9 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let texts = file_set::read(&args.folder, &names, &mut session.diagnostics);
     session.checked()?;
     warn_edited(session, &args.folder);
+    if target.manifest.kinematics().is_some() {
+        return kinematics::verify(session, args, &machine, &target, &texts);
+    }
     let Some(tables) = target.read(&machine, &texts, &mut session.diagnostics) else {
         session.checked()?;
         return session.refuse(nothing_found(&args.folder));
@@ -69,7 +72,7 @@ fn target(session: &mut Session, machine: &Machine, args: &Args) -> Result<Targe
     }
 }
 
-fn nothing_found(folder: &Path) -> Diagnostic {
+pub(super) fn nothing_found(folder: &Path) -> Diagnostic {
     Diagnostic::new("E0705", format!("there are no compensation files of a known target in `{}`", folder.display()))
         .help("name the folder that `compile --out` was given, and the target with --target")
 }

@@ -9,6 +9,8 @@ pub enum Capability {
     OwnAxis(OwnAxisCapability),
     /// One lattice over any of the axes, correcting any of them.
     Lattice(LatticeCapability),
+    /// No tables: the kinematics are replaced.
+    Kinematics,
 }
 
 /// How the points of a table may lie.

@@ -2,18 +2,25 @@
 //!
 //! - [`PlanePicture`]: the deviation over a plane of two linear axes.
 //! - [`FitPicture`]: prediction against data over such a plane.
+//! - [`ParetoPicture`], [`WaterfallPicture`]: a budget.
+//! - [`PolarPicture`]: a ball bar.
 //! - [`equations`]: the closed forms as text and as LaTeX.
 //! - [`chain_svg`], [`chain_dot`]: the kinematic chain.
 
+mod bars;
 mod chain;
 mod dot;
 pub mod equations;
 mod fit;
+mod frame;
 mod plane;
+mod polar;
 mod scale;
 mod svg;
 
+pub use bars::{Bar, ParetoPicture, WaterfallPicture};
 pub use chain::chain_svg;
 pub use dot::chain_dot;
 pub use fit::{FitPicture, FitPoint};
 pub use plane::{PlanePicture, Shown};
+pub use polar::PolarPicture;

@@ -99,23 +99,23 @@ pub fn certify(
 }
 
 /// The directions of approach that can differ.
-fn approaches(machine: &Machine) -> &'static [Approach] {
+pub(super) fn approaches(machine: &Machine) -> &'static [Approach] {
     if machine.is_bidirectional() { &[Approach::Forward, Approach::Reverse] } else { &[Approach::Mean] }
 }
 
 /// The 95 % position deviation (um), in the direction of approach where it is larger.
-fn worse_p95(machine: &Machine, of: impl Fn(Approach) -> Vec<Deviation>) -> f64 {
+pub(super) fn worse_p95(machine: &Machine, of: impl Fn(Approach) -> Vec<Deviation>) -> f64 {
     approaches(machine).iter().map(|approach| Statistics::of(&of(*approach)).position_um.p95).fold(0.0, f64::max)
 }
 
 /// Poses for the figures of single errors: every one costs a cell of the lattice.
-const MOST_SINGLE_POSES: usize = 200;
+pub(super) const MOST_SINGLE_POSES: usize = 200;
 
-fn deviations(field: &dyn Field, poses: &[Pose], approach: Approach) -> Vec<Deviation> {
+pub(super) fn deviations(field: &dyn Field, poses: &[Pose], approach: Approach) -> Vec<Deviation> {
     poses.par_iter().map(|pose| field.deviation(pose, approach)).collect()
 }
 
-fn figures(field: &dyn Field, poses: &[Pose], approach: Approach) -> Figures {
+pub(super) fn figures(field: &dyn Field, poses: &[Pose], approach: Approach) -> Figures {
     let deviations = deviations(field, poses, approach);
     let tilt = |(pose, d): (&Pose, &Deviation)| tool_axis_tilt(field.machine(), pose, &d.rotation) * 1e6;
     let tilts: Vec<_> = poses.iter().zip(&deviations).map(tilt).collect();
@@ -150,7 +150,7 @@ impl Singles<'_> {
                 ids.par_iter().map(alone).collect()
             }
             (_, Tables::Lattice(lattice)) => self.on_lattice(lattice, tables),
-            (Capability::Lattice(_), Tables::OwnAxis(_)) => Vec::new(),
+            (Capability::Lattice(_) | Capability::Kinematics, Tables::OwnAxis(_)) => Vec::new(),
         }
     }
 
@@ -205,7 +205,7 @@ impl Singles<'_> {
     }
 }
 
-fn verdict(error: ErrorId, alone: f64, left: f64) -> ErrorLeft {
+pub(super) fn verdict(error: ErrorId, alone: f64, left: f64) -> ErrorLeft {
     const NOTHING: f64 = 0.05;
     let handled = if left <= (0.05 * alone).max(NOTHING) {
         Handled::Fully

@@ -11,6 +11,8 @@ impl Target {
         let mut tables = match self.manifest.capability() {
             Capability::OwnAxis(capability) => Tables::OwnAxis(own_axis_tables(machine, &capability)),
             Capability::Lattice(capability) => Tables::Lattice(lattice(machine, &capability, request)),
+            // What has no tables has none to fill.
+            Capability::Kinematics => Tables::OwnAxis(Vec::new()),
         };
         tables.quantise(self.manifest.increment());
         tables

@@ -1,5 +1,6 @@
 //! The manifest of a target (`target.yaml`): what the controller can hold and what it does with it.
 
+use super::kinematics::{KinematicsMechanism, layout_fits};
 use crate::compensation::{Capability, Increment, LatticeCapability, OwnAxisCapability, Spacing};
 use serde::Deserialize;
 
@@ -67,6 +68,8 @@ pub enum Mechanism {
     OwnAxis(OwnAxisMechanism),
     /// A lattice.
     Lattice(LatticeMechanism),
+    /// The controller's kinematics are replaced.
+    Kinematics(KinematicsMechanism),
 }
 
 /// One table per axis.
@@ -172,6 +175,10 @@ pub enum Layout {
     },
     /// CSV: a column per axis, then a column `d` + axis per corrected axis, units in the header.
     CsvLattice,
+    /// Constant arrays of C: the numbers of a full kinematics model.
+    CArrays,
+    /// Lines `setp COMPONENT.NAME VALUE`.
+    HalConstants,
 }
 
 /// A column of a table of one axis.
@@ -217,6 +224,7 @@ impl Manifest {
                 corrects_rotary: m.corrects_rotary,
                 increment: m.increment,
             }),
+            Mechanism::Kinematics(_) => Capability::Kinematics,
         }
     }
 
@@ -225,6 +233,7 @@ impl Manifest {
         match &self.mechanism {
             Mechanism::OwnAxis(m) => m.increment,
             Mechanism::Lattice(m) => m.increment,
+            Mechanism::Kinematics(m) => m.increment,
         }
     }
 
@@ -233,6 +242,7 @@ impl Manifest {
         match &self.mechanism {
             Mechanism::OwnAxis(m) => m.stored,
             Mechanism::Lattice(m) => m.stored,
+            Mechanism::Kinematics(_) => Stored::Correction,
         }
     }
 
@@ -264,7 +274,21 @@ impl Manifest {
                 self.files.iter().filter_map(|f| f.layout.as_ref()).find_map(|l| l.fault(m.bidirectional))
             }
             Mechanism::Lattice(_) => None,
+            Mechanism::Kinematics(m) => m.fault().or_else(|| self.unfit_files(m)),
         }
+    }
+}
+
+impl Manifest {
+    /// A kinematics module is one set of files, and one of them is read back.
+    fn unfit_files(&self, mechanism: &KinematicsMechanism) -> Option<String> {
+        let layouts: Vec<&Layout> = self.files.iter().filter_map(|file| file.layout.as_ref()).collect();
+        let one = matches!(layouts[..], [layout] if layout_fits(mechanism.carries, layout));
+        let once = self.files.iter().all(|file| file.per == Per::Machine);
+        (!one || !once).then(|| {
+            "files: all `per: machine`, and one of them with the layout c_arrays (full_model) or hal_constants"
+                .to_owned()
+        })
     }
 }
 

@@ -42,6 +42,7 @@ impl Target {
                         None
                     }),
                     Layout::CsvLattice => lattice(machine, text).map(Some),
+                    Layout::CArrays | Layout::HalConstants => continue,
                 };
                 match read {
                     Ok(Some(lattice)) => return Some(Tables::Lattice(lattice)),
@@ -60,7 +61,7 @@ impl Target {
     fn own_axis(&self, axis: usize, columns: &[Column], text: &str) -> Result<OwnAxisTable, Fault> {
         let most = match self.manifest.capability() {
             Capability::OwnAxis(own) => own.max_points,
-            Capability::Lattice(_) => usize::MAX,
+            Capability::Lattice(_) | Capability::Kinematics => usize::MAX,
         };
         let mut table = OwnAxisTable { axis, positions: Vec::new(), forward: Vec::new(), reverse: Vec::new() };
         for (number, line) in text.lines().enumerate() {
@@ -128,13 +129,24 @@ struct Fault {
 
 impl Fault {
     fn diagnostic(&self, name: &str, text: &str, source: crate::diagnostic::SourceId) -> Diagnostic {
-        let start: usize = text.split_inclusive('\n').take(self.line).map(str::len).sum();
-        let length = text.get(start..).and_then(|rest| rest.lines().next()).map_or(0, str::len);
-        let place = Place { source, range: start..start + length };
-        Diagnostic::new("E0704", format!("`{name}`: {}", self.message))
-            .at(Some(place), "")
-            .help("compile the file set again; do not edit compensation files by hand")
+        at_line(self.line, &self.message, name, text, source)
     }
+}
+
+/// What is wrong with a line (counted from 0) of a file.
+pub(super) fn at_line(
+    line: usize,
+    message: &str,
+    name: &str,
+    text: &str,
+    source: crate::diagnostic::SourceId,
+) -> Diagnostic {
+    let start: usize = text.split_inclusive('\n').take(line).map(str::len).sum();
+    let length = text.get(start..).and_then(|rest| rest.lines().next()).map_or(0, str::len);
+    let place = Place { source, range: start..start + length };
+    Diagnostic::new("E0704", format!("`{name}`: {message}"))
+        .at(Some(place), "")
+        .help("compile the file set again; do not edit compensation files by hand")
 }
 
 fn missing(name: &str) -> Diagnostic {
