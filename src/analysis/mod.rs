@@ -3,6 +3,7 @@
 //! - [`map()`]: any [`Field`](crate::evaluate::Field) over a volume, and its statistics.
 //! - [`mod@budget`]: tolerances to the volumetric error; [`enumerate`]: all arrangements of the axes.
 //! - [`instrument`]: what a ball bar, an R-test or a laser along the diagonals would read.
+//! - [`survey()`]: the same over any number of poses, without keeping them.
 //! - [`Plane`]: a field over a plane of two linear axes, for drawing.
 //! - [`inverse()`]: where the axes must be for a pose of the tool; [`compare()`] puts machines side by
 //!   side on the same tool poses.
@@ -24,6 +25,7 @@ mod lever;
 mod location_set;
 mod map;
 mod plane;
+mod survey;
 mod twist;
 
 pub use compare::{Compared, Comparison, Missed, compare};
@@ -37,4 +39,5 @@ pub use lever::{Lever, levers};
 pub use location_set::{LocationSet, Status};
 pub use map::{MOST_POSES, Map, TooManyPoses, View, deviation_in, map};
 pub use plane::Plane;
+pub use survey::{MOST_SURVEYED, Sink, Survey, Task as SurveyTask, Text, survey, survey_with_rows};
 pub use twist::{Map as TwistMap, Quantity, Share, Twist, twists};
