@@ -7,6 +7,7 @@ use crate::oracle::random::Random;
 use crate::oracle::rigid::Conventions;
 use crate::oracle::yaml;
 use abbe::analysis::{SurveyTask, View, deviation_in, map, survey};
+use abbe::compensation::{Goal, Scope, correct, correct_all};
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::{
     Bare, Columns, Deviation, Frame, Nodes, Order, Plan, Planned, PoseColumns, Poses, Tally, Unknown, Width,
@@ -308,4 +309,34 @@ fn a_survey_is_a_map_that_is_not_kept() {
             assert_eq!(alone.install(survey), found);
         }
     }
+}
+
+#[test]
+fn corrections_in_batches_are_those_one_by_one() {
+    let mut random = Random::new(88);
+    for index in 0..12 {
+        let conventions = Conventions { linearised: index % 2 == 0, ..Conventions::default() };
+        let (machine, poses) = random_machine(&mut random, conventions, 1e-4);
+        let plan = Plan::new(&machine, Order::Exact, Approach::Mean);
+        for scope in [Scope::POSITION, Scope { goal: Goal::Pose, rotary: true, damping: 0.05 }] {
+            let all = correct_all(&plan, &poses, scope).unwrap();
+            assert_eq!(all.len(), poses.len());
+            for (pose, found) in poses.iter().zip(&all) {
+                let one = correct(&machine, pose, Approach::Mean, scope);
+                let gap =
+                    one.correction.0.iter().zip(&found.correction.0).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                // Where axes are nearly parallel the rounding of positions is magnified.
+                assert!(gap < 1e-8, "{gap:e} {scope:?} {pose:?}");
+                assert!((one.left.position - found.left.position).amax() < 1e-10, "{scope:?}");
+            }
+        }
+    }
+    assert!(
+        correct_all(
+            &Plan::new(&random_machine(&mut random, Conventions::default(), 1e-4).0, Order::Degree(1), Approach::Mean),
+            &[],
+            Scope::POSITION
+        )
+        .is_none()
+    );
 }
