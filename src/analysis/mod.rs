@@ -3,6 +3,7 @@
 //! - [`map()`]: any [`Field`](crate::evaluate::Field) over a volume, and its statistics.
 //! - [`mod@budget`]: tolerances to the volumetric error; [`enumerate`]: all arrangements of the axes.
 //! - [`instrument`]: what a ball bar, an R-test or a laser along the diagonals would read.
+//! - [`survey()`]: the same over any number of poses, without keeping them.
 //! - [`Plane`]: a field over a plane of two linear axes, for drawing.
 //! - [`inverse()`]: where the axes must be for a pose of the tool; [`compare()`] puts machines side by
 //!   side on the same tool poses.
@@ -27,6 +28,7 @@ mod location_set;
 mod map;
 mod plane;
 mod sources;
+mod survey;
 mod twist;
 
 pub use compare::{Compared, Comparison, Missed, compare};
@@ -42,4 +44,5 @@ pub use location_set::{LocationSet, Status};
 pub use map::{MOST_POSES, Map, TooManyPoses, View, deviation_in, frame_rotation, map};
 pub use plane::Plane;
 pub use sources::{Source, sources};
+pub use survey::{MOST_SURVEYED, Sink, Survey, Task as SurveyTask, Text, survey, survey_with_rows};
 pub use twist::{Map as TwistMap, Quantity, Share, Twist, twists};

@@ -5,14 +5,15 @@ use super::compile::{How, made};
 use super::eval::FrameArg;
 use super::map_output::Outputs;
 use super::map_picture::{Pictures, Subject};
+use super::map_survey::surveyed;
 use super::progress::Progress;
 use super::session::Session;
 use super::view::{STATISTICS, ViewArgs, axes_json, axes_text, frame_text, order_text, statistics_rows, table};
 use super::{Format, Outcome, Stop, load};
-use crate::analysis::{Diagonal, MOST_POSES, Map, TooManyPoses, View, body_diagonals, map, rest};
+use crate::analysis::{Diagonal, MOST_POSES, MOST_SURVEYED, SurveyTask, View, body_diagonals, map, rest};
 use crate::compensation::Tables;
 use crate::diagnostic::Diagnostic;
-use crate::evaluate::{Bare, Deviation, Field, Nodes, Order, Poses, Random, Spread, Statistics, worst};
+use crate::evaluate::{Deviation, Field, Nodes, Order, Planned, Poses, Random, Spread, Statistics, Tally, worst};
 use crate::machine::Machine;
 use crate::report::Rows;
 use crate::target::{Compensated, Limits, Replay, Target, certify};
@@ -25,10 +26,10 @@ pub(super) struct Args {
     /// The machine file; its `volume` is the grid.
     machine: PathBuf,
     /// So many random poses over the volume instead of the grid.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_POSES as i64))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SURVEYED as i64))]
     random: Option<u32>,
     /// So many low-discrepancy poses over the volume: spread more evenly than random ones.
-    #[arg(long, value_name = "N", conflicts_with = "random", value_parser = clap::value_parser!(u32).range(1..=MOST_POSES as i64))]
+    #[arg(long, value_name = "N", conflicts_with = "random", value_parser = clap::value_parser!(u32).range(1..=MOST_SURVEYED as i64))]
     low_discrepancy: Option<u32>,
     /// Seed of the random or low-discrepancy poses.
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -63,26 +64,23 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     args.outputs.check(session)?;
     let place = args.pictures.place(session, &machine, args.target.is_some())?;
     let compensation = compensation(session, args, &machine, order)?;
-    let bare = Bare { machine: &machine, order };
+    let bare = Planned::new(&machine, order);
     let replayed = compensation.as_ref().map(|(target, tables)| {
         let replay = Replay::new(&machine, tables, target.manifest.controller);
         Compensated { machine: &machine, replay }
     });
     let field: &dyn Field = replayed.as_ref().map_or(&bare as &dyn Field, |field| field);
     let poses = poses(args, &machine);
-    let count = poses.len().saturating_mul(1 + usize::from(replayed.is_some()));
-    let progress = Progress::new(count, session.is_quiet());
-    let done = |count| progress.add(count);
-    let before = replayed.as_ref().map(|_| map(&bare, &poses, view, &done)).transpose();
-    let result = before.and_then(|before| Ok((before, map(field, &poses, view, &done)?)));
-    drop(progress);
-    let (before, map) = match result {
-        Ok(maps) => maps,
-        Err(TooManyPoses(count)) => return session.refuse(too_many(count)),
-    };
+    if poses.len() > MOST_SURVEYED {
+        return session.refuse(too_many(poses.len()));
+    }
     let target = args.target.as_deref().unwrap_or_default();
-    let rows = Rows { machine: &machine, poses: &poses, deviations: &map.deviations, view, order, target };
-    args.outputs.write(session, &rows)?;
+    let whole = Whole { machine: &machine, poses: &poses, view, order, target, worst: args.worst };
+    let before = match &replayed {
+        Some(_) => Some(whole.found(session, &bare, None)?.statistics),
+        None => None,
+    };
+    let found = whole.found(session, field, Some(&args.outputs))?;
     if let Some(place) = place {
         let state = if target.is_empty() { String::new() } else { format!("after {target}") };
         let subject = Subject { field, state: &state };
@@ -90,11 +88,10 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         args.pictures.write(session, &place, (&subject, before), (view, order))?;
     }
     let diagonals = body_diagonals(field, &rest(&machine), DIAGONAL_STEPS, view.approach);
-    let before = before.map(|map| map.statistics);
-    let report = Report { rows: &rows, map: &map, before, diagonals, worst: args.worst };
+    let report = Report { whole: &whole, found, before, diagonals };
     match session.format() {
         Format::Json => session.print_json(report.json()),
-        Format::Csv => session.print(&report.csv()),
+        Format::Csv => session.print(&report.found.csv.clone().unwrap_or_default()),
         Format::Text => session.print(&report.text()),
     }
     Ok(())
@@ -135,20 +132,79 @@ fn compensation(
     Ok(Some((target, tables)))
 }
 
+fn too_long(count: usize) -> Diagnostic {
+    Diagnostic::new("E0541", format!("a table of {count} poses does not go to standard output: {MOST_POSES} at most"))
+        .help("write it to a file with `--csv FILE`: that takes no memory, but some 200 bytes of disk per pose")
+}
+
 fn too_many(count: usize) -> Diagnostic {
     let count = if count == usize::MAX { "more than can be counted".to_owned() } else { count.to_string() };
-    Diagnostic::new("E0812", format!("the grid of the volume has {count} poses; a map takes {MOST_POSES} at most"))
+    Diagnostic::new("E0812", format!("the grid of the volume has {count} poses; a map takes {MOST_SURVEYED} at most"))
         .help("take random poses (`--random 100000`), or larger steps under `volume` in the machine file")
+}
+
+/// Everything that is mapped.
+struct Whole<'a> {
+    machine: &'a Machine,
+    poses: &'a Poses,
+    view: View,
+    order: Order,
+    target: &'a str,
+    worst: usize,
+}
+
+/// What a map has found.
+pub(super) struct Found {
+    pub statistics: Statistics,
+    /// The worst poses by number, largest deviation first.
+    pub worst: Vec<(usize, Deviation)>,
+    /// Is the quantile that of a sketch?
+    pub sketched: bool,
+    /// What goes to standard output.
+    pub csv: Option<String>,
+}
+
+impl Whole<'_> {
+    /// Maps a field; `outputs` are written, if there are any.
+    fn found(&self, session: &mut Session, field: &dyn Field, outputs: Option<&Outputs>) -> Result<Found, Stop> {
+        let printed = session.format() == Format::Csv && outputs.is_some();
+        if self.poses.len() > MOST_POSES {
+            if printed {
+                return session.refuse(too_long(self.poses.len()));
+            }
+            let task = SurveyTask { field, poses: self.poses, view: self.view, worst: self.worst };
+            return surveyed(session, task, outputs);
+        }
+        let progress = Progress::new(self.poses.len(), session.is_quiet());
+        let result = map(field, self.poses, self.view, &|count| progress.add(count));
+        drop(progress);
+        let Ok(map) = result else { return session.refuse(too_many(self.poses.len())) };
+        let Self { machine, poses, view, order, target, .. } = *self;
+        let rows = Rows { machine, poses, deviations: &map.deviations, view, order, target };
+        if let Some(outputs) = outputs {
+            outputs.write(session, &rows)?;
+        }
+        let csv = printed.then(|| text(&rows));
+        let indices = worst(&map.deviations, self.worst);
+        let worst = indices.into_iter().map(|i| (i, map.deviations[i])).collect();
+        Ok(Found { statistics: map.statistics, worst, sketched: false, csv })
+    }
+}
+
+fn text(rows: &Rows<'_>) -> String {
+    let mut bytes = Vec::new();
+    // Writing to memory cannot fail.
+    let _ = rows.csv(&mut bytes);
+    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 /// What is printed.
 struct Report<'a> {
-    rows: &'a Rows<'a>,
-    map: &'a Map,
+    whole: &'a Whole<'a>,
+    found: Found,
     /// Without compensation, if the map is with.
     before: Option<Statistics>,
     diagonals: Vec<Diagonal>,
-    worst: usize,
 }
 
 /// um; adding zero turns -0 into 0.
@@ -158,23 +214,25 @@ fn position_um(deviation: &Deviation) -> [f64; 3] {
 
 impl Report<'_> {
     fn worst(&self) -> impl Iterator<Item = (Vec<f64>, &Deviation)> {
-        let indices = worst(&self.map.deviations, self.worst);
-        indices.into_iter().map(|i| (self.rows.poses.get(i), &self.map.deviations[i]))
+        self.found.worst.iter().map(|(i, deviation)| (self.whole.poses.get(*i), deviation))
     }
 
     fn json(&self) -> serde_json::Value {
-        let s = &self.map.statistics;
+        let s = &self.found.statistics;
         let worst: Vec<_> = self
             .worst()
-            .map(|(pose, d)| json!({"axes": axes_json(self.rows.machine, &pose), "deviation_um": position_um(d)}))
+            .map(|(pose, d)| json!({"axes": axes_json(self.whole.machine, &pose), "deviation_um": position_um(d)}))
             .collect();
         let mut json = json!({
-            "machine": self.rows.machine.name(), "order": order_text(self.rows.order), "frame": frame_text(self.rows.view.frame),
-            "direction": self.rows.view.approach, "poses": s.poses, "position_um": s.position_um,
+            "machine": self.whole.machine.name(), "order": order_text(self.whole.order), "frame": frame_text(self.whole.view.frame),
+            "direction": self.whole.view.approach, "poses": s.poses, "position_um": s.position_um,
             "rotation_urad": s.rotation_urad, "worst": worst, "diagonals": self.diagonals.iter().map(|d| self.diagonal(d)).collect::<Vec<_>>(),
         });
+        if self.found.sketched {
+            json["p95_relative_error"] = json!(Tally::QUANTILE_ERROR);
+        }
         if let (Some(object), Some(before)) = (json.as_object_mut(), &self.before) {
-            let _ = object.insert("target".to_owned(), json!(self.rows.target));
+            let _ = object.insert("target".to_owned(), json!(self.whole.target));
             let before = json!({"position_um": before.position_um, "rotation_urad": before.rotation_urad});
             let _ = object.insert("uncompensated".to_owned(), before);
         }
@@ -182,37 +240,30 @@ impl Report<'_> {
     }
 
     fn diagonal(&self, d: &Diagonal) -> serde_json::Value {
-        let ends = [&d.ends[0], &d.ends[1]].map(|pose| axes_json(self.rows.machine, pose));
+        let ends = [&d.ends[0], &d.ends[1]].map(|pose| axes_json(self.whole.machine, pose));
         let along: Vec<f64> = d.deviations.iter().map(|x| x * 1e3 + 0.0).collect();
         json!({"name": d.name, "from": ends[0], "to": ends[1], "length_mm": d.length, "range_um": d.range() * 1e3, "deviations_um": along})
     }
 
-    fn csv(&self) -> String {
-        let mut bytes = Vec::new();
-        // Writing to memory cannot fail.
-        let _ = self.rows.csv(&mut bytes);
-        String::from_utf8_lossy(&bytes).into_owned()
-    }
-
     fn text(&self) -> String {
-        let where_from = match self.rows.poses {
+        let where_from = match self.whole.poses {
             Poses::Nodes(nodes) => nodes.counts().map(|n| n.to_string()).collect::<Vec<_>>().join(" x ") + " grid",
             Poses::Spread(_) => "low-discrepancy over the volume".to_owned(),
             _ => "random over the volume".to_owned(),
         };
         let mut text = format!(
             "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{} poses ({where_from})\n{}\n",
-            self.rows.machine.name(),
-            frame_text(self.rows.view.frame),
-            order_text(self.rows.order),
-            self.map.statistics.poses,
+            self.whole.machine.name(),
+            frame_text(self.whole.view.frame),
+            order_text(self.whole.order),
+            self.found.statistics.poses,
             self.statistics(),
         );
         for (i, (pose, d)) in self.worst().enumerate() {
             let [x, y, z] = position_um(d).map(|v| significant(v, 4));
             let length = significant(d.position.norm() * 1e3, 4);
             let lead = if i == 0 { "Worst:" } else { "      " };
-            text.push_str(&format!("{lead} {length} um ({x}, {y}, {z}) at {}\n", axes_text(self.rows.machine, &pose)));
+            text.push_str(&format!("{lead} {length} um ({x}, {y}, {z}) at {}\n", axes_text(self.whole.machine, &pose)));
         }
         if !self.diagonals.is_empty() {
             let of = |d: &Diagonal| format!("{} {}", d.name, significant(d.range() * 1e3, 4));
@@ -226,12 +277,12 @@ impl Report<'_> {
     fn statistics(&self) -> comfy_table::Table {
         let Some(before) = &self.before else {
             let mut table = table(&STATISTICS[1..]);
-            let _ = table.add_rows(statistics_rows("", &self.map.statistics).map(|row| row.into_iter().skip(1)));
+            let _ = table.add_rows(statistics_rows("", &self.found.statistics).map(|row| row.into_iter().skip(1)));
             return table;
         };
         let mut table = table(&STATISTICS);
         let _ = table.add_rows(statistics_rows("before", before));
-        let _ = table.add_rows(statistics_rows(&format!("after {}", self.rows.target), &self.map.statistics));
+        let _ = table.add_rows(statistics_rows(&format!("after {}", self.whole.target), &self.found.statistics));
         table
     }
 }

@@ -1,10 +1,10 @@
 //! Files of `abbe map`: every pose with its deviation, for other programs.
 
-use super::Outcome;
 use super::session::Session;
 use super::write::{refuse_input, write_streamed};
+use super::{Outcome, Stop};
 use crate::report::Rows;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Where every pose with its deviation is written.
 #[derive(Debug, Clone, clap::Args)]
@@ -34,6 +34,14 @@ impl Outputs {
             refuse_input(path, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
         }
         Ok(())
+    }
+
+    /// The file that can be written while a map is made; the others need all of it.
+    pub(super) fn streamed(&self, session: &mut Session) -> Result<Option<&Path>, Stop> {
+        if self.json.is_some() || self.parquet.is_some() || self.vtk.is_some() {
+            return session.usage("so many poses are written as CSV only: leave `--json`, `--parquet` and `--vtk` out");
+        }
+        Ok(self.csv.as_deref())
     }
 
     /// Writes what was asked for, each file whole or not at all.

@@ -18,6 +18,8 @@ mod explain;
 mod file_set;
 pub mod files;
 mod identify;
+mod identify_report;
+mod import;
 mod init;
 mod instrument;
 mod journal;
@@ -26,9 +28,13 @@ mod load;
 mod map;
 mod map_output;
 mod map_picture;
+mod map_survey;
+mod monomials;
+mod pictures;
 mod plan;
 mod poses;
 mod progress;
+mod ranking;
 mod report;
 mod serve;
 mod session;
@@ -120,6 +126,8 @@ enum Verb {
     Instrument(instrument::Args),
     /// Measurements to error parameters, with rank, uncertainty and a fitted machine file.
     Identify(identify::Args),
+    /// A single-axis measurement as an instrument exports it, to a table of error curves.
+    Import(import::Args),
     /// The compensation files of a controller, with their certificate.
     Compile(compile::Args),
     /// Replay compensation files as the controller would, and say what they leave.
@@ -182,6 +190,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Enumerate(args) => enumerate::run(session, &args),
         Verb::Instrument(args) => instrument::run(session, &args),
         Verb::Identify(args) => identify::run(session, &args),
+        Verb::Import(args) => import::run(session, &args),
         Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),
         Verb::Verify(args) => verify::run(session, &args),

@@ -7,6 +7,7 @@
 //! A [`Correction`] is what is added to a command; a `Deviation` is actual minus nominal. They are
 //! different types, and the sign changes in exactly one function, `jacobian::against`.
 
+mod batch;
 mod capability;
 mod correct;
 mod jacobian;
@@ -14,6 +15,7 @@ mod lattice;
 mod own_axis;
 mod tables;
 
+pub use batch::correct_all;
 pub use capability::{Capability, LatticeCapability, OwnAxisCapability, Spacing};
 pub use correct::{Corrected, Goal, Scope, correct};
 pub use jacobian::{Correction, Jacobian};

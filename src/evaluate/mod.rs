@@ -1,7 +1,8 @@
 //! Evaluation: what a machine does at a pose, compared with what it should do.
 //!
 //! A [`Field`] is anything that has a deviation at a pose: a bare machine, or a compensated one.
-//! [`Poses`] say where to look, [`Statistics`] what it comes to over all of them.
+//! [`Poses`] say where to look, [`Statistics`] what it comes to over all of them, and a [`Tally`] the same without
+//! keeping them. The general algebra defines the result; a [`Plan`] is a machine compiled for many poses.
 
 mod deviation;
 mod field;
@@ -9,13 +10,15 @@ pub mod plan;
 mod poses;
 mod spread;
 mod statistics;
+mod tally;
 
 pub use deviation::{
     Deviation, Evaluation, Frame, MAX_DUAL_ORDER, Order, Response, command_deviation, evaluate, evaluate_over,
     response, rotation,
 };
-pub use field::{Bare, Field, commanded_deviation, error_by_error, tool_axis_tilt};
-pub use plan::{Batch, Columns, Normal, Output, Plan, PoseColumns, Unknown, Width};
+pub use field::{Bare, Field, Planned, commanded_deviation, error_by_error, tool_axis_tilt};
+pub use plan::{Batch, Columns, GridPlan, Normal, Output, Plan, PoseColumns, Unknown, Width};
 pub use poses::{Nodes, Poses, Random, random_poses};
 pub use spread::Spread;
 pub use statistics::{Difference, Statistics, Summary, quantile_95, worst};
+pub use tally::Tally;

@@ -3,6 +3,7 @@
 //!
 //! - [`page`]: the report, one self-contained HTML page.
 //! - [`PlanePicture`]: the deviation over a plane of two linear axes; [`before_after`]: in two states.
+//! - [`FitPicture`]: prediction against data over such a plane.
 //! - [`axis_curves`], [`all_curves`]: curves of the component errors as small multiples.
 //! - [`ParetoPicture`], [`WaterfallPicture`]: a budget; [`PolarPicture`]: a ball bar.
 //! - [`chain_picture`], [`chain_dot`]: the kinematic chain.
@@ -14,6 +15,7 @@ mod chain;
 mod curves;
 mod dot;
 pub mod equations;
+mod fit;
 mod frame;
 mod outlines;
 pub mod page;
@@ -27,7 +29,8 @@ pub use bars::{Bar, ParetoPicture, WaterfallPicture};
 pub use chain::chain_picture;
 pub use curves::{all_curves, axis_curves};
 pub use dot::chain_dot;
+pub use fit::{FitPicture, FitPoint};
 pub use plane::{Drawn, PlanePicture, Shown, before_after};
 pub use polar::PolarPicture;
-pub use rows::Rows;
+pub use rows::{Rows, csv_header, csv_line};
 pub use svg::Picture;

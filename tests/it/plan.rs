@@ -6,12 +6,15 @@ use crate::oracle::program::Folder;
 use crate::oracle::random::Random;
 use crate::oracle::rigid::Conventions;
 use crate::oracle::yaml;
+use abbe::analysis::{SurveyTask, View, deviation_in, map, survey};
+use abbe::compensation::{Goal, Scope, correct, correct_all};
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::{
-    Columns, Deviation, Frame, Order, Plan, PoseColumns, Unknown, Width, command_deviation, evaluate,
+    Bare, Columns, Deviation, Frame, Nodes, Order, Plan, Planned, PoseColumns, Poses, Tally, Unknown, Width,
+    command_deviation, evaluate,
 };
 use abbe::lower::{Ideal, given, sensitivities};
-use abbe::machine::{Approach, Machine};
+use abbe::machine::{Approach, Grid, Machine};
 use abbe::syntax::{Files, ReadFailure};
 use std::path::Path;
 
@@ -155,7 +158,7 @@ fn what_no_kernel_covers_goes_through_the_general_algebra() {
         agree(&machine, &poses, Order::Exact, ROUNDING);
     }
     // Rotations of some tenths of a radian: beyond the series.
-    let (machine, poses) = random_machine(&mut random, Conventions::default(), 0.1);
+    let (machine, poses) = random_machine(&mut random, Conventions::default(), 0.08);
     agree(&machine, &poses, Order::Exact, ROUNDING);
 }
 
@@ -227,4 +230,113 @@ fn commands_are_those_of_the_general_algebra() {
             assert!(gap[0] < 4e-12 && gap[1] < 4e-15, "{gap:?} {conventions:?}");
         }
     }
+}
+
+fn nodes(machine: &Machine) -> Nodes {
+    let volume: Vec<Grid> = machine
+        .volume()
+        .iter()
+        .enumerate()
+        .map(|(k, grid)| Grid { step: (grid.max - grid.min) / [2.0, 3.0, 1.0, 4.0][k % 4] * 1.01, ..*grid })
+        .collect();
+    Nodes::new(&volume)
+}
+
+#[test]
+fn grids_are_the_nodes_one_by_one() {
+    let mut random = Random::new(86);
+    for (index, conventions) in combinations().enumerate() {
+        let conventions = Conventions { linearised: index % 2 == 0, ..conventions };
+        let (machine, _) = random_machine(&mut random, conventions, 1e-4);
+        let nodes = nodes(&machine);
+        let poses: Vec<Vec<f64>> = (0..nodes.len()).map(|i| nodes.get(i)).collect();
+        let plan = Plan::new(&machine, Order::Degree(1), Approach::Mean);
+        let scattered = planned(&plan, &poses);
+        let fill = |plan: &Plan, first: usize| {
+            let grid = plan.grid(&nodes).unwrap();
+            assert_eq!(grid.lines() * grid.line(), nodes.len());
+            let mut out = Columns::new(nodes.len() - first * grid.line());
+            let len = out.len();
+            grid.fill_parallel(first, out.output(len));
+            (0..len).map(|i| out.get(i)).collect::<Vec<_>>()
+        };
+        let whole = fill(&plan, 0);
+        let (size, gap) = (largest(&scattered), largest(&differences(&whole, &scattered)));
+        assert!(gap[0] <= 1e-12 * size[0] && gap[1] <= 1e-12 * size[1], "{gap:?} of {size:?}");
+        let lines = plan.grid(&nodes).unwrap();
+        assert_eq!(fill(&plan, lines.lines() / 2), whole[lines.lines() / 2 * lines.line()..]);
+        for width in widths() {
+            assert_eq!(fill(&plan.clone().with_width(width), 0), whole, "{width:?}");
+        }
+    }
+}
+
+#[test]
+fn a_survey_is_a_map_that_is_not_kept() {
+    let mut random = Random::new(87);
+    for order in [Order::Degree(1), Order::Exact] {
+        let (machine, _) = random_machine(&mut random, Conventions::default(), 1e-4);
+        let field = Planned::new(&machine, order);
+        let grid = Poses::Nodes(nodes(&machine));
+        for (poses, frame) in [
+            (grid.clone(), Frame::Workpiece),
+            (grid, Frame::Tool),
+            (Poses::Random(abbe::evaluate::Random::of(&machine, 40_000, 3)), Frame::Machine),
+        ] {
+            let view = View { approach: Approach::Mean, frame };
+            let kept = map(&field, &poses, view, &|_| ()).unwrap();
+            let survey = || survey(SurveyTask { field: &field, poses: &poses, view, worst: 4 }, &|_| ());
+            let found = survey();
+            assert_eq!(found.statistics.poses, poses.len());
+            let close =
+                |a: f64, b: f64, tolerance: f64| assert!((a - b).abs() <= tolerance * b.abs(), "{a} {b} {frame:?}");
+            for (a, b) in [
+                (found.statistics.position_um, kept.statistics.position_um),
+                (found.statistics.rotation_urad, kept.statistics.rotation_urad),
+            ] {
+                close(a.max, b.max, 1e-11);
+                close(a.mean, b.mean, 1e-11);
+                close(a.rms, b.rms, 1e-11);
+                close(a.p95, b.p95, Tally::QUANTILE_ERROR + 1e-11);
+                (0..3).for_each(|k| close(a.range[k], b.range[k], 1e-11));
+            }
+            let general = Bare { machine: &machine, order };
+            for (index, deviation) in &found.worst {
+                let expected = deviation_in(&general, &poses.get(*index), view);
+                assert!((deviation.position - expected.position).amax() < 4e-12, "{frame:?}");
+            }
+            let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+            assert_eq!(alone.install(survey), found);
+        }
+    }
+}
+
+#[test]
+fn corrections_in_batches_are_those_one_by_one() {
+    let mut random = Random::new(88);
+    for index in 0..12 {
+        let conventions = Conventions { linearised: index % 2 == 0, ..Conventions::default() };
+        let (machine, poses) = random_machine(&mut random, conventions, 1e-4);
+        let plan = Plan::new(&machine, Order::Exact, Approach::Mean);
+        for scope in [Scope::POSITION, Scope { goal: Goal::Pose, rotary: true, damping: 0.05 }] {
+            let all = correct_all(&plan, &poses, scope).unwrap();
+            assert_eq!(all.len(), poses.len());
+            for (pose, found) in poses.iter().zip(&all) {
+                let one = correct(&machine, pose, Approach::Mean, scope);
+                let gap =
+                    one.correction.0.iter().zip(&found.correction.0).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                // Where axes are nearly parallel the rounding of positions is magnified.
+                assert!(gap < 1e-8, "{gap:e} {scope:?} {pose:?}");
+                assert!((one.left.position - found.left.position).amax() < 1e-10, "{scope:?}");
+            }
+        }
+    }
+    assert!(
+        correct_all(
+            &Plan::new(&random_machine(&mut random, Conventions::default(), 1e-4).0, Order::Degree(1), Approach::Mean),
+            &[],
+            Scope::POSITION
+        )
+        .is_none()
+    );
 }

@@ -200,14 +200,17 @@ impl<T: Task> Kernel for Pass<'_, '_, T> {
             self.step::<V>(at);
             at += V::COUNT;
         }
-        while at < count {
-            self.step::<f64>(at);
-            at += 1;
-        }
+        self.rest(at);
     }
 }
 
 impl<T: Task> Pass<'_, '_, T> {
+    /// What is less than a vector: compiled once, for its bits are the same at any width.
+    #[inline(never)]
+    fn rest(&mut self, from: usize) {
+        (from..self.out.len()).for_each(|at| self.step::<f64>(at));
+    }
+
     #[inline(always)]
     fn step<V: Lanes>(&mut self, at: usize) {
         let (d, w, far) = self.task.at::<V>(&self.poses, at);

@@ -135,7 +135,7 @@ impl Curves {
                 let [a, b, c, d, e, f, ..] = table.at(position);
                 [a, b, c, d, e, f]
             }
-            None => self.constant.map(V::splat),
+            None => splat_six(&self.constant),
         };
         if !self.powers.is_empty() {
             self.add_powers(&mut six, position);
@@ -169,6 +169,13 @@ impl Curves {
             (s, c) = (s * c1 + c * s1, c * c1 - s * s1);
         }
     }
+}
+
+/// The same six numbers in all lanes.
+#[inline(always)]
+pub fn splat_six<V: Lanes>(six: &Six) -> [V; 6] {
+    let [a, b, c, d, e, f] = *six;
+    [V::splat(a), V::splat(b), V::splat(c), V::splat(d), V::splat(e), V::splat(f)]
 }
 
 /// The one or two curves that count, with their shares.

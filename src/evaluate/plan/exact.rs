@@ -128,6 +128,11 @@ impl<V: Lanes> Relative<V> for Quaternion<V> {
 #[derive(Clone, Copy)]
 struct Matrix<V>([Vector<V>; 3]);
 
+#[inline(always)]
+fn transposed<V: Lanes>([a, b, c]: [Vector<V>; 3]) -> [Vector<V>; 3] {
+    [[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]]]
+}
+
 impl<V: Lanes> Relative<V> for Matrix<V> {
     #[inline(always)]
     fn none() -> Self {
@@ -146,18 +151,18 @@ impl<V: Lanes> Relative<V> for Matrix<V> {
 
     #[inline(always)]
     fn turned(self, about: &About, turn: (V, V)) -> Self {
-        let transposed = |[a, b, c]: [Vector<V>; 3]| [[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]]];
-        let turned = |[a, b, c]: [Vector<V>; 3]| [about.turned(turn, a), about.turned(turn, b), about.turned(turn, c)];
-        Self(transposed(turned(transposed(turned(self.0)))))
+        let [a, b, c] = self.0;
+        let [a, b, c] = transposed([about.turned(turn, a), about.turned(turn, b), about.turned(turn, c)]);
+        Self(transposed([about.turned(turn, a), about.turned(turn, b), about.turned(turn, c)]))
     }
 
     #[inline(always)]
     fn after(self, small: &Small<V>) -> Self {
         let mut columns = self.0;
-        for (k, column) in columns.iter_mut().enumerate() {
-            let mut whole = *column;
+        for k in 0..3 {
+            let mut whole = columns[k];
             whole[k] = whole[k] + V::splat(1.0);
-            *column = plus(*column, small.moved(whole));
+            columns[k] = plus(columns[k], small.moved(whole));
         }
         Self(columns)
     }
@@ -260,17 +265,20 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
     #[inline(always)]
     fn link(&mut self, link: &Link, location: Option<&Fixed>, q: V, added: Option<V>) {
         let zero = V::splat(0.0);
-        let there = added.map_or(q, |added| q + added);
-        let turn = if link.turns() { sin_cos(q) } else { (zero, zero) };
+        let there = match added {
+            Some(added) => q + added,
+            None => q,
+        };
+        let turn = if link.turns { sin_cos(q) } else { (zero, zero) };
         let wave = if added.is_some() && link.curves.has_waves() { sin_cos(there) } else { turn };
-        let errors = (!link.curves.is_zero()).then(|| link.curves.at(there, wave));
+        let errors = if link.errors { Some(link.curves.at(there, wave)) } else { None };
         if let (Some(location), Located::Innermost) = (location, link.located) {
             self.fixed(location);
         }
         if let (Some(six), false) = (errors, link.outside) {
             self.six(six, link.inverse, &link.origin);
         }
-        let around = location.filter(|_| link.located == Located::Around);
+        let around = if link.located == Located::Around { location } else { None };
         match &link.motion {
             Motion::Slide(direction) => self.slide(direction, around, (q, there), added),
             Motion::Turn(about) => self.turn(about, &link.origin, around, turn, added),
@@ -353,7 +361,10 @@ impl Exact {
         }
         for (axis, link) in links.joints.iter().enumerate().rev() {
             let q = V::load(&poses.axes[axis][at..]);
-            let added = poses.added.get(axis).map(|column| V::load(&column[at..]));
+            let added = match poses.added.get(axis) {
+                Some(column) => Some(V::load(&column[at..])),
+                None => None,
+            };
             state.link(link, self.locations[axis].as_ref(), q, added);
         }
         if let Some(clamping) = &self.clamping {

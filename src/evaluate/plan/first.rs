@@ -6,7 +6,7 @@
 //! `eps x p + (delta - eps x o)`: the bracket is folded into the tables, and so are location errors.
 
 use super::batch::{Slices, Task};
-use super::curves::{Curves, Six};
+use super::curves::{Curves, Six, splat_six};
 use super::lanes::Lanes;
 use super::links::{Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, slid, splat, times};
 use super::trigonometry::sin_cos;
@@ -81,7 +81,7 @@ impl FirstOrder {
                 *last = std::mem::take(last).plus(&before.take().unwrap_or_default());
             }
             joints.push(Joint {
-                turns: link.turns(),
+                turns: link.turns,
                 motion: link.motion,
                 origin: link.origin,
                 curves: (!curves.is_zero()).then_some(curves),
@@ -95,52 +95,81 @@ impl FirstOrder {
     }
 }
 
+impl FirstOrder {
+    /// At the tool.
+    #[inline(always)]
+    pub fn start<V: Lanes>(&self) -> State<V> {
+        let rotation = [V::splat(0.0); 3];
+        let mut state = State { point: splat(&self.tip), displacement: splat(&self.tool), rotation };
+        if let Some(constant) = &self.end {
+            state.add(splat_six(constant));
+        }
+        state
+    }
+}
+
 impl Task for FirstOrder {
     #[inline(always)]
     fn at<V: Lanes>(&self, poses: &Slices<'_>, at: usize) -> (Vector<V>, Vector<V>, V) {
         let zero = V::splat(0.0);
-        let (mut p, mut d, mut w) = (splat::<V>(&self.tip), splat::<V>(&self.tool), [zero; 3]);
-        if let Some(constant) = &self.end {
-            (d, w) = displaced(p, d, w, constant.map(V::splat));
-        }
+        let mut state = self.start();
         for (axis, joint) in self.joints.iter().enumerate().rev() {
             let q = V::load(&poses.axes[axis][at..]);
             let turn = if joint.turns { sin_cos(q) } else { (zero, zero) };
-            let errors = joint.curves.as_ref().map(|curves| curves.at(q, turn));
-            if let (Some(six), false) = (errors, joint.outside) {
-                (d, w) = displaced(p, d, w, six);
-            }
-            match &joint.motion {
-                Motion::Slide(direction) => {
-                    p = slid(direction, q, p);
-                    if let Some(bend) = &joint.bend {
-                        d = plus(d, times(splat(bend), q));
-                    }
-                }
-                Motion::Turn(about) => {
-                    let o = splat(&joint.origin);
-                    p = plus(about.turned(turn, minus(p, o)), o);
-                    d = about.turned(turn, d);
-                    w = about.turned(turn, w);
-                }
-            }
-            if let (Some(six), true) = (errors, joint.outside) {
-                (d, w) = displaced(p, d, w, six);
-            }
-            if let Some(constant) = &joint.constant {
-                (d, w) = displaced(p, d, w, constant.map(V::splat));
-            }
+            let errors = match &joint.curves {
+                Some(curves) => Some(curves.at(q, turn)),
+                None => None,
+            };
+            state.pass(joint, q, turn, errors);
         }
-        (d, w, zero)
+        (state.displacement, state.rotation, zero)
     }
 }
 
-/// The displacement of a point and the rotation, with a twist added.
-#[inline(always)]
-fn displaced<V: Lanes>(p: Vector<V>, d: Vector<V>, w: Vector<V>, twist: [V; 6]) -> (Vector<V>, Vector<V>) {
-    let [x, y, z, ex, ey, ez] = twist;
-    let lever = cross([ex, ey, ez], p);
-    (plus(d, plus([x, y, z], lever)), plus(w, [ex, ey, ez]))
+/// What is carried from the tool to the workpiece.
+#[derive(Clone, Copy)]
+pub struct State<V> {
+    pub point: Vector<V>,
+    pub displacement: Vector<V>,
+    pub rotation: Vector<V>,
+}
+
+impl<V: Lanes> State<V> {
+    /// To the other side of a joint, whose sine, cosine and errors at its position are given.
+    #[inline(always)]
+    pub fn pass(&mut self, joint: &Joint, q: V, turn: (V, V), errors: Option<[V; 6]>) {
+        if let (Some(six), false) = (errors, joint.outside) {
+            self.add(six);
+        }
+        match &joint.motion {
+            Motion::Slide(direction) => {
+                self.point = slid(direction, q, self.point);
+                if let Some(bend) = &joint.bend {
+                    self.displacement = plus(self.displacement, times(splat(bend), q));
+                }
+            }
+            Motion::Turn(about) => {
+                let o = splat(&joint.origin);
+                self.point = plus(about.turned(turn, minus(self.point, o)), o);
+                self.displacement = about.turned(turn, self.displacement);
+                self.rotation = about.turned(turn, self.rotation);
+            }
+        }
+        if let (Some(six), true) = (errors, joint.outside) {
+            self.add(six);
+        }
+        if let Some(constant) = &joint.constant {
+            self.add(splat_six(constant));
+        }
+    }
+
+    /// A twist more.
+    #[inline(always)]
+    pub fn add(&mut self, [x, y, z, ex, ey, ez]: [V; 6]) {
+        let lever = cross([ex, ey, ez], self.point);
+        self.displacement = plus(self.displacement, plus([x, y, z], lever));
+        self.rotation = plus(self.rotation, [ex, ey, ez]);
+    }
 }
 
 /// Constant twists of a joint on the workpiece's side and on the tool's side.

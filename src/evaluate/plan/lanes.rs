@@ -285,20 +285,39 @@ mod x86 {
         }
         #[inline(always)]
         fn columns(rows: &[Self::Eight; MOST]) -> [Self; 8] {
-            let half = |k: usize| unsafe {
-                let low = |i: usize| _mm256_unpacklo_pd(rows[i][k], rows[i + 1][k]);
-                let high = |i: usize| _mm256_unpackhi_pd(rows[i][k], rows[i + 1][k]);
-                let (even, odd) = ([low(0), low(2)], [high(0), high(2)]);
-                [
-                    Self(_mm256_permute2f128_pd::<0x20>(even[0], even[1])),
-                    Self(_mm256_permute2f128_pd::<0x20>(odd[0], odd[1])),
-                    Self(_mm256_permute2f128_pd::<0x31>(even[0], even[1])),
-                    Self(_mm256_permute2f128_pd::<0x31>(odd[0], odd[1])),
-                ]
-            };
-            let ([a, b, c, d], [e, f, g, h]) = (half(0), half(1));
+            let ([a, b, c, d], [e, f, g, h]) = unsafe { (transposed(rows, 0), transposed(rows, 1)) };
             [a, b, c, d, e, f, g, h]
         }
+    }
+
+    /// Four columns of four rows.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn transposed(rows: &[[__m256d; 2]; MOST], half: usize) -> [Four; 4] {
+        let (a, b) =
+            (_mm256_unpacklo_pd(rows[0][half], rows[1][half]), _mm256_unpackhi_pd(rows[0][half], rows[1][half]));
+        let (c, d) =
+            (_mm256_unpacklo_pd(rows[2][half], rows[3][half]), _mm256_unpackhi_pd(rows[2][half], rows[3][half]));
+        [
+            Four(_mm256_permute2f128_pd::<0x20>(a, c)),
+            Four(_mm256_permute2f128_pd::<0x20>(b, d)),
+            Four(_mm256_permute2f128_pd::<0x31>(a, c)),
+            Four(_mm256_permute2f128_pd::<0x31>(b, d)),
+        ]
+    }
+
+    /// Quarters of four vectors: all first ones, all second ones, and so on.
+    #[inline]
+    #[target_feature(enable = "avx512f")]
+    fn quarters(a: __m512d, b: __m512d, c: __m512d, d: __m512d) -> [Eight; 4] {
+        let (ab02, cd02) = (_mm512_shuffle_f64x2::<0x88>(a, b), _mm512_shuffle_f64x2::<0x88>(c, d));
+        let (ab13, cd13) = (_mm512_shuffle_f64x2::<0xdd>(a, b), _mm512_shuffle_f64x2::<0xdd>(c, d));
+        [
+            Eight(_mm512_shuffle_f64x2::<0x88>(ab02, cd02)),
+            Eight(_mm512_shuffle_f64x2::<0x88>(ab13, cd13)),
+            Eight(_mm512_shuffle_f64x2::<0xdd>(ab02, cd02)),
+            Eight(_mm512_shuffle_f64x2::<0xdd>(ab13, cd13)),
+        ]
     }
 
     #[derive(Clone, Copy)]
@@ -363,22 +382,20 @@ mod x86 {
         }
         #[inline(always)]
         fn columns(rows: &[Self::Eight; MOST]) -> [Self; 8] {
+            // Quarter j of such a vector holds column 2j (even) or 2j+1 (odd) of two rows.
             unsafe {
-                let pair =
-                    |i: usize| (_mm512_unpacklo_pd(rows[i], rows[i + 1]), _mm512_unpackhi_pd(rows[i], rows[i + 1]));
-                let ((e0, o0), (e1, o1), (e2, o2), (e3, o3)) = (pair(0), pair(2), pair(4), pair(6));
-                // Quarter j of a pair's vector holds columns 2j (even) or 2j+1 (odd) of its two rows.
-                let gather = |a: __m512d, b: __m512d, c: __m512d, d: __m512d| {
-                    let (ab02, cd02) = (_mm512_shuffle_f64x2::<0x88>(a, b), _mm512_shuffle_f64x2::<0x88>(c, d));
-                    let (ab13, cd13) = (_mm512_shuffle_f64x2::<0xdd>(a, b), _mm512_shuffle_f64x2::<0xdd>(c, d));
-                    [
-                        Self(_mm512_shuffle_f64x2::<0x88>(ab02, cd02)),
-                        Self(_mm512_shuffle_f64x2::<0x88>(ab13, cd13)),
-                        Self(_mm512_shuffle_f64x2::<0xdd>(ab02, cd02)),
-                        Self(_mm512_shuffle_f64x2::<0xdd>(ab13, cd13)),
-                    ]
-                };
-                let (even, odd) = (gather(e0, e1, e2, e3), gather(o0, o1, o2, o3));
+                let even = quarters(
+                    _mm512_unpacklo_pd(rows[0], rows[1]),
+                    _mm512_unpacklo_pd(rows[2], rows[3]),
+                    _mm512_unpacklo_pd(rows[4], rows[5]),
+                    _mm512_unpacklo_pd(rows[6], rows[7]),
+                );
+                let odd = quarters(
+                    _mm512_unpackhi_pd(rows[0], rows[1]),
+                    _mm512_unpackhi_pd(rows[2], rows[3]),
+                    _mm512_unpackhi_pd(rows[4], rows[5]),
+                    _mm512_unpackhi_pd(rows[6], rows[7]),
+                );
                 [even[0], odd[0], even[1], odd[1], even[2], odd[2], even[3], odd[3]]
             }
         }

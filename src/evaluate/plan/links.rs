@@ -48,6 +48,10 @@ pub struct Link {
     pub origin: [f64; 3],
     /// Component errors.
     pub curves: Curves,
+    /// Are there any?
+    pub errors: bool,
+    /// Are the sine and cosine of the position needed?
+    pub turns: bool,
     /// Do they act before the motion, seen from the workpiece (E M rather than M E)?
     pub outside: bool,
     /// Does the inverse of their matrix count?
@@ -56,13 +60,6 @@ pub struct Link {
     pub location: Option<Placed>,
     /// How they act.
     pub located: Located,
-}
-
-impl Link {
-    /// Are the sine and cosine of the position needed?
-    pub fn turns(&self) -> bool {
-        matches!(self.motion, Motion::Turn(_)) || self.curves.has_waves()
-    }
 }
 
 /// How a location error acts.
@@ -123,10 +120,13 @@ fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Opt
         AxisKind::Rotary => conventions.rotary == RotaryOrder::Stationary,
     };
     let six = errors.location_values();
+    let (motion, curves) = (motion(axis), Curves::new(errors, approach)?);
     Some(Link {
-        motion: motion(axis),
+        errors: !curves.is_zero(),
+        turns: matches!(motion, Motion::Turn(_)) || curves.has_waves(),
+        motion,
         origin: axis.origin,
-        curves: Curves::new(errors, approach)?,
+        curves,
         outside: on_guide == (axis.branch == Branch::Tool),
         inverse,
         location: (six != [0.0; 6]).then_some(Placed { six, about: axis.origin, inverse: inverse && carried }),

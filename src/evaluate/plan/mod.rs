@@ -19,6 +19,8 @@ mod batch;
 mod curves;
 mod exact;
 mod first;
+mod frame;
+mod grid;
 mod lanes;
 mod links;
 mod second;
@@ -26,6 +28,7 @@ mod sensitivity;
 mod trigonometry;
 
 pub use batch::{Batch, Columns, Output, PoseColumns};
+pub use grid::GridPlan;
 pub use lanes::Width;
 pub use sensitivity::{Normal, Unknown};
 

@@ -5,6 +5,7 @@
 //! in one walk. With E^-1 in place of E (`errors_are: body`) the signs and the squares change as its series says.
 
 use super::batch::{Slices, Task};
+use super::curves::splat_six;
 use super::lanes::Lanes;
 use super::links::{About, Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, slid, splat, times};
 use super::trigonometry::sin_cos;
@@ -44,14 +45,14 @@ impl<V: Lanes> State<V> {
 
     #[inline(always)]
     fn placed(&mut self, placed: &Placed, undone: bool) {
-        self.apply(placed.six.map(V::splat), placed.inverse != undone, &placed.about);
+        self.apply(splat_six(&placed.six), placed.inverse != undone, &placed.about);
     }
 
     #[inline(always)]
     fn slide(&mut self, direction: &[f64; 3], around: Option<&Placed>, q: V) {
         self.point = slid(direction, q, self.point);
         if let Some(location) = around {
-            let [.., a, b, c] = location.six.map(V::splat);
+            let [.., a, b, c] = splat_six(&location.six);
             let once = cross([a, b, c], splat(direction));
             let twice = times(cross([a, b, c], once), self.squares[0]);
             let [first, second] = self.displacement;
@@ -66,8 +67,9 @@ impl<V: Lanes> State<V> {
         }
         let o = splat(origin);
         self.point = plus(about.turned(turn, minus(self.point, o)), o);
-        self.displacement = self.displacement.map(|v| about.turned(turn, v));
-        self.rotation = self.rotation.map(|v| about.turned(turn, v));
+        let ([d, dd], [w, ww]) = (self.displacement, self.rotation);
+        self.displacement = [about.turned(turn, d), about.turned(turn, dd)];
+        self.rotation = [about.turned(turn, w), about.turned(turn, ww)];
         if let Some(location) = around {
             self.placed(location, false);
         }
@@ -76,8 +78,8 @@ impl<V: Lanes> State<V> {
     #[inline(always)]
     fn link(&mut self, link: &Link, q: V) {
         let zero = V::splat(0.0);
-        let turn = if link.turns() { sin_cos(q) } else { (zero, zero) };
-        let errors = (!link.curves.is_zero()).then(|| link.curves.at(q, turn));
+        let turn = if link.turns { sin_cos(q) } else { (zero, zero) };
+        let errors = if link.errors { Some(link.curves.at(q, turn)) } else { None };
         let location = link.location.as_ref();
         if let (Some(location), Located::Innermost) = (location, link.located) {
             self.placed(location, false);
@@ -85,7 +87,7 @@ impl<V: Lanes> State<V> {
         if let (Some(six), false) = (errors, link.outside) {
             self.apply(six, link.inverse, &link.origin);
         }
-        let around = location.filter(|_| link.located == Located::Around);
+        let around = if link.located == Located::Around { location } else { None };
         match &link.motion {
             Motion::Slide(direction) => self.slide(direction, around, q),
             Motion::Turn(about) => self.turn(about, &link.origin, around, turn),
@@ -116,7 +118,7 @@ impl Task for SecondOrder {
             point: splat(&links.tip),
             displacement: [splat(&links.tool), zero],
             rotation: [zero; 2],
-            squares: squares.map(V::splat),
+            squares: [V::splat(squares[0]), V::splat(squares[1])],
         };
         if let Some(spindle) = &links.spindle {
             state.placed(spindle, false);

@@ -83,14 +83,17 @@ impl Kernel for Sensitivities<'_, '_> {
             self.step::<V>(at);
             at += V::COUNT;
         }
-        while at < self.count {
-            self.step::<f64>(at);
-            at += 1;
-        }
+        self.rest(at);
     }
 }
 
 impl Sensitivities<'_, '_> {
+    /// What is less than a vector.
+    #[inline(never)]
+    fn rest(&mut self, from: usize) {
+        (from..self.count).for_each(|at| self.step::<f64>(at));
+    }
+
     #[inline(always)]
     fn step<V: Lanes>(&mut self, at: usize) {
         let frames = self.frames::<V>(at);
@@ -118,7 +121,12 @@ impl Sensitivities<'_, '_> {
                 Motion::Slide(u) => (columns, plus(place, times(combined(&columns, splat(u)), q))),
                 Motion::Turn(about) => {
                     let turn = sin_cos(q);
-                    let turned = unit.map(|e| combined(&columns, about.turned(turn, e)));
+                    let [a, b, c] = unit;
+                    let turned = [
+                        combined(&columns, about.turned(turn, a)),
+                        combined(&columns, about.turned(turn, b)),
+                        combined(&columns, about.turned(turn, c)),
+                    ];
                     let o = splat(&link.origin);
                     let moved = minus(o, about.turned(turn, o));
                     (turned, plus(place, combined(&columns, moved)))

@@ -5,6 +5,7 @@
 //! as in the crate libm: the results are libm's, to the bit, in scalar and in vector code alike.
 
 use super::lanes::Lanes;
+use super::links::splat;
 
 const SINE: [f64; 6] = [
     -1.666_666_666_666_663_243_48e-1,
@@ -37,19 +38,18 @@ pub fn nearest<V: Lanes>(x: V) -> V {
 /// Sine and cosine of an angle in degrees (below 1e9), exact at multiples of 90.
 #[inline(always)]
 pub fn sin_cos<V: Lanes>(degrees: V) -> (V, V) {
-    let number = V::splat;
-    let quarter = nearest(degrees * number(1.0 / 90.0));
-    let rest = (degrees - quarter * number(90.0)) * number(RADIAN);
+    let quarter = nearest(degrees * V::splat(1.0 / 90.0));
+    let rest = (degrees - quarter * V::splat(90.0)) * V::splat(RADIAN);
     let (s, c) = (sine(rest), cosine(rest));
     // Which quarter, 0 to 3: a multiple of 1/4 less 3/8 is never a tie.
-    let turns = nearest(quarter * number(0.25) - number(0.375));
-    let which = quarter - turns * number(4.0);
-    let (plus, minus) = (number(1.0), number(-1.0));
-    let upper = number(1.5).if_less(which, number(2.0), number(0.0));
+    let turns = nearest(quarter * V::splat(0.25) - V::splat(0.375));
+    let which = quarter - turns * V::splat(4.0);
+    let (plus, minus) = (V::splat(1.0), V::splat(-1.0));
+    let upper = V::splat(1.5).if_less(which, V::splat(2.0), V::splat(0.0));
     let odd = which - upper;
-    let half = number(0.5);
-    let off = which - number(1.5);
-    let sine_sign = number(1.5).if_less(which, minus, plus);
+    let half = V::splat(0.5);
+    let off = which - V::splat(1.5);
+    let sine_sign = V::splat(1.5).if_less(which, minus, plus);
     let cosine_sign = (off * off).if_less(plus, minus, plus);
     (half.if_less(odd, c, s) * sine_sign, half.if_less(odd, s, c) * cosine_sign)
 }
@@ -57,7 +57,8 @@ pub fn sin_cos<V: Lanes>(degrees: V) -> (V, V) {
 /// Of an angle up to 45 deg, in rad.
 #[inline(always)]
 fn sine<V: Lanes>(x: V) -> V {
-    let [s1, s2, s3, s4, s5, s6] = SINE.map(V::splat);
+    let [s1, s2, s3] = splat::<V>(&[SINE[0], SINE[1], SINE[2]]);
+    let [s4, s5, s6] = splat::<V>(&[SINE[3], SINE[4], SINE[5]]);
     let z = x * x;
     let w = z * z;
     let r = s2 + z * (s3 + z * s4) + z * w * (s5 + z * s6);
@@ -67,7 +68,8 @@ fn sine<V: Lanes>(x: V) -> V {
 /// Of an angle up to 45 deg, in rad.
 #[inline(always)]
 fn cosine<V: Lanes>(x: V) -> V {
-    let [c1, c2, c3, c4, c5, c6] = COSINE.map(V::splat);
+    let [c1, c2, c3] = splat::<V>(&[COSINE[0], COSINE[1], COSINE[2]]);
+    let [c4, c5, c6] = splat::<V>(&[COSINE[3], COSINE[4], COSINE[5]]);
     let one = V::splat(1.0);
     let z = x * x;
     let w = z * z;

@@ -8,6 +8,8 @@ mod json;
 mod parquet;
 mod vtk;
 
+pub use csv::{csv_header, csv_line};
+
 use crate::analysis::View;
 use crate::evaluate::{Deviation, Frame, Order, Poses};
 use crate::machine::{Approach, Machine};
@@ -32,11 +34,15 @@ pub struct Rows<'a> {
 /// Names of the six columns of a deviation.
 const DEVIATION: [&str; 6] = ["dx [um]", "dy [um]", "dz [um]", "wx [urad]", "wy [urad]", "wz [urad]"];
 
+/// `X [mm]`, ..., then those of the deviation.
+fn columns(machine: &Machine) -> Vec<String> {
+    let axes = machine.axes().iter().map(|axis| format!("{} [{}]", axis.name, axis.unit()));
+    axes.chain(DEVIATION.map(str::to_owned)).collect()
+}
+
 impl Rows<'_> {
-    /// `X [mm]`, ..., then those of the deviation.
     fn columns(&self) -> Vec<String> {
-        let axes = self.machine.axes().iter().map(|axis| format!("{} [{}]", axis.name, axis.unit()));
-        axes.chain(DEVIATION.map(str::to_owned)).collect()
+        columns(self.machine)
     }
 
     /// The numbers of a row, in the order of the columns.
