@@ -48,7 +48,7 @@ impl Spread {
 
 /// 2, 3, 5, 7 ...
 fn primes() -> impl Iterator<Item = u64> {
-    (2..).filter(|n: &u64| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0))
+    (2..).filter(|n: &u64| (2..*n).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d)))
 }
 
 /// The digits of the index in this base, mirrored at the point.
