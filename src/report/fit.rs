@@ -91,9 +91,7 @@ impl FitPicture<'_> {
         let data = rms(&|p| p.measured);
         let left = rms(&|p| (p.measured.0 - p.predicted.0, p.measured.1 - p.predicted.1));
         let count = self.points.len();
-        format!(
-            "in the plane, root mean square over {count} points: {data} µm measured, {left} µm between data and prediction"
-        )
+        format!("{count} points, root mean square in the plane: {data} µm measured, {left} µm left by the prediction")
     }
 
     /// So that the largest displacement is as long as the margin allows, rounded down to 1, 2 or 5.
