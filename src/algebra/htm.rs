@@ -74,11 +74,18 @@ fn apply<S: Algebra>(linear: &Matrix3<S>, point: &[f64; 3]) -> Vector3<S> {
 }
 
 fn transform<S: Algebra>(linear: &Matrix3<S>, vector: &Vector3<S>) -> Vector3<S> {
-    linear * vector
+    Vector3::from_fn(|i, _| row_by_column(linear, i, [&vector[0], &vector[1], &vector[2]]))
 }
 
+/// Written out: nalgebra's loops for numbers other than its own move them about more than they multiply.
 fn product<S: Algebra>(a: &Matrix3<S>, b: &Matrix3<S>) -> Matrix3<S> {
-    a * b
+    Matrix3::from_fn(|i, j| row_by_column(a, i, [&b[(0, j)], &b[(1, j)], &b[(2, j)]]))
+}
+
+#[inline]
+fn row_by_column<S: Algebra>(a: &Matrix3<S>, i: usize, [x, y, z]: [&S; 3]) -> S {
+    let by = |j: usize, factor: &S| a[(i, j)].clone() * factor.clone();
+    by(0, x) + by(1, y) + by(2, z)
 }
 
 /// Inverse by the adjugate: the only division is by the determinant.
@@ -107,6 +114,18 @@ pub fn exp_hat<S: Algebra>(w: &[S; 3]) -> Matrix3<S> {
     let sinc = square.lift(lift::sinc);
     let cosc = square.lift(lift::cosc);
     let mut sum = hat.map(|x| x * sinc.clone()) + twice.map(|x| x * cosc.clone());
+    (0..3).for_each(|i| sum[(i, i)] += S::one());
+    sum
+}
+
+/// How the rotation exp(hat(w)) moves with its vector: exp(hat(w + dw)) = (1 + hat(J dw)) exp(hat(w)) + O(dw^2),
+/// J = 1 + (1 - cos t)/t^2 hat(w) + (t - sin t)/t^3 hat(w)^2 with t = |w|.
+pub fn left_jacobian<S: Algebra>(w: &[S; 3]) -> Matrix3<S> {
+    let square = w.iter().map(|x| x.clone() * x.clone()).fold(S::zero(), |a, b| a + b);
+    let hat = hat(w);
+    let twice = product(&hat, &hat);
+    let (first, second) = (square.lift(lift::cosc), square.lift(lift::sincc));
+    let mut sum = hat.map(|x| x * first.clone()) + twice.map(|x| x * second.clone());
     (0..3).for_each(|i| sum[(i, i)] += S::one());
     sum
 }

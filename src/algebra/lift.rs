@@ -2,18 +2,21 @@
 //! `c[k]` for k = 0..c.len().
 
 /// Sine.
+#[inline]
 pub fn sin(x: f64, c: &mut [f64]) {
     let (s, co) = libm::sincos(x);
     cycle([s, co, -s, -co], c);
 }
 
 /// Cosine.
+#[inline]
 pub fn cos(x: f64, c: &mut [f64]) {
     let (s, co) = libm::sincos(x);
     cycle([co, -s, -co, s], c);
 }
 
 /// Derivatives that repeat with period four, over k!.
+#[inline]
 fn cycle(derivatives: [f64; 4], c: &mut [f64]) {
     let mut factorial = 1.0;
     for (k, c) in c.iter_mut().enumerate() {
@@ -54,6 +57,11 @@ pub fn sinc(x: f64, c: &mut [f64]) {
 /// (1 - cos t)/t^2 as a function of x = t^2.
 pub fn cosc(x: f64, c: &mut [f64]) {
     power_series(x, c, 0.5, |i| -1.0 / ((2.0 * i + 1.0) * (2.0 * i + 2.0)));
+}
+
+/// (t - sin t)/t^3 as a function of x = t^2.
+pub fn sincc(x: f64, c: &mut [f64]) {
+    power_series(x, c, 1.0 / 6.0, |i| -1.0 / ((2.0 * i + 2.0) * (2.0 * i + 3.0)));
 }
 
 /// asin(s)/s as a function of x = s^2, |x| < 1.

@@ -17,7 +17,7 @@ pub mod weil;
 
 pub use dual::Dual;
 pub use group::{Inadmissible, Split, admissibility, is_special, orthogonality_defect, split};
-pub use htm::{Htm, exp_hat, hat, rotation_about, rotation_vector, skew_vector};
+pub use htm::{Htm, exp_hat, hat, left_jacobian, rotation_about, rotation_vector, skew_vector};
 pub use solve::{Singular, newton_step, newton_steps, solve};
 pub use symbolic::Symbolic;
 pub use tangent::Tangent;
@@ -78,6 +78,11 @@ pub trait Algebra:
     /// Sine and cosine.
     fn sin_cos(&self) -> (Self, Self) {
         (self.lift(lift::sin), self.lift(lift::cos))
+    }
+
+    /// Sine.
+    fn sin(&self) -> Self {
+        self.lift(lift::sin)
     }
 
     /// Exponential.

@@ -111,7 +111,7 @@ fn um(x: f64) -> String {
 }
 
 fn head(machine: &Machine, what: &str, at: &[f64]) -> String {
-    format!("{}: {what}, {}; exact model\n", machine.name(), axes_text(machine, at))
+    format!("{}: {what} {}; exact model\n", machine.name(), axes_text(machine, at))
 }
 
 fn circles(session: &mut Session, args: &Args, machine: &Machine, at: &[f64]) -> Outcome {

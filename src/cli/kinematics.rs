@@ -20,7 +20,7 @@ pub(super) fn compile(
     let rendered = target.render_kinematics(machine, &meant, &mut session.diagnostics).ok_or(Stop::Refused)?;
     session.checked()?;
     let read = read_back(session, machine, target, &rendered, &meant)?;
-    let certificate = certify_kinematics(machine, target, &read, orientation, depth(&args.options));
+    let certificate = certify_kinematics(machine, target, &read, depth(&args.options));
     let limits = args.max_correction.unwrap_or_default();
     limits.exceeded_by(&certificate).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
@@ -49,12 +49,11 @@ pub(super) fn verify(
     if texts.is_empty() {
         return session.refuse(verify::nothing_found(&args.folder));
     }
-    let orientation = args.options.orientation();
-    let meant = carried(session, machine, target, orientation)?;
+    let meant = carried(session, machine, target, args.options.orientation())?;
     let Some(read) = target.read_kinematics(machine, &meant, texts, &mut session.diagnostics) else {
         return Err(Stop::Refused);
     };
-    let certificate = certify_kinematics(machine, target, &read, orientation, depth(&args.options));
+    let certificate = certify_kinematics(machine, target, &read, depth(&args.options));
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
     let files = texts.iter().map(|(name, _)| name.clone()).collect();

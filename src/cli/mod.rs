@@ -18,15 +18,20 @@ mod explain;
 mod file_set;
 pub mod files;
 mod identify;
+mod identify_report;
+mod import;
 mod init;
 mod instrument;
 mod journal;
 mod kinematics;
 mod load;
 mod map;
+mod monomials;
+mod pictures;
 mod plan;
 mod poses;
 mod progress;
+mod ranking;
 mod session;
 mod show;
 mod targets;
@@ -107,14 +112,16 @@ enum Verb {
     Map(map::Args),
     /// Machines side by side on the same tool poses.
     Compare(compare::Args),
-    /// Tolerances to the volumetric error: worst case, RSS, drawn machines, and what to tighten first.
+    /// Tolerances to the volumetric error, and which of them to tighten first.
     Budget(budget::Args),
-    /// All arrangements of the axes on the two sides of the bed, ranked on the same work.
+    /// All arrangements of the axes, ranked on the same work.
     Enumerate(enumerate::Args),
     /// What a ball bar, an R-test or a laser along the diagonals would read.
     Instrument(instrument::Args),
     /// Measurements to error parameters, with rank, uncertainty and a fitted machine file.
     Identify(identify::Args),
+    /// A single-axis measurement as an instrument exports it, to a table of error curves.
+    Import(import::Args),
     /// The compensation files of a controller, with their certificate.
     Compile(compile::Args),
     /// Replay compensation files as the controller would, and say what they leave.
@@ -175,6 +182,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Enumerate(args) => enumerate::run(session, &args),
         Verb::Instrument(args) => instrument::run(session, &args),
         Verb::Identify(args) => identify::run(session, &args),
+        Verb::Import(args) => import::run(session, &args),
         Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),
         Verb::Verify(args) => verify::run(session, &args),

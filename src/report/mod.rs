@@ -1,6 +1,7 @@
 //! Pictures for people: SVG and Graphviz as text, without outside resources, the same bytes every time.
 //!
 //! - [`PlanePicture`]: the deviation over a plane of two linear axes.
+//! - [`FitPicture`]: prediction against data over such a plane.
 //! - [`ParetoPicture`], [`WaterfallPicture`]: a budget.
 //! - [`PolarPicture`]: a ball bar.
 //! - [`equations`]: the closed forms as text and as LaTeX.
@@ -10,6 +11,7 @@ mod bars;
 mod chain;
 mod dot;
 pub mod equations;
+mod fit;
 mod frame;
 mod plane;
 mod polar;
@@ -19,5 +21,6 @@ mod svg;
 pub use bars::{Bar, ParetoPicture, WaterfallPicture};
 pub use chain::chain_svg;
 pub use dot::chain_dot;
+pub use fit::{FitPicture, FitPoint};
 pub use plane::{PlanePicture, Shown};
 pub use polar::PolarPicture;

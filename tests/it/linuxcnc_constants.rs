@@ -134,3 +134,70 @@ fn lines_that_the_controller_would_misread_are_refused() {
         let _ = verify(&machine, &out, &["--poses", "20"]).refused("E0704");
     }
 }
+
+/// A copy of a target of the binary under another name.
+fn copied(folder: &Folder, from: &str, change: impl Fn(String) -> String) {
+    let (source, own) = (Path::new(env!("CARGO_MANIFEST_DIR")).join("templates").join(from), folder.path("mine"));
+    std::fs::create_dir_all(&own).unwrap();
+    for file in std::fs::read_dir(source).unwrap().map(|entry| entry.unwrap().path()) {
+        let text = std::fs::read_to_string(&file).unwrap();
+        let manifest = file.ends_with("target.yaml");
+        let text = if manifest { change(text.replace(&format!("target: {from}"), "target: mine")) } else { text };
+        std::fs::write(own.join(file.file_name().unwrap()), text).unwrap();
+    }
+}
+
+#[test]
+fn a_kinematics_target_of_ones_own_needs_no_rust() {
+    for (from, machine) in [("linuxcnc-kins", "ht-b-c.yaml"), ("linuxcnc-matrixkins", "gantry-3ax.yaml")] {
+        let folder = Folder::new();
+        copied(&folder, from, |text| text);
+        let templates = folder.path("").display().to_string();
+        let (theirs, ours) = (folder.path("theirs"), folder.path("ours"));
+        let first = compile(&config(machine), from, &theirs, &["--poses", "20"]).json();
+        let second = compile(&config(machine), "mine", &ours, &["--poses", "20", "--templates", &templates]).json();
+        assert_eq!(first["compensated"], second["compensated"]);
+        for name in first["files"].as_array().unwrap() {
+            let name = name.as_str().unwrap();
+            assert_eq!(std::fs::read(theirs.join(name)).unwrap(), std::fs::read(ours.join(name)).unwrap(), "{name}");
+        }
+    }
+}
+
+#[test]
+fn manifests_that_cannot_be_are_refused() {
+    for (from, to) in [
+        ("layout: { format: c_arrays }", "layout: { format: hal_constants }"),
+        ("    layout: { format: c_arrays }\n", ""),
+        ("damping: 0.017", "damping: 0"),
+        ("damping: 0.017", "damping: .nan"),
+        ("per: machine", "per: axis"),
+        ("carries: full_model", "carries: half_model"),
+    ] {
+        let folder = Folder::new();
+        copied(&folder, "linuxcnc-kins", |text| {
+            assert!(text.contains(from));
+            text.replacen(from, to, 1)
+        });
+        let out = folder.path("out");
+        let templates = folder.path("").display().to_string();
+        let run = compile(&config("gantry-3ax.yaml"), "mine", &out, &["--templates", &templates]);
+        let _ = run.refused("E0703");
+        assert!(!out.exists());
+    }
+}
+
+#[test]
+fn templates_that_write_something_else_are_noticed() {
+    let folder = Folder::new();
+    copied(&folder, "linuxcnc-kins", |text| text);
+    let data = folder.path("mine").join("data.h.j2");
+    let text = std::fs::read_to_string(&data).unwrap();
+    let gauge = "{ {{ gauge | join(\", \") }} }";
+    assert!(text.contains(gauge));
+    std::fs::write(&data, text.replace(gauge, "{ 1, 2, 3 }")).unwrap();
+    let templates = folder.path("").display().to_string();
+    let out = folder.path("out");
+    let _ = compile(&config("gantry-3ax.yaml"), "mine", &out, &["--templates", &templates]).refused("E0707");
+    assert!(!out.exists());
+}

@@ -186,8 +186,8 @@ fn poses(sample: &Sample, random: &mut Random, count: usize) -> Vec<Pose> {
         let position = |i: usize| {
             let [low, high] = sample.axes[i].travel.unwrap_or([-500.0, 800.0]);
             let (middle, half) = (0.5 * (low + high), 0.45 * (high - low));
-            let near = if k % 10 == 0 { 1e-9 } else { 1.0 };
-            let small = sample.rigid.walk[i].rotary && k % 5 == 0 && low < -1.0 && high > 1.0;
+            let near = if k.is_multiple_of(10) { 1e-9 } else { 1.0 };
+            let small = sample.rigid.walk[i].rotary && k.is_multiple_of(5) && low < -1.0 && high > 1.0;
             if small { random.around(near) } else { middle + random.around(half) }
         };
         (0..sample.axes.len()).map(position).collect()
@@ -322,6 +322,24 @@ fn a_name_cannot_break_out_of_the_text() {
     for name in names(&out).iter().filter(|name| name.ends_with(".h") || name.ends_with(".comp")) {
         assert!(!std::fs::read_to_string(out.join(name)).unwrap().contains("#include <x>"), "{name}");
     }
+}
+
+/// What is no pose is refused, and the controller stops with a message; the next pose is taken again.
+#[test]
+fn absurd_poses_are_failures() {
+    let folder = Folder::new();
+    let (_, out) = set(&folder);
+    let module = Module::build(&out);
+    let at = |x: f64| Ask {
+        share: 1.0,
+        orientation: true,
+        tool: [0.0, 0.0, 100.0],
+        world: [x, 0., 0., 0., 0., 0., 0., 0., 0.],
+    };
+    let far_tool = Ask { tool: [f64::NAN, 0.0, 0.0], ..at(0.0) };
+    let answers = module.answers(&[at(1.0), at(f64::NAN), at(f64::INFINITY), at(-1e12), far_tool, at(1.0)]);
+    assert_eq!(answers.iter().map(|answer| answer.failures).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 4]);
+    assert_eq!(answers[0].joints, answers[5].joints);
 }
 
 /// A compiled three-axis set.

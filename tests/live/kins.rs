@@ -32,6 +32,27 @@ pub fn head_table() {
     assert!(seen.axis < AXIS && seen.axis_bare > 5e-6);
 }
 
+/// The simulation as it is written; and switching off and on moves no joint in a step.
+pub fn launcher() {
+    let bench = Bench::new("configs/trunnion.yaml", Some("A"));
+    let folder = Folder::new("launcher");
+    let out = folder.0.join("out").display().to_string();
+    let _ = abbe(&["--quiet", "compile", "configs/trunnion.yaml", "--target", "linuxcnc-kins", "--out", &out]);
+    let result = script_json("kins.py", &[&out, "--launcher"]);
+    let [on, off, again] = ["on", "off", "again"].map(|key| bench.command(&result[key]));
+    // X100 Y150 Z100 from the workpiece origin at A = -20, C = 30, found from the ideal machine at its command.
+    let [_, ideal] = bench.sample.holds(&off, Travel::Mean);
+    assert!(norm(minus(ideal.tip, [100.0, 150.0, 100.0])) < 1e-9, "{off:?} {ideal:?}");
+    let [real, _] = bench.sample.holds(&on, Travel::Mean);
+    assert!(norm(minus(real.tip, [100.0, 150.0, 100.0])) < TIP, "{on:?} {real:?}");
+    assert_eq!(on, again);
+    let shares: Vec<f64> = result["shares"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+    let way = on.iter().zip(&off).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let step = result["largest_step"].as_f64().unwrap();
+    println!("  correction of {way:.1e} (mm, deg) fades with at most {step:.1e} between two of {} looks", shares.len());
+    assert!(shares.len() > 100 && step < 0.25 * way);
+}
+
 /// Largest values over the poses, mm and rad.
 struct Seen {
     axis: f64,

@@ -22,7 +22,7 @@ use std::process::{Command, ExitCode, Output};
 /// Name and body of a check.
 type Check = (&'static str, fn());
 
-const CHECKS: [Check; 9] = [
+const CHECKS: [Check; 10] = [
     ("three-axis tables in the running controller", tables::three_axis),
     ("five-axis tables in the running controller", tables::five_axis),
     ("malformed tables: what the controller swallows never comes out of compile", tables::malformed),
@@ -31,6 +31,7 @@ const CHECKS: [Check; 9] = [
     ("error model in the kinematics, three axes", kins::three_axis),
     ("error model in the kinematics, tilting table", kins::table_table),
     ("error model in the kinematics, head and table", kins::head_table),
+    ("the simulation of the kinematics, with the stock launcher", kins::launcher),
     ("the harness notices spoiled tables", tables::harness),
 ];
 

@@ -65,7 +65,7 @@ mod tests {
 
     #[test]
     fn the_interval_has_the_ranks_of_the_tables() {
-        // Ranks 39 and 61 for the median of 99 (tables of the sign test: 95 % interval of n = 99).
+        // The sign test's interval for the median of 99: P(X <= 39) = 0.0219, P(X <= 40) = 0.0350.
         let samples: Vec<f64> = (1..=99).map(f64::from).collect();
         let median = Percentile::of(&samples, 50);
         assert_eq!((median.value, median.low, median.high), (50.0, Some(40.0), Some(60.0)));

@@ -33,6 +33,11 @@ impl Carried {
         Ok(carried.quantised(mechanism))
     }
 
+    /// Is the direction of the tool corrected? A full model says so itself, the others cannot.
+    pub fn orientation(&self) -> bool {
+        matches!(self, Self::FullModel(model) if model.orientation)
+    }
+
     /// As the files can hold it.
     fn quantised(self, mechanism: &KinematicsMechanism) -> Self {
         let decimals = mechanism.increment.correction_decimals;

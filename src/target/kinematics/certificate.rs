@@ -21,13 +21,7 @@ pub struct Depth {
 
 /// What a module leaves, over the volume and error by error. The module holds the mean of forward and
 /// reverse; the direction of approach that is worse counts.
-pub fn certify_kinematics(
-    machine: &Machine,
-    target: &Target,
-    carried: &Carried,
-    orientation: bool,
-    depth: Depth,
-) -> Certificate {
+pub fn certify_kinematics(machine: &Machine, target: &Target, carried: &Carried, depth: Depth) -> Certificate {
     let poses: Vec<Pose> = random_poses(machine, depth.poses, depth.seed);
     let driven = Driven::new(machine, carried);
     let both = approaches(machine).iter().map(|approach| (*approach, figures(&driven, &poses, *approach)));
@@ -40,7 +34,7 @@ pub fn certify_kinematics(
         approach,
         uncompensated: figures(&bare, &poses, approach),
         compensated,
-        errors: singles(machine, target, orientation, &poses[..poses.len().min(MOST_SINGLE_POSES)]),
+        errors: singles(machine, target, carried.orientation(), &poses[..poses.len().min(MOST_SINGLE_POSES)]),
         at_reference: [at_reference.clone(), at_reference],
         strongest: strongest(machine, &poses),
     }
