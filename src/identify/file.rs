@@ -67,7 +67,9 @@ fn component(known: Option<ErrorTerm>, [mean, forward, reverse]: Directed) -> Co
     let [before, behind] = kept;
     match mean {
         Some(mean) => ComponentError::Single(mean),
-        None => ComponentError::Bidirectional { forward: forward.unwrap_or(before), reverse: reverse.unwrap_or(behind) },
+        None => {
+            ComponentError::Bidirectional { forward: forward.unwrap_or(before), reverse: reverse.unwrap_or(behind) }
+        }
     }
 }
 
