@@ -45,7 +45,7 @@
 //!
 //! ## What is absent
 //!
-//! Network, clock, global state, settings other than the arguments (`NO_COLOR` is honoured). No controller is described in Rust:
+//! Network (but for the page that `report --watch` serves on 127.0.0.1), clock, global state, settings other than the arguments (`NO_COLOR` is honoured). No controller is described in Rust:
 //! it is a folder in `templates/`, and only the arithmetic of its replay has a name here.
 
 pub mod algebra;
