@@ -26,17 +26,24 @@ mod journal;
 mod kinematics;
 mod load;
 mod map;
+mod map_output;
+mod map_picture;
+mod map_survey;
 mod monomials;
 mod pictures;
 mod plan;
 mod poses;
 mod progress;
+mod ranking;
+mod report;
+mod serve;
 mod session;
 mod show;
 mod targets;
 mod tolerances;
 mod verify;
 mod view;
+mod watch;
 mod write;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -125,6 +132,8 @@ enum Verb {
     Compile(compile::Args),
     /// Replay compensation files as the controller would, and say what they leave.
     Verify(verify::Args),
+    /// One self-contained HTML page for a design review.
+    Report(report::Args),
     /// The controllers, what they can express, and how sure that is.
     Targets,
     /// The long text of a code, an error name or a target.
@@ -185,6 +194,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),
         Verb::Verify(args) => verify::run(session, &args),
+        Verb::Report(args) => report::run(session, &args),
         Verb::Targets => targets::run(session),
         Verb::Check(args) => check::run(session, &args),
         Verb::Explain(args) => explain::run(session, &args),

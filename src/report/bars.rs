@@ -1,7 +1,7 @@
 //! Bars of a budget: the Pareto chart of contributions, and the waterfall of what uses the budget up.
 
 use super::frame::{Axis, Frame};
-use super::svg::{Anchor, FAINT, Font, INK, Svg, fitted, number, polyline};
+use super::svg::{Anchor, FAINT, Font, INK, Picture, Svg, fitted, number, polyline};
 use crate::units::significant;
 
 /// A labelled value.
@@ -64,20 +64,31 @@ fn begin(title: &str, subtitle: &str) -> Svg {
     svg
 }
 
-/// A bar from one value to another with its number above and its name below.
-fn bar(svg: &mut Svg, axis: &Axis, place: (f64, f64), (from, to): (f64, f64), label: &str, colour: &str) {
+/// A bar from one value to another with its name below; returns its lower and upper edge.
+fn bar(svg: &mut Svg, axis: &Axis, place: (f64, f64), (from, to): (f64, f64), label: &str, colour: &str) -> (f64, f64) {
     let (x, width) = place;
     let (low, high) = (FRAME.y(axis, from.min(to)), FRAME.y(axis, from.max(to)));
     svg.rect((x, high), (width, low - high), &format!(r#"fill="{colour}""#));
     let middle = x + 0.5 * width;
-    svg.text((middle, high - 5.0), &significant(to - from, 3), Font::plain(11.0), Anchor::Middle, 0.0);
     let below = FRAME.top + FRAME.height + 14.0;
     svg.text((middle + 4.0, below), &fitted(label, 14), Font::plain(12.0), Anchor::End, -45.0);
+    (low, high)
+}
+
+/// The number of a bar: above it or, `inside`, at its foot, out of the way of a curve.
+fn value(svg: &mut Svg, place: (f64, f64), (low, high): (f64, f64), value: f64, inside: bool) {
+    let middle = place.0 + 0.5 * place.1;
+    let (y, font) = if inside && low - high > 18.0 {
+        (low - 6.0, Font { colour: "white", ..Font::plain(11.0) })
+    } else {
+        (high - 5.0, Font::plain(11.0))
+    };
+    svg.text((middle, y), &significant(value, 3), font, Anchor::Middle, 0.0);
 }
 
 impl ParetoPicture {
-    /// The picture as an SVG file.
-    pub fn svg(&self) -> String {
+    /// The picture.
+    pub fn picture(&self) -> Picture {
         let mut svg = begin(&self.title, &self.subtitle);
         let highest = self.bars.iter().map(|b| b.value).fold(0.0, f64::max);
         let axis = Axis::new(0.0, highest * 1.08);
@@ -87,7 +98,8 @@ impl ParetoPicture {
         let mut line = vec![];
         for (i, b) in self.bars.iter().enumerate() {
             let place = column(i, self.bars.len());
-            bar(&mut svg, &axis, place, (0.0, b.value), &b.label, BLUE);
+            let edges = bar(&mut svg, &axis, place, (0.0, b.value), &b.label, BLUE);
+            value(&mut svg, place, edges, b.value, true);
             sum += b.value * b.value;
             let share = if self.total > 0.0 { 100.0 * sum / self.total } else { 0.0 };
             line.push((place.0 + 0.5 * place.1, FRAME.y(&shares, share)));
@@ -95,13 +107,13 @@ impl ParetoPicture {
         svg.path(&polyline(&line), &format!(r#"fill="none" stroke="{RED}" stroke-width="1.6""#));
         line.iter().for_each(|at| svg.circle(*at, 2.6, &format!(r#"fill="{RED}""#)));
         FRAME.right(&mut svg, &shares, "share of the sum of squares in %", RED);
-        svg.finish(&format!("{}: {}", self.title, self.subtitle))
+        svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
 }
 
 impl WaterfallPicture {
-    /// The picture as an SVG file.
-    pub fn svg(&self) -> String {
+    /// The picture.
+    pub fn picture(&self) -> Picture {
         let mut svg = begin(&self.title, &self.subtitle);
         let sum: f64 = self.bars.iter().map(|b| b.value).sum();
         let highest = self.marks.iter().map(|m| m.1).fold(sum, f64::max);
@@ -112,16 +124,18 @@ impl WaterfallPicture {
         for (i, b) in self.bars.iter().enumerate() {
             let (x, width) = column(i, count);
             let colour = if b.value < 0.0 { RED } else { BLUE };
-            bar(&mut svg, &axis, (x, width), (level, level + b.value), &b.label, colour);
+            let edges = bar(&mut svg, &axis, (x, width), (level, level + b.value), &b.label, colour);
+            value(&mut svg, (x, width), edges, b.value, false);
             level += b.value;
             let y = FRAME.y(&axis, level);
             let dashes = format!(r#"stroke="{FAINT}" stroke-width="{}" stroke-dasharray="3 3""#, number(0.8));
             svg.line((x + width, y), (column(i + 1, count).0, y), &dashes);
         }
-        for (i, (label, value)) in self.marks.iter().enumerate() {
+        for (i, (label, total)) in self.marks.iter().enumerate() {
             let at = column(self.bars.len() + 1 + i, count);
-            bar(&mut svg, &axis, at, (0.0, *value), label, if i == 0 { INK } else { GREY });
+            let edges = bar(&mut svg, &axis, at, (0.0, *total), label, if i == 0 { INK } else { GREY });
+            value(&mut svg, at, edges, *total, false);
         }
-        svg.finish(&format!("{}: {}", self.title, self.subtitle))
+        svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
 }

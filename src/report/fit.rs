@@ -80,7 +80,7 @@ impl FitPicture<'_> {
         let words = format!("displacements drawn {} times as large", significant(magnified, 4));
         svg.text((LEFT + 200.0, below), &words, Font::faint(12.0), Anchor::Start, 0.0);
         svg.text((LEFT, below + 20.0), &self.words(), Font::plain(12.0), Anchor::Start, 0.0);
-        svg.finish(&format!("{}: {subtitle}", self.machine))
+        svg.picture(&format!("{}: {subtitle}", self.machine)).svg()
     }
 
     fn words(&self) -> String {

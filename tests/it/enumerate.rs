@@ -132,7 +132,7 @@ fn budgets_are_those_of_one_machine_after_the_other() {
                 }
                 let other = machine.rearranged(&walk.sides(&machine, *table)).unwrap();
                 let ids: Vec<ErrorId> = bounds.iter().map(|bound| bound.error.clone()).collect();
-                let mut values = vec![0.0_f64; 3];
+                let mut values = [0.0_f64; 3];
                 for pose in reached(&other, study.work()) {
                     let effects = sensitivities_to(&other, &pose, &ids);
                     for (sample, value) in values.iter_mut().enumerate() {
@@ -302,8 +302,13 @@ fn what_makes_no_study_is_refused() {
     says(&["trunnion.yaml", "--require", "C on table", "--max-table", "0"], &["E0609"]);
     says(&["trunnion.yaml", "--by", "budget"], &["E0604"]);
     says(&["trunnion.yaml", "--poses", "100000", "--samples", "10000"], &["E0606", "1000000000"]);
-    for usage in [&["--shard", "4/3", "--state", "x"][..], &["--shard", "1/2"], &["--reach", "120"], &["--poses", "0"]]
-    {
+    for usage in [
+        &["--shard", "4/3", "--state", "x"][..],
+        &["--shard", "1/2"],
+        &["--reach", "120"],
+        &["--poses", "0"],
+        &["--rotary", "3"],
+    ] {
         assert_eq!(refused(&[&["enumerate", "trunnion.yaml"], usage].concat()).0, 2, "{usage:?}");
     }
     let folder = Folder::new("enumerate-many");

@@ -82,3 +82,33 @@ fn parts(vectors: &[[f64; 3]]) -> Vec<f64> {
     let length = dot(&sum, &sum).sqrt();
     vectors.iter().map(|v| if length > 0.0 { dot(v, &sum) / length } else { 0.0 }).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pose_that_attains_a_statistic_has_its_value() {
+        for n in 1..60 {
+            let values: Vec<f64> = (0..n).map(|i| f64::from((i * 37 + 11) % 23)).collect();
+            let mut sorted = values.clone();
+            sorted.sort_by(f64::total_cmp);
+            for (statistic, truth) in [
+                (Statistic::Max, sorted[sorted.len() - 1]),
+                (Statistic::P95, sorted[(n as usize * 95).div_ceil(100) - 1]),
+            ] {
+                let (pose, value) = statistic.attained(&values);
+                assert_eq!((value, values[pose], statistic.of(&mut values.clone())), (truth, truth, truth), "{n}");
+            }
+            let largest = Statistic::Max.attained(&values).0;
+            assert!(values[..largest].iter().all(|x| *x < values[largest]), "of equal ones the first");
+        }
+    }
+
+    #[test]
+    fn parts_sum_up_to_the_length() {
+        let list = parts(&[[3.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 0.0]]);
+        assert!((list.iter().sum::<f64>() - 5.0).abs() < 1e-15 && (list[0] - 1.8).abs() < 1e-15);
+        assert_eq!(parts(&[[0.0; 3]]), [0.0]);
+    }
+}
