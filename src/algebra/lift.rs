@@ -8,16 +8,9 @@ pub fn sin(x: f64, c: &mut [f64]) {
     cycle([s, co, -s, -co], c);
 }
 
-/// Cosine.
+/// Derivatives that repeat with period four, over k!: sine and cosine.
 #[inline]
-pub fn cos(x: f64, c: &mut [f64]) {
-    let (s, co) = libm::sincos(x);
-    cycle([co, -s, -co, s], c);
-}
-
-/// Derivatives that repeat with period four, over k!.
-#[inline]
-fn cycle(derivatives: [f64; 4], c: &mut [f64]) {
+pub fn cycle(derivatives: [f64; 4], c: &mut [f64]) {
     let mut factorial = 1.0;
     for (k, c) in c.iter_mut().enumerate() {
         factorial *= k.max(1) as f64;

@@ -77,7 +77,8 @@ pub trait Algebra:
 
     /// Sine and cosine.
     fn sin_cos(&self) -> (Self, Self) {
-        (self.lift(lift::sin), self.lift(lift::cos))
+        let (s, c) = libm::sincos(self.real());
+        (self.lift(|_, t| lift::cycle([s, c, -s, -c], t)), self.lift(|_, t| lift::cycle([c, -s, -c, s], t)))
     }
 
     /// Sine.

@@ -75,9 +75,14 @@ fn add(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Refused> {
     if list.iter().any(|known| known.name == parameter.name) {
         return Ok(());
     }
-    let both = |a: Approach, b: Approach| a == b || a == Approach::Mean || b == Approach::Mean;
-    let moves = |t: &Term| parameter.terms.iter().any(|own| own.source == t.source && both(own.approach, t.approach));
-    let clash = |known: &&Parameter| known.terms.iter().any(moves) && kind(known) != kind(&parameter);
+    let meet = |a: Approach, b: Approach| a == b || a == Approach::Mean || b == Approach::Mean;
+    let clash = |known: &&Parameter| {
+        let unlike = kind(known) != kind(&parameter);
+        let at_odds = |a: &Term, b: &Term| {
+            a.source == b.source && meet(a.approach, b.approach) && (unlike || a.approach != b.approach)
+        };
+        known.terms.iter().any(|a| parameter.terms.iter().any(|b| at_odds(a, b)))
+    };
     if let Some(known) = list.iter().find(clash) {
         let message = format!("`{}` and `{}` fit the same error curve in two forms", known.name, parameter.name);
         return Err(refusal(message, "fit every error once, in one form"));

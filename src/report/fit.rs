@@ -29,11 +29,13 @@ pub struct FitPicture<'a> {
     pub points: Vec<FitPoint>,
 }
 
-const WIDTH: f64 = 720.0;
-const LEFT: f64 = 84.0;
-const TOP: f64 = 84.0;
-const WIDEST: f64 = 560.0;
-const HIGHEST: f64 = 480.0;
+const WIDTH: f64 = 740.0;
+const LEFT: f64 = 112.0;
+const TOP: f64 = 116.0;
+const WIDEST: f64 = 540.0;
+const HIGHEST: f64 = 460.0;
+/// Between the outermost points and the frame.
+const MARGIN: f64 = 44.0;
 const DATA: &str = "#1b5e9c";
 const MODEL: &str = "#c4500b";
 
@@ -53,10 +55,10 @@ impl FitPicture<'_> {
         let at = |(x, y): (f64, f64)| (LEFT + (x - across.0) * scale, TOP + (up.1 - y) * scale);
         let magnified = self.magnification(scale);
         let moved = |p: &FitPoint, d: (f64, f64)| at((p.nominal.0 + d.0 * magnified, p.nominal.1 + d.1 * magnified));
-        let mut svg = Svg::new(WIDTH, TOP + size.1 + 120.0);
-        svg.text((LEFT, 32.0), &fitted(self.machine, 60), Font::bold(18.0), Anchor::Start, 0.0);
+        let mut svg = Svg::new(WIDTH, TOP + size.1 + MARGIN + 100.0);
+        svg.text((LEFT - MARGIN, 32.0), &fitted(self.machine, 60), Font::bold(18.0), Anchor::Start, 0.0);
         let subtitle = format!("Prediction and data over {}-{}, {}", self.axes[0], self.axes[1], self.slice);
-        svg.text((LEFT, 54.0), &fitted(&subtitle, 84), Font::faint(13.0), Anchor::Start, 0.0);
+        svg.text((LEFT - MARGIN, 54.0), &fitted(&subtitle, 84), Font::faint(13.0), Anchor::Start, 0.0);
         self.grid(&mut svg, (across, up), size, &at);
         for p in &self.points {
             let (nominal, read, said) = (at(p.nominal), moved(p, p.measured), moved(p, p.predicted));
@@ -68,7 +70,7 @@ impl FitPicture<'_> {
             svg.line((said.0 - 3.4, said.1 - 3.4), (said.0 + 3.4, said.1 + 3.4), &cross);
             svg.line((said.0 - 3.4, said.1 + 3.4), (said.0 + 3.4, said.1 - 3.4), &cross);
         }
-        let below = TOP + size.1 + 68.0;
+        let below = TOP + size.1 + MARGIN + 56.0;
         svg.circle((LEFT + 6.0, below - 4.0), 4.2, &format!(r#"fill="none" stroke="{DATA}" stroke-width="1.4""#));
         svg.text((LEFT + 18.0, below), "measured", Font::plain(12.0), Anchor::Start, 0.0);
         let cross = format!(r#"stroke="{MODEL}" stroke-width="1.4""#);
@@ -89,16 +91,19 @@ impl FitPicture<'_> {
         let data = rms(&|p| p.measured);
         let left = rms(&|p| (p.measured.0 - p.predicted.0, p.measured.1 - p.predicted.1));
         let count = self.points.len();
-        format!(
-            "in the plane, root mean square over {count} points: {data} µm measured, {left} µm between data and prediction"
-        )
+        format!("{count} points, root mean square in the plane: {data} µm measured, {left} µm left by the prediction")
     }
 
-    /// So that the largest displacement is as long as 45 pixels, rounded.
+    /// So that the largest displacement is as long as the margin allows, rounded down to 1, 2 or 5.
     fn magnification(&self, scale: f64) -> f64 {
         let sizes = self.points.iter().flat_map(|p| [p.measured, p.predicted]).map(|(x, y)| libm::hypot(x, y));
         let largest = sizes.fold(0.0, f64::max);
-        if largest > 0.0 && largest.is_finite() { round_step(45.0 / (largest * scale), 1) } else { 1.0 }
+        if !(largest > 0.0 && largest.is_finite()) {
+            return 1.0;
+        }
+        let most = MARGIN / (largest * scale);
+        // The step above a tenth of it is between it and a tenth.
+        [10.0, 5.0, 2.0, 1.0].into_iter().map(|f| round_step(most / 10.0, 1) * f).find(|m| *m <= most).unwrap_or(1.0)
     }
 
     fn grid(
@@ -109,8 +114,8 @@ impl FitPicture<'_> {
         at: &impl Fn((f64, f64)) -> (f64, f64),
     ) {
         let frame = format!(r#"fill="none" stroke="{INK}" stroke-width="0.8""#);
-        svg.rect((LEFT - 26.0, TOP - 20.0), (size.0 + 52.0, size.1 + 40.0), &frame);
-        let (bottom, side) = (TOP + size.1 + 20.0, LEFT - 26.0);
+        svg.rect((LEFT - MARGIN, TOP - MARGIN), (size.0 + 2.0 * MARGIN, size.1 + 2.0 * MARGIN), &frame);
+        let (bottom, side) = (TOP + size.1 + MARGIN, LEFT - MARGIN);
         let step = round_step(across.1 - across.0, 7);
         for tick in ticks(across, step) {
             let x = at((tick, up.0)).0;

@@ -48,7 +48,7 @@ fn decoded(bytes: &[u8]) -> Option<String> {
     let wide = |little: bool, bytes: &[u8]| {
         let pair = |p: &[u8]| if little { u16::from_le_bytes([p[0], p[1]]) } else { u16::from_be_bytes([p[0], p[1]]) };
         let units: Vec<u16> = bytes.chunks_exact(2).map(pair).collect();
-        (bytes.len() % 2 == 0).then(|| String::from_utf16(&units).ok()).flatten()
+        bytes.len().is_multiple_of(2).then(|| String::from_utf16(&units).ok()).flatten()
     };
     match bytes {
         [0xff, 0xfe, rest @ ..] => wide(true, rest),

@@ -42,6 +42,7 @@ fn what_is_not_admissible_is_said_with_its_reason() {
         ("[1, [0, -12e-6]", "[1, [0, 12e-6]", "error class"),
         ("[0, 0, 1, 0]", "[0, 0, -1, 0]", "reflection"),
         ("[0, 0, 1, 0]", "[0, 0, 2, 0]", "no rotation"),
+        ("[0, 0, 1, 0]", "[0, 0, 0, 0]", "no rotation"),
         ("[0, 0, 0, 1]", "[0, 0, 0, 2]", "last row"),
     ] {
         let text = MOTION.replace(from, to);

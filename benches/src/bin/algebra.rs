@@ -64,6 +64,23 @@ fn duals<const M: usize, P: Peer>(name: &str, peer: impl Fn([f64; M]) -> P) {
         SAMPLES,
     );
     print(&format!("{name} product"), &results);
+    sines(name, &raw, &peer);
+    affine(name, &raw, peer);
+}
+
+/// Sines of angles between -pi and pi. Ours is the portable libm's, the same everywhere; num-dual's is the platform's.
+/// With the platform's in ours too, what differs is the algebra.
+fn sines<const M: usize, P: Peer>(name: &str, raw: &[[f64; M]], peer: &impl Fn([f64; M]) -> P) {
+    let turned = raw.iter().map(|x| std::array::from_fn(|k| x[k] * if k == 0 { std::f64::consts::TAU } else { 1.0 }));
+    let (ours, theirs): (Vec<Dual<M>>, Vec<P>) = turned.map(|x| (Dual(x), peer(x))).unzip();
+    let [mut out, mut platform] = [(); 2].map(|()| ours[..BATCH].to_vec());
+    let mut other = theirs[..BATCH].to_vec();
+    let taylor = |x: f64, c: &mut [f64]| {
+        let (s, co) = x.sin_cos();
+        for (k, c) in c.iter_mut().enumerate() {
+            *c = [s, co, -s, -co][k % 4] / [1.0, 1.0, 2.0, 6.0][k];
+        }
+    };
     let results = paired(
         &mut [
             Way::new("abbe", |n| over(n, &ours, &mut out, |a, _| a.sin())),
@@ -73,7 +90,15 @@ fn duals<const M: usize, P: Peer>(name: &str, peer: impl Fn([f64; M]) -> P) {
         SAMPLES,
     );
     print(&format!("{name} sin"), &results);
-    affine(name, &raw, peer);
+    let results = paired(
+        &mut [
+            Way::new("abbe", |n| over(n, &ours, &mut platform, |a, _| a.lift(taylor))),
+            Way::new("num-dual", |n| over(n, &theirs, &mut other, |a, _| a.sin())),
+        ],
+        BATCH,
+        SAMPLES,
+    );
+    print(&format!("{name} same sin"), &results);
 }
 
 /// Elements pair by pair.
@@ -100,15 +125,26 @@ fn affine<const M: usize, P: Peer>(name: &str, raw: &[[f64; M]], peer: impl Fn([
         .map(|k| (Matrix3::from_fn(|i, j| peer(at(k, 3 * i + j))), Vector3::from_fn(|i, _| peer(at(k, 9 + i)))))
         .collect();
     let (mut out, mut other) = (ours[..FEW].to_vec(), theirs[..FEW].to_vec());
+    let mut written = other.clone();
     let results = paired(
         &mut [
             Way::new("abbe", |n| matrices(n, &ours, &mut out, |a, b| a.compose(b))),
             Way::new("num-dual", |n| matrices(n, &theirs, &mut other, |a, b| (a.0 * b.0, a.0 * b.1 + a.1))),
+            Way::new("  written out", |n| matrices(n, &theirs, &mut written, written_out)),
         ],
         FEW,
         SAMPLES,
     );
     print(&format!("{name} 3x4 affine product"), &results);
+}
+
+/// The peer's numbers in loops like ours, where nalgebra's general ones are slower.
+fn written_out<P: Peer>(a: &(Matrix3<P>, Vector3<P>), b: &(Matrix3<P>, Vector3<P>)) -> (Matrix3<P>, Vector3<P>) {
+    let row = |i: usize, x: P, y: P, z: P| a.0[(i, 0)] * x + a.0[(i, 1)] * y + a.0[(i, 2)] * z;
+    (
+        Matrix3::from_fn(|i, j| row(i, b.0[(0, j)], b.0[(1, j)], b.0[(2, j)])),
+        Vector3::from_fn(|i, _| row(i, b.1[0], b.1[1], b.1[2]) + a.1[i]),
+    )
 }
 
 fn matrices<T>(count: usize, list: &[T], out: &mut [T], f: impl Fn(&T, &T) -> T) {

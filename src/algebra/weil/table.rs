@@ -68,26 +68,24 @@ impl Rows {
     }
 }
 
-/// Monomials that are made at once: their sums do not wait for each other.
-const LANES: usize = 4;
-
-/// The unordered pairs {i, j} of each monomial without 1, for a_i b_j + a_j b_i; monomials of as many pairs side by side.
+/// The unordered pairs {i, j} of each monomial without 1, for a_i b_j + a_j b_i; monomials of as many pairs follow each
+/// other, so that the loop over them has a length that the compiler knows.
 #[derive(Debug, PartialEq)]
 pub struct Pairs {
-    groups: Vec<Group>,
-    steps: Vec<[[u8; 2]; LANES]>,
-    /// Roots of the monomials that are squares, group by group.
-    roots: Vec<[u8; LANES]>,
+    runs: Vec<Run>,
     products: usize,
 }
 
-/// Monomials that are made at once; the last may stand several times.
+/// Monomials of as many pairs.
 #[derive(Debug, PartialEq)]
-struct Group {
-    monomials: [u32; LANES],
+struct Run {
     /// How many pairs each has.
-    length: u32,
-    square: bool,
+    length: usize,
+    monomials: Vec<u8>,
+    /// The pairs of each.
+    pairs: Vec<[u8; 2]>,
+    /// The root of each if they are squares, or none.
+    roots: Vec<u8>,
 }
 
 impl Pairs {
@@ -100,17 +98,14 @@ impl Pairs {
         // 1, and what only 1 divides, is made without a table.
         let mut order: Vec<usize> = (1..rows.len()).filter(|k| rows[*k].len() > 2).collect();
         order.sort_by_key(|k| kind(*k));
-        let (mut groups, mut steps, mut roots) = (Vec::new(), Vec::new(), Vec::new());
-        for alike in order.chunk_by(|a, b| kind(*a) == kind(*b)) {
-            for some in alike.chunks(LANES) {
-                let lanes: [usize; LANES] = std::array::from_fn(|l| some[l.min(some.len() - 1)]);
-                let (length, square) = kind(lanes[0]);
-                steps.extend((0..length).map(|t| lanes.map(|k| half[k][t])));
-                roots.extend(square.then(|| lanes.map(|k| root(k).unwrap_or(0))));
-                groups.push(Group { monomials: lanes.map(|k| k as u32), length: length as u32, square });
-            }
-        }
-        Self { groups, steps, roots, products: rows.iter().map(Vec::len).sum() }
+        let run = |alike: &[usize]| Run {
+            length: half[alike[0]].len(),
+            monomials: alike.iter().map(|k| *k as u8).collect(),
+            pairs: alike.iter().flat_map(|k| half[*k].iter().copied()).collect(),
+            roots: alike.iter().filter_map(|k| root(*k)).collect(),
+        };
+        let runs = order.chunk_by(|a, b| kind(*a) == kind(*b)).map(run).collect();
+        Self { runs, products: rows.iter().map(Vec::len).sum() }
     }
 
     fn multiply(&self, a: &[f64], b: &[f64], out: &mut [f64]) {
@@ -123,29 +118,49 @@ impl Pairs {
             *out = a0 * b + a * b0;
         }
         out[0] = a0 * b0;
-        let (mut rest, mut roots) = (&self.steps[..], self.roots.iter());
-        for group in &self.groups {
-            let (steps, after) = rest.split_at(group.length as usize);
-            rest = after;
-            let mut sums = [0.0; LANES];
-            for step in steps {
-                for lane in 0..LANES {
-                    let [p, q] = [both[usize::from(step[lane][0])], both[usize::from(step[lane][1])]];
-                    sums[lane] += p[0] * q[1] + p[1] * q[0];
-                }
+        for run in &self.runs {
+            match run.length {
+                0 => {}
+                1 => run.add::<1>(&both, out),
+                2 => run.add::<2>(&both, out),
+                3 => run.add::<3>(&both, out),
+                5 => run.add::<5>(&both, out),
+                7 => run.add::<7>(&both, out),
+                length => run.add_any(length, &both, out),
             }
-            if let Some(root) = roots.as_slice().first().filter(|_| group.square) {
-                roots.next();
-                for lane in 0..LANES {
-                    let [x, y] = both[usize::from(root[lane])];
-                    sums[lane] += x * y;
-                }
-            }
-            for lane in (0..LANES).filter(|l| *l == 0 || group.monomials[*l] != group.monomials[l - 1]) {
-                out[group.monomials[lane] as usize] += sums[lane];
+            for (k, root) in run.monomials.iter().zip(&run.roots) {
+                let [x, y] = both[usize::from(*root)];
+                out[usize::from(*k)] += x * y;
             }
         }
     }
+}
+
+impl Run {
+    #[inline(always)]
+    fn add<const N: usize>(&self, both: &[[f64; 2]; 256], out: &mut [f64]) {
+        for (k, pairs) in self.monomials.iter().zip(self.pairs.as_chunks::<N>().0) {
+            out[usize::from(*k)] += sum(pairs, both);
+        }
+    }
+
+    fn add_any(&self, length: usize, both: &[[f64; 2]; 256], out: &mut [f64]) {
+        for (k, pairs) in self.monomials.iter().zip(self.pairs.chunks_exact(length)) {
+            out[usize::from(*k)] += sum(pairs, both);
+        }
+    }
+}
+
+/// Sum of the `a_i b_j`, plus sum of the `b_i a_j`.
+#[inline(always)]
+fn sum(pairs: &[[u8; 2]], both: &[[f64; 2]; 256]) -> f64 {
+    let mut sum = [0.0; 2];
+    for [i, j] in pairs {
+        let ([x, y], [u, v]) = (both[usize::from(*i)], both[usize::from(*j)]);
+        sum[0] += x * v;
+        sum[1] += y * u;
+    }
+    sum[0] + sum[1]
 }
 
 /// Generators whose triangle of products is written out without loops: short rows cost more than they hold.
@@ -206,23 +221,26 @@ fn triangle<const K: usize>([a0, b0]: [f64; 2], [x, y, left, right]: [&[f64]; 4]
 mod tests {
     use super::super::{Basis, Ideal, Monomial};
 
-    /// The definition: every pair of monomials by rising left index; without squares each pair with its mirror image
-    /// if `mirrored`, after what 1 divides alone.
+    /// The definition: every pair of monomials by rising left index; if `mirrored`, what 1 divides alone, then the
+    /// pairs with rising factors and their mirror images, each summed, then the squares.
     fn plainly(basis: &Basis, a: &[f64], b: &[f64], mirrored: bool) -> Vec<f64> {
         let mut out = vec![0.0; a.len()];
         if mirrored {
             let n = a.len();
             let product = |i: usize, j: usize| basis.position(&basis.monomials()[i].times(&basis.monomials()[j]));
-            let (mut rest, mut squares) = (vec![0.0; n], vec![0.0; n]);
+            let [mut rest, mut mirrored, mut squares] = [(); 3].map(|()| vec![0.0; n]);
             for (i, j) in (1..n).flat_map(|i| (i..n).map(move |j| (i, j))) {
                 match product(i, j) {
                     Some(k) if i == j => squares[k] += a[i] * b[i],
-                    Some(k) => rest[k] += a[i] * b[j] + b[i] * a[j],
+                    Some(k) => {
+                        rest[k] += a[i] * b[j];
+                        mirrored[k] += b[i] * a[j];
+                    }
                     None => {}
                 }
             }
             let one = |k: usize| if k == 0 { a[0] * b[0] } else { a[0] * b[k] + a[k] * b[0] };
-            return (0..n).map(|k| one(k) + (rest[k] + squares[k])).collect();
+            return (0..n).map(|k| (one(k) + (rest[k] + mirrored[k])) + squares[k]).collect();
         }
         for (i, left) in basis.monomials().iter().enumerate() {
             for (j, right) in basis.monomials().iter().enumerate() {

@@ -138,8 +138,9 @@ fn begins(cells: &[String], axis: Option<&str>) -> bool {
             || axis.is_some_and(|axis| name.eq_ignore_ascii_case(axis))
             || (axis.is_none() && name.len() <= 2 && crate::machine::AxisName::new(&name).is_some())
     };
-    // The row below a header is not one: `axis; X` before the table has no number in sight either, but two cells of words.
-    cells.len() >= 2 && cells.iter().any(position) && cells.iter().all(|cell| units::number(cell).is_err())
+    // `axis; X` before the table is no header. Runs may be named by numbers, positions are words.
+    let said = cells.len() == 2 && cells[0].eq_ignore_ascii_case("axis");
+    cells.len() >= 2 && !said && cells.iter().any(position)
 }
 
 pub(super) fn find(lines: &[Line], wanted: &Wanted) -> Result<Header, Box<Diagnostic>> {
