@@ -2,7 +2,14 @@
 //! input, one a line, runs each once, and answers with nanoseconds per pose. `benches/run` asks for them in turn with those of
 //! other programs, so that ratios are of the same minute. POSES holds columns of doubles, one per axis.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout, missing_docs)]
+#![allow(
+    clippy::needless_range_loop,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    missing_docs
+)]
 
 mod naive;
 

@@ -14,13 +14,11 @@ pub trait Field: Sync {
     fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation;
 
     /// The same at many poses, as many as `out` has room for: one by one, unless the field knows better.
-    fn deviations(&self, poses: &Batch<'_>, approach: Approach, out: Output<'_>) {
+    fn deviations(&self, poses: &Batch<'_>, approach: Approach, mut out: Output<'_>) {
         for i in 0..out.len() {
             let deviation = self.deviation(&poses.pose(i), approach);
-            for k in 0..3 {
-                out.position[k][i] = deviation.position[k];
-                out.rotation[k][i] = deviation.rotation[k];
-            }
+            out.position.iter_mut().zip(&deviation.position).for_each(|(column, x)| column[i] = *x);
+            out.rotation.iter_mut().zip(&deviation.rotation).for_each(|(column, x)| column[i] = *x);
         }
     }
 

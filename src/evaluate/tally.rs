@@ -64,6 +64,7 @@ impl Lengths {
     }
 
     /// One block; returns its largest length.
+    #[allow(clippy::needless_range_loop, reason = "three columns and eight sums by one index")]
     fn add(&mut self, columns: &[Vec<f64>; 3], len: usize) -> f64 {
         let [x, y, z] = columns.each_ref().map(|column| &column[..len]);
         let (mut sum, mut squares, mut max) = ([0.0; 8], [0.0; 8], 0.0_f64);

@@ -4,8 +4,8 @@
     check.py            compare with counts.json, 5 % either way
     check.py --renew    write counts.json
 
-What is counted: one sample of benches/evaluate.rs (512 poses, compilation of the plan included) in the development profile,
-as the difference of a run with two samples and one with one: start and reading cancel. The vector width is forced, for valgrind emulates
+What is counted: one sample of benches/evaluate.rs (8192 poses, compilation of the plan included) in the development profile,
+less a run without any: start and reading cancel. The vector width is forced, for valgrind emulates
 a processor of its own (AVX2 at most), so the counts do not depend on this one. They do depend on the compiler: with
 another rustc than the one in counts.json differences are shown and not judged.
 """
@@ -22,7 +22,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 COUNTS = HERE / "counts.json"
 TOLERANCE = 0.05
-POSES = 512
+POSES = 8192
 KERNELS = [f"{kernel} {width} 1" for width in ("scalar", "avx2") for kernel in ("batch 1", "batch exact", "grid")]
 # The trunnion's volume, in the order of its walk: C A Y X Z.
 TRAVEL = [(0, 360), (-120, 30), (0, 450), (0, 500), (-400, 0)]
@@ -66,12 +66,12 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         path = poses(folder)
+        start, width = instructions(program, path, folder, [])
         for kernel in KERNELS:
-            once, width = instructions(program, path, folder, [kernel])
             if "avx2" in kernel and width != "Avx2":
                 print(f"{kernel}: this processor has no AVX2, not counted")
                 continue
-            found[kernel] = instructions(program, path, folder, [kernel] * 2)[0] - once
+            found[kernel] = instructions(program, path, folder, [kernel])[0] - start
             expected = known.get("instructions", {}).get(kernel)
             change = f"{100 * (found[kernel] / expected - 1):+.1f} %" if expected else "new"
             print(f"{kernel}: {found[kernel]} instructions, {change}")

@@ -15,6 +15,10 @@
 //! approximated: what no kernel covers (orders above 2, location errors in the real part at order 1 or 2, rotations beyond 0.3 rad)
 //! goes pose by pose through the general algebra, on the same interface.
 
+// Iterators and `Option::map` take closures, which are compiled without the vector features of the function around them:
+// in kernels plain loops and matches stand instead.
+#![allow(clippy::needless_range_loop, clippy::manual_map)]
+
 mod batch;
 mod curves;
 mod exact;
@@ -60,7 +64,7 @@ pub struct Plan {
 enum Walk {
     First(first::FirstOrder),
     Second(second::SecondOrder),
-    Exact(exact::Exact),
+    Exact(Box<exact::Exact>),
     /// Pose by pose over the general algebra.
     General,
 }
@@ -73,7 +77,7 @@ impl Plan {
             Order::Degree(0 | 1) => first::FirstOrder::new(links).map(Walk::First),
             Order::Degree(2) => second::SecondOrder::new(links.clone()).map(Walk::Second),
             Order::Degree(_) => None,
-            Order::Exact => exact::Exact::new(links.clone()).map(Walk::Exact),
+            Order::Exact => exact::Exact::new(links.clone()).map(|exact| Walk::Exact(Box::new(exact))),
         });
         let kernel = kernel.unwrap_or(Walk::General);
         Self { machine: machine.clone(), order, approach, width: Width::widest(), links, kernel }
@@ -145,7 +149,7 @@ impl Plan {
         match &self.kernel {
             Walk::First(task) => over(task, pass, out.reborrow()),
             Walk::Second(task) => over(task, pass, out.reborrow()),
-            Walk::Exact(task) => over(task, pass, out.reborrow()),
+            Walk::Exact(task) => over(task.as_ref(), pass, out.reborrow()),
             Walk::General => beyond.extend(0..out.len()),
         }
         for index in beyond {

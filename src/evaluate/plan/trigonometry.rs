@@ -7,6 +7,7 @@
 use super::lanes::Lanes;
 use super::links::splat;
 
+#[allow(clippy::excessive_precision, reason = "as published")]
 const SINE: [f64; 6] = [
     -1.666_666_666_666_663_243_48e-1,
     8.333_333_333_322_489_461_24e-3,
@@ -16,6 +17,7 @@ const SINE: [f64; 6] = [
     1.589_690_995_211_550_102_21e-10,
 ];
 
+#[allow(clippy::excessive_precision, reason = "as published")]
 const COSINE: [f64; 6] = [
     4.166_666_666_666_660_190_37e-2,
     -1.388_888_888_887_410_957_49e-3,
