@@ -5,7 +5,7 @@ use super::session::Session;
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::Summary;
 use crate::machine::{Approach, Machine};
-use crate::target::{Certificate, ErrorLeft, Figures, Handled, Mechanism, Target};
+use crate::target::{Certificate, ErrorLeft, Figures, Handled, Target};
 use crate::units::significant;
 use serde_json::json;
 use std::path::Path;
@@ -232,10 +232,7 @@ fn tool(machine: &Machine, target: &Target) -> String {
     let length: f64 = (0..3).map(|i| (tool.tip[i] - tool.gauge[i]) * (tool.tip[i] - tool.gauge[i])).sum();
     let length = significant(libm::sqrt(length), 6);
     let name = if tool.name.is_empty() { String::new() } else { format!("`{}`, ", tool.name) };
-    let only = match target.manifest.mechanism {
-        Mechanism::Lattice(_) => "; the tables hold for it only",
-        Mechanism::OwnAxis(_) => "",
-    };
+    let only = if target.manifest.tool_dependent() { "; the tables hold for it only" } else { "" };
     format!("{name}{length} mm from the gauge point to the functional point{only}")
 }
 

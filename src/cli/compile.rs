@@ -4,10 +4,10 @@ use super::certificate_output::{Shown, warnings};
 use super::files::Disk;
 use super::session::Session;
 use super::{Outcome, Stop, file_set, load};
-use crate::compensation::{Capability, Goal, LatticeRequest, Scope, Tables, resampled};
+use crate::compensation::{Fit, Goal, LatticeRequest, Scope, Tables, resampled};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{AxisKind, Machine};
-use crate::target::{Hashed, Limits, Lock, RenderedFile, Target, certify, is_plain_name};
+use crate::target::{Hashed, Limits, Lock, NAMES, RenderedFile, Target, certify, is_plain_name};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -21,6 +21,9 @@ pub(super) struct Args {
     /// Folder for the files.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Write files of a format or a sign that is known from memory only.
+    #[arg(long)]
+    accept_unverified: bool,
     #[command(flatten)]
     options: Options,
     /// Raise the limits on corrections: length, angle, slope.
@@ -123,6 +126,10 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.options.tool.as_deref())?;
     let inputs = inputs(session);
     let target = args.options.target(session, &args.target)?;
+    refuse_unverified(session, &target, args.accept_unverified)?;
+    if let Some(refusal) = target.refusal(&machine) {
+        return session.refuse(refusal);
+    }
     let scope = args.options.scope();
     let axes = lattice_axes(session, &machine, &args.lattice)?;
     let request = LatticeRequest { axes, max_nodes: args.nodes, scope };
@@ -131,6 +138,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     warn_left_out(session, &machine, &target, &tables);
     let limits = args.max_correction.unwrap_or_default();
     limits.exceeded(&machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
+    target.violations(&machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
     session.checked()?;
     let rendered = target.render(&machine, &tables, &mut session.diagnostics).ok_or(Stop::Refused)?;
     session.checked()?;
@@ -149,6 +157,18 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     Ok(())
 }
 
+/// What rests on memory alone is written only for those who say that they know. A folder of one's own
+/// needs no such word: who wrote its manifest knows.
+fn refuse_unverified(session: &mut Session, target: &Target, accepted: bool) -> Outcome {
+    let name = &target.manifest.target;
+    if accepted || !target.manifest.unverified() || !NAMES.contains(&&**name) {
+        return Ok(());
+    }
+    let message = format!("the format of `{name}` is known from memory only: {}", target.manifest.caution());
+    let help = "`abbe explain TARGET` says what is sure; to write the files all the same: --accept-unverified";
+    session.refuse(Diagnostic::new("E0710", message).help(help))
+}
+
 /// A lattice has two nodes on every axis at the least, and something to correct.
 fn refuse_impossible_lattice(
     session: &mut Session,
@@ -156,8 +176,9 @@ fn refuse_impossible_lattice(
     target: &Target,
     request: &LatticeRequest,
 ) -> Outcome {
-    let Capability::Lattice(capability) = target.manifest.capability() else { return Ok(()) };
-    let most = request.max_nodes.min(capability.max_nodes);
+    let free = target.manifest.mechanism.lattice.as_ref().filter(|rules| rules.inputs.is_empty());
+    let Some(rules) = free else { return Ok(()) };
+    let most = request.max_nodes.min(rules.max_points);
     let least = 2_usize.checked_pow(u32::try_from(request.axes.len()).unwrap_or(u32::MAX)).unwrap_or(usize::MAX);
     if least > most {
         let message = format!("a lattice over {} axes has more than {most} nodes at the least", request.axes.len());
@@ -165,7 +186,7 @@ fn refuse_impossible_lattice(
         return session.refuse(Diagnostic::new("E0603", message).help(help));
     }
     let linear = machine.axes().iter().any(|axis| axis.kind == AxisKind::Linear);
-    let able = linear || (request.scope.rotary && capability.corrects_rotary);
+    let able = linear || (request.scope.rotary && rules.corrects_rotary);
     if !able {
         let message = "the machine has no linear axis to correct the position with";
         let help = "let the rotary axes correct: --with all, or --correct pose";
@@ -176,16 +197,17 @@ fn refuse_impossible_lattice(
 
 /// What does not go into the tables: points beyond the format's limit, travel beyond the volume.
 fn warn_left_out(session: &mut Session, machine: &Machine, target: &Target, tables: &Tables) {
-    if let Capability::OwnAxis(capability) = target.manifest.capability() {
-        for (axis, points) in resampled(machine, &capability) {
-            let (name, most) = (&machine.axes()[axis].name, capability.max_points);
+    if let Some(rules) = target.manifest.mechanism.own_axis.as_ref().filter(|rules| rules.fit == Fit::Axis) {
+        for (axis, points) in resampled(machine, rules) {
+            let (name, most) = (&machine.axes()[axis].name, rules.max_points);
             let message =
                 format!("the curves of `{name}` have {points} points, the format holds {most}: they were resampled");
             let help = "thin the curve out yourself if certain points matter";
             session.diagnostics.push(Diagnostic::new("W0604", message).help(help));
         }
     }
-    let Tables::Lattice(lattice) = tables else { return };
+    let free = target.manifest.mechanism.lattice.as_ref().is_some_and(|rules| rules.inputs.is_empty());
+    let Some(lattice) = tables.tables.first().filter(|_| free) else { return };
     for axis in &lattice.axes {
         let (this, grid) = (&machine.axes()[*axis], machine.volume()[*axis]);
         let (min, max) = this.travel.interval();
@@ -225,7 +247,7 @@ fn read_back(
     let read = target.read(machine, &texts, &mut session.diagnostics);
     session.checked()?;
     match read {
-        Some(read) if read == *meant => Ok(read),
+        Some(read) if read.same_effect(meant) => Ok(read),
         _ => session.refuse(
             Diagnostic::new(
                 "E0707",

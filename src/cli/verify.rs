@@ -44,7 +44,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     };
     session.checked()?;
     if let Some(path) = &args.replay {
-        let replay = Replay::new(&machine, &tables, target.manifest.controller);
+        let replay = Replay::new(&machine, &tables, &target.manifest.mechanism, target.manifest.controller);
         return print_replay(session, &machine, &target, &replay, path);
     }
     let certificate =

@@ -13,5 +13,5 @@ pub use deviation::{
     response, rotation,
 };
 pub use field::{Bare, Field, commanded_deviation, error_by_error, tool_axis_tilt};
-pub use poses::{Nodes, Poses, Random, random_poses};
+pub use poses::{Nodes, Poses, Random, node_count, node_positions, random_poses};
 pub use statistics::{Difference, Statistics, Summary, worst};

@@ -8,6 +8,7 @@
 //! 6. [`certify`] compares the machine with and without them on poses that are not table points.
 
 mod certificate;
+mod context;
 mod fill;
 mod library;
 mod limits;
@@ -16,12 +17,13 @@ mod manifest;
 mod read;
 mod render;
 mod replay;
+mod stored;
 
 pub use certificate::{Certificate, ErrorLeft, Figures, Handled, certify};
 pub use library::{NAMES, Target, is_plain_name};
 pub use limits::Limits;
 pub use lock::{Hashed, LOCK_NAME, Lock, sha256};
-pub use manifest::{Certainty, Controller, FileSpec, Layout, Manifest, Mechanism};
+pub use manifest::{Certainty, Controller, FileSpec, Layout, Level, Manifest};
 pub use read::ReadBack;
 pub use render::{LARGEST_FILE, RenderedFile, assigned_letters};
 pub use replay::{Compensated, Replay};
