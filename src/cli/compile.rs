@@ -3,11 +3,11 @@
 use super::certificate_output::{Shown, warnings};
 use super::files::Disk;
 use super::session::Session;
-use super::{Outcome, Stop, file_set, load};
-use crate::compensation::{Fit, Goal, LatticeRequest, Scope, Tables, resampled};
+use super::{Outcome, Stop, file_set, load, verify};
+use crate::compensation::{Fit, Goal, LatticeRequest, Scope, Stored, Tables, resampled};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{AxisKind, Machine};
-use crate::target::{Hashed, Limits, Lock, NAMES, RenderedFile, Target, certify, is_plain_name};
+use crate::target::{Hashed, Judged, Limits, Lock, NAMES, RenderedFile, Target, certify, is_plain_name};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -58,6 +58,35 @@ pub(super) struct Options {
     /// A folder with targets of your own.
     #[arg(long, value_name = "DIR")]
     pub templates: Option<PathBuf>,
+    /// What stored numbers mean, where the manual does not say it; by default what `abbe targets` says.
+    #[arg(long, value_enum)]
+    pub stored: Option<StoredArg>,
+    /// The compensation files that were in force when the machine was measured: what is written is old plus new.
+    #[arg(long, value_name = "DIR")]
+    pub installed: Option<PathBuf>,
+}
+
+/// The meaning of stored numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum StoredArg {
+    /// Added to the command.
+    Correction,
+    /// Actual minus nominal; the controller subtracts it.
+    Error,
+}
+
+impl StoredArg {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Correction => "stored correction",
+            Self::Error => "stored error",
+        }
+    }
+
+    /// What the manifest of a set says.
+    pub(super) fn of(options: &[String]) -> Option<Self> {
+        [Self::Correction, Self::Error].into_iter().find(|arg| options.iter().any(|o| o == arg.word()))
+    }
 }
 
 /// What is corrected.
@@ -91,15 +120,25 @@ impl Options {
     fn words(&self) -> Vec<String> {
         let scope = self.scope();
         let goal = if scope.goal == Goal::Pose { "pose" } else { "position" };
-        vec![format!("correct {goal}"), format!("with {} axes", if scope.rotary { "all" } else { "linear" })]
+        let mut words =
+            vec![format!("correct {goal}"), format!("with {} axes", if scope.rotary { "all" } else { "linear" })];
+        words.extend(self.stored.map(|stored| stored.word().to_owned()));
+        words
     }
 
-    pub(super) fn target(&self, session: &mut Session, name: &str) -> Result<Target, Stop> {
+    /// The target of a name, its stored numbers meaning what is asked for.
+    pub(super) fn target(&self, session: &mut Session, name: &str, stored: Option<StoredArg>) -> Result<Target, Stop> {
         if let Some(folder) = self.templates.as_deref().filter(|_| is_plain_name(name)) {
             refuse_links(session, &folder.join(name))?;
         }
         let target = Target::find(name, self.templates.as_deref(), &Disk, &mut session.diagnostics);
-        target.ok_or(Stop::Refused)
+        let mut target = target.ok_or(Stop::Refused)?;
+        match stored.or(self.stored) {
+            Some(StoredArg::Correction) => target.manifest.mechanism.store(Stored::Correction),
+            Some(StoredArg::Error) => target.manifest.mechanism.store(Stored::Error),
+            None => {}
+        }
+        Ok(target)
     }
 }
 
@@ -125,7 +164,7 @@ fn lattice_axes(session: &Session, machine: &Machine, named: &[String]) -> Resul
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.options.tool.as_deref())?;
     let inputs = inputs(session);
-    let target = args.options.target(session, &args.target)?;
+    let target = args.options.target(session, &args.target, None)?;
     refuse_unverified(session, &target, args.accept_unverified)?;
     if let Some(refusal) = target.refusal(&machine) {
         return session.refuse(refusal);
@@ -134,7 +173,11 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let axes = lattice_axes(session, &machine, &args.lattice)?;
     let request = LatticeRequest { axes, max_nodes: args.nodes, scope };
     refuse_impossible_lattice(session, &machine, &target, &request)?;
-    let tables = Arc::new(target.tables(&machine, &request));
+    let installed = verify::installed(session, &machine, &target, &args.options)?;
+    let tables = Arc::new(match &installed {
+        Some(installed) => target.tables_over(&machine, &request, installed),
+        None => target.tables(&machine, &request),
+    });
     warn_left_out(session, &machine, &target, &tables);
     let limits = args.max_correction.unwrap_or_default();
     limits.exceeded(&machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
@@ -143,7 +186,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let rendered = target.render(&machine, &tables, &mut session.diagnostics).ok_or(Stop::Refused)?;
     session.checked()?;
     let read = read_back(session, &machine, &target, &rendered, &tables)?;
-    let certificate = certify(&machine, &target, &read, scope, args.options.poses as usize, args.options.seed);
+    let judged = Judged { target: &target, tables: &read, installed: installed.as_ref() };
+    let certificate = certify(&machine, judged, scope, args.options.poses as usize, args.options.seed);
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
     let files = rendered.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();

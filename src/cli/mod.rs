@@ -8,6 +8,7 @@ mod check;
 mod classify;
 mod compare;
 mod compile;
+mod diff;
 mod effects;
 mod equations;
 mod eval;
@@ -104,6 +105,8 @@ enum Verb {
     Compile(compile::Args),
     /// Replay compensation files as the controller would, and say what they leave.
     Verify(verify::Args),
+    /// How far two sets of compensation files are apart, in micrometres.
+    Diff(diff::Args),
     /// The controllers, what they can express, and how sure that is.
     Targets,
     /// The long text of a code, an error name or a target.
@@ -159,6 +162,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),
         Verb::Verify(args) => verify::run(session, &args),
+        Verb::Diff(args) => diff::run(session, &args),
         Verb::Targets => targets::run(session),
         Verb::Check(args) => check::run(session, &args),
         Verb::Explain(args) => explain::run(session, &args),

@@ -93,7 +93,7 @@ pub struct TableRules {
     #[serde(default = "unlimited")]
     pub max_points_per_axis: usize,
     /// How the points may lie.
-    #[serde(default)]
+    #[serde(default, with = "serde_yaml::with::singleton_map")]
     pub spacing: Spacing,
     /// One value for each direction of approach?
     #[serde(default)]
@@ -253,6 +253,14 @@ impl Mechanisms {
             ("error_curves", &self.error_curves),
         ];
         named.into_iter().filter_map(|(name, rules)| rules.as_ref().map(|rules| (name, rules)))
+    }
+
+    /// Gives stored numbers another sign; commands stay commands.
+    pub fn store(&mut self, stored: Stored) {
+        let all = [&mut self.own_axis, &mut self.cross_axis, &mut self.plane, &mut self.lattice];
+        for rules in all.into_iter().flatten().filter(|rules| rules.stored != Stored::Command) {
+            rules.stored = stored;
+        }
     }
 
     /// The rules under which a table stands.

@@ -44,7 +44,7 @@ fn axis_curves(machine: &Machine, axis: usize, rules: &TableRules) -> Vec<ErrorC
 impl ErrorCurve {
     /// The error (mm or rad) at a position: straight lines, held at the ends; by whole turns on a
     /// continuous axis.
-    fn value(&self, position: f64, continuous: bool) -> f64 {
+    pub(super) fn value(&self, position: f64, continuous: bool) -> f64 {
         let (Some(first), Some(last)) = (self.positions.first(), self.positions.last()) else {
             return self.values.first().copied().unwrap_or(0.0);
         };

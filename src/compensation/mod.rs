@@ -8,6 +8,7 @@
 //! different types, and the sign changes in exactly one function, `jacobian::against`.
 
 mod capability;
+mod combine;
 mod correct;
 mod curves;
 mod jacobian;

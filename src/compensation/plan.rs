@@ -8,7 +8,7 @@
 
 use super::curves::error_curves;
 use super::nodes::{Curves, interval};
-use super::sum::{Wanted, background, fill};
+use super::sum::{Filler, Traits, Wanted};
 use super::{
     Correction, Fit, Jacobian, LatticeRequest, Mechanisms, Reference, Scope, Spacing, Table, TableRules, Tables,
     correct_from, lattice, own_axis_table,
@@ -98,8 +98,13 @@ pub fn single_error_tables(machine: &Machine, mechanisms: &Mechanisms, tables: &
         .collect()
     };
     let mean = |pose: &[f64]| linear(pose, Approach::Mean).concat();
+    let two_sided: Vec<bool> =
+        machine.axes().iter().map(|axis| machine.filtered(|id| id.axis == axis.name).is_bidirectional()).collect();
     let half = |pose: &[f64], axis: usize| {
         let name = &machine.axes()[axis].name;
+        if !two_sided[axis] {
+            return vec![0.0; pose.len() * ids.len()];
+        }
         let (forward, reverse) = (linear(pose, Approach::Forward), linear(pose, Approach::Reverse));
         let both = ids.iter().zip(forward.iter().zip(&reverse));
         both.flat_map(|(id, (f, r))| {
@@ -108,7 +113,7 @@ pub fn single_error_tables(machine: &Machine, mechanisms: &Mechanisms, tables: &
         })
         .collect()
     };
-    let mut sets = planner.fill(&sums, &Wanted { mean: &mean, half: &half });
+    let mut sets = Filler::new(machine, Wanted { mean: &mean, half: &half }).fill(&sums, &planner.traits(&sums));
     sets.resize_with(ids.len(), Tables::default);
     for table in sets.iter_mut().flat_map(|set| &mut set.tables) {
         if mechanisms.rules(table).is_some_and(|rules| rules.reference == Reference::Zero) {
@@ -149,15 +154,16 @@ impl Planner<'_> {
         let own = self.own_error_tables();
         let alone: Vec<Machine> =
             self.machine.axes().iter().map(|axis| self.machine.filtered(|id| id.axis == axis.name)).collect();
-        let sets = |layout: &[Table]| {
-            let mean = |pose: &[f64]| self.wanted(self.machine, &own, pose, Approach::Mean);
-            let half = |pose: &[f64], axis: usize| {
-                let [f, r] =
-                    [Approach::Forward, Approach::Reverse].map(|way| self.wanted(&alone[axis], &[], pose, way));
-                f.iter().zip(&r).map(|(f, r)| 0.5 * (f - r)).collect()
-            };
-            self.fill(layout, &Wanted { mean: &mean, half: &half }).pop().unwrap_or_default().tables
+        let mean = |pose: &[f64]| self.wanted(self.machine, &own, pose, Approach::Mean);
+        let half = |pose: &[f64], axis: usize| {
+            if !alone[axis].is_bidirectional() {
+                return vec![0.0; pose.len()];
+            }
+            let [f, r] = [Approach::Forward, Approach::Reverse].map(|way| self.wanted(&alone[axis], &[], pose, way));
+            f.iter().zip(&r).map(|(f, r)| 0.5 * (f - r)).collect()
         };
+        let mut filler = Filler::new(self.machine, Wanted { mean: &mean, half: &half });
+        let mut sets = |layout: &[Table]| filler.fill(layout, &self.traits(layout)).pop().unwrap_or_default().tables;
         let curves = self.chosen(sets(&self.curve_layout()));
         let mut layout = curves;
         if let Some(rules) = &self.mechanisms.plane {
@@ -170,15 +176,17 @@ impl Planner<'_> {
             layout.extend(self.fixed_lattice(rules));
         }
         let mut tables = sets(&layout);
-        self.add_constants(&own, &mut tables);
-        tables.extend(own);
+        tables.extend(own.iter().cloned());
         Tables { tables, errors: Vec::new() }
     }
 
-    fn fill(&self, layout: &[Table], wanted: &Wanted) -> Vec<Tables> {
-        let line = |table: &Table| self.mechanisms.rules(table).is_some_and(|rules| rules.spacing == Spacing::Line);
-        let straight: Vec<bool> = layout.iter().map(line).collect();
-        fill(self.machine, layout, &straight, wanted)
+    fn traits(&self, layout: &[Table]) -> Vec<Traits> {
+        let of = |table: &Table| {
+            let rules = self.mechanisms.rules(table);
+            let straight = rules.is_some_and(|rules| rules.spacing == Spacing::Line);
+            Traits { straight, constant: !straight && rules.is_some_and(|rules| rules.reference == Reference::Any) }
+        };
+        layout.iter().map(of).collect()
     }
 
     /// Corrections of all axes with the own-error tables in force: what they leave, by the linear axes.
@@ -303,9 +311,9 @@ impl Planner<'_> {
 
     fn plane(&self, axes: &[usize], corrected: Vec<usize>, rules: &TableRules, coarse: bool) -> Table {
         const COARSE: usize = 5;
-        const FINE: usize = 21;
+        let fine = if axes.len() > 2 { 11 } else { 21 };
         let most = libm::floor(libm::pow(rules.max_points as f64, 1.0 / axes.len() as f64) + 1e-9) as usize;
-        let most = most.min(if coarse { COARSE } else { FINE });
+        let most = most.min(if coarse { COARSE } else { fine });
         let few = TableRules { max_points: most.min(rules.max_points_per_axis), ..rules.clone() };
         let ranges: Vec<(f64, f64)> = axes.iter().map(|axis| interval(self.machine, *axis, rules)).collect();
         let step = ranges.iter().map(|(min, max)| (max - min) / (few.max_points - 1) as f64).fold(0.0, f64::max);
@@ -329,26 +337,6 @@ impl Planner<'_> {
         let linear = |axis: &usize| self.machine.axes()[*axis].kind == AxisKind::Linear;
         let corrected: Vec<usize> = all.into_iter().filter(linear).collect();
         Some(self.plane(&axes?, corrected, rules, false)).filter(|table| !table.corrected.is_empty())
-    }
-
-    /// Where tables need not vanish anywhere, the mean of what they leave goes into one of them.
-    fn add_constants(&self, own: &[Table], tables: &mut [Table]) {
-        let free = |table: &Table| {
-            self.mechanisms.rules(table).is_some_and(|r| r.reference == Reference::Any && r.spacing != Spacing::Line)
-        };
-        let whole = tables.iter().any(|t| t.axes.len() > 1 && t.corrected.len() > 1);
-        let poses = background(self.machine);
-        let wanted: Vec<Vec<f64>> =
-            poses.iter().map(|pose| self.wanted(self.machine, own, pose, Approach::Mean)).collect();
-        let mut done: Vec<usize> = Vec::new();
-        for table in tables.iter_mut().filter(|t| t.axes.len() == 1 && free(t) && !whole) {
-            let output = table.corrected[0];
-            if !done.contains(&output) {
-                done.push(output);
-                let mean = wanted.iter().map(|c| c[output]).sum::<f64>() / wanted.len() as f64;
-                std::iter::once(&mut table.values).chain(&mut table.reverse).flatten().for_each(|c| *c += mean);
-            }
-        }
     }
 }
 

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 /// Corrections at a pose: those of all axes, for one channel after another (one for the whole machine,
 /// or one for every error).
+#[derive(Clone, Copy)]
 pub(super) struct Wanted<'a> {
     /// The mean of forward and reverse.
     pub mean: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
@@ -26,7 +27,7 @@ pub(super) struct Wanted<'a> {
 const BACKGROUND: usize = 32;
 
 /// Evenly spread poses: in every axis the multiples of an irrational number, modulo the volume.
-pub(super) fn background(machine: &Machine) -> Vec<Pose> {
+fn background(machine: &Machine) -> Vec<Pose> {
     // Powers of the root of x^(d+1) = x + 1: the d-dimensional golden ratio.
     let degree = machine.axes().len() as f64 + 1.0;
     let root = (0..40).fold(1.5, |x, _| libm::pow(1.0 + x, 1.0 / degree));
@@ -78,68 +79,101 @@ fn corners(table: &Table, pose: &[f64]) -> Vec<(usize, f64)> {
     corners
 }
 
-/// Fills tables of a given layout (axes, nodes, corrected axes): one set for every channel. A table
-/// with `straight` is a line through position 0, the best one over the volume.
-pub(super) fn fill(machine: &Machine, layout: &[Table], straight: &[bool], wanted: &Wanted) -> Vec<Tables> {
-    let axes = machine.axes().len();
-    let background = background(machine);
-    let all_mean = mean(background.iter().map(|pose| (wanted.mean)(pose)));
-    let mut effects = Effects { machine, background: &background, wanted, known: Vec::new() };
-    let mut filled = Filled { layout, values: Vec::new(), axes };
-    let mut halves: Vec<Option<Vec<Vec<f64>>>> = Vec::new();
-    for (table, straight) in layout.iter().zip(straight) {
-        let pick = |all: &[f64]| -> Vec<f64> {
-            all.chunks(axes).flat_map(|group| table.corrected.iter().map(|axis| group[*axis])).collect()
-        };
-        let rows = if table.axes.len() == 1 {
-            let main = effects.main(table, *straight);
-            let mut rows: Vec<Vec<f64>> = main.iter().map(|row| pick(row)).collect();
-            let mean = pick(&all_mean);
-            rows.iter_mut().for_each(|row| row.iter_mut().zip(&mean).for_each(|(x, m)| *x -= m));
-            if *straight { line(&effects.places(table), table, &rows) } else { rows }
-        } else {
-            let left = |pose: &[f64]| {
-                let mut all = (wanted.mean)(pose);
-                filled.subtract(pose, &mut all);
-                pick(&all)
-            };
-            effect(table, &background, &left)
-        };
-        halves.push(table.reverse.is_some().then(|| {
-            let half = |pose: &[f64]| pick(&(wanted.half)(pose, table.axes[0]));
-            effect(table, &background, &half)
-        }));
-        filled.values.push(rows);
-    }
-    sets(layout, &filled.values, &halves)
+/// What a table is besides its layout.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Traits {
+    /// A line through position 0, the best one over the volume.
+    pub straight: bool,
+    /// May it hold a constant? The first table of an axis that may holds the mean.
+    pub constant: bool,
 }
 
-/// Main effects over nodes: one look at the machine serves the tables of all corrected axes.
-struct Effects<'a> {
+/// Rows of means by the axis and the nodes that they are over.
+type Known = Vec<((usize, Vec<f64>), Vec<Vec<f64>>)>;
+
+/// Fills tables; one look at the machine serves the tables of all corrected axes over the same nodes.
+pub(super) struct Filler<'a> {
     machine: &'a Machine,
-    background: &'a [Pose],
-    wanted: &'a Wanted<'a>,
-    known: Vec<(Table, Vec<Vec<f64>>)>,
+    wanted: Wanted<'a>,
+    background: Vec<Pose>,
+    mean: Vec<f64>,
+    means: Known,
+    halves: Known,
 }
 
 /// Places where a straight line is fitted.
 const PLACES: usize = 33;
 
-impl Effects<'_> {
-    fn places(&self, table: &Table) -> Vec<f64> {
-        node_positions(&self.machine.volume()[table.axes[0]], PLACES)
+impl<'a> Filler<'a> {
+    pub fn new(machine: &'a Machine, wanted: Wanted<'a>) -> Self {
+        let background = background(machine);
+        let mean = mean(background.iter().map(|pose| (wanted.mean)(pose)));
+        Self { machine, wanted, background, mean, means: Vec::new(), halves: Vec::new() }
     }
 
-    fn main(&mut self, table: &Table, straight: bool) -> Vec<Vec<f64>> {
-        let nodes = if straight { self.places(table) } else { table.nodes[0].clone() };
-        let over = Table::curve(table.axes[0], nodes, table.axes[0], Vec::new());
-        if let Some((_, rows)) = self.known.iter().find(|(known, _)| *known == over) {
-            return rows.clone();
+    /// Fills tables of a given layout (axes, nodes, corrected axes): one set for every channel.
+    pub fn fill(&mut self, layout: &[Table], traits: &[Traits]) -> Vec<Tables> {
+        let axes = self.machine.axes().len();
+        let mut filled = Filled { layout, values: Vec::new(), axes };
+        let mut halves: Vec<Option<Vec<Vec<f64>>>> = Vec::new();
+        let mut with_constant: Vec<usize> = Vec::new();
+        for (table, traits) in layout.iter().zip(traits) {
+            let pick = |all: &[f64]| -> Vec<f64> {
+                all.chunks(axes).flat_map(|group| table.corrected.iter().map(|axis| group[*axis])).collect()
+            };
+            let rows = if let [axis] = table.axes[..] {
+                let places = if traits.straight { self.places(axis) } else { table.nodes[0].clone() };
+                let mut rows: Vec<Vec<f64>> = self.main(axis, &places).iter().map(|row| pick(row)).collect();
+                if traits.constant && !with_constant.contains(&table.corrected[0]) {
+                    with_constant.push(table.corrected[0]);
+                } else {
+                    let mean = pick(&self.mean);
+                    rows.iter_mut().for_each(|row| row.iter_mut().zip(&mean).for_each(|(x, m)| *x -= m));
+                }
+                if traits.straight { line(&places, table, &rows) } else { rows }
+            } else {
+                let left = |pose: &[f64]| {
+                    let mut all = (self.wanted.mean)(pose);
+                    filled.subtract(pose, &mut all);
+                    pick(&all)
+                };
+                // Axes that span the table need no background, and few others a small one.
+                let spanned = table.axes.len() == axes;
+                effect(table, &self.background[..if spanned { 1 } else { BACKGROUND / 2 }], &left)
+            };
+            halves.push(table.reverse.is_some().then(|| self.half(table).iter().map(|row| pick(row)).collect()));
+            filled.values.push(rows);
         }
-        let rows = effect(&over, self.background, self.wanted.mean);
-        self.known.push((over, rows.clone()));
-        rows
+        sets(layout, &filled.values, &halves)
     }
+
+    fn places(&self, axis: usize) -> Vec<f64> {
+        node_positions(&self.machine.volume()[axis], PLACES)
+    }
+
+    fn main(&mut self, axis: usize, nodes: &[f64]) -> Vec<Vec<f64>> {
+        known(&mut self.means, (axis, nodes), || over(axis, nodes, &self.background, self.wanted.mean))
+    }
+
+    fn half(&mut self, table: &Table) -> Vec<Vec<f64>> {
+        let (axis, nodes) = (table.axes[0], &table.nodes[0]);
+        let half = |pose: &[f64]| (self.wanted.half)(pose, axis);
+        known(&mut self.halves, (axis, nodes), || over(axis, nodes, &self.background, &half))
+    }
+}
+
+fn known(all: &mut Known, (axis, nodes): (usize, &[f64]), fresh: impl FnOnce() -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    if let Some((_, rows)) = all.iter().find(|((a, n), _)| *a == axis && n == nodes) {
+        return rows.clone();
+    }
+    let rows = fresh();
+    all.push(((axis, nodes.to_vec()), rows.clone()));
+    rows
+}
+
+/// The mean over the background at each node over one axis.
+fn over(axis: usize, nodes: &[f64], background: &[Pose], at: &(dyn Fn(&[f64]) -> Vec<f64> + Sync)) -> Vec<Vec<f64>> {
+    effect(&Table::curve(axis, nodes.to_vec(), axis, Vec::new()), background, at)
 }
 
 /// The least-squares slope over the places, as values at the two nodes of a line through position 0.

@@ -7,7 +7,7 @@
 
 use super::Target;
 use super::replay::{Compensated, Replay};
-use crate::compensation::{Correction, Jacobian, Scope, Strongest, Table, Tables, single_error_tables};
+use crate::compensation::{Correction, Jacobian, Reference, Scope, Strongest, Table, Tables, single_error_tables};
 use crate::evaluate::{
     Bare, Deviation, Field, Order, Statistics, Summary, error_by_error, random_poses, tool_axis_tilt,
 };
@@ -64,28 +64,64 @@ pub struct Certificate {
     pub errors: Vec<ErrorLeft>,
     /// What is added with all axes at 0, approaching forward and reverse (mm, deg).
     pub at_reference: [Vec<f64>; 2],
+    /// What a new reference position would take away besides, where tables must vanish at it.
+    pub shifted: Option<Shifted>,
     /// The entry by which the sign is best tested; none if nothing is corrected.
     pub strongest: Option<Strongest>,
 }
 
+/// Tables that vanish at the reference position leave a constant part of the deviation: a shift of the
+/// machine zero takes it away.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shifted {
+    /// What to add to the zero of each axis (mm; 0 for rotary axes).
+    pub shift: Vec<f64>,
+    /// What is then left of the position, um.
+    pub position_um: Summary,
+}
+
+/// The mean of the corrections that are still wanted, and what they leave.
+fn shifted(field: &dyn Field, poses: &[Pose], approach: Approach) -> Shifted {
+    let machine = field.machine();
+    let left = deviations(field, poses, approach);
+    let jacobians: Vec<Jacobian> = poses.iter().map(|pose| Jacobian::at(machine, pose)).collect();
+    let none = Correction::none(machine);
+    let mut shift = none.0.clone();
+    for (jacobian, deviation) in jacobians.iter().zip(&left) {
+        let Correction(wanted) = jacobian.correction(deviation, &none, Scope::POSITION);
+        shift.iter_mut().zip(wanted).for_each(|(s, w)| *s += w / left.len() as f64);
+    }
+    let moved = Correction(shift.clone());
+    let after: Vec<Vector3<f64>> =
+        jacobians.iter().zip(&left).map(|(j, d)| (d.position + j.displacement(&moved)) * 1000.0).collect();
+    Shifted { shift, position_um: Summary::of(&after) }
+}
+
+/// What is judged.
+#[derive(Debug, Clone, Copy)]
+pub struct Judged<'a> {
+    /// The controller.
+    pub target: &'a Target,
+    /// Its tables.
+    pub tables: &'a Tables,
+    /// The tables that were in force when the machine was measured, of the same controller.
+    pub installed: Option<&'a Tables>,
+}
+
 /// Compares the machine with and without tables on `count` seeded poses.
-pub fn certify(
-    machine: &Machine,
-    target: &Target,
-    tables: &Tables,
-    scope: Scope,
-    count: usize,
-    seed: u64,
-) -> Certificate {
+pub fn certify(machine: &Machine, judged: Judged, scope: Scope, count: usize, seed: u64) -> Certificate {
+    let Judged { target, tables, installed } = judged;
     let (mechanisms, controller) = (&target.manifest.mechanism, target.manifest.controller);
     let poses: Vec<Pose> = random_poses(machine, count, seed);
     let bare = Bare { machine, order: Order::Exact };
-    let compensated = Compensated { machine, replay: Replay::new(machine, tables, mechanisms, controller) };
+    let load = |tables| Replay::new(machine, tables, mechanisms, controller);
+    let compensated = Compensated { machine, replay: load(tables).over(installed.map(load)) };
     let of = |field: &dyn Field, approach| figures(field, &poses, approach);
     let both = approaches(machine).iter().map(|approach| (*approach, of(&compensated, *approach)));
     let worse = both.reduce(|a, b| if b.1.all.position_um.p95 > a.1.all.position_um.p95 { b } else { a });
     let (approach, left) = worse.unwrap_or_else(|| (Approach::Mean, of(&compensated, Approach::Mean)));
     let zero = vec![0.0; machine.axes().len()];
+    let vanishing = mechanisms.iter().any(|(_, rules)| rules.reference == Reference::Zero);
     let single = Singles { machine, target, poses: &poses[..poses.len().min(MOST_SINGLE_POSES)], scope };
     Certificate {
         poses: count,
@@ -93,7 +129,8 @@ pub fn certify(
         uncompensated: of(&bare, approach),
         compensated: left,
         errors: single.errors(tables),
-        at_reference: [Approach::Forward, Approach::Reverse].map(|a| compensated.replay.added(&zero, a)),
+        at_reference: [Approach::Forward, Approach::Reverse].map(|a| load(tables).added(&zero, a)),
+        shifted: vanishing.then(|| shifted(&compensated, &poses, approach)),
         strongest: tables.strongest(machine),
     }
 }

@@ -10,6 +10,7 @@
 mod certificate;
 mod context;
 mod fill;
+mod installed;
 mod library;
 mod limits;
 mod lock;
@@ -19,11 +20,11 @@ mod render;
 mod replay;
 mod stored;
 
-pub use certificate::{Certificate, ErrorLeft, Figures, Handled, certify};
+pub use certificate::{Certificate, ErrorLeft, Figures, Handled, Judged, Shifted, certify};
 pub use library::{NAMES, Target, is_plain_name};
 pub use limits::Limits;
 pub use lock::{Hashed, LOCK_NAME, Lock, sha256};
 pub use manifest::{Certainty, Controller, FileSpec, Layout, Level, Manifest};
-pub use read::ReadBack;
+pub use read::{ReadBack, Recognised, recognise};
 pub use render::{LARGEST_FILE, RenderedFile, assigned_letters};
 pub use replay::{Compensated, Replay};

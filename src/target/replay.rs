@@ -14,13 +14,20 @@ pub struct Replay<'a> {
     controller: Controller,
     /// Which tables are looked up modulo 360 deg on continuous axes.
     modulo: Vec<bool>,
+    /// What was in force when the machine was measured: its errors are those that were left then.
+    installed: Option<Box<Replay<'a>>>,
 }
 
 impl<'a> Replay<'a> {
     /// Loads tables.
     pub fn new(machine: &'a Machine, tables: &'a Tables, mechanisms: &Mechanisms, controller: Controller) -> Self {
         let modulo = tables.tables.iter().map(|t| mechanisms.rules(t).is_some_and(|rules| rules.modulo)).collect();
-        Self { machine, tables, controller, modulo }
+        Self { machine, tables, controller, modulo, installed: None }
+    }
+
+    /// The same on a machine whose errors were measured with other tables in force.
+    pub fn over(self, installed: Option<Self>) -> Self {
+        Self { installed: installed.map(Box::new), ..self }
     }
 
     /// What the controller adds to a command (mm, deg) approached from one side.
@@ -41,6 +48,10 @@ impl<'a> Replay<'a> {
                     self.add_tables(&at, approach, &mut added, |table| table.corrected[0] == axis);
                 }
             }
+        }
+        if let Some(installed) = &self.installed {
+            let before = installed.added(command, approach);
+            added.iter_mut().zip(before).for_each(|(a, b)| *a -= b);
         }
         added
     }

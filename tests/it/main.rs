@@ -32,6 +32,7 @@ mod reconfigure;
 mod schema;
 mod show;
 mod support;
+mod targets;
 mod theorems;
 mod tidy;
 mod weil;

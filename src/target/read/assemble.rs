@@ -148,7 +148,8 @@ impl Assembly<'_> {
             });
             return listed.collect();
         }
-        let [min, step] = [self.needed(&format!("min{suffix}"))?, self.needed(&format!("step{suffix}"))?];
+        let min = self.needed(&format!("min{suffix}"))?;
+        let step = if rules.square { self.needed("step")? } else { self.needed(&format!("step{suffix}"))? };
         let count = self.count(place, suffix)?;
         let nodes: Vec<f64> = (0..count).map(|i| place_of.position(min + i as f64 * step)).collect();
         if let (Some(max), Some(last)) = (self.number(&format!("max{suffix}"))?, nodes.last()) {

@@ -4,13 +4,16 @@
 //!
 //! A manifest says how a file is laid out: lines of known patterns ([`lines`]), columns, or one of the
 //! formats that have a reader of their own ([`named`], [`lattice`]). What is read becomes tables in
-//! [`assemble`].
+//! [`assemble`]. Files without a known name are told apart by their content ([`recognise()`]).
 
 mod assemble;
 mod columns;
 mod lattice;
 mod lines;
 mod named;
+mod recognise;
+
+pub use recognise::{Recognised, recognise};
 
 use super::Target;
 use super::manifest::{FileSpec, Layout, Per};
