@@ -13,13 +13,14 @@
 //!    documented order, and multiplies them along the chain.
 //! 4. [`evaluate`] subtracts the ideal machine: deviation of the functional point, orientation, E_VE.
 //!    Whatever has a deviation at a pose is an [`evaluate::Field`].
-//! 5. [`analysis`] maps and compares fields over a volume.
-//! 6. [`identify`] fits errors to measured deviations and writes a machine file again.
-//! 7. [`compensation`] solves for the corrected command and fills what a controller's mechanism can hold.
-//! 8. [`target`] writes the controller's files from templates, reads them back, replays them as the
+//! 5. [`analysis`] maps and compares fields over a volume, budgets tolerances, ranks arrangements of the axes.
+//! 6. [`convert`] writes a machine under other conventions, and proves that it is the same machine.
+//! 7. [`identify`] fits errors to measured deviations and writes a machine file again.
+//! 8. [`compensation`] solves for the corrected command and fills what a controller's mechanism can hold.
+//! 9. [`target`] writes the controller's files from templates, reads them back, replays them as the
 //!    controller would, and certifies what is left.
-//! 9. [`report`] draws pictures.
-//! 10. [`cli`] is the program: one file per verb.
+//! 10. [`report`] draws pictures.
+//! 11. [`cli`] is the program: one file per verb.
 //!
 //! [`units`], [`diagnostic`] and [`algebra`] are open to every stage after them; otherwise a module
 //! imports only what stands above it in this list.
@@ -48,6 +49,7 @@ pub mod algebra;
 pub mod analysis;
 pub mod cli;
 pub mod compensation;
+pub mod convert;
 pub mod diagnostic;
 pub mod evaluate;
 pub mod identify;

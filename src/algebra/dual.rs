@@ -39,6 +39,22 @@ impl<const M: usize> Algebra for Dual<M> {
     fn scaled(&self, factor: f64) -> Self {
         Self(self.0.map(|a| a * factor))
     }
+    /// The general one without the products that are 0, and without degrees that later steps push out.
+    #[inline]
+    fn lift(&self, taylor: impl Fn(f64, &mut [f64])) -> Self {
+        let mut c = [0.0; M];
+        taylor(self.0[0], &mut c);
+        let mut sum = [0.0; M];
+        sum[0] = c[M - 1];
+        for m in (0..M - 1).rev() {
+            for k in (1..M - m).rev() {
+                let product = |j: usize| sum[j] * self.0[k - j];
+                sum[k] = (1..k).fold(product(0), |x, j| x + product(j));
+            }
+            sum[0] = c[m];
+        }
+        Self(sum)
+    }
 }
 
 impl<const M: usize> Add for Dual<M> {
@@ -64,8 +80,10 @@ impl<const M: usize> Neg for Dual<M> {
 
 impl<const M: usize> Mul for Dual<M> {
     type Output = Self;
+    #[inline]
     fn mul(self, other: Self) -> Self {
-        Self(std::array::from_fn(|k| (0..=k).map(|j| self.0[j] * other.0[k - j]).sum()))
+        let product = |k: usize, j: usize| self.0[j] * other.0[k - j];
+        Self(std::array::from_fn(|k| (1..=k).fold(product(k, 0), |sum, j| sum + product(k, j))))
     }
 }
 

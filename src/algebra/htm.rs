@@ -74,11 +74,18 @@ fn apply<S: Algebra>(linear: &Matrix3<S>, point: &[f64; 3]) -> Vector3<S> {
 }
 
 fn transform<S: Algebra>(linear: &Matrix3<S>, vector: &Vector3<S>) -> Vector3<S> {
-    linear * vector
+    Vector3::from_fn(|i, _| row_by_column(linear, i, [&vector[0], &vector[1], &vector[2]]))
 }
 
+/// Written out: nalgebra's loops for numbers other than its own move them about more than they multiply.
 fn product<S: Algebra>(a: &Matrix3<S>, b: &Matrix3<S>) -> Matrix3<S> {
-    a * b
+    Matrix3::from_fn(|i, j| row_by_column(a, i, [&b[(0, j)], &b[(1, j)], &b[(2, j)]]))
+}
+
+#[inline]
+fn row_by_column<S: Algebra>(a: &Matrix3<S>, i: usize, [x, y, z]: [&S; 3]) -> S {
+    let by = |j: usize, factor: &S| a[(i, j)].clone() * factor.clone();
+    by(0, x) + by(1, y) + by(2, z)
 }
 
 /// Inverse by the adjugate: the only division is by the determinant.

@@ -2,18 +2,21 @@
 //! `c[k]` for k = 0..c.len().
 
 /// Sine.
+#[inline]
 pub fn sin(x: f64, c: &mut [f64]) {
     let (s, co) = libm::sincos(x);
     cycle([s, co, -s, -co], c);
 }
 
 /// Cosine.
+#[inline]
 pub fn cos(x: f64, c: &mut [f64]) {
     let (s, co) = libm::sincos(x);
     cycle([co, -s, -co, s], c);
 }
 
 /// Derivatives that repeat with period four, over k!.
+#[inline]
 fn cycle(derivatives: [f64; 4], c: &mut [f64]) {
     let mut factorial = 1.0;
     for (k, c) in c.iter_mut().enumerate() {

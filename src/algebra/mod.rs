@@ -80,6 +80,11 @@ pub trait Algebra:
         (self.lift(lift::sin), self.lift(lift::cos))
     }
 
+    /// Sine.
+    fn sin(&self) -> Self {
+        self.lift(lift::sin)
+    }
+
     /// Exponential.
     fn exp(&self) -> Self {
         self.lift(lift::exp)

@@ -32,7 +32,7 @@ pub struct Compared {
 }
 
 /// Why tool poses were missed, and how many.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Missed {
     /// All of them.
     pub total: usize,
@@ -45,7 +45,7 @@ pub struct Missed {
 }
 
 impl Missed {
-    fn count<'a>(reasons: impl Iterator<Item = &'a Unreachable>) -> Self {
+    pub(super) fn count<'a>(reasons: impl Iterator<Item = &'a Unreachable>) -> Self {
         reasons.fold(Self::default(), |mut missed, reason| {
             missed.total += 1;
             match reason {

@@ -1,13 +1,12 @@
 //! A field over many poses.
 
-use crate::evaluate::{Deviation, Field, Frame};
-use crate::evaluate::{Poses, Statistics};
+use crate::evaluate::{Batch, Columns, Deviation, Field, Frame, Order, Output, Plan, PoseColumns, Poses, Statistics};
 use crate::lower::Ideal;
 use crate::machine::{Approach, Machine};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Exact quantiles need all deviations at once; a map of more poses is refused.
+/// Exact quantiles need all deviations at once; more poses are surveyed ([`survey`](super::survey())) instead.
 pub const MOST_POSES: usize = 1_000_000;
 
 /// Poses per task: long enough to be worth one, short enough for a progress bar.
@@ -47,14 +46,29 @@ pub fn map(
         return Err(TooManyPoses(poses.len()));
     }
     let mut deviations = vec![Deviation { position: Vector3::zeros(), rotation: Vector3::zeros() }; poses.len()];
+    let frames = (view.frame != Frame::Workpiece).then(|| frames(field));
     deviations.par_chunks_mut(BLOCK).enumerate().for_each(|(block, chunk)| {
-        for (i, deviation) in chunk.iter_mut().enumerate() {
-            *deviation = deviation_in(field, &poses.get(block * BLOCK + i), view);
-        }
+        let (mut at, mut columns) = (PoseColumns::new(field.machine().axes().len()), Columns::new(chunk.len()));
+        poses.fill(block * BLOCK..block * BLOCK + chunk.len(), &mut at);
+        field.deviations(&at.batch(), view.approach, columns.output(chunk.len()));
+        into_frame(frames.as_ref(), view.frame, &at.batch(), columns.output(chunk.len()));
+        chunk.iter_mut().enumerate().for_each(|(i, deviation)| *deviation = columns.get(i));
         progress(chunk.len());
     });
     let statistics = Statistics::of(&deviations);
     Ok(Map { deviations, statistics })
+}
+
+/// A plan that knows the frames of a field's machine.
+pub(super) fn frames(field: &dyn Field) -> Plan {
+    Plan::new(field.machine(), Order::Degree(1), Approach::Mean)
+}
+
+/// Turns deviations into the frame asked for.
+pub(super) fn into_frame(frames: Option<&Plan>, frame: Frame, poses: &Batch<'_>, out: Output<'_>) {
+    if let Some(frames) = frames {
+        frames.to_frame(frame, poses, out);
+    }
 }
 
 /// Deviation at a pose in the frame asked for.

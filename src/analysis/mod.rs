@@ -1,6 +1,9 @@
 //! Analysis: what the errors of a machine come to over its volume.
 //!
 //! - [`map()`]: any [`Field`](crate::evaluate::Field) over a volume, and its statistics.
+//! - [`mod@budget`]: tolerances to the volumetric error; [`enumerate`]: all arrangements of the axes.
+//! - [`instrument`]: what a ball bar, an R-test or a laser along the diagonals would read.
+//! - [`survey()`]: the same over any number of poses, without keeping them.
 //! - [`Plane`]: a field over a plane of two linear axes, for drawing.
 //! - [`inverse()`]: where the axes must be for a pose of the tool; [`compare()`] puts machines side by
 //!   side on the same tool poses.
@@ -10,20 +13,31 @@
 //! - [`levers`]: the lever arms that turn angles into displacements.
 //! - [`LocationSet`]: the location errors this chain needs, and which of them are given.
 
+pub mod budget;
 mod compare;
+mod contributions;
+pub mod enumerate;
 mod equations;
+pub mod instrument;
 mod interactions;
 mod inverse;
 mod lever;
 mod location_set;
 mod map;
 mod plane;
+mod survey;
+mod twist;
 
 pub use compare::{Compared, Comparison, Missed, compare};
+pub use contributions::{ErrorAlone, contributions};
 pub use equations::{Equations, Meaning, Naming, Options, Symbol, equations};
 pub use interactions::{Calculation, Effect, Interactions, interactions};
-pub use inverse::{DIRECTION_TOLERANCE, Inverse, PLACE_TOLERANCE, ToolPose, Unreachable, inverse, rest, tool_pose};
+pub use inverse::{
+    DIRECTION_TOLERANCE, Inverse, PLACE_TOLERANCE, ToolPose, Unreachable, inverse, place, rest, tool_pose,
+};
 pub use lever::{Lever, levers};
 pub use location_set::{LocationSet, Status};
 pub use map::{MOST_POSES, Map, TooManyPoses, View, deviation_in, map};
 pub use plane::Plane;
+pub use survey::{MOST_SURVEYED, Sink, Survey, Task as SurveyTask, Text, survey, survey_with_rows};
+pub use twist::{Map as TwistMap, Quantity, Share, Twist, twists};

@@ -4,10 +4,11 @@ use super::progress::Progress;
 use super::session::Session;
 use super::view::{STATISTICS, ViewArgs, cell, numbers, order_text, statistics_rows, table};
 use super::{Format, Outcome, load};
-use crate::analysis::{Comparison, Missed, compare};
+use crate::analysis::{Comparison, ErrorAlone, Missed, compare, contributions};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Bare, Field, Poses, Random, Statistics};
-use crate::machine::Machine;
+use crate::machine::{Machine, Pose};
+use crate::units::significant;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -22,6 +23,9 @@ pub(super) struct Args {
     /// Seed of the tool poses.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// How many errors to list one by one as text.
+    #[arg(long, value_name = "K", default_value_t = 10)]
+    top: usize,
     #[command(flatten)]
     view: ViewArgs,
 }
@@ -38,7 +42,10 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let progress = Progress::new(poses.len(), session.is_quiet());
     let comparison = compare(&fields, &poses, args.view.approach(), &|count| progress.add(count));
     drop(progress);
-    let report = Report { args, machines: &machines, comparison: &comparison };
+    let poses = |side: &crate::analysis::Compared| side.reached.iter().map(|(pose, _)| pose.clone()).collect();
+    let sides: Vec<(&Machine, Vec<Pose>)> = machines.iter().zip(comparison.machines.iter().map(poses)).collect();
+    let errors = contributions(&sides, args.view.approach());
+    let report = Report { args, machines: &machines, comparison: &comparison, errors };
     if comparison.common.is_empty() {
         return session.refuse(nothing_in_common(&report));
     }
@@ -72,6 +79,7 @@ struct Report<'a> {
     args: &'a Args,
     machines: &'a [Machine],
     comparison: &'a Comparison,
+    errors: Vec<ErrorAlone>,
 }
 
 impl Report<'_> {
@@ -89,7 +97,12 @@ impl Report<'_> {
         };
         let machines: Vec<_> =
             self.machines.iter().zip(self.files()).zip(&self.comparison.machines).map(side).collect();
+        let error = |e: &ErrorAlone| {
+            let minus: Vec<f64> = (0..e.um.len()).map(|i| e.minus_first(i)).collect();
+            json!({"error": e.error, "um": e.um, "minus_first": minus})
+        };
         json!({
+            "contributions": self.errors.iter().map(error).collect::<Vec<_>>(),
             "asked": self.comparison.asked, "poses": self.comparison.common.len(), "seed": self.args.seed,
             "frame": "workpiece", "direction": self.args.view.approach(), "machines": machines,
         })
@@ -136,6 +149,27 @@ impl Report<'_> {
             let difference = Statistics { poses: c.common.len(), position_um, rotation_urad };
             let _ = rows.add_rows(statistics_rows(&format!("{} - 1", i + 1), &difference));
         }
-        format!("{text}{rows}\nNegative differences: less error than machine 1.\n")
+        format!("{text}{rows}\n{}Negative differences: less error than machine 1.\n", self.one_by_one())
+    }
+
+    /// The errors that do most in any of the machines.
+    fn one_by_one(&self) -> String {
+        if self.errors.is_empty() || self.args.top == 0 {
+            return String::new();
+        }
+        let count = self.machines.len();
+        let columns = (1..=count).map(|i| i.to_string()).chain((2..=count).map(|i| format!("{i} - 1")));
+        let header: Vec<String> = std::iter::once("alone, 95 %, um".to_owned()).chain(columns).collect();
+        let mut rows = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+        for e in self.errors.iter().take(self.args.top) {
+            let own = e.um.iter().map(|um| um.map_or("-".to_owned(), |um| significant(um, 4)));
+            let minus = (1..count).map(|i| significant(e.minus_first(i), 4));
+            let _ = rows.add_row(std::iter::once(e.error.to_string()).chain(own).chain(minus));
+        }
+        let more = match self.errors.len().saturating_sub(self.args.top) {
+            0 => String::new(),
+            n => format!("... and {n} errors more (`--top {}`, or `--format json`)\n", self.errors.len()),
+        };
+        format!("{rows}\n{more}")
     }
 }

@@ -3,7 +3,7 @@
 use super::certificate_output::{Shown, warnings};
 use super::files::Disk;
 use super::session::Session;
-use super::{Outcome, Stop, file_set, load, verify};
+use super::{Outcome, Stop, file_set, kinematics, load, verify};
 use crate::compensation::{Fit, Goal, LatticeRequest, Scope, Stored, Tables, resampled};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{AxisKind, Machine};
@@ -17,18 +17,18 @@ pub(super) struct Args {
     machine: PathBuf,
     /// The controller; `abbe targets` lists them.
     #[arg(long)]
-    target: String,
+    pub target: String,
     /// Folder for the files.
     #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    pub out: PathBuf,
     /// Write files of a format or a sign that is known from memory only.
     #[arg(long)]
     accept_unverified: bool,
     #[command(flatten)]
-    options: Options,
+    pub options: Options,
     /// Raise the limits on corrections: length, angle, slope.
     #[arg(long, value_name = "1 mm, 5 mrad, 0.01", value_parser = Limits::parse)]
-    max_correction: Option<Limits>,
+    pub max_correction: Option<Limits>,
     /// Axes that span a lattice; all by default. The others stand at 0 in its nodes.
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
     lattice: Vec<String>,
@@ -40,9 +40,9 @@ pub(super) struct Args {
 /// Options that `compile` and `verify` share.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct Options {
-    /// What a lattice corrects: the position, or the position and the direction of the tool axis.
-    #[arg(long, value_enum, default_value = "position")]
-    pub correct: GoalArg,
+    /// What is corrected: the position (a lattice's default), or the position and the direction of the tool axis (a kinematics module's).
+    #[arg(long, value_enum)]
+    pub correct: Option<GoalArg>,
     /// With which axes; linear by default for the position, all for the pose.
     #[arg(long, value_enum)]
     pub with: Option<WithArg>,
@@ -109,11 +109,16 @@ const LATTICE_DAMPING: f64 = 0.15;
 
 impl Options {
     pub(super) fn scope(&self) -> Scope {
-        let (goal, usual) = match self.correct {
+        let (goal, usual) = match self.correct.unwrap_or(GoalArg::Position) {
             GoalArg::Position => (Goal::Position, WithArg::Linear),
             GoalArg::Pose => (Goal::Pose, WithArg::All),
         };
         Scope { goal, rotary: self.with.unwrap_or(usual) == WithArg::All, damping: LATTICE_DAMPING }
+    }
+
+    /// Does a kinematics module correct the direction of the tool axis too?
+    pub(super) fn orientation(&self) -> bool {
+        self.correct != Some(GoalArg::Position) && self.with != Some(WithArg::Linear)
     }
 
     /// What is written into the manifest of a set.
@@ -166,6 +171,9 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let inputs = inputs(session);
     let target = args.options.target(session, &args.target, None)?;
     refuse_unverified(session, &target, args.accept_unverified)?;
+    if target.manifest.kinematics().is_some() {
+        return kinematics::compile(session, args, &machine, &target, inputs);
+    }
     if let Some(refusal) = target.refusal(&machine) {
         return session.refuse(refusal);
     }

@@ -3,13 +3,13 @@
 use super::files::Disk;
 use super::session::Session;
 use super::{Format, Outcome, Stop, load, plan, poses, write};
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::Diagnostic;
 use crate::identify::{
     Estimate, Fit, Measurement, Model, Parameter, Residuals, Solution, fit, fitted_file, held_out, parameters,
     read_measurements, repeatability, robust_fit,
 };
 use crate::machine::{self, Machine};
-use crate::syntax::{self, Files, IdentifyEntry, ReadFailure};
+use crate::syntax::IdentifyEntry;
 use crate::units::{self, significant};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -153,23 +153,10 @@ fn remarks(session: &mut Session, report: &Report<'_>) {
     }
 }
 
-/// One file in memory.
-struct Text<'a>(&'a str);
-
-impl Files for Text<'_> {
-    fn read(&self, _: &Path) -> Result<Vec<u8>, ReadFailure> {
-        Ok(self.0.as_bytes().to_vec())
-    }
-}
-
 /// Writes the fitted machine, if it is one that the program itself would take.
 fn write_machine(session: &mut Session, report: &Report<'_>, args: &Args, out: &Path) -> Outcome {
     let text = fitted_file(report.machine, report.parameters, &report.solution.theta(), &report.provenance(args));
-    let files = Text(&text);
-    let mut own = Diagnostics::default();
-    let again = syntax::load(out, &files, &mut own).and_then(|d| machine::resolve(&d, &files, &mut own));
-    if again.is_none() {
-        let why = own.iter().map(|d| d.message.as_str()).next().unwrap_or("it does not read back");
+    if let Err(why) = load::own(&text) {
         let message = format!("the fitted machine is refused: {why}");
         let help = "some parameters ran away because the data hardly see them: fix those, or fit less";
         return session.refuse(Diagnostic::new("E0504", message).help(help));

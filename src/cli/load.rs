@@ -3,9 +3,9 @@
 use super::Stop;
 use super::files::Disk;
 use super::session::Session;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::machine::{self, Machine};
-use crate::syntax::{self, IdentifyEntry};
+use crate::syntax::{self, Files, IdentifyEntry, ReadFailure};
 use std::path::Path;
 
 /// Reads, resolves and checks a machine file; `tool` picks one of its tools.
@@ -39,4 +39,22 @@ fn unknown_tool(machine: &Machine, name: &str) -> Diagnostic {
         format!("its tools are {}", known.join(", "))
     };
     Diagnostic::new("E0801", format!("the machine has no tool `{name}`")).help(help)
+}
+
+/// One file in memory.
+struct Text<'a>(&'a str);
+
+impl Files for Text<'_> {
+    fn read(&self, _: &Path) -> Result<Vec<u8>, ReadFailure> {
+        Ok(self.0.as_bytes().to_vec())
+    }
+}
+
+/// A machine file of our own making, read back; or why it is refused.
+pub(super) fn own(text: &str) -> Result<Machine, String> {
+    let (files, mut own) = (Text(text), Diagnostics::default());
+    let document = syntax::load(Path::new("machine.yaml"), &files, &mut own);
+    let machine = document.and_then(|d| machine::resolve(&d, &files, &mut own));
+    let why = || own.iter().map(|d| d.message.clone()).next().unwrap_or_else(|| "it does not read back".to_owned());
+    machine.ok_or_else(why)
 }

@@ -3,13 +3,16 @@
 //! Exit codes: 0 done, 1 input refused, 2 usage, 3 our own fault.
 
 mod algebra;
+mod budget;
 mod certificate_output;
 mod check;
 mod classify;
 mod compare;
 mod compile;
+mod convert;
 mod diff;
 mod effects;
+mod enumerate;
 mod equations;
 mod eval;
 mod explain;
@@ -17,6 +20,9 @@ mod file_set;
 pub mod files;
 mod identify;
 mod init;
+mod instrument;
+mod journal;
+mod kinematics;
 mod load;
 mod map;
 mod plan;
@@ -25,6 +31,7 @@ mod progress;
 mod session;
 mod show;
 mod targets;
+mod tolerances;
 mod verify;
 mod view;
 mod write;
@@ -95,10 +102,18 @@ enum Verb {
     Equations(equations::Args),
     /// Which motion and which errors a 4x4 matrix over the dual numbers is.
     Classify(classify::Args),
+    /// The same machine under other conventions, proved by an equal map.
+    Convert(convert::Args),
     /// The error over a volume.
     Map(map::Args),
     /// Machines side by side on the same tool poses.
     Compare(compare::Args),
+    /// Tolerances to the volumetric error, and which of them to tighten first.
+    Budget(budget::Args),
+    /// All arrangements of the axes, ranked on the same work.
+    Enumerate(enumerate::Args),
+    /// What a ball bar, an R-test or a laser along the diagonals would read.
+    Instrument(instrument::Args),
     /// Measurements to error parameters, with rank, uncertainty and a fitted machine file.
     Identify(identify::Args),
     /// The compensation files of a controller, with their certificate.
@@ -154,10 +169,14 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
     match verb {
         Verb::Eval(args) => eval::run(session, &args),
         Verb::Classify(args) => classify::run(session, &args),
+        Verb::Convert(args) => convert::run(session, &args),
         Verb::Equations(args) => equations::run(session, &args),
         Verb::Show(args) => show::run(session, &args),
         Verb::Map(args) => map::run(session, &args),
         Verb::Compare(args) => compare::run(session, &args),
+        Verb::Budget(args) => budget::run(session, &args),
+        Verb::Enumerate(args) => enumerate::run(session, &args),
+        Verb::Instrument(args) => instrument::run(session, &args),
         Verb::Identify(args) => identify::run(session, &args),
         Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),

@@ -2,7 +2,7 @@
 
 use super::session::Session;
 use super::{Format, Outcome};
-use crate::compensation::{Spacing, TableRules};
+use crate::compensation::{Carries, KinematicsMechanism, Spacing, TableRules};
 use crate::target::{NAMES, Target};
 use serde_json::json;
 
@@ -29,7 +29,9 @@ pub(super) fn describe(target: &Target) -> String {
 }
 
 fn limits(target: &Target) -> String {
-    target.manifest.mechanism.iter().map(|(name, rules)| rule(name, rules)).collect::<Vec<_>>().join("; ")
+    let mechanism = &target.manifest.mechanism;
+    let tables = mechanism.iter().map(|(name, rules)| rule(name, rules));
+    tables.chain(mechanism.kinematics.iter().map(kinematics_limits)).collect::<Vec<_>>().join("; ")
 }
 
 /// The limits of one mechanism in words.
@@ -56,7 +58,18 @@ fn rule(name: &str, rules: &TableRules) -> String {
 }
 
 fn mechanism(target: &Target) -> String {
-    target.manifest.mechanism.iter().map(|(name, _)| name).collect::<Vec<_>>().join(" ")
+    let mechanism = &target.manifest.mechanism;
+    let tables = mechanism.iter().map(|(name, _)| name);
+    tables.chain(mechanism.kinematics.iter().map(|_| "kinematics")).collect::<Vec<_>>().join(" ")
+}
+
+fn kinematics_limits(mechanism: &KinematicsMechanism) -> String {
+    match mechanism.carries {
+        Carries::FullModel => {
+            "nine axes, numbers as exact as the machine file's; the mean of forward and reverse".to_owned()
+        }
+        _ => format!("a few constants, {} decimals of each", mechanism.increment.correction_decimals),
+    }
 }
 
 fn json(target: &Target) -> serde_json::Value {

@@ -4,7 +4,7 @@ use super::certificate_output::{Shown, warnings};
 use super::compile::{Options, StoredArg};
 use super::files::{Disk, SET_LIMIT, read_at_most};
 use super::session::Session;
-use super::{Outcome, Stop, file_set, load};
+use super::{Outcome, Stop, file_set, kinematics, load};
 use crate::compensation::Tables;
 use crate::diagnostic::Diagnostic;
 use crate::machine::{Approach, Machine};
@@ -16,16 +16,16 @@ pub(super) struct Args {
     /// The machine file.
     machine: PathBuf,
     /// The folder with the compensation files.
-    folder: PathBuf,
+    pub folder: PathBuf,
     /// The controller, if the folder has no manifest that says it.
     #[arg(long)]
     target: Option<String>,
     /// Instead of a certificate: what the controller adds at positions from a CSV file with the
     /// columns joint, direction, position (further columns are left alone), as CSV.
     #[arg(long, value_name = "FILE")]
-    replay: Option<PathBuf>,
+    pub replay: Option<PathBuf>,
     #[command(flatten)]
-    options: Options,
+    pub options: Options,
 }
 
 /// A set found in a folder.
@@ -41,6 +41,13 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let made_for = lock.as_ref().map(|lock| lock.tool.clone()).filter(|name| !name.is_empty());
     let machine = load::machine(session, &args.machine, args.options.tool.clone().or(made_for).as_deref())?;
     warn_other_inputs(session, lock.as_ref());
+    let known = known(session, &machine, &args.folder, args.target.as_deref(), &args.options)?;
+    if let Some((target, present)) = known.filter(|(target, _)| target.manifest.kinematics().is_some()) {
+        let texts = file_set::read(&args.folder, &present, &mut session.diagnostics);
+        session.checked()?;
+        warn_edited(session, &args.folder);
+        return kinematics::verify(session, args, &machine, &target, &texts);
+    }
     let set = found(session, &machine, &args.folder, args.target.as_deref(), &args.options)?;
     session.checked()?;
     warn_edited(session, &args.folder);
@@ -60,8 +67,28 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     Ok(())
 }
 
-/// The tables in a folder: of the target named, else of the manifest's, else of the first whose files are
-/// there by name, else of the one that their content tells.
+/// The target of the files in a folder, and which of its files are there: the target named, else the
+/// manifest's, else the first whose files are there by name.
+fn known(
+    session: &mut Session,
+    machine: &Machine,
+    folder: &Path,
+    named: Option<&str>,
+    options: &Options,
+) -> Result<Option<(Target, Vec<String>)>, Stop> {
+    let lock = file_set::existing_lock(folder);
+    let named = named.map(str::to_owned).or_else(|| lock.as_ref().map(|lock| lock.target.clone()));
+    let there = |target: &Target| target.table_files(machine).iter().any(|name| folder.join(name).exists());
+    let by_name = || NAMES.iter().filter_map(|name| Target::embedded(name)).find(there).map(|t| t.manifest.target);
+    let Some(name) = named.or_else(by_name) else { return Ok(None) };
+    let stored = lock.and_then(|lock| options.stored.or_else(|| StoredArg::of(&lock.options)));
+    let target = options.target(session, &name, stored)?;
+    let mut present = target.table_files(machine);
+    present.retain(|name| folder.join(name).symlink_metadata().is_ok());
+    Ok(Some((target, present)))
+}
+
+/// The tables in a folder: of the target that is known by names, else of the one that their content tells.
 pub(super) fn found(
     session: &mut Session,
     machine: &Machine,
@@ -69,15 +96,14 @@ pub(super) fn found(
     named: Option<&str>,
     options: &Options,
 ) -> Result<Found, Stop> {
-    let lock = file_set::existing_lock(folder);
-    let named = named.map(str::to_owned).or_else(|| lock.as_ref().map(|lock| lock.target.clone()));
-    let there = |target: &Target| target.table_files(machine).iter().any(|name| folder.join(name).exists());
-    let by_name = || NAMES.iter().filter_map(|name| Target::embedded(name)).find(there).map(|t| t.manifest.target);
-    let Some(name) = named.or_else(by_name) else { return by_content(session, machine, folder) };
-    let stored = lock.and_then(|lock| options.stored.or_else(|| StoredArg::of(&lock.options)));
-    let target = options.target(session, &name, stored)?;
-    let present: Vec<String> =
-        target.table_files(machine).into_iter().filter(|n| folder.join(n).symlink_metadata().is_ok()).collect();
+    let Some((target, present)) = known(session, machine, folder, named, options)? else {
+        return by_content(session, machine, folder);
+    };
+    if target.manifest.kinematics().is_some() {
+        let message = format!("`{}` holds a kinematics module, which has no tables", folder.display());
+        let help = "a module is written anew from the machine file, not on top of another one";
+        return session.refuse(Diagnostic::new("E0711", message).help(help));
+    }
     let texts = file_set::read(folder, &present, &mut session.diagnostics);
     session.checked()?;
     let read = target.read(machine, &texts, &mut session.diagnostics);
@@ -129,7 +155,7 @@ pub(super) fn installed(
     session.refuse(Diagnostic::new("E0711", message).help(help))
 }
 
-fn nothing_found(folder: &Path) -> Diagnostic {
+pub(super) fn nothing_found(folder: &Path) -> Diagnostic {
     Diagnostic::new("E0705", format!("there are no compensation files of a known target in `{}`", folder.display()))
         .help("name the folder that `compile --out` was given, and the target with --target")
 }

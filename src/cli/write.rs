@@ -7,9 +7,17 @@ use std::path::{Path, PathBuf};
 
 /// Writes a file so that a reader sees either what was there before or all of `bytes`.
 pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
+    write_streamed(path, |file| file.write_all(bytes))
+}
+
+/// The same for what is too large to be held: `produce` writes it piece by piece.
+pub(super) fn write_streamed(
+    path: &Path,
+    produce: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Diagnostic> {
     let target = replaceable(path)?;
     let temporary = temporary(&target).ok_or_else(|| unwritable(path, "the path names no file"))?;
-    let written = fill(&temporary, &target, bytes).and_then(|()| fs::rename(&temporary, &target));
+    let written = fill(&temporary, &target, produce).and_then(|()| fs::rename(&temporary, &target));
     written.map_err(|failure| {
         // What is left of a failed attempt is ours alone; if it cannot go either, there is no more to say.
         let _ = fs::remove_file(&temporary);
@@ -51,9 +59,9 @@ fn temporary(target: &Path) -> Option<PathBuf> {
     Some(target.with_file_name(name))
 }
 
-fn fill(temporary: &Path, target: &Path, bytes: &[u8]) -> io::Result<()> {
+fn fill(temporary: &Path, target: &Path, produce: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let mut file = fs::OpenOptions::new().write(true).create_new(true).open(temporary)?;
-    file.write_all(bytes)?;
+    produce(&mut file)?;
     if let Ok(metadata) = fs::metadata(target) {
         file.set_permissions(metadata.permissions())?;
     }

@@ -24,6 +24,34 @@ pub struct Mechanisms {
     /// Curves of the errors by their ISO names: the controller has the model.
     #[serde(default)]
     pub error_curves: Option<TableRules>,
+    /// No tables: the controller's kinematics are replaced.
+    #[serde(default)]
+    pub kinematics: Option<KinematicsMechanism>,
+}
+
+/// The kinematics are replaced.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KinematicsMechanism {
+    /// What the module carries.
+    pub carries: Carries,
+    /// Sine of the angle from a singular pose below which corrections of rotary axes are bounded.
+    #[serde(default)]
+    pub damping: f64,
+    /// Decimals of constants; numbers of a full model are written exactly.
+    pub increment: Increment,
+}
+
+/// What a kinematics module can carry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Carries {
+    /// The chain with every error.
+    FullModel,
+    /// A 3x3 matrix from the axes X, Y, Z to their joints.
+    LinearMap,
+    /// The lines of a tilting table: A or B, and C on it, table turning right-handed.
+    RotaryCentres,
 }
 
 /// How the points of a table may lie.
@@ -243,7 +271,7 @@ fn round(value: f64, decimals: u8) -> f64 {
 }
 
 impl Mechanisms {
-    /// Those that there are, with their names.
+    /// Those with tables or curves that there are, with their names.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, &TableRules)> {
         let named = [
             ("own_axis", &self.own_axis),

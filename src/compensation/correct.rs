@@ -41,10 +41,10 @@ pub struct Corrected {
 }
 
 /// The chord iteration contracts by the relative size of the errors, about 1e-4 a step.
-const MOST_STEPS: usize = 12;
+pub(super) const MOST_STEPS: usize = 12;
 
 /// A step below this (mm, deg) is rounding.
-const SMALL_STEP: f64 = 1e-11;
+pub(super) const SMALL_STEP: f64 = 1e-11;
 
 /// Solves actual(q + c) = ideal(q) for the exact model at a pose (mm, deg). The Jacobian is that of
 /// the ideal machine at q: the chord form of Newton's iteration, whose contraction is the size of the
@@ -76,6 +76,6 @@ pub fn correct_from(
 }
 
 /// Nothing left that the scope asks for: far below any controller's increment.
-fn settled(left: &Deviation, scope: Scope) -> bool {
+pub(super) fn settled(left: &Deviation, scope: Scope) -> bool {
     scope.goal == Goal::Position && left.position.amax() < 1e-10
 }

@@ -1,7 +1,7 @@
 //! A lattice of corrections over any of the axes, and how many nodes each axis gets.
 
-use super::{Correction, Jacobian, Scope, Table, TableRules, correct};
-use crate::evaluate::{Bare, Field, Order, node_count, node_positions, random_poses};
+use super::{Corrected, Correction, Jacobian, Scope, Table, TableRules, correct_all};
+use crate::evaluate::{Bare, Field, Order, Plan, node_count, node_positions, random_poses};
 use crate::machine::{Approach, AxisKind, Grid, Machine, Pose};
 use rayon::prelude::*;
 
@@ -15,6 +15,9 @@ pub struct LatticeRequest {
     /// What is corrected.
     pub scope: Scope,
 }
+
+/// Nodes that are solved at once.
+const BLOCK: usize = 256;
 
 /// Fills a lattice. Nodes are solved for the mean of forward and reverse.
 pub fn lattice(machine: &Machine, rules: &TableRules, request: &LatticeRequest) -> Table {
@@ -30,11 +33,16 @@ pub fn lattice(machine: &Machine, rules: &TableRules, request: &LatticeRequest) 
         values: Vec::new(),
         reverse: None,
     };
-    lattice.values = (0..lattice.len())
+    let plan = Plan::new(machine, Order::Exact, Approach::Mean);
+    let blocks: Vec<usize> = (0..lattice.len()).step_by(BLOCK).collect();
+    lattice.values = blocks
         .into_par_iter()
-        .flat_map_iter(|number| {
-            let Correction(all) = correct(machine, &lattice.pose(machine, number), Approach::Mean, scope).correction;
-            lattice.corrected.iter().map(move |axis| all[*axis]).collect::<Vec<_>>()
+        .flat_map_iter(|first| {
+            let numbers = first..(first + BLOCK).min(lattice.len());
+            let poses: Vec<Pose> = numbers.map(|number| lattice.pose(machine, number)).collect();
+            let corrected = correct_all(&plan, &poses, scope).unwrap_or_default();
+            let row = |c: Corrected| lattice.corrected.iter().map(move |axis| c.correction.0[*axis]);
+            corrected.into_iter().flat_map(row).collect::<Vec<_>>()
         })
         .collect();
     lattice

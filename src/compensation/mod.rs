@@ -7,6 +7,7 @@
 //! A [`Correction`] is what is added to a command; a `Deviation` is actual minus nominal. They are
 //! different types, and the sign changes in exactly one function, `jacobian::against`.
 
+mod batch;
 mod capability;
 mod combine;
 mod correct;
@@ -19,7 +20,10 @@ mod plan;
 mod sum;
 mod tables;
 
-pub use capability::{Fit, Increment, Mechanisms, Reference, Scale, Spacing, Stored, TableRules};
+pub use batch::correct_all;
+pub use capability::{
+    Carries, Fit, Increment, KinematicsMechanism, Mechanisms, Reference, Scale, Spacing, Stored, TableRules,
+};
 pub use correct::{Corrected, Goal, Scope, correct, correct_from};
 pub use curves::model_correction;
 pub use jacobian::{Correction, Jacobian};

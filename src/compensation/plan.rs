@@ -73,7 +73,9 @@ fn close(table: &mut Table) {
 pub fn single_error_tables(machine: &Machine, mechanisms: &Mechanisms, tables: &Tables) -> Vec<(ErrorId, Tables)> {
     let ids: Vec<ErrorId> = machine.errors().map(|(id, _)| id).collect();
     let planner = Planner { machine, mechanisms };
-    let (own, sums): (Vec<_>, Vec<_>) = tables.tables.iter().cloned().partition(|t| planner.from_own_error(t));
+    let (own, mut sums): (Vec<_>, Vec<_>) = tables.tables.iter().cloned().partition(|t| planner.from_own_error(t));
+    // As they were filled: planes take what tables over one axis leave.
+    sums.sort_by_key(|table| table.axes.len());
     let alone: Vec<Vec<Table>> = ids
         .iter()
         .map(|id| {

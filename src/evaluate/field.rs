@@ -1,8 +1,9 @@
 //! Fields of deviations over the poses of a machine.
 
-use super::{Deviation, Frame, Order, command_deviation, evaluate};
+use super::{Batch, Deviation, Frame, Order, Output, Plan, command_deviation, evaluate};
 use crate::lower::{Ideal, sensitivities};
 use crate::machine::{Approach, ErrorId, Machine};
+use std::sync::OnceLock;
 
 /// Pose (mm, deg) to deviation in the workpiece frame. A compensated machine is mapped like a bare one.
 pub trait Field: Sync {
@@ -11,6 +12,22 @@ pub trait Field: Sync {
 
     /// Actual minus nominal at a pose, approached from one side.
     fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation;
+
+    /// The same at many poses, as many as `out` has room for: one by one, unless the field knows better.
+    fn deviations(&self, poses: &Batch<'_>, approach: Approach, out: Output<'_>) {
+        for i in 0..out.len() {
+            let deviation = self.deviation(&poses.pose(i), approach);
+            for k in 0..3 {
+                out.position[k][i] = deviation.position[k];
+                out.rotation[k][i] = deviation.rotation[k];
+            }
+        }
+    }
+
+    /// The compiled evaluator behind it, if there is one.
+    fn plan(&self, _approach: Approach) -> Option<&Plan> {
+        None
+    }
 }
 
 /// A machine without compensation.
@@ -29,6 +46,49 @@ impl Field for Bare<'_> {
 
     fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation {
         evaluate(self.machine, pose, self.order, approach, Frame::Workpiece).deviation
+    }
+}
+
+/// A machine without compensation, compiled: the same deviations up to rounding, at many poses a second.
+#[derive(Debug, Clone)]
+pub struct Planned {
+    machine: Machine,
+    order: Order,
+    /// By side of approach, each compiled when it is first asked for.
+    plans: [OnceLock<Plan>; 3],
+}
+
+impl Planned {
+    /// A machine and how far its errors are followed.
+    pub fn new(machine: &Machine, order: Order) -> Self {
+        Self { machine: machine.clone(), order, plans: Default::default() }
+    }
+
+    fn compiled(&self, approach: Approach) -> &Plan {
+        let slot = match approach {
+            Approach::Mean => 0,
+            Approach::Forward => 1,
+            Approach::Reverse => 2,
+        };
+        self.plans[slot].get_or_init(|| Plan::new(&self.machine, self.order, approach))
+    }
+}
+
+impl Field for Planned {
+    fn machine(&self) -> &Machine {
+        &self.machine
+    }
+
+    fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation {
+        self.compiled(approach).deviation(pose)
+    }
+
+    fn deviations(&self, poses: &Batch<'_>, approach: Approach, out: Output<'_>) {
+        self.compiled(approach).deviations(poses, out);
+    }
+
+    fn plan(&self, approach: Approach) -> Option<&Plan> {
+        Some(self.compiled(approach))
     }
 }
 

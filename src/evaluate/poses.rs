@@ -3,6 +3,7 @@
 //! A pose depends on nothing but its index (and the seed), so any number of threads sees the same ones,
 //! and a map need not store them.
 
+use super::PoseColumns;
 use crate::machine::{Grid, Machine, Pose};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -39,6 +40,22 @@ impl Poses {
             Self::Nodes(nodes) => nodes.get(index),
             Self::Random(random) => random.get(index),
             Self::Listed(list) => list.get(index).cloned().unwrap_or_default(),
+        }
+    }
+
+    /// The poses with these indices, by columns.
+    pub fn fill(&self, indices: std::ops::Range<usize>, columns: &mut PoseColumns) {
+        columns.clear();
+        match self {
+            Self::Nodes(nodes) => nodes.fill(indices, columns),
+            Self::Random(random) => {
+                let mut pose = Vec::new();
+                for index in indices {
+                    random.put(index, &mut pose);
+                    columns.push(&pose);
+                }
+            }
+            Self::Listed(list) => list[indices].iter().for_each(|pose| columns.push(pose)),
         }
     }
 
@@ -80,6 +97,12 @@ impl Nodes {
         false
     }
 
+    /// Positions of the nodes of every axis.
+    pub fn positions(&self) -> Vec<Vec<f64>> {
+        let of = |(grid, count): &(Grid, usize)| (0..*count).map(|node| position(grid, *count, node)).collect();
+        self.axes.iter().map(of).collect()
+    }
+
     /// The node with this index (mm, deg); the last axis runs fastest.
     pub fn get(&self, index: usize) -> Pose {
         let mut rest = index;
@@ -95,6 +118,29 @@ impl Nodes {
             .collect();
         pose.reverse();
         pose
+    }
+}
+
+impl Nodes {
+    /// Like an odometer: only the positions that change are computed.
+    fn fill(&self, indices: std::ops::Range<usize>, columns: &mut PoseColumns) {
+        let mut nodes = vec![0; self.axes.len()];
+        let mut rest = indices.start;
+        for (node, (_, count)) in nodes.iter_mut().zip(&self.axes).rev() {
+            (*node, rest) = (rest % count, rest / count);
+        }
+        let mut pose = self.get(indices.start);
+        for _ in indices {
+            columns.push(&pose);
+            for k in (0..nodes.len()).rev() {
+                let (grid, count) = &self.axes[k];
+                nodes[k] = (nodes[k] + 1) % count;
+                pose[k] = position(grid, *count, nodes[k]);
+                if nodes[k] != 0 {
+                    break;
+                }
+            }
+        }
     }
 }
 
@@ -138,12 +184,20 @@ impl Random {
 
     /// The pose with this index (mm, deg): its own stream of the generator with this seed.
     pub fn get(&self, index: usize) -> Pose {
+        let mut pose = Vec::new();
+        self.put(index, &mut pose);
+        pose
+    }
+
+    /// The same into a buffer.
+    fn put(&self, index: usize, pose: &mut Pose) {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&self.seed.to_le_bytes());
         let mut generator = ChaCha8Rng::from_seed(key);
         generator.set_stream(index as u64);
         let position = |(min, max): &(f64, f64)| (min + (max - min) * unit(generator.next_u64())).min(*max);
-        self.intervals.iter().map(position).collect()
+        pose.clear();
+        pose.extend(self.intervals.iter().map(position));
     }
 }
 

@@ -96,7 +96,7 @@ fn range(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// The ceil(0.95 n)-th smallest; in whole numbers, for 0.95 is none of the doubles. 0 of nothing.
-fn quantile_95(values: &mut [f64]) -> f64 {
+pub fn quantile_95(values: &mut [f64]) -> f64 {
     let rank = (values.len() * 95).div_ceil(100);
     if rank == 0 {
         return 0.0;

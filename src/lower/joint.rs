@@ -103,7 +103,7 @@ fn nominal<S: Algebra>(axis: &Axis, position: &Position<S>) -> Htm<S> {
 }
 
 /// The matrix of six errors: orthogonal or linearised.
-pub(super) fn error_motion<S: Algebra>(six: &[S; 6], joints: Joints) -> Htm<S> {
+pub fn error_motion<S: Algebra>(six: &[S; 6], joints: Joints) -> Htm<S> {
     let [dx, dy, dz, ex, ey, ez] = six.clone();
     let linear = match joints {
         Joints::Orthogonal => exp_hat(&[ex, ey, ez]),
@@ -118,7 +118,7 @@ pub(super) fn error_motion<S: Algebra>(six: &[S; 6], joints: Joints) -> Htm<S> {
 
 /// Inverse of an error matrix. Its determinant is 1 plus second-order terms: at the error sizes the
 /// machine language admits (0.1 rad) it cannot vanish.
-pub(super) fn invert_if<S: Algebra>(invert: bool, matrix: Htm<S>) -> Htm<S> {
+pub fn invert_if<S: Algebra>(invert: bool, matrix: Htm<S>) -> Htm<S> {
     if invert { matrix.inverse().unwrap_or(matrix) } else { matrix }
 }
 
@@ -138,7 +138,7 @@ fn with_error<S: Algebra>(axis: &Axis, conventions: &Conventions, motion: Htm<S>
 }
 
 /// Is the product E M rather than M E? Both sides of the bed are mirror images.
-fn error_outside(axis: &Axis, conventions: &Conventions) -> bool {
+pub fn error_outside(axis: &Axis, conventions: &Conventions) -> bool {
     let on_guide = match axis.kind {
         AxisKind::Linear => conventions.linear == LinearOrder::Before,
         AxisKind::Rotary => conventions.rotary == RotaryOrder::Stationary,

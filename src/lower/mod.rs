@@ -16,7 +16,7 @@ mod tangent;
 
 pub use chain::{Chain, Ideal, positions};
 pub use generators::{Declared, Given, WeilLift, given, presence};
-pub use joint::{JointElements, Position, joint};
+pub use joint::{JointElements, Position, error_motion, error_outside, invert_if, joint};
 pub use sensitivity::{Sensitivity, sensitivities, sensitivities_to};
 pub use source::{ErrorLift, Exact, OrderN, Place, Source, Values, values};
 pub use tangent::{Tangents, actual_point, tangents};

@@ -112,6 +112,46 @@ impl Conventions {
     /// Names of the presets.
     pub const PRESETS: [&'static str; 3] = ["holub-2015", "bui-kimm", "hrdina-vasik-2014"];
 
+    /// These, changed as a text says: the name of a preset, words such as `carried_body`, or keys as in a machine
+    /// file, `linear: before, rotary: rotating`; what is not named stays. `Err` says what is not understood.
+    pub fn amended(&self, text: &str) -> Result<Self, String> {
+        let items: Vec<String> = text.split(',').map(|item| keyed(item.trim())).collect::<Result<_, _>>()?;
+        let words: Words = serde_yaml::from_str(&format!("{{{}}}", items.join(", "))).map_err(|e| e.to_string())?;
+        let base = match &words.preset {
+            Some(name) => Self::preset(name)
+                .ok_or_else(|| format!("there is no preset `{name}`; they are {}", Self::PRESETS.join(", ")))?,
+            None => *self,
+        };
+        Ok(Self {
+            location: words.location.unwrap_or(base.location),
+            linear: words.linear.unwrap_or(base.linear),
+            rotary: words.rotary.unwrap_or(base.rotary),
+            workpiece_axes: words.workpiece_axes.unwrap_or(base.workpiece_axes),
+            errors_are: words.errors_are.unwrap_or(base.errors_are),
+            location_order: words.location_order.unwrap_or(base.location_order),
+            joints: words.joints.unwrap_or(base.joints),
+            default_order: base.default_order,
+        })
+    }
+
+    /// Every word that [`Self::amended`] knows.
+    pub fn words() -> Vec<&'static str> {
+        let words = CHOICES.iter().flat_map(|(_, words)| words.iter().copied());
+        Self::PRESETS.into_iter().chain(words).collect()
+    }
+
+    /// Keys and words of what differs: `location axis_only -> carried_body`.
+    pub fn changes(&self, new: &Self) -> Vec<String> {
+        let words = |conventions: &Self| serde_json::to_value(conventions).unwrap_or_default();
+        let (old, new) = (words(self), words(new));
+        let word = |value: &serde_json::Value, key: &str| value[key].as_str().unwrap_or_default().to_owned();
+        let change = |(key, _): &(&str, &[&str])| {
+            let (old, new) = (word(&old, key), word(&new, key));
+            (old != new).then(|| format!("{key} {old} -> {new}"))
+        };
+        CHOICES.iter().filter_map(change).collect()
+    }
+
     /// The conventions of one of the three papers.
     pub fn preset(name: &str) -> Option<Self> {
         let base = Self { joints: Joints::Linearised, ..Self::default() };
@@ -127,4 +167,39 @@ impl Conventions {
             _ => None,
         }
     }
+}
+
+/// Keys with their words.
+const CHOICES: [(&str, &[&str]); 7] = [
+    ("location", &["axis_only", "carried_body"]),
+    ("linear", &["after", "before"]),
+    ("rotary", &["stationary", "rotating"]),
+    ("workpiece_axes", &["iso841", "direct"]),
+    ("errors_are", &["tool_relative", "body"]),
+    ("location_order", &["nilpotent", "real"]),
+    ("joints", &["orthogonal", "linearised"]),
+];
+
+/// A word with its key.
+fn keyed(item: &str) -> Result<String, String> {
+    if item.contains(':') {
+        return Ok(item.to_owned());
+    }
+    let of = CHOICES.iter().find(|(_, words)| words.contains(&item)).map(|(key, _)| *key);
+    let key = of.or_else(|| Conventions::PRESETS.contains(&item).then_some("preset"));
+    key.map(|key| format!("{key}: {item}")).ok_or_else(|| format!("`{item}` is neither a preset nor a word of any key"))
+}
+
+/// Keys as in a machine file.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct Words {
+    preset: Option<String>,
+    location: Option<Location>,
+    linear: Option<LinearOrder>,
+    rotary: Option<RotaryOrder>,
+    workpiece_axes: Option<Sense>,
+    errors_are: Option<ErrorsAre>,
+    location_order: Option<LocationOrder>,
+    joints: Option<Joints>,
 }

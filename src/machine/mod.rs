@@ -13,6 +13,7 @@ mod errors;
 mod model;
 mod name;
 mod resolve;
+mod written;
 
 pub use algebra::{AlgebraChoice, Generators, NamedMonomial};
 pub use axis::{Axis, AxisKind, Travel};
@@ -23,3 +24,4 @@ pub use errors::{Approach, ComponentError, ErrorTerm, JointErrors};
 pub use model::{Grid, Machine, MachineParts, Outside, Pose, Provenance, SetUp, Tool};
 pub use name::{AxisName, Direction, ErrorId};
 pub use resolve::{parse_error_name, resolve};
+pub use written::written;

@@ -1,7 +1,7 @@
 //! [`Machine`] and what it is made of.
 
 use super::{
-    AlgebraChoice, Approach, Axis, AxisKind, AxisName, Conventions, Direction, ErrorId, ErrorTerm, JointErrors,
+    AlgebraChoice, Approach, Axis, AxisKind, AxisName, Branch, Conventions, Direction, ErrorId, ErrorTerm, JointErrors,
     KinematicChain, Travel,
 };
 
@@ -96,6 +96,13 @@ impl Machine {
     /// Only [`super::resolve()`] makes machines, after its checks.
     pub(in crate::machine) fn new(parts: MachineParts) -> Self {
         Self { parts, tool: 0 }
+    }
+
+    /// Its fields, the tool in use first: with [`super::written()`] the file of another machine.
+    pub fn to_parts(&self) -> MachineParts {
+        let mut parts = self.parts.clone();
+        parts.tools[..=self.tool].rotate_right(1);
+        parts
     }
 
     /// Its name.
@@ -203,6 +210,32 @@ impl Machine {
             }
         }
         Self { parts, tool: self.tool }
+    }
+
+    /// The same axes in another order or on another side, listed on the walk from workpiece to tool; an
+    /// axis left out goes with its errors. Origins, directions and curves keep their values in machine
+    /// coordinates at the zero pose. `None` if an axis is not there, or twice, or none is left.
+    pub fn rearranged(&self, walk: &[(AxisName, Branch)]) -> Option<Self> {
+        let index: Vec<usize> = walk.iter().map(|(name, _)| self.axis_index(name.as_str())).collect::<Option<_>>()?;
+        let twice = index.iter().enumerate().any(|(i, axis)| index[..i].contains(axis));
+        let mixed = walk.windows(2).any(|two| two[0].1 == Branch::Tool && two[1].1 == Branch::Workpiece);
+        if walk.is_empty() || twice || mixed {
+            return None;
+        }
+        let side = |branch| walk.iter().filter(move |(_, side)| *side == branch).map(|(name, _)| name.clone());
+        let outwards: Vec<AxisName> = side(Branch::Workpiece).collect::<Vec<_>>().into_iter().rev().collect();
+        let mut parts = self.parts.clone();
+        parts.chain =
+            KinematicChain::new(&outwards, &side(Branch::Tool).collect::<Vec<_>>(), self.chain().spindle().cloned());
+        let of =
+            |(i, (_, branch)): (&usize, &(AxisName, Branch))| Axis { branch: *branch, ..self.parts.axes[*i].clone() };
+        parts.axes = index.iter().zip(walk).map(of).collect();
+        parts.errors =
+            index.iter().map(|i| self.parts.errors[*i].clone()).chain(self.spindle_errors().cloned()).collect();
+        parts.volume = index.iter().map(|i| self.parts.volume[*i]).collect();
+        // It may name errors that are gone.
+        parts.algebra = None;
+        Some(Self { parts, tool: self.tool })
     }
 
     /// The first error curve that is not defined at the pose. Within the travel there is none.

@@ -106,7 +106,7 @@ pub fn text(machine: &Machine, equations: &Equations) -> String {
         text.push_str(&format!("  {line}\n"));
     }
     let line = |p: &Symbolic| polynomial_in(Script::Text, p, &equations.symbols);
-    for (name, matrix) in matrices(equations) {
+    for ([name, _], matrix) in matrices(equations) {
         text.push_str(&format!("\n{name}\n"));
         for (i, j, entry) in entries(&matrix) {
             text.push_str(&format!("  [{i},{j}] = {}\n", line(entry)));
@@ -135,13 +135,21 @@ fn remark(machine: &Machine, symbol: &Symbol) -> Option<String> {
     }
 }
 
-/// All matrices with their names.
-fn matrices(equations: &Equations) -> Vec<(String, Matrix4<Symbolic>)> {
-    let joint = |(name, htm): &(String, Htm<Symbolic>)| (format!("Joint {name}"), htm.to_matrix());
+/// All matrices with their names, plain and for LaTeX.
+fn matrices(equations: &Equations) -> Vec<([String; 2], Matrix4<Symbolic>)> {
+    let joint = |(name, htm): &(String, Htm<Symbolic>)| {
+        let name = format!("Joint {name}");
+        ([name.clone(), escaped(&name)], htm.to_matrix())
+    };
     let mut all: Vec<_> = equations.joints.iter().map(joint).collect();
-    all.push(("T_tool".to_owned(), equations.t_tool.to_matrix()));
-    all.push(("T_work".to_owned(), equations.t_work.to_matrix()));
-    all.push(("E_VE = (T_tool^-1 T_work) real minus ideal".to_owned(), equations.e_ve.clone()));
+    let named = |plain: &str, latex: &str| [plain.to_owned(), format!("$\\boldsymbol{{{latex}}}$")];
+    let (tool, work) = ("T_{\\mathrm{tool}}", "T_{\\mathrm{work}}");
+    let e_ve = format!(
+        "E_{{VE}} = ({tool}^{{-1}} {work})_{{\\mathrm{{real}}}} - ({tool}^{{-1}} {work})_{{\\mathrm{{ideal}}}}"
+    );
+    all.push((named("T_tool", tool), equations.t_tool.to_matrix()));
+    all.push((named("T_work", work), equations.t_work.to_matrix()));
+    all.push((named("E_VE = (T_tool^-1 T_work) real minus ideal", &e_ve), equations.e_ve.clone()));
     all
 }
 
@@ -156,13 +164,17 @@ fn vectors(equations: &Equations) -> [(&'static str, &'static str, &Vector3<Symb
 /// A LaTeX document.
 pub fn latex(machine: &Machine, equations: &Equations) -> String {
     let mut text = String::from(
-        "\\documentclass{article}\n\\usepackage{amsmath}\n\\usepackage[margin=20mm]{geometry}\n\
+        "\\documentclass{article}\n\\usepackage{amsmath,amsbsy}\n\\usepackage[margin=20mm]{geometry}\n\
          \\setlength{\\parindent}{0pt}\n\\begin{document}\n\\raggedright\n",
     );
     text.push_str(&format!("\\section*{{{}}}\n", escaped(machine.name())));
     let line = |p: &Symbolic| polynomial_in(Script::Latex, p, &equations.symbols);
-    for (name, matrix) in matrices(equations) {
-        text.push_str(&format!("\n\\subsection*{{{}}}\n", escaped(&name)));
+    for ([_, name], matrix) in matrices(equations) {
+        text.push_str(&format!("\n\\subsection*{{{name}}}\n"));
+        if fits(&matrix, &equations.symbols) {
+            text.push_str(&array(&matrix, line));
+            continue;
+        }
         for (i, j, entry) in entries(&matrix) {
             text.push_str(&format!("$[{i},{j}] = {}$\\par\n", line(entry)));
         }
@@ -179,9 +191,30 @@ pub fn latex(machine: &Machine, equations: &Equations) -> String {
     text
 }
 
-/// Text for LaTeX.
+/// Is it narrow enough to be set as a matrix? The text of an entry is about as wide as its print.
+fn fits(matrix: &Matrix4<Symbolic>, symbols: &[Symbol]) -> bool {
+    let width = |j: usize| (0..3).map(|i| polynomial_text(&matrix[(i, j)], symbols).len()).max().unwrap_or(0);
+    (0..4).map(width).sum::<usize>() <= PAGE
+}
+
+/// Characters of polynomials that fit on a line, with the gaps of four columns.
+const PAGE: usize = 90;
+
+fn array(matrix: &Matrix4<Symbolic>, line: impl Fn(&Symbolic) -> String) -> String {
+    let row = |i: usize| (0..4).map(|j| line(&matrix[(i, j)])).collect::<Vec<_>>().join(" & ");
+    let rows: Vec<String> = (0..4).map(row).collect();
+    format!("$\\begin{{pmatrix}} {} \\end{{pmatrix}}$\\par\n", rows.join(" \\\\ "))
+}
+
+/// Letters that plain LaTeX has.
+const LETTERS: &str = "ÀÁÂÃÄÅÇÈÉÊËÌÍÎÏÑÒÓÔÕÖØÙÚÛÜÝàáâãäåçèéêëìíîïñòóôõöøùúûüýÿßČčĚěŘřŠšŮůŽž";
+
+/// Text for LaTeX; what it has no letter for is written by its code.
 fn escaped(text: &str) -> String {
     let one = |c: char| match c {
+        'µ' | 'μ' => "$\\mu$".to_owned(),
+        '°' => "$^\\circ$".to_owned(),
+        _ if !c.is_ascii() && !LETTERS.contains(c) => format!("U+{:04X}", u32::from(c)),
         '\\' => "\\textbackslash{}".to_owned(),
         '^' => "\\textasciicircum{}".to_owned(),
         '~' => "\\textasciitilde{}".to_owned(),

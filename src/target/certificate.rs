@@ -136,23 +136,23 @@ pub fn certify(machine: &Machine, judged: Judged, scope: Scope, count: usize, se
 }
 
 /// The directions of approach that can differ.
-fn approaches(machine: &Machine) -> &'static [Approach] {
+pub(super) fn approaches(machine: &Machine) -> &'static [Approach] {
     if machine.is_bidirectional() { &[Approach::Forward, Approach::Reverse] } else { &[Approach::Mean] }
 }
 
 /// The 95 % position deviation (um), in the direction of approach where it is larger.
-fn worse_p95(machine: &Machine, of: impl Fn(Approach) -> Vec<Deviation>) -> f64 {
+pub(super) fn worse_p95(machine: &Machine, of: impl Fn(Approach) -> Vec<Deviation>) -> f64 {
     approaches(machine).iter().map(|approach| Statistics::of(&of(*approach)).position_um.p95).fold(0.0, f64::max)
 }
 
 /// Poses for the figures of single errors: every one costs a cell of the lattice.
-const MOST_SINGLE_POSES: usize = 200;
+pub(super) const MOST_SINGLE_POSES: usize = 200;
 
-fn deviations(field: &dyn Field, poses: &[Pose], approach: Approach) -> Vec<Deviation> {
+pub(super) fn deviations(field: &dyn Field, poses: &[Pose], approach: Approach) -> Vec<Deviation> {
     poses.par_iter().map(|pose| field.deviation(pose, approach)).collect()
 }
 
-fn figures(field: &dyn Field, poses: &[Pose], approach: Approach) -> Figures {
+pub(super) fn figures(field: &dyn Field, poses: &[Pose], approach: Approach) -> Figures {
     let deviations = deviations(field, poses, approach);
     let tilt = |(pose, d): (&Pose, &Deviation)| tool_axis_tilt(field.machine(), pose, &d.rotation) * 1e6;
     let tilts: Vec<_> = poses.iter().zip(&deviations).map(tilt).collect();
@@ -261,7 +261,7 @@ impl Singles<'_> {
     }
 }
 
-fn verdict(error: ErrorId, alone: f64, left: f64) -> ErrorLeft {
+pub(super) fn verdict(error: ErrorId, alone: f64, left: f64) -> ErrorLeft {
     const NOTHING: f64 = 0.05;
     let handled = if left <= (0.05 * alone).max(NOTHING) {
         Handled::Fully

@@ -6,8 +6,11 @@ use crate::syntax::{Files, read_text};
 use std::path::Path;
 
 /// Targets in the binary.
-pub const NAMES: [&str; 16] = [
+pub const NAMES: [&str; 19] = [
     "linuxcnc",
+    "linuxcnc-kins",
+    "linuxcnc-matrixkins",
+    "linuxcnc-trt",
     "isg-volcomp",
     "etalon-exchange",
     "sinumerik-cec",
@@ -26,10 +29,23 @@ pub const NAMES: [&str; 16] = [
 ];
 
 /// Files in the binary, as in `templates/`.
-const EMBEDDED: [(&str, &str); 39] = [
+const EMBEDDED: [(&str, &str); 52] = [
     ("linuxcnc/compensation.inc.j2", include_str!("../../templates/linuxcnc/compensation.inc.j2")),
     ("linuxcnc/table.j2", include_str!("../../templates/linuxcnc/table.j2")),
     ("linuxcnc/target.yaml", include_str!("../../templates/linuxcnc/target.yaml")),
+    ("linuxcnc-kins/target.yaml", include_str!("../../templates/linuxcnc-kins/target.yaml")),
+    ("linuxcnc-kins/data.h.j2", include_str!("../../templates/linuxcnc-kins/data.h.j2")),
+    ("linuxcnc-kins/model.h.j2", include_str!("../../templates/linuxcnc-kins/model.h.j2")),
+    ("linuxcnc-kins/abbekins.comp.j2", include_str!("../../templates/linuxcnc-kins/abbekins.comp.j2")),
+    ("linuxcnc-kins/abbekins.hal.j2", include_str!("../../templates/linuxcnc-kins/abbekins.hal.j2")),
+    ("linuxcnc-kins/sim.ini.j2", include_str!("../../templates/linuxcnc-kins/sim.ini.j2")),
+    ("linuxcnc-kins/sim.hal.j2", include_str!("../../templates/linuxcnc-kins/sim.hal.j2")),
+    ("linuxcnc-kins/sim.var.j2", include_str!("../../templates/linuxcnc-kins/sim.var.j2")),
+    ("linuxcnc-kins/sim.tbl.j2", include_str!("../../templates/linuxcnc-kins/sim.tbl.j2")),
+    ("linuxcnc-matrixkins/target.yaml", include_str!("../../templates/linuxcnc-matrixkins/target.yaml")),
+    ("linuxcnc-matrixkins/matrixkins.hal.j2", include_str!("../../templates/linuxcnc-matrixkins/matrixkins.hal.j2")),
+    ("linuxcnc-trt/target.yaml", include_str!("../../templates/linuxcnc-trt/target.yaml")),
+    ("linuxcnc-trt/trt.hal.j2", include_str!("../../templates/linuxcnc-trt/trt.hal.j2")),
     ("isg-volcomp/hochlauf_part.lis.j2", include_str!("../../templates/isg-volcomp/hochlauf_part.lis.j2")),
     ("isg-volcomp/target.yaml", include_str!("../../templates/isg-volcomp/target.yaml")),
     ("isg-volcomp/volcomp.csv.j2", include_str!("../../templates/isg-volcomp/volcomp.csv.j2")),

@@ -1,6 +1,7 @@
 //! The manifest of a target (`target.yaml`): what the controller can hold and what it does with it.
 
-use crate::compensation::{Mechanisms, Spacing, TableRules};
+use super::kinematics::layout_fits;
+use crate::compensation::{Increment, KinematicsMechanism, Mechanisms, Spacing, TableRules};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -198,6 +199,10 @@ pub enum Layout {
         /// Lines that may stand before and after, beginning with one of these.
         frame: Vec<String>,
     },
+    /// Constant arrays of C: the numbers of a full kinematics model.
+    CArrays,
+    /// Lines `setp COMPONENT.NAME VALUE`.
+    HalConstants,
 }
 
 /// A line of a file: text with fields in angle brackets.
@@ -271,8 +276,16 @@ impl Manifest {
 
     /// What makes a manifest impossible to work with, in words.
     pub fn fault(&self) -> Option<String> {
-        if self.mechanism.iter().next().is_none() {
-            return Some("mechanism: there is none".to_owned());
+        let tables = self.mechanism.iter().count();
+        match &self.mechanism.kinematics {
+            Some(kinematics) if tables == 0 => {
+                return decimals_fault(kinematics.increment)
+                    .or_else(|| kinematics.fault())
+                    .or_else(|| self.unfit_files(kinematics));
+            }
+            Some(_) => return Some("mechanism: kinematics stand alone".to_owned()),
+            None if tables == 0 => return Some("mechanism: there is none".to_owned()),
+            None => {}
         }
         let layouts = || self.files.iter().filter_map(|f| f.layout.as_ref());
         let columns = || {
@@ -283,14 +296,19 @@ impl Manifest {
     }
 }
 
+fn decimals_fault(increment: Increment) -> Option<String> {
+    let decimals = increment.position_decimals.max(increment.correction_decimals);
+    (decimals > MOST_DECIMALS)
+        .then(|| format!("{decimals} decimals are more than the {MOST_DECIMALS} that a double has to give"))
+}
+
 fn fault(name: &str, rules: &TableRules) -> Option<String> {
     let increment = rules.increment;
-    let decimals = increment.position_decimals.max(increment.correction_decimals);
     let scales = [increment.position_scale, increment.correction_scale].map(|s| [s.mm, s.deg]).concat();
     let points = rules.max_points.min(rules.max_points_per_axis);
     let most = if name == "lattice" { MOST_NODES } else { MOST_POINTS };
-    if decimals > MOST_DECIMALS {
-        Some(format!("{decimals} decimals are more than the {MOST_DECIMALS} that a double has to give"))
+    if let Some(fault) = decimals_fault(increment) {
+        Some(fault)
     } else if !scales.iter().all(|s| (1e-9..=1e9).contains(s)) {
         Some("increment: a scale is stored units in one mm or deg, from 1e-9 to 1e9".to_owned())
     } else if points < 2 || rules.max_points > most {
@@ -306,6 +324,19 @@ fn fault(name: &str, rules: &TableRules) -> Option<String> {
         )
     } else {
         None
+    }
+}
+
+impl Manifest {
+    /// A kinematics module is one set of files, and one of them is read back.
+    fn unfit_files(&self, mechanism: &KinematicsMechanism) -> Option<String> {
+        let layouts: Vec<&Layout> = self.files.iter().filter_map(|file| file.layout.as_ref()).collect();
+        let one = matches!(layouts[..], [layout] if layout_fits(mechanism.carries, layout));
+        let once = self.files.iter().all(|file| file.per == Per::Machine);
+        (!one || !once).then(|| {
+            "files: all `per: machine`, and one of them with the layout c_arrays (full_model) or hal_constants"
+                .to_owned()
+        })
     }
 }
 

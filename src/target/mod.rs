@@ -6,11 +6,14 @@
 //! 4. [`Target::read`] reads such files back, refusing what the controller would misread;
 //! 5. [`Replay`] does what the controller does with them, in its own arithmetic;
 //! 6. [`certify`] compares the machine with and without them on poses that are not table points.
+//!
+//! Targets without tables, which replace the controller's kinematics, have their own passes in `kinematics`.
 
 mod certificate;
 mod context;
 mod fill;
 mod installed;
+mod kinematics;
 mod library;
 mod limits;
 mod lock;
@@ -21,6 +24,7 @@ mod replay;
 mod stored;
 
 pub use certificate::{Certificate, ErrorLeft, Figures, Handled, Judged, Shifted, certify};
+pub use kinematics::{Carried, Depth, Driven, Model, Setting, World, certify_kinematics};
 pub use library::{NAMES, Target, is_plain_name};
 pub use limits::Limits;
 pub use lock::{Hashed, LOCK_NAME, Lock, sha256};

@@ -60,10 +60,31 @@ impl Target {
         match writer.files() {
             Ok(files) => Some(files),
             Err(message) => {
-                diagnostics.push(Diagnostic::new("E0702", format!("target `{}`: {message}", self.manifest.target)));
+                diagnostics.push(self.failed(&message));
                 None
             }
         }
+    }
+
+    /// Writes files that have no tables, once each, from a context of their own besides name and version.
+    pub(super) fn render_once(
+        &self,
+        machine: &Machine,
+        own: &Value,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<RenderedFile>> {
+        let _ = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
+        let environment = environment();
+        let file = |(spec, template): (&FileSpec, &String)| {
+            let context = context! { machine => machine.name(), version => env!("CARGO_PKG_VERSION"), ..own.clone() };
+            rendered(&environment, spec, template, context)
+        };
+        let files: Result<Vec<_>, String> = self.manifest.files.iter().zip(&self.templates).map(file).collect();
+        files.map_err(|message| diagnostics.push(self.failed(&message))).ok()
+    }
+
+    fn failed(&self, message: &str) -> Diagnostic {
+        Diagnostic::new("E0702", format!("target `{}`: {message}", self.manifest.target))
     }
 
     /// Names of the files that hold a table of their own for each axis, in the order of the joints:
@@ -144,6 +165,22 @@ fn describe(failure: &minijinja::Error) -> String {
     format!("{failure}{line}")
 }
 
+fn rendered(
+    environment: &Environment,
+    spec: &FileSpec,
+    template: &str,
+    context: Value,
+) -> Result<RenderedFile, String> {
+    let name = file_name(environment, spec, context.clone())?;
+    let compiled = environment.template_from_str(template).map_err(|failure| describe(&failure))?;
+    let mut text = Bounded::default();
+    let _ = compiled.render_captured_to(context, &mut text).map_err(|failure| match failure.kind() {
+        minijinja::ErrorKind::WriteFailure => format!("`{name}` would have more than {} MB", LARGEST_FILE >> 20),
+        _ => describe(&failure),
+    })?;
+    Ok(RenderedFile { name, bytes: text.0 })
+}
+
 /// What a file is rendered from.
 struct Writer<'a> {
     words: Words<'a>,
@@ -172,14 +209,7 @@ impl Writer<'_> {
     }
 
     fn file(&self, spec: &FileSpec, template: &str, context: Value) -> Result<RenderedFile, String> {
-        let name = file_name(&self.environment, spec, context.clone())?;
-        let compiled = self.environment.template_from_str(template).map_err(|failure| describe(&failure))?;
-        let mut text = Bounded::default();
-        let _ = compiled.render_captured_to(context, &mut text).map_err(|failure| match failure.kind() {
-            minijinja::ErrorKind::WriteFailure => format!("`{name}` would have more than {} MB", LARGEST_FILE >> 20),
-            _ => describe(&failure),
-        })?;
-        Ok(RenderedFile { name, bytes: text.0 })
+        rendered(&self.environment, spec, template, context)
     }
 
     fn limits(&self, axis: usize) -> (f64, f64) {

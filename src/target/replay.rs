@@ -73,6 +73,9 @@ impl<'a> Replay<'a> {
     fn curve(&self, table: &Table, position: f64, approach: Approach) -> f64 {
         let column = |values: &[f64]| match (self.controller.arithmetic, self.controller.outside) {
             (Arithmetic::Float32TrimAndSlope, _) => single_precision(&table.nodes[0], values, position),
+            (_, OutsideTable::RollOver) if position > table.nodes[0][table.nodes[0].len() - 1] => {
+                closing(&table.nodes[0], values, position)
+            }
             (Arithmetic::Float64, outside) => double_precision(&table.nodes[0], values, position, outside),
         };
         let Some(reverse) = &table.reverse else { return column(&table.values) };
@@ -90,9 +93,8 @@ impl<'a> Replay<'a> {
         if modulo && self.machine.is_continuous(axis) {
             return first + (position - first).rem_euclid(360.0);
         }
-        let length = nodes[nodes.len() - 1] - first;
-        if self.controller.outside == OutsideTable::RollOver && length > 0.0 {
-            return first + (position - first).rem_euclid(length);
+        if self.controller.outside == OutsideTable::RollOver && nodes.len() > 1 {
+            return first + (position - first).rem_euclid(period(nodes));
         }
         position
     }
@@ -120,6 +122,19 @@ impl<'a> Replay<'a> {
         let first = self.tables.tables.first().zip(self.modulo.first());
         first.map_or_else(Vec::new, |(lattice, modulo)| self.corners(lattice, command, *modulo))
     }
+}
+
+/// A table that rolls over begins again one step after its last point.
+fn period(nodes: &[f64]) -> f64 {
+    let last = nodes.len() - 1;
+    2.0 * nodes[last] - nodes[last - 1] - nodes[0]
+}
+
+/// Between the last point and the first one of the next round.
+fn closing(nodes: &[f64], values: &[f64], position: f64) -> f64 {
+    let last = nodes.len() - 1;
+    let share = (position - nodes[last]) / (nodes[0] + period(nodes) - nodes[last]);
+    values[last] * (1.0 - share) + values[0] * share
 }
 
 /// Lower node of the cell and the share of the upper one; none where nothing is added.

@@ -182,3 +182,24 @@ fn nothing_in_common_is_refused_with_the_reasons() {
     assert!(code == 1 && message.contains("E0813") && message.contains("50 direction"), "{message}");
     assert_eq!(refused(&["compare", "trunnion.yaml"]).0, 2);
 }
+
+#[test]
+fn errors_are_compared_one_by_one() {
+    let other = "variants/trunnion-aligned.yaml";
+    let result = json(&["compare", "trunnion.yaml", other, "--poses", "200", "--format", "json"]);
+    let list = result["contributions"].as_array().unwrap();
+    assert!(list.len() >= 41, "{}", list.len());
+    let largest = |e: &Value| e["um"].as_array().unwrap().iter().filter_map(Value::as_f64).fold(0.0, f64::max);
+    assert!(list.windows(2).all(|two| largest(&two[0]) >= largest(&two[1])));
+    for e in list {
+        let um = |i: usize| e["um"][i].as_f64().unwrap_or(0.0);
+        assert_eq!((number(&e["minus_first"][0]), number(&e["minus_first"][1])), (0.0, um(1) - um(0)), "{e}");
+    }
+    // EX0C = 6 um on both sides of the difference alone: at most 12 um, by the golden sign of half a turn.
+    let eccentric = list.iter().find(|e| e["error"] == "EX0C").unwrap();
+    let um = number(&eccentric["um"][0]);
+    assert!(um > 11.0 && um <= 12.0, "{eccentric}");
+    // The variant removes or reduces what alignment can: the rest is the same, curve by curve.
+    let same = list.iter().find(|e| e["error"] == "EXX").unwrap();
+    assert_eq!(number(&same["minus_first"][1]), 0.0);
+}

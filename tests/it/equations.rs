@@ -219,6 +219,50 @@ fn the_chain_of_2015_is_sympys_as_printed_and_done_right() {
     }
 }
 
+/// The Abbe principle: a carriage turns by the slope of its straightness. The print of 2015 breaks it, and its T_L
+/// takes the tool for (1, 1, L).
+#[test]
+fn straightness_of_2015_is_the_integral_of_its_angle() {
+    // Slope of the straightness, angle, sign: +e_z turns x towards y.
+    let slopes = [
+        ("dyx", "ezx", 1.0),
+        ("dzx", "eyx", -1.0),
+        ("dzy", "exy", 1.0),
+        ("dxy", "ezy", -1.0),
+        ("dxz", "eyz", 1.0),
+        ("dyz", "exz", -1.0),
+    ];
+    let broken = |printed: bool| -> Vec<&str> {
+        let table = parameters(printed);
+        let breaks = |(straight, angle, sign): &(&str, &str, f64)| {
+            let ((k, by), (one, of)) = (&table[straight], &table[angle]);
+            // k p q^2 has the slope 2 k p q, which must be sign * p q.
+            by[0].0 != of[0].0 || 2.0 * k != sign * one
+        };
+        slopes.iter().filter(|slope| breaks(slope)).map(|(straight, _, _)| *straight).collect()
+    };
+    assert!(broken(false).is_empty());
+    assert_eq!(broken(true), ["dyx", "dzx", "dxy", "dxz", "dyz"]);
+    let point = |t: [f64; 3], p: [f64; 3]| [0, 1, 2].map(|k| t[k] * p[k]);
+    assert_eq!(point([1.0, 1.0, -150.0], [1.0; 3]), [1.0, 1.0, -150.0], "diag(1, 1, L, 1) on (1, 1, 1, 1)");
+    assert_eq!(point([1.0, 1.0, -150.0], [0.0, 0.0, 1.0]), [0.0, 0.0, -150.0], "on the tool");
+}
+
+/// Table 1 of 2015 names Sxy by BZ and Sxz by CY: ISO has EC0Y (X-Y), EB0Z (X-Z), EA0Z (Y-Z).
+#[test]
+fn the_squareness_of_table_1_of_2015() {
+    let dx = |error: &str| {
+        let machine = machine("w b X Y Z t", "holub-2015", &[error.to_owned()], "");
+        let found = of_order(&machine, 1, Options { naming: Naming::Paper, tool_length: false });
+        found.position.map(|p| polynomial_text(&p, &found.symbols))
+    };
+    assert_eq!(dx("EC0Y").as_slice(), ["-Sxy*y", "0", "0"]);
+    assert_eq!(dx("EB0Z").as_slice(), ["-Sxz*z", "0", "0"]);
+    assert_eq!(dx("EA0Z").as_slice(), ["0", "-Syz*z", "0"]);
+    // What the table calls Sxy, BZ, moves nothing along y; CY, listed twice for Sxz, moves nothing along z.
+    assert!(!dx("EB0Z")[0].contains("*y") && !dx("EC0Y")[0].contains("*z"));
+}
+
 /// The columns of the paper's design matrix for Dx: products of its parameters, as printed.
 #[test]
 fn dx_of_2015_has_22_unknown_columns() {
@@ -361,6 +405,37 @@ fn latex_is_a_balanced_document() {
             );
             assert!(out.starts_with("\\documentclass") && out.ends_with("\\end{document}\n"));
         }
+    }
+}
+
+/// A real TeX (Debian's texlive-latex-base) sets the documents without an error and without a line too long.
+#[test]
+#[ignore = "needs pdflatex: tests/run"]
+fn latex_compiles() {
+    let folder = Folder::new();
+    let hostile = std::fs::read_to_string(configs::folder().join("papers/holub-2015.yaml")).unwrap();
+    let name = hostile.lines().find(|l| l.starts_with("machine:")).unwrap();
+    let odd = hostile.replace(name, r#"machine: "50% {A_1} \\x & ~^#$ Fräse Ø µ° 中 \"q\"""#);
+    let cases = [
+        (folder.write("odd.yaml", &odd), "2"),
+        (configs::folder().join("papers/holub-2015.yaml"), "2"),
+        (configs::folder().join("papers/bui-kimm.yaml"), "1"),
+        (configs::folder().join("trunnion.yaml"), "1"),
+        (configs::folder().join("hh-cb-a-nut.yaml"), "1"),
+    ];
+    for ((path, order), symbols) in cases.iter().flat_map(|case| ["iso", "paper"].map(|s| (case, s))) {
+        let (out, complaint, exit) =
+            abbe(&[path.to_str().unwrap(), "--order", order, "--latex", "--symbols", symbols, "--quiet"]);
+        assert_eq!(exit, 0, "{complaint}");
+        folder.write("x.tex", &out);
+        let run = Command::new("pdflatex")
+            .args(["-interaction=batchmode", "-halt-on-error", "x.tex"])
+            .current_dir(folder.path(""))
+            .output()
+            .expect("pdflatex is installed by tests/run");
+        let log = String::from_utf8_lossy(&std::fs::read(folder.path("x.log")).unwrap()).into_owned();
+        assert!(run.status.success() && log.contains("Output written on x.pdf"), "{path:?} {symbols}\n{log}");
+        assert!(!log.contains("Overfull"), "{path:?} {symbols}\n{log}");
     }
 }
 

@@ -6,6 +6,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr, clippy::print_stdout)]
 
 mod bad_input;
+mod budget;
 mod certificate;
 mod classify;
 mod compare;
@@ -13,18 +14,24 @@ mod compile;
 mod compile_linuxcnc;
 mod compile_refusals;
 mod configs;
+mod convert;
 mod diagnostics;
+mod enumerate;
 mod equations;
 mod eval_exact;
 mod eval_order;
 mod golden_signs;
 mod identify;
+mod instrument;
 mod interactions;
 mod language;
+mod linuxcnc_constants;
 mod linuxcnc_kinematics;
+mod linuxcnc_kins;
 mod map;
 mod oracle;
 mod paper_2015;
+mod plan;
 mod program;
 mod published;
 mod readme;

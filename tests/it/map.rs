@@ -95,6 +95,41 @@ fn the_bytes_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
+fn more_than_a_million_poses_are_surveyed_and_streamed() {
+    let folder = Folder::new("survey");
+    // 101 x 101 x 99 nodes.
+    let machine = folder.with(
+        "m.yaml",
+        "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500] }\n  Y: { travel: [0, 500] }\n  Z: { travel: [0, 490] }\nerrors:\n  EC0Y: 20 urad\n  EB0Z: -9 urad\n  EXX: { polynomial: [0 um, 5 um/m] }\nvolume: { step: 5 mm }\n",
+    );
+    let csv = folder.file("map.csv");
+    let run = |threads: usize, more: &[&str]| {
+        let output = abbe_on(threads, &[&["map", text(&machine), "--order", "1", "--format", "json"], more].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        output.stdout
+    };
+    let map: Value = serde_json::from_slice(&run(2, &[])).unwrap();
+    assert_eq!(map["poses"], 101 * 101 * 99);
+    // dx = -y EC0Y + z EB0Z + 5e-6 x um, so the extremes are at corners of the volume.
+    let [max, .., range_x, range_y, _] = printed(&map["position_um"]);
+    assert!((max - (500.0 * 20e-3 + 490.0 * 9e-3)).abs() < 1e-9, "{max}");
+    assert!((range_x - (10.0 + 4.41 + 2.5)).abs() < 1e-9 && range_y.abs() < 1e-12, "{range_x} {range_y}");
+    let lines = |text: &str| text.lines().count();
+    for threads in [1, 3] {
+        assert_eq!(run(threads, &["--csv", text(&csv)]), run(2, &[]), "{threads} threads");
+        let table = std::fs::read_to_string(&csv).unwrap();
+        assert_eq!(lines(&table), 1 + 101 * 101 * 99);
+        assert_eq!(
+            table.lines().next(),
+            Some("X [mm],Y [mm],Z [mm],dx [um],dy [um],dz [um],wx [urad],wy [urad],wz [urad]")
+        );
+        assert!(table.ends_with('\n') && table.lines().last().unwrap().starts_with("500,500,490,"));
+    }
+    let (code, message) = refused(&["map", text(&machine), "--format", "csv"]);
+    assert!(code == 1 && message.contains("E0541") && message.contains("--csv"), "{message}");
+}
+
+#[test]
 fn pictures_are_well_formed_for_every_config() {
     let folder = Folder::new("planes");
     for name in crate::configs::names() {
@@ -135,11 +170,11 @@ fn what_cannot_be_done_is_refused_with_nothing_written() {
     let folder = Folder::new("refused");
     let fine = folder.with(
         "fine.yaml",
-        "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500] }\n  Y: { travel: [0, 500] }\n  Z: { travel: [0, 500] }\nvolume: { step: 1 mm }\n",
+        "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500] }\n  Y: { travel: [0, 500] }\n  Z: { travel: [0, 500] }\nvolume: { step: 0.5 mm }\n",
     );
     let (code, message) = refused(&["map", text(&fine)]);
     assert!(
-        code == 1 && message.contains("E0812") && message.contains("125751501") && message.contains("--random"),
+        code == 1 && message.contains("E0812") && message.contains("1003003001") && message.contains("--random"),
         "{message}"
     );
     let nowhere = folder.file("none/map.csv");

@@ -548,7 +548,8 @@ fn points_obey_the_rules() {
     };
     let (all, left) = points("free", "max_points: 10, spacing: free");
     assert_eq!(all, [-200.0, -190.0, -50.0, -49.0, 120.0, 200.0]);
-    assert!(left < 1e-3, "{left}");
+    // At a corner the correction meets the other side of the curve: 6 um on a slope of 6e-4.
+    assert!(left < 3.6e-3, "{left}");
     let (five, free) = points("five", "max_points: 5, spacing: free");
     let (_, equal) = points("equal", "max_points: 5, spacing: equal");
     assert_eq!(five.len(), 5);

@@ -183,6 +183,15 @@ fn lemma_5_of_2014_classes_multiply_and_every_member_is_such_a_product() {
     });
 }
 
+/// Theorem 6 prints one phi for three factors: a curve, which misses the turn by 0.7 about x alone.
+#[test]
+fn theorem_6_of_2014_needs_an_angle_for_each_factor() {
+    let turn = about(0, 0.7);
+    let gap = |[a, b, c]: [f64; 3]| (about(0, a) * about(1, b) * about(2, c) - &turn).amax();
+    let nearest = (0..3600).map(|i| gap([f64::from(i).to_radians() / 10.0; 3])).fold(f64::INFINITY, f64::min);
+    assert!(nearest > 0.1 && gap([0.7, 0.0, 0.0]) < 1e-15, "{nearest}");
+}
+
 /// I^{R_i} as printed in (27), with the parameters of one factor.
 fn printed_27(axis: usize, phi: f64, [k, alpha, beta]: [f64; 3]) -> M {
     let (s, c) = libm::sincos(phi);
@@ -315,11 +324,153 @@ fn the_matrices_35_and_39_of_2014() {
     });
 }
 
-/// KIMM (2), T_Cr: the entry beside y is a rotation about y.
+/// Over the dual numbers, 4 by 4: a real motion and its errors.
+fn affine(linear: [[Dual<2>; 3]; 3], column: [Dual<2>; 3]) -> DMatrix<Dual<2>> {
+    DMatrix::from_fn(4, 4, |i, j| match (i, j) {
+        (3, 3) => Dual([1.0, 0.0]),
+        (3, _) => Dual([0.0, 0.0]),
+        (_, 3) => column[i],
+        _ => linear[i][j],
+    })
+}
+
+fn i(value: f64) -> Dual<2> {
+    Dual([0.0, value])
+}
+
+fn real(value: f64) -> Dual<2> {
+    Dual([value, 0.0])
+}
+
+/// Which entries of two matrices differ, as (row, column) from 1.
+fn unlike(a: &DMatrix<Dual<2>>, b: &DMatrix<Dual<2>>) -> Vec<(usize, usize)> {
+    let far = |(k, l): &(usize, usize)| (0..2).any(|d| (a[(*k, *l)].0[d] - b[(*k, *l)].0[d]).abs() > 1e-9);
+    let all = (0..4).flat_map(|k| (0..4).map(move |l| (k, l)));
+    all.filter(far).map(|(k, l)| (k + 1, l + 1)).collect()
+}
+
+/// (5) is the product of two factors E N as in (4); the signs of gamma as in (4) or the usual ones.
+#[test]
+fn the_product_5_of_2014_as_printed_and_corrected() {
+    each(|random| {
+        let [[a1, b1, g1], [a2, b2, g2], [x1, y1, z1], [x2, y2, z2]] = [0; 4].map(|_| random.vector(1.0));
+        let [x, y, _] = random.vector(300.0);
+        let factor = |[a, b, g]: [f64; 3], d: [f64; 3], way: [f64; 3], sign: f64| {
+            let one = real(1.0);
+            let error = affine([[one, i(-a), i(b)], [i(a), one, i(-sign * g)], [i(-b), i(sign * g), one]], d.map(i));
+            let none = real(0.0);
+            error * affine([[one, none, none], [none, one, none], [none, none, one]], way.map(real))
+        };
+        let product = |sign| {
+            factor([a1, b1, g1], [x1, y1, z1], [x, 0.0, 0.0], sign)
+                * factor([a2, b2, g2], [x2, y2, z2], [0.0, y, 0.0], sign)
+        };
+        let with = |sign: f64, first: f64, third: f64| {
+            let (a, b, g) = (i(a1 + a2), i(b1 + b2), i(sign * (g1 + g2)));
+            let block = [[real(1.0), -a, b], [a, real(1.0), -g], [-b, g, real(1.0)]];
+            affine(block, [Dual([x, first]), Dual([y, y1 + y2 + a1 * x]), i(third)])
+        };
+        let corrected = with(1.0, x1 + x2 - (a1 + a2) * y, z1 + z2 - b1 * x + (g1 + g2) * y);
+        assert!(unlike(&product(1.0), &corrected).is_empty());
+        // Printed: the block with gamma reversed, and terms missing in the last column.
+        let printed = with(-1.0, x1 - a2 * y, z1 + z2 - b1 * x + g2 * y);
+        assert_eq!(unlike(&product(1.0), &printed), [(1, 4), (2, 3), (3, 2), (3, 4)]);
+        // Its block is that of (4), its last column is not: no one sign of gamma makes both right.
+        assert_eq!(unlike(&product(-1.0), &printed), [(1, 4), (3, 4)]);
+    });
+}
+
+/// (36) is the product of the factors of (35), T_1 with its way y.
+#[test]
+fn the_product_36_of_2014_as_printed_and_corrected() {
+    each(|random| {
+        let [[a1, b1, g1], [a2, b2, k], [x1, y1, z1], [x2, y2, z2]] = [0; 4].map(|_| random.vector(1.0));
+        let (phi, y) = (0.3 + random.unit(), random.around(300.0));
+        let (s, c) = libm::sincos(phi);
+        let t = s / c;
+        let one = real(1.0);
+        let linear =
+            affine([[one, i(-a1), i(-b1)], [i(a1), one, i(-g1)], [i(b1), i(g1), one]], [i(x1), Dual([y, y1]), i(z1)]);
+        let turn = [
+            [one, i(-a2 * c - b2 * s), i(a2 * s - b2 * c)],
+            [i(a2), Dual([c, -k * t]), Dual([-s, -k])],
+            [i(b2), Dual([s, k]), Dual([c, -k * t])],
+        ];
+        let product = linear * affine(turn, [i(x2), i(y2), i(z2)]);
+        let (a, b, column) = (a1 + a2, b1 + b2, [i(x1 + x2), Dual([y, y1 + y2]), i(z1 + z2)]);
+        let corrected = [
+            [one, i(-(a * c + b * s)), i(a * s - b * c)],
+            [i(a), Dual([c, -(k * t + g1 * s)]), Dual([-s, -(k + g1 * c)])],
+            [i(b), Dual([s, k + g1 * c]), Dual([c, -(k * t + g1 * s)])],
+        ];
+        assert!(unlike(&product, &affine(corrected, column)).is_empty());
+        let printed = [
+            [i(0.0), i(-(a * c + b * s)), i(-s * (a1 - a2) - c * b)],
+            [i(a), Dual([c, -k * t + g1 * s]), Dual([s, -k - g1 * c])],
+            [i(b), Dual([s, k + g1 * s]), Dual([c, k * t + g1 * c])],
+        ];
+        let wrong = unlike(&product, &affine(printed, column));
+        assert_eq!(wrong, [(1, 1), (1, 3), (2, 2), (2, 3), (3, 2), (3, 3)]);
+    });
+}
+
+/// (37): the ideal must name all k generators. (38) and Definition 7: the constant is missing, and y^2 is printed x^2.
+#[test]
+fn the_algebras_37_and_38_of_2014() {
+    use abbe::algebra::weil::{Basis, Ideal, Monomial, Weil};
+    // <x1>^3 leaves every power of x2: of infinite dimension, no Weil algebra. <x1, x2>^3 does not.
+    let power = |generator, power| Monomial::new([(generator, power)]);
+    let printed = Ideal { degree: u8::MAX, vanish: vec![power(0, 3)] };
+    assert!((1..=200).all(|p| printed.keeps(&power(1, p))) && !Ideal::above(2).keeps(&power(1, 3)));
+    // D_2^2 has 1 and y^2; its quotient by xy is 1, x, y, x^2, y^2.
+    let (x, y) = (Monomial::new([(0, 1)]), Monomial::new([(1, 1)]));
+    let all = Basis::new(2, Ideal::above(2)).unwrap();
+    let expected = [Monomial::default(), x.clone(), y.clone(), x.times(&x), x.times(&y), y.times(&y)];
+    assert_eq!(all.monomials(), expected);
+    let quotient = Basis::new(2, Ideal { degree: 2, vanish: vec![x.times(&y)] }).unwrap();
+    assert_eq!(quotient.monomials(), [Monomial::default(), x.clone(), y.clone(), x.times(&x), y.times(&y)]);
+    // Without the constant there is no unit: e x = x fails for every printed e.
+    each(|random| {
+        let of = |list: [f64; 5]| Weil::Element(quotient.clone(), list.to_vec());
+        let e = of([0.0, random.around(9.0), random.around(9.0), random.around(9.0), random.around(9.0)]);
+        let x1 = Weil::generator(&quotient, 0, 1.0);
+        assert_eq!((e * x1.clone()).coefficient(&x), 0.0);
+        assert_eq!((of([1.0, 0.0, 0.0, 0.0, 0.0]) * x1).coefficient(&x), 1.0);
+        // y^2 is there, and is not x^2.
+        let y1 = Weil::generator(&quotient, 1, 1.0);
+        assert_eq!((y1.clone() * y1).coefficient(&y.times(&y)), 1.0);
+    });
+}
+
+/// KIMM (2): gamma about r of an axis along d bears the letter of the third direction; the labels of T_Cr do not.
 #[test]
 fn the_labels_of_the_five_axis_paper() {
-    let about_y = hat([0.0, 1.0, 0.0]);
-    let about_x = hat([1.0, 0.0, 0.0]);
-    assert_eq!((about_y[(0, 2)], about_y[(2, 0)]), (1.0, -1.0));
-    assert_eq!((about_x[(1, 2)], about_x[(2, 1)]), (-1.0, 1.0));
+    // (matrix, direction of the axis, entry above the diagonal, letter of its label), as printed.
+    let printed = [
+        ("X", 0, (0, 1), 'y'),
+        ("X", 0, (0, 2), 'z'),
+        ("A", 0, (0, 1), 'y'),
+        ("A", 0, (0, 2), 'z'),
+        ("Y", 1, (0, 1), 'x'),
+        ("Y", 1, (1, 2), 'z'),
+        ("B", 1, (0, 1), 'x'),
+        ("B", 1, (1, 2), 'z'),
+        ("Z", 2, (0, 2), 'x'),
+        ("Z", 2, (1, 2), 'y'),
+        ("C", 2, (0, 2), 'y'),
+        ("C", 2, (1, 2), 'z'),
+    ];
+    // The rotation that moves an entry: found from the matrices themselves.
+    let about =
+        |entry: (usize, usize)| (0..3).find(|r| hat([0, 1, 2].map(|k| f64::from(u8::from(k == *r))))[entry] != 0.0);
+    let right = |d: usize, entry: (usize, usize)| (0..3).find(|k| *k != d && Some(*k) != about(entry));
+    let pattern = |d, entry| right(d, entry).map(|k| ['x', 'y', 'z'][k]);
+    let wrong: Vec<_> = printed.iter().filter(|(_, d, entry, label)| pattern(*d, *entry) != Some(*label)).collect();
+    assert_eq!(
+        wrong.iter().map(|(name, _, entry, _)| (*name, *entry)).collect::<Vec<_>>(),
+        [("C", (0, 2)), ("C", (1, 2))]
+    );
+    // Corrected: gamma_xC about y, gamma_yC about x.
+    assert_eq!((pattern(2, (0, 2)), pattern(2, (1, 2))), (Some('x'), Some('y')));
+    assert_eq!((about((0, 2)), about((1, 2))), (Some(1), Some(0)));
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// What each module may import besides itself; `units`, `diagnostic` and `algebra` are open to all.
-const MAY_IMPORT: [(&str, &[&str]); 13] = [
+const MAY_IMPORT: [(&str, &[&str]); 14] = [
     ("units", &[]),
     ("diagnostic", &[]),
     ("algebra", &[]),
@@ -14,6 +14,7 @@ const MAY_IMPORT: [(&str, &[&str]); 13] = [
     ("lower", &["machine"]),
     ("evaluate", &["lower", "machine"]),
     ("analysis", &["evaluate", "lower", "machine"]),
+    ("convert", &["evaluate", "lower", "machine"]),
     ("identify", &["evaluate", "lower", "machine", "syntax"]),
     ("compensation", &["evaluate", "lower", "machine"]),
     ("target", &["compensation", "evaluate", "machine", "syntax"]),

@@ -2,11 +2,15 @@
 """Ideal forward kinematics from LinuxCNC's shipped modules, called in-process.
 
   kinematics.py [--seed N] [--machines N] [--poses N] [--keep]
+  kinematics.py --ask FILE.json
 
 Prints JSON: {"ok", "package", "modules": {name: differences}, "machines": [{"module",
 "pins", "yaml"}], "items": [{"module", "machine", "pins", "joints": {letter: value},
 "position": [x, y, z, a, b, c, u, v, w]}]}; mm and deg. `machine` is an index into
 `machines`, whose yaml says the same kinematics in abbe's machine language.
+
+FILE.json is {"module": name, "sets": [{"pins": {name: value}, "poses": [{"joints": {letter: value}}]}]};
+the sets are printed with "position" (forward) and "back" (inverse of it) in every pose.
 
 How the modules are said there (all origins in machine coordinates at the zero pose,
 R = rot-point pins, tip of the tool at machine zero at the zero pose, no workpiece
@@ -314,12 +318,19 @@ def main():
     parser.add_argument("--machines", type=int, default=6, help="pin sets per module")
     parser.add_argument("--poses", type=int, default=40, help="poses per pin set")
     parser.add_argument("--keep", action="store_true")
+    parser.add_argument("--ask", help="what to ask a module for, instead of random poses")
     parser.add_argument("--worker", choices=MODULES, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.worker:
         worker(arguments.worker)
         return 0
     try:
+        if arguments.ask:
+            with open(arguments.ask) as source:
+                wanted = json.load(source)
+            session.assert_version()
+            print(json.dumps(ask(wanted["module"], wanted["sets"], arguments.keep)))
+            return 0
         result = collect(arguments.seed, arguments.machines, arguments.poses, arguments.keep)
     except session.SessionFailed as failure:
         print(failure, file=sys.stderr)

@@ -84,25 +84,32 @@ class RunDir:
             shutil.rmtree(self.path, ignore_errors=True)
 
 
-def sandboxed(argv):
-    """The command line that runs `argv` as nobody in namespaces of its own."""
+MODULES = "/usr/lib/linuxcnc/modules"
+
+
+def sandboxed(argv, modules=None):
+    """The command line that runs `argv` as nobody in namespaces of its own; `modules` is a
+    directory of real-time modules that are seen beside the installed ones."""
     if os.getuid() != 0:
         raise SessionFailed("namespaces and user nobody need root")
     spaces = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc",
               "--ipc", "--net"]
     user = ["setpriv", "--reuid", str(NOBODY), "--regid", str(NOBODY), "--clear-groups",
             "--no-new-privs"]
-    return spaces + user + list(argv)
+    if modules is None:
+        return spaces + user + list(argv)
+    overlay = 'mount -t overlay overlay -o lowerdir="$0:$1" "$1" && shift && exec "$@"'
+    return spaces + ["sh", "-c", overlay, modules, MODULES] + user + list(argv)
 
 
-def run_worker(rundir, argv, timeout):
+def run_worker(rundir, argv, timeout, modules=None):
     """Runs `argv` in the sandbox with `rundir` as cwd and home; SessionFailed on failure."""
     environment = {"PATH": "/usr/bin:/bin:/usr/sbin:/sbin", "HOME": rundir.path,
                    "LANG": "C", "PYTHONDONTWRITEBYTECODE": "1"}
     log = rundir.join("log", "worker.log")
     # Files, not pipes: the daemons inherit them and would keep a pipe open.
     with open(log, "w") as out, open(os.devnull) as null:
-        process = subprocess.Popen(sandboxed(argv), cwd=rundir.path, env=environment,
+        process = subprocess.Popen(sandboxed(argv, modules), cwd=rundir.path, env=environment,
                                    stdin=null, stdout=out, stderr=subprocess.STDOUT)
         try:
             code = process.wait(timeout)

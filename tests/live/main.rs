@@ -4,9 +4,15 @@
 //! `tests/run`) a missing controller is a failure. Nothing left out counts as passed.
 
 // A test that panics is a test that fails: nothing to be careful about.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+#[path = "../it/support/config.rs"]
+mod config;
 mod kinematics;
+mod kins;
+#[path = "../it/oracle/mod.rs"]
+#[allow(dead_code, reason = "shared with the tests that need no controller")]
+mod oracle;
 mod tables;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -16,11 +22,16 @@ use std::process::{Command, ExitCode, Output};
 /// Name and body of a check.
 type Check = (&'static str, fn());
 
-const CHECKS: [Check; 5] = [
+const CHECKS: [Check; 10] = [
     ("three-axis tables in the running controller", tables::three_axis),
     ("five-axis tables in the running controller", tables::five_axis),
     ("malformed tables: what the controller swallows never comes out of compile", tables::malformed),
     ("ideal kinematics of xyzac-trt, xyzbc-trt and 5axiskins", kinematics::ideal),
+    ("fitted centres in xyzac-trt and xyzbc-trt", kinematics::centres),
+    ("error model in the kinematics, three axes", kins::three_axis),
+    ("error model in the kinematics, tilting table", kins::table_table),
+    ("error model in the kinematics, head and table", kins::head_table),
+    ("the simulation of the kinematics, with the stock launcher", kins::launcher),
     ("the harness notices spoiled tables", tables::harness),
 ];
 

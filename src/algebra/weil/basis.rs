@@ -1,6 +1,7 @@
 //! The basis of a Weil algebra: its surviving monomials and their products.
 
 use super::monomials::{Ideal, Monomial, Size};
+use super::table::Table;
 use crate::algebra::MAX_ORDER;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -29,9 +30,8 @@ pub struct Basis {
     /// Lowest degree first; 1 is the first.
     monomials: Vec<Monomial>,
     index: BTreeMap<Monomial, u32>,
-    /// Row k of the table: the pairs (i, j) of monomials whose product is the k-th, by rising i.
-    rows: Vec<u32>,
-    pairs: Vec<(u32, u32)>,
+    /// Which products make which monomial.
+    table: Table,
 }
 
 impl Basis {
@@ -58,14 +58,18 @@ impl Basis {
         let monomials = ideal.survivors(generators);
         let index: BTreeMap<Monomial, u32> = monomials.iter().cloned().zip(0..).collect();
         let at = |monomial: &Monomial| index.get(monomial).copied().unwrap_or_default();
-        let (mut rows, mut pairs) = (vec![0], Vec::new());
-        for monomial in &monomials {
-            let mut row: Vec<(u32, u32)> = monomial.divisors().iter().map(|(a, b)| (at(a), at(b))).collect();
+        let row = |monomial: &Monomial| {
+            let mut row: Vec<[u32; 2]> = monomial.divisors().iter().map(|(a, b)| [at(a), at(b)]).collect();
             row.sort_unstable();
-            pairs.extend(row);
-            rows.push(pairs.len() as u32);
-        }
-        Self { generators, ideal, monomials, index, rows, pairs }
+            row
+        };
+        let packed = ideal.degree == 2 && monomials.len() == packed_length(generators);
+        let table = if packed {
+            Table::Quadratic(usize::from(generators))
+        } else {
+            Table::new(monomials.iter().map(row), generators)
+        };
+        Self { generators, ideal, monomials, index, table }
     }
 
     /// How many generators.
@@ -93,15 +97,25 @@ impl Basis {
         self.monomials.last().map_or(0, Monomial::degree)
     }
 
-    /// Entries of the product table: multiplications in one product.
-    pub fn products(&self) -> usize {
-        self.pairs.len()
+    #[cfg(test)]
+    pub(super) fn table(&self) -> &Table {
+        &self.table
     }
 
-    /// The product of two lists of coefficients. Each sum runs by rising index of the left factor,
-    /// as in the dedicated dual numbers: over one generator the two agree to the last bit.
-    pub(super) fn multiply(&self, a: &[f64], b: &[f64]) -> Vec<f64> {
-        let term = |(i, j): &(u32, u32)| a[*i as usize] * b[*j as usize];
-        self.rows.windows(2).map(|row| self.pairs[row[0] as usize..row[1] as usize].iter().map(term).sum()).collect()
+    /// Multiplications in one product.
+    pub fn products(&self) -> usize {
+        self.table.products()
     }
+
+    /// The product of two lists of coefficients, all three as long as [`Self::monomials`]. With one generator each sum
+    /// runs by rising index of the left factor: it agrees with the dedicated dual numbers to the last bit.
+    pub fn multiply(&self, a: &[f64], b: &[f64], out: &mut [f64]) {
+        self.table.multiply(a, b, out);
+    }
+}
+
+/// Monomials to degree 2 if none vanishes.
+fn packed_length(generators: u16) -> usize {
+    let k = usize::from(generators);
+    (k + 1) * (k + 2) / 2
 }

@@ -5,6 +5,7 @@
 
 mod basis;
 mod monomials;
+mod table;
 #[cfg(test)]
 mod tests;
 
@@ -162,7 +163,8 @@ impl Mul for Weil {
             (Self::Constant(a), b) => b.map(|x| a * x),
             (a, Self::Constant(b)) => a.map(|x| x * b),
             (Self::Element(basis, a), Self::Element(other, b)) if same(&basis, &other) => {
-                let product = basis.multiply(&a, &b);
+                let mut product = vec![0.0; a.len()];
+                basis.multiply(&a, &b, &mut product);
                 Self::Element(basis, product)
             }
             _ => Self::Constant(f64::NAN),

@@ -79,6 +79,13 @@ pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Resul
     found.ok_or(if near.beyond_travel { failure.max(Unreachable::Travel) } else { failure })
 }
 
+/// The pose within the travel that brings the functional point to a place of the workpiece (from its
+/// origin, mm) by the linear axes alone, moved as little as can be; the rotary axes stay as they are.
+pub fn place(machine: &Machine, tip: &Vector3<f64>, pose: &[f64]) -> Result<Pose, Unreachable> {
+    let placed = linear::complete(machine, tip, pose.to_vec(), pose)?;
+    if (tool_pose(machine, &placed).tip - tip).norm() <= PLACE_TOLERANCE { Ok(placed) } else { Err(Unreachable::Place) }
+}
+
 /// Completes a candidate by the linear axes, and checks it.
 fn reach(machine: &Machine, target: &ToolPose, candidate: Pose, reference: &[f64]) -> Result<Pose, Unreachable> {
     let pose = linear::complete(machine, &target.tip, candidate, reference)?;

@@ -107,6 +107,8 @@ impl Reading<'_> {
             Layout::Columns { columns } => columns::own_axis(self, columns, text).map(one),
             Layout::CsvLattice => lattice::csv(self.machine, text).map(one),
             Layout::JsonLattice => lattice::json(self.machine, text).map(one),
+            // Those of kinematics modules have a reader of their own.
+            Layout::CArrays | Layout::HalConstants => Ok(Tables::default()),
             Layout::Lines { comment, lines } => {
                 let records = lines::records(comment.as_deref(), lines, text)?;
                 assemble::tables(self, &records)
@@ -143,13 +145,24 @@ impl Fault {
     }
 
     fn diagnostic(&self, name: &str, text: &str, source: crate::diagnostic::SourceId) -> Diagnostic {
-        let start: usize = text.split_inclusive('\n').take(self.line).map(str::len).sum();
-        let length = text.get(start..).and_then(|rest| rest.lines().next()).map_or(0, str::len);
-        let place = Place { source, range: start..start + length };
-        Diagnostic::new("E0704", format!("`{name}`: {}", self.message))
-            .at(Some(place), "")
-            .help("compile the file set again; do not edit compensation files by hand")
+        at_line(self.line, &self.message, name, text, source)
     }
+}
+
+/// What is wrong with a line (counted from 0) of a file.
+pub(super) fn at_line(
+    line: usize,
+    message: &str,
+    name: &str,
+    text: &str,
+    source: crate::diagnostic::SourceId,
+) -> Diagnostic {
+    let start: usize = text.split_inclusive('\n').take(line).map(str::len).sum();
+    let length = text.get(start..).and_then(|rest| rest.lines().next()).map_or(0, str::len);
+    let place = Place { source, range: start..start + length };
+    Diagnostic::new("E0704", format!("`{name}`: {message}"))
+        .at(Some(place), "")
+        .help("compile the file set again; do not edit compensation files by hand")
 }
 
 fn missing(name: &str) -> Diagnostic {

@@ -63,7 +63,9 @@ pub fn recognise(machine: &Machine, files: &[ReadBack], diagnostics: &mut Diagno
 fn tried(target: &Target, machine: &Machine, text: &str) -> Option<Tried> {
     let letters = assigned_letters(machine, target.manifest.axis_letters.as_ref(), None)?;
     let reading = Reading { target, machine, letters, axis: None };
-    let telling = |layout: &&Layout| !matches!(layout, Layout::Columns { .. } | Layout::AxisColumns { .. });
+    let telling = |layout: &&Layout| {
+        matches!(layout, Layout::Lines { .. } | Layout::ErrorColumns | Layout::CsvLattice | Layout::JsonLattice)
+    };
     let mut failed: Option<Fault> = None;
     for layout in target.manifest.files.iter().filter_map(|spec| spec.layout.as_ref()).filter(telling) {
         match reading.file(layout, text) {

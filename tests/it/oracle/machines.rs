@@ -3,7 +3,7 @@
 use super::curves::{Curve, Error, Points, Travel};
 use super::matrix::V6;
 use super::random::Random;
-use super::rigid::{Answer, Axis, Conventions, Frame, Machine, State};
+use super::rigid::{Answer, Axis, Conventions, Frame, Held, Machine, State};
 
 /// A machine with its error curves.
 #[derive(Clone, Debug)]
@@ -79,12 +79,20 @@ impl Sample {
 
     /// The oracle's answer.
     pub fn evaluate(&self, pose: &Pose, travel: Travel, frame: Frame) -> Answer {
+        self.rigid.evaluate(&self.states(pose, travel), frame)
+    }
+
+    /// Where the tool is at a command, with and without errors.
+    pub fn holds(&self, command: &Pose, travel: Travel) -> [Held; 2] {
+        self.rigid.holds(&self.states(command, travel))
+    }
+
+    fn states(&self, pose: &Pose, travel: Travel) -> Vec<State> {
         let state = |((axis, extra), &position): ((&Axis, &Extra), &f64)| State {
             position: if axis.rotary { position.to_radians() } else { position },
             errors: std::array::from_fn(|k| extra.errors[k].as_ref().map_or(0.0, |e| e.at(position, travel))),
         };
-        let states: Vec<_> = self.rigid.walk.iter().zip(&self.axes).zip(pose).map(state).collect();
-        self.rigid.evaluate(&states, frame)
+        self.rigid.walk.iter().zip(&self.axes).zip(pose).map(state).collect()
     }
 }
 

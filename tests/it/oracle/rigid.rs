@@ -100,7 +100,33 @@ pub struct Answer {
     pub e_ve: M4,
 }
 
+/// Where the tool is, in the workpiece frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Held {
+    /// Its tip from the workpiece origin.
+    pub tip: V3,
+    /// How it is turned; with linearised joints no rotation.
+    pub rotation: M4,
+}
+
+impl Held {
+    /// The direction of its axis; with linearised joints not of length 1.
+    pub fn axis(&self) -> V3 {
+        turn(&self.rotation, [0.0, 0.0, 1.0])
+    }
+}
+
 impl Machine {
+    /// Where the tool of the real machine is, then of the ideal one.
+    pub fn holds(&self, states: &[State]) -> [Held; 2] {
+        let tip = plus(self.gauge, self.offset);
+        let held = |walk: M4, tip: V3| Held {
+            tip: minus(apply(&walk, tip), self.workpiece_origin),
+            rotation: rotation_of(&walk),
+        };
+        [held(self.real(states), plus(tip, self.tool_setup)), held(self.ideal(states, |_| true), tip)]
+    }
+
     /// The answer at a pose, `states` in the order of the walk.
     pub fn evaluate(&self, states: &[State], frame: Frame) -> Answer {
         let ideal = self.ideal(states, |_| true);

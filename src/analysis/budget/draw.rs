@@ -1,0 +1,188 @@
+//! Random errors that respect their tolerances, the same for every machine and arrangement.
+//!
+//! A drawn error is its tolerance times `g(Z)` with Z normally distributed, and g bringing Z to the
+//! stated distribution on -1..1. A location error draws one Z. A component error draws a curve: Z is a
+//! sum of [`HARMONICS`] waves, `w_k (a_k cos k t + b_k sin k t)` with a_k, b_k normal and `w_k^2`
+//! proportional to `1/k^2`, so that at every position Z is normal with variance 1 and the error has
+//! the stated distribution there. t runs over half a turn along the travel (a whole one on continuous
+//! axes, where the curve closes); a mean that repeats a location error is not drawn on purpose. The
+//! curve is kept at [`NODES`] positions, straight in between.
+//!
+//! The numbers of an error hang on the seed, its name and the sample alone: a stream of ChaCha8 each.
+
+use crate::machine::{ErrorId, sin_cos_degrees};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+/// Nodes of a curve along the travel, both ends included.
+pub const NODES: usize = 65;
+
+/// Waves of a curve.
+pub const HARMONICS: usize = 6;
+
+/// How an error is distributed between its bounds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Distribution {
+    /// Anywhere alike: standard deviation tolerance / sqrt 3 (GUM 4.3.7).
+    Uniform,
+    /// Rather in the middle: standard deviation tolerance / sqrt 6 (GUM 4.3.9).
+    Triangular,
+}
+
+impl Distribution {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Uniform => "uniform",
+            Self::Triangular => "triangular",
+        }
+    }
+
+    /// A standard normal value as a share of the tolerance, -1 to 1.
+    pub fn share(self, normal: f64) -> f64 {
+        let even = libm::erf(normal * std::f64::consts::FRAC_1_SQRT_2);
+        match self {
+            Self::Uniform => even,
+            Self::Triangular => (1.0 - (1.0 - even.abs()).max(0.0).sqrt()).copysign(even),
+        }
+    }
+
+    /// Standard deviation as a share of the tolerance.
+    pub fn deviation(self) -> f64 {
+        match self {
+            Self::Uniform => (1.0_f64 / 3.0).sqrt(),
+            Self::Triangular => (1.0_f64 / 6.0).sqrt(),
+        }
+    }
+}
+
+/// Where random errors come from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Draws {
+    seed: u64,
+    distribution: Distribution,
+    /// Weighted cosine and sine of every wave at every node: open curves, closed curves.
+    waves: [Vec<[(f64, f64); HARMONICS]>; 2],
+}
+
+impl Draws {
+    /// With a seed.
+    pub fn new(seed: u64, distribution: Distribution) -> Self {
+        let norm: f64 = (1..=HARMONICS).map(|k| 1.0 / (k * k) as f64).sum::<f64>().sqrt();
+        let node = |turn: f64, m: usize| {
+            std::array::from_fn(|i| {
+                let k = (i + 1) as f64;
+                let (sine, cosine) = sin_cos_degrees(k * turn * (m as f64 / (NODES - 1) as f64));
+                (cosine / (k * norm), sine / (k * norm))
+            })
+        };
+        let waves = [180.0, 360.0].map(|turn| (0..NODES).map(|m| node(turn, m)).collect());
+        Self { seed, distribution, waves }
+    }
+
+    fn stream(&self, error: &ErrorId, sample: usize) -> Normals {
+        let mut key = [0; 32];
+        key[..8].copy_from_slice(&self.seed.to_le_bytes());
+        // A name has eleven bytes at most.
+        error.to_string().bytes().zip(&mut key[8..]).for_each(|(byte, slot)| *slot = byte);
+        let mut generator = ChaCha8Rng::from_seed(key);
+        generator.set_stream(sample as u64);
+        Normals { generator, second: None }
+    }
+
+    /// A location error, as a share of its tolerance.
+    pub fn constant(&self, error: &ErrorId, sample: usize) -> f64 {
+        self.distribution.share(self.stream(error, sample).next())
+    }
+
+    /// A component error at the nodes, as shares of its tolerance.
+    pub fn curve(&self, error: &ErrorId, sample: usize, closed: bool) -> [f64; NODES] {
+        let mut normals = self.stream(error, sample);
+        let amplitudes: [(f64, f64); HARMONICS] = std::array::from_fn(|_| (normals.next(), normals.next()));
+        let waves = &self.waves[usize::from(closed)];
+        std::array::from_fn(|m| {
+            let wave = |((c, s), (a, b)): (&(f64, f64), &(f64, f64))| c * a + s * b;
+            self.distribution.share(waves[m].iter().zip(&amplitudes).map(wave).sum())
+        })
+    }
+}
+
+/// Normally distributed numbers, by the method of Box and Muller.
+struct Normals {
+    generator: ChaCha8Rng,
+    second: Option<f64>,
+}
+
+impl Normals {
+    /// Evenly in (0, 1], 53 bits.
+    fn unit(&mut self) -> f64 {
+        const SCALE: f64 = 1.0 / (1_u64 << 53) as f64;
+        ((self.generator.next_u64() >> 11) + 1) as f64 * SCALE
+    }
+
+    fn next(&mut self) -> f64 {
+        if let Some(second) = self.second.take() {
+            return second;
+        }
+        let radius = (-2.0 * libm::log(self.unit())).sqrt();
+        let (sine, cosine) = libm::sincos(2.0 * std::f64::consts::PI * self.unit());
+        self.second = Some(radius * sine);
+        radius * cosine
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::{AxisName, Direction};
+
+    fn error(name: &str, location: bool) -> ErrorId {
+        ErrorId { axis: AxisName::new(name).unwrap(), location, direction: Direction::Y }
+    }
+
+    #[test]
+    fn curves_keep_their_bounds_close_where_they_should_and_are_smooth() {
+        let draws = Draws::new(3, Distribution::Uniform);
+        for sample in 0..300 {
+            for closed in [false, true] {
+                let curve = draws.curve(&error("X", false), sample, closed);
+                assert!(curve.iter().all(|u| u.abs() <= 1.0));
+                let step = curve.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+                // Six standard deviations of the steepest slope: F' <= 0.8, Z' 2.0 per rad.
+                let limit = 6.0 * 0.8 * 2.0 * std::f64::consts::PI / 64.0 * if closed { 2.0 } else { 1.0 };
+                assert!(step < limit, "{step}");
+                assert!(!closed || (curve[0] - curve[NODES - 1]).abs() < 1e-12);
+            }
+        }
+    }
+
+    /// Largest distance of the empirical distribution from a continuous one.
+    fn kolmogorov(mut values: Vec<f64>, cdf: impl Fn(f64) -> f64) -> f64 {
+        values.sort_by(f64::total_cmp);
+        let n = values.len() as f64;
+        let gap = |(i, x): (usize, &f64)| (cdf(*x) - i as f64 / n).abs().max((cdf(*x) - (i + 1) as f64 / n).abs());
+        values.iter().enumerate().map(gap).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn every_node_has_the_stated_distribution() {
+        // 1.95 / sqrt n is passed by chance once in a thousand times; the seed is fixed.
+        const SAMPLES: usize = 4000;
+        let limit = 1.95 / (SAMPLES as f64).sqrt();
+        let triangular = |x: f64| if x < 0.0 { (1.0 + x) * (1.0 + x) / 2.0 } else { 1.0 - (1.0 - x) * (1.0 - x) / 2.0 };
+        let even = |x: f64| (1.0 + x) / 2.0;
+        let laws: [(Distribution, &dyn Fn(f64) -> f64); 2] =
+            [(Distribution::Uniform, &even), (Distribution::Triangular, &triangular)];
+        for (distribution, law) in laws {
+            let draws = Draws::new(11, distribution);
+            let constants = (0..SAMPLES).map(|s| draws.constant(&error("C", true), s)).collect();
+            assert!(kolmogorov(constants, law) < limit);
+            for (closed, node) in [(false, 0), (false, 32), (false, 64), (true, 17)] {
+                let values = (0..SAMPLES).map(|s| draws.curve(&error("X", false), s, closed)[node]).collect();
+                let distance = kolmogorov(values, law);
+                assert!(distance < limit, "{distribution:?} {closed} {node}: {distance}");
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Drawn machines: the error of each over all poses, and what each tolerance has to do with it.
+
+use super::bounds::Bound;
+use super::draw::Draws;
+use super::kernel::{Chunk, JointBounds, LANES, Lanes, Station, squares};
+use super::quantile::rank;
+use rayon::prelude::*;
+
+/// What the deviations of one machine over the poses come to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Statistic {
+    /// The largest.
+    Max,
+    /// The ceil(0.95 n)-th smallest.
+    P95,
+}
+
+impl Statistic {
+    /// Of values, at least one; their order is lost.
+    pub fn of(self, values: &mut [f64]) -> f64 {
+        match self {
+            Self::Max => values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            Self::P95 => *values.select_nth_unstable_by(rank(values.len(), 95) - 1, f64::total_cmp).1,
+        }
+    }
+
+    /// The pose that attains it, with the value there; of equal ones the first.
+    pub fn attained(self, values: &[f64]) -> (usize, f64) {
+        let mut indices: Vec<usize> = (0..values.len()).collect();
+        let order = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]).then(b.cmp(a));
+        let place = match self {
+            Self::Max => values.len() - 1,
+            Self::P95 => rank(values.len(), 95) - 1,
+        };
+        let (_, index, _) = indices.select_nth_unstable_by(place, order);
+        (*index, values[*index])
+    }
+}
+
+/// One drawn machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sample {
+    /// Its statistic over the poses (mm or rad).
+    pub value: f64,
+    /// What each bounded error has of that value: they sum up to it. Divided by the tolerance it is the
+    /// derivative of the value by that tolerance, for a drawn error grows with its tolerance.
+    pub parts: Vec<f64>,
+}
+
+/// Draws so many machines; the same to the bit on any number of threads.
+pub fn draw(
+    stations: &[Station],
+    joints: &[JointBounds],
+    bounds: &[Bound],
+    draws: &Draws,
+    statistic: Statistic,
+    samples: usize,
+    progress: &(dyn Fn(usize) + Sync),
+) -> Vec<Sample> {
+    let chunk = |index: usize| {
+        let first = index * LANES;
+        let chunk = Chunk::new(joints, bounds, draws, first);
+        let lengths: Vec<Lanes> = stations.iter().map(|station| squares(&station.deviations(&chunk))).collect();
+        let count = LANES.min(samples - first);
+        progress(count);
+        let sample = |lane: usize| {
+            let column: Vec<f64> = lengths.iter().map(|lanes| lanes[lane]).collect();
+            let (pose, square) = statistic.attained(&column);
+            let value = square.sqrt();
+            Sample { value, parts: parts(&stations[pose].parts(&chunk, joints, lane, bounds.len())) }
+        };
+        (0..count).map(sample).collect::<Vec<_>>()
+    };
+    (0..samples.div_ceil(LANES)).into_par_iter().flat_map_iter(chunk).collect()
+}
+
+/// Components along the sum.
+fn parts(vectors: &[[f64; 3]]) -> Vec<f64> {
+    let sum = vectors.iter().fold([0.0; 3], |sum, v| std::array::from_fn(|i| sum[i] + v[i]));
+    let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let length = dot(&sum, &sum).sqrt();
+    vectors.iter().map(|v| if length > 0.0 { dot(v, &sum) / length } else { 0.0 }).collect()
+}

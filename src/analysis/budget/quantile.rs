@@ -1,0 +1,94 @@
+//! Percentiles of samples, with confidence intervals that suppose nothing of the distribution.
+
+/// Outside of an interval with 95 % confidence, on each side.
+const TAIL: f64 = 0.025;
+
+/// A percentile of the population the samples come from.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Percentile {
+    /// Which, in percent.
+    pub percent: usize,
+    /// The ceil(percent n / 100)-th smallest sample.
+    pub value: f64,
+    /// Lower end of the interval that holds it with 95 % confidence; none if there are too few samples.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+}
+
+/// Rank (from 1) of a percentile.
+pub fn rank(count: usize, percent: usize) -> usize {
+    (count * percent).div_ceil(100).max(1)
+}
+
+impl Percentile {
+    /// Of samples in rising order, at least one. The number of samples below the percentile is
+    /// binomially distributed, whatever the distribution: that gives the ranks of the interval's ends.
+    pub fn of(sorted: &[f64], percent: usize) -> Self {
+        let n = sorted.len();
+        let below = binomial(n, percent as f64 / 100.0);
+        // P(X < low rank) <= TAIL and P(X >= high rank) <= TAIL for X samples below the percentile.
+        let low = below.partition_point(|sum| *sum <= TAIL);
+        let high = below.partition_point(|sum| *sum < 1.0 - TAIL) + 1;
+        let at = |rank: usize| rank.checked_sub(1).and_then(|i| sorted.get(i)).copied();
+        Self { percent, value: sorted[rank(n, percent) - 1], low: at(low), high: at(high) }
+    }
+}
+
+/// Cumulated probabilities of 0, 1, ... n of n.
+fn binomial(n: usize, p: f64) -> Vec<f64> {
+    let odds = libm::log(p / (1.0 - p));
+    let mut exponent = n as f64 * libm::log1p(-p);
+    let mut sum = 0.0;
+    (0..=n)
+        .map(|k| {
+            if k > 0 {
+                exponent += odds + libm::log((n + 1 - k) as f64 / k as f64);
+            }
+            sum += libm::exp(exponent);
+            sum
+        })
+        .collect()
+}
+
+/// Mean, and its standard error.
+pub fn mean(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let square = values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();
+    (mean, if n > 1.0 { (square / (n - 1.0) / n).sqrt() } else { 0.0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_interval_has_the_ranks_of_the_tables() {
+        // The sign test's interval for the median of 99: P(X <= 39) = 0.0219, P(X <= 40) = 0.0350.
+        let samples: Vec<f64> = (1..=99).map(f64::from).collect();
+        let median = Percentile::of(&samples, 50);
+        assert_eq!((median.value, median.low, median.high), (50.0, Some(40.0), Some(60.0)));
+        // With 50 samples the largest is above the 95 % value only with 1 - 0.95^50 = 92 %.
+        let few = Percentile::of(&samples[..50], 95);
+        assert!(few.high.is_none() && few.low.is_some());
+    }
+
+    #[test]
+    fn the_interval_holds_the_percentile_as_often_as_it_says() {
+        let mut state = 1_u64;
+        let mut unit = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut held = 0;
+        for _ in 0..2000 {
+            let mut samples: Vec<f64> = (0..200).map(|_| unit()).collect();
+            samples.sort_by(f64::total_cmp);
+            let p = Percentile::of(&samples, 95);
+            held += usize::from(p.low.unwrap() <= 0.95 && 0.95 <= p.high.unwrap());
+        }
+        // At least 95 %, and not much more: the ranks are whole numbers.
+        assert!((1880..=1975).contains(&held), "{held}");
+    }
+}

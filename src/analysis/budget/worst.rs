@@ -1,0 +1,98 @@
+//! The longest sum of vectors with any signs: what errors at their bounds do at worst.
+//!
+//! All sums lie in a zonotope; the longest is one of its corners, and every corner lies on a face whose
+//! normal is perpendicular to two of the vectors. So for each pair: vectors beside the face have the
+//! sign of their height, and those within it are searched in the plane, direction by direction.
+
+use nalgebra::Vector3;
+
+/// Below this sine a vector counts as lying within the plane.
+const WITHIN: f64 = 1e-12;
+
+/// Length of the longest sum.
+pub fn longest(vectors: &[[f64; 3]]) -> f64 {
+    let vectors: Vec<Vector3<f64>> = vectors.iter().map(|v| Vector3::from(*v)).filter(|v| v.norm() > 0.0).collect();
+    let vectors = merged(vectors);
+    if let [one] = vectors[..] {
+        return one.norm();
+    }
+    let mut best = 0.0_f64;
+    for (i, a) in vectors.iter().enumerate() {
+        for b in &vectors[i + 1..] {
+            let normal = a.cross(b).normalize();
+            best = best.max(on_face(&vectors, &normal, a));
+        }
+    }
+    best
+}
+
+/// Parallel vectors act as one.
+fn merged(vectors: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
+    let mut merged: Vec<Vector3<f64>> = Vec::new();
+    for v in vectors {
+        match merged.iter_mut().find(|m| m.cross(&v).norm() <= WITHIN * m.norm() * v.norm()) {
+            Some(m) => *m += v * 1.0_f64.copysign(m.dot(&v)),
+            None => merged.push(v),
+        }
+    }
+    merged
+}
+
+/// The longest sum among the corners of the face with this normal; `along` lies within it.
+fn on_face(vectors: &[Vector3<f64>], normal: &Vector3<f64>, along: &Vector3<f64>) -> f64 {
+    let (u, v) = (along.normalize(), normal.cross(along).normalize());
+    let mut beside = Vector3::zeros();
+    let mut within: Vec<(f64, Vector3<f64>)> = Vec::new();
+    for w in vectors {
+        let height = w.dot(normal);
+        if height.abs() > WITHIN * w.norm() {
+            beside += w * 1.0_f64.copysign(height);
+        } else {
+            // Turned into the upper half of the plane: its sign is free anyway.
+            let (x, y) = (w.dot(&u), w.dot(&v));
+            let upper = if y < 0.0 || (y == 0.0 && x < 0.0) { -w } else { *w };
+            within.push((libm::atan2(upper.dot(&v), upper.dot(&u)), upper));
+        }
+    }
+    within.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Around the corners: one vector after the other changes its sign.
+    let mut sum = within.iter().fold(Vector3::zeros(), |sum, (_, w)| sum + w);
+    let mut best = 0.0_f64;
+    for (_, w) in &within {
+        best = best.max((beside + sum).norm()).max((beside - sum).norm());
+        sum -= w * 2.0;
+    }
+    best.max((beside + sum).norm())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn by_all_signs(vectors: &[[f64; 3]]) -> f64 {
+        let sum = |signs: u32| {
+            let signed = |(k, v): (usize, &[f64; 3])| Vector3::from(*v) * if signs >> k & 1 == 0 { 1.0 } else { -1.0 };
+            vectors.iter().enumerate().map(signed).sum::<Vector3<f64>>().norm()
+        };
+        (0..1 << vectors.len()).map(sum).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn no_signs_make_a_longer_sum() {
+        let mut state = 7_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as i64 - (1 << 23)
+        };
+        for count in 0..11 {
+            for round in 0..30 {
+                // Coarse numbers make parallel vectors and many of them in one plane.
+                let coarse = 1 << [0, 21, 22, 23][round % 4];
+                let vectors: Vec<[f64; 3]> =
+                    (0..count).map(|_| std::array::from_fn(|_| (next() / coarse) as f64)).collect();
+                let (found, brute) = (longest(&vectors), by_all_signs(&vectors));
+                assert!((found - brute).abs() <= 1e-12 * brute.max(1.0), "{found} {brute} {vectors:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! A laser along the body diagonals of the volume: the way really made along each, there and back; with
+//! steps, one axis moves at a time, so that every reading belongs to one axis.
+
+use super::{Path, range};
+use crate::analysis::inverse::tool_pose;
+use crate::machine::{AxisKind, Machine, Pose};
+
+/// Readings along one diagonal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diagonal {
+    /// Sense of each axis along it: p or n, in the order of `axes`.
+    pub name: String,
+    /// Indices of the axes.
+    pub axes: Vec<usize>,
+    /// Nominal way along it, mm.
+    pub ways: Vec<f64>,
+    /// Way really made minus nominal on the way there, um; 0 at the start.
+    pub there: Vec<f64>,
+    /// The same on the way back.
+    pub back: Vec<f64>,
+    /// E_d: range of the mean of both.
+    pub systematic: f64,
+    /// B_d: largest difference of both.
+    pub reversal: f64,
+    /// With steps: what each axis's motions add to the reading on the way there, um.
+    pub by_axis: Option<Vec<f64>>,
+}
+
+/// All diagonals of the box of up to three linear axes, the others where `at` (mm, deg) says; `points`
+/// per diagonal, or as many steps of every axis. Fewer than two axes have no diagonal.
+pub fn diagonals(machine: &Machine, at: &[f64], points: usize, steps: bool) -> Vec<Diagonal> {
+    let moves =
+        |i: &usize| machine.axes()[*i].kind == AxisKind::Linear && machine.volume()[*i].max > machine.volume()[*i].min;
+    let mut axes: Vec<usize> = (0..machine.axes().len()).filter(moves).collect();
+    // X, Y, Z before others such as W.
+    axes.sort_by_key(|i| {
+        let name = machine.axes()[*i].name.as_str();
+        (!["X", "Y", "Z"].contains(&name), name.to_owned())
+    });
+    axes.truncate(3);
+    if axes.len() < 2 {
+        return Vec::new();
+    }
+    // The last axis always rises: the other senses are the same diagonals from their other end.
+    let signs = |k: usize| (0..axes.len()).map(move |i| k >> i & 1 == 0).collect::<Vec<bool>>();
+    (0..1 << (axes.len() - 1)).map(|k| diagonal(machine, at, &axes, &signs(k), points, steps)).collect()
+}
+
+fn diagonal(machine: &Machine, at: &[f64], axes: &[usize], rises: &[bool], points: usize, steps: bool) -> Diagonal {
+    let intervals = points.max(2) - 1;
+    let pose = |shares: &[usize]| {
+        let mut pose: Pose = at.to_vec();
+        for ((axis, rises), n) in axes.iter().zip(rises).zip(shares) {
+            let grid = &machine.volume()[*axis];
+            let share = *n as f64 / intervals as f64;
+            pose[*axis] = grid.min + (grid.max - grid.min) * if *rises { share } else { 1.0 - share };
+        }
+        pose
+    };
+    let mut shares = vec![0; axes.len()];
+    let mut poses = vec![pose(&shares)];
+    // Which axis the motion to a pose is of.
+    let mut movers = Vec::new();
+    for _ in 0..intervals {
+        for i in 0..axes.len() {
+            shares[i] += 1;
+            if steps {
+                poses.push(pose(&shares));
+                movers.push(i);
+            }
+        }
+        if !steps {
+            poses.push(pose(&shares));
+        }
+    }
+    let places: Vec<_> = poses.iter().map(|pose| tool_pose(machine, pose).tip).collect();
+    let along = (places[places.len() - 1] - places[0]).try_normalize(0.0).unwrap_or_default();
+    let ways: Vec<f64> = places.iter().map(|place| along.dot(&(place - places[0]))).collect();
+    let both: Vec<Pose> = poses.iter().cloned().chain(poses.iter().rev().skip(1).cloned()).collect();
+    let driven = Path { poses: both, closed: false }.driven(machine);
+    let zero = driven[0];
+    let read: Vec<f64> = driven.iter().map(|d| along.dot(&(d - zero)) * 1e3).collect();
+    let there = read[..poses.len()].to_vec();
+    let back: Vec<f64> = read[poses.len() - 1..].iter().rev().copied().collect();
+    let by_axis = steps.then(|| {
+        let mut sums = vec![0.0; axes.len()];
+        there.windows(2).zip(&movers).for_each(|(two, axis)| sums[*axis] += two[1] - two[0]);
+        sums
+    });
+    Diagonal {
+        name: rises.iter().map(|rises| if *rises { 'p' } else { 'n' }).collect(),
+        axes: axes.to_vec(),
+        systematic: range(there.iter().zip(&back).map(|(a, b)| 0.5 * (a + b))),
+        reversal: there.iter().zip(&back).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max),
+        ways,
+        there,
+        back,
+        by_axis,
+    }
+}

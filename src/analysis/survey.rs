@@ -1,0 +1,131 @@
+//! A field over any number of poses: statistics without keeping the deviations.
+
+use super::map::{View, into_frame};
+use crate::evaluate::{Batch, Columns, Deviation, Field, Frame, GridPlan, Plan, PoseColumns, Poses, Statistics, Tally};
+use rayon::prelude::*;
+
+/// More poses than this take hours.
+pub const MOST_SURVEYED: usize = 1_000_000_000;
+
+/// Poses of a block: the unit in which sums are formed.
+const BLOCK: usize = 1 << 14;
+
+/// Statistics and the worst poses. Quantiles are within [`Tally::QUANTILE_ERROR`] of the exact ones.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Survey {
+    /// What the deviations come to.
+    pub statistics: Statistics,
+    /// The worst poses by number with their deviations (mm, rad), largest first.
+    pub worst: Vec<(usize, Deviation)>,
+}
+
+/// What is to be surveyed.
+#[derive(Clone, Copy)]
+pub struct Task<'a> {
+    /// The field; its plan does the work if it has one.
+    pub field: &'a dyn Field,
+    /// Where.
+    pub poses: &'a Poses,
+    /// From which side, and in which frame.
+    pub view: View,
+    /// How many of the worst poses to keep.
+    pub worst: usize,
+}
+
+/// Makes text of a block of poses and their deviations: the first `len` rows of both.
+pub type Text<'a> = &'a (dyn Fn(&Batch<'_>, &Columns, usize) -> String + Sync);
+
+/// Takes the texts in the order of the poses; `false` ends the survey.
+pub type Sink<'a> = &'a mut dyn FnMut(String) -> bool;
+
+/// Surveys a field. Memory does not grow with the number of poses, and no bit depends on the number of threads.
+/// `progress` is told how many poses were done.
+pub fn survey(task: Task<'_>, progress: &(dyn Fn(usize) + Sync)) -> Survey {
+    let run = Run::new(task, progress);
+    let tasks = run.blocks().min(8 * rayon::current_num_threads());
+    let bounds = |k: usize| k * run.blocks() / tasks.max(1);
+    let tally = (0..tasks).into_par_iter().map(|k| run.tally(bounds(k)..bounds(k + 1), &mut |_, _, _| ()));
+    finished(tally.reduce(|| Tally::new(task.worst), Tally::merged))
+}
+
+/// The same, with a text for every block. `None` if the sink has had enough.
+pub fn survey_with_rows(
+    task: Task<'_>,
+    text: Text<'_>,
+    sink: Sink<'_>,
+    progress: &(dyn Fn(usize) + Sync),
+) -> Option<Survey> {
+    let run = Run::new(task, progress);
+    let mut whole = Tally::new(task.worst);
+    let round = 2 * rayon::current_num_threads();
+    for start in (0..run.blocks()).step_by(round) {
+        let blocks = start..(start + round).min(run.blocks());
+        let one = |block: usize| {
+            let mut rows = String::new();
+            let tally = run.tally(block..block + 1, &mut |poses, columns, len| rows = text(poses, columns, len));
+            (tally, rows)
+        };
+        let done: Vec<(Tally, String)> = blocks.into_par_iter().map(one).collect();
+        for (tally, rows) in done {
+            whole = whole.merged(tally);
+            if !sink(rows) {
+                return None;
+            }
+        }
+    }
+    Some(finished(whole))
+}
+
+fn finished(tally: Tally) -> Survey {
+    Survey { statistics: tally.statistics(), worst: tally.worst() }
+}
+
+/// What all threads share.
+struct Run<'a> {
+    task: Task<'a>,
+    count: usize,
+    /// Poses of a block: of a grid whole lines.
+    block: usize,
+    grid: Option<GridPlan>,
+    frames: Option<Plan>,
+    progress: &'a (dyn Fn(usize) + Sync),
+}
+
+impl<'a> Run<'a> {
+    fn new(task: Task<'a>, progress: &'a (dyn Fn(usize) + Sync)) -> Self {
+        let grid = match task.poses {
+            Poses::Nodes(nodes) => task.field.plan(task.view.approach).and_then(|plan| plan.grid(nodes)),
+            _ => None,
+        };
+        let grid = grid.filter(|grid| grid.line() > 1);
+        let block = grid.as_ref().map_or(BLOCK, |grid| (BLOCK / grid.line()).max(1) * grid.line());
+        let frames = (task.view.frame != Frame::Workpiece).then(|| super::map::frames(task.field));
+        Self { task, count: task.poses.len(), block, grid, frames, progress }
+    }
+
+    fn blocks(&self) -> usize {
+        self.count.div_ceil(self.block)
+    }
+
+    /// Consecutive blocks.
+    fn tally(&self, blocks: std::ops::Range<usize>, rows: &mut dyn FnMut(&Batch<'_>, &Columns, usize)) -> Tally {
+        let mut tally = Tally::new(self.task.worst);
+        let mut poses = PoseColumns::new(self.task.field.machine().axes().len());
+        let mut columns = Columns::new(self.block.min(self.count));
+        for block in blocks {
+            let range = block * self.block..((block + 1) * self.block).min(self.count);
+            let len = range.len();
+            self.task.poses.fill(range.clone(), &mut poses);
+            let batch = poses.batch();
+            match &self.grid {
+                Some(grid) => grid.fill(range.start / grid.line(), columns.output(len)),
+                None => self.task.field.deviations(&batch, self.task.view.approach, columns.output(len)),
+            }
+            into_frame(self.frames.as_ref(), self.task.view.frame, &batch, columns.output(len));
+            tally.add(range.start, &columns, len);
+            rows(&batch, &columns, len);
+            (self.progress)(len);
+        }
+        tally
+    }
+}

@@ -1,0 +1,375 @@
+//! `abbe enumerate`: all arrangements of the axes on the two sides of the bed, ranked on the same work.
+
+use super::journal::{Keeper, merged, shard};
+use super::progress::Progress;
+use super::session::Session;
+use super::tolerances::ToleranceArgs;
+use super::view::{cell, table};
+use super::{Format, Outcome, Stop, load};
+use crate::analysis::budget::{Bound, Statistic, known};
+use crate::analysis::enumerate::{
+    Journal, Judge, MOST_ARRANGEMENTS, Ranking, Row, Rule, Standing, Study, TooMany, Walk, ranked, walks,
+};
+use crate::diagnostic::{Diagnostic, shown};
+use crate::machine::{AxisName, Machine};
+use crate::units::significant;
+use rayon::prelude::*;
+use serde_json::json;
+use sha2::{Digest, Sha256};
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The machine file; its axes are placed anew, its volume is the work.
+    machine: PathBuf,
+    #[command(flatten)]
+    tolerances: ToleranceArgs,
+    /// What arrangements are judged by [default: budget, if any error is bounded].
+    #[arg(long, value_enum)]
+    by: Option<ByArg>,
+    /// Only arrangements for which this holds, such as `C before A`, `Y carries A`, `at most 2 on table`;
+    /// may be given again.
+    #[arg(long, value_name = "RULE")]
+    require: Vec<String>,
+    /// At most so many axes carry the workpiece.
+    #[arg(long, value_name = "N")]
+    max_table: Option<usize>,
+    /// So many of the machine's rotary axes at a time, every choice of them [default: all].
+    #[arg(long, value_name = "N")]
+    rotary: Option<usize>,
+    /// How many tool poses.
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    poses: u32,
+    /// How many machines are drawn for the budget.
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    samples: u32,
+    /// Rank what reaches at least this share of the tool poses, in percent.
+    #[arg(long, value_name = "PERCENT", default_value_t = 50.0)]
+    reach: f64,
+    /// How many to list as text.
+    #[arg(long, value_name = "K", default_value_t = 20)]
+    top: usize,
+    /// Keep results here; what is there already is not computed again.
+    #[arg(long, value_name = "FILE")]
+    state: Option<PathBuf>,
+    /// Compute only this part of the walks, into the state file.
+    #[arg(long, value_name = "I/N", requires = "state")]
+    shard: Option<String>,
+    /// Put state files together instead of computing.
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["state", "shard"])]
+    merge: Vec<PathBuf>,
+    /// Which of the machine's tools.
+    #[arg(long)]
+    tool: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum ByArg {
+    /// Errors drawn between tolerances.
+    Budget,
+    /// The errors that have values.
+    Errors,
+}
+
+/// Poses times samples: as many figures are kept of the file's own arrangement.
+const MOST_DRAWS: u64 = 20_000_000;
+
+pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
+    let part = match args.shard.as_deref().map(shard) {
+        Some(Ok(part)) => Some(part),
+        Some(Err(message)) => return session.usage(&message),
+        None => None,
+    };
+    if !(0.0..=100.0).contains(&args.reach) {
+        return session.usage("`--reach` is a share in percent, 0 to 100");
+    }
+    let machine = load::machine(session, &args.machine, args.tool.as_deref())?;
+    let draws = u64::from(args.poses) * u64::from(args.samples);
+    if draws > MOST_DRAWS {
+        let message = format!(
+            "{} poses and {} samples are {draws} drawn poses; {MOST_DRAWS} are kept at most",
+            args.poses, args.samples
+        );
+        return session.refuse(Diagnostic::new("E0606", message).help("take fewer `--poses` or `--samples`"));
+    }
+    let rules = rules(session, args, &machine)?;
+    let walks = listed(session, args, &machine, &rules)?;
+    let (judge, source) = judge(session, args, &machine)?;
+    let journal = Journal::new(fingerprint(args, &machine, &judge, &rules), walks.len());
+    let setting = Setting { args, machine: &machine, by: by(&judge), source };
+    let journal = if args.merge.is_empty() {
+        let mut keeper = Keeper::new(session, args.state.as_deref(), journal)?;
+        compute(session, &setting, walks, judge, part, &mut keeper)?;
+        keeper.into_journal()
+    } else {
+        merged(session, &args.merge, journal)?
+    };
+    if !journal.is_complete() {
+        return part_done(session, args, &journal);
+    }
+    let rows = journal.rows();
+    let work = rows.iter().map(|row| row.reached + row.unreachable.total).max().unwrap_or(0);
+    let report = Report { setting, work, ranking: ranked(rows, work, args.reach / 100.0) };
+    match session.format() {
+        Format::Json => session.print_json(report.json()),
+        Format::Csv => session.print(&report.csv()),
+        Format::Text => session.print(&report.text()),
+    }
+    Ok(())
+}
+
+fn rules(session: &mut Session, args: &Args, machine: &Machine) -> Result<Vec<Rule>, Stop> {
+    let names: Vec<&AxisName> = machine.axes().iter().map(|axis| &axis.name).collect();
+    let sugar = args.max_table.map(|n| format!("at most {n} on table"));
+    let mut rules = Vec::new();
+    for text in args.require.iter().chain(&sugar) {
+        match Rule::parse(text, &names) {
+            Ok(rule) => rules.push(rule),
+            Err(why) => {
+                let help =
+                    "write `X before Y`, `X carries Y`, `X on table`, `at most 2 on table`, or one of them after `not`";
+                return session.refuse(Diagnostic::new("E0608", shown(&why)).help(help));
+            }
+        }
+    }
+    Ok(rules)
+}
+
+fn listed(session: &mut Session, args: &Args, machine: &Machine, rules: &[Rule]) -> Result<Vec<Walk>, Stop> {
+    let message = match walks(machine, args.rotary, rules) {
+        Ok(list) if list.is_empty() => {
+            let help = "take one of the rules back";
+            let message = "the rules leave no arrangement";
+            return session.refuse(Diagnostic::new("E0609", message).help(help));
+        }
+        Ok(list) => return Ok(list),
+        Err(TooMany::Before(usize::MAX)) => "the axes have more arrangements than can be counted".to_owned(),
+        Err(TooMany::Before(count)) => format!("the axes have {count} arrangements before any is excluded"),
+        Err(TooMany::After(count)) => format!("{count} arrangements are left"),
+    };
+    let help = "exclude what you would not build (`--require`, `--max-table`), take fewer rotary axes (`--rotary 2`), or take axes out of the chain";
+    session.refuse(Diagnostic::new("E0607", format!("{message}; {MOST_ARRANGEMENTS} are listed at most")).help(help))
+}
+
+fn judge(session: &mut Session, args: &Args, machine: &Machine) -> Result<(Judge, Option<String>), Stop> {
+    let bounded = args.tolerances.class.is_some() || machine.errors().count() > known(machine);
+    let by = args.by.unwrap_or(if bounded { ByArg::Budget } else { ByArg::Errors });
+    if by == ByArg::Errors {
+        return Ok((Judge::Errors, None));
+    }
+    let (bounds, source) = args.tolerances.bounds(session, machine)?;
+    Ok((Judge::Budget { bounds, draws: args.tolerances.draws(), samples: args.samples as usize }, source))
+}
+
+fn by(judge: &Judge) -> By {
+    match judge {
+        Judge::Errors => By::Errors,
+        Judge::Budget { bounds, .. } => By::Budget(bounds.clone()),
+    }
+}
+
+/// What results depend on: everything resolved, and every option that changes a number.
+fn fingerprint(args: &Args, machine: &Machine, judge: &Judge, rules: &[Rule]) -> String {
+    let rules: Vec<String> = rules.iter().map(Rule::to_string).collect();
+    let bounds = match judge {
+        Judge::Budget { bounds, samples, .. } => format!("{bounds:?} {samples} {:?}", args.tolerances.distribution()),
+        Judge::Errors => "errors".to_owned(),
+    };
+    let options = (args.rotary, args.poses, args.tolerances.seed, args.tolerances.statistic());
+    let text = format!("{} {machine:?} {rules:?} {bounds} {options:?}", env!("CARGO_PKG_VERSION"));
+    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Walk by walk what is not there yet, kept every now and then.
+fn compute(
+    session: &mut Session,
+    setting: &Setting<'_>,
+    walks: Vec<Walk>,
+    judge: Judge,
+    part: Option<(usize, usize)>,
+    keeper: &mut Keeper,
+) -> Outcome {
+    let args = setting.args;
+    let mine = |step: &usize| part.is_none_or(|(i, n)| step % n == i - 1);
+    let todo: Vec<usize> = (0..walks.len()).filter(mine).filter(|step| !keeper.has(*step)).collect();
+    if !todo.is_empty() {
+        let (statistic, seed) = (args.tolerances.statistic(), args.tolerances.seed);
+        let study = Study::new(setting.machine, walks, judge, statistic, args.poses as usize, seed);
+        let progress = Progress::new(todo.len(), session.is_quiet());
+        todo.into_par_iter().for_each(|step| {
+            if !keeper.has_failed() {
+                keeper.keep(step, study.step(step));
+                progress.add(1);
+            }
+        });
+    }
+    keeper.finish().or_else(|d| session.refuse(d))
+}
+
+fn part_done(session: &mut Session, args: &Args, journal: &Journal) -> Outcome {
+    let state = args.state.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
+    let (done, steps) = (journal.done.len(), journal.steps);
+    match session.format() {
+        Format::Json => session.print_json(json!({"state": state, "walks_done": done, "walks": steps})),
+        _ => session.print(&format!(
+            "{done} of {steps} walks are done and kept in {state}; put the parts together with `--merge`\n"
+        )),
+    }
+    Ok(())
+}
+
+enum By {
+    Errors,
+    Budget(Vec<Bound>),
+}
+
+struct Setting<'a> {
+    args: &'a Args,
+    machine: &'a Machine,
+    by: By,
+    source: Option<String>,
+}
+
+/// What is printed.
+struct Report<'a> {
+    setting: Setting<'a>,
+    work: usize,
+    ranking: Ranking,
+}
+
+impl Report<'_> {
+    fn json(&self) -> serde_json::Value {
+        let args = self.setting.args;
+        let (by, samples, errors) = match &self.setting.by {
+            By::Errors => ("errors", None, known(self.setting.machine)),
+            By::Budget(bounds) => ("budget", Some(args.samples), bounds.len()),
+        };
+        let number = |(i, row): (usize, &Row)| {
+            let mut json = row_json(row);
+            if let Some(object) = json.as_object_mut() {
+                let _ = object.insert("rank".to_owned(), (i + 1).into());
+            }
+            json
+        };
+        json!({
+            "machine": self.setting.machine.name(), "chain": self.setting.machine.chain().to_string(), "by": by,
+            "class": args.tolerances.class, "class_source": self.setting.source, "errors": errors,
+            "poses": self.work, "samples": samples, "seed": args.tolerances.seed,
+            "statistic": args.tolerances.statistic(), "reach": args.reach / 100.0,
+            "arrangements": self.ranking.ranked.len() + self.ranking.short.len() + self.ranking.cannot_turn.len(),
+            "ranked": self.ranking.ranked.iter().enumerate().map(number).collect::<Vec<_>>(),
+            "reach_less": self.ranking.short.iter().map(row_json).collect::<Vec<_>>(),
+            "cannot_turn_the_tool": self.ranking.cannot_turn.iter().map(|row| row.chain.clone()).collect::<Vec<_>>(),
+        })
+    }
+
+    /// One line for each arrangement.
+    fn csv(&self) -> String {
+        let mut csv = "rank,group,chain,on table,reached,um,low,high,mean,minus file [um]\n".to_owned();
+        let r = &self.ranking;
+        for (group, rows) in [("ranked", &r.ranked), ("reaches less", &r.short), ("cannot turn", &r.cannot_turn)] {
+            for (i, row) in rows.iter().enumerate() {
+                let rank = if group == "ranked" { (i + 1).to_string() } else { String::new() };
+                let text = |x: Option<f64>| x.map_or(String::new(), |x| (x + 0.0).to_string());
+                let result = row.result;
+                let numbers = [
+                    text(result.map(|r| r.um)),
+                    text(result.and_then(|r| r.low)),
+                    text(result.and_then(|r| r.high)),
+                    text(result.and_then(|r| r.mean)),
+                    text(result.map(|r| r.minus_file)),
+                ];
+                let head = format!("{rank},{group},{},{},{}", cell(&row.chain), row.table, row.reached);
+                csv += &format!("{head},{}\n", numbers.join(","));
+            }
+        }
+        csv
+    }
+
+    fn text(&self) -> String {
+        let (args, r) = (self.setting.args, &self.ranking);
+        let of_each = match args.tolerances.statistic() {
+            Statistic::Max => "largest",
+            Statistic::P95 => "95 %",
+        };
+        let mut text = format!(
+            "{}: {} arrangements of its axes on {} tool poses, drawn from the volume of {}\n",
+            self.setting.machine.name(),
+            r.ranked.len() + r.short.len() + r.cannot_turn.len(),
+            self.work,
+            self.setting.machine.chain()
+        );
+        text += &match &self.setting.by {
+            By::Errors => format!(
+                "Ranked by the {of_each} position deviation of the functional point, with the {} errors of the file\n",
+                known(self.setting.machine)
+            ),
+            By::Budget(bounds) => format!(
+                "Ranked by the 95 % value of {} drawn machines ({} bounded errors{}); counted is the {of_each} position deviation of each\n",
+                args.samples,
+                bounds.len(),
+                self.setting.source.as_ref().map_or(String::new(), |source| format!(
+                    ", class {}: {source}",
+                    args.tolerances.class.as_deref().unwrap_or("")
+                ))
+            ),
+        };
+        text += &self.table(&r.ranked, true);
+        if r.ranked.len() > args.top {
+            text += &format!(
+                "... and {} more (`--top {}`, or `--format csv`)\n",
+                r.ranked.len() - args.top,
+                r.ranked.len()
+            );
+        }
+        if !r.short.is_empty() {
+            text +=
+                &format!("\n{} reach less than {} % of the tool poses:\n", r.short.len(), significant(args.reach, 4));
+            text += &self.table(&r.short, false);
+        }
+        if !r.cannot_turn.is_empty() {
+            let few: Vec<&str> = r.cannot_turn.iter().take(3).map(|row| row.chain.as_str()).collect();
+            let dots = if r.cannot_turn.len() > 3 { ", ..." } else { "" };
+            text += &format!("\n{} cannot turn the tool: {}{dots}\n", r.cannot_turn.len(), few.join(", "));
+        }
+        text + "Negative differences: less error than the arrangement of the file, on the same tool poses.\n"
+    }
+
+    fn table(&self, rows: &[Row], numbered: bool) -> String {
+        let budget = matches!(self.setting.by, By::Budget(_));
+        let mut header = vec![if numbered { "rank" } else { "" }, "arrangement", "reached", "um"];
+        if budget {
+            header.push("95 % confidence");
+        }
+        header.push("minus file's, um");
+        let mut list = table(&header);
+        let shown = if numbered { self.setting.args.top } else { self.setting.args.top.div_ceil(4) };
+        for (i, row) in rows.iter().take(shown).enumerate() {
+            let short = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 4));
+            let result = row.result;
+            let mut cells = vec![
+                if numbered { (i + 1).to_string() } else { String::new() },
+                row.chain.clone(),
+                row.reached.to_string(),
+                short(result.map(|r| r.um)),
+            ];
+            if budget {
+                let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 4));
+                cells.push(result.map_or("-".to_owned(), |r| format!("{}..{}", end(r.low), end(r.high))));
+            }
+            cells.push(short(result.map(|r| r.minus_file)));
+            let _ = list.add_row(cells);
+        }
+        format!("{list}\n")
+    }
+}
+
+fn row_json(row: &Row) -> serde_json::Value {
+    let standing = row.standing == Standing::Judged;
+    json!({
+        "chain": row.chain, "on_table": row.table, "reached": row.reached, "unreachable": row.unreachable,
+        "um": row.result.filter(|_| standing).map(|r| r.um), "low": row.result.and_then(|r| r.low),
+        "high": row.result.and_then(|r| r.high), "mean": row.result.and_then(|r| r.mean),
+        "minus_file": row.result.map(|r| r.minus_file),
+    })
+}

@@ -1,0 +1,52 @@
+//! Corrections of many poses at once: the iteration of [`correct()`](super::correct()) on the compiled evaluator.
+
+use super::correct::{MOST_STEPS, SMALL_STEP, settled};
+use super::{Corrected, Correction, Jacobian, Scope};
+use crate::evaluate::{Columns, Plan, PoseColumns};
+use crate::machine::Pose;
+
+/// A pose that is being corrected.
+struct Open {
+    jacobian: Jacobian,
+    correction: Correction,
+    /// Nothing more is to be done.
+    closed: bool,
+}
+
+/// Solves actual(q + c) = ideal(q) at many poses (mm, deg), every pose by at most as many steps as [`correct()`](super::correct())
+/// takes. What is left is computed without a difference of positions, and so better than there by the rounding of those.
+/// `None` unless the plan is exact.
+pub fn correct_all(plan: &Plan, poses: &[Pose], scope: Scope) -> Option<Vec<Corrected>> {
+    let machine = plan.machine();
+    let axes = machine.axes().len();
+    let at = PoseColumns::of(axes, poses.iter().map(Vec::as_slice));
+    let mut left = Columns::new(poses.len());
+    let start = |pose: &Pose| Open {
+        jacobian: Jacobian::at(machine, pose),
+        correction: Correction::none(machine),
+        closed: false,
+    };
+    let mut open: Vec<Open> = poses.iter().map(start).collect();
+    let evaluate = |open: &[Open], left: &mut Columns| {
+        let added = PoseColumns::of(axes, open.iter().map(|pose| pose.correction.0.as_slice()));
+        plan.commanded(&at.batch(), &added.batch(), left.output(poses.len()))
+    };
+    evaluate(&open, &mut left)?;
+    for _ in 0..MOST_STEPS {
+        let mut small = vec![true; poses.len()];
+        for (i, pose) in open.iter_mut().enumerate().filter(|(_, pose)| !pose.closed) {
+            let step = pose.jacobian.correction(&left.get(i), &pose.correction, scope);
+            pose.correction.0.iter_mut().zip(&step.0).for_each(|(c, s)| *c += s);
+            small[i] = step.0.iter().all(|s| s.abs() < SMALL_STEP);
+        }
+        evaluate(&open, &mut left)?;
+        for (i, pose) in open.iter_mut().enumerate() {
+            pose.closed |= small[i] || settled(&left.get(i), scope);
+        }
+        if open.iter().all(|pose| pose.closed) {
+            break;
+        }
+    }
+    let corrected = |(i, pose): (usize, Open)| Corrected { correction: pose.correction, left: left.get(i) };
+    Some(open.into_iter().enumerate().map(corrected).collect())
+}

@@ -1,0 +1,118 @@
+//! What the component errors of an axis become, as functions of its new position.
+
+use super::changes_side;
+use super::constants::{inverse, six_of};
+use crate::algebra::Htm;
+use crate::lower::{JointElements, Position, error_motion, error_outside, invert_if, joint};
+use crate::machine::{Approach, Axis, AxisKind, Branch, Conventions, ErrorsAre, Machine, MachineParts};
+
+/// The errors of one axis under old and new conventions.
+#[derive(Debug)]
+pub struct ComponentErrors<'a> {
+    machine: &'a Machine,
+    index: usize,
+    new: Conventions,
+    /// The frames C and D: X holds C^-1 E C, and E' = D X D^-1.
+    frames: [Htm<f64>; 2],
+    /// D C^-1 is not the identity.
+    moved: bool,
+    mirrored: bool,
+    changes_side: bool,
+}
+
+impl<'a> ComponentErrors<'a> {
+    /// Of the axis with this index.
+    pub fn new(machine: &'a Machine, index: usize, parts: &MachineParts, [old, new]: [&Htm<f64>; 2]) -> Self {
+        let axis = &machine.axes()[index];
+        let both = new.compose(&inverse(old));
+        let gap = (both.linear - nalgebra::Matrix3::identity()).amax();
+        Self {
+            machine,
+            index,
+            new: parts.conventions,
+            frames: [old.clone(), new.clone()],
+            moved: gap > super::TINY[1] || both.translation.amax() > super::TINY[0],
+            mirrored: parts.axes[index].sign() != axis.sign(),
+            changes_side: changes_side(axis, machine.conventions(), &parts.conventions),
+        }
+    }
+
+    fn axis(&self) -> &'a Axis {
+        &self.machine.axes()[self.index]
+    }
+
+    /// Is the new position the negative of the old one?
+    pub fn is_mirrored(&self) -> bool {
+        self.mirrored
+    }
+
+    /// Do the new errors depend on several old ones to first order?
+    pub fn mixes(&self) -> bool {
+        self.changes_side
+    }
+
+    /// Are the six the same numbers as before?
+    pub fn unchanged(&self) -> bool {
+        let old = self.machine.conventions();
+        let (was, is) = (self.body(old), self.body(&self.new));
+        !self.changes_side && !self.moved && was == is && old.joints == self.new.joints
+    }
+
+    /// Why a curve of the language may not be able to say it, in words.
+    pub fn nature(&self) -> &'static str {
+        match (self.changes_side, self.axis().kind) {
+            (true, AxisKind::Linear) => "the position times an angle",
+            (true, AxisKind::Rotary) => "an error times sine and cosine of the position",
+            (false, _) => "the product of two errors",
+        }
+    }
+
+    fn body(&self, conventions: &Conventions) -> bool {
+        self.axis().branch == Branch::Workpiece && conventions.errors_are == ErrorsAre::Body
+    }
+
+    /// The new six at a new position (mm or deg), approached from one side.
+    pub fn six(&self, position: f64, approach: Approach) -> [f64; 6] {
+        let (position, approach) = self.old(position, approach);
+        let old = self.machine.component_values(self.index, position, approach);
+        if self.unchanged() {
+            return old;
+        }
+        let conventions = self.machine.conventions();
+        let error = invert_if(self.body(conventions), error_motion(&old, conventions.joints));
+        let [from, to] = &self.frames;
+        let mut frame = to.clone();
+        if self.changes_side {
+            let nominal = self.nominal(position);
+            // N X = (N X N^-1) N.
+            let across = if error_outside(self.axis(), conventions) { inverse(&nominal) } else { nominal };
+            frame = frame.compose(&across);
+        }
+        if self.changes_side || self.moved {
+            frame = frame.compose(&inverse(from));
+            let moved = frame.compose(&error).compose(&inverse(&frame));
+            return six_of(&invert_if(self.body(&self.new), moved), self.new.joints);
+        }
+        six_of(&invert_if(self.body(&self.new), error), self.new.joints)
+    }
+
+    /// The old position and direction of approach.
+    fn old(&self, position: f64, approach: Approach) -> (f64, Approach) {
+        if !self.mirrored {
+            return (position, approach);
+        }
+        let approach = match approach {
+            Approach::Mean => Approach::Mean,
+            Approach::Forward => Approach::Reverse,
+            Approach::Reverse => Approach::Forward,
+        };
+        (-position, approach)
+    }
+
+    /// The nominal motion at an old position, seen from the joint.
+    fn nominal(&self, position: f64) -> Htm<f64> {
+        let axis = Axis { origin: [0.0; 3], ..self.axis().clone() };
+        let none = JointElements { location: None, component: None };
+        joint(&axis, self.machine.conventions(), &Position::at(&axis, position), &none)
+    }
+}

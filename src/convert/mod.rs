@@ -1,0 +1,198 @@
+//! Conversion: the same machine under other conventions (docs/conventions.md).
+//!
+//! Whatever the conventions, the walk from the workpiece to the tool is T = K0 X1 K1 ... Xn Kn: constants K
+//! between motions X, each the nominal motion of an axis with its error motion beside it.
+//!
+//! 1. [`constants`](Constants) reads the K of a machine and regroups them as the new conventions want them:
+//!    location errors, clamping of the workpiece, spindle.
+//! 2. [`ComponentErrors`] says what the six component errors of an axis become, as a function of its position.
+//! 3. [`shape`] looks for a curve of the language that is this function.
+//! 4. [`prove`] compares both machines, exact model, over travels and volume.
+//!
+//! Nothing is approximated in silence: what no curve can hold is a [`Misfit`], and the proof has the last word.
+
+mod component;
+mod constants;
+mod proof;
+mod shape;
+
+pub use component::ComponentErrors;
+pub use constants::Constants;
+pub use proof::{Proof, prove};
+pub use shape::shape;
+
+use crate::diagnostic::Diagnostic;
+use crate::lower::error_outside;
+use crate::machine::{
+    Approach, Axis, AxisName, Branch, Conventions, Direction, ErrorId, ErrorTerm, Grid, JointErrors, Location, Machine,
+    MachineParts, Travel,
+};
+
+/// What counts as nothing: a femtometre, and the same over a metre.
+const TINY: [f64; 2] = [1e-12, 1e-15];
+
+/// Difference (mm) that is rounding: of positions of some metres, in matrices multiplied and taken apart again.
+pub const ROUNDING: f64 = 1e-9;
+
+/// What is wanted.
+#[derive(Debug, Clone)]
+pub struct Wish {
+    /// The new conventions.
+    pub conventions: Conventions,
+    /// `axis_only`: the axis from whose actual line location errors count, instead of the machine frame.
+    pub datum: Option<AxisName>,
+    /// How far the machines may differ (mm; rotations: this over a metre). Above [`ROUNDING`], tables may get more
+    /// points.
+    pub within: f64,
+}
+
+/// An error that no curve of the language holds exactly.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Misfit {
+    /// Which.
+    pub error: ErrorId,
+    /// How far the curve written is off (mm or rad).
+    pub size: f64,
+    /// What it would have to be, in words.
+    pub nature: &'static str,
+}
+
+/// A machine under its new conventions, not yet proved.
+#[derive(Debug, Clone)]
+pub struct Conversion {
+    /// What to write.
+    pub parts: MachineParts,
+    /// What the curves miss.
+    pub misfits: Vec<Misfit>,
+}
+
+/// Rewrites the errors of a machine for other conventions.
+pub fn convert(machine: &Machine, wish: &Wish) -> Result<Conversion, Diagnostic> {
+    let mut parts = machine.to_parts();
+    parts.conventions = wish.conventions;
+    let turned = |axis: &Axis| turns_over(machine, axis, wish);
+    for (axis, grid) in parts.axes.iter_mut().zip(&mut parts.volume).filter(|(axis, _)| turned(axis)) {
+        *axis = mirrored(axis);
+        *grid = Grid { min: -grid.max, max: -grid.min, ..*grid };
+    }
+    let constants = Constants::of(machine);
+    let frames = constants.regroup(machine, wish, &mut parts)?;
+    let mut misfits = Vec::new();
+    for (i, frame) in frames.iter().enumerate() {
+        let errors = ComponentErrors::new(machine, i, &parts, [&constants.frames[i], frame]);
+        tolerances(machine, i, &errors)?;
+        component(machine, i, &errors, wish, &mut parts, &mut misfits);
+    }
+    Ok(Conversion { parts, misfits })
+}
+
+/// Does a positive command of the axis mean the other way from now on?
+fn turns_over(machine: &Machine, axis: &Axis, wish: &Wish) -> bool {
+    let wanted = wish.conventions.workpiece_axes;
+    axis.branch == Branch::Workpiece && wanted != machine.conventions().workpiece_axes && axis.sense != wanted
+}
+
+fn mirrored(axis: &Axis) -> Axis {
+    let travel = match axis.travel {
+        Travel::Range(min, max) => Travel::Range(-max, -min),
+        Travel::Continuous => Travel::Continuous,
+    };
+    let sense = match axis.sense {
+        crate::machine::Sense::Iso841 => crate::machine::Sense::Direct,
+        crate::machine::Sense::Direct => crate::machine::Sense::Iso841,
+    };
+    Axis { travel, sense, ..axis.clone() }
+}
+
+/// A tolerance says nothing of how errors go together: it can stay, but not be turned into others.
+fn tolerances(machine: &Machine, axis: usize, errors: &ComponentErrors<'_>) -> Result<(), Diagnostic> {
+    let given = machine.axis_errors(axis);
+    let bounded = given.iter().find(|(location, _, term)| !location && matches!(term, ErrorTerm::Tolerance(_)));
+    match bounded {
+        Some((_, direction, _)) if errors.mixes() => {
+            let id = ErrorId { axis: machine.axes()[axis].name.clone(), location: false, direction };
+            Err(only_bounded(&id))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The refusal of a tolerance that would have to become part of other errors.
+fn only_bounded(id: &ErrorId) -> Diagnostic {
+    let message = format!("`{id}` is only bounded by a tolerance, and would become part of several other errors");
+    let help = "give it a value, leave it out, or keep the convention that it would have to change";
+    Diagnostic::new("E0527", message).help(help)
+}
+
+/// The six component errors of an axis, each as a curve.
+fn component(
+    machine: &Machine,
+    axis: usize,
+    errors: &ComponentErrors<'_>,
+    wish: &Wish,
+    parts: &mut MachineParts,
+    misfits: &mut Vec<Misfit>,
+) {
+    let old: &JointErrors = machine.axis_errors(axis);
+    for direction in Direction::ALL {
+        let (term, size) = shape(errors, &old.component, direction, &parts.axes[axis], wish.within);
+        parts.errors[axis].component[direction.index()] = term;
+        if size > TINY[usize::from(direction.is_rotation())] {
+            let error = ErrorId { axis: machine.axes()[axis].name.clone(), location: false, direction };
+            misfits.push(Misfit { error, size, nature: errors.nature() });
+        }
+    }
+}
+
+/// Does the error motion change from one side of the nominal motion to the other?
+fn changes_side(axis: &Axis, old: &Conventions, new: &Conventions) -> bool {
+    error_outside(axis, old) != error_outside(axis, new)
+}
+
+/// Is the location of the axes to be said in another way at all?
+fn regroups(old: &Conventions, wish: &Wish) -> bool {
+    old.location != wish.conventions.location
+        || wish.datum.is_some()
+        || (old.location == Location::CarriedBody && old.errors_are != wish.conventions.errors_are)
+}
+
+/// The errors whose terms differ between a machine and its conversion; those of clamping as `tool.X`, `workpiece.A`.
+pub fn changes(old: &Machine, new: &MachineParts) -> Vec<Change> {
+    let constant = |term: &Option<ErrorTerm>| term.as_ref().map_or(0.0, |t| t.value(0.0, Approach::Mean));
+    let before = |name: &AxisName| match old.axis_index(name.as_str()) {
+        Some(i) => old.axis_errors(i).clone(),
+        None => old.spindle_errors().cloned().unwrap_or_default(),
+    };
+    let mut all = Vec::new();
+    for (name, after) in new.axes.iter().map(|axis| &axis.name).chain(new.chain.spindle()).zip(&new.errors) {
+        let before = before(name);
+        for (location, direction) in [true, false].into_iter().flat_map(|l| Direction::ALL.map(|d| (l, d))) {
+            let [a, b] = [&before, after].map(|errors| &errors.six(location)[direction.index()]);
+            if a != b {
+                let name = ErrorId { axis: name.clone(), location, direction }.to_string();
+                all.push(Change { name, direction, values: location.then(|| [constant(a), constant(b)]) });
+            }
+        }
+    }
+    let setup = [
+        ("workpiece", &old.setup().workpiece[..], &new.setup.workpiece[..]),
+        ("tool", &old.setup().tool, &new.setup.tool),
+    ];
+    for (word, before, after) in setup {
+        for ((a, b), direction) in before.iter().zip(after).zip(Direction::ALL).filter(|((a, b), _)| a != b) {
+            all.push(Change { name: format!("{word}.{}", direction.letter()), direction, values: Some([*a, *b]) });
+        }
+    }
+    all
+}
+
+/// An error that is another number, or another curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// `EC0Y`, `EXX`, `workpiece.A`.
+    pub name: String,
+    /// Which of the six.
+    pub direction: Direction,
+    /// Constants before and after (mm or rad); curves have none.
+    pub values: Option<[f64; 2]>,
+}

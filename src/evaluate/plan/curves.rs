@@ -1,0 +1,341 @@
+//! The six error curves of an axis, compiled: one interval and one fraction for all of them.
+//!
+//! All tables of the axis are brought onto the union of their knots, which changes nothing: a piecewise linear
+//! function stays one, a cubic piece cut in two is two cubic pieces, and beyond its end a table is constant. A
+//! row holds the six values at a knot (two places are padding), for cubic tables followed by a row of the six second
+//! derivatives; a look-up reads neighbouring rows and no gathered numbers. Polynomials and harmonics are sums of
+//! rows too. Constants, means of two directions, and any linear map of the six are folded in.
+
+use super::lanes::{Lanes, MOST, Row};
+use super::trigonometry::nearest;
+use crate::machine::{Approach, ComponentError, Curve, ErrorTerm, JointErrors, Knots};
+
+/// Six errors: translations, then rotations.
+pub type Six = [f64; 6];
+
+/// Compiled curves. Their values are sums of all parts.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Curves {
+    /// Added everywhere.
+    constant: Six,
+    table: Option<Table>,
+    /// Coefficients of the powers of the position from the first on.
+    powers: Vec<Six>,
+    /// Cosine and sine parts of the orders from the first on.
+    waves: Vec<[Six; 2]>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Table {
+    rows: Vec<Row>,
+    /// With rows of second derivatives.
+    cubic: bool,
+    first: f64,
+    last: f64,
+    period: Option<f64>,
+    intervals: Intervals,
+}
+
+/// How the interval of a position is found.
+#[derive(Debug, Clone, PartialEq)]
+enum Intervals {
+    /// Of one length.
+    Even { per_unit: f64, last: f64, width: f64 },
+    /// By cells of one length: the interval at the start of each, and a search up to that of the next.
+    Uneven { per_unit: f64, last: f64, starts: Vec<u32>, knots: Vec<f64> },
+}
+
+impl Curves {
+    /// The component errors of an axis. `None` if periodic tables stand beside others.
+    pub fn new(errors: &JointErrors, approach: Approach) -> Option<Self> {
+        let (mut curves, mut parts, mut tables) = (Self::default(), Vec::new(), Vec::new());
+        for (column, term) in errors.component.iter().enumerate() {
+            match term {
+                Some(ErrorTerm::Component(component)) => parts
+                    .extend(weighted(component, approach).into_iter().map(|(weight, curve)| (column, weight, curve))),
+                Some(ErrorTerm::Constant(value)) => curves.constant[column] += value,
+                Some(ErrorTerm::Tolerance(_)) | None => {}
+            }
+        }
+        for (column, weight, curve) in parts {
+            match curve {
+                Curve::Polynomial(c) => curves.add_polynomial(column, weight, c),
+                Curve::Harmonics(orders) => curves.add_harmonics(column, weight, orders),
+                Curve::Linear(_) | Curve::Cubic(..) => tables.push((column, weight, curve)),
+            }
+        }
+        curves.table = if tables.is_empty() { None } else { Some(Table::union(&tables)?) };
+        Some(curves.plus(&[0.0; 6]))
+    }
+
+    fn add_polynomial(&mut self, column: usize, weight: f64, coefficients: &[f64]) {
+        for (power, c) in coefficients.iter().enumerate() {
+            match power.checked_sub(1) {
+                None => self.constant[column] += weight * c,
+                Some(k) => {
+                    self.powers.resize(self.powers.len().max(power), [0.0; 6]);
+                    self.powers[k][column] += weight * c;
+                }
+            }
+        }
+    }
+
+    fn add_harmonics(&mut self, column: usize, weight: f64, orders: &[(f64, f64)]) {
+        for (order, (cosine, sine)) in orders.iter().enumerate() {
+            match order.checked_sub(1) {
+                None => self.constant[column] += weight * cosine,
+                Some(k) => {
+                    self.waves.resize(self.waves.len().max(order), [[0.0; 6]; 2]);
+                    self.waves[k][0][column] += weight * cosine;
+                    self.waves[k][1][column] += weight * sine;
+                }
+            }
+        }
+    }
+
+    /// No errors at all?
+    pub fn is_zero(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// A linear map of the six, folded into every row.
+    pub fn mapped(mut self, map: impl Fn(&Six) -> Six) -> Self {
+        self.constant = map(&self.constant);
+        self.powers.iter_mut().for_each(|row| *row = map(row));
+        self.waves.iter_mut().flatten().for_each(|row| *row = map(row));
+        for Row(row) in self.table.iter_mut().flat_map(|table| &mut table.rows) {
+            let [a, b, c, d, e, f, ..] = *row;
+            row[..6].copy_from_slice(&map(&[a, b, c, d, e, f]));
+        }
+        self
+    }
+
+    /// A constant, folded in: into the rows of values where there are any.
+    pub fn plus(mut self, constant: &Six) -> Self {
+        self.constant.iter_mut().zip(constant).for_each(|(sum, c)| *sum += c);
+        if let Some(table) = &mut self.table {
+            for Row(row) in table.rows.iter_mut().step_by(if table.cubic { 2 } else { 1 }) {
+                row.iter_mut().zip(&self.constant).for_each(|(value, c)| *value += c);
+            }
+            self.constant = [0.0; 6];
+        }
+        self
+    }
+
+    /// Do they need the sine and cosine of the position?
+    pub fn has_waves(&self) -> bool {
+        !self.waves.is_empty()
+    }
+
+    /// The six errors at a position (mm or deg), whose sine and cosine are given where harmonics need them.
+    #[inline(always)]
+    pub fn at<V: Lanes>(&self, position: V, turn: (V, V)) -> [V; 6] {
+        let mut six = match &self.table {
+            Some(table) => {
+                let [a, b, c, d, e, f, ..] = table.at(position);
+                [a, b, c, d, e, f]
+            }
+            None => splat_six(&self.constant),
+        };
+        if !self.powers.is_empty() {
+            self.add_powers(&mut six, position);
+        }
+        if !self.waves.is_empty() {
+            self.add_waves(&mut six, turn);
+        }
+        six
+    }
+
+    #[inline(always)]
+    fn add_powers<V: Lanes>(&self, six: &mut [V; 6], position: V) {
+        let mut sum = [V::splat(0.0); 6];
+        for row in self.powers.iter().rev() {
+            for k in 0..6 {
+                sum[k] = (sum[k] + V::splat(row[k])) * position;
+            }
+        }
+        for k in 0..6 {
+            six[k] = six[k] + sum[k];
+        }
+    }
+
+    #[inline(always)]
+    fn add_waves<V: Lanes>(&self, six: &mut [V; 6], (s1, c1): (V, V)) {
+        let (mut s, mut c) = (s1, c1);
+        for [cosines, sines] in &self.waves {
+            for k in 0..6 {
+                six[k] = six[k] + (V::splat(cosines[k]) * c + V::splat(sines[k]) * s);
+            }
+            (s, c) = (s * c1 + c * s1, c * c1 - s * s1);
+        }
+    }
+}
+
+/// The same six numbers in all lanes.
+#[inline(always)]
+pub fn splat_six<V: Lanes>(six: &Six) -> [V; 6] {
+    let [a, b, c, d, e, f] = *six;
+    [V::splat(a), V::splat(b), V::splat(c), V::splat(d), V::splat(e), V::splat(f)]
+}
+
+/// The one or two curves that count, with their shares.
+fn weighted(component: &ComponentError, approach: Approach) -> Vec<(f64, &Curve)> {
+    match (component, approach) {
+        (ComponentError::Single(curve), _) => vec![(1.0, curve)],
+        (ComponentError::Bidirectional { forward, .. }, Approach::Forward) => vec![(1.0, forward)],
+        (ComponentError::Bidirectional { reverse, .. }, Approach::Reverse) => vec![(1.0, reverse)],
+        (ComponentError::Bidirectional { forward, reverse }, Approach::Mean) => vec![(0.5, forward), (0.5, reverse)],
+    }
+}
+
+/// The second derivative of a curve: linear between the knots of a spline.
+fn bend(curve: &Curve) -> Option<Curve> {
+    let Curve::Cubic(knots, second) = curve else { return None };
+    let points: Vec<(f64, f64)> = knots.positions().iter().copied().zip(second.iter().copied()).collect();
+    Knots::new(&points, knots.period()).ok().map(Curve::Linear)
+}
+
+impl Table {
+    fn union(curves: &[(usize, f64, &Curve)]) -> Option<Self> {
+        let all: Vec<&Knots> = curves.iter().filter_map(|(_, _, curve)| curve.knots()).collect();
+        let period = all.first()?.period();
+        if all.iter().any(|knots| knots.period() != period) {
+            return None;
+        }
+        let knots = union_of_knots(&all, period)?;
+        let bends: Vec<Option<Curve>> = curves.iter().map(|(_, _, curve)| bend(curve)).collect();
+        let cubic = bends.iter().any(Option::is_some);
+        let mut rows = Vec::new();
+        for knot in &knots {
+            let (mut value, mut second) = ([0.0; 8], [0.0; 8]);
+            for ((column, weight, curve), bend) in curves.iter().zip(&bends) {
+                value[*column] += weight * curve.value(*knot);
+                second[*column] += weight * bend.as_ref().map_or(0.0, |bend| bend.value(*knot));
+            }
+            rows.push(Row(value));
+            if cubic {
+                rows.push(Row(second));
+            }
+        }
+        let (first, last) = (knots[0], knots[knots.len() - 1]);
+        Some(Self { rows, cubic, first, last, period, intervals: Intervals::new(knots) })
+    }
+
+    #[inline(always)]
+    fn at<V: Lanes>(&self, position: V) -> [V; 8] {
+        let (first, last) = (V::splat(self.first), V::splat(self.last));
+        let x = match self.period {
+            Some(period) => {
+                let way = position - first;
+                position - nearest(way * V::splat(1.0 / period) - V::splat(0.5)) * V::splat(period)
+            }
+            None => position,
+        };
+        let x = x.larger(first).smaller(last);
+        match &self.intervals {
+            Intervals::Even { per_unit, last, width } => {
+                let along = (x - first) * V::splat(*per_unit);
+                let (whole, at) = along.smaller(V::splat(*last)).whole();
+                let share = along - whole;
+                if self.cubic { self.cubic(&at, share, V::splat(*width)) } else { self.linear(&at, share) }
+            }
+            Intervals::Uneven { per_unit, last, starts, knots } => {
+                let (_, cells) = ((x - first) * V::splat(*per_unit)).smaller(V::splat(*last)).whole();
+                let (at, share, width) = search(starts, knots, &cells, &x.spread(), V::COUNT);
+                let (share, width) = (V::load(&share), V::load(&width));
+                if self.cubic { self.cubic(&at, share, width) } else { self.linear(&at, share) }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn linear<V: Lanes>(&self, at: &[u32; MOST], share: V) -> [V; 8] {
+        let share = share.spread();
+        let mut rows = [V::row(&self.rows[0]); MOST];
+        for lane in 0..V::COUNT {
+            let i = at[lane] as usize;
+            let (low, high) = (V::row(&self.rows[i]), V::row(&self.rows[i + 1]));
+            rows[lane] = V::row_plus(low, V::row_minus(high, low), share[lane]);
+        }
+        V::columns(&rows)
+    }
+
+    /// Natural form of a cubic piece: values and second derivatives at both ends.
+    #[inline(always)]
+    fn cubic<V: Lanes>(&self, at: &[u32; MOST], share: V, width: V) -> [V; 8] {
+        let scale = width * width * V::splat(1.0 / 6.0);
+        let rest = V::splat(1.0) - share;
+        let low_bend = ((rest * rest * rest - rest) * scale).spread();
+        let high_bend = ((share * share * share - share) * scale).spread();
+        let share = share.spread();
+        let mut rows = [V::row(&self.rows[0]); MOST];
+        for lane in 0..V::COUNT {
+            let i = 2 * at[lane] as usize;
+            let (low, high) = (V::row(&self.rows[i]), V::row(&self.rows[i + 2]));
+            let straight = V::row_plus(low, V::row_minus(high, low), share[lane]);
+            let bent = V::row_plus(straight, V::row(&self.rows[i + 1]), low_bend[lane]);
+            rows[lane] = V::row_plus(bent, V::row(&self.rows[i + 3]), high_bend[lane]);
+        }
+        V::columns(&rows)
+    }
+}
+
+/// All knots, rising, at least two; of a periodic axis those of one turn from the first table's start.
+fn union_of_knots(all: &[&Knots], period: Option<f64>) -> Option<Vec<f64>> {
+    let start = *all.first()?.positions().first()?;
+    let mut knots: Vec<f64> = match period {
+        Some(period) => {
+            let wrapped = |q: &f64| start + (q - start).rem_euclid(period);
+            all.iter().flat_map(|knots| knots.positions()).map(wrapped).chain([start, start + period]).collect()
+        }
+        None => all.iter().flat_map(|knots| knots.positions()).copied().collect(),
+    };
+    knots.sort_by(f64::total_cmp);
+    let largest = knots.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
+    // Knots that rounding alone tells apart are one.
+    knots.dedup_by(|b, a| *b - *a <= 4.0 * f64::EPSILON * largest);
+    if let [single] = knots[..] {
+        knots.push(single + 1.0);
+    }
+    Some(knots)
+}
+
+impl Intervals {
+    fn new(knots: Vec<f64>) -> Self {
+        let count = knots.len() - 1;
+        let (first, span) = (knots[0], knots[count] - knots[0]);
+        let (width, per_unit) = (span / count as f64, count as f64 / span);
+        let place = |i: usize| first + span * (i as f64 / count as f64);
+        if knots.iter().enumerate().all(|(i, q)| (q - place(i)).abs() <= 8.0 * f64::EPSILON * span) {
+            return Self::Even { per_unit, last: (count - 1) as f64, width };
+        }
+        let cells = (2 * count).min(1 << 20);
+        let per_unit = cells as f64 / span;
+        let start = |cell: usize| {
+            let x = first + span * (cell as f64 / cells as f64);
+            (knots.partition_point(|q| *q <= x).saturating_sub(1)).min(count - 1) as u32
+        };
+        let starts = (0..=cells).map(start).collect();
+        Self::Uneven { per_unit, last: (cells - 1) as f64, starts, knots }
+    }
+}
+
+/// Interval, share of its upper end, and width, for each lane.
+#[inline(never)]
+fn search(
+    starts: &[u32],
+    knots: &[f64],
+    cells: &[u32; MOST],
+    positions: &[f64; MOST],
+    count: usize,
+) -> ([u32; MOST], [f64; MOST], [f64; MOST]) {
+    let (mut at, mut share, mut width) = ([0; MOST], [0.0; MOST], [0.0; MOST]);
+    for lane in 0..count {
+        let (cell, x) = (cells[lane] as usize, positions[lane]);
+        let (low, high) = (starts[cell] as usize, starts[cell + 1] as usize);
+        let i = low + knots[low + 1..=high].partition_point(|q| *q <= x);
+        let h = knots[i + 1] - knots[i];
+        (at[lane], share[lane], width[lane]) = (i as u32, (x - knots[i]) / h, h);
+    }
+    (at, share, width)
+}

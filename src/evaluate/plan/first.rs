@@ -1,0 +1,198 @@
+//! Order 1: the sum over the joints of Ad(prefix) times the joint's six errors.
+//!
+//! From the tool to the workpiece a point and two vectors are carried: the functional point, its displacement,
+//! and the rotation, all in the frame reached. So every prefix is applied once, to what has been summed, and a linear axis
+//! costs nothing but the way of the point. The errors (delta, eps) about a point o displace p by
+//! `eps x p + (delta - eps x o)`: the bracket is folded into the tables, and so are location errors.
+
+use super::batch::{Slices, Task};
+use super::curves::{Curves, Six, splat_six};
+use super::lanes::Lanes;
+use super::links::{Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, slid, splat, times};
+use super::trigonometry::sin_cos;
+
+/// The plan of order 1.
+#[derive(Debug, Clone)]
+pub struct FirstOrder {
+    /// From the workpiece to the tool.
+    pub joints: Vec<Joint>,
+    pub tip: [f64; 3],
+    pub tool: [f64; 3],
+    /// Constant twist at the tool.
+    pub end: Option<Six>,
+}
+
+/// A joint of it.
+#[derive(Debug, Clone)]
+pub struct Joint {
+    pub motion: Motion,
+    pub origin: [f64; 3],
+    /// Twists `(delta - eps x o, eps)`; `None` if there are no errors.
+    pub curves: Option<Curves>,
+    pub outside: bool,
+    /// Are the sine and cosine of the position needed?
+    pub turns: bool,
+    /// A constant twist on the workpiece's side of the joint.
+    pub constant: Option<Six>,
+    /// Displacement per mm of way, of an axis that is not square.
+    pub bend: Option<[f64; 3]>,
+}
+
+/// `(delta, eps)` about a point to displacement of the machine's zero point, and rotation.
+fn twist(six: &Six, about: &[f64; 3], sign: f64) -> Six {
+    let [dx, dy, dz, ex, ey, ez] = six.map(|e| e * sign);
+    let [x, y, z] = cross([ex, ey, ez], *about);
+    [dx - x, dy - y, dz - z, ex, ey, ez]
+}
+
+fn placed(placed: &Placed) -> Six {
+    twist(&placed.six, &placed.about, if placed.inverse { -1.0 } else { 1.0 })
+}
+
+/// Sum of constants that are there or not.
+fn sum(a: Option<Six>, b: Option<Six>) -> Option<Six> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(std::array::from_fn(|k| a[k] + b[k])),
+        (a, b) => a.or(b),
+    }
+}
+
+impl FirstOrder {
+    /// `None` where location errors count in the real part.
+    pub fn new(links: &Links) -> Option<Self> {
+        if links.real_locations {
+            return None;
+        }
+        // The constant twist on the workpiece's side of what comes next, from the workpiece on.
+        let mut pending = links.clamping.as_ref().map(placed);
+        let mut joints: Vec<Joint> = Vec::new();
+        for link in &links.joints {
+            let [outer, inner] = constants(link);
+            let sign = if link.inverse { -1.0 } else { 1.0 };
+            let mut curves = link.curves.clone().mapped(|six| twist(six, &link.origin, sign));
+            let mut before = sum(pending, outer);
+            pending = inner;
+            if !curves.is_zero() {
+                let constant = if link.outside { before.take() } else { pending.take() };
+                curves = curves.plus(&constant.unwrap_or_default());
+            }
+            // What is left on this side goes to the joint before, which may hold it in its tables.
+            if let Some(Joint { outside: false, curves: Some(last), .. }) = joints.last_mut() {
+                *last = std::mem::take(last).plus(&before.take().unwrap_or_default());
+            }
+            joints.push(Joint {
+                turns: link.turns,
+                motion: link.motion,
+                origin: link.origin,
+                curves: (!curves.is_zero()).then_some(curves),
+                outside: link.outside,
+                constant: before,
+                bend: bend(link),
+            });
+        }
+        let end = sum(pending, links.spindle.as_ref().map(placed));
+        Some(Self { joints, tip: links.tip, tool: links.tool, end })
+    }
+}
+
+impl FirstOrder {
+    /// At the tool.
+    #[inline(always)]
+    pub fn start<V: Lanes>(&self) -> State<V> {
+        let rotation = [V::splat(0.0); 3];
+        let mut state = State { point: splat(&self.tip), displacement: splat(&self.tool), rotation };
+        if let Some(constant) = &self.end {
+            state.add(splat_six(constant));
+        }
+        state
+    }
+}
+
+impl Task for FirstOrder {
+    #[inline(always)]
+    fn at<V: Lanes>(&self, poses: &Slices<'_>, at: usize) -> (Vector<V>, Vector<V>, V) {
+        let zero = V::splat(0.0);
+        let mut state = self.start();
+        for (axis, joint) in self.joints.iter().enumerate().rev() {
+            let q = V::load(&poses.axes[axis][at..]);
+            let turn = if joint.turns { sin_cos(q) } else { (zero, zero) };
+            let errors = match &joint.curves {
+                Some(curves) => Some(curves.at(q, turn)),
+                None => None,
+            };
+            state.pass(joint, q, turn, errors);
+        }
+        (state.displacement, state.rotation, zero)
+    }
+}
+
+/// What is carried from the tool to the workpiece.
+#[derive(Clone, Copy)]
+pub struct State<V> {
+    pub point: Vector<V>,
+    pub displacement: Vector<V>,
+    pub rotation: Vector<V>,
+}
+
+impl<V: Lanes> State<V> {
+    /// To the other side of a joint, whose sine, cosine and errors at its position are given.
+    #[inline(always)]
+    pub fn pass(&mut self, joint: &Joint, q: V, turn: (V, V), errors: Option<[V; 6]>) {
+        if let (Some(six), false) = (errors, joint.outside) {
+            self.add(six);
+        }
+        match &joint.motion {
+            Motion::Slide(direction) => {
+                self.point = slid(direction, q, self.point);
+                if let Some(bend) = &joint.bend {
+                    self.displacement = plus(self.displacement, times(splat(bend), q));
+                }
+            }
+            Motion::Turn(about) => {
+                let o = splat(&joint.origin);
+                self.point = plus(about.turned(turn, minus(self.point, o)), o);
+                self.displacement = about.turned(turn, self.displacement);
+                self.rotation = about.turned(turn, self.rotation);
+            }
+        }
+        if let (Some(six), true) = (errors, joint.outside) {
+            self.add(six);
+        }
+        if let Some(constant) = &joint.constant {
+            self.add(splat_six(constant));
+        }
+    }
+
+    /// A twist more.
+    #[inline(always)]
+    pub fn add(&mut self, [x, y, z, ex, ey, ez]: [V; 6]) {
+        let lever = cross([ex, ey, ez], self.point);
+        self.displacement = plus(self.displacement, plus([x, y, z], lever));
+        self.rotation = plus(self.rotation, [ex, ey, ez]);
+    }
+}
+
+/// Constant twists of a joint on the workpiece's side and on the tool's side.
+fn constants(link: &Link) -> [Option<Six>; 2] {
+    let Some(location) = &link.location else { return [None, None] };
+    match (link.located, link.motion) {
+        (Located::Around, Motion::Slide(_)) => [None, None],
+        (Located::Around, Motion::Turn(_)) => {
+            let outer = placed(location);
+            [Some(outer), Some(outer.map(|e| -e))]
+        }
+        (Located::Outermost, _) => [Some(placed(location)), None],
+        (Located::Innermost, _) => [None, Some(placed(location))],
+    }
+}
+
+/// `eps x u`: the direction of an axis that is not square.
+fn bend(link: &Link) -> Option<[f64; 3]> {
+    match (link.motion, &link.location) {
+        (Motion::Slide(u), Some(location)) if link.located == Located::Around => {
+            let [.., a, b, c] = location.six;
+            Some(cross([a, b, c], u))
+        }
+        _ => None,
+    }
+}

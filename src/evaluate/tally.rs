@@ -1,0 +1,260 @@
+//! Statistics of deviations that are not kept: sums, extremes, a sketch of the quantile, the worst poses.
+//!
+//! Tallies of consecutive poses are merged in their order. Counts, extremes and the worst poses do not depend on how the
+//! poses were divided; the sums are kept block by block and added up in the order of the blocks, so the result is the same
+//! to the bit on any number of threads, as long as the blocks are the same.
+//!
+//! The sketch counts lengths in buckets: 1024 to each power of two, from 2^-50 mm (or rad) to 2^14. Its quantile is the
+//! middle of the bucket that holds the exact one: within 0.05 % ([`Tally::QUANTILE_ERROR`]), whatever the distribution.
+
+use super::{Columns, Deviation, Statistics, Summary};
+use std::collections::BinaryHeap;
+
+/// Statistics so far.
+#[derive(Debug, Clone)]
+pub struct Tally {
+    poses: u64,
+    kinds: [Lengths; 2],
+    worst: BinaryHeap<Worst>,
+    most: usize,
+}
+
+/// Of positions, or of rotations.
+#[derive(Debug, Clone)]
+struct Lengths {
+    /// Sum and sum of squares of each block.
+    sums: Vec<[f64; 2]>,
+    max: f64,
+    range: [(f64, f64); 3],
+    buckets: Vec<u64>,
+}
+
+/// A pose among the worst; the greatest is the one to be dropped first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Worst {
+    length: f64,
+    index: usize,
+    deviation: Deviation,
+}
+
+impl Eq for Worst {}
+
+impl Ord for Worst {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        other.length.total_cmp(&self.length).then(self.index.cmp(&other.index))
+    }
+}
+
+impl PartialOrd for Worst {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Bits of a double below its bucket: 10 bits of the mantissa stay.
+const BELOW: u32 = 42;
+/// The bucket of 2^-50, and how many there are.
+const FIRST: u64 = (1023 - 50) << 10;
+const BUCKETS: usize = 64 << 10;
+
+impl Lengths {
+    fn new() -> Self {
+        let range = [(f64::INFINITY, f64::NEG_INFINITY); 3];
+        Self { sums: Vec::new(), max: 0.0, range, buckets: vec![0; BUCKETS] }
+    }
+
+    /// One block; returns its largest length.
+    fn add(&mut self, columns: &[Vec<f64>; 3], len: usize) -> f64 {
+        let [x, y, z] = columns.each_ref().map(|column| &column[..len]);
+        let (mut sum, mut squares, mut max) = ([0.0; 8], [0.0; 8], 0.0_f64);
+        for i in 0..len {
+            let square = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
+            let length = square.sqrt();
+            sum[i % 8] += length;
+            squares[i % 8] += square;
+            max = max.max(length);
+            let bucket = (length.to_bits() >> BELOW).saturating_sub(FIRST) as usize;
+            self.buckets[bucket.min(BUCKETS - 1)] += 1;
+        }
+        for ((low, high), column) in self.range.iter_mut().zip([x, y, z]) {
+            *low = column.iter().fold(*low, |low, x| low.min(*x));
+            *high = column.iter().fold(*high, |high, x| high.max(*x));
+        }
+        self.max = self.max.max(max);
+        self.sums.push([sum.iter().sum(), squares.iter().sum()]);
+        max
+    }
+
+    fn merge(&mut self, other: Self) {
+        self.sums.extend(other.sums);
+        self.max = self.max.max(other.max);
+        for ((low, high), (l, h)) in self.range.iter_mut().zip(other.range) {
+            (*low, *high) = (low.min(l), high.max(h));
+        }
+        self.buckets.iter_mut().zip(other.buckets).for_each(|(sum, count)| *sum += count);
+    }
+
+    /// The middle of the bucket that holds the length of this rank (from 1).
+    fn quantile(&self, rank: u64) -> f64 {
+        let mut seen = 0;
+        let bucket = self.buckets.iter().position(|count| {
+            seen += count;
+            seen >= rank
+        });
+        let edge = |bucket: usize| f64::from_bits((FIRST + bucket as u64) << BELOW);
+        match bucket {
+            None | Some(0) => 0.0,
+            Some(bucket) => (0.5 * (edge(bucket) + edge(bucket + 1))).min(self.max),
+        }
+    }
+
+    fn summary(&self, poses: u64, unit: f64) -> Summary {
+        let count = poses as f64;
+        let total = |k: usize| self.sums.iter().map(|sums| sums[k]).sum::<f64>();
+        Summary {
+            max: self.max * unit,
+            mean: total(0) / count * unit,
+            rms: (total(1) / count).sqrt() * unit,
+            p95: self.quantile((95 * poses).div_ceil(100)) * unit,
+            range: self.range.map(|(low, high)| (high - low) * unit),
+        }
+    }
+}
+
+impl Tally {
+    /// Largest relative error of the 95 % quantile.
+    pub const QUANTILE_ERROR: f64 = 1.0 / 2048.0;
+
+    /// Of nothing yet; so many of the worst poses will be kept.
+    pub fn new(most: usize) -> Self {
+        Self { poses: 0, kinds: [Lengths::new(), Lengths::new()], worst: BinaryHeap::new(), most }
+    }
+
+    /// Adds a block: the first `len` deviations of the columns (mm, rad), whose poses are numbered from `first` on.
+    pub fn add(&mut self, first: usize, columns: &Columns, len: usize) {
+        self.poses += len as u64;
+        let longest = self.kinds[0].add(&columns.position, len);
+        self.kinds[1].add(&columns.rotation, len);
+        if longest < self.least() {
+            return;
+        }
+        for i in 0..len {
+            let deviation = columns.get(i);
+            self.keep(Worst { length: deviation.position.norm(), index: first + i, deviation });
+        }
+    }
+
+    /// Length below which a pose is none of the worst.
+    fn least(&self) -> f64 {
+        if self.worst.len() < self.most { 0.0 } else { self.worst.peek().map_or(f64::INFINITY, |worst| worst.length) }
+    }
+
+    fn keep(&mut self, worst: Worst) {
+        if self.worst.len() < self.most {
+            self.worst.push(worst);
+        } else if self.worst.peek().is_some_and(|last| worst < *last) {
+            let _ = self.worst.pop();
+            self.worst.push(worst);
+        }
+    }
+
+    /// Adds the tally of the poses that follow.
+    #[must_use]
+    pub fn merged(mut self, other: Self) -> Self {
+        self.poses += other.poses;
+        for (kind, others) in self.kinds.iter_mut().zip(other.kinds) {
+            kind.merge(others);
+        }
+        other.worst.into_iter().for_each(|worst| self.keep(worst));
+        self
+    }
+
+    /// Statistics of all poses; the quantiles are those of the sketch.
+    pub fn statistics(&self) -> Statistics {
+        if self.poses == 0 {
+            return Statistics::of(&[]);
+        }
+        Statistics {
+            poses: self.poses as usize,
+            position_um: self.kinds[0].summary(self.poses, 1e3),
+            rotation_urad: self.kinds[1].summary(self.poses, 1e6),
+        }
+    }
+
+    /// The worst poses, by number, with their deviations: largest first; of equal ones the first.
+    pub fn worst(&self) -> Vec<(usize, Deviation)> {
+        let sorted = self.worst.clone().into_sorted_vec();
+        sorted.into_iter().map(|worst| (worst.index, worst.deviation)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::worst;
+    use nalgebra::Vector3;
+
+    /// Lengths over twelve decades.
+    fn deviations(count: usize) -> Vec<Deviation> {
+        let one = |i: usize| {
+            let x = ((i * 7919) % count) as f64 / count as f64;
+            let scale = libm::exp(-27.0 * x);
+            Deviation {
+                position: Vector3::new(scale, -0.5 * x * scale, x),
+                rotation: Vector3::new(0.0, scale, 0.0) * 1e-3,
+            }
+        };
+        (0..count).map(one).collect()
+    }
+
+    fn columns(list: &[Deviation]) -> Columns {
+        let mut columns = Columns::new(list.len());
+        for (i, d) in list.iter().enumerate() {
+            for k in 0..3 {
+                columns.position[k][i] = d.position[k];
+                columns.rotation[k][i] = d.rotation[k];
+            }
+        }
+        columns
+    }
+
+    /// In blocks of 1000, merged in groups of so many.
+    fn tallied(list: &[Deviation], group: usize) -> Tally {
+        let mut whole = Tally::new(7);
+        for (g, part) in list.chunks(1000 * group).enumerate() {
+            let mut tally = Tally::new(7);
+            for (b, block) in part.chunks(1000).enumerate() {
+                tally.add((g * group + b) * 1000, &columns(block), block.len());
+            }
+            whole = whole.merged(tally);
+        }
+        whole
+    }
+
+    #[test]
+    fn a_tally_is_the_statistics_of_the_list() {
+        let list = deviations(12_345);
+        let (exact, tally) = (Statistics::of(&list), tallied(&list, 3));
+        let found = tally.statistics();
+        assert_eq!(found.poses, exact.poses);
+        for (a, b) in [(found.position_um, exact.position_um), (found.rotation_urad, exact.rotation_urad)] {
+            let close = |a: f64, b: f64| (a - b).abs() <= 1e-13 * b.abs();
+            assert!(close(a.max, b.max) && close(a.mean, b.mean) && close(a.rms, b.rms), "{a:?} {b:?}");
+            assert!(a.range.iter().zip(b.range).all(|(a, b)| close(*a, b)), "{a:?} {b:?}");
+            assert!((a.p95 - b.p95).abs() <= Tally::QUANTILE_ERROR * b.p95, "{} {}", a.p95, b.p95);
+        }
+        let indices: Vec<usize> = tally.worst().iter().map(|(index, _)| *index).collect();
+        assert_eq!(indices, worst(&list, 7));
+    }
+
+    #[test]
+    fn no_division_of_the_work_changes_a_bit() {
+        let list = deviations(20_500);
+        let one = tallied(&list, 1);
+        for group in [2, 5, 100] {
+            let other = tallied(&list, group);
+            assert_eq!(other.statistics(), one.statistics(), "{group}");
+            assert_eq!(other.worst(), one.worst(), "{group}");
+        }
+    }
+}

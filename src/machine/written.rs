@@ -1,0 +1,188 @@
+//! A machine as a machine file: self-contained, no `extends`, no tables outside. The inverse of [`super::resolve()`].
+
+use super::{
+    AlgebraChoice, Axis, AxisKind, AxisName, Branch, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Generators,
+    Grid, JointErrors, MachineParts, Sense, SetUp, Tool, Travel,
+};
+
+/// The text of a machine file that says what `parts` say; `provenance` are further entries of that section
+/// (single lines).
+pub fn written(parts: &MachineParts, provenance: &[(String, String)]) -> String {
+    let mut text = format!("abbe: 1\nmachine: {}\nchain: \"{}\"\naxes:\n", quoted(&parts.name), parts.chain);
+    parts.axes.iter().for_each(|axis| text += &axis_line(axis));
+    text += &tools(&parts.tools);
+    text += &format!("workpiece: {{ origin: {} }}\n", point(&parts.workpiece));
+    text += &conventions(parts);
+    text += &setup(&parts.setup);
+    text += &errors(parts);
+    text += &volume(parts);
+    text += &parts.algebra.as_ref().map_or_else(String::new, algebra);
+    text += "provenance:\n";
+    for (key, value) in parts.provenance.entries.iter().chain(provenance) {
+        text += &format!("  {}: {}\n", quoted(key), quoted(value));
+    }
+    text
+}
+
+/// Text that YAML cannot misread: a JSON string is one.
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+/// The shortest digits that read back as the same number.
+fn number(value: f64) -> String {
+    format!("{}", value + 0.0)
+}
+
+fn point(p: &[f64; 3]) -> String {
+    format!("[{}, {}, {}]", number(p[0]), number(p[1]), number(p[2]))
+}
+
+fn axis_line(axis: &Axis) -> String {
+    let kind = if axis.kind == AxisKind::Linear { "linear" } else { "rotary" };
+    let unit = axis.unit();
+    let travel = match axis.travel {
+        Travel::Range(min, max) => format!("[{} {unit}, {} {unit}]", number(min), number(max)),
+        Travel::Continuous => "continuous".to_owned(),
+    };
+    let sense = match (axis.branch, axis.sense) {
+        (Branch::Workpiece, Sense::Direct) => ", sense: direct",
+        (Branch::Workpiece, Sense::Iso841) => ", sense: iso841",
+        (Branch::Tool, _) => "",
+    };
+    let (direction, origin) = (point(&axis.direction), point(&axis.origin));
+    format!("  {}: {{ kind: {kind}, direction: {direction}, origin: {origin}, travel: {travel}{sense} }}\n", axis.name)
+}
+
+fn tools(tools: &[Tool]) -> String {
+    let body = |tool: &Tool| {
+        let offset: [f64; 3] = std::array::from_fn(|i| tool.tip[i] - tool.gauge[i]);
+        format!("{{ gauge: {}, offset: {} }}\n", point(&tool.gauge), point(&offset))
+    };
+    match tools {
+        [only] if only.name.is_empty() => format!("tool: {}", body(only)),
+        _ => tools.iter().fold("tools:\n".to_owned(), |text, t| text + &format!("  {}: {}", quoted(&t.name), body(t))),
+    }
+}
+
+fn conventions(parts: &MachineParts) -> String {
+    let mut map = match serde_json::to_value(parts.conventions) {
+        Ok(serde_json::Value::Object(map)) => map,
+        _ => return String::new(),
+    };
+    map.remove("default_order");
+    // Only a preset can name an order.
+    let preset = parts.conventions.default_order.map(|_| "preset: hrdina-vasik-2014".to_owned());
+    let words = map.iter().map(|(key, value)| format!("{key}: {}", value.as_str().unwrap_or_default()));
+    format!("conventions: {{ {} }}\n", preset.into_iter().chain(words).collect::<Vec<_>>().join(", "))
+}
+
+fn volume(parts: &MachineParts) -> String {
+    let line = |(axis, grid): (&Axis, &Grid)| {
+        let (min, max, step) = (number(grid.min), number(grid.max), number(grid.step));
+        format!("  {}: {{ range: [{min}, {max}], step: {step} }}\n", axis.name)
+    };
+    let lines: String = parts.axes.iter().zip(&parts.volume).map(line).collect();
+    format!("volume:\n{lines}")
+}
+
+fn setup(setup: &SetUp) -> String {
+    let part = |values: &[f64]| {
+        let given = values.iter().zip(Direction::ALL).filter(|(value, _)| **value != 0.0);
+        given.map(|(value, d)| format!("{}: {}", d.letter(), amount(*value, d))).collect::<Vec<_>>().join(", ")
+    };
+    format!("setup: {{ tool: {{ {} }}, workpiece: {{ {} }} }}\n", part(&setup.tool), part(&setup.workpiece))
+}
+
+fn algebra(choice: &AlgebraChoice) -> String {
+    let list = |words: &mut dyn Iterator<Item = String>| format!("[{}]", words.collect::<Vec<_>>().join(", "));
+    let generators = match &choice.generators {
+        Generators::PerError => "per-error".to_owned(),
+        Generators::PerAxis => "per-axis".to_owned(),
+        Generators::Single => "single".to_owned(),
+        Generators::Groups(groups) => {
+            let group = |(name, errors): &(String, Vec<ErrorId>)| {
+                format!("{}: {}", quoted(name), list(&mut errors.iter().map(ErrorId::to_string)))
+            };
+            format!("{{ {} }}", groups.iter().map(group).collect::<Vec<_>>().join(", "))
+        }
+    };
+    let monomial = |factors: &Vec<(String, u8)>| {
+        quoted(&factors.iter().map(|(name, power)| format!("{name}^{power}")).collect::<Vec<_>>().join("*"))
+    };
+    let vanish = list(&mut choice.vanish.iter().map(monomial));
+    format!("algebra: {{ degree: {}, generators: {generators}, vanish: {vanish} }}\n", choice.degree)
+}
+
+fn errors(parts: &MachineParts) -> String {
+    let axes = parts.axes.iter().map(|axis| (&axis.name, Some(axis)));
+    let spindle = parts.chain.spindle().map(|name| (name, None));
+    let lines: String =
+        axes.chain(spindle).zip(&parts.errors).map(|(joint, errors)| joint_lines(joint, errors)).collect();
+    if lines.is_empty() { lines } else { format!("errors:\n{lines}") }
+}
+
+/// Location errors, then component errors; a spindle has no positions.
+fn joint_lines((name, axis): (&AxisName, Option<&Axis>), errors: &JointErrors) -> String {
+    let line = |(location, direction, of): (bool, Direction, &ErrorTerm)| {
+        let id = ErrorId { axis: name.clone(), location, direction };
+        format!("  {id}: {}\n", term(of, direction, axis))
+    };
+    errors.iter().map(line).collect()
+}
+
+fn term(term: &ErrorTerm, direction: Direction, axis: Option<&Axis>) -> String {
+    match term {
+        ErrorTerm::Constant(value) => amount(*value, direction),
+        ErrorTerm::Tolerance(value) => format!("{{ tolerance: {} }}", amount(*value, direction)),
+        ErrorTerm::Component(ComponentError::Single(one)) => curve(one, direction, axis),
+        ErrorTerm::Component(ComponentError::Bidirectional { forward, reverse }) => {
+            let [forward, reverse] = [forward, reverse].map(|one| curve(one, direction, axis));
+            format!("{{ forward: {forward}, reverse: {reverse} }}")
+        }
+    }
+}
+
+fn curve(curve: &Curve, direction: Direction, axis: Option<&Axis>) -> String {
+    let kind = axis.map_or(AxisKind::Linear, |axis| axis.kind);
+    match curve {
+        Curve::Polynomial(c) => {
+            let terms: Vec<String> = c.iter().enumerate().map(|(k, c)| coefficient(*c, direction, kind, k)).collect();
+            format!("{{ polynomial: [{}] }}", terms.join(", "))
+        }
+        Curve::Harmonics(orders) => {
+            let pair = |(k, (c, s)): (usize, &(f64, f64))| {
+                format!("{k}: [{}, {}]", amount(*c, direction), amount(*s, direction))
+            };
+            format!("{{ harmonics: {{ {} }} }}", orders.iter().enumerate().map(pair).collect::<Vec<_>>().join(", "))
+        }
+        Curve::Linear(knots) | Curve::Cubic(knots, _) => {
+            let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
+            let pairs = knots.positions().iter().zip(knots.values());
+            let points: Vec<String> =
+                pairs.map(|(q, v)| format!("[{} {unit}, {}]", number(*q), amount(*v, direction))).collect();
+            let cubic = if matches!(curve, Curve::Cubic(..)) { "cubic" } else { "linear" };
+            format!("{{ points: [{}], interpolation: {cubic} }}", points.join(", "))
+        }
+    }
+}
+
+/// A value with its unit.
+fn amount(value: f64, direction: Direction) -> String {
+    if direction.is_rotation() {
+        format!("{} urad", number(value * 1e6))
+    } else {
+        format!("{} um", number(value * 1e3))
+    }
+}
+
+/// A coefficient of the position to a power, in um/m^k, urad/m^k, or per degree.
+fn coefficient(value: f64, direction: Direction, kind: AxisKind, k: usize) -> String {
+    if k == 0 {
+        return amount(value, direction);
+    }
+    let (per, argument) = if kind == AxisKind::Linear { (1e3, "m") } else { (1.0, "deg") };
+    let value = (0..k).fold(value, |v, _| v * per);
+    let exponent = if k == 1 { String::new() } else { format!("^{k}") };
+    format!("{}/{argument}{exponent}", amount(value, direction))
+}

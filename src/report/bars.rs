@@ -1,0 +1,127 @@
+//! Bars of a budget: the Pareto chart of contributions, and the waterfall of what uses the budget up.
+
+use super::frame::{Axis, Frame};
+use super::svg::{Anchor, FAINT, Font, INK, Svg, fitted, number, polyline};
+use crate::units::significant;
+
+/// A labelled value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bar {
+    /// Its name.
+    pub label: String,
+    /// Its height.
+    pub value: f64,
+}
+
+/// Contributions, largest first, and how they add up as root of the sum of squares.
+#[derive(Debug, Clone)]
+pub struct ParetoPicture {
+    /// The first line.
+    pub title: String,
+    /// The second line.
+    pub subtitle: String,
+    /// What the values are, with their unit.
+    pub quantity: String,
+    /// Largest first.
+    pub bars: Vec<Bar>,
+    /// Sum of the squares of all, also of those that are not drawn.
+    pub total: f64,
+}
+
+/// Parts one on top of the other up to their sum, and totals beside them.
+#[derive(Debug, Clone)]
+pub struct WaterfallPicture {
+    /// The first line.
+    pub title: String,
+    /// The second line.
+    pub subtitle: String,
+    /// What the values are, with their unit.
+    pub quantity: String,
+    /// In the order they are stacked.
+    pub bars: Vec<Bar>,
+    /// Totals, from the left.
+    pub marks: Vec<(String, f64)>,
+}
+
+const WIDTH: f64 = 880.0;
+const HEIGHT: f64 = 460.0;
+const FRAME: Frame = Frame { left: 78.0, top: 84.0, width: 740.0, height: 270.0 };
+const BLUE: &str = "#3b6ea8";
+const RED: &str = "#b4533c";
+const GREY: &str = "#8a94a0";
+
+/// Where column `i` of `count` begins, and how wide its bar is.
+fn column(i: usize, count: usize) -> (f64, f64) {
+    let pitch = FRAME.width / count.max(1) as f64;
+    let width = (pitch * 0.72).min(60.0);
+    (FRAME.left + pitch * (i as f64 + 0.5) - 0.5 * width, width)
+}
+
+fn begin(title: &str, subtitle: &str) -> Svg {
+    let mut svg = Svg::new(WIDTH, HEIGHT);
+    svg.text((FRAME.left, 32.0), &fitted(title, 70), Font::bold(18.0), Anchor::Start, 0.0);
+    svg.text((FRAME.left, 54.0), &fitted(subtitle, 104), Font::faint(13.0), Anchor::Start, 0.0);
+    svg
+}
+
+/// A bar from one value to another with its number above and its name below.
+fn bar(svg: &mut Svg, axis: &Axis, place: (f64, f64), (from, to): (f64, f64), label: &str, colour: &str) {
+    let (x, width) = place;
+    let (low, high) = (FRAME.y(axis, from.min(to)), FRAME.y(axis, from.max(to)));
+    svg.rect((x, high), (width, low - high), &format!(r#"fill="{colour}""#));
+    let middle = x + 0.5 * width;
+    svg.text((middle, high - 5.0), &significant(to - from, 3), Font::plain(11.0), Anchor::Middle, 0.0);
+    let below = FRAME.top + FRAME.height + 14.0;
+    svg.text((middle + 4.0, below), &fitted(label, 14), Font::plain(12.0), Anchor::End, -45.0);
+}
+
+impl ParetoPicture {
+    /// The picture as an SVG file.
+    pub fn svg(&self) -> String {
+        let mut svg = begin(&self.title, &self.subtitle);
+        let highest = self.bars.iter().map(|b| b.value).fold(0.0, f64::max);
+        let axis = Axis::new(0.0, highest * 1.08);
+        FRAME.vertical(&mut svg, &axis, &self.quantity);
+        let shares = Axis::new(0.0, 100.0);
+        let mut sum = 0.0;
+        let mut line = vec![];
+        for (i, b) in self.bars.iter().enumerate() {
+            let place = column(i, self.bars.len());
+            bar(&mut svg, &axis, place, (0.0, b.value), &b.label, BLUE);
+            sum += b.value * b.value;
+            let share = if self.total > 0.0 { 100.0 * sum / self.total } else { 0.0 };
+            line.push((place.0 + 0.5 * place.1, FRAME.y(&shares, share)));
+        }
+        svg.path(&polyline(&line), &format!(r#"fill="none" stroke="{RED}" stroke-width="1.6""#));
+        line.iter().for_each(|at| svg.circle(*at, 2.6, &format!(r#"fill="{RED}""#)));
+        FRAME.right(&mut svg, &shares, "share of the sum of squares in %", RED);
+        svg.finish(&format!("{}: {}", self.title, self.subtitle))
+    }
+}
+
+impl WaterfallPicture {
+    /// The picture as an SVG file.
+    pub fn svg(&self) -> String {
+        let mut svg = begin(&self.title, &self.subtitle);
+        let sum: f64 = self.bars.iter().map(|b| b.value).sum();
+        let highest = self.marks.iter().map(|m| m.1).fold(sum, f64::max);
+        let axis = Axis::new(0.0, highest * 1.08);
+        FRAME.vertical(&mut svg, &axis, &self.quantity);
+        let count = self.bars.len() + self.marks.len() + 1;
+        let mut level = 0.0;
+        for (i, b) in self.bars.iter().enumerate() {
+            let (x, width) = column(i, count);
+            let colour = if b.value < 0.0 { RED } else { BLUE };
+            bar(&mut svg, &axis, (x, width), (level, level + b.value), &b.label, colour);
+            level += b.value;
+            let y = FRAME.y(&axis, level);
+            let dashes = format!(r#"stroke="{FAINT}" stroke-width="{}" stroke-dasharray="3 3""#, number(0.8));
+            svg.line((x + width, y), (column(i + 1, count).0, y), &dashes);
+        }
+        for (i, (label, value)) in self.marks.iter().enumerate() {
+            let at = column(self.bars.len() + 1 + i, count);
+            bar(&mut svg, &axis, at, (0.0, *value), label, if i == 0 { INK } else { GREY });
+        }
+        svg.finish(&format!("{}: {}", self.title, self.subtitle))
+    }
+}

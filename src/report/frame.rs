@@ -1,0 +1,72 @@
+//! The rectangle a diagram is drawn in, and its axes: what pictures of curves and bars share.
+
+use super::scale::{round_step, tick_text, ticks};
+use super::svg::{Anchor, FAINT, Font, INK, Svg};
+
+/// Values along one side of a frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Axis {
+    min: f64,
+    max: f64,
+}
+
+/// A rectangle in px.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame {
+    /// Its left edge.
+    pub left: f64,
+    /// Its upper edge.
+    pub top: f64,
+    /// Its width.
+    pub width: f64,
+    /// Its height.
+    pub height: f64,
+}
+
+impl Axis {
+    /// From a least to a largest value; an interval of no width is widened.
+    pub fn new(min: f64, max: f64) -> Self {
+        Self { min, max: if max > min { max } else { min + 1.0 } }
+    }
+
+    fn share(&self, value: f64) -> f64 {
+        (value - self.min) / (self.max - self.min)
+    }
+
+    fn ticks(&self, length: f64, pitch: f64) -> (Vec<f64>, f64) {
+        let step = round_step(self.max - self.min, ((length / pitch) as usize).clamp(1, 10));
+        (ticks((self.min, self.max), step), step)
+    }
+}
+
+impl Frame {
+    /// Where a value is, from above.
+    pub fn y(&self, axis: &Axis, value: f64) -> f64 {
+        self.top + self.height * (1.0 - axis.share(value))
+    }
+
+    /// The axis at the left edge with faint lines across, and the border.
+    pub fn vertical(&self, svg: &mut Svg, axis: &Axis, name: &str) {
+        let (values, step) = axis.ticks(self.height, 40.0);
+        for value in values {
+            let y = self.y(axis, value);
+            svg.line((self.left, y), (self.left + self.width, y), r##"stroke="#e3e7eb""##);
+            svg.line((self.left - 5.0, y), (self.left, y), &format!(r#"stroke="{INK}""#));
+            svg.text((self.left - 9.0, y + 4.0), &tick_text(value, step), Font::plain(12.0), Anchor::End, 0.0);
+        }
+        svg.rect((self.left, self.top), (self.width, self.height), &format!(r#"fill="none" stroke="{FAINT}""#));
+        svg.text((22.0, self.top + self.height / 2.0), name, Font::plain(13.0), Anchor::Middle, -90.0);
+    }
+
+    /// An axis at the right edge.
+    pub fn right(&self, svg: &mut Svg, axis: &Axis, name: &str, colour: &'static str) {
+        let (values, step) = axis.ticks(self.height, 40.0);
+        let (edge, font) = (self.left + self.width, Font { colour, ..Font::plain(12.0) });
+        for value in values {
+            let y = self.y(axis, value);
+            svg.line((edge, y), (edge + 5.0, y), &format!(r#"stroke="{colour}""#));
+            svg.text((edge + 9.0, y + 4.0), &tick_text(value, step), font, Anchor::Start, 0.0);
+        }
+        svg.text((edge + 48.0, self.top + self.height / 2.0), name, font, Anchor::Middle, -90.0);
+    }
+}

@@ -1,0 +1,197 @@
+//! The machine as a kinematics module carries it: numbers in the order of the walk, conventions resolved
+//! to flags of each joint.
+
+use crate::machine::{
+    Approach, Axis, AxisKind, Branch, ComponentError, Conventions, Curve, Direction, ErrorTerm, ErrorsAre, JointErrors,
+    Joints, LinearOrder, Location, Machine, RotaryOrder,
+};
+
+/// Letters of the world's nine coordinates, in the controller's order.
+pub const WORLD: &str = "XYZABCUVW";
+
+/// A machine as numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// Its axes on the walk from workpiece to tool.
+    pub joints: Vec<Joint>,
+    /// Error curves; never empty.
+    pub curves: Vec<CurveData>,
+    /// Location errors displace the carried body instead of the axis.
+    pub carried_body: bool,
+    /// Error matrices are 1 + hat(eps).
+    pub linearised: bool,
+    /// The gauge point, mm.
+    pub gauge: [f64; 3],
+    /// From the tip of the tool to the gauge point, mm.
+    pub tool: [f64; 3],
+    /// Displacement of the tip by clamping, mm.
+    pub tool_clamping: [f64; 3],
+    /// Location errors of the spindle, mm and rad.
+    pub spindle: [f64; 6],
+    /// The workpiece origin, mm.
+    pub workpiece: [f64; 3],
+    /// Displacement of the workpiece by clamping, mm and rad.
+    pub clamping: [f64; 6],
+    /// Sine of the angle from a singular pose below which rotary corrections are bounded.
+    pub damping: f64,
+    /// Is the direction of the tool corrected, or only the position of its tip?
+    pub orientation: bool,
+}
+
+/// A joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Index of its coordinate in [`WORLD`].
+    pub letter: usize,
+    /// Number of the controller's joint.
+    pub number: usize,
+    /// Rotary rather than linear.
+    pub rotary: bool,
+    /// Found from the position of the tip; otherwise as programmed.
+    pub solved: bool,
+    /// On the workpiece side of the bed.
+    pub workpiece_side: bool,
+    /// The component error stands to the left of the motion.
+    pub outside: bool,
+    /// The component error enters inverted.
+    pub inverted: bool,
+    /// The location error enters inverted.
+    pub location_inverted: bool,
+    /// Direction with the sense of a positive command.
+    pub direction: [f64; 3],
+    /// A point on the line, or the one about which a linear axis's angular errors turn, mm.
+    pub origin: [f64; 3],
+    /// Location errors, mm and rad.
+    pub location: [f64; 6],
+    /// For each of the six component errors none, one, or two curves, of which the mean counts.
+    pub curves: [[Option<usize>; 2]; 6],
+}
+
+/// The form of a curve; the numbers are those in the files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// Positions, then values.
+    Linear = 0,
+    /// Positions, values, second derivatives.
+    Cubic = 1,
+    /// Coefficients by rising power.
+    Polynomial = 2,
+    /// Cosine and sine by rising order.
+    Harmonics = 3,
+}
+
+impl Form {
+    /// All, by their number.
+    pub const ALL: [Self; 4] = [Self::Linear, Self::Cubic, Self::Polynomial, Self::Harmonics];
+
+    /// How many numbers a point, coefficient or order has.
+    pub fn width(self) -> usize {
+        match self {
+            Self::Polynomial => 1,
+            Self::Linear | Self::Harmonics => 2,
+            Self::Cubic => 3,
+        }
+    }
+}
+
+/// An error curve: argument in mm or deg, value in mm or rad.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurveData {
+    /// How its numbers are meant.
+    pub form: Form,
+    /// Length of the period; 0 if the ends are held.
+    pub period: f64,
+    /// As [`Form`] says.
+    pub numbers: Vec<f64>,
+}
+
+impl Model {
+    /// The numbers of a machine. `letters` says for each axis of the walk which coordinate of the world
+    /// and which joint it is.
+    pub fn of(machine: &Machine, letters: &[(usize, usize)], damping: f64, orientation: bool) -> Self {
+        let mut curves = Vec::new();
+        let conventions = machine.conventions();
+        let joint = |(index, axis): (usize, &Axis)| Joint {
+            letter: letters[index].0,
+            number: letters[index].1,
+            rotary: axis.kind == AxisKind::Rotary,
+            solved: letters[index].0 < 3,
+            workpiece_side: axis.branch == Branch::Workpiece,
+            outside: outside(axis, conventions),
+            inverted: inverted(axis, conventions),
+            location_inverted: inverted(axis, conventions) && conventions.location == Location::CarriedBody,
+            direction: axis.direction.map(|u| plain(u * axis.sign())),
+            origin: axis.origin,
+            location: machine.axis_errors(index).location_values(),
+            curves: curves_of(machine.axis_errors(index), &mut curves),
+        };
+        let joints = machine.axes().iter().enumerate().map(joint).collect();
+        if curves.is_empty() {
+            curves.push(CurveData { form: Form::Polynomial, period: 0.0, numbers: vec![0.0] });
+        }
+        let tool = machine.tool();
+        Self {
+            joints,
+            curves,
+            carried_body: conventions.location == Location::CarriedBody,
+            linearised: conventions.joints == Joints::Linearised,
+            gauge: tool.gauge,
+            tool: std::array::from_fn(|i| plain(tool.gauge[i] - tool.tip[i])),
+            tool_clamping: machine.setup().tool,
+            spindle: machine.spindle_errors().map_or([0.0; 6], JointErrors::location_values),
+            workpiece: machine.workpiece(),
+            clamping: machine.setup().workpiece,
+            damping,
+            orientation,
+        }
+    }
+}
+
+/// Without a negative zero.
+fn plain(x: f64) -> f64 {
+    x + 0.0
+}
+
+/// Does the component error stand to the left of the motion? The two sides of the bed are mirror images.
+fn outside(axis: &Axis, conventions: &Conventions) -> bool {
+    let left_of_a_head = match axis.kind {
+        AxisKind::Linear => conventions.linear == LinearOrder::Before,
+        AxisKind::Rotary => conventions.rotary == RotaryOrder::Stationary,
+    };
+    left_of_a_head != (axis.branch == Branch::Workpiece)
+}
+
+fn inverted(axis: &Axis, conventions: &Conventions) -> bool {
+    conventions.errors_are == ErrorsAre::Body && axis.branch == Branch::Workpiece
+}
+
+fn curves_of(errors: &JointErrors, all: &mut Vec<CurveData>) -> [[Option<usize>; 2]; 6] {
+    Direction::ALL.map(|direction| match &errors.component[direction.index()] {
+        Some(ErrorTerm::Component(ComponentError::Single(curve))) => [keep(curve, all), None],
+        Some(ErrorTerm::Component(ComponentError::Bidirectional { forward, reverse })) => {
+            [keep(forward, all), keep(reverse, all)]
+        }
+        Some(term @ ErrorTerm::Constant(_)) => {
+            let numbers = vec![term.value(0.0, Approach::Mean)];
+            all.push(CurveData { form: Form::Polynomial, period: 0.0, numbers });
+            [Some(all.len() - 1), None]
+        }
+        Some(ErrorTerm::Tolerance(_)) | None => [None, None],
+    })
+}
+
+fn keep(curve: &Curve, all: &mut Vec<CurveData>) -> Option<usize> {
+    let period = curve.knots().and_then(crate::machine::Knots::period).unwrap_or(0.0);
+    let (form, numbers) = match curve {
+        Curve::Linear(knots) => (Form::Linear, [knots.positions(), knots.values()].concat()),
+        Curve::Cubic(knots, second) => (Form::Cubic, [knots.positions(), knots.values(), second].concat()),
+        Curve::Polynomial(coefficients) => (Form::Polynomial, coefficients.clone()),
+        Curve::Harmonics(orders) => (Form::Harmonics, orders.iter().flat_map(|(c, s)| [*c, *s]).collect()),
+    };
+    // What is not there is zero: a curve without numbers has no place in a file.
+    if numbers.is_empty() {
+        return None;
+    }
+    all.push(CurveData { form, period, numbers: numbers.into_iter().map(plain).collect() });
+    Some(all.len() - 1)
+}

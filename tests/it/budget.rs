@@ -1,0 +1,296 @@
+//! Budgets against closed forms, and the kernel against the model.
+
+use crate::configs::all;
+use crate::oracle::random::Random;
+use crate::program::{Folder, abbe, abbe_on, json, refused, text, well_formed};
+use abbe::analysis::budget::{Distribution, Draws, Request, Statistic, bounds, budget, longest, mean};
+use abbe::analysis::{Quantity, Share, twists};
+use abbe::evaluate::random_poses;
+use abbe::lower::sensitivities_to;
+use abbe::machine::{Direction, ErrorId, Machine};
+use serde_json::Value;
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// A machine with these errors; X, Y and Z of 400 mm, Y 500 mm.
+fn with_errors(folder: &Folder, errors: &str) -> std::path::PathBuf {
+    let lines = [
+        "abbe: 1",
+        "machine: M",
+        "chain: w b X Y Z t",
+        "axes: { X: { travel: [0, 400] }, Y: { travel: [0, 500] }, Z: { travel: [0, 400] } }",
+        &format!("errors: {{ {errors} }}"),
+    ];
+    folder.with("m.yaml", &lines.join("\n"))
+}
+
+/// Every error that any joint can have.
+fn every_error(machine: &Machine) -> Vec<ErrorId> {
+    let names = machine.axes().iter().map(|axis| &axis.name).chain(machine.chain().spindle());
+    let mut ids = Vec::new();
+    for (i, name) in names.enumerate() {
+        for location in [true, false] {
+            if location || i < machine.axes().len() {
+                ids.extend(Direction::ALL.map(|direction| ErrorId { axis: name.clone(), location, direction }));
+            }
+        }
+    }
+    ids
+}
+
+#[test]
+fn twists_are_the_sensitivities_of_the_model() {
+    // The papers' machines bring the conventions of carried bodies, `body`, `before` and `direct`.
+    for (name, machine) in all() {
+        let ids = every_error(&machine);
+        for pose in random_poses(&machine, 5, 2) {
+            let maps = [Quantity::Position, Quantity::Rotation].map(|q| twists(&machine, &pose, q));
+            for s in sensitivities_to(&machine, &pose, &ids) {
+                let joint = machine.axis_index(s.error.axis.as_str()).unwrap_or(pose.len());
+                let share = match machine.axes().get(joint) {
+                    Some(axis) if s.error.location => Share::location(axis, machine.conventions()),
+                    Some(axis) => Share::component(axis, machine.conventions()),
+                    None => Share::SPINDLE,
+                };
+                let column = |q: usize| -> [f64; 3] {
+                    std::array::from_fn(|i| share.of(&maps[q][joint])[i][s.error.direction.index()])
+                };
+                let near = |a: [f64; 3], b: nalgebra::Vector3<f64>| (0..3).all(|i| (a[i] - b[i]).abs() < 1e-9);
+                assert!(near(column(0), s.deviation), "{name}: {} at {pose:?}", s.error);
+                assert!(near(column(1), s.rotation), "{name}: {} at {pose:?}", s.error);
+            }
+        }
+    }
+}
+
+#[test]
+fn one_squareness_has_the_distribution_of_a_rectangle() {
+    let folder = Folder::new("budget-one");
+    let path = with_errors(&folder, "EC0Y: { tolerance: 20 urad }");
+    let b = json(&["budget", text(&path), "--samples", "4000", "--format", "json"]);
+    let p = &b["position_um"];
+    // 20 urad at 500 mm are 10 um, at a corner of the volume, so exactly there.
+    for key in ["worst_case", "rss", "mean_of_both"] {
+        assert!((number(&p[key]) - 10.0).abs() < 1e-9, "{key}: {}", p[key]);
+    }
+    // |U| of a rectangle of half width 10: mean 5, percentiles in proportion.
+    let mc = &p["monte_carlo"];
+    let four_sigma = 4.0 * 10.0 / 12.0_f64.sqrt() / 4000.0_f64.sqrt();
+    assert!((number(&mc["mean"]) - 5.0).abs() < four_sigma, "{mc}");
+    for (key, truth) in [("p50", 5.0), ("p90", 9.0), ("p95", 9.5), ("p99", 9.9)] {
+        let share: f64 = truth / 10.0;
+        let spread = 4.0 * (share * (1.0 - share) / 4000.0).sqrt() * 10.0;
+        assert!((number(&mc["percentiles"][key]["value"]) - truth).abs() < spread, "{key}: {mc}");
+    }
+    assert_eq!(mc["p95"], mc["percentiles"]["p95"]["value"]);
+    // The error grows in proportion to its only tolerance.
+    let t = &b["tighten"][0];
+    assert!((number(&t["um_per_unit"]) - number(&mc["p95"]) / 20.0).abs() < 0.01, "{t}");
+    assert_eq!(b["contributions"][0]["share"], 1.0);
+}
+
+#[test]
+fn a_curve_of_position_errors_reaches_further_than_any_of_its_points_but_not_its_bound() {
+    let folder = Folder::new("budget-curve");
+    let path = with_errors(&folder, "EXX: { tolerance: 10 um }");
+    let b = json(&["budget", text(&path), "--samples", "2000", "--poses", "400", "--format", "json"]);
+    let mc = &b["position_um"]["monte_carlo"];
+    assert!((number(&b["position_um"]["worst_case"]) - 10.0).abs() < 1e-9);
+    // A constant would have the mean 5; the largest of a curve is more, and never above the bound.
+    assert!(number(&mc["mean"]) > 6.0 && number(&mc["percentiles"]["p99"]["value"]) <= 10.0, "{mc}");
+    // At one pose it is a rectangle again.
+    let one = folder.with(
+        "one.yaml",
+        "abbe: 1\nmachine: M\nchain: w b X Y t\naxes: { X: { travel: [0, 400] }, Y: { travel: [0, 1] } }\n\
+         errors: { EXX: { tolerance: 10 um } }\nvolume: { X: [123, 123.000001] }\n",
+    );
+    let b = json(&["budget", text(&one), "--samples", "4000", "--poses", "1", "--format", "json"]);
+    let mean = number(&b["position_um"]["monte_carlo"]["mean"]);
+    assert!((mean - 5.0).abs() < 4.0 * 10.0 / 12.0_f64.sqrt() / 4000.0_f64.sqrt(), "{mean}");
+}
+
+#[test]
+fn three_equal_errors_at_one_place_have_the_moments_of_their_sum() {
+    // EXX, EYY, EZZ alone at a fixed pose: |d|^2 is a sum of three squares of rectangles, whose mean is t^2.
+    let folder = Folder::new("budget-three");
+    let path = folder.with(
+        "m.yaml",
+        "abbe: 1\nmachine: M\nchain: w b X Y Z t\n\
+         axes: { X: { travel: [0, 400] }, Y: { travel: [0, 400] }, Z: { travel: [0, 400] } }\n\
+         errors: { EXX: { tolerance: 10 um }, EYY: { tolerance: 10 um }, EZZ: { tolerance: 10 um } }\n\
+         volume: { step: 50 mm }\n",
+    );
+    for (word, distribution) in [("uniform", Distribution::Uniform), ("triangular", Distribution::Triangular)] {
+        let machine = load(&path);
+        let bounds = bounds(&machine, None);
+        let poses = [vec![100.0, 200.0, 300.0]];
+        let draws = Draws::new(5, distribution);
+        let request = Request {
+            machine: &machine,
+            bounds: &bounds,
+            poses: &poses,
+            at: None,
+            draws: &draws,
+            samples: 8000,
+            statistic: Statistic::Max,
+        };
+        let b = budget(request, &|_| {});
+        let squares: Vec<f64> = b.position.sorted.iter().map(|x| x * x).collect();
+        let (mean, sigma) = mean(&squares);
+        // The variance of each is the square of tolerance times `deviation`: 100/3 or 100/6.
+        let truth = 3.0 * 100.0 * distribution.deviation() * distribution.deviation();
+        assert!((mean - truth).abs() < 4.0 * sigma, "{word}: {mean} ± {sigma} instead of {truth}");
+        assert!(
+            (b.position.rss - 300.0_f64.sqrt()).abs() < 1e-9 && (b.position.worst_case - 300.0_f64.sqrt()).abs() < 1e-9
+        );
+    }
+}
+
+fn load(path: &std::path::Path) -> Machine {
+    let mut diagnostics = abbe::diagnostic::Diagnostics::default();
+    let document = abbe::syntax::load(path, &abbe::cli::files::Disk, &mut diagnostics).unwrap();
+    abbe::machine::resolve(&document, &abbe::cli::files::Disk, &mut diagnostics).unwrap()
+}
+
+#[test]
+fn the_derivatives_sum_up_to_the_95_percent_value_and_agree_with_finite_differences() {
+    let folder = Folder::new("budget-derivative");
+    let at = |squareness: f64| {
+        let errors = format!(
+            "EC0Y: {{ tolerance: {squareness} urad }}, EB0Z: {{ tolerance: 15 urad }}, EXX: {{ tolerance: 4 um }}, ECX: {{ tolerance: 12 urad }}"
+        );
+        let path = with_errors(&folder, &errors);
+        json(&["budget", text(&path), "--samples", "20000", "--poses", "40", "--format", "json"])
+    };
+    let (middle, above, below) = (at(20.0), at(20.5), at(19.5));
+    let p95 = |b: &Value| number(&b["position_um"]["monte_carlo"]["p95"]);
+    let sum: f64 = middle["tighten"].as_array().unwrap().iter().map(|t| number(&t["um_of_p95"])).sum();
+    // The window reaches from 92.5 to 97.5 %: its mean is not exactly the 95 % value.
+    assert!((sum - p95(&middle)).abs() < 0.02 * p95(&middle), "{sum} {}", p95(&middle));
+    let t = middle["tighten"].as_array().unwrap().iter().find(|t| t["error"] == "EC0Y").unwrap();
+    let (derivative, sigma) = (number(&t["um_per_unit"]), number(&t["sigma"]));
+    let finite = p95(&above) - p95(&below);
+    assert!((derivative - finite).abs() < 4.0 * sigma + 0.03 * derivative, "{derivative} ± {sigma}, {finite}");
+    assert!(derivative > 0.1);
+}
+
+#[test]
+fn the_worst_case_is_that_of_the_worst_signs() {
+    let mut random = Random::new(4);
+    for count in 1..=12 {
+        let vectors: Vec<[f64; 3]> = (0..count).map(|_| random.vector(1.0)).collect();
+        let mut best = 0.0_f64;
+        for signs in 0..1_u32 << count {
+            let sum = vectors.iter().enumerate().fold([0.0; 3], |sum: [f64; 3], (k, v)| {
+                let sign = if signs >> k & 1 == 0 { 1.0 } else { -1.0 };
+                std::array::from_fn(|i| sum[i] + sign * v[i])
+            });
+            best = best.max(sum.iter().map(|x| x * x).sum::<f64>().sqrt());
+        }
+        assert!((longest(&vectors) - best).abs() < 1e-12, "{count}");
+    }
+}
+
+#[test]
+fn totals_stand_in_their_order_on_every_config() {
+    for (name, machine) in all() {
+        // A class without rotary axes does not do for machines that have some.
+        let b =
+            json(&["budget", &name, "--class", "production", "--samples", "80", "--poses", "40", "--format", "json"]);
+        for key in ["position_um", "rotation_urad"] {
+            let t = &b[key];
+            let (worst, rss, mc) = (number(&t["worst_case"]), number(&t["rss"]), &t["monte_carlo"]);
+            assert!(rss > 0.0 && rss <= worst * (1.0 + 1e-12), "{name}: {t}");
+            assert!((number(&t["mean_of_both"]) - 0.5 * (rss + worst)).abs() < 1e-9);
+            let p = |p: &str| number(&mc["percentiles"][p]["value"]);
+            assert!(p("p50") <= p("p95") && p("p95") <= p("p99") && p("p99") <= worst, "{name}: {t}");
+        }
+        let shares: f64 = b["contributions"].as_array().unwrap().iter().map(|c| number(&c["share"])).sum();
+        assert!((shares - 1.0).abs() < 1e-9);
+        let squares: f64 = b["contributions"].as_array().unwrap().iter().map(|c| number(&c["um"]).powi(2)).sum();
+        assert!((squares.sqrt() - number(&b["position_um"]["rss"])).abs() < 1e-9, "{name}");
+        assert!(b["contributions"].as_array().unwrap().len() >= 6 * machine.axes().len(), "{name}");
+    }
+}
+
+#[test]
+fn the_seed_decides_and_the_threads_do_not() {
+    let arguments =
+        ["budget", "tt-bc.yaml", "--class", "premium", "--samples", "130", "--poses", "50", "--format", "json"];
+    let bytes = [1, 2, 5].map(|threads| abbe_on(threads, &arguments).stdout);
+    assert!(!bytes[0].is_empty() && bytes[0] == bytes[1] && bytes[0] == bytes[2]);
+    let other = abbe_on(2, &[&arguments[..], &["--seed", "2"]].concat()).stdout;
+    assert_ne!(other, bytes[0]);
+}
+
+#[test]
+fn a_tolerance_of_the_file_takes_the_place_of_the_class() {
+    let folder = Folder::new("budget-own");
+    let path = with_errors(&folder, "EXX: { tolerance: 1.5 um }, EYX: 3 um, EC0Y: { tolerance: 0 urad }");
+    let b = json(&["budget", text(&path), "--class", "production", "--samples", "50", "--format", "json"]);
+    let of = |name: &str| b["tighten"].as_array().unwrap().iter().find(|t| t["error"] == name).cloned();
+    let own = of("EXX").unwrap();
+    assert_eq!((number(&own["tolerance"]), &own["of_class"]), (1.5, &Value::Bool(false)));
+    assert_eq!(of("EYX").unwrap()["of_class"], true);
+    // 10 um/m over 400 mm.
+    assert_eq!(number(&of("EZZ").unwrap()["tolerance"]), 4.0);
+    assert!(of("EC0Y").is_none(), "a bound of zero leaves nothing");
+    assert_eq!(b["left_out"], 1);
+}
+
+#[test]
+fn what_cannot_be_budgeted_is_refused() {
+    let folder = Folder::new("budget-refused");
+    let values = with_errors(&folder, "EXX: 3 um");
+    let says = |arguments: &[&str], code: &str| {
+        let (exit, message) = refused(arguments);
+        assert!(exit == 1 && message.contains(code) && message.contains("help"), "{arguments:?}: {message}");
+    };
+    says(&["budget", text(&values)], "E0604");
+    says(&["budget", text(&values), "--class", "producton"], "did you mean `production`");
+    says(&["budget", "trunnion.yaml", "--class", "commodity"], "E0605");
+    let still = folder.with(
+        "still.yaml",
+        "abbe: 1\nmachine: M\nchain: w b X t\naxes: { X: { travel: [0, 50] } }\nvolume: { X: [7, 7] }\nerrors: { EXX: { tolerance: 1 um } }\n",
+    );
+    says(&["budget", text(&still)], "E0403");
+    let negative = with_errors(&folder, "EXX: { tolerance: -3 um }");
+    says(&["budget", text(&negative)], "E0411");
+    says(&["budget", "trunnion.yaml", "--class", "production", "--pareto", "none/p.svg", "--samples", "10"], "E0810");
+    for counts in [["--samples", "1"], ["--samples", "1000000000000"], ["--poses", "0"], ["--poses", "200000"]] {
+        assert_eq!(refused(&[&["budget", "trunnion.yaml", "--class", "production"], &counts[..]].concat()).0, 2);
+    }
+}
+
+#[test]
+fn pictures_and_tables_are_written() {
+    let folder = Folder::new("budget-pictures");
+    let (pareto, waterfall) = (folder.file("p.svg"), folder.file("w.svg"));
+    let csv = abbe(&[
+        "budget",
+        "hmc-4ax.yaml",
+        "--class",
+        "production",
+        "--samples",
+        "60",
+        "--poses",
+        "30",
+        "--format",
+        "csv",
+        "--pareto",
+        text(&pareto),
+        "--waterfall",
+        text(&waterfall),
+        "--at",
+        "B=90",
+    ]);
+    assert!(csv.lines().next().unwrap().starts_with("error,tolerance,unit"));
+    assert_eq!(csv.lines().nth(1).unwrap().split(',').count(), csv.lines().next().unwrap().split(',').count());
+    for path in [pareto, waterfall] {
+        let svg = std::fs::read_to_string(path).unwrap();
+        assert_eq!(well_formed(&svg), Ok(()));
+        assert!(svg.contains("µm") && !svg.contains("NaN"));
+    }
+}

@@ -1,0 +1,358 @@
+//! Arrangements against brute force, and results that do not hang on how a run is cut.
+
+use crate::configs::machine;
+use crate::oracle::curves::Travel;
+use crate::oracle::machines::{Sample, combinations};
+use crate::oracle::matrix::norm;
+use crate::oracle::random::Random;
+use crate::oracle::rigid::Frame;
+use crate::oracle::{program::Folder as Workshop, yaml};
+use crate::program::{Folder, abbe, abbe_on, json, refused, text};
+use abbe::analysis::budget::{Distribution, Draws, NODES, Statistic, bounds, classes};
+use abbe::analysis::enumerate::{Judge, Rule, Standing, Study, TooMany, walks};
+use abbe::analysis::{ToolPose, inverse, rest};
+use abbe::cli::files::Disk;
+use abbe::diagnostic::Diagnostics;
+use abbe::lower::sensitivities_to;
+use abbe::machine::{AxisKind, AxisName, Branch, ErrorId, Machine, Pose, Travel as Way};
+use serde_json::Value;
+use std::path::Path;
+
+fn load(path: &Path) -> Machine {
+    let mut diagnostics = Diagnostics::default();
+    let document = abbe::syntax::load(path, &Disk, &mut diagnostics).unwrap();
+    abbe::machine::resolve(&document, &Disk, &mut diagnostics).unwrap()
+}
+
+fn count(machine: &Machine, rotary: Option<usize>, rules: &[&str]) -> usize {
+    let names: Vec<&AxisName> = machine.axes().iter().map(|axis| &axis.name).collect();
+    let rules: Vec<Rule> = rules.iter().map(|text| Rule::parse(text, &names).unwrap()).collect();
+    walks(machine, rotary, &rules).unwrap().iter().map(|walk| walk.tables.len()).sum()
+}
+
+#[test]
+fn there_are_as_many_arrangements_as_there_should_be() {
+    let (three, five) = (machine("gantry-3ax.yaml"), machine("trunnion.yaml"));
+    assert_eq!((count(&three, None, &[]), count(&five, None, &[])), (24, 720));
+    let study = load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/examples/study.yaml"));
+    assert_eq!((count(&study, Some(2), &[]), count(&study, Some(0), &[]), count(&study, None, &[])), (2160, 24, 5040));
+    // Half of all walks have C before A; with at most one axis on the table there are 2 beds of 6.
+    assert_eq!(count(&five, None, &["C before A"]), 360);
+    assert_eq!(count(&five, None, &["at most 1 on table"]), 240);
+    assert_eq!(count(&five, None, &["not at most 4 on table"]), 120);
+    // Both on one side, A nearer to the bed: of 5 places for each pair of positions.
+    let carries = count(&five, None, &["A carries C"]);
+    let counted = (0..=5).map(|table| {
+        let pairs = |n: usize| n * n.saturating_sub(1) / 2;
+        (pairs(table) + pairs(5 - table)) * 6
+    });
+    assert_eq!(carries, counted.sum::<usize>());
+    let robot = machine("hh-bd-ram.yaml");
+    assert_eq!(count(&robot, Some(2), &[]), 3 * 720);
+    assert_eq!(walks(&study, None, &[]).map(|w| w.len()), Ok(720));
+}
+
+/// The oracle's machine with its axes placed anew.
+fn rearranged(sample: &Sample, sides: &[(AxisName, Branch)]) -> Sample {
+    let index = |name: &AxisName| sample.rigid.walk.iter().position(|axis| axis.name == name.as_str()).unwrap();
+    let mut other = sample.clone();
+    other.rigid.walk = sides.iter().map(|(name, _)| sample.rigid.walk[index(name)].clone()).collect();
+    other.rigid.walk.iter_mut().zip(sides).for_each(|(axis, (_, side))| axis.workpiece = *side == Branch::Workpiece);
+    other.axes = sides.iter().map(|(name, _)| sample.axes[index(name)].clone()).collect();
+    other
+}
+
+/// Poses that reach the work, of those that can.
+fn reached(machine: &Machine, work: &[ToolPose]) -> Vec<Pose> {
+    work.iter().filter_map(|target| inverse(machine, target, &rest(machine)).ok()).collect()
+}
+
+#[test]
+fn given_errors_are_those_of_an_independent_model_placed_anew() {
+    let mut random = Random::new(23);
+    let mut judged = 0;
+    for conventions in combinations().step_by(3) {
+        let sample = Sample::random(&mut random, conventions, 1e-5);
+        if sample.rigid.walk.len() > 4 {
+            continue;
+        }
+        let folder = Workshop::new();
+        let _ = yaml::write(&sample, &folder);
+        let machine = load(&folder.path("machine.yaml"));
+        let list = walks(&machine, None, &[]).unwrap();
+        let study = Study::new(&machine, list.clone(), Judge::Errors, Statistic::Max, 12, 1);
+        for (step, walk) in list.iter().enumerate().step_by(5) {
+            for (row, table) in study.step(step).iter().zip(&walk.tables) {
+                if row.standing != Standing::Judged {
+                    continue;
+                }
+                let sides = walk.sides(&machine, *table);
+                let other = machine.rearranged(&sides).unwrap();
+                assert_eq!(row.chain, other.chain().to_string());
+                let model = rearranged(&sample, &sides);
+                let poses = reached(&other, study.work());
+                let length = |pose: &Pose| norm(model.evaluate(pose, Travel::Mean, Frame::Workpiece).deviation);
+                let largest = poses.iter().map(length).fold(0.0, f64::max) * 1e3;
+                // Rounding of both models, as in the tests of `eval`: 2e-11 mm.
+                assert!((row.result.unwrap().um - largest).abs() < 2e-8, "{}: {row:?} {largest}", row.chain);
+                assert_eq!(row.reached, poses.len());
+                judged += 1;
+            }
+        }
+    }
+    println!("{judged} arrangements");
+    assert!(judged > 40, "{judged}");
+}
+
+/// A drawn component error at a position, by hand: straight lines between the nodes.
+fn at(curve: &[f64], axis: &abbe::machine::Axis, position: f64) -> f64 {
+    let (min, max) = axis.travel.interval();
+    let turn = if axis.travel == Way::Continuous { (position - min).rem_euclid(360.0) } else { position - min };
+    let x = turn / (max - min) * (NODES - 1) as f64;
+    let i = (x.floor() as usize).min(NODES - 2);
+    curve[i] + (x - i as f64) * (curve[i + 1] - curve[i])
+}
+
+#[test]
+fn budgets_are_those_of_one_machine_after_the_other() {
+    // `direct` makes another ideal machine of every side; the KIMM preset has carried bodies and `body`.
+    for (name, few) in [("trunnion.yaml", 40), ("papers/bui-kimm.yaml", 40), ("hmc-4ax.yaml", 40)] {
+        let machine = machine(name);
+        let class = classes().remove("production").unwrap();
+        let bounds = bounds(&machine, Some(&class));
+        let draws = Draws::new(9, Distribution::Uniform);
+        let list = walks(&machine, None, &[]).unwrap();
+        let judge = Judge::Budget { bounds: bounds.clone(), draws: draws.clone(), samples: 3 };
+        let study = Study::new(&machine, list.clone(), judge, Statistic::Max, few, 4);
+        let mut judged = 0;
+        for (step, walk) in list.iter().enumerate().step_by(17) {
+            for (row, table) in study.step(step).iter().zip(&walk.tables).step_by(2) {
+                if row.standing != Standing::Judged {
+                    continue;
+                }
+                let other = machine.rearranged(&walk.sides(&machine, *table)).unwrap();
+                let ids: Vec<ErrorId> = bounds.iter().map(|bound| bound.error.clone()).collect();
+                let mut values = vec![0.0_f64; 3];
+                for pose in reached(&other, study.work()) {
+                    let effects = sensitivities_to(&other, &pose, &ids);
+                    for (sample, value) in values.iter_mut().enumerate() {
+                        let sum = effects.iter().zip(&bounds).fold(nalgebra::Vector3::zeros(), |sum, (s, bound)| {
+                            let share = match other.axis_index(s.error.axis.as_str()) {
+                                Some(i) if !s.error.location => {
+                                    let axis = &other.axes()[i];
+                                    at(&draws.curve(&s.error, sample, axis.travel == Way::Continuous), axis, pose[i])
+                                }
+                                _ => draws.constant(&s.error, sample),
+                            };
+                            sum + s.deviation * (share * bound.tolerance)
+                        });
+                        *value = value.max(sum.norm() * 1e3);
+                    }
+                }
+                // The 95 % value of three is the largest.
+                let largest = values.iter().copied().fold(0.0, f64::max);
+                let result = row.result.unwrap();
+                assert!((result.um - largest).abs() < 1e-9 * largest, "{name} {}: {result:?} {largest}", row.chain);
+                let mean = values.iter().sum::<f64>() / 3.0;
+                assert!((result.mean.unwrap() - mean).abs() < 1e-9 * mean);
+                judged += 1;
+            }
+        }
+        println!("{name}: {judged}");
+        assert!(judged >= 4, "{name}: {judged}");
+    }
+}
+
+#[test]
+fn the_arrangement_of_the_file_is_there_and_compares_with_itself() {
+    for by in [&["--class", "production", "--samples", "40"][..], &[]] {
+        let arguments = [&["enumerate", "gantry-3ax.yaml", "--poses", "60", "--format", "json"], by].concat();
+        let result = json(&arguments);
+        let rows = |key: &str| result[key].as_array().unwrap().clone();
+        assert_eq!(result["arrangements"], 24);
+        assert_eq!(rows("ranked").len() + rows("reach_less").len() + rows("cannot_turn_the_tool").len(), 24);
+        let own = rows("ranked").into_iter().find(|row| row["chain"] == result["chain"]).unwrap();
+        assert_eq!((&own["minus_file"], &own["reached"]), (&Value::from(0.0), &Value::from(60)));
+        let um: Vec<f64> = rows("ranked").iter().map(|row| row["um"].as_f64().unwrap()).collect();
+        assert!(um.windows(2).all(|two| two[0] <= two[1]) && um[0] > 0.0);
+    }
+}
+
+#[test]
+fn what_cannot_turn_the_tool_is_listed_apart() {
+    let result = json(&["enumerate", "trunnion.yaml", "--poses", "20", "--format", "json"]);
+    let apart: Vec<&str> =
+        result["cannot_turn_the_tool"].as_array().unwrap().iter().map(|chain| chain.as_str().unwrap()).collect();
+    // C turns about the tool axis wherever it stands after A on the walk: half of all walks.
+    assert_eq!(apart.len(), 360);
+    assert!(apart.iter().all(|chain| chain.find('A') < chain.find('C')), "{apart:?}");
+    assert!(apart.contains(&"w A' Y' b X Z C t"));
+    let few = json(&[
+        "enumerate",
+        "trunnion.yaml",
+        "--poses",
+        "20",
+        "--require",
+        "C before A",
+        "--max-table",
+        "2",
+        "--format",
+        "json",
+    ]);
+    assert_eq!((&few["arrangements"], few["cannot_turn_the_tool"].as_array().unwrap().len()), (&180.into(), 0));
+    for row in few["ranked"].as_array().unwrap() {
+        let chain = row["chain"].as_str().unwrap();
+        assert!(row["on_table"].as_u64().unwrap() <= 2 && chain.matches('\'').count() <= 2, "{chain}");
+    }
+}
+
+const STUDY: [&str; 9] =
+    ["enumerate", "hmc-4ax.yaml", "--class", "production", "--poses", "30", "--samples", "50", "--format"];
+
+/// The study with more arguments, as bytes.
+fn study(threads: usize, more: &[&str]) -> Vec<u8> {
+    let output = abbe_on(threads, &[&STUDY[..], &["json"], more].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    output.stdout
+}
+
+#[test]
+fn results_are_the_same_however_the_run_is_cut() {
+    let folder = Folder::new("enumerate-cut");
+    let whole = study(1, &[]);
+    assert_eq!(whole, study(3, &[]), "threads");
+    let parts: Vec<_> = (1..=3).map(|i| folder.file(&format!("part{i}.json"))).collect();
+    for (i, path) in parts.iter().enumerate() {
+        let said: Value =
+            serde_json::from_slice(&study(2, &["--shard", &format!("{}/3", i + 1), "--state", text(path)])).unwrap();
+        assert_eq!((&said["walks"], &said["walks_done"]), (&24.into(), &8.into()));
+    }
+    let paths: Vec<&str> = parts.iter().map(|path| text(path)).collect();
+    assert_eq!(whole, study(2, &[&["--merge"], &paths[..]].concat()), "merged");
+    assert_eq!(whole, study(2, &["--merge", paths[2], paths[0], paths[1]]), "in another order");
+    // A part is taken up again, and finished.
+    assert_eq!(whole, study(2, &["--state", paths[1]]), "resumed");
+    let lines = std::fs::read_to_string(&parts[1]).unwrap();
+    assert_eq!(lines.lines().count(), 25);
+    assert_eq!(whole, study(1, &["--state", paths[1]]), "nothing left to do");
+    // Parts that are not all there.
+    let (code, message) = refused(&[&STUDY[..], &["json", "--merge", paths[0], paths[2]]].concat());
+    assert!(code == 1 && message.contains("E0611") && message.contains("8 of 24"), "{message}");
+}
+
+#[test]
+fn an_interrupted_run_leaves_a_whole_file_and_goes_on() {
+    let folder = Folder::new("enumerate-kill");
+    let state = folder.file("state.json");
+    let more = ["--poses", "400", "--samples", "120"];
+    let arguments = [&STUDY[..4], &more, &["--format", "json"]].concat();
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_abbe"))
+        .args(&arguments)
+        .args(["--state", text(&state)])
+        .current_dir(crate::configs::folder())
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    // Ends as soon as the first results are kept; if the run was faster, there is nothing to resume.
+    while !state.exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let _ = child.kill();
+    child.wait().unwrap();
+    let kept = std::fs::read_to_string(&state).unwrap();
+    assert!(kept.ends_with('\n') && kept.lines().all(|line| serde_json::from_str::<Value>(line).is_ok()));
+    let whole = abbe(&arguments);
+    assert_eq!(whole, abbe(&[&arguments[..], &["--state", text(&state)]].concat()));
+}
+
+#[test]
+fn foreign_and_damaged_state_is_refused_and_left_alone() {
+    let folder = Folder::new("enumerate-state");
+    let state = folder.file("state.json");
+    let _ = study(2, &["--shard", "1/4", "--state", text(&state)]);
+    let kept = std::fs::read_to_string(&state).unwrap();
+    let says = |content: &str, more: &[&str], words: &str| {
+        std::fs::write(&state, content).unwrap();
+        let (code, message) = refused(&[&STUDY[..], &["json", "--state", text(&state)], more].concat());
+        assert!(code == 1 && message.contains("E0610") && message.contains(words), "{message}");
+        assert_eq!(std::fs::read_to_string(&state).unwrap(), content);
+    };
+    says(&kept, &["--seed", "2"], "another study");
+    says(&kept, &["--statistic", "p95"], "another study");
+    says("", &[], "empty");
+    says("no json\n", &[], "line 1");
+    says(&kept[..kept.len() - 9], &[], "line 7");
+    says(&kept.replacen("\"step\":0", "\"step\":999", 1), &[], "walk 999");
+    let second = kept.lines().nth(1).unwrap();
+    says(&format!("{kept}{second}\n"), &[], "twice");
+    std::fs::remove_file(&state).unwrap();
+    let none = [&STUDY[..], &["json", "--state", "none/state.json"]].concat();
+    let (code, message) = refused(&none);
+    assert!(code == 1 && message.contains("E0810"), "{message}");
+}
+
+#[test]
+fn what_makes_no_study_is_refused() {
+    let says = |arguments: &[&str], words: &[&str]| {
+        let (code, message) = refused(&[&["enumerate"], arguments].concat());
+        assert!(code == 1 && words.iter().all(|word| message.contains(word)) && message.contains("help"), "{message}");
+    };
+    says(&["trunnion.yaml", "--require", "C under A"], &["E0608", "C under A"]);
+    says(&["trunnion.yaml", "--require", "Q before A"], &["E0608", "`Q` is no axis"]);
+    says(&["trunnion.yaml", "--require", "C on table", "--max-table", "0"], &["E0609"]);
+    says(&["trunnion.yaml", "--by", "budget"], &["E0604"]);
+    says(&["trunnion.yaml", "--poses", "100000", "--samples", "10000"], &["E0606", "1000000000"]);
+    for usage in [&["--shard", "4/3", "--state", "x"][..], &["--shard", "1/2"], &["--reach", "120"], &["--poses", "0"]]
+    {
+        assert_eq!(refused(&[&["enumerate", "trunnion.yaml"], usage].concat()).0, 2, "{usage:?}");
+    }
+    let folder = Folder::new("enumerate-many");
+    let names: Vec<String> = (0..9).map(|i| format!("X{i}")).collect();
+    let axes: Vec<String> = names.iter().map(|name| format!("{name}: {{ travel: [0, 9] }}")).collect();
+    let many = folder.with(
+        "many.yaml",
+        &format!(
+            "abbe: 1\nmachine: M\nchain: w b {} t\naxes: {{ {} }}\nerrors: {{ EX0X1: 1 um, EXX2: 1 um }}\n",
+            names.join(" "),
+            axes.join(", ")
+        ),
+    );
+    // 9! * 10.
+    says(&[text(&many)], &["E0607", "3628800"]);
+    let machine = load(&many);
+    assert_eq!(walks(&machine, None, &[]), Err(TooMany::Before(3_628_800)));
+    let still = folder.with(
+        "still.yaml",
+        "abbe: 1\nmachine: M\nchain: w b X t\naxes: { X: { travel: [0, 50] } }\nvolume: { X: [7, 7] }\nerrors: { EXX: 1 um }\n",
+    );
+    says(&[text(&still)], &["E0403"]);
+}
+
+#[test]
+fn machines_are_rearranged_as_a_file_would_say() {
+    let machine = machine("trunnion.yaml");
+    let folder = crate::configs::folder();
+    let workshop = Workshop::new();
+    // The same arrangement by `extends` and a chain of its own.
+    let variant = workshop.write(
+        "variant.yaml",
+        &format!("abbe: 1\nextends: {}\nchain: \"w A' C' b Z Y X t\"\n", folder.join("trunnion.yaml").display()),
+    );
+    let by_file = load(&variant);
+    let side = |name: &str, branch| (AxisName::new(name).unwrap(), branch);
+    let (w, t) = (Branch::Workpiece, Branch::Tool);
+    let by_hand = machine.rearranged(&[side("A", w), side("C", w), side("Z", t), side("Y", t), side("X", t)]).unwrap();
+    assert_eq!(by_hand.chain().to_string(), by_file.chain().to_string());
+    assert_eq!(by_hand.axes(), by_file.axes());
+    assert_eq!(by_hand.volume(), by_file.volume());
+    for axis in 0..5 {
+        assert_eq!(by_hand.axis_errors(axis), by_file.axis_errors(axis));
+    }
+    assert!(machine.rearranged(&[side("X", t), side("X", t)]).is_none());
+    assert!(machine.rearranged(&[side("X", t), side("Y", w)]).is_none());
+    assert!(machine.rearranged(&[side("Q", t)]).is_none() && machine.rearranged(&[]).is_none());
+    // Left out with its errors.
+    let fewer = machine.rearranged(&[side("Z", t), side("Y", t), side("X", t)]).unwrap();
+    assert!(fewer.axes().iter().all(|axis| axis.kind == AxisKind::Linear));
+    assert!(fewer.errors().all(|(error, _)| error.axis.as_str().len() == 1 && !"AC".contains(error.axis.as_str())));
+}

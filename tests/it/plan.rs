@@ -1,0 +1,311 @@
+//! The compiled evaluator against the general algebra, on random machines in every convention, and against itself:
+//! at any vector width and in any batch the bits are the same.
+
+use crate::oracle::machines::{Sample, combinations};
+use crate::oracle::program::Folder;
+use crate::oracle::random::Random;
+use crate::oracle::rigid::Conventions;
+use crate::oracle::yaml;
+use abbe::analysis::{SurveyTask, View, deviation_in, map, survey};
+use abbe::diagnostic::Diagnostics;
+use abbe::evaluate::{
+    Bare, Columns, Deviation, Frame, Nodes, Order, Plan, Planned, PoseColumns, Poses, Tally, Unknown, Width,
+    command_deviation, evaluate,
+};
+use abbe::lower::{Ideal, given, sensitivities};
+use abbe::machine::{Approach, Grid, Machine};
+use abbe::syntax::{Files, ReadFailure};
+use std::path::Path;
+
+/// The file system, as it is.
+pub struct Disk;
+
+impl Files for Disk {
+    fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
+        std::fs::read(path).map_err(|e| ReadFailure::Other(e.to_string()))
+    }
+}
+
+/// The machine in a file.
+pub fn machine(path: &Path) -> Machine {
+    let mut diagnostics = Diagnostics::default();
+    let document = abbe::syntax::load(path, &Disk, &mut diagnostics).unwrap();
+    abbe::machine::resolve(&document, &Disk, &mut diagnostics).unwrap()
+}
+
+fn random_machine(random: &mut Random, conventions: Conventions, size: f64) -> (Machine, Vec<Vec<f64>>) {
+    let sample = Sample::random(random, conventions, size);
+    let folder = Folder::new();
+    yaml::write(&sample, &folder);
+    let poses = sample.poses(random, 29);
+    (machine(&folder.path("machine.yaml")), poses)
+}
+
+fn columns(machine: &Machine, poses: &[Vec<f64>]) -> PoseColumns {
+    PoseColumns::of(machine.axes().len(), poses.iter().map(Vec::as_slice))
+}
+
+fn planned(plan: &Plan, poses: &[Vec<f64>]) -> Vec<Deviation> {
+    let columns = columns(plan.machine(), poses);
+    let mut out = Columns::new(poses.len());
+    plan.deviations(&columns.batch(), out.output(poses.len()));
+    (0..poses.len()).map(|i| out.get(i)).collect()
+}
+
+/// Largest position and rotation of a list.
+fn largest(list: &[Deviation]) -> [f64; 2] {
+    list.iter().fold([0.0_f64; 2], |[p, r], d| [p.max(d.position.amax()), r.max(d.rotation.amax())])
+}
+
+fn differences(a: &[Deviation], b: &[Deviation]) -> Vec<Deviation> {
+    let one = |(a, b): (&Deviation, &Deviation)| Deviation {
+        position: a.position - b.position,
+        rotation: a.rotation - b.rotation,
+    };
+    a.iter().zip(b).map(one).collect()
+}
+
+const APPROACHES: [Approach; 3] = [Approach::Mean, Approach::Forward, Approach::Reverse];
+
+/// Asserts that plan and general algebra agree; `rounding` is that of the general algebra (mm, rad).
+fn agree(machine: &Machine, poses: &[Vec<f64>], order: Order, rounding: [f64; 2]) {
+    for approach in APPROACHES {
+        let plan = Plan::new(machine, order, approach);
+        let general: Vec<_> =
+            poses.iter().map(|pose| evaluate(machine, pose, order, approach, Frame::Workpiece).deviation).collect();
+        let (size, gap) = (largest(&general), largest(&differences(&planned(&plan, poses), &general)));
+        for kind in [0, 1] {
+            let tolerance = 1e-12 * size[kind] + rounding[kind];
+            assert!(gap[kind] <= tolerance, "{order:?} {approach:?} [{kind}]: {gap:?} of {size:?}\n{machine:?}");
+        }
+    }
+}
+
+fn every_convention(seed: u64, size: f64, linearised: bool, order: Order, rounding: [f64; 2]) {
+    let mut random = Random::new(seed);
+    for conventions in combinations() {
+        let conventions = Conventions { linearised, ..conventions };
+        let (machine, poses) = random_machine(&mut random, conventions, size);
+        assert!(Plan::new(&machine, order, Approach::Mean).is_compiled());
+        agree(&machine, &poses, order, rounding);
+    }
+}
+
+#[test]
+fn first_order_agrees_in_every_convention() {
+    every_convention(71, 1e-4, false, Order::Degree(1), [0.0; 2]);
+    every_convention(72, 1e-4, true, Order::Degree(1), [0.0; 2]);
+}
+
+#[test]
+fn second_order_agrees_in_every_convention() {
+    // Errors of 5 mrad: the second order is a hundredth of the first, not a ten-thousandth.
+    every_convention(73, 5e-3, false, Order::Degree(2), [0.0; 2]);
+    every_convention(74, 5e-3, true, Order::Degree(2), [0.0; 2]);
+}
+
+/// The general algebra takes the difference of positions of a metre, and of rotations: 2^-53 of them, a few times.
+const ROUNDING: [f64; 2] = [2e-12, 2e-15];
+
+#[test]
+fn the_exact_model_agrees_in_every_convention() {
+    every_convention(75, 1e-4, false, Order::Exact, ROUNDING);
+    every_convention(76, 1e-4, true, Order::Exact, ROUNDING);
+    every_convention(77, 1e-2, false, Order::Exact, ROUNDING);
+    every_convention(78, 1e-2, true, Order::Exact, ROUNDING);
+}
+
+/// Widths that this processor has.
+fn widths() -> Vec<Width> {
+    Width::ALL.into_iter().filter(|width| width.is_supported()).collect()
+}
+
+#[test]
+fn the_bits_depend_on_no_width_and_no_batch() {
+    let mut random = Random::new(81);
+    println!("widths: {:?}", widths());
+    for (index, conventions) in combinations().enumerate() {
+        let conventions = Conventions { linearised: index % 2 == 0, ..conventions };
+        let (machine, poses) = random_machine(&mut random, conventions, 1e-3);
+        for order in [Order::Degree(1), Order::Degree(2), Order::Exact] {
+            let plan = Plan::new(&machine, order, Approach::Mean);
+            let scalar = planned(&plan.clone().with_width(Width::Scalar), &poses);
+            let one_by_one: Vec<_> = poses.iter().map(|pose| plan.deviation(pose)).collect();
+            assert_eq!(scalar, one_by_one, "{order:?}");
+            for width in widths() {
+                let plan = plan.clone().with_width(width);
+                // 29 poses: whole vectors and a rest at every width; and every length of a batch.
+                for count in [29, 1, 3, 8, 11] {
+                    assert_eq!(planned(&plan, &poses[..count]), scalar[..count], "{order:?} {width:?} {count}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_no_kernel_covers_goes_through_the_general_algebra() {
+    let mut random = Random::new(82);
+    for linearised in [false, true] {
+        let conventions = Conventions { real: true, linearised, ..Conventions::default() };
+        let (machine, poses) = random_machine(&mut random, conventions, 1e-3);
+        for order in [Order::Degree(1), Order::Degree(2), Order::Degree(3)] {
+            assert!(!Plan::new(&machine, order, Approach::Mean).is_compiled());
+            agree(&machine, &poses, order, [0.0; 2]);
+        }
+        assert!(Plan::new(&machine, Order::Exact, Approach::Mean).is_compiled());
+        agree(&machine, &poses, Order::Exact, ROUNDING);
+    }
+    // Rotations of some tenths of a radian: beyond the series.
+    let (machine, poses) = random_machine(&mut random, Conventions::default(), 0.08);
+    agree(&machine, &poses, Order::Exact, ROUNDING);
+}
+
+#[test]
+fn sensitivities_are_those_of_the_general_algebra() {
+    let mut random = Random::new(83);
+    for (index, conventions) in combinations().enumerate() {
+        let conventions = Conventions { linearised: index % 2 == 0, ..conventions };
+        let (machine, poses) = random_machine(&mut random, conventions, 1e-3);
+        let plan = Plan::new(&machine, Order::Degree(1), Approach::Mean);
+        let given: Vec<_> = given(&machine).into_iter().filter(|g| g.error.is_some()).collect();
+        let sources: Vec<_> = given.iter().map(|g| g.source).collect();
+        let mut columns = vec![Columns::new(poses.len()); sources.len()];
+        let mut out: Vec<_> = columns.iter_mut().map(|c| c.output(poses.len())).collect();
+        plan.sensitivities(&self::columns(&machine, &poses).batch(), &sources, &mut out).unwrap();
+        for (i, pose) in poses.iter().enumerate() {
+            for (found, expected) in columns.iter().zip(sensitivities(&machine, pose, |_| true)) {
+                let found = found.get(i);
+                // Positions of a metre, rotations of one.
+                let gap = [found.position - expected.deviation, found.rotation - expected.rotation].map(|v| v.amax());
+                assert!(gap[0] < 1e-12 * 1e3 && gap[1] < 1e-14, "{:?} {gap:?}", expected.error);
+            }
+        }
+    }
+}
+
+#[test]
+fn first_order_is_linear_in_the_sensitivities_and_the_normal_equations_find_them() {
+    let (machine, poses) = random_machine(&mut Random::new(84), Conventions::default(), 1e-3);
+    let plan = Plan::new(&machine, Order::Degree(1), Approach::Mean);
+    let poses: Vec<_> = poses.into_iter().cycle().take(5000).collect();
+    let sources: Vec<_> = given(&machine).into_iter().map(|g| g.source).take(6).collect();
+    let columns = self::columns(&machine, &poses);
+    let mut parts = vec![Columns::new(poses.len()); sources.len()];
+    let mut out: Vec<_> = parts.iter_mut().map(|c| c.output(poses.len())).collect();
+    plan.sensitivities(&columns.batch(), &sources, &mut out).unwrap();
+    let truth: Vec<f64> = (1..=sources.len()).map(|k| k as f64 * 1e-5).collect();
+    let measured: [Vec<f64>; 3] = std::array::from_fn(|k| {
+        let row = |i: usize| parts.iter().zip(&truth).map(|(part, x)| part.position[k][i] * x).sum();
+        (0..poses.len()).map(row).collect()
+    });
+    let unknowns: Vec<_> = sources.iter().map(|source| Unknown { source: *source, basis: None }).collect();
+    let normal = || plan.normal_equations(&columns.batch(), &unknowns, measured.each_ref().map(Vec::as_slice)).unwrap();
+    let found = normal();
+    let residual = &found.matrix * nalgebra::DVector::from_vec(truth) - &found.right;
+    assert!(residual.amax() < 1e-12 * found.right.amax(), "{residual}");
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(alone.install(normal), found);
+}
+
+#[test]
+fn commands_are_those_of_the_general_algebra() {
+    let mut random = Random::new(85);
+    for (index, conventions) in combinations().enumerate() {
+        let conventions = Conventions { linearised: index % 2 == 0, ..conventions };
+        let (machine, poses) = random_machine(&mut random, conventions, 1e-4);
+        let added: Vec<Vec<f64>> =
+            poses.iter().map(|pose| pose.iter().map(|_| random.around(0.05)).collect()).collect();
+        let plan = Plan::new(&machine, Order::Exact, Approach::Mean);
+        let mut out = Columns::new(poses.len());
+        let (at, by) = (columns(&machine, &poses), columns(&machine, &added));
+        plan.commanded(&at.batch(), &by.batch(), out.output(poses.len())).unwrap();
+        for (i, (pose, added)) in poses.iter().zip(&added).enumerate() {
+            let command: Vec<f64> = pose.iter().zip(added).map(|(q, c)| q + c).collect();
+            let expected = command_deviation(&machine, &Ideal::at(&machine, pose).pose, &command, Approach::Mean);
+            let gap = [out.get(i).position - expected.position, out.get(i).rotation - expected.rotation];
+            let gap = gap.map(|v| v.amax());
+            // Positions of a metre; curves are looked up at the sum, which is rounded.
+            assert!(gap[0] < 4e-12 && gap[1] < 4e-15, "{gap:?} {conventions:?}");
+        }
+    }
+}
+
+fn nodes(machine: &Machine) -> Nodes {
+    let volume: Vec<Grid> = machine
+        .volume()
+        .iter()
+        .enumerate()
+        .map(|(k, grid)| Grid { step: (grid.max - grid.min) / [2.0, 3.0, 1.0, 4.0][k % 4] * 1.01, ..*grid })
+        .collect();
+    Nodes::new(&volume)
+}
+
+#[test]
+fn grids_are_the_nodes_one_by_one() {
+    let mut random = Random::new(86);
+    for (index, conventions) in combinations().enumerate() {
+        let conventions = Conventions { linearised: index % 2 == 0, ..conventions };
+        let (machine, _) = random_machine(&mut random, conventions, 1e-4);
+        let nodes = nodes(&machine);
+        let poses: Vec<Vec<f64>> = (0..nodes.len()).map(|i| nodes.get(i)).collect();
+        let plan = Plan::new(&machine, Order::Degree(1), Approach::Mean);
+        let scattered = planned(&plan, &poses);
+        let fill = |plan: &Plan, first: usize| {
+            let grid = plan.grid(&nodes).unwrap();
+            assert_eq!(grid.lines() * grid.line(), nodes.len());
+            let mut out = Columns::new(nodes.len() - first * grid.line());
+            let len = out.len();
+            grid.fill_parallel(first, out.output(len));
+            (0..len).map(|i| out.get(i)).collect::<Vec<_>>()
+        };
+        let whole = fill(&plan, 0);
+        let (size, gap) = (largest(&scattered), largest(&differences(&whole, &scattered)));
+        assert!(gap[0] <= 1e-12 * size[0] && gap[1] <= 1e-12 * size[1], "{gap:?} of {size:?}");
+        let lines = plan.grid(&nodes).unwrap();
+        assert_eq!(fill(&plan, lines.lines() / 2), whole[lines.lines() / 2 * lines.line()..]);
+        for width in widths() {
+            assert_eq!(fill(&plan.clone().with_width(width), 0), whole, "{width:?}");
+        }
+    }
+}
+
+#[test]
+fn a_survey_is_a_map_that_is_not_kept() {
+    let mut random = Random::new(87);
+    for order in [Order::Degree(1), Order::Exact] {
+        let (machine, _) = random_machine(&mut random, Conventions::default(), 1e-4);
+        let field = Planned::new(&machine, order);
+        let grid = Poses::Nodes(nodes(&machine));
+        for (poses, frame) in [
+            (grid.clone(), Frame::Workpiece),
+            (grid, Frame::Tool),
+            (Poses::Random(abbe::evaluate::Random::of(&machine, 40_000, 3)), Frame::Machine),
+        ] {
+            let view = View { approach: Approach::Mean, frame };
+            let kept = map(&field, &poses, view, &|_| ()).unwrap();
+            let survey = || survey(SurveyTask { field: &field, poses: &poses, view, worst: 4 }, &|_| ());
+            let found = survey();
+            assert_eq!(found.statistics.poses, poses.len());
+            let close =
+                |a: f64, b: f64, tolerance: f64| assert!((a - b).abs() <= tolerance * b.abs(), "{a} {b} {frame:?}");
+            for (a, b) in [
+                (found.statistics.position_um, kept.statistics.position_um),
+                (found.statistics.rotation_urad, kept.statistics.rotation_urad),
+            ] {
+                close(a.max, b.max, 1e-11);
+                close(a.mean, b.mean, 1e-11);
+                close(a.rms, b.rms, 1e-11);
+                close(a.p95, b.p95, Tally::QUANTILE_ERROR + 1e-11);
+                (0..3).for_each(|k| close(a.range[k], b.range[k], 1e-11));
+            }
+            let general = Bare { machine: &machine, order };
+            for (index, deviation) in &found.worst {
+                let expected = deviation_in(&general, &poses.get(*index), view);
+                assert!((deviation.position - expected.position).amax() < 4e-12, "{frame:?}");
+            }
+            let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+            assert_eq!(alone.install(survey), found);
+        }
+    }
+}

@@ -1,0 +1,247 @@
+#!/usr/bin/python3
+"""The kinematics module of `abbe compile --target linuxcnc-kins` in the running controller.
+
+  kins.py DIR PROGRAM.json [--keep]
+  kins.py DIR --launcher [--keep]
+
+DIR is a compiled set; its abbekins.comp is built with halcompile and its simulation (sim.ini, sim.hal)
+is started, faster than it is and with wide limits. PROGRAM.json is {"lines": [{"mdi": "G0 X1", "record":
+true, "enable": true}, ...]}: each line is run to its end, in G54 with the tool T1 of the set (G43 H1).
+Prints JSON: {"package", "joints": [[motor commands less the motor's offset] per recorded line],
+"pins": [{iterations, residual, failures, largest} per recorded line], "back": [[actual position of the
+status channel, machine coordinates] per recorded line]}; mm and deg.
+
+--launcher starts sim.ini as it is, but for its display, with the stock launcher, goes to X100 Y150 Z100 A-20 C30, and
+switches the correction off and on again by abbe-switch.sel. Prints JSON: {"on", "off", "again": joints,
+"shares": [...], "largest_step": the longest way of a joint between two looks while it fades}.
+"""
+
+import argparse
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import session  # noqa: E402
+
+FILES = ("abbekins.hal", "sim.hal", "sim.var", "sim.tbl")
+# Its messages go to a terminal or to files; what counts is the result.
+LAUNCHER = """#!/bin/sh
+linuxcnc -r sim.ini </dev/null
+test -s result.json
+"""
+# The launcher loads the first two; the last four count servo cycles.
+HAL = """loadrt tpmod
+loadrt homemod
+source sim.hal
+setp abbe-ramp.maxv 1e6
+loadrt sum2 names=cycles
+addf cycles servo-thread
+net cycles cycles.out => cycles.in0
+setp cycles.in1 1
+"""
+PINS = ("iterations", "residual", "failures", "largest")
+# A motion of this length is none to the controller.
+ARRIVED = 1e-10
+# Servo cycles after which the interpolators between tip and joints stand still.
+QUIET = 10
+START = ["G21 G90 G94 G54 G49", "G43 H1"]
+FAST = {"MAX_VELOCITY": "20000", "MAX_ACCELERATION": "4e6", "MIN_LIMIT": "-1e5", "MAX_LIMIT": "1e5",
+        "MAX_LINEAR_VELOCITY": "20000", "MAX_ANGULAR_VELOCITY": "20000",
+        "DEFAULT_LINEAR_VELOCITY": "20000", "DEFAULT_ANGULAR_VELOCITY": "20000",
+        "DISPLAY": "none"}
+
+
+def hurried(ini):
+    """The same simulation without waiting for it: paths between poses are nobody's concern."""
+    def value(match):
+        return f"{match[1]} = {FAST[match[1]]}" if match[1] in FAST else match[0]
+    return re.sub(r"^(\w+) = .*$", value, ini, flags=re.MULTILINE)
+
+
+def build(source, target):
+    """halcompile in a copy of the set; the module's path."""
+    shutil.copytree(source, target)
+    done = subprocess.run(["halcompile", "--compile", "abbekins.comp"], cwd=target, text=True,
+                          capture_output=True, check=False)
+    module = os.path.join(target, "abbekins.so")
+    if done.returncode != 0 or "warning" in done.stdout + done.stderr or not os.path.exists(module):
+        raise session.SessionFailed(f"halcompile: {done.stdout}\n{done.stderr}")
+    return module
+
+
+def worker():
+    """Inside the sandbox: runs program.json, writes result.json."""
+    with open("program.json") as source:
+        lines = json.load(source)["lines"]
+    controller = session.Controller("sim.ini", "run.hal", joint_count())
+    controller.start()
+    controller.home()
+    def idle():
+        session.time.sleep(0.001)
+    for line in START:
+        controller.mdi(line, 10, idle)
+    with open("sim.var") as source:
+        offsets = dict(line.split() for line in source)
+    zero = [float(offsets[str(5221 + k)]) for k in range(9)]
+    result = {"joints": [], "pins": [], "back": []}
+    for line in lines:
+        controller.hal.set_p("abbekins.enable", "1" if line["enable"] else "0")
+        controller.mdi(line["mdi"], 20, idle)
+        controller.wait(f"arrival of {line['mdi']}", lambda: arrived(controller.stat, zero, line["mdi"]), 20, idle)
+        if line["record"]:
+            result["joints"].append(settled(controller))
+            result["pins"].append({name: controller.pin(f"abbekins.{name}") for name in PINS})
+            controller.stat.poll()
+            result["back"].append(list(controller.stat.actual_position))
+    result["tool"] = [controller.pin(f"abbekins.tool-{letter}") for letter in "xyz"]
+    with open("result.json", "w") as out:
+        json.dump(result, out)
+    return 0
+
+
+def arrived(stat, zero, mdi):
+    """Is the commanded position the programmed one? The status may still be that of before."""
+    stat.poll()
+    for word in mdi.split()[1:]:
+        k = "XYZABCUVW".index(word[0])
+        target = float(word[1:]) + zero[k] + stat.tool_offset[k]
+        if abs(stat.position[k] - target) > ARRIVED:
+            return False
+    return True
+
+
+class Launched(session.Controller):
+    """Attaches to the controller that the launcher has started."""
+
+    def attach(self):
+        import hal
+        import linuxcnc
+        self.linuxcnc, self.hal = linuxcnc, hal
+        self.component = hal.component("abbe-test")
+        self.component.ready()
+        self.stat, self.command = linuxcnc.stat(), linuxcnc.command()
+        self.errors = linuxcnc.error_channel()
+        self.wait("status channel", self._status_is_there)
+
+    def motors(self):
+        return [self.pin(f"joint.{n}.motor-pos-cmd") - self.pin(f"joint.{n}.motor-offset")
+                for n in range(self.joints)]
+
+    def fade(self, share, result):
+        """Switches, and watches the joints until the ramp has arrived."""
+        self.hal.set_p("abbe-switch.sel", str(share))
+        before = self.motors()
+        while self.pin("abbe-ramp.out") != share:
+            session.time.sleep(0.01)
+            now = self.motors()
+            result["shares"].append(self.pin("abbe-ramp.out"))
+            step = max(abs(a - b) for a, b in zip(now, before))
+            result["largest_step"] = max(result["largest_step"], step)
+            before = now
+        session.time.sleep(0.1)
+        return self.motors()
+
+
+def display():
+    """The launcher's display program."""
+    controller = Launched("sim.ini", joints=joint_count())
+    controller.attach()
+    controller.home()
+    for line in START + ["G0 X100 Y150 Z100 A-20 C30"]:
+        controller.mdi(line, 30, lambda: session.time.sleep(0.01))
+    result = {"shares": [], "largest_step": 0.0}
+    controller.wait("the correction", lambda: controller.pin("abbe-ramp.out") == 1)
+    session.time.sleep(0.5)
+    result["on"] = controller.motors()
+    result["off"] = controller.fade(0, result)
+    result["again"] = controller.fade(1, result)
+    with open("result.json", "w") as out:
+        json.dump(result, out)
+    return 0
+
+
+def joint_count():
+    with open("sim.ini") as source:
+        return int(re.search(r"^JOINTS = (\d+)$", source.read(), re.MULTILINE)[1])
+
+
+def settled(controller):
+    """Motor commands less the motor's offset, some servo cycles after the arrival."""
+    def read():
+        return [controller.pin(f"joint.{n}.motor-pos-cmd") - controller.pin(f"joint.{n}.motor-offset")
+                for n in range(controller.joints)]
+    start = controller.pin("cycles.out")
+    controller.wait("standstill", lambda: controller.pin("cycles.out") > start + QUIET, 20)
+    return read()
+
+
+def run(directory, program, keep):
+    """A program through the simulation in a hurry."""
+    with open(os.path.join(directory, "sim.ini")) as source:
+        ini = hurried(source.read())
+    files = {"program.json": program, "sim.ini": ini, "run.hal": HAL}
+    return in_sandbox(directory, files, [session.PYTHON, "kins.py", "--worker"], keep)
+
+
+def launch(directory, keep):
+    """The simulation as it is, with the stock launcher."""
+    with open(os.path.join(directory, "sim.ini")) as source:
+        ini = source.read()
+    shown = "DISPLAY = linuxcncrsh"
+    if ini.count(shown) != 1:
+        raise session.SessionFailed(f"sim.ini has no `{shown}`")
+    files = {"sim.ini": ini.replace(shown, "DISPLAY = ./display.sh"), "launch.sh": LAUNCHER,
+             "display.sh": f"#!/bin/sh\nexec {session.PYTHON} kins.py --display > log/display.log 2>&1\n"}
+    return in_sandbox(directory, files, ["sh", "launch.sh"], keep)
+
+
+def in_sandbox(directory, files, argv, keep):
+    """Builds, runs in the sandbox, and gives the result."""
+    with session.RunDir(files, [os.path.join(directory, name) for name in FILES], keep) as rundir:
+        module = build(directory, rundir.join("set"))
+        os.mkdir(rundir.join("modules"))
+        os.rename(module, rundir.join("modules", "abbekins.so"))
+        for name in (name for name in files if name.endswith(".sh")):
+            os.chmod(rundir.join(name), 0o755)
+        session.run_worker(rundir, argv, 120, modules=rundir.join("modules"))
+        with open(rundir.join("result.json")) as source:
+            result = json.load(source)
+        result["log"] = session.logs(rundir.join("log")) if keep else ""
+    return result
+
+
+def main():
+    if sys.argv[1:] == ["--worker"]:
+        return worker()
+    if sys.argv[1:] == ["--display"]:
+        return display()
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("directory")
+    parser.add_argument("program", nargs="?")
+    parser.add_argument("--launcher", action="store_true")
+    parser.add_argument("--keep", action="store_true")
+    arguments = parser.parse_args()
+    try:
+        package = session.assert_version()
+        if arguments.launcher:
+            result = launch(arguments.directory, arguments.keep)
+        else:
+            with open(arguments.program) as source:
+                result = run(arguments.directory, source.read(), arguments.keep)
+    except session.SessionFailed as failure:
+        print(failure, file=sys.stderr)
+        return 1
+    result["package"] = package
+    print(json.dumps(result))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

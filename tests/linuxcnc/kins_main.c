@@ -1,0 +1,79 @@
+/* Calls the generated kinematics for every line of standard input: enable, share, orientation, tool
+   (3 numbers), pose (X Y Z A B C U V W). Prints, for each, a line of nine joints, the nine coordinates
+   that the forward kinematics find for them, steps and failures so far. With an argument N it calls the
+   inverse N times over all lines instead and prints the nanoseconds of processor time of a call, then of a forward call. */
+#include <stdlib.h>
+#include <time.h>
+
+#define MOST 4096
+
+static double line[MOST][15];
+
+static void apply(const double *in)
+{
+    shim_state.enable_pin = in[0] != 0.0;
+    shim_state.share_pin = in[1];
+    shim_state.orientation_pin = in[2] != 0.0;
+    shim_state.tool_x_pin = in[3];
+    shim_state.tool_y_pin = in[4];
+    shim_state.tool_z_pin = in[5];
+}
+
+static struct EmcPose pose(const double *p)
+{
+    struct EmcPose world = { { p[6], p[7], p[8] }, p[9], p[10], p[11], p[12], p[13], p[14] };
+    return world;
+}
+
+static double seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void timed(int count, long calls)
+{
+    static double joint[MOST][16];
+    double start, inverse, forward;
+    struct EmcPose world;
+    long k;
+    start = seconds();
+    for (k = 0; k < calls; k++) {
+        world = pose(line[k % count]);
+        if (kinematicsInverse(&world, joint[k % count], NULL, NULL)) exit(1);
+    }
+    inverse = seconds() - start;
+    start = seconds();
+    for (k = 0; k < calls; k++)
+        if (kinematicsForward(joint[k % count], &world, NULL, NULL)) exit(1);
+    forward = seconds() - start;
+    printf("%.0f %.0f\n", 1e9 * inverse / (double)calls, 1e9 * forward / (double)calls);
+}
+
+int main(int argc, char **argv)
+{
+    char prefix[] = "abbekins";
+    int count = 0, k, i;
+    if (extra_setup(&shim_state, prefix, 0) || kinematicsType() != KINEMATICS_BOTH) return 1;
+    for (;; count++) {
+        for (i = 0; i < 15 && count < MOST; i++)
+            if (scanf("%lf", &line[count][i]) != 1) break;
+        if (i < 15) break;
+    }
+    if (argc > 1) {
+        apply(line[0]);
+        timed(count, atol(argv[1]));
+        return 0;
+    }
+    for (k = 0; k < count; k++) {
+        double joint[16] = { 0.0 };
+        struct EmcPose world = pose(line[k]), back = { { 0, 0, 0 }, 0, 0, 0, 0, 0, 0 };
+        apply(line[k]);
+        if (kinematicsInverse(&world, joint, NULL, NULL) == 0 && kinematicsForward(joint, &back, NULL, NULL)) return 1;
+        for (i = 0; i < 9; i++) printf("%.17g ", joint[i]);
+        printf("%.17g %.17g %.17g %.17g %.17g %.17g ", back.tran.x, back.tran.y, back.tran.z, back.a, back.b, back.c);
+        printf("%.17g %.17g %.17g %d %d\n", back.u, back.v, back.w, shim_state.iterations_pin, shim_state.failures_pin);
+    }
+    return 0;
+}

@@ -1,0 +1,39 @@
+/* So much of LinuxCNC's headers and of what halcompile writes around a component as the generated
+   kinematics need: they can then be compiled and called without a controller. */
+#include <math.h>
+#include <stdio.h>
+
+struct EmcPose {
+    struct {
+        double x, y, z;
+    } tran;
+    double a, b, c, u, v, w;
+};
+typedef enum { KINEMATICS_IDENTITY = 1, KINEMATICS_BOTH = 4 } KINEMATICS_TYPE;
+typedef unsigned long int KINEMATICS_FORWARD_FLAGS;
+typedef unsigned long int KINEMATICS_INVERSE_FLAGS;
+KINEMATICS_TYPE kinematicsType(void);
+int kinematicsForward(const double *, struct EmcPose *, const KINEMATICS_FORWARD_FLAGS *, KINEMATICS_INVERSE_FLAGS *);
+int kinematicsInverse(const struct EmcPose *, double *, const KINEMATICS_INVERSE_FLAGS *, KINEMATICS_FORWARD_FLAGS *);
+#define KINS_NOT_SWITCHABLE struct shim_nothing;
+#define EXPORT_SYMBOL(name) struct shim_nothing
+
+#include "abbekins_model.h"
+
+struct __comp_state {
+    int enable_pin, orientation_pin, iterations_pin, failures_pin;
+    double share_pin, tool_x_pin, tool_y_pin, tool_z_pin, residual_pin, largest_pin;
+};
+static struct __comp_state shim_state, *__comp_first_inst = &shim_state;
+/* What can be read only cannot be assigned. */
+#define enable (0 + __comp_inst->enable_pin)
+#define orientation (0 + __comp_inst->orientation_pin)
+#define share (0 + __comp_inst->share_pin)
+#define tool_x (0 + __comp_inst->tool_x_pin)
+#define tool_y (0 + __comp_inst->tool_y_pin)
+#define tool_z (0 + __comp_inst->tool_z_pin)
+#define iterations (__comp_inst->iterations_pin)
+#define failures (__comp_inst->failures_pin)
+#define residual (__comp_inst->residual_pin)
+#define largest (__comp_inst->largest_pin)
+#define EXTRA_SETUP() static int extra_setup(struct __comp_state *__comp_inst, char *prefix, long extra_arg)
