@@ -13,7 +13,9 @@ pub(super) fn tables(reading: &Reading, records: &[Record]) -> Result<Tables, Fa
     let mut all = Tables::default();
     for record in records.iter().filter(|record| !named || !record.name.is_empty()) {
         let assembly = Assembly { reading, record, common: common.map(|c| &c.fields) };
-        if reading.target.manifest.mechanism.error_curves.is_some() {
+        if assembly.number("slope")? == Some(0.0) {
+            // A line without a slope adds nothing, whether the machine has its axes or not.
+        } else if reading.target.manifest.mechanism.error_curves.is_some() {
             all.errors.push(assembly.error()?);
         } else {
             all.tables.push(assembly.table()?);
