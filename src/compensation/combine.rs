@@ -2,10 +2,13 @@
 
 use super::{ErrorCurve, Table, Tables};
 
+/// What a table adds at a position of each of its axes, and whether approached in reverse.
+pub type LookUp<'a> = dyn Fn(&Table, &[f64], bool) -> Vec<f64> + 'a;
+
 impl Tables {
     /// These tables plus others, on the nodes of these; what only the others have is taken over as it is.
     /// The values of the others between their nodes come from `at`: table, position of each axis, direction.
-    pub fn plus(mut self, others: &Self, at: &dyn Fn(&Table, &[f64], bool) -> Vec<f64>) -> Self {
+    pub fn plus(mut self, others: &Self, at: &LookUp) -> Self {
         for other in &others.tables {
             let same = |t: &&mut Table| (&t.axes, &t.corrected) == (&other.axes, &other.corrected);
             let Some(table) = self.tables.iter_mut().find(same) else {

@@ -73,7 +73,7 @@ fn close(table: &mut Table) {
 pub fn single_error_tables(machine: &Machine, mechanisms: &Mechanisms, tables: &Tables) -> Vec<(ErrorId, Tables)> {
     let ids: Vec<ErrorId> = machine.errors().map(|(id, _)| id).collect();
     let planner = Planner { machine, mechanisms };
-    let (own, mut sums): (Vec<_>, Vec<_>) = tables.tables.iter().cloned().partition(|t| planner.from_own_error(t));
+    let (own, mut sums): (Vec<_>, Vec<_>) = tables.tables.iter().cloned().partition(|t| planner.is_by_own_error(t));
     // As they were filled: planes take what tables over one axis leave.
     sums.sort_by_key(|table| table.axes.len());
     let alone: Vec<Vec<Table>> = ids
@@ -204,7 +204,7 @@ impl Planner<'_> {
 
     /// Does a table come from its axis's own error? Those of rotary axes do, and of linear ones if the
     /// target says so.
-    fn from_own_error(&self, table: &Table) -> bool {
+    fn is_by_own_error(&self, table: &Table) -> bool {
         let by_axis = self.own_rules().is_some_and(|rules| rules.fit == Fit::Axis);
         table.is_own_axis() && (by_axis || self.machine.axes()[table.axes[0]].kind == AxisKind::Rotary)
     }

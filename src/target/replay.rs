@@ -161,7 +161,7 @@ fn cell(nodes: &[f64], position: f64, outside: OutsideTable) -> Option<(usize, f
 fn double_precision(positions: &[f64], values: &[f64], position: f64, outside: OutsideTable) -> f64 {
     match cell(positions, position, outside) {
         None => 0.0,
-        Some((low, share)) if share == 0.0 => values[low],
+        Some((low, 0.0)) => values[low],
         Some((low, share)) => values[low] * (1.0 - share) + values[low + 1] * share,
     }
 }

@@ -56,7 +56,7 @@ impl Assembly<'_> {
     fn whole(&self, name: &str) -> Result<Option<usize>, Fault> {
         let Some(value) = self.number(name)? else { return Ok(None) };
         let (_, line) = self.said(name).map_or((String::new(), 0), Clone::clone);
-        if value >= 0.0 && value < 1e7 && libm::trunc(value) == value {
+        if (0.0..1e7).contains(&value) && libm::trunc(value) == value {
             Ok(Some(value as usize))
         } else {
             Err(Fault::new(line, format!("`{name}` is no whole number of points")))
