@@ -4,8 +4,8 @@ use super::Format;
 use super::session::Session;
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::Summary;
-use crate::machine::{Approach, Machine};
-use crate::target::{Certificate, ErrorLeft, Figures, Handled, Mechanism, Target};
+use crate::machine::{Approach, AxisKind, Machine};
+use crate::target::{Certificate, ErrorLeft, Figures, Handled, Shifted, Target};
 use crate::units::significant;
 use serde_json::json;
 use std::path::Path;
@@ -36,7 +36,13 @@ impl Shown<'_> {
             .iter()
             .map(|e| (e.error.to_string(), json!({"handled": e.handled, "left_um": e.left, "alone_um": e.alone})))
             .collect();
+        let shifted = certificate.shifted.as_ref();
+        let shift = |s: &Shifted| {
+            let um: Vec<f64> = s.shift.iter().map(|mm| mm * 1000.0).collect();
+            json!({"shift_um": self.named(&um), "position_um": s.position_um})
+        };
         json!({
+            "reference_shift": shifted.map(shift),
             "target": self.target.manifest.target, "files": self.files, "poses": certificate.poses,
             "direction": certificate.approach, "tool": self.machine.tool().name,
             "uncompensated": summary(&certificate.uncompensated), "compensated": summary(&certificate.compensated),
@@ -47,8 +53,26 @@ impl Shown<'_> {
     }
 
     fn by_axis(&self, direction: usize) -> serde_json::Map<String, serde_json::Value> {
+        self.named(&self.certificate.at_reference[direction])
+    }
+
+    fn named(&self, values: &[f64]) -> serde_json::Map<String, serde_json::Value> {
         let names = self.machine.axes().iter().map(|axis| axis.name.to_string());
-        names.zip(&self.certificate.at_reference[direction]).map(|(name, c)| (name, json!(c))).collect()
+        names.zip(values).map(|(name, value)| (name, json!(value))).collect()
+    }
+
+    /// What a new reference position does where tables must vanish at it.
+    fn shifted(&self) -> String {
+        let Some(shifted) = &self.certificate.shifted else { return String::new() };
+        let linear = self.machine.axes().iter().zip(&shifted.shift).filter(|(axis, _)| axis.kind == AxisKind::Linear);
+        let list: Vec<String> =
+            linear.map(|(axis, mm)| format!("{} {} um", axis.name, significant(mm * 1000.0, 4))).collect();
+        format!(
+            "The tables vanish at the reference position. With the machine zero moved besides by {} the position is at most {} um off, 95 % {}.\n",
+            list.join(", "),
+            significant(shifted.position_um.max, 4),
+            significant(shifted.position_um.p95, 4)
+        )
     }
 
     fn csv(&self) -> String {
@@ -99,7 +123,7 @@ impl Shown<'_> {
             let cells = [s.max, s.p95, s.rms, s.mean].map(|x| significant(x, 4));
             let _ = table.add_row(std::iter::once(name.to_owned()).chain(cells));
         }
-        format!("{table}\n{}", ratio(&before.all.position_um, &after.all.position_um))
+        format!("{table}\n{}{}", ratio(&before.all.position_um, &after.all.position_um), self.shifted())
     }
 
     /// Only what is left: a list of forty errors that are gone helps nobody.
@@ -232,10 +256,7 @@ fn tool(machine: &Machine, target: &Target) -> String {
     let length: f64 = (0..3).map(|i| (tool.tip[i] - tool.gauge[i]) * (tool.tip[i] - tool.gauge[i])).sum();
     let length = significant(libm::sqrt(length), 6);
     let name = if tool.name.is_empty() { String::new() } else { format!("`{}`, ", tool.name) };
-    let only = match target.manifest.mechanism {
-        Mechanism::Lattice(_) => "; the tables hold for it only",
-        Mechanism::OwnAxis(_) | Mechanism::Kinematics(_) => "",
-    };
+    let only = if target.manifest.tool_dependent() { "; the tables hold for it only" } else { "" };
     format!("{name}{length} mm from the gauge point to the functional point{only}")
 }
 

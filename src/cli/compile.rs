@@ -3,11 +3,11 @@
 use super::certificate_output::{Shown, warnings};
 use super::files::Disk;
 use super::session::Session;
-use super::{Outcome, Stop, file_set, kinematics, load};
-use crate::compensation::{Capability, Goal, LatticeRequest, Scope, Tables, resampled};
+use super::{Outcome, Stop, file_set, kinematics, load, verify};
+use crate::compensation::{Fit, Goal, LatticeRequest, Scope, Stored, Tables, resampled};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{AxisKind, Machine};
-use crate::target::{Certificate, Hashed, Limits, Lock, RenderedFile, Target, certify, is_plain_name};
+use crate::target::{Certificate, Hashed, Judged, Limits, Lock, NAMES, RenderedFile, Target, certify, is_plain_name};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -21,8 +21,14 @@ pub(super) struct Args {
     /// Folder for the files.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Write files of a format or a sign that is known from memory only.
+    #[arg(long)]
+    accept_unverified: bool,
     #[command(flatten)]
     pub options: Options,
+    /// The compensation files that were in force when the machine was measured: what is written is old plus new.
+    #[arg(long, value_name = "DIR")]
+    installed: Option<PathBuf>,
     /// Raise the limits on corrections: length, angle, slope.
     #[arg(long, value_name = "1 mm, 5 mrad, 0.01", value_parser = Limits::parse)]
     pub max_correction: Option<Limits>,
@@ -62,6 +68,32 @@ pub(super) struct How {
     /// A folder with targets of your own.
     #[arg(long, value_name = "DIR")]
     templates: Option<PathBuf>,
+    /// What stored numbers mean, where the manual does not say it; by default what `abbe targets` says.
+    #[arg(long, value_enum)]
+    pub stored: Option<StoredArg>,
+}
+
+/// The meaning of stored numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum StoredArg {
+    /// Added to the command.
+    Correction,
+    /// Actual minus nominal; the controller subtracts it.
+    Error,
+}
+
+impl StoredArg {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Correction => "stored correction",
+            Self::Error => "stored error",
+        }
+    }
+
+    /// What the manifest of a set says.
+    pub(super) fn of(options: &[String]) -> Option<Self> {
+        [Self::Correction, Self::Error].into_iter().find(|arg| options.iter().any(|o| o == arg.word()))
+    }
 }
 
 /// What is corrected.
@@ -84,8 +116,8 @@ const LATTICE_DAMPING: f64 = 0.15;
 
 impl Options {
     /// What the tables leave, at the poses asked for.
-    pub(super) fn certificate(&self, machine: &Machine, target: &Target, tables: &Tables) -> Certificate {
-        certify(machine, target, tables, self.how.scope(), self.poses as usize, self.seed)
+    pub(super) fn certificate(&self, machine: &Machine, judged: Judged) -> Certificate {
+        certify(machine, judged, self.how.scope(), self.poses as usize, self.seed)
     }
 }
 
@@ -107,15 +139,25 @@ impl How {
     fn words(&self) -> Vec<String> {
         let scope = self.scope();
         let goal = if scope.goal == Goal::Pose { "pose" } else { "position" };
-        vec![format!("correct {goal}"), format!("with {} axes", if scope.rotary { "all" } else { "linear" })]
+        let mut words =
+            vec![format!("correct {goal}"), format!("with {} axes", if scope.rotary { "all" } else { "linear" })];
+        words.extend(self.stored.map(|stored| stored.word().to_owned()));
+        words
     }
 
-    pub(super) fn target(&self, session: &mut Session, name: &str) -> Result<Target, Stop> {
+    /// The target of a name, its stored numbers meaning what is asked for.
+    pub(super) fn target(&self, session: &mut Session, name: &str, stored: Option<StoredArg>) -> Result<Target, Stop> {
         if let Some(folder) = self.templates.as_deref().filter(|_| is_plain_name(name)) {
             refuse_links(session, &folder.join(name))?;
         }
         let target = Target::find(name, self.templates.as_deref(), &Disk, &mut session.diagnostics);
-        target.ok_or(Stop::Refused)
+        let mut target = target.ok_or(Stop::Refused)?;
+        match stored.or(self.stored) {
+            Some(StoredArg::Correction) => target.manifest.mechanism.store(Stored::Correction),
+            Some(StoredArg::Error) => target.manifest.mechanism.store(Stored::Error),
+            None => {}
+        }
+        Ok(target)
     }
 }
 
@@ -141,14 +183,18 @@ fn lattice_axes(session: &Session, machine: &Machine, named: &[String]) -> Resul
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.options.tool.as_deref())?;
     let inputs = inputs(session);
-    let target = args.options.how.target(session, &args.target)?;
+    let target = args.options.how.target(session, &args.target, None)?;
+    refuse_unverified(session, &target, args.accept_unverified)?;
     if target.manifest.kinematics().is_some() {
         return kinematics::compile(session, args, &machine, &target, inputs);
     }
+    let installed = verify::installed(session, &machine, &target, &args.options, args.installed.as_deref())?;
     let limits = args.max_correction.unwrap_or_default();
-    let Made { rendered, tables } =
-        made(session, &machine, &target, (&args.lattice, args.nodes), args.options.how.scope(), limits)?;
-    let certificate = args.options.certificate(&machine, &target, &tables);
+    let lattice = (&args.lattice[..], args.nodes);
+    let made = made(session, &machine, &target, lattice, args.options.how.scope(), limits, installed.as_ref())?;
+    let Made { rendered, tables } = made;
+    let judged = Judged { target: &target, tables: &tables, installed: installed.as_ref() };
+    let certificate = args.options.certificate(&machine, judged);
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
     let files = rendered.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
@@ -176,7 +222,8 @@ pub(super) struct Made {
 }
 
 /// Fills the tables of a target, renders its files and reads them back as `verify` would. A lattice is
-/// given by the names of its axes (none: all) and the largest number of its nodes.
+/// given by the names of its axes (none: all) and the largest number of its nodes; what is filled goes on top
+/// of what is installed.
 pub(super) fn made(
     session: &mut Session,
     machine: &Machine,
@@ -184,21 +231,41 @@ pub(super) fn made(
     (lattice, max_nodes): (&[String], usize),
     scope: Scope,
     limits: Limits,
+    installed: Option<&Tables>,
 ) -> Result<Made, Stop> {
     if target.manifest.kinematics().is_some() {
         return session.refuse(without_tables(target));
     }
+    if let Some(refusal) = target.refusal(machine) {
+        return session.refuse(refusal);
+    }
     let axes = lattice_axes(session, machine, lattice)?;
     let request = LatticeRequest { axes, max_nodes, scope };
     refuse_impossible_lattice(session, machine, target, &request)?;
-    let tables = Arc::new(target.tables(machine, &request));
+    let tables = Arc::new(match installed {
+        Some(installed) => target.tables_over(machine, &request, installed),
+        None => target.tables(machine, &request),
+    });
     warn_left_out(session, machine, target, &tables);
     limits.exceeded(machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
+    target.violations(machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
     session.checked()?;
     let rendered = target.render(machine, &tables, &mut session.diagnostics).ok_or(Stop::Refused)?;
     session.checked()?;
     let tables = read_back(session, machine, target, &rendered, &tables)?;
     Ok(Made { rendered, tables })
+}
+
+/// What rests on memory alone is written only for those who say that they know. A folder of one's own
+/// needs no such word: who wrote its manifest knows.
+fn refuse_unverified(session: &mut Session, target: &Target, accepted: bool) -> Outcome {
+    let name = &target.manifest.target;
+    if accepted || !target.manifest.unverified() || !NAMES.contains(&&**name) {
+        return Ok(());
+    }
+    let message = format!("the format of `{name}` is known from memory only: {}", target.manifest.caution());
+    let help = "`abbe explain TARGET` says what is sure; to write the files all the same: --accept-unverified";
+    session.refuse(Diagnostic::new("E0710", message).help(help))
 }
 
 /// A lattice has two nodes on every axis at the least, and something to correct.
@@ -208,8 +275,9 @@ fn refuse_impossible_lattice(
     target: &Target,
     request: &LatticeRequest,
 ) -> Outcome {
-    let Capability::Lattice(capability) = target.manifest.capability() else { return Ok(()) };
-    let most = request.max_nodes.min(capability.max_nodes);
+    let free = target.manifest.mechanism.lattice.as_ref().filter(|rules| rules.inputs.is_empty());
+    let Some(rules) = free else { return Ok(()) };
+    let most = request.max_nodes.min(rules.max_points);
     let least = 2_usize.checked_pow(u32::try_from(request.axes.len()).unwrap_or(u32::MAX)).unwrap_or(usize::MAX);
     if least > most {
         let message = format!("a lattice over {} axes has more than {most} nodes at the least", request.axes.len());
@@ -217,7 +285,7 @@ fn refuse_impossible_lattice(
         return session.refuse(Diagnostic::new("E0603", message).help(help));
     }
     let linear = machine.axes().iter().any(|axis| axis.kind == AxisKind::Linear);
-    let able = linear || (request.scope.rotary && capability.corrects_rotary);
+    let able = linear || (request.scope.rotary && rules.corrects_rotary);
     if !able {
         let message = "the machine has no linear axis to correct the position with";
         let help = "let the rotary axes correct: --with all, or --correct pose";
@@ -228,16 +296,17 @@ fn refuse_impossible_lattice(
 
 /// What does not go into the tables: points beyond the format's limit, travel beyond the volume.
 fn warn_left_out(session: &mut Session, machine: &Machine, target: &Target, tables: &Tables) {
-    if let Capability::OwnAxis(capability) = target.manifest.capability() {
-        for (axis, points) in resampled(machine, &capability) {
-            let (name, most) = (&machine.axes()[axis].name, capability.max_points);
+    if let Some(rules) = target.manifest.mechanism.own_axis.as_ref().filter(|rules| rules.fit == Fit::Axis) {
+        for (axis, points) in resampled(machine, rules) {
+            let (name, most) = (&machine.axes()[axis].name, rules.max_points);
             let message =
                 format!("the curves of `{name}` have {points} points, the format holds {most}: they were resampled");
             let help = "thin the curve out yourself if certain points matter";
             session.diagnostics.push(Diagnostic::new("W0604", message).help(help));
         }
     }
-    let Tables::Lattice(lattice) = tables else { return };
+    let free = target.manifest.mechanism.lattice.as_ref().is_some_and(|rules| rules.inputs.is_empty());
+    let Some(lattice) = tables.tables.first().filter(|_| free) else { return };
     for axis in &lattice.axes {
         let (this, grid) = (&machine.axes()[*axis], machine.volume()[*axis]);
         let (min, max) = this.travel.interval();
@@ -277,7 +346,7 @@ fn read_back(
     let read = target.read(machine, &texts, &mut session.diagnostics);
     session.checked()?;
     match read {
-        Some(read) if read == *meant => Ok(read),
+        Some(read) if read.same_effect(meant) => Ok(read),
         _ => session.refuse(
             Diagnostic::new(
                 "E0707",

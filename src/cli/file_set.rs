@@ -15,7 +15,13 @@ use std::path::{Path, PathBuf};
 pub(super) fn write(folder: &Path, files: &[RenderedFile], lock: &Lock) -> Result<(), Diagnostic> {
     fs::create_dir_all(folder).map_err(|failure| unwritable(folder, &failure.to_string()))?;
     let _guard = exclusive(folder)?;
-    let old = existing_lock(folder);
+    let mut old = existing_lock(folder);
+    let left = left_over(folder);
+    // A run that was killed between its renames: files that its manifest names are ours too.
+    if let Some(lock) = &mut old {
+        let half_written = left.iter().filter(|path| path.to_string_lossy().contains(LOCK_NAME));
+        lock.files.extend(half_written.filter_map(|path| lock_at(path)).flat_map(|lock| lock.files));
+    }
     let manifest = RenderedFile { name: LOCK_NAME.to_owned(), bytes: lock.to_text().into_bytes() };
     for file in files {
         refuse_foreign(folder, file, old.as_ref())?;
@@ -23,6 +29,7 @@ pub(super) fn write(folder: &Path, files: &[RenderedFile], lock: &Lock) -> Resul
     refuse_odd_manifest(folder, old.is_some())?;
     let all: Vec<&RenderedFile> = files.iter().chain([&manifest]).collect();
     Beside::write(folder, &all)?.rename(folder)?;
+    left.iter().for_each(|path| drop(fs::remove_file(path)));
     // Last, so that whatever fails before leaves the old set whole.
     remove_stale(folder, files, old.as_ref());
     Ok(())
@@ -41,8 +48,23 @@ fn exclusive(folder: &Path) -> Result<fs::File, Diagnostic> {
 
 /// The manifest of the set that is in the folder.
 pub(super) fn existing_lock(folder: &Path) -> Option<Lock> {
-    let bytes = read_at_most(&folder.join(LOCK_NAME), SET_LIMIT).ok()?;
+    lock_at(&folder.join(LOCK_NAME))
+}
+
+fn lock_at(path: &Path) -> Option<Lock> {
+    let bytes = read_at_most(path, SET_LIMIT).ok()?;
     Lock::from_text(&String::from_utf8(bytes).ok()?)
+}
+
+/// Temporary files of runs that were killed: `.NAME.PID.tmp`. Whoever holds the folder has no other.
+fn left_over(folder: &Path) -> Vec<PathBuf> {
+    let ours = |name: &str| {
+        let middle = name.strip_prefix('.').and_then(|n| n.strip_suffix(".tmp")).and_then(|n| n.rsplit_once('.'));
+        middle.is_some_and(|(name, pid)| !name.is_empty() && pid.bytes().all(|b| b.is_ascii_digit()))
+    };
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let regular = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()));
+    regular.filter(|entry| ours(&entry.file_name().to_string_lossy())).map(|entry| entry.path()).collect()
 }
 
 fn refuse_foreign(folder: &Path, file: &RenderedFile, old: Option<&Lock>) -> Result<(), Diagnostic> {

@@ -16,7 +16,7 @@ use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Deviation, Field, Nodes, Order, Planned, Poses, Random, Spread, Statistics, Tally, worst};
 use crate::machine::Machine;
 use crate::report::Rows;
-use crate::target::{Compensated, Limits, Replay, Target, certify};
+use crate::target::{Compensated, Judged, Limits, Replay, Target, certify};
 use crate::units::significant;
 use serde_json::json;
 use std::path::PathBuf;
@@ -66,7 +66,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let compensation = compensation(session, args, &machine, order)?;
     let bare = Planned::new(&machine, order);
     let replayed = compensation.as_ref().map(|(target, tables)| {
-        let replay = Replay::new(&machine, tables, target.manifest.controller);
+        let replay = Replay::new(&machine, tables, &target.manifest.mechanism, target.manifest.controller);
         Compensated { machine: &machine, replay }
     });
     let field: &dyn Field = replayed.as_ref().map_or(&bare as &dyn Field, |field| field);
@@ -124,9 +124,10 @@ fn compensation(
             "a compensated machine is mapped with the exact model: leave `--order` out, or say `--order exact`",
         );
     }
-    let target = args.how.target(session, name)?;
-    let tables = made(session, machine, &target, (&[], usize::MAX), args.how.scope(), Limits::default())?.tables;
-    let certificate = certify(machine, &target, &tables, args.how.scope(), CERTIFIED, args.seed);
+    let target = args.how.target(session, name, None)?;
+    let tables = made(session, machine, &target, (&[], usize::MAX), args.how.scope(), Limits::default(), None)?.tables;
+    let judged = Judged { target: &target, tables: &tables, installed: None };
+    let certificate = certify(machine, judged, args.how.scope(), CERTIFIED, args.seed);
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
     Ok(Some((target, tables)))

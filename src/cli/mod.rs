@@ -10,6 +10,7 @@ mod classify;
 mod compare;
 mod compile;
 mod convert;
+mod diff;
 mod effects;
 mod enumerate;
 mod equations;
@@ -134,6 +135,8 @@ enum Verb {
     Verify(verify::Args),
     /// One self-contained HTML page for a design review.
     Report(report::Args),
+    /// How far two sets of compensation files are apart, in micrometres.
+    Diff(diff::Args),
     /// The controllers, what they can express, and how sure that is.
     Targets,
     /// The long text of a code, an error name or a target.
@@ -195,6 +198,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Compile(args) => compile::run(session, &args),
         Verb::Verify(args) => verify::run(session, &args),
         Verb::Report(args) => report::run(session, &args),
+        Verb::Diff(args) => diff::run(session, &args),
         Verb::Targets => targets::run(session),
         Verb::Check(args) => check::run(session, &args),
         Verb::Explain(args) => explain::run(session, &args),

@@ -17,7 +17,7 @@ use crate::report::page::{
 };
 use crate::report::{Drawn, PlanePicture, Shown, axis_curves, chain_picture};
 use crate::syntax::Files;
-use crate::target::{Compensated, Limits, Replay, Target};
+use crate::target::{Compensated, Judged, Limits, Replay, Target};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -142,10 +142,11 @@ impl Subject {
 
 /// What `compile` would write for a target, and its certificate.
 fn compensation(session: &mut Session, args: &Args, machine: &Machine, name: &str) -> Result<Written, Stop> {
-    let target: Target = args.options.how.target(session, name)?;
-    let Made { tables, .. } =
-        made(session, machine, &target, (&[], usize::MAX), args.options.how.scope(), Limits::default())?;
-    let certificate = args.options.certificate(machine, &target, &tables);
+    let target: Target = args.options.how.target(session, name, None)?;
+    let (scope, limits) = (args.options.how.scope(), Limits::default());
+    let Made { tables, .. } = made(session, machine, &target, (&[], usize::MAX), scope, limits, None)?;
+    let judged = Judged { target: &target, tables: &tables, installed: None };
+    let certificate = args.options.certificate(machine, judged);
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
     Ok(Written { target, tables, certificate })
@@ -181,7 +182,12 @@ fn plane(given: &Given<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
         PlanePicture { machine, plane: &bare, view, order, shown: Shown::Length, drawn: Drawn::Colours, state, like };
     let mut svgs = vec![picture.svg(), PlanePicture { drawn: Drawn::Grid, ..picture }.svg()];
     for written in given.written {
-        let replay = Replay::new(machine, &written.tables, written.target.manifest.controller);
+        let replay = Replay::new(
+            machine,
+            &written.tables,
+            &written.target.manifest.mechanism,
+            written.target.manifest.controller,
+        );
         let after = of(&Compensated { machine, replay });
         let state = format!("after {}", written.target.manifest.target);
         for drawn in [Drawn::Colours, Drawn::Grid] {

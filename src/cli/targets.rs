@@ -2,7 +2,8 @@
 
 use super::session::Session;
 use super::{Format, Outcome};
-use crate::target::{Carries, Mechanism, NAMES, Target};
+use crate::compensation::{Carries, KinematicsMechanism, Spacing, TableRules};
+use crate::target::{NAMES, Target};
 use serde_json::json;
 
 pub(super) fn run(session: &Session) -> Outcome {
@@ -21,43 +22,59 @@ pub(super) fn describe(target: &Target) -> String {
     let mut text = format!("{}: {}\n  corrects: {}\n", m.target, m.title, m.expresses);
     m.cannot.iter().for_each(|line| text.push_str(&format!("  cannot correct: {line}\n")));
     text.push_str(&format!("  limits: {}\n", limits(target)));
-    text.push_str(&format!("  syntax: {} ({})\n", m.certainty.syntax.level, m.certainty.syntax.source));
-    text.push_str(&format!("  sign: {} ({})\n", m.certainty.sign.level, m.certainty.sign.source));
+    text.push_str(&format!("  syntax: {} ({})\n", m.certainty.syntax.level.word(), m.certainty.syntax.source));
+    text.push_str(&format!("  sign: {} ({})\n", m.certainty.sign.level.word(), m.certainty.sign.source));
     text.push_str(&format!("  sign test: {}\n", m.sign_test.trim()));
     text
 }
 
 fn limits(target: &Target) -> String {
-    use crate::compensation::Capability;
-    let increment = target.manifest.increment();
-    let decimals = format!("{} decimals of a correction (mm, deg)", increment.correction_decimals);
-    match target.manifest.capability() {
-        Capability::OwnAxis(own) => format!("{} points per axis, {decimals}", own.max_points),
-        Capability::Lattice(lattice) => format!("{} nodes, {decimals}", lattice.max_nodes),
-        Capability::Kinematics => kinematics_limits(target, &decimals),
+    let mechanism = &target.manifest.mechanism;
+    let tables = mechanism.iter().map(|(name, rules)| rule(name, rules));
+    tables.chain(mechanism.kinematics.iter().map(kinematics_limits)).collect::<Vec<_>>().join("; ")
+}
+
+/// The limits of one mechanism in words.
+fn rule(name: &str, rules: &TableRules) -> String {
+    let decimals = rules.increment.correction_decimals;
+    let step = match (decimals, rules.increment.correction_scale.mm) {
+        (_, 1.0) => format!("{decimals} decimals of a correction (mm, deg)"),
+        (0, scale) => format!("whole numbers of 1/{scale} mm"),
+        (_, scale) => format!("{decimals} decimals of 1/{scale} mm"),
+    };
+    match name {
+        "own_axis" => format!("{} points per axis, {step}", rules.max_points),
+        "lattice" => format!("{} nodes, {step}", rules.max_points),
+        "error_curves" => format!("{} points per error, {decimals} decimals (mm, rad)", rules.max_points),
+        _ if rules.spacing == Spacing::Line => {
+            format!("one factor for each of {} pairs of axes, {decimals} decimals of 1/1000", rules.pairs.len())
+        }
+        _ => {
+            let kind = name.replace('_', "-");
+            let tables = if rules.max_tables == usize::MAX { String::new() } else { format!("{} ", rules.max_tables) };
+            format!("{tables}{kind} tables of {} points, {step}", rules.max_points)
+        }
     }
 }
 
-fn mechanism(target: &Target) -> &'static str {
-    match target.manifest.mechanism {
-        Mechanism::OwnAxis(_) => "own_axis",
-        Mechanism::Lattice(_) => "lattice",
-        Mechanism::Kinematics(_) => "kinematics",
-    }
+fn mechanism(target: &Target) -> String {
+    let mechanism = &target.manifest.mechanism;
+    let tables = mechanism.iter().map(|(name, _)| name);
+    tables.chain(mechanism.kinematics.iter().map(|_| "kinematics")).collect::<Vec<_>>().join(" ")
 }
 
-fn kinematics_limits(target: &Target, decimals: &str) -> String {
-    match target.manifest.kinematics().map(|mechanism| mechanism.carries) {
-        Some(Carries::FullModel) => {
+fn kinematics_limits(mechanism: &KinematicsMechanism) -> String {
+    match mechanism.carries {
+        Carries::FullModel => {
             "nine axes, numbers as exact as the machine file's; the mean of forward and reverse".to_owned()
         }
-        _ => format!("a few constants, {}", decimals.replace("a correction (mm, deg)", "each")),
+        _ => format!("a few constants, {} decimals of each", mechanism.increment.correction_decimals),
     }
 }
 
 fn json(target: &Target) -> serde_json::Value {
     let m = &target.manifest;
-    let certainty = |c: &crate::target::Certainty| json!({"level": c.level, "source": c.source});
+    let certainty = |c: &crate::target::Certainty| json!({"level": c.level.word(), "source": c.source});
     json!({
         "target": m.target, "title": m.title, "mechanism": mechanism(target), "expresses": m.expresses,
         "cannot": m.cannot, "limits": limits(target), "sign_test": m.sign_test.trim(),
@@ -68,7 +85,7 @@ fn json(target: &Target) -> serde_json::Value {
 fn csv(targets: &[Target]) -> String {
     let row = |t: &Target| {
         let m = &t.manifest;
-        format!("{},{},{},{}", m.target, mechanism(t), m.certainty.syntax.level, m.certainty.sign.level)
+        format!("{},{},{},{}", m.target, mechanism(t), m.certainty.syntax.level.word(), m.certainty.sign.level.word())
     };
     let rows = targets.iter().map(row);
     std::iter::once("target,mechanism,syntax,sign".to_owned()).chain(rows).collect::<Vec<_>>().join("\n")

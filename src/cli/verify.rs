@@ -1,13 +1,14 @@
 //! `abbe verify`: replay files as the controller would and certify what they leave.
 
 use super::certificate_output::{Shown, warnings};
-use super::compile::Options;
+use super::compile::{Options, StoredArg};
 use super::files::{Disk, SET_LIMIT, read_at_most};
 use super::session::Session;
 use super::{Outcome, Stop, file_set, kinematics, load};
+use crate::compensation::Tables;
 use crate::diagnostic::Diagnostic;
 use crate::machine::{Approach, Machine};
-use crate::target::{LOCK_NAME, Lock, NAMES, Replay, Target, certify, is_plain_name};
+use crate::target::{Judged, LOCK_NAME, Lock, NAMES, Recognised, Replay, Target, is_plain_name, recognise};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -25,6 +26,16 @@ pub(super) struct Args {
     pub replay: Option<PathBuf>,
     #[command(flatten)]
     pub options: Options,
+    /// The compensation files that were in force when the machine was measured: what is judged here replaces them.
+    #[arg(long, value_name = "DIR")]
+    installed: Option<PathBuf>,
+}
+
+/// A set found in a folder.
+pub(super) struct Found {
+    pub target: Target,
+    pub tables: Tables,
+    pub files: Vec<String>,
 }
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
@@ -33,43 +44,118 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let made_for = lock.as_ref().map(|lock| lock.tool.clone()).filter(|name| !name.is_empty());
     let machine = load::machine(session, &args.machine, args.options.tool.clone().or(made_for).as_deref())?;
     warn_other_inputs(session, lock.as_ref());
-    let target = target(session, &machine, args)?;
-    let names = target.table_files(&machine);
-    let texts = file_set::read(&args.folder, &names, &mut session.diagnostics);
-    session.checked()?;
-    warn_edited(session, &args.folder);
-    if target.manifest.kinematics().is_some() {
+    let known = known(session, &machine, &args.folder, args.target.as_deref(), &args.options)?;
+    if let Some((target, present)) = known.filter(|(target, _)| target.manifest.kinematics().is_some()) {
+        let texts = file_set::read(&args.folder, &present, &mut session.diagnostics);
+        session.checked()?;
+        warn_edited(session, &args.folder);
         return kinematics::verify(session, args, &machine, &target, &texts);
     }
-    let Some(tables) = target.read(&machine, &texts, &mut session.diagnostics) else {
-        session.checked()?;
-        return session.refuse(nothing_found(&args.folder));
-    };
+    let set = found(session, &machine, &args.folder, args.target.as_deref(), &args.options)?;
+    session.checked()?;
+    warn_edited(session, &args.folder);
+    let installed = installed(session, &machine, &set.target, &args.options, args.installed.as_deref())?;
+    let Found { target, tables, files } = set;
     session.checked()?;
     if let Some(path) = &args.replay {
-        let replay = Replay::new(&machine, &tables, target.manifest.controller);
+        let replay = Replay::new(&machine, &tables, &target.manifest.mechanism, target.manifest.controller);
         return print_replay(session, &machine, &target, &replay, path);
     }
-    let certificate =
-        certify(&machine, &target, &tables, args.options.how.scope(), args.options.poses as usize, args.options.seed);
+    let judged = Judged { target: &target, tables: &tables, installed: installed.as_ref() };
+    let certificate = args.options.certificate(&machine, judged);
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
-    Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.folder }
-        .print(session);
+    Shown { machine: &machine, target: &target, certificate: &certificate, files, folder: &args.folder }.print(session);
     Ok(())
 }
 
-/// The target named, else the manifest's, else the first whose files are there.
-fn target(session: &mut Session, machine: &Machine, args: &Args) -> Result<Target, Stop> {
-    let named = args.target.clone().or_else(|| file_set::existing_lock(&args.folder).map(|lock| lock.target));
-    if let Some(name) = named {
-        return args.options.how.target(session, &name);
+/// The target of the files in a folder, and which of its files are there: the target named, else the
+/// manifest's, else the first whose files are there by name.
+fn known(
+    session: &mut Session,
+    machine: &Machine,
+    folder: &Path,
+    named: Option<&str>,
+    options: &Options,
+) -> Result<Option<(Target, Vec<String>)>, Stop> {
+    let lock = file_set::existing_lock(folder);
+    let named = named.map(str::to_owned).or_else(|| lock.as_ref().map(|lock| lock.target.clone()));
+    let there = |target: &Target| target.table_files(machine).iter().any(|name| folder.join(name).exists());
+    let by_name = || NAMES.iter().filter_map(|name| Target::embedded(name)).find(there).map(|t| t.manifest.target);
+    let Some(name) = named.or_else(by_name) else { return Ok(None) };
+    let stored = lock.and_then(|lock| options.how.stored.or_else(|| StoredArg::of(&lock.options)));
+    let target = options.how.target(session, &name, stored)?;
+    let mut present = target.table_files(machine);
+    present.retain(|name| folder.join(name).symlink_metadata().is_ok());
+    Ok(Some((target, present)))
+}
+
+/// The tables in a folder: of the target that is known by names, else of the one that their content tells.
+pub(super) fn found(
+    session: &mut Session,
+    machine: &Machine,
+    folder: &Path,
+    named: Option<&str>,
+    options: &Options,
+) -> Result<Found, Stop> {
+    let Some((target, present)) = known(session, machine, folder, named, options)? else {
+        return by_content(session, machine, folder);
+    };
+    if target.manifest.kinematics().is_some() {
+        let message = format!("`{}` holds a kinematics module, which has no tables", folder.display());
+        let help = "a module is written anew from the machine file, not on top of another one";
+        return session.refuse(Diagnostic::new("E0711", message).help(help));
     }
-    let there = |target: &Target| target.table_files(machine).iter().any(|name| args.folder.join(name).exists());
-    match NAMES.iter().filter_map(|name| Target::embedded(name)).find(there) {
-        Some(target) => Ok(target),
-        None => session.refuse(nothing_found(&args.folder)),
+    let texts = file_set::read(folder, &present, &mut session.diagnostics);
+    session.checked()?;
+    let read = target.read(machine, &texts, &mut session.diagnostics);
+    session.checked()?;
+    match read {
+        Some(tables) => Ok(Found { target, tables, files: present }),
+        None => session.refuse(nothing_found(folder)),
     }
+}
+
+/// Files of any name.
+fn by_content(session: &mut Session, machine: &Machine, folder: &Path) -> Result<Found, Stop> {
+    const MOST_FILES: usize = 100;
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let regular = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()));
+    let mut names: Vec<String> = regular.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    names.sort();
+    names.truncate(MOST_FILES);
+    let text = |name: String| {
+        let bytes = read_at_most(&folder.join(&name), SET_LIMIT).ok()?;
+        String::from_utf8(bytes).ok().map(|text| (name, text))
+    };
+    let texts: Vec<(String, String)> = names.into_iter().filter_map(text).collect();
+    match recognise(machine, &texts, &mut session.diagnostics) {
+        Some(Recognised { target, tables, files }) => Ok(Found { target, tables, files }),
+        None => {
+            session.checked()?;
+            session.refuse(nothing_found(folder))
+        }
+    }
+}
+
+/// The tables that were in force when the machine was measured.
+pub(super) fn installed(
+    session: &mut Session,
+    machine: &Machine,
+    target: &Target,
+    options: &Options,
+    folder: Option<&Path>,
+) -> Result<Option<Tables>, Stop> {
+    let Some(folder) = folder else { return Ok(None) };
+    let set = found(session, machine, folder, None, options)?;
+    session.checked()?;
+    if set.target.manifest.target == target.manifest.target {
+        return Ok(Some(set.tables));
+    }
+    let (old, new) = (&set.target.manifest.target, &target.manifest.target);
+    let message = format!("the files in `{}` are of target `{old}`, not of `{new}`", folder.display());
+    let help = "only tables of the same target can be written on top of each other";
+    session.refuse(Diagnostic::new("E0711", message).help(help))
 }
 
 pub(super) fn nothing_found(folder: &Path) -> Diagnostic {

@@ -1,50 +1,308 @@
-//! What a controller's compensation mechanism can hold: read from a target's manifest.
+//! What a controller's compensation can hold: the `mechanism:` of a target's manifest.
 
-use super::Increment;
+use super::Table;
+use crate::machine::{AxisKind, Direction};
+use serde::Deserialize;
 
-/// The mechanism of a target.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Capability {
+/// The mechanisms of a target. What several of them could hold goes into one only: rotary axes into
+/// their own tables, then own and cross tables, planes for what those leave.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mechanisms {
     /// One table per axis, correcting that axis as a function of its own position.
-    OwnAxis(OwnAxisCapability),
-    /// One lattice over any of the axes, correcting any of them.
-    Lattice(LatticeCapability),
-    /// No tables: the kinematics are replaced.
-    Kinematics,
+    #[serde(default)]
+    pub own_axis: Option<TableRules>,
+    /// Tables that correct an axis as a function of another one's position.
+    #[serde(default)]
+    pub cross_axis: Option<TableRules>,
+    /// Tables that correct an axis as a function of two positions.
+    #[serde(default)]
+    pub plane: Option<TableRules>,
+    /// One lattice, correcting several axes.
+    #[serde(default)]
+    pub lattice: Option<TableRules>,
+    /// Curves of the errors by their ISO names: the controller has the model.
+    #[serde(default)]
+    pub error_curves: Option<TableRules>,
+    /// No tables: the controller's kinematics are replaced.
+    #[serde(default)]
+    pub kinematics: Option<KinematicsMechanism>,
+}
+
+/// The kinematics are replaced.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KinematicsMechanism {
+    /// What the module carries.
+    pub carries: Carries,
+    /// Sine of the angle from a singular pose below which corrections of rotary axes are bounded.
+    #[serde(default)]
+    pub damping: f64,
+    /// The controller's names of the constants, in the order of [`Carries`]; none for a full model.
+    #[serde(default)]
+    pub constants: Vec<String>,
+    /// Decimals of constants; numbers of a full model are written exactly.
+    pub increment: Increment,
+}
+
+/// What a kinematics module can carry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Carries {
+    /// The chain with every error.
+    FullModel,
+    /// A 3x3 matrix from the axes X, Y, Z to their joints; constants row by row.
+    LinearMap,
+    /// The lines of a tilting table: A or B, and C on it, tables turning right-handed. Constants: a point of
+    /// C's line (X, Y, Z), the way from it to the tilting line (X, Y, Z), the length of the tool.
+    RotaryCentres,
 }
 
 /// How the points of a table may lie.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Spacing {
     /// Anywhere, rising.
     Free,
-    /// All at the same distance.
+    /// All at the same distance, up to the rounding of the positions.
+    #[default]
     Equal,
+    /// At a start plus whole multiples of a step: start and step are rounded, not the points.
+    Stepped,
+    /// At whole multiples of a step from 0.
+    Anchored,
+    /// Stepped, the step being this length (mm or deg) times a power of two.
+    PowerOfTwo(f64),
+    /// A straight line through position 0: two points, at 0 and at 1000.
+    Line,
 }
 
-/// Own-axis tables.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OwnAxisCapability {
-    /// At most so many points per axis.
+/// What a stored number means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stored {
+    /// It is added to the command.
+    Correction,
+    /// It is the error, actual minus nominal; the controller subtracts it.
+    Error,
+    /// It is the command to be sent: position plus correction.
+    Command,
+}
+
+/// Where the tables must be zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reference {
+    /// Nowhere.
+    #[default]
+    Any,
+    /// At position 0, or at the end of the travel nearest to it: there the axis is referenced.
+    Zero,
+}
+
+/// What tables are made for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fit {
+    /// The axis's own error at its origin: what its scale would have to read differently.
+    #[default]
+    Axis,
+    /// The deviation of the functional point over the volume.
+    FunctionalPoint,
+}
+
+/// The rules of one mechanism.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TableRules {
+    /// At most so many points in one table.
+    #[serde(alias = "max_nodes")]
     pub max_points: usize,
-    /// How they may lie.
+    /// At most so many tables.
+    #[serde(default = "unlimited")]
+    pub max_tables: usize,
+    /// At most so many points on one axis of a table.
+    #[serde(default = "unlimited")]
+    pub max_points_per_axis: usize,
+    /// How the points may lie.
+    #[serde(default, with = "serde_yaml::with::singleton_map")]
     pub spacing: Spacing,
     /// One value for each direction of approach?
+    #[serde(default)]
     pub bidirectional: bool,
     /// Range of positions that tables of continuous axes cover, deg.
+    #[serde(default = "one_turn")]
     pub continuous: (f64, f64),
+    /// Are positions of a continuous axis taken into the range by whole turns?
+    #[serde(default)]
+    pub modulo: bool,
+    /// What the stored number means.
+    pub stored: Stored,
+    /// Is each stored number the difference to the point before?
+    #[serde(default)]
+    pub incremental: bool,
+    /// Where the tables must be zero.
+    #[serde(default)]
+    pub reference: Reference,
+    /// What they are made for.
+    #[serde(default)]
+    pub fit: Fit,
+    /// At most one table for each corrected axis?
+    #[serde(default)]
+    pub one_per_output: bool,
+    /// Cross tables: may an axis correct itself?
+    #[serde(default)]
+    pub own: bool,
+    /// May rotary axes be inputs?
+    #[serde(default = "yes")]
+    pub rotary_inputs: bool,
+    /// Can rotary axes be corrected by a lattice?
+    #[serde(default)]
+    pub corrects_rotary: bool,
+    /// Cross tables: only these pairs of input and corrected axis; any if there are none.
+    #[serde(default)]
+    pub pairs: Vec<[String; 2]>,
+    /// Planes: one step for both axes?
+    #[serde(default)]
+    pub square: bool,
+    /// Names of the axes that span the lattice; all axes, or those asked for, if there are none.
+    #[serde(default)]
+    pub inputs: Vec<String>,
+    /// Names of the axes that it corrects; all that can be if there are none.
+    #[serde(default)]
+    pub outputs: Vec<String>,
+    /// Largest stored number.
+    #[serde(default)]
+    pub largest: Option<f64>,
+    /// Largest change of the correction per change of the position between two points.
+    #[serde(default)]
+    pub max_slope: Option<f64>,
     /// Least increments.
     pub increment: Increment,
 }
 
-/// A lattice.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LatticeCapability {
-    /// At most so many nodes.
-    pub max_nodes: usize,
-    /// Can rotary axes be corrected too?
-    pub corrects_rotary: bool,
-    /// Least increments.
-    pub increment: Increment,
+fn unlimited() -> usize {
+    usize::MAX
+}
+
+fn one_turn() -> (f64, f64) {
+    (0.0, 360.0)
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// Stored units in one mm and in one deg (of error curves: in one rad).
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scale {
+    /// In one mm.
+    pub mm: f64,
+    /// In one deg.
+    pub deg: f64,
+}
+
+impl Scale {
+    const PLAIN: Self = Self { mm: 1.0, deg: 1.0 };
+
+    fn plain() -> Self {
+        Self::PLAIN
+    }
+
+    /// For an axis of a kind.
+    pub fn of(self, kind: AxisKind) -> f64 {
+        if kind == AxisKind::Linear { self.mm } else { self.deg }
+    }
+}
+
+/// Least increment of stored values.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Increment {
+    /// Decimals of a position.
+    pub position_decimals: u8,
+    /// Decimals of a correction.
+    pub correction_decimals: u8,
+    /// Units of positions.
+    #[serde(default = "Scale::plain")]
+    pub position_scale: Scale,
+    /// Units of corrections.
+    #[serde(default = "Scale::plain")]
+    pub correction_scale: Scale,
+}
+
+impl Increment {
+    /// A position (mm or deg) as it will be stored.
+    pub fn position(self, q: f64, kind: AxisKind) -> f64 {
+        let scale = self.position_scale.of(kind);
+        round(q * scale, self.position_decimals) / scale
+    }
+
+    /// A correction (mm or deg) as it will be stored.
+    pub fn correction(self, c: f64, kind: AxisKind) -> f64 {
+        let scale = self.correction_scale.of(kind);
+        round(c * scale, self.correction_decimals) / scale
+    }
+
+    /// An error (mm or rad) as it will be stored.
+    pub fn error(self, value: f64, direction: Direction) -> f64 {
+        self.correction(value, if direction.is_rotation() { AxisKind::Rotary } else { AxisKind::Linear })
+    }
+
+    /// Positions as they will be stored; those that fall together are one.
+    pub(super) fn distinct(self, positions: impl IntoIterator<Item = f64>, kind: AxisKind) -> Vec<f64> {
+        let mut stored: Vec<f64> = positions.into_iter().map(|q| self.position(q, kind)).collect();
+        stored.dedup();
+        stored
+    }
+
+    /// Least step of a position (mm or deg).
+    pub fn least_position(self, kind: AxisKind) -> f64 {
+        libm::pow(10.0, -f64::from(self.position_decimals)) / self.position_scale.of(kind)
+    }
+
+    /// Half a last place of a correction (mm or deg).
+    pub fn half_correction(self, kind: AxisKind) -> f64 {
+        0.5 * libm::pow(10.0, -f64::from(self.correction_decimals)) / self.correction_scale.of(kind)
+    }
+}
+
+/// To the nearest multiple of the last decimal; the result prints exactly with that many decimals.
+fn round(value: f64, decimals: u8) -> f64 {
+    let scale = libm::pow(10.0, f64::from(decimals));
+    libm::round(value * scale) / scale + 0.0
+}
+
+impl Mechanisms {
+    /// Those with tables or curves that there are, with their names.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, &TableRules)> {
+        let named = [
+            ("own_axis", &self.own_axis),
+            ("cross_axis", &self.cross_axis),
+            ("plane", &self.plane),
+            ("lattice", &self.lattice),
+            ("error_curves", &self.error_curves),
+        ];
+        named.into_iter().filter_map(|(name, rules)| rules.as_ref().map(|rules| (name, rules)))
+    }
+
+    /// Gives stored numbers another sign; commands stay commands.
+    pub fn store(&mut self, stored: Stored) {
+        let all = [&mut self.own_axis, &mut self.cross_axis, &mut self.plane, &mut self.lattice];
+        for rules in all.into_iter().flatten().filter(|rules| rules.stored != Stored::Command) {
+            rules.stored = stored;
+        }
+    }
+
+    /// The rules under which a table stands.
+    pub fn rules(&self, table: &Table) -> Option<&TableRules> {
+        let narrow = match (table.axes.len(), table.corrected.len()) {
+            (1, 1) if table.is_own_axis() => self.own_axis.as_ref().or(self.cross_axis.as_ref().filter(|c| c.own)),
+            (1, 1) => self.cross_axis.as_ref(),
+            (2, 1) => self.plane.as_ref(),
+            _ => None,
+        };
+        narrow.or(self.lattice.as_ref())
+    }
 }

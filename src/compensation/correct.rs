@@ -50,10 +50,20 @@ pub(super) const SMALL_STEP: f64 = 1e-11;
 /// the ideal machine at q: the chord form of Newton's iteration, whose contraction is the size of the
 /// errors. Least squares where the axes are too few; then, and near singular poses, something is left.
 pub fn correct(machine: &Machine, pose: &[f64], approach: Approach, scope: Scope) -> Corrected {
+    correct_from(machine, pose, Correction::none(machine), approach, scope)
+}
+
+/// The same when something is added to the command already.
+pub fn correct_from(
+    machine: &Machine,
+    pose: &[f64],
+    mut correction: Correction,
+    approach: Approach,
+    scope: Scope,
+) -> Corrected {
     let ideal = Ideal::at(machine, pose).pose;
     let jacobian = Jacobian::at(machine, pose);
-    let mut correction = Correction::none(machine);
-    let mut left = command_deviation(machine, &ideal, pose, approach);
+    let mut left = command_deviation(machine, &ideal, &correction.applied(pose), approach);
     for _ in 0..MOST_STEPS {
         let step = jacobian.correction(&left, &correction, scope);
         correction.0.iter_mut().zip(&step.0).for_each(|(c, s)| *c += s);

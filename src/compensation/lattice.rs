@@ -1,7 +1,7 @@
 //! A lattice of corrections over any of the axes, and how many nodes each axis gets.
 
-use super::{Corrected, Correction, Jacobian, Lattice, LatticeCapability, Scope, correct_all};
-use crate::evaluate::{Bare, Field, Order, Plan, random_poses};
+use super::{Corrected, Correction, Jacobian, Scope, Table, TableRules, correct_all};
+use crate::evaluate::{Bare, Field, Order, Plan, node_count, node_positions, random_poses};
 use crate::machine::{Approach, AxisKind, Grid, Machine, Pose};
 use rayon::prelude::*;
 
@@ -20,16 +20,18 @@ pub struct LatticeRequest {
 const BLOCK: usize = 256;
 
 /// Fills a lattice. Nodes are solved for the mean of forward and reverse.
-pub fn lattice(machine: &Machine, capability: &LatticeCapability, request: &LatticeRequest) -> Lattice {
-    let scope = Scope { rotary: request.scope.rotary && capability.corrects_rotary, ..request.scope };
+pub fn lattice(machine: &Machine, rules: &TableRules, request: &LatticeRequest) -> Table {
+    let scope = Scope { rotary: request.scope.rotary && rules.corrects_rotary, ..request.scope };
     let kept = |axis: &usize| scope.rotary || machine.axes()[*axis].kind == AxisKind::Linear;
-    let max_nodes = request.max_nodes.min(capability.max_nodes);
+    let max_nodes = request.max_nodes.min(rules.max_points);
     let nodes = lattice_nodes(machine, &request.axes, max_nodes);
-    let mut lattice = Lattice {
+    let distinct = |(axis, nodes): (&usize, Vec<f64>)| rules.increment.distinct(nodes, machine.axes()[*axis].kind);
+    let mut lattice = Table {
         axes: request.axes.clone(),
-        nodes: nodes.into_iter().map(|nodes| capability.increment.distinct(nodes)).collect(),
+        nodes: request.axes.iter().zip(nodes).map(distinct).collect(),
         corrected: (0..machine.axes().len()).filter(kept).collect(),
         values: Vec::new(),
+        reverse: None,
     };
     let plan = Plan::new(machine, Order::Exact, Approach::Mean);
     let blocks: Vec<usize> = (0..lattice.len()).step_by(BLOCK).collect();
@@ -50,7 +52,7 @@ pub fn lattice(machine: &Machine, capability: &LatticeCapability, request: &Latt
 /// least until there are no more than `max_nodes`.
 pub fn lattice_nodes(machine: &Machine, axes: &[usize], max_nodes: usize) -> Vec<Vec<f64>> {
     let volume: Vec<&Grid> = axes.iter().map(|axis| &machine.volume()[*axis]).collect();
-    let mut counts: Vec<usize> = volume.iter().map(|grid| steps(grid)).collect();
+    let mut counts: Vec<usize> = volume.iter().map(|grid| node_count(grid).max(2)).collect();
     let mut costs: Vec<Option<f64>> = vec![None; counts.len()];
     while counts.iter().fold(1, |product: usize, n| product.saturating_mul(*n)) > max_nodes {
         for (place, cost) in costs.iter_mut().enumerate() {
@@ -64,23 +66,12 @@ pub fn lattice_nodes(machine: &Machine, axes: &[usize], max_nodes: usize) -> Vec
         counts[place] = count;
         costs[place] = None;
     }
-    volume.into_iter().zip(counts).map(|(grid, n)| spread(grid, n)).collect()
-}
-
-/// Nodes that keep every distance within the step.
-fn steps(grid: &Grid) -> usize {
-    // A hair of tolerance: 500 mm in steps of 62.5 mm are 8 intervals, not 9.
-    libm::ceil((grid.max - grid.min) / grid.step - 1e-9).max(1.0) as usize + 1
+    volume.into_iter().zip(counts).map(|(grid, n)| node_positions(grid, n)).collect()
 }
 
 /// A tenth fewer nodes; two are the least.
 fn coarser(count: usize) -> Option<usize> {
     (count > 2).then(|| (count - (count / 10).max(1)).max(2))
-}
-
-fn spread(grid: &Grid, count: usize) -> Vec<f64> {
-    let last = (count - 1) as f64;
-    (0..count).map(|i| grid.min + (grid.max - grid.min) * (i as f64 / last)).collect()
 }
 
 /// Where interpolation is tried out.
@@ -89,7 +80,7 @@ const PLACES: usize = 48;
 /// How wrong linear interpolation between `count` nodes along one axis is (mm): the RMS over places
 /// spread through the volume, first order, at the middle of intervals.
 fn interpolation_error(machine: &Machine, axis: usize, count: usize) -> f64 {
-    let nodes = spread(&machine.volume()[axis], count);
+    let nodes = node_positions(&machine.volume()[axis], count);
     let square = |(place, mut pose): (usize, Pose)| {
         let interval = place % (count - 1);
         let (low, high) = (nodes[interval], nodes[interval + 1]);

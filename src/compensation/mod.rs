@@ -1,24 +1,33 @@
 //! Compensation: what must be added to commands so that the real machine does what the ideal one would.
 //!
 //! - [`correct()`] solves actual(q + c) = ideal(q) for one pose by Newton's iteration;
-//! - [`Capability`] says what a controller's mechanism can hold;
-//! - [`own_axis_tables`] and [`lattice()`] fill its tables; [`Tables::quantise`] rounds them.
+//! - [`Mechanisms`] says what a controller can hold;
+//! - [`tables()`] decides what is compensated where and fills its tables, rounded.
 //!
 //! A [`Correction`] is what is added to a command; a `Deviation` is actual minus nominal. They are
 //! different types, and the sign changes in exactly one function, `jacobian::against`.
 
 mod batch;
 mod capability;
+mod combine;
 mod correct;
+mod curves;
 mod jacobian;
 mod lattice;
+mod nodes;
 mod own_axis;
+mod plan;
+mod sum;
 mod tables;
 
 pub use batch::correct_all;
-pub use capability::{Capability, LatticeCapability, OwnAxisCapability, Spacing};
-pub use correct::{Corrected, Goal, Scope, correct};
+pub use capability::{
+    Carries, Fit, Increment, KinematicsMechanism, Mechanisms, Reference, Scale, Spacing, Stored, TableRules,
+};
+pub use correct::{Corrected, Goal, Scope, correct, correct_from};
+pub use curves::model_correction;
 pub use jacobian::{Correction, Jacobian};
 pub use lattice::{LatticeRequest, lattice, lattice_nodes};
-pub use own_axis::{own_axis_error, own_axis_tables, resampled};
-pub use tables::{Increment, Lattice, OwnAxisTable, Strongest, Tables};
+pub use own_axis::{own_axis_error, own_axis_table, resampled};
+pub use plan::{lacking, single_error_tables, tables};
+pub use tables::{ErrorCurve, Strongest, Table, Tables};

@@ -1,23 +1,12 @@
-//! Compensation tables: corrections in mm (linear axes) and deg (rotary axes), as programmed.
+//! Compensation tables: corrections in mm (linear axes) and deg (rotary axes), as programmed, and
+//! error curves for controllers that compute the correction themselves.
 
-use crate::machine::{AxisKind, Machine};
+use super::Increment;
+use crate::machine::{AxisKind, ErrorId, Machine};
 
-/// Corrections of one axis as a function of its own position.
+/// Corrections on a lattice of positions: of one axis a curve, of two a plane, of any number a lattice.
 #[derive(Debug, Clone, PartialEq)]
-pub struct OwnAxisTable {
-    /// Index of the axis.
-    pub axis: usize,
-    /// Strictly rising positions (mm or deg).
-    pub positions: Vec<f64>,
-    /// Correction approaching with rising position.
-    pub forward: Vec<f64>,
-    /// Correction approaching with falling position.
-    pub reverse: Vec<f64>,
-}
-
-/// Corrections on a lattice of poses.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Lattice {
+pub struct Table {
     /// Indices of the axes that span it.
     pub axes: Vec<usize>,
     /// Strictly rising nodes of each of them (mm or deg).
@@ -25,6 +14,20 @@ pub struct Lattice {
     /// Indices of the axes that are corrected.
     pub corrected: Vec<usize>,
     /// Corrections, node by node (last axis fastest), in the order of `corrected`.
+    pub values: Vec<f64>,
+    /// The same approached with falling position; absent if the direction makes no difference. `values`
+    /// then hold for rising position. Only tables over one axis have it.
+    pub reverse: Option<Vec<f64>>,
+}
+
+/// An error as a function of its axis's position, for a controller with the ISO 230-1 model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorCurve {
+    /// Which.
+    pub error: ErrorId,
+    /// Strictly rising positions (mm or deg); none for a location error.
+    pub positions: Vec<f64>,
+    /// The error (mm or rad) at each of them; one value for a location error.
     pub values: Vec<f64>,
 }
 
@@ -39,40 +42,22 @@ pub struct Strongest {
     pub value: f64,
 }
 
-/// What a target's files hold.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Tables {
-    /// One table for each axis.
-    OwnAxis(Vec<OwnAxisTable>),
-    /// A lattice.
-    Lattice(Lattice),
+/// What a target's files hold: the controller adds up what its tables say and what its model makes of
+/// the error curves.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Tables {
+    /// Tables of corrections.
+    pub tables: Vec<Table>,
+    /// Curves of errors.
+    pub errors: Vec<ErrorCurve>,
 }
 
-/// Least increment of stored values: mm for positions and corrections of linear axes, deg for rotary.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Increment {
-    /// Decimals of a position.
-    pub position_decimals: u8,
-    /// Decimals of a correction.
-    pub correction_decimals: u8,
-}
-
-impl Increment {
-    /// Positions as they will be stored; those that fall together are one.
-    pub(super) fn distinct(self, positions: impl IntoIterator<Item = f64>) -> Vec<f64> {
-        let mut stored: Vec<f64> = positions.into_iter().map(|q| round(q, self.position_decimals)).collect();
-        stored.dedup();
-        stored
+impl Table {
+    /// A table over one axis that corrects another, or the same.
+    pub fn curve(axis: usize, positions: Vec<f64>, corrected: usize, values: Vec<f64>) -> Self {
+        Self { axes: vec![axis], nodes: vec![positions], corrected: vec![corrected], values, reverse: None }
     }
 
-    /// Half a last place of a correction (mm or deg).
-    pub fn half_correction(self) -> f64 {
-        0.5 * libm::pow(10.0, -f64::from(self.correction_decimals))
-    }
-}
-
-impl Lattice {
     /// Number of nodes.
     pub fn len(&self) -> usize {
         self.nodes.iter().map(Vec::len).product()
@@ -81,6 +66,11 @@ impl Lattice {
     /// Has it no nodes?
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Does one axis correct itself?
+    pub fn is_own_axis(&self) -> bool {
+        self.axes.len() == 1 && self.axes == self.corrected
     }
 
     /// Positions of the axes that span it at the node with this number (last axis fastest).
@@ -93,7 +83,7 @@ impl Lattice {
         positions
     }
 
-    /// Full pose at a node; axes that do not span the lattice stand at 0.
+    /// Full pose at a node; axes that do not span the table stand at 0.
     pub fn pose(&self, machine: &Machine, number: usize) -> Vec<f64> {
         let mut pose = vec![0.0; machine.axes().len()];
         for (axis, position) in self.axes.iter().zip(self.node(number)) {
@@ -101,32 +91,74 @@ impl Lattice {
         }
         pose
     }
+
+    /// Every stored correction with its node and its axis.
+    fn corrections(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+        let width = self.corrected.len();
+        let all = std::iter::once(&self.values).chain(&self.reverse);
+        all.flat_map(move |values| {
+            values.iter().enumerate().map(move |(i, value)| (i / width, self.corrected[i % width], *value))
+        })
+    }
 }
 
 impl Tables {
-    /// Rounds every stored number to the increment of the format.
-    pub fn quantise(&mut self, increment: Increment) {
-        let position =
-            |values: &mut Vec<f64>| values.iter_mut().for_each(|x| *x = round(*x, increment.position_decimals));
-        let correction =
-            |values: &mut Vec<f64>| values.iter_mut().for_each(|x| *x = round(*x, increment.correction_decimals));
-        match self {
-            Self::OwnAxis(tables) => tables.iter_mut().for_each(|table| {
-                position(&mut table.positions);
-                correction(&mut table.forward);
-                correction(&mut table.reverse);
-            }),
-            Self::Lattice(lattice) => {
-                lattice.nodes.iter_mut().for_each(position);
-                correction(&mut lattice.values);
+    /// Rounds every stored number to the increments that `of` gives for a table.
+    pub fn quantise<'a>(&mut self, machine: &Machine, of: impl Fn(&Table) -> Option<&'a Increment>) {
+        let kind = |axis: usize| machine.axes()[axis].kind;
+        for table in &mut self.tables {
+            let Some(increment) = of(table).copied() else { continue };
+            for (axis, nodes) in table.axes.iter().zip(&mut table.nodes) {
+                nodes.iter_mut().for_each(|q| *q = increment.position(*q, kind(*axis)));
+            }
+            let width = table.corrected.len();
+            for values in std::iter::once(&mut table.values).chain(&mut table.reverse) {
+                let each = values.iter_mut().enumerate();
+                each.for_each(|(i, c)| *c = increment.correction(*c, kind(table.corrected[i % width])));
             }
         }
+    }
+
+    /// Tables that say the same of both directions need no second column; several over the same nodes
+    /// for the same axes are one. Sets that add the same to every command then are equal.
+    pub fn merged(self) -> Self {
+        let mut tables: Vec<Table> = Vec::new();
+        for table in self.tables {
+            let same =
+                |t: &&mut Table| (&t.axes, &t.nodes, &t.corrected) == (&table.axes, &table.nodes, &table.corrected);
+            let Some(known) = tables.iter_mut().find(same) else {
+                tables.push(table);
+                continue;
+            };
+            if known.reverse.is_some() || table.reverse.is_some() {
+                let mut reverse = known.reverse.take().unwrap_or_else(|| known.values.clone());
+                add(&mut reverse, table.reverse.as_ref().unwrap_or(&table.values));
+                known.reverse = Some(reverse);
+            }
+            add(&mut known.values, &table.values);
+        }
+        tables.iter_mut().for_each(|t| t.reverse = t.reverse.take().filter(|reverse| *reverse != t.values));
+        tables.sort_by(|a, b| (&a.corrected, &a.axes).cmp(&(&b.corrected, &b.axes)));
+        let mut errors = self.errors;
+        errors.sort_by(|a, b| a.error.cmp(&b.error));
+        Self { tables, errors }
+    }
+
+    /// Do both add the same to every command? Tables of zeros count for nothing.
+    pub fn same_effect(&self, other: &Self) -> bool {
+        let zero = |t: &Table| t.values.iter().chain(t.reverse.iter().flatten()).all(|c| *c == 0.0);
+        let some = |all: &Self| {
+            let kept = all.tables.iter().filter(|t| !zero(t)).cloned().collect();
+            Self { tables: kept, errors: all.errors.clone() }.merged()
+        };
+        some(self) == some(other)
     }
 
     /// Largest correction of the linear axes (mm) and of the rotary axes (deg), with the axis.
     pub fn largest(&self, machine: &Machine) -> [Option<(usize, f64)>; 2] {
         [AxisKind::Linear, AxisKind::Rotary].map(|kind| {
-            let of_kind = self.corrections().filter(|(axis, _)| machine.axes()[*axis].kind == kind);
+            let all = self.tables.iter().flat_map(Table::corrections).map(|(_, axis, value)| (axis, value));
+            let of_kind = all.filter(|(axis, _)| machine.axes()[*axis].kind == kind);
             of_kind.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
         })
     }
@@ -135,40 +167,13 @@ impl Tables {
     pub fn strongest(&self, machine: &Machine) -> Option<Strongest> {
         let [linear, rotary] = self.largest(machine);
         let (axis, value) = linear.or(rotary).filter(|(_, value)| *value != 0.0)?;
-        let at = match self {
-            Self::OwnAxis(tables) => tables.iter().filter(|t| t.axis == axis).find_map(|t| {
-                let same = |i: &usize| t.forward[*i] == value || t.reverse[*i] == value;
-                (0..t.positions.len()).find(same).map(|i| vec![(axis, t.positions[i])])
-            })?,
-            Self::Lattice(lattice) => {
-                let column = lattice.corrected.iter().position(|a| *a == axis)?;
-                let width = lattice.corrected.len();
-                let node = (0..lattice.len()).find(|node| lattice.values[node * width + column] == value)?;
-                lattice.axes.iter().copied().zip(lattice.node(node)).collect()
-            }
-        };
-        Some(Strongest { axis, at, value })
-    }
-
-    /// Every stored correction with its axis.
-    fn corrections(&self) -> Box<dyn Iterator<Item = (usize, f64)> + '_> {
-        match self {
-            Self::OwnAxis(tables) => Box::new(
-                tables.iter().flat_map(|t| t.forward.iter().chain(&t.reverse).map(move |value| (t.axis, *value))),
-            ),
-            Self::Lattice(lattice) => Box::new(
-                lattice
-                    .values
-                    .iter()
-                    .enumerate()
-                    .map(|(i, value)| (lattice.corrected[i % lattice.corrected.len()], *value)),
-            ),
-        }
+        self.tables.iter().find_map(|table| {
+            let (node, ..) = table.corrections().find(|(_, a, v)| (*a, *v) == (axis, value))?;
+            Some(Strongest { axis, at: table.axes.iter().copied().zip(table.node(node)).collect(), value })
+        })
     }
 }
 
-/// To the nearest multiple of the last decimal; the result prints exactly with that many decimals.
-fn round(value: f64, decimals: u8) -> f64 {
-    let scale = libm::pow(10.0, f64::from(decimals));
-    libm::round(value * scale) / scale + 0.0
+fn add(sum: &mut [f64], more: &[f64]) {
+    sum.iter_mut().zip(more).for_each(|(s, m)| *s += m);
 }

@@ -18,7 +18,7 @@ pub use deviation::{
 };
 pub use field::{Bare, Field, Planned, commanded_deviation, error_by_error, tool_axis_tilt};
 pub use plan::{Batch, Columns, GridPlan, Normal, Output, Plan, PoseColumns, Unknown, Width};
-pub use poses::{Nodes, Poses, Random, random_poses};
+pub use poses::{Nodes, Poses, Random, node_count, node_positions, random_poses};
 pub use spread::Spread;
 pub use statistics::{Difference, Statistics, Summary, quantile_95, worst};
 pub use tally::Tally;

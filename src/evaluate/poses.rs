@@ -149,10 +149,15 @@ impl Nodes {
     }
 }
 
-/// A step as long as the interval up to rounding needs no node more.
-fn node_count(grid: &Grid) -> usize {
+/// How many nodes keep the step. A step as long as the interval up to rounding needs no node more.
+pub fn node_count(grid: &Grid) -> usize {
     let intervals = libm::ceil((grid.max - grid.min) / grid.step - 1e-9);
     if intervals >= 1.0 { (intervals as usize).saturating_add(1) } else { 1 + usize::from(grid.max > grid.min) }
+}
+
+/// So many nodes over an interval, evenly spaced.
+pub fn node_positions(grid: &Grid, count: usize) -> Vec<f64> {
+    (0..count).map(|node| position(grid, count, node)).collect()
 }
 
 /// The ends are exact.

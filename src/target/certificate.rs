@@ -5,9 +5,9 @@
 //! 95 % deviation of a machine with that error alone and with tables made for it alone, replayed like
 //! the real ones; on a lattice to first order (relative difference about 1e-4).
 
+use super::Target;
 use super::replay::{Compensated, Replay};
-use super::{Controller, Target};
-use crate::compensation::{Capability, Correction, Jacobian, Lattice, Scope, Strongest, Tables, own_axis_tables};
+use crate::compensation::{Correction, Jacobian, Reference, Scope, Strongest, Table, Tables, single_error_tables};
 use crate::evaluate::{
     Bare, Columns, Deviation, Field, Order, PoseColumns, Statistics, Summary, error_by_error, random_poses,
     tool_axis_tilt,
@@ -65,36 +65,73 @@ pub struct Certificate {
     pub errors: Vec<ErrorLeft>,
     /// What is added with all axes at 0, approaching forward and reverse (mm, deg).
     pub at_reference: [Vec<f64>; 2],
+    /// What a new reference position would take away besides, where tables must vanish at it.
+    pub shifted: Option<Shifted>,
     /// The entry by which the sign is best tested; none if nothing is corrected.
     pub strongest: Option<Strongest>,
 }
 
+/// Tables that vanish at the reference position leave a constant part of the deviation: a shift of the
+/// machine zero takes it away.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shifted {
+    /// What to add to the zero of each axis (mm; 0 for rotary axes).
+    pub shift: Vec<f64>,
+    /// What is then left of the position, um.
+    pub position_um: Summary,
+}
+
+/// The mean of the corrections that are still wanted, and what they leave.
+fn shifted(field: &dyn Field, poses: &[Pose], approach: Approach) -> Shifted {
+    let machine = field.machine();
+    let left = deviations(field, poses, approach);
+    let jacobians: Vec<Jacobian> = poses.iter().map(|pose| Jacobian::at(machine, pose)).collect();
+    let none = Correction::none(machine);
+    let mut shift = none.0.clone();
+    for (jacobian, deviation) in jacobians.iter().zip(&left) {
+        let Correction(wanted) = jacobian.correction(deviation, &none, Scope::POSITION);
+        shift.iter_mut().zip(wanted).for_each(|(s, w)| *s += w / left.len() as f64);
+    }
+    let moved = Correction(shift.clone());
+    let after: Vec<Vector3<f64>> =
+        jacobians.iter().zip(&left).map(|(j, d)| (d.position + j.displacement(&moved)) * 1000.0).collect();
+    Shifted { shift, position_um: Summary::of(&after) }
+}
+
+/// What is judged.
+#[derive(Debug, Clone, Copy)]
+pub struct Judged<'a> {
+    /// The controller.
+    pub target: &'a Target,
+    /// Its tables.
+    pub tables: &'a Tables,
+    /// The tables that were in force when the machine was measured, of the same controller.
+    pub installed: Option<&'a Tables>,
+}
+
 /// Compares the machine with and without tables on `count` seeded poses.
-pub fn certify(
-    machine: &Machine,
-    target: &Target,
-    tables: &Tables,
-    scope: Scope,
-    count: usize,
-    seed: u64,
-) -> Certificate {
-    let controller = target.manifest.controller;
+pub fn certify(machine: &Machine, judged: Judged, scope: Scope, count: usize, seed: u64) -> Certificate {
+    let Judged { target, tables, installed } = judged;
+    let (mechanisms, controller) = (&target.manifest.mechanism, target.manifest.controller);
     let poses: Vec<Pose> = random_poses(machine, count, seed);
     let bare = Bare { machine, order: Order::Exact };
-    let compensated = Compensated { machine, replay: Replay::new(machine, tables, controller) };
+    let load = |tables| Replay::new(machine, tables, mechanisms, controller);
+    let compensated = Compensated { machine, replay: load(tables).over(installed.map(load)) };
     let of = |field: &dyn Field, approach| figures(field, &poses, approach);
     let both = approaches(machine).iter().map(|approach| (*approach, of(&compensated, *approach)));
     let worse = both.reduce(|a, b| if b.1.all.position_um.p95 > a.1.all.position_um.p95 { b } else { a });
     let (approach, left) = worse.unwrap_or_else(|| (Approach::Mean, of(&compensated, Approach::Mean)));
     let zero = vec![0.0; machine.axes().len()];
-    let single = Singles { machine, controller, poses: &poses[..poses.len().min(MOST_SINGLE_POSES)], scope };
+    let vanishing = mechanisms.iter().any(|(_, rules)| rules.reference == Reference::Zero);
+    let single = Singles { machine, target, poses: &poses[..poses.len().min(MOST_SINGLE_POSES)], scope };
     Certificate {
         poses: count,
         approach,
         uncompensated: of(&bare, approach),
         compensated: left,
-        errors: single.errors(target, tables),
-        at_reference: [Approach::Forward, Approach::Reverse].map(|a| compensated.replay.added(&zero, a)),
+        errors: single.errors(tables),
+        at_reference: [Approach::Forward, Approach::Reverse].map(|a| load(tables).added(&zero, a)),
+        shifted: vanishing.then(|| shifted(&compensated, &poses, approach)),
         strongest: tables.strongest(machine),
     }
 }
@@ -139,40 +176,59 @@ type EachError = Vec<(Deviation, Deviation)>;
 /// The single-error part of a certificate.
 struct Singles<'a> {
     machine: &'a Machine,
-    controller: Controller,
+    target: &'a Target,
     poses: &'a [Pose],
     scope: Scope,
 }
 
 impl Singles<'_> {
-    fn errors(&self, target: &Target, tables: &Tables) -> Vec<ErrorLeft> {
-        match (target.manifest.capability(), tables) {
-            (Capability::OwnAxis(capability), Tables::OwnAxis(_)) => {
-                let ids: Vec<ErrorId> = self.known().collect();
-                let alone = |error: &ErrorId| {
-                    let machine = self.machine.filtered(|id| id == error);
-                    let tables = Tables::OwnAxis(own_axis_tables(&machine, &capability));
-                    let compensated =
-                        Compensated { machine: &machine, replay: Replay::new(&machine, &tables, self.controller) };
-                    let p95 =
-                        |field: &dyn Field| worse_p95(&machine, |approach| deviations(field, self.poses, approach));
-                    verdict(error.clone(), p95(&Bare { machine: &machine, order: Order::Exact }), p95(&compensated))
-                };
-                ids.par_iter().map(alone).collect()
+    fn errors(&self, tables: &Tables) -> Vec<ErrorLeft> {
+        match &tables.tables[..] {
+            // A lattice over all axes: only the cells around the poses are worth solving.
+            [lattice] if self.target.manifest.mechanism.lattice.as_ref().is_some_and(|r| r.inputs.is_empty()) => {
+                self.on_lattice(lattice, tables)
             }
-            (_, Tables::Lattice(lattice)) => self.on_lattice(lattice, tables),
-            (Capability::Lattice(_) | Capability::Kinematics, Tables::OwnAxis(_)) => Vec::new(),
+            [] if !tables.errors.is_empty() => self.by_model(tables),
+            _ => self.by_tables(tables),
         }
     }
 
-    /// Errors with a value (tolerances have none).
-    fn known(&self) -> impl Iterator<Item = ErrorId> {
-        self.machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).map(|(id, _)| id)
+    /// Errors with a value (tolerances have none), with their numbers among all.
+    fn known(&self) -> impl Iterator<Item = (usize, ErrorId)> {
+        let all = self.machine.errors().enumerate();
+        all.filter(|(_, (_, term))| !matches!(term, ErrorTerm::Tolerance(_))).map(|(index, (id, _))| (index, id))
+    }
+
+    /// Tables for every error alone, replayed on a machine with that error alone.
+    fn by_tables(&self, tables: &Tables) -> Vec<ErrorLeft> {
+        let sets = single_error_tables(self.machine, &self.target.manifest.mechanism, tables);
+        let known: Vec<(usize, ErrorId)> = self.known().collect();
+        known.into_par_iter().map(|(index, error)| self.replayed(error, &sets[index].1)).collect()
+    }
+
+    /// The curves of every error alone.
+    fn by_model(&self, tables: &Tables) -> Vec<ErrorLeft> {
+        let known: Vec<(usize, ErrorId)> = self.known().collect();
+        let alone = |(_, error): (usize, ErrorId)| {
+            let errors = tables.errors.iter().filter(|curve| curve.error == error).cloned().collect();
+            self.replayed(error, &Tables { errors, tables: Vec::new() })
+        };
+        known.into_par_iter().map(alone).collect()
+    }
+
+    fn replayed(&self, error: ErrorId, tables: &Tables) -> ErrorLeft {
+        let machine = self.machine.filtered(|id| *id == error);
+        let manifest = &self.target.manifest;
+        let replay = Replay::new(&machine, tables, &manifest.mechanism, manifest.controller);
+        let compensated = Compensated { machine: &machine, replay };
+        let p95 = |field: &dyn Field| worse_p95(&machine, |approach| deviations(field, self.poses, approach));
+        verdict(error, p95(&Bare { machine: &machine, order: Order::Exact }), p95(&compensated))
     }
 
     /// All errors at once: they are independent to first order, and only the cells around the poses count.
-    fn on_lattice(&self, lattice: &Lattice, tables: &Tables) -> Vec<ErrorLeft> {
-        let replay = Replay::new(self.machine, tables, self.controller);
+    fn on_lattice(&self, lattice: &Table, tables: &Tables) -> Vec<ErrorLeft> {
+        let manifest = &self.target.manifest;
+        let replay = Replay::new(self.machine, tables, &manifest.mechanism, manifest.controller);
         let rows: Vec<Vec<EachError>> =
             self.poses.par_iter().map(|pose| self.each_error_left(lattice, &replay, pose)).collect();
         let p95 = |index: usize, pick: fn(&(Deviation, Deviation)) -> Deviation| {
@@ -180,16 +236,16 @@ impl Singles<'_> {
             let column = |way: usize| rows.iter().map(|row| pick(&row[way][index])).collect::<Vec<_>>();
             columns.map(|way| Statistics::of(&column(way)).position_um.p95).fold(0.0, f64::max)
         };
-        let names = self.machine.errors().enumerate();
-        let known = names.filter(|(_, (_, term))| !matches!(term, ErrorTerm::Tolerance(_)));
-        known.map(|(index, (error, _))| verdict(error, p95(index, |both| both.0), p95(index, |both| both.1))).collect()
+        self.known()
+            .map(|(index, error)| verdict(error, p95(index, |both| both.0), p95(index, |both| both.1)))
+            .collect()
     }
 
     /// For every direction of approach and every error alone: the deviation at a pose before and after compensation.
-    fn each_error_left(&self, lattice: &Lattice, replay: &Replay, pose: &[f64]) -> Vec<EachError> {
+    fn each_error_left(&self, lattice: &Table, replay: &Replay, pose: &[f64]) -> Vec<EachError> {
         let mut added = vec![vec![0.0; pose.len()]; self.machine.errors().count()];
         let scope = self.scope(lattice);
-        for (node, weight) in replay.corners(lattice, pose) {
+        for (node, weight) in replay.lattice_corners(pose) {
             let place = lattice.pose(self.machine, node);
             let jacobian = Jacobian::at(self.machine, &place);
             for (sum, (_, deviation)) in added.iter_mut().zip(error_by_error(self.machine, &place, Approach::Mean)) {
@@ -210,7 +266,7 @@ impl Singles<'_> {
     }
 
     /// What the tables correct: without rotary columns, the rotary axes were left alone.
-    fn scope(&self, lattice: &Lattice) -> Scope {
+    fn scope(&self, lattice: &Table) -> Scope {
         let rotary = lattice.corrected.iter().any(|axis| self.machine.axes()[*axis].kind == AxisKind::Rotary);
         Scope { rotary, ..self.scope }
     }

@@ -1,7 +1,7 @@
 //! Plausibility limits on corrections: a file that moves a machine further is refused unless the
 //! person raises the limit.
 
-use crate::compensation::{Lattice, Tables};
+use crate::compensation::{Table, Tables};
 use crate::diagnostic::Diagnostic;
 use crate::machine::{AxisKind, Machine};
 use crate::units::{self, Dimension, significant};
@@ -89,34 +89,28 @@ fn refusal(message: String) -> Diagnostic {
 
 /// The steepest correction of an axis along its own travel.
 fn steepest(machine: &Machine, tables: &Tables) -> Option<(usize, f64)> {
-    let mut slopes: Vec<(usize, f64)> = Vec::new();
-    match tables {
-        Tables::OwnAxis(all) => {
-            for table in all {
-                slopes.push((table.axis, slope(&table.positions, &table.forward)));
-                slopes.push((table.axis, slope(&table.positions, &table.reverse)));
-            }
-        }
-        Tables::Lattice(lattice) => {
-            let linear = |axis: &&usize| machine.axes()[**axis].kind == AxisKind::Linear;
-            slopes.extend(lattice.corrected.iter().filter(linear).map(|axis| (*axis, lattice_slope(lattice, *axis))));
-        }
-    }
-    slopes.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
+    let linear = |axis: usize| machine.axes()[axis].kind == AxisKind::Linear;
+    let of = |table: &Table| {
+        let along = table.corrected.iter().filter(|axis| table.is_own_axis() || linear(**axis));
+        along.map(|axis| (*axis, slope(table, *axis))).collect::<Vec<_>>()
+    };
+    tables.tables.iter().flat_map(of).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-fn slope(positions: &[f64], values: &[f64]) -> f64 {
-    let steps = positions.windows(2).zip(values.windows(2));
-    steps.map(|(q, c)| ((c[1] - c[0]) / (q[1] - q[0])).abs()).fold(0.0, f64::max)
+/// The steepest correction of an axis in a table along that axis's own nodes.
+fn slope(table: &Table, axis: usize) -> f64 {
+    let Some(place) = table.axes.iter().position(|a| *a == axis) else { return 0.0 };
+    let Some(column) = table.corrected.iter().position(|a| *a == axis) else { return 0.0 };
+    let all = std::iter::once(&table.values).chain(&table.reverse);
+    all.map(|values| steepest_along(table, values, place, column)).fold(0.0, f64::max)
 }
 
-fn lattice_slope(lattice: &Lattice, axis: usize) -> f64 {
-    let Some(place) = lattice.axes.iter().position(|a| *a == axis) else { return 0.0 };
-    let Some(column) = lattice.corrected.iter().position(|a| *a == axis) else { return 0.0 };
-    let stride: usize = lattice.nodes[place + 1..].iter().map(Vec::len).product();
-    let nodes = &lattice.nodes[place];
-    let value = |node: usize| lattice.values[node * lattice.corrected.len() + column];
-    let inner = (0..lattice.len()).filter(|node| node / stride % nodes.len() + 1 < nodes.len());
+/// The largest change of a column per change of the position between neighbours along one axis.
+pub(super) fn steepest_along(table: &Table, values: &[f64], place: usize, column: usize) -> f64 {
+    let stride: usize = table.nodes[place + 1..].iter().map(Vec::len).product();
+    let nodes = &table.nodes[place];
+    let value = |node: usize| values[node * table.corrected.len() + column];
+    let inner = (0..table.len()).filter(|node| node / stride % nodes.len() + 1 < nodes.len());
     inner
         .map(|node| {
             let at = node / stride % nodes.len();

@@ -1,8 +1,9 @@
 //! The manifest of a target (`target.yaml`): what the controller can hold and what it does with it.
 
-use super::kinematics::{KinematicsMechanism, layout_fits};
-use crate::compensation::{Capability, Increment, LatticeCapability, OwnAxisCapability, Spacing};
+use super::kinematics::layout_fits;
+use crate::compensation::{Increment, KinematicsMechanism, Mechanisms, Spacing, TableRules};
 use serde::Deserialize;
+use std::collections::BTreeMap;
 
 /// A target's manifest.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -21,8 +22,7 @@ pub struct Manifest {
     /// A dry test of the sign at the machine.
     pub sign_test: String,
     /// What its tables can hold.
-    #[serde(with = "serde_yaml::with::singleton_map")]
-    pub mechanism: Mechanism,
+    pub mechanism: Mechanisms,
     /// What it does with them.
     pub controller: Controller,
     /// Letters the controller has for axes, if it has only these.
@@ -46,52 +46,43 @@ pub struct CertaintyOf {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Certainty {
-    /// `measured`, `documented`, `own format` or `memory`.
-    pub level: String,
+    /// How sure.
+    pub level: Level,
     /// The source.
     pub source: String,
 }
 
-/// What the stored number means. The only meaning so far; the key is there so that a manifest says it.
+/// How sure a fact is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Stored {
-    /// It is added to the command.
-    Correction,
+pub enum Level {
+    /// Seen on the running controller.
+    #[serde(rename = "measured")]
+    Measured,
+    /// Stated by the maker's documentation, or by the source code.
+    #[serde(rename = "documented")]
+    Documented,
+    /// The format is ours.
+    #[serde(rename = "own format")]
+    OwnFormat,
+    /// Follows from what is documented, or seen in other programs' files; the documentation does not say it.
+    #[serde(rename = "inferred")]
+    Inferred,
+    /// From memory alone.
+    #[serde(rename = "memory")]
+    Memory,
 }
 
-/// The mechanism.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Mechanism {
-    /// One table per axis.
-    OwnAxis(OwnAxisMechanism),
-    /// A lattice.
-    Lattice(LatticeMechanism),
-    /// The controller's kinematics are replaced.
-    Kinematics(KinematicsMechanism),
-}
-
-/// One table per axis.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OwnAxisMechanism {
-    max_points: usize,
-    spacing: Spacing,
-    bidirectional: bool,
-    continuous: (f64, f64),
-    stored: Stored,
-    increment: Increment,
-}
-
-/// A lattice.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LatticeMechanism {
-    max_nodes: usize,
-    corrects_rotary: bool,
-    stored: Stored,
-    increment: Increment,
+impl Level {
+    /// As the manifest writes it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Measured => "measured",
+            Self::Documented => "documented",
+            Self::OwnFormat => "own format",
+            Self::Inferred => "inferred",
+            Self::Memory => "memory",
+        }
+    }
 }
 
 /// At which position the controller looks its tables up.
@@ -100,6 +91,8 @@ pub struct LatticeMechanism {
 pub enum Lookup {
     /// At the commanded position.
     Command,
+    /// At the position that the tables before have corrected; the axes are corrected from the last to the first.
+    Corrected,
 }
 
 /// Between points.
@@ -116,6 +109,12 @@ pub enum Interpolation {
 pub enum OutsideTable {
     /// The value at the end.
     Hold,
+    /// The straight line of the outermost cell goes on.
+    Extrapolate,
+    /// Nothing is added.
+    Nothing,
+    /// The table begins again.
+    RollOver,
 }
 
 /// With which numbers the controller works.
@@ -162,6 +161,10 @@ pub enum Per {
     Machine,
     /// Once for every axis.
     Axis,
+    /// Once for every axis that some table is looked up with.
+    Input,
+    /// Once for every axis that some table corrects.
+    Output,
 }
 
 /// How a file is read back.
@@ -175,10 +178,48 @@ pub enum Layout {
     },
     /// CSV: a column per axis, then a column `d` + axis per corrected axis, units in the header.
     CsvLattice,
+    /// The same as JSON.
+    JsonLattice,
+    /// Lines of known patterns.
+    Lines {
+        /// What a comment begins with.
+        #[serde(default)]
+        comment: Option<String>,
+        /// The patterns, tried in this order.
+        lines: Vec<LineSpec>,
+    },
+    /// Blocks of columns under a line of names: arguments (axes) and errors by their ISO names.
+    ErrorColumns,
+    /// Columns under a line of names: a position, and a column for every corrected axis.
+    AxisColumns {
+        /// Name of the position's column.
+        position: String,
+        /// Name of the column that is added approaching with falling position.
+        reversal: String,
+        /// Lines that may stand before and after, beginning with one of these.
+        frame: Vec<String>,
+    },
     /// Constant arrays of C: the numbers of a full kinematics model.
     CArrays,
     /// Lines `setp COMPONENT.NAME VALUE`.
     HalConstants,
+}
+
+/// A line of a file: text with fields in angle brackets.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LineSpec {
+    /// The pattern, such as `$AN_CEC[<table>,<index>]=<value>`.
+    pub line: String,
+    /// Only on the line with this number, from 1.
+    #[serde(default)]
+    pub at: Option<usize>,
+    /// Must such a line be there?
+    #[serde(default)]
+    pub required: bool,
+    /// What it says besides.
+    #[serde(default)]
+    pub set: BTreeMap<String, String>,
 }
 
 /// A column of a table of one axis.
@@ -203,79 +244,86 @@ pub struct FileSpec {
     pub template: String,
     /// Once, or for every axis.
     pub per: Per,
+    /// The mechanism whose tables it holds, if not all; without such tables it is not written.
+    #[serde(default)]
+    pub of: Option<String>,
     /// How to read it back; absent for files without tables.
     #[serde(default)]
     pub layout: Option<Layout>,
 }
 
 impl Manifest {
-    /// What the mechanism can hold.
-    pub fn capability(&self) -> Capability {
-        match &self.mechanism {
-            Mechanism::OwnAxis(m) => Capability::OwnAxis(OwnAxisCapability {
-                max_points: m.max_points,
-                spacing: m.spacing,
-                bidirectional: m.bidirectional,
-                continuous: m.continuous,
-                increment: m.increment,
-            }),
-            Mechanism::Lattice(m) => Capability::Lattice(LatticeCapability {
-                max_nodes: m.max_nodes,
-                corrects_rotary: m.corrects_rotary,
-                increment: m.increment,
-            }),
-            Mechanism::Kinematics(_) => Capability::Kinematics,
-        }
-    }
-
-    /// Least increments of the stored numbers.
-    pub fn increment(&self) -> Increment {
-        match &self.mechanism {
-            Mechanism::OwnAxis(m) => m.increment,
-            Mechanism::Lattice(m) => m.increment,
-            Mechanism::Kinematics(m) => m.increment,
-        }
-    }
-
-    /// What the stored number means.
-    pub fn stored(&self) -> Stored {
-        match &self.mechanism {
-            Mechanism::OwnAxis(m) => m.stored,
-            Mechanism::Lattice(m) => m.stored,
-            Mechanism::Kinematics(_) => Stored::Correction,
-        }
-    }
-
     /// Does it rest on memory alone?
     pub fn unverified(&self) -> bool {
-        [&self.certainty.syntax, &self.certainty.sign].into_iter().any(|c| c.level == "memory")
+        [&self.certainty.syntax, &self.certainty.sign].into_iter().any(|c| c.level == Level::Memory)
+    }
+
+    /// A line for the head of a file.
+    pub fn caution(&self) -> String {
+        let (syntax, sign) = (self.certainty.syntax.level.word(), self.certainty.sign.level.word());
+        let test = if self.unverified() { "NOT VERIFIED, from memory: " } else { "" };
+        format!("{test}syntax {syntax}, sign {sign}; test the sign first")
+    }
+
+    /// Do the tables hold for one tool only?
+    pub fn tool_dependent(&self) -> bool {
+        self.mechanism.iter().any(|(name, rules)| match name {
+            "error_curves" => false,
+            "own_axis" => rules.fit == crate::compensation::Fit::FunctionalPoint,
+            _ => true,
+        })
     }
 
     /// What makes a manifest impossible to work with, in words.
     pub fn fault(&self) -> Option<String> {
-        let increment = self.increment();
-        let decimals = increment.position_decimals.max(increment.correction_decimals);
-        if decimals > MOST_DECIMALS {
-            return Some(format!("{decimals} decimals are more than the {MOST_DECIMALS} that a double has to give"));
+        let tables = self.mechanism.iter().count();
+        match &self.mechanism.kinematics {
+            Some(kinematics) if tables == 0 => {
+                return decimals_fault(kinematics.increment)
+                    .or_else(|| kinematics.fault())
+                    .or_else(|| self.unfit_files(kinematics));
+            }
+            Some(_) => return Some("mechanism: kinematics stand alone".to_owned()),
+            None if tables == 0 => return Some("mechanism: there is none".to_owned()),
+            None => {}
         }
-        match &self.mechanism {
-            Mechanism::OwnAxis(m) if !(2..=MOST_POINTS).contains(&m.max_points) => {
-                Some(format!("max_points: a table has from 2 to {MOST_POINTS} points"))
-            }
-            Mechanism::OwnAxis(m)
-                if !(m.continuous.1 > m.continuous.0 && m.continuous.1 - m.continuous.0 <= 36_000.0) =>
-            {
-                Some("continuous: write [from, to] in deg, rising, at most a hundred turns".to_owned())
-            }
-            Mechanism::Lattice(m) if !(2..=MOST_NODES).contains(&m.max_nodes) => {
-                Some(format!("max_nodes: a lattice has from 2 to {MOST_NODES} nodes"))
-            }
-            Mechanism::OwnAxis(m) => {
-                self.files.iter().filter_map(|f| f.layout.as_ref()).find_map(|l| l.fault(m.bidirectional))
-            }
-            Mechanism::Lattice(_) => None,
-            Mechanism::Kinematics(m) => m.fault().or_else(|| self.unfit_files(m)),
-        }
+        let layouts = || self.files.iter().filter_map(|f| f.layout.as_ref());
+        let columns = || {
+            let rules = self.mechanism.own_axis.as_ref()?;
+            layouts().find_map(|l| l.fault(rules.bidirectional))
+        };
+        self.mechanism.iter().find_map(|(name, rules)| fault(name, rules)).or_else(columns)
+    }
+}
+
+fn decimals_fault(increment: Increment) -> Option<String> {
+    let decimals = increment.position_decimals.max(increment.correction_decimals);
+    (decimals > MOST_DECIMALS)
+        .then(|| format!("{decimals} decimals are more than the {MOST_DECIMALS} that a double has to give"))
+}
+
+fn fault(name: &str, rules: &TableRules) -> Option<String> {
+    let increment = rules.increment;
+    let scales = [increment.position_scale, increment.correction_scale].map(|s| [s.mm, s.deg]).concat();
+    let points = rules.max_points.min(rules.max_points_per_axis);
+    let most = if name == "lattice" { MOST_NODES } else { MOST_POINTS };
+    if let Some(fault) = decimals_fault(increment) {
+        Some(fault)
+    } else if !scales.iter().all(|s| (1e-9..=1e9).contains(s)) {
+        Some("increment: a scale is stored units in one mm or deg, from 1e-9 to 1e9".to_owned())
+    } else if points < 2 || rules.max_points > most {
+        Some(format!("{name}: max_points: a table has from 2 to {most} points"))
+    } else if !(rules.continuous.1 > rules.continuous.0 && rules.continuous.1 - rules.continuous.0 <= 36_000.0) {
+        Some("continuous: write [from, to] in deg, rising, at most a hundred turns".to_owned())
+    } else if matches!(rules.spacing, Spacing::PowerOfTwo(unit) if !(1e-6..=1e3).contains(&unit)) {
+        Some("power_of_two: the length that the power multiplies, from 1e-6 to 1000".to_owned())
+    } else if rules.incremental && increment.correction_decimals > 0 {
+        Some(
+            "incremental: differences are whole numbers of the correction_scale's unit, correction_decimals: 0"
+                .to_owned(),
+        )
+    } else {
+        None
     }
 }
 

@@ -10,7 +10,9 @@
 //! Targets without tables, which replace the controller's kinematics, have their own passes in `kinematics`.
 
 mod certificate;
+mod context;
 mod fill;
+mod installed;
 mod kinematics;
 mod library;
 mod limits;
@@ -19,13 +21,14 @@ mod manifest;
 mod read;
 mod render;
 mod replay;
+mod stored;
 
-pub use certificate::{Certificate, ErrorLeft, Figures, Handled, certify};
-pub use kinematics::{Carried, Carries, Depth, Driven, KinematicsMechanism, Model, Setting, World, certify_kinematics};
+pub use certificate::{Certificate, ErrorLeft, Figures, Handled, Judged, Shifted, certify};
+pub use kinematics::{Carried, Depth, Driven, Model, Setting, World, certify_kinematics};
 pub use library::{NAMES, Target, is_plain_name};
 pub use limits::Limits;
 pub use lock::{Hashed, LOCK_NAME, Lock, sha256};
-pub use manifest::{Certainty, Controller, FileSpec, Layout, Manifest, Mechanism};
-pub use read::ReadBack;
+pub use manifest::{Certainty, Controller, FileSpec, Layout, Level, Manifest};
+pub use read::{ReadBack, Recognised, recognise};
 pub use render::{LARGEST_FILE, RenderedFile, assigned_letters};
 pub use replay::{Compensated, Replay};

@@ -3,9 +3,10 @@
 //! Numbers reach a template rounded and as text: [`fixed`] is the only formatter, and it knows
 //! neither `-0` nor NaN nor a locale. Templates run with fuel and cannot read files.
 
+use super::context::Words;
 use super::manifest::{AxisLetters, FileSpec, Per};
 use super::{Target, library};
-use crate::compensation::{Capability, Increment, Lattice, OwnAxisTable, Tables};
+use crate::compensation::{Table, Tables};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::machine::{Axis, AxisKind, Machine, Travel};
 use minijinja::syntax::SyntaxConfig;
@@ -54,7 +55,8 @@ impl Target {
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
-        let writer = Writer { target: self, machine, tables, letters, environment: environment() };
+        let words = Words { target: self, machine, tables, letters: &letters };
+        let writer = Writer { words, environment: environment() };
         match writer.files() {
             Ok(files) => Some(files),
             Err(message) => {
@@ -181,23 +183,25 @@ fn rendered(
 
 /// What a file is rendered from.
 struct Writer<'a> {
-    target: &'a Target,
-    machine: &'a Machine,
-    tables: &'a Arc<Tables>,
-    letters: Vec<(usize, String)>,
+    words: Words<'a>,
     environment: Environment<'static>,
 }
 
 impl Writer<'_> {
     fn files(&self) -> Result<Vec<RenderedFile>, String> {
         let mut files = Vec::new();
-        for (spec, template) in self.target.manifest.files.iter().zip(&self.target.templates) {
-            match spec.per {
-                Per::Machine => files.push(self.file(spec, template, self.machine_context()?)?),
-                Per::Axis => {
-                    for joint in 0..self.letters.len() {
-                        files.push(self.file(spec, template, self.axis_context(joint, true)?)?);
-                    }
+        let target = self.words.target;
+        for (spec, template) in target.manifest.files.iter().zip(&target.templates) {
+            if spec.per == Per::Machine {
+                if spec.of.as_ref().is_none_or(|of| self.words.any(of)) {
+                    files.push(self.file(spec, template, self.machine_context(spec)?)?);
+                }
+                continue;
+            }
+            for joint in 0..self.words.letters.len() {
+                let axis = self.words.letters[joint].0;
+                if spec.per.wants(axis, &self.words.tables.tables) {
+                    files.push(self.file(spec, template, self.axis_context(joint, Some(spec.per))?)?);
                 }
             }
         }
@@ -208,104 +212,82 @@ impl Writer<'_> {
         rendered(&self.environment, spec, template, context)
     }
 
-    fn increment(&self) -> Increment {
-        self.target.manifest.increment()
-    }
-
-    fn position(&self, value: f64) -> String {
-        fixed(value, self.increment().position_decimals)
-    }
-
     fn limits(&self, axis: usize) -> (f64, f64) {
-        match (self.machine.axes()[axis].travel, self.target.manifest.capability()) {
-            (Travel::Continuous, Capability::OwnAxis(own)) => own.continuous,
+        match (self.words.machine.axes()[axis].travel, &self.words.target.manifest.mechanism.own_axis) {
+            (Travel::Continuous, Some(own)) => own.continuous,
             (travel, _) => travel.interval(),
         }
     }
 
-    fn axis_context(&self, joint: usize, with_points: bool) -> Result<Value, String> {
-        let (index, letter) = &self.letters[joint];
-        let axis = &self.machine.axes()[*index];
+    /// Decimals of positions where they stand outside a table.
+    fn position(&self, value: f64) -> String {
+        let rules = self.words.target.manifest.mechanism.iter().next();
+        fixed(value, rules.map_or(6, |(_, rules)| rules.increment.position_decimals))
+    }
+
+    /// An axis; with its tables in the file of an axis.
+    fn axis_context(&self, joint: usize, of: Option<Per>) -> Result<Value, String> {
+        let (machine, target) = (self.words.machine, self.words.target);
+        let (index, letter) = &self.words.letters[joint];
+        let axis = &machine.axes()[*index];
         let (min, max) = self.limits(*index);
-        let mut per_axis = self.target.manifest.files.iter().filter(|spec| spec.per == Per::Axis);
+        let mut per_axis = target.manifest.files.iter().filter(|spec| spec.per == Per::Axis);
         let own = context! { joint, letter, name => axis.name.as_str() };
         let file = per_axis.next().map(|spec| file_name(&self.environment, spec, own)).transpose()?;
-        let points = if with_points { self.points(*index) } else { Value::UNDEFINED };
+        let tables = of.map(|per| self.words.tables(|table| per.holds(*index, table)));
+        let own = of.map(|_| self.words.own_points(*index));
         Ok(context! {
-            joint, letter, file, points,
+            joint, letter, file, tables,
+            points => own,
             name => axis.name.as_str(),
             kind => if axis.kind == AxisKind::Linear { "linear" } else { "rotary" },
             unit => axis.unit(),
             min => self.position(min),
             max => self.position(max),
-            machine => self.machine.name(),
-            version => env!("CARGO_PKG_VERSION"),
+            number => joint + 1,
+            ..self.common()
         })
     }
 
-    fn machine_context(&self) -> Result<Value, String> {
+    fn common(&self) -> Value {
+        context! {
+            machine => self.words.machine.name(),
+            version => env!("CARGO_PKG_VERSION"),
+            caution => self.words.target.manifest.caution(),
+        }
+    }
+
+    fn machine_context(&self, spec: &FileSpec) -> Result<Value, String> {
         let axes =
-            (0..self.letters.len()).map(|joint| self.axis_context(joint, false)).collect::<Result<Vec<_>, _>>()?;
-        let lattice = matches!(**self.tables, Tables::Lattice(_));
+            (0..self.words.letters.len()).map(|joint| self.axis_context(joint, None)).collect::<Result<Vec<_>, _>>()?;
+        let (columns, rows) = self.words.lattice().unzip();
+        // A lattice is written row by row; as a list of tables it would stand in memory as text.
+        let tables = columns.is_none().then(|| self.words.tables(|table| self.words.is_of(table, spec.of.as_deref())));
         Ok(context! {
             axes,
-            machine => self.machine.name(),
-            version => env!("CARGO_PKG_VERSION"),
-            columns => if lattice { self.columns().into() } else { Value::UNDEFINED },
-            rows => if lattice { self.rows() } else { Value::UNDEFINED },
-        })
-    }
-
-    /// Points of an own-axis table, as text.
-    fn points(&self, axis: usize) -> Value {
-        let Tables::OwnAxis(tables) = &**self.tables else { return Value::UNDEFINED };
-        let point = |table: &OwnAxisTable, i: usize| {
-            let correction = |values: &[f64]| fixed(values[i], self.increment().correction_decimals);
-            context! {
-                position => self.position(table.positions[i]),
-                forward => correction(&table.forward),
-                reverse => correction(&table.reverse),
-            }
-        };
-        let table = tables.iter().find(|table| table.axis == axis);
-        table
-            .map_or_else(|| Value::from(Vec::<Value>::new()), |t| (0..t.positions.len()).map(|i| point(t, i)).collect())
-    }
-
-    fn columns(&self) -> Vec<String> {
-        let Tables::Lattice(lattice) = &**self.tables else { return Vec::new() };
-        let column = |prefix: &str, axis: &usize| {
-            let axis = &self.machine.axes()[*axis];
-            format!("{prefix}{} [{}]", axis.name, axis.unit())
-        };
-        let positions = lattice.axes.iter().map(|axis| column("", axis));
-        positions.chain(lattice.corrected.iter().map(|axis| column("d", axis))).collect()
-    }
-
-    /// Rows of the lattice, formatted as they are asked for: a lattice never stands in memory as text twice.
-    fn rows(&self) -> Value {
-        let increment = self.increment();
-        Value::make_object_iterable(Arc::clone(self.tables), move |tables| match &**tables {
-            Tables::Lattice(lattice) => {
-                Box::new((0..lattice.len()).map(move |i| Value::from(row(lattice, i, increment))))
-            }
-            Tables::OwnAxis(_) => Box::new(std::iter::empty()),
+            columns, rows,
+            tables => tables,
+            errors => self.words.errors(),
+            chain => self.words.chain(),
+            ..self.common()
         })
     }
 }
 
-fn row(lattice: &Lattice, number: usize, increment: Increment) -> String {
-    let width = lattice.corrected.len();
-    let mut text = String::with_capacity(128);
-    let mut cell = |value: f64, decimals: u8| {
-        if !text.is_empty() {
-            text.push(',');
+impl Per {
+    /// Is there a file for an axis?
+    fn wants(self, axis: usize, tables: &[Table]) -> bool {
+        self == Self::Axis || tables.iter().any(|table| self.holds(axis, table))
+    }
+
+    /// Does the file of an axis hold a table?
+    fn holds(self, axis: usize, table: &Table) -> bool {
+        match self {
+            Self::Machine => true,
+            Self::Axis | Self::Output => table.corrected[0] == axis,
+            Self::Input => table.axes[0] == axis,
         }
-        push_fixed(&mut text, value, decimals);
-    };
-    lattice.node(number).into_iter().for_each(|q| cell(q, increment.position_decimals));
-    lattice.values[number * width..(number + 1) * width].iter().for_each(|c| cell(*c, increment.correction_decimals));
-    text
+    }
 }
 
 /// A number with so many decimals, never `-0`. Callers have rounded it already, so nothing is lost.
@@ -316,7 +298,7 @@ pub(super) fn fixed(value: f64, decimals: u8) -> String {
 }
 
 /// The digits come from an integer: exact, and several times faster than the general formatter.
-fn push_fixed(text: &mut String, value: f64, decimals: u8) {
+pub(super) fn push_fixed(text: &mut String, value: f64, decimals: u8) {
     use std::fmt::Write;
     const EXACT: f64 = 9_007_199_254_740_992.0;
     let scaled = libm::round(value * libm::pow(10.0, f64::from(decimals)));

@@ -1,65 +1,110 @@
 //! What the controller does with its tables, in its own arithmetic. Written from what was measured
 //! on or documented of each controller, not from the code that filled the tables.
 
-use super::manifest::{Arithmetic, Controller};
-use crate::compensation::{Lattice, OwnAxisTable, Tables};
+use super::manifest::{Arithmetic, Controller, Lookup, OutsideTable};
+use crate::compensation::{Mechanisms, Table, Tables, model_correction};
 use crate::evaluate::{Batch, Deviation, Field, Order, Output, Plan, PoseColumns, commanded_deviation};
 use crate::machine::{Approach, Machine};
 
 /// A controller with tables loaded.
 #[derive(Debug, Clone)]
 pub struct Replay<'a> {
+    machine: &'a Machine,
     tables: &'a Tables,
     controller: Controller,
-    /// Which axes turn without end: a lattice over them is looked up modulo 360 deg.
-    continuous: Vec<bool>,
+    /// Which tables are looked up modulo 360 deg on continuous axes.
+    modulo: Vec<bool>,
+    /// What was in force when the machine was measured: its errors are those that were left then.
+    installed: Option<Box<Replay<'a>>>,
 }
 
 impl<'a> Replay<'a> {
     /// Loads tables.
-    pub fn new(machine: &Machine, tables: &'a Tables, controller: Controller) -> Self {
-        let continuous = (0..machine.axes().len()).map(|axis| machine.is_continuous(axis)).collect();
-        Self { tables, controller, continuous }
+    pub fn new(machine: &'a Machine, tables: &'a Tables, mechanisms: &Mechanisms, controller: Controller) -> Self {
+        let modulo = tables.tables.iter().map(|t| mechanisms.rules(t).is_some_and(|rules| rules.modulo)).collect();
+        Self { machine, tables, controller, modulo, installed: None }
+    }
+
+    /// The same on a machine whose errors were measured with other tables in force.
+    pub fn over(self, installed: Option<Self>) -> Self {
+        Self { installed: installed.map(Box::new), ..self }
     }
 
     /// What the controller adds to a command (mm, deg) approached from one side.
     pub fn added(&self, command: &[f64], approach: Approach) -> Vec<f64> {
         let mut added = vec![0.0; command.len()];
-        match self.tables {
-            Tables::OwnAxis(tables) => {
-                for table in tables {
-                    added[table.axis] = self.own_axis(table, command[table.axis], approach);
+        if !self.tables.errors.is_empty() {
+            added = model_correction(self.machine, command, &self.tables.errors).0;
+        }
+        match self.controller.lookup {
+            Lookup::Command => self.add_tables(command, approach, &mut added, |_| true),
+            // Klipper and Marlin: y' = y - z*yz, then x' = x - y'*xy - z*xz.
+            Lookup::Corrected => {
+                let mut order: Vec<usize> = self.tables.tables.iter().map(|t| t.corrected[0]).collect();
+                order.sort_by_key(|axis| std::cmp::Reverse(self.machine.axes()[*axis].name.clone()));
+                order.dedup();
+                for axis in order {
+                    let at: Vec<f64> = command.iter().zip(&added).map(|(q, c)| q + c).collect();
+                    self.add_tables(&at, approach, &mut added, |table| table.corrected[0] == axis);
                 }
             }
-            Tables::Lattice(lattice) => {
-                for (node, weight) in self.corners(lattice, command) {
-                    let row = &lattice.values[node * lattice.corrected.len()..];
-                    lattice.corrected.iter().zip(row).for_each(|(axis, value)| added[*axis] += weight * value);
-                }
-            }
+        }
+        if let Some(installed) = &self.installed {
+            let before = installed.added(command, approach);
+            added.iter_mut().zip(before).for_each(|(a, b)| *a -= b);
         }
         added
     }
 
-    /// One axis's table at a commanded position.
-    pub fn own_axis(&self, table: &OwnAxisTable, position: f64, approach: Approach) -> f64 {
-        let column = |values: &[f64]| match self.controller.arithmetic {
-            Arithmetic::Float64 => double_precision(&table.positions, values, position),
-            Arithmetic::Float32TrimAndSlope => single_precision(&table.positions, values, position),
-        };
-        match approach {
-            Approach::Forward => column(&table.forward),
-            Approach::Reverse => column(&table.reverse),
-            Approach::Mean => 0.5 * (column(&table.forward) + column(&table.reverse)),
+    fn add_tables(&self, at: &[f64], approach: Approach, added: &mut [f64], keep: impl Fn(&Table) -> bool) {
+        for (table, modulo) in self.tables.tables.iter().zip(&self.modulo).filter(|(table, _)| keep(table)) {
+            if let ([axis], [corrected]) = (&table.axes[..], &table.corrected[..]) {
+                added[*corrected] += self.curve(table, self.turned(table, 0, *axis, at[*axis], *modulo), approach);
+                continue;
+            }
+            for (node, weight) in self.corners(table, at, *modulo) {
+                let row = &table.values[node * table.corrected.len()..];
+                table.corrected.iter().zip(row).for_each(|(axis, value)| added[*axis] += weight * value);
+            }
         }
     }
 
-    /// Nodes of the cell around a command, with their multilinear weights.
-    pub fn corners(&self, lattice: &Lattice, command: &[f64]) -> Vec<(usize, f64)> {
+    /// A table over one axis at a position.
+    fn curve(&self, table: &Table, position: f64, approach: Approach) -> f64 {
+        let column = |values: &[f64]| match (self.controller.arithmetic, self.controller.outside) {
+            (Arithmetic::Float32TrimAndSlope, _) => single_precision(&table.nodes[0], values, position),
+            (_, OutsideTable::RollOver) if position > table.nodes[0][table.nodes[0].len() - 1] => {
+                closing(&table.nodes[0], values, position)
+            }
+            (Arithmetic::Float64, outside) => double_precision(&table.nodes[0], values, position, outside),
+        };
+        let Some(reverse) = &table.reverse else { return column(&table.values) };
+        match approach {
+            Approach::Forward => column(&table.values),
+            Approach::Reverse => column(reverse),
+            Approach::Mean => 0.5 * (column(&table.values) + column(reverse)),
+        }
+    }
+
+    /// The position at which a table is looked up.
+    fn turned(&self, table: &Table, place: usize, axis: usize, position: f64, modulo: bool) -> f64 {
+        let nodes = &table.nodes[place];
+        let first = nodes[0];
+        if modulo && self.machine.is_continuous(axis) {
+            return first + (position - first).rem_euclid(360.0);
+        }
+        if self.controller.outside == OutsideTable::RollOver && nodes.len() > 1 {
+            return first + (position - first).rem_euclid(period(nodes));
+        }
+        position
+    }
+
+    /// Nodes of the cell of a lattice around a command, with their multilinear weights.
+    pub fn corners(&self, lattice: &Table, command: &[f64], modulo: bool) -> Vec<(usize, f64)> {
         let mut corners = vec![(0, 1.0)];
-        for (axis, nodes) in lattice.axes.iter().zip(&lattice.nodes) {
-            let position = if self.continuous[*axis] { within_turn(nodes[0], command[*axis]) } else { command[*axis] };
-            let (low, share) = cell(nodes, position);
+        for (place, (axis, nodes)) in lattice.axes.iter().zip(&lattice.nodes).enumerate() {
+            let position = self.turned(lattice, place, *axis, command[*axis], modulo);
+            let Some((low, share)) = cell(nodes, position, self.controller.outside) else { return Vec::new() };
             corners = corners
                 .iter()
                 .flat_map(|(node, weight)| {
@@ -71,37 +116,59 @@ impl<'a> Replay<'a> {
         }
         corners
     }
-}
 
-/// The same angle in the turn that starts at the first node.
-fn within_turn(first: f64, angle: f64) -> f64 {
-    first + (angle - first).rem_euclid(360.0)
-}
-
-/// Lower node of the cell and the share of the upper one; held at the ends.
-fn cell(nodes: &[f64], position: f64) -> (usize, f64) {
-    let last = nodes.len() - 1;
-    if last == 0 || position <= nodes[0] {
-        return (0, 0.0);
+    /// The same for the only lattice of a set.
+    pub fn lattice_corners(&self, command: &[f64]) -> Vec<(usize, f64)> {
+        let first = self.tables.tables.first().zip(self.modulo.first());
+        first.map_or_else(Vec::new, |(lattice, modulo)| self.corners(lattice, command, *modulo))
     }
-    if position >= nodes[last] {
-        return (last, 0.0);
+}
+
+/// A table that rolls over begins again one step after its last point.
+fn period(nodes: &[f64]) -> f64 {
+    let last = nodes.len() - 1;
+    2.0 * nodes[last] - nodes[last - 1] - nodes[0]
+}
+
+/// Between the last point and the first one of the next round.
+fn closing(nodes: &[f64], values: &[f64], position: f64) -> f64 {
+    let last = nodes.len() - 1;
+    let share = (position - nodes[last]) / (nodes[0] + period(nodes) - nodes[last]);
+    values[last] * (1.0 - share) + values[0] * share
+}
+
+/// Lower node of the cell and the share of the upper one; none where nothing is added.
+fn cell(nodes: &[f64], position: f64, outside: OutsideTable) -> Option<(usize, f64)> {
+    let last = nodes.len() - 1;
+    let beyond = position < nodes[0] || position > nodes[last];
+    if last == 0 {
+        return (!(beyond && outside == OutsideTable::Nothing)).then_some((0, 0.0));
+    }
+    match outside {
+        OutsideTable::Nothing if beyond => return None,
+        OutsideTable::Extrapolate => {}
+        _ if position <= nodes[0] => return Some((0, 0.0)),
+        _ if position >= nodes[last] => return Some((last, 0.0)),
+        _ => {}
     }
     let mut low = 0;
-    while nodes[low + 1] <= position {
+    while low + 2 <= last && nodes[low + 1] <= position {
         low += 1;
     }
-    (low, (position - nodes[low]) / (nodes[low + 1] - nodes[low]))
+    Some((low, (position - nodes[low]) / (nodes[low + 1] - nodes[low])))
+}
+
+fn double_precision(positions: &[f64], values: &[f64], position: f64, outside: OutsideTable) -> f64 {
+    match cell(positions, position, outside) {
+        None => 0.0,
+        Some((low, 0.0)) => values[low],
+        Some((low, share)) => values[low] * (1.0 - share) + values[low + 1] * share,
+    }
 }
 
 /// The value of the last node at or below the position, and its number.
 fn interval(positions: &[f64], position: f64) -> usize {
     positions.iter().rposition(|node| *node <= position).unwrap_or(0)
-}
-
-fn double_precision(positions: &[f64], values: &[f64], position: f64) -> f64 {
-    let (low, share) = cell(positions, position);
-    if share == 0.0 { values[low] } else { values[low] * (1.0 - share) + values[low + 1] * share }
 }
 
 /// LinuxCNC: each entry keeps its trim and the slope to the next entry as `float`; the sum is a

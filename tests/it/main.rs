@@ -45,6 +45,7 @@ mod report;
 mod schema;
 mod show;
 mod support;
+mod targets;
 mod theorems;
 mod tidy;
 mod weil;

@@ -238,8 +238,8 @@ fn certificate(machine: &Machine, written: &Written) -> Value {
     };
     json!({
         "target": manifest.target, "title": manifest.title, "expresses": manifest.expresses, "cannot": manifest.cannot,
-        "syntax": {"level": manifest.certainty.syntax.level, "source": manifest.certainty.syntax.source},
-        "sign": {"level": manifest.certainty.sign.level, "source": manifest.certainty.sign.source},
+        "syntax": {"level": manifest.certainty.syntax.level.word(), "source": manifest.certainty.syntax.source},
+        "sign": {"level": manifest.certainty.sign.level.word(), "source": manifest.certainty.sign.source},
         "poses": certificate.poses, "direction": certificate.approach,
         "uncompensated": figures(&certificate.uncompensated), "compensated": figures(&certificate.compensated),
         "errors": errors.iter().map(error).collect::<Vec<_>>(),

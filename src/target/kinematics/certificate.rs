@@ -36,6 +36,7 @@ pub fn certify_kinematics(machine: &Machine, target: &Target, carried: &Carried,
         compensated,
         errors: singles(machine, target, carried.orientation(), &poses[..poses.len().min(MOST_SINGLE_POSES)]),
         at_reference: [at_reference.clone(), at_reference],
+        shifted: None,
         strongest: strongest(machine, &poses),
     }
 }

@@ -6,7 +6,7 @@ use super::data::{CurveData, Form, Joint, Model};
 use super::{Carried, Carries};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::machine::Machine;
-use crate::target::manifest::{Layout, Mechanism};
+use crate::target::manifest::Layout;
 use crate::target::read::{ReadBack, at_line};
 use crate::target::{Manifest, RenderedFile, Target};
 use crate::units;
@@ -17,7 +17,7 @@ const MOST_AXES: usize = 9;
 impl Manifest {
     /// The mechanism, if it replaces the kinematics.
     pub fn kinematics(&self) -> Option<&super::KinematicsMechanism> {
-        if let Mechanism::Kinematics(mechanism) = &self.mechanism { Some(mechanism) } else { None }
+        self.mechanism.kinematics.as_ref()
     }
 }
 

@@ -30,37 +30,7 @@ pub use data::Model;
 pub use driven::Driven;
 pub use solve::{Setting, World};
 
-use crate::compensation::Increment;
-use serde::Deserialize;
-
-/// The kinematics are replaced.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct KinematicsMechanism {
-    /// What the module carries.
-    pub carries: Carries,
-    /// Sine of the angle from a singular pose below which corrections of rotary axes are bounded.
-    #[serde(default)]
-    pub damping: f64,
-    /// The controller's names of the constants, in the order of [`Carries`]; none for a full model.
-    #[serde(default)]
-    pub constants: Vec<String>,
-    /// Decimals of constants; numbers of a full model are written exactly.
-    pub increment: Increment,
-}
-
-/// What a kinematics module can carry.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Carries {
-    /// The chain with every error.
-    FullModel,
-    /// A 3x3 matrix from the axes X, Y, Z to their joints; constants row by row.
-    LinearMap,
-    /// The lines of a tilting table: A or B, and C on it, tables turning right-handed. Constants: a point of
-    /// C's line (X, Y, Z), the way from it to the tilting line (X, Y, Z), the length of the tool.
-    RotaryCentres,
-}
+pub use crate::compensation::{Carries, KinematicsMechanism};
 
 impl KinematicsMechanism {
     /// What makes it impossible to work with, in words.

@@ -1,0 +1,40 @@
+//! Tables on top of tables: a machine measured with tables in force needs the old ones plus the new.
+
+use super::{ErrorCurve, Table, Tables};
+
+/// What a table adds at a position of each of its axes, and whether approached in reverse.
+pub type LookUp<'a> = dyn Fn(&Table, &[f64], bool) -> Vec<f64> + 'a;
+
+impl Tables {
+    /// These tables plus others, on the nodes of these; what only the others have is taken over as it is.
+    /// The values of the others between their nodes come from `at`: table, position of each axis, direction.
+    pub fn plus(mut self, others: &Self, at: &LookUp) -> Self {
+        for other in &others.tables {
+            let same = |t: &&mut Table| (&t.axes, &t.corrected) == (&other.axes, &other.corrected);
+            let Some(table) = self.tables.iter_mut().find(same) else {
+                self.tables.push(other.clone());
+                continue;
+            };
+            let sum = |table: &Table, reverse: bool| -> Vec<f64> {
+                let values = if reverse { table.reverse.as_ref().unwrap_or(&table.values) } else { &table.values };
+                let nodes = (0..table.len()).flat_map(|node| at(other, &table.node(node), reverse));
+                values.iter().zip(nodes).map(|(v, o)| v + o).collect()
+            };
+            let reverse = (table.reverse.is_some() || other.reverse.is_some()).then(|| sum(table, true));
+            table.values = sum(table, false);
+            table.reverse = reverse;
+        }
+        for other in &others.errors {
+            match self.errors.iter_mut().find(|curve| curve.error == other.error) {
+                Some(curve) if curve.positions.is_empty() => curve.values[0] += other.value(0.0, false),
+                Some(curve) => add(curve, other),
+                None => self.errors.push(other.clone()),
+            }
+        }
+        self.merged()
+    }
+}
+
+fn add(curve: &mut ErrorCurve, other: &ErrorCurve) {
+    curve.values.iter_mut().zip(&curve.positions).for_each(|(value, q)| *value += other.value(*q, false));
+}

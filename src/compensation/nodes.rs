@@ -1,0 +1,201 @@
+//! Where the points of a table over one axis lie, as the rules of the mechanism allow.
+
+use super::{Spacing, TableRules};
+use crate::machine::{AxisKind, Curve, Direction, ErrorTerm, Machine, Travel};
+
+/// Intervals of a table over a rotary axis that carries sines: 5 deg leave a thousandth of them.
+const ROTARY_INTERVALS: usize = 72;
+
+/// Intervals of a table over curves without knots.
+const SMOOTH_INTERVALS: usize = 128;
+
+/// The line through position 0 is given by its value here (mm or deg).
+const LINE: f64 = 1000.0;
+
+/// Candidates for each point that is kept where points are free.
+const CANDIDATES: usize = 4;
+
+/// Positions that a table over an axis covers.
+pub(super) fn interval(machine: &Machine, axis: usize, rules: &TableRules) -> (f64, f64) {
+    match machine.axes()[axis].travel {
+        Travel::Continuous => rules.continuous,
+        Travel::Range(min, max) => (min, max),
+    }
+}
+
+/// The curves that a table over an axis stands for.
+pub(super) struct Curves<'a> {
+    pub machine: &'a Machine,
+    pub axis: usize,
+    /// Which errors of the axis count.
+    pub counts: &'a dyn Fn(Direction) -> bool,
+    /// Does the table carry sines of the axis's angle besides?
+    pub sines: bool,
+}
+
+impl Curves<'_> {
+    fn all(&self) -> impl Iterator<Item = &Curve> {
+        let terms = Direction::ALL.into_iter().filter(|d| (self.counts)(*d));
+        let component = |d: Direction| match self.machine.axis_errors(self.axis).component[d.index()].as_ref() {
+            Some(ErrorTerm::Component(component)) => Some(component),
+            _ => None,
+        };
+        terms.filter_map(component).flat_map(|c| c.curves())
+    }
+
+    /// Are all of them straight between knots?
+    fn straight(&self) -> bool {
+        !self.sines && self.all().all(|curve| matches!(curve, Curve::Linear(_)))
+    }
+
+    /// Knots within an interval, ends included; periodic ones are repeated.
+    pub fn knots(&self, (min, max): (f64, f64)) -> Vec<f64> {
+        let mut all = vec![min, max];
+        for knots in self.all().filter_map(Curve::knots) {
+            let period = knots.period().unwrap_or(0.0);
+            let turns = if period > 0.0 { libm::ceil((max - min) / period) as i32 + 1 } else { 0 };
+            let shifted = |turn: i32| knots.positions().iter().map(move |q| q + f64::from(turn) * period);
+            all.extend((-turns..=turns).flat_map(shifted).filter(|q| (min..=max).contains(q)));
+        }
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all
+    }
+
+    /// Positions of the table's points. `value` gives the columns of the table at a position: where
+    /// points are free and the knots too many, those stay that leave least between them.
+    pub fn positions(&self, rules: &TableRules, value: &dyn Fn(f64) -> Vec<f64>) -> Vec<f64> {
+        let kind = self.machine.axes()[self.axis].kind;
+        let (min, max) = interval(self.machine, self.axis, rules);
+        let range = match rules.spacing {
+            Spacing::Stepped | Spacing::PowerOfTwo(_) => (rules.increment.position(min, kind), max),
+            Spacing::Anchored => (min.min(0.0), max.max(0.0)),
+            _ => (min, max),
+        };
+        let most = rules.max_points.min(rules.max_points_per_axis);
+        let least = rules.increment.least_position(kind);
+        let turns = self.machine.is_continuous(self.axis);
+        let step = |step: f64| whole_step(step, least, turns.then_some(range));
+        let positions = match rules.spacing {
+            Spacing::Free => self.free(range, most, value),
+            Spacing::Equal => equal(range, most),
+            Spacing::Stepped => self.stepped(range, step(self.step(range, most - 1)), most),
+            Spacing::Anchored => anchored(range, step(self.step(range, most.saturating_sub(3).max(1)))),
+            Spacing::PowerOfTwo(unit) => {
+                let wanted = (range.1 - range.0) / (most - 1) as f64 / unit;
+                self.stepped(range, unit * libm::exp2(libm::ceil(libm::log2(wanted) - 1e-9).max(0.0)), most)
+            }
+            Spacing::Line => vec![0.0, LINE],
+        };
+        rules.increment.distinct(positions, kind)
+    }
+
+    fn free(&self, range: (f64, f64), most: usize, value: &dyn Fn(f64) -> Vec<f64>) -> Vec<f64> {
+        let knots = self.knots(range);
+        if self.straight() && (2..=most).contains(&knots.len()) {
+            return knots;
+        }
+        let dense = CANDIDATES * most.min(SMOOTH_INTERVALS * 2);
+        let mut candidates = [knots, equal(range, dense)].concat();
+        candidates.sort_by(f64::total_cmp);
+        candidates.dedup();
+        let rows: Vec<Vec<f64>> = candidates.iter().map(|q| value(*q)).collect();
+        let kept = place(&candidates, &rows, most);
+        kept.into_iter().map(|i| candidates[i]).collect()
+    }
+
+    /// The step of equal distances, in at most so many intervals: one that meets the knots if there is one.
+    fn step(&self, (min, max): (f64, f64), most: usize) -> f64 {
+        let knots = self.knots((min, max));
+        let regular = (max - min) / (knots.len() - 1) as f64;
+        let meets = knots.iter().enumerate().all(|(i, q)| (q - min - i as f64 * regular).abs() < 1e-6 * regular);
+        let rotary = self.machine.axes()[self.axis].kind == AxisKind::Rotary;
+        let wanted = match (self.straight(), rotary && self.sines) {
+            (true, _) => 1,
+            (false, true) => ROTARY_INTERVALS,
+            (false, false) => SMOOTH_INTERVALS,
+        };
+        let intervals = if meets { (knots.len() - 1) * wanted.div_ceil(knots.len() - 1) } else { SMOOTH_INTERVALS };
+        (max - min) / intervals.min(most).max(1) as f64
+    }
+
+    fn stepped(&self, (min, max): (f64, f64), step: f64, most: usize) -> Vec<f64> {
+        let count = (libm::ceil((max - min) / step - 1e-9).max(1.0) as usize + 1).min(most);
+        (0..count).map(|i| min + i as f64 * step).collect()
+    }
+}
+
+/// A step of whole increments, not less than the one wanted; within a turn one that divides it.
+fn whole_step(wanted: f64, least: f64, turn: Option<(f64, f64)>) -> f64 {
+    const DIVISORS: [f64; 14] = [0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0];
+    let rounded = least * libm::ceil(wanted / least - 1e-6);
+    let divides = |step: f64, (min, max): (f64, f64)| {
+        let intervals = (max - min) / step;
+        (intervals - libm::round(intervals)).abs() < 1e-9 * intervals
+    };
+    match turn {
+        Some(range) if !divides(rounded, range) => DIVISORS.into_iter().find(|step| *step >= wanted).unwrap_or(180.0),
+        _ => rounded,
+    }
+}
+
+fn equal((min, max): (f64, f64), points: usize) -> Vec<f64> {
+    let last = (points - 1) as f64;
+    (0..points).map(|i| min + (max - min) * (i as f64 / last)).collect()
+}
+
+/// Multiples of the step that cover a range.
+fn anchored((min, max): (f64, f64), step: f64) -> Vec<f64> {
+    let (first, last) = (libm::floor(min / step + 1e-9) as i64, libm::ceil(max / step - 1e-9) as i64);
+    (first..=last).map(|i| i as f64 * step).collect()
+}
+
+/// Which of many rising positions to keep, so that straight lines between them leave least of the
+/// columns in the square: of all points the one is taken away that costs least, again and again.
+pub(super) fn place(positions: &[f64], rows: &[Vec<f64>], most: usize) -> Vec<usize> {
+    let mut kept: Vec<usize> = (0..positions.len()).collect();
+    let between = |low: usize, high: usize| -> f64 {
+        let share = |i: usize| (positions[i] - positions[low]) / (positions[high] - positions[low]);
+        let left = |i: usize| {
+            let columns = rows[i].iter().zip(&rows[low]).zip(&rows[high]);
+            columns.map(|((v, a), b)| v - a - (b - a) * share(i)).map(|e| e * e).sum::<f64>()
+        };
+        (low + 1..high).map(left).sum()
+    };
+    let cost = |kept: &[usize], at: usize| {
+        let (before, here, after) = (kept[at - 1], kept[at], kept[at + 1]);
+        between(before, after) - between(before, here) - between(here, after)
+    };
+    let mut costs: Vec<f64> = vec![f64::INFINITY; kept.len()];
+    (1..kept.len().saturating_sub(1)).for_each(|at| costs[at] = cost(&kept, at));
+    while kept.len() > most.max(2) {
+        let cheapest = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map_or(1, |(at, _)| at);
+        kept.remove(cheapest);
+        costs.remove(cheapest);
+        for at in [cheapest.saturating_sub(1), cheapest] {
+            if at > 0 && at + 1 < kept.len() {
+                costs[at] = cost(&kept, at);
+            }
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::place;
+
+    #[test]
+    fn corners_of_a_broken_line_stay() {
+        let positions: Vec<f64> = (0..=100).map(f64::from).collect();
+        let corners = [(0.0, 0.0), (17.0, 3.0), (40.0, -2.0), (41.0, 5.0), (100.0, 1.0)];
+        let line = |q: f64| {
+            let i = corners.iter().rposition(|c| c.0 <= q).unwrap().min(corners.len() - 2);
+            let ((a, x), (b, y)) = (corners[i], corners[i + 1]);
+            vec![x + (y - x) * (q - a) / (b - a)]
+        };
+        let rows: Vec<Vec<f64>> = positions.iter().map(|q| line(*q)).collect();
+        assert_eq!(place(&positions, &rows, 5), [0, 17, 40, 41, 100]);
+        assert_eq!(place(&positions, &rows, 2), [0, 100]);
+    }
+}

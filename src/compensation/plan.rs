@@ -1,0 +1,384 @@
+//! What is compensated where: from a machine and a target's mechanisms to tables.
+//!
+//! 1. A controller with the model gets the error curves, and nothing else.
+//! 2. A lattice over whatever axes were asked for holds everything, and stands alone.
+//! 3. Otherwise rotary axes get their own tables from their own error; what is left of the deviation
+//!    of the functional point goes to the linear axes: own and cross tables, then planes or a lattice
+//!    over fixed axes for what those leave ([`super::sum`]). What changes nothing is not written.
+
+use super::curves::error_curves;
+use super::nodes::{Curves, interval};
+use super::sum::{Filler, Traits, Wanted};
+use super::{
+    Correction, Fit, Jacobian, LatticeRequest, Mechanisms, Reference, Scope, Spacing, Table, TableRules, Tables,
+    correct_from, lattice, own_axis_table,
+};
+use crate::evaluate::error_by_error;
+use crate::machine::{Approach, AxisKind, Direction, ErrorId, ErrorTerm, Machine};
+
+/// Fills what the mechanisms can hold and rounds it to their increments.
+pub fn tables(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) -> Tables {
+    let mut tables = filled(machine, mechanisms, request);
+    for table in &mut tables.tables {
+        if mechanisms.rules(table).is_some_and(|rules| rules.reference == Reference::Zero) {
+            vanish_at_reference(table);
+        }
+    }
+    tables.quantise(machine, |table| mechanisms.rules(table).map(|rules| &rules.increment));
+    for table in &mut tables.tables {
+        if mechanisms.rules(table).is_some_and(|rules| rules.modulo)
+            && table.axes.len() == 1
+            && machine.is_continuous(table.axes[0])
+        {
+            close(table);
+        }
+    }
+    tables.merged()
+}
+
+fn filled(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) -> Tables {
+    if let Some(rules) = &mechanisms.error_curves {
+        return Tables { errors: error_curves(machine, rules), tables: Vec::new() };
+    }
+    if let Some(rules) = mechanisms.lattice.as_ref().filter(|rules| rules.inputs.is_empty()) {
+        return Tables { tables: vec![lattice(machine, rules, request)], errors: Vec::new() };
+    }
+    Planner { machine, mechanisms }.tables()
+}
+
+/// Zero at position 0, or at the end of the table nearest to it.
+fn vanish_at_reference(table: &mut Table) {
+    let width = table.corrected.len();
+    let nearest = |nodes: &Vec<f64>| {
+        nodes.iter().enumerate().min_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map_or(0, |(i, _)| i)
+    };
+    let node = table.nodes.iter().fold(0, |number, nodes| number * nodes.len() + nearest(nodes));
+    let at: Vec<f64> = table.values[node * width..(node + 1) * width].to_vec();
+    for values in std::iter::once(&mut table.values).chain(&mut table.reverse) {
+        values.iter_mut().enumerate().for_each(|(i, c)| *c -= at[i % width]);
+    }
+}
+
+/// A table over a turn ends with the value with which it begins.
+fn close(table: &mut Table) {
+    for values in std::iter::once(&mut table.values).chain(&mut table.reverse) {
+        if let [first, .., last] = &mut values[..] {
+            *last = *first;
+        }
+    }
+}
+
+/// The tables of single errors, each for a machine with this error alone, to first order: laid out as
+/// the given ones.
+pub fn single_error_tables(machine: &Machine, mechanisms: &Mechanisms, tables: &Tables) -> Vec<(ErrorId, Tables)> {
+    let ids: Vec<ErrorId> = machine.errors().map(|(id, _)| id).collect();
+    let planner = Planner { machine, mechanisms };
+    let (own, mut sums): (Vec<_>, Vec<_>) = tables.tables.iter().cloned().partition(|t| planner.is_by_own_error(t));
+    // As they were filled: planes take what tables over one axis leave.
+    sums.sort_by_key(|table| table.axes.len());
+    let alone: Vec<Vec<Table>> = ids
+        .iter()
+        .map(|id| {
+            let machine = machine.filtered(|other| other == id);
+            let rules = own.first().and_then(|table| mechanisms.rules(table));
+            let has = |table: &Table| own.iter().any(|t| t.axes == table.axes);
+            rules.map_or_else(Vec::new, |rules| {
+                let axes = 0..machine.axes().len();
+                let all = axes.map(|axis| own_axis_table(&machine, axis, rules, None));
+                all.filter(has).collect()
+            })
+        })
+        .collect();
+    let linear = |pose: &[f64], approach: Approach| -> Vec<Vec<f64>> {
+        let jacobian = Jacobian::at(machine, pose);
+        let each = error_by_error(machine, pose, approach).into_iter().zip(&alone);
+        each.map(|((_, mut deviation), own)| {
+            let turned = Correction(own_added(own, pose, approach));
+            deviation.position += jacobian.displacement(&turned);
+            jacobian.correction(&deviation, &Correction::none(machine), Scope::POSITION).0
+        })
+        .collect()
+    };
+    let mean = |pose: &[f64]| linear(pose, Approach::Mean).concat();
+    let two_sided: Vec<bool> =
+        machine.axes().iter().map(|axis| machine.filtered(|id| id.axis == axis.name).is_bidirectional()).collect();
+    let half = |pose: &[f64], axis: usize| {
+        let name = &machine.axes()[axis].name;
+        if !two_sided[axis] {
+            return vec![0.0; pose.len() * ids.len()];
+        }
+        let (forward, reverse) = (linear(pose, Approach::Forward), linear(pose, Approach::Reverse));
+        let both = ids.iter().zip(forward.iter().zip(&reverse));
+        both.flat_map(|(id, (f, r))| {
+            let share = if id.axis == *name { 0.5 } else { 0.0 };
+            f.iter().zip(r).map(move |(f, r)| share * (f - r)).collect::<Vec<_>>()
+        })
+        .collect()
+    };
+    let mut sets = Filler::new(machine, Wanted { mean: &mean, half: &half }).fill(&sums, &planner.traits(&sums));
+    sets.resize_with(ids.len(), Tables::default);
+    for table in sets.iter_mut().flat_map(|set| &mut set.tables) {
+        if mechanisms.rules(table).is_some_and(|rules| rules.reference == Reference::Zero) {
+            vanish_at_reference(table);
+        }
+    }
+    sets.iter_mut().zip(alone).for_each(|(set, own)| set.tables.extend(own));
+    ids.into_iter().zip(sets).collect()
+}
+
+/// What own-axis tables add at a pose, straight lines between their nodes.
+fn own_added(tables: &[Table], pose: &[f64], approach: Approach) -> Vec<f64> {
+    let mut added = vec![0.0; pose.len()];
+    for table in tables {
+        let (nodes, axis) = (&table.nodes[0], table.axes[0]);
+        let q = pose[axis].clamp(nodes[0], nodes[nodes.len() - 1]);
+        let high = nodes.partition_point(|node| *node <= q).clamp(1, nodes.len().max(2) - 1).min(nodes.len() - 1);
+        let low = high.saturating_sub(1);
+        let share = if high > low { (q - nodes[low]) / (nodes[high] - nodes[low]) } else { 0.0 };
+        let at = |values: &[f64]| values[low] * (1.0 - share) + values[high] * share;
+        let reverse = table.reverse.as_ref().unwrap_or(&table.values);
+        added[axis] += match approach {
+            Approach::Forward => at(&table.values),
+            Approach::Reverse => at(reverse),
+            Approach::Mean => 0.5 * (at(&table.values) + at(reverse)),
+        };
+    }
+    added
+}
+
+struct Planner<'a> {
+    machine: &'a Machine,
+    mechanisms: &'a Mechanisms,
+}
+
+impl Planner<'_> {
+    fn tables(&self) -> Tables {
+        let own = self.own_error_tables();
+        let alone: Vec<Machine> =
+            self.machine.axes().iter().map(|axis| self.machine.filtered(|id| id.axis == axis.name)).collect();
+        let mean = |pose: &[f64]| self.wanted(self.machine, &own, pose, Approach::Mean);
+        let half = |pose: &[f64], axis: usize| {
+            if !alone[axis].is_bidirectional() {
+                return vec![0.0; pose.len()];
+            }
+            let [f, r] = [Approach::Forward, Approach::Reverse].map(|way| self.wanted(&alone[axis], &[], pose, way));
+            f.iter().zip(&r).map(|(f, r)| 0.5 * (f - r)).collect()
+        };
+        let mut filler = Filler::new(self.machine, Wanted { mean: &mean, half: &half });
+        let mut sets = |layout: &[Table]| filler.fill(layout, &self.traits(layout)).pop().unwrap_or_default().tables;
+        let curves = self.chosen(sets(&self.curve_layout()));
+        let mut layout = curves;
+        if let Some(rules) = &self.mechanisms.plane {
+            let trial = sets(&[layout.clone(), self.plane_layout(rules, true)].concat());
+            let planes: Vec<Table> = trial.into_iter().filter(|t| t.axes.len() == 2).collect();
+            let chosen = self.limited(planes, rules);
+            layout.extend(chosen.iter().map(|t| self.plane(&t.axes, t.corrected.clone(), rules, false)));
+        }
+        if let Some(rules) = &self.mechanisms.lattice {
+            layout.extend(self.fixed_lattice(rules));
+        }
+        let mut tables = sets(&layout);
+        tables.extend(own.iter().cloned());
+        Tables { tables, errors: Vec::new() }
+    }
+
+    fn traits(&self, layout: &[Table]) -> Vec<Traits> {
+        let of = |table: &Table| {
+            let rules = self.mechanisms.rules(table);
+            let straight = rules.is_some_and(|rules| rules.spacing == Spacing::Line);
+            Traits { straight, constant: !straight && rules.is_some_and(|rules| rules.reference == Reference::Any) }
+        };
+        layout.iter().map(of).collect()
+    }
+
+    /// Corrections of all axes with the own-error tables in force: what they leave, by the linear axes.
+    fn wanted(&self, machine: &Machine, own: &[Table], pose: &[f64], approach: Approach) -> Vec<f64> {
+        let start = Correction(own_added(own, pose, approach));
+        correct_from(machine, pose, start, approach, Scope::POSITION).correction.0
+    }
+
+    /// Rules of the own-axis tables: those of cross tables where an axis may correct itself.
+    fn own_rules(&self) -> Option<&TableRules> {
+        self.mechanisms.own_axis.as_ref().or(self.mechanisms.cross_axis.as_ref().filter(|cross| cross.own))
+    }
+
+    /// Does a table come from its axis's own error? Those of rotary axes do, and of linear ones if the
+    /// target says so.
+    fn is_by_own_error(&self, table: &Table) -> bool {
+        let by_axis = self.own_rules().is_some_and(|rules| rules.fit == Fit::Axis);
+        table.is_own_axis() && (by_axis || self.machine.axes()[table.axes[0]].kind == AxisKind::Rotary)
+    }
+
+    fn own_error_tables(&self) -> Vec<Table> {
+        let Some(rules) = self.own_rules() else { return Vec::new() };
+        let alone = self.mechanisms.cross_axis.is_none() && self.mechanisms.plane.is_none();
+        let kinds: &[AxisKind] =
+            if rules.fit == Fit::Axis { &[AxisKind::Linear, AxisKind::Rotary] } else { &[AxisKind::Rotary] };
+        let shared = |axis: usize| self.mechanisms.own_axis.is_none().then(|| self.positions(axis, rules));
+        let wanted = |axis: &usize| kinds.contains(&self.machine.axes()[*axis].kind);
+        let axes = (0..self.machine.axes().len()).filter(wanted);
+        // Own and cross tables over the same axis stand on the same points: one list may hold both.
+        let tables = axes.map(|axis| own_axis_table(self.machine, axis, rules, shared(axis)));
+        // A controller with own-axis tables alone has one for every axis.
+        tables.filter(|table| (alone && rules.fit == Fit::Axis) || self.counts(table)).collect()
+    }
+
+    /// Is anything stored but zeros?
+    fn counts(&self, table: &Table) -> bool {
+        let Some(rules) = self.mechanisms.rules(table) else { return false };
+        let width = table.corrected.len();
+        let all = table.values.chunks(width).chain(table.reverse.iter().flat_map(|r| r.chunks(width)));
+        all.flat_map(|row| row.iter().zip(&table.corrected))
+            .any(|(c, axis)| c.abs() > rules.increment.half_correction(self.machine.axes()[*axis].kind))
+    }
+
+    fn curve_layout(&self) -> Vec<Table> {
+        let linear = |axis: &usize| self.machine.axes()[*axis].kind == AxisKind::Linear;
+        let axes = 0..self.machine.axes().len();
+        let outputs: Vec<usize> = axes.clone().filter(linear).collect();
+        let pairs = axes.flat_map(|input| outputs.iter().map(move |output| (input, *output)));
+        pairs.filter_map(|(input, output)| self.curve(input, output)).collect()
+    }
+
+    fn curve(&self, input: usize, output: usize) -> Option<Table> {
+        let own = input == output;
+        let rules = if own {
+            self.own_rules().filter(|rules| rules.fit == Fit::FunctionalPoint)
+        } else {
+            self.mechanisms.cross_axis.as_ref()
+        }?;
+        let axes = self.machine.axes();
+        let name = |axis: usize| axes[axis].name.as_str();
+        let allowed = rules.pairs.is_empty()
+            || rules.pairs.iter().any(|[i, o]| (i.as_str(), o.as_str()) == (name(input), name(output)));
+        if !allowed || (axes[input].kind == AxisKind::Rotary && !rules.rotary_inputs) {
+            return None;
+        }
+        let table = Table::curve(input, self.positions(input, rules), output, Vec::new());
+        Some(Table { reverse: (rules.bidirectional && self.machine.is_bidirectional()).then(Vec::new), ..table })
+    }
+
+    /// Nodes over an axis for the deviation of the functional point. Free points stand at the knots of
+    /// all its curves, or where straight lines leave least of those.
+    fn positions(&self, axis: usize, rules: &TableRules) -> Vec<f64> {
+        let any = |_: Direction| true;
+        let values = |q: f64| self.machine.component_values(axis, q, Approach::Mean).to_vec();
+        let sines = self.machine.axes()[axis].kind == AxisKind::Rotary;
+        Curves { machine: self.machine, axis, counts: &any, sines }.positions(rules, &values)
+    }
+
+    /// Those of the filled tables that do something, as many as the rules allow.
+    fn chosen(&self, tables: Vec<Table>) -> Vec<Table> {
+        let own = self.mechanisms.own_axis.is_some();
+        let (own, cross): (Vec<_>, Vec<_>) = tables.into_iter().partition(|t| own && t.is_own_axis());
+        let mut all = self.mechanisms.own_axis.as_ref().map_or_else(Vec::new, |rules| self.limited(own, rules));
+        all.extend(self.mechanisms.cross_axis.as_ref().map_or_else(Vec::new, |rules| self.limited(cross, rules)));
+        all
+    }
+
+    fn limited(&self, tables: Vec<Table>, rules: &TableRules) -> Vec<Table> {
+        let mut ranked: Vec<(f64, Table)> =
+            tables.into_iter().filter(|t| self.counts(t)).map(|t| (strength(&t), t)).collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut taken: Vec<Table> = Vec::new();
+        for (_, table) in ranked {
+            let second = rules.one_per_output && taken.iter().any(|t| t.corrected == table.corrected);
+            if taken.len() < rules.max_tables && !second {
+                taken.push(table);
+            }
+        }
+        taken.sort_by(|a, b| (&a.corrected, &a.axes).cmp(&(&b.corrected, &b.axes)));
+        taken
+    }
+
+    /// A plane over every two axes for every linear axis.
+    fn plane_layout(&self, rules: &TableRules, coarse: bool) -> Vec<Table> {
+        let axes = self.machine.axes();
+        let listed =
+            |axis: usize, names: &[String]| names.is_empty() || names.iter().any(|n| n == axes[axis].name.as_str());
+        let fit = |axis: &usize| {
+            (rules.rotary_inputs || axes[*axis].kind == AxisKind::Linear) && listed(*axis, &rules.inputs)
+        };
+        let inputs: Vec<usize> = (0..axes.len()).filter(fit).collect();
+        let linear = |a: &usize| axes[*a].kind == AxisKind::Linear && listed(*a, &rules.outputs);
+        let outputs: Vec<usize> = (0..axes.len()).filter(linear).collect();
+        let first = |a: usize, b: usize| (rules.inputs.is_empty(), a < b, axes[a].name < axes[b].name);
+        let pairs = inputs.iter().flat_map(|a| inputs.iter().map(move |b| [*a, *b]));
+        let pairs = pairs.filter(|[a, b]| matches!(first(*a, *b), (true, true, _) | (false, _, true)));
+        pairs
+            .flat_map(|pair| outputs.iter().map(move |o| (pair, *o)))
+            .map(|(pair, o)| self.plane(&pair, vec![o], rules, coarse))
+            .collect()
+    }
+
+    fn plane(&self, axes: &[usize], corrected: Vec<usize>, rules: &TableRules, coarse: bool) -> Table {
+        const COARSE: usize = 5;
+        let fine = if axes.len() > 2 { 11 } else { 21 };
+        let most = libm::floor(libm::pow(rules.max_points as f64, 1.0 / axes.len() as f64) + 1e-9) as usize;
+        let most = most.min(if coarse { COARSE } else { fine });
+        let few = TableRules { max_points: most.min(rules.max_points_per_axis), ..rules.clone() };
+        let ranges: Vec<(f64, f64)> = axes.iter().map(|axis| interval(self.machine, *axis, rules)).collect();
+        let step = ranges.iter().map(|(min, max)| (max - min) / (few.max_points - 1) as f64).fold(0.0, f64::max);
+        let nodes = axes.iter().zip(ranges).map(|(axis, (min, max))| {
+            let kind = self.machine.axes()[*axis].kind;
+            let least = rules.increment.least_position(kind);
+            let step = if rules.square { step } else { (max - min) / (few.max_points - 1) as f64 };
+            let step = least * libm::ceil(step / least - 1e-6);
+            let count = (libm::ceil((max - min) / step - 1e-9).max(1.0) as usize + 1).min(few.max_points);
+            let start = rules.increment.position(min, kind);
+            rules.increment.distinct((0..count).map(|i| start + i as f64 * step), kind)
+        });
+        Table { axes: axes.to_vec(), nodes: nodes.collect(), corrected, values: Vec::new(), reverse: None }
+    }
+
+    /// A lattice over the axes that the rules name.
+    fn fixed_lattice(&self, rules: &TableRules) -> Option<Table> {
+        let axes: Option<Vec<usize>> = rules.inputs.iter().map(|name| self.machine.axis_index(name)).collect();
+        let named: Vec<usize> = rules.outputs.iter().filter_map(|name| self.machine.axis_index(name)).collect();
+        let all = if rules.outputs.is_empty() { (0..self.machine.axes().len()).collect() } else { named };
+        let linear = |axis: &usize| self.machine.axes()[*axis].kind == AxisKind::Linear;
+        let corrected: Vec<usize> = all.into_iter().filter(linear).collect();
+        Some(self.plane(&axes?, corrected, rules, false)).filter(|table| !table.corrected.is_empty())
+    }
+}
+
+/// Mean square of a table's values about their mean.
+fn strength(table: &Table) -> f64 {
+    let count = table.values.len().max(1) as f64;
+    let mean = table.values.iter().sum::<f64>() / count;
+    table.values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count
+}
+
+/// What a machine must have for a target, in words; none if it has it.
+pub fn lacking(machine: &Machine, mechanisms: &Mechanisms) -> Option<String> {
+    let missing = |rules: &TableRules| {
+        rules.inputs.iter().chain(&rules.outputs).find(|name| machine.axis_index(name).is_none()).cloned()
+    };
+    if let Some(name) = mechanisms.lattice.as_ref().and_then(missing) {
+        return Some(format!("its tables are for the axis `{name}`, which the chain does not have"));
+    }
+    if mechanisms.error_curves.is_some() {
+        let letters = |kind: AxisKind| if kind == AxisKind::Linear { "XYZ" } else { "ABC" };
+        let odd =
+            machine.axes().iter().find(|a| a.name.as_str().len() > 1 || !letters(a.kind).contains(a.name.as_str()));
+        if let Some(axis) = odd {
+            return Some(format!(
+                "its model knows the linear axes X Y Z and the rotary axes A B C, not `{}`",
+                axis.name
+            ));
+        }
+        if let Some(letter) = ["X", "Y", "Z"].into_iter().find(|name| machine.axis_index(name).is_none()) {
+            return Some(format!("its model needs the three linear axes X Y Z; the chain has no `{letter}`"));
+        }
+    }
+    let known = machine.errors().any(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_)));
+    let lines =
+        mechanisms.cross_axis.as_ref().filter(|rules| !rules.pairs.is_empty() && mechanisms.iter().count() == 1);
+    let pair = |[a, b]: &[String; 2]| machine.axis_index(a).is_some() && machine.axis_index(b).is_some();
+    match lines {
+        Some(rules) if known && !rules.pairs.iter().any(pair) => {
+            Some("it corrects the squareness of X, Y and Z, and the chain has no two of them".to_owned())
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,233 @@
+//! Tables that add up: for each the part of the corrections that it alone can hold.
+//!
+//! The correction c of a linear axis is a function of all positions. A table over the axis a gets its
+//! main effect: the mean of c over the volume with a held, less the mean of all. Main effects of
+//! different axes have nothing in common, so nothing is compensated twice; tables over two and more
+//! axes get the same mean of what the tables before them leave. Errors that are a sum of functions of
+//! one axis each are so met exactly; of the others (a lever arm times an angle) the part that lessens
+//! the mean square most. The volume is sampled by one list of poses for all nodes: differences
+//! between nodes do not depend on its choice where they do not depend on the other axes.
+
+use super::{Table, Tables};
+use crate::evaluate::node_positions;
+use crate::machine::{Machine, Pose};
+use rayon::prelude::*;
+
+/// Corrections at a pose: those of all axes, for one channel after another (one for the whole machine,
+/// or one for every error).
+#[derive(Clone, Copy)]
+pub(super) struct Wanted<'a> {
+    /// The mean of forward and reverse.
+    pub mean: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
+    /// Half of forward less reverse, from the errors of one axis.
+    pub half: &'a (dyn Fn(&[f64], usize) -> Vec<f64> + Sync),
+}
+
+/// Poses over which means are taken.
+const BACKGROUND: usize = 32;
+
+/// Evenly spread poses: in every axis the multiples of an irrational number, modulo the volume.
+fn background(machine: &Machine) -> Vec<Pose> {
+    // Powers of the root of x^(d+1) = x + 1: the d-dimensional golden ratio.
+    let degree = machine.axes().len() as f64 + 1.0;
+    let root = (0..40).fold(1.5, |x, _| libm::pow(1.0 + x, 1.0 / degree));
+    let share = |i: usize, axis: usize| {
+        let x = (i as f64 + 0.5) * libm::pow(root, -(axis as f64 + 1.0));
+        x - libm::floor(x)
+    };
+    let position = |i: usize, axis: usize| {
+        let grid = machine.volume()[axis];
+        grid.min + (grid.max - grid.min) * share(i, axis)
+    };
+    (0..BACKGROUND).map(|i| (0..machine.axes().len()).map(|axis| position(i, axis)).collect()).collect()
+}
+
+/// The value of a set of tables at a pose, channel by channel: tables between nodes are straight.
+struct Filled<'a> {
+    layout: &'a [Table],
+    /// Values of each table filled so far: by node, then channel.
+    values: Vec<Vec<Vec<f64>>>,
+    axes: usize,
+}
+
+impl Filled<'_> {
+    fn subtract(&self, pose: &[f64], wanted: &mut [f64]) {
+        for (table, rows) in self.layout.iter().zip(&self.values) {
+            for (node, weight) in corners(table, pose) {
+                for (channel, value) in rows[node].iter().enumerate() {
+                    let (group, column) = (channel / table.corrected.len(), channel % table.corrected.len());
+                    wanted[group * self.axes + table.corrected[column]] -= weight * value;
+                }
+            }
+        }
+    }
+}
+
+/// Nodes around a pose with their weights, held at the ends.
+fn corners(table: &Table, pose: &[f64]) -> Vec<(usize, f64)> {
+    let mut corners = vec![(0, 1.0)];
+    for (axis, nodes) in table.axes.iter().zip(&table.nodes) {
+        let q = pose[*axis].clamp(nodes[0], nodes[nodes.len() - 1]);
+        let low = nodes.partition_point(|node| *node <= q).clamp(1, nodes.len().max(2) - 1) - 1;
+        let share = nodes.get(low + 1).map_or(0.0, |high| (q - nodes[low]) / (high - nodes[low]));
+        let both = |(node, weight): &(usize, f64)| {
+            let base = node * nodes.len() + low;
+            [(base, weight * (1.0 - share)), (base + 1, weight * share)]
+        };
+        corners = corners.iter().flat_map(both).filter(|(_, weight)| *weight != 0.0).collect();
+    }
+    corners
+}
+
+/// What a table is besides its layout.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Traits {
+    /// A line through position 0, the best one over the volume.
+    pub straight: bool,
+    /// May it hold a constant? The first table of an axis that may holds the mean.
+    pub constant: bool,
+}
+
+/// Rows of means by the axis and the nodes that they are over.
+type Known = Vec<((usize, Vec<f64>), Vec<Vec<f64>>)>;
+
+/// Fills tables; one look at the machine serves the tables of all corrected axes over the same nodes.
+pub(super) struct Filler<'a> {
+    machine: &'a Machine,
+    wanted: Wanted<'a>,
+    background: Vec<Pose>,
+    mean: Vec<f64>,
+    means: Known,
+    halves: Known,
+}
+
+/// Places where a straight line is fitted.
+const PLACES: usize = 33;
+
+impl<'a> Filler<'a> {
+    pub fn new(machine: &'a Machine, wanted: Wanted<'a>) -> Self {
+        let background = background(machine);
+        let mean = mean(background.iter().map(|pose| (wanted.mean)(pose)));
+        Self { machine, wanted, background, mean, means: Vec::new(), halves: Vec::new() }
+    }
+
+    /// Fills tables of a given layout (axes, nodes, corrected axes): one set for every channel.
+    pub fn fill(&mut self, layout: &[Table], traits: &[Traits]) -> Vec<Tables> {
+        let axes = self.machine.axes().len();
+        let mut filled = Filled { layout, values: Vec::new(), axes };
+        let mut halves: Vec<Option<Vec<Vec<f64>>>> = Vec::new();
+        let mut with_constant: Vec<usize> = Vec::new();
+        for (table, traits) in layout.iter().zip(traits) {
+            let pick = |all: &[f64]| -> Vec<f64> {
+                all.chunks(axes).flat_map(|group| table.corrected.iter().map(|axis| group[*axis])).collect()
+            };
+            let rows = if let [axis] = table.axes[..] {
+                let places = if traits.straight { self.places(axis) } else { table.nodes[0].clone() };
+                let mut rows: Vec<Vec<f64>> = self.main(axis, &places).iter().map(|row| pick(row)).collect();
+                if traits.constant && !with_constant.contains(&table.corrected[0]) {
+                    with_constant.push(table.corrected[0]);
+                } else {
+                    let mean = pick(&self.mean);
+                    rows.iter_mut().for_each(|row| row.iter_mut().zip(&mean).for_each(|(x, m)| *x -= m));
+                }
+                if traits.straight { line(&places, table, &rows) } else { rows }
+            } else {
+                let left = |pose: &[f64]| {
+                    let mut all = (self.wanted.mean)(pose);
+                    filled.subtract(pose, &mut all);
+                    pick(&all)
+                };
+                // Axes that span the table need no background, and few others a small one.
+                let spanned = table.axes.len() == axes;
+                effect(table, &self.background[..if spanned { 1 } else { BACKGROUND / 2 }], &left)
+            };
+            halves.push(table.reverse.is_some().then(|| self.half(table).iter().map(|row| pick(row)).collect()));
+            filled.values.push(rows);
+        }
+        sets(layout, &filled.values, &halves)
+    }
+
+    fn places(&self, axis: usize) -> Vec<f64> {
+        node_positions(&self.machine.volume()[axis], PLACES)
+    }
+
+    fn main(&mut self, axis: usize, nodes: &[f64]) -> Vec<Vec<f64>> {
+        known(&mut self.means, (axis, nodes), || over(axis, nodes, &self.background, self.wanted.mean))
+    }
+
+    fn half(&mut self, table: &Table) -> Vec<Vec<f64>> {
+        let (axis, nodes) = (table.axes[0], &table.nodes[0]);
+        let half = |pose: &[f64]| (self.wanted.half)(pose, axis);
+        known(&mut self.halves, (axis, nodes), || over(axis, nodes, &self.background, &half))
+    }
+}
+
+fn known(all: &mut Known, (axis, nodes): (usize, &[f64]), fresh: impl FnOnce() -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    if let Some((_, rows)) = all.iter().find(|((a, n), _)| *a == axis && n == nodes) {
+        return rows.clone();
+    }
+    let rows = fresh();
+    all.push(((axis, nodes.to_vec()), rows.clone()));
+    rows
+}
+
+/// The mean over the background at each node over one axis.
+fn over(axis: usize, nodes: &[f64], background: &[Pose], at: &(dyn Fn(&[f64]) -> Vec<f64> + Sync)) -> Vec<Vec<f64>> {
+    effect(&Table::curve(axis, nodes.to_vec(), axis, Vec::new()), background, at)
+}
+
+/// The least-squares slope over the places, as values at the two nodes of a line through position 0.
+fn line(places: &[f64], table: &Table, rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let centre = places.iter().sum::<f64>() / places.len() as f64;
+    let spread: f64 = places.iter().map(|q| (q - centre) * (q - centre)).sum();
+    let width = rows.first().map_or(0, Vec::len);
+    let slope = |column: usize| {
+        let moment: f64 = places.iter().zip(rows).map(|(q, row)| (q - centre) * row[column]).sum();
+        if spread > 0.0 { moment / spread } else { 0.0 }
+    };
+    table.nodes[0].iter().map(|q| (0..width).map(|column| q * slope(column)).collect()).collect()
+}
+
+/// The mean over the background at each node of a table.
+fn effect(table: &Table, background: &[Pose], at: &(dyn Fn(&[f64]) -> Vec<f64> + Sync)) -> Vec<Vec<f64>> {
+    let node = |number: usize| {
+        let positions = table.node(number);
+        mean(background.iter().map(|pose| {
+            let mut pose = pose.clone();
+            table.axes.iter().zip(&positions).for_each(|(axis, q)| pose[*axis] = *q);
+            at(&pose)
+        }))
+    };
+    (0..table.len()).into_par_iter().map(node).collect()
+}
+
+fn mean(rows: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
+    let mut sum: Vec<f64> = Vec::new();
+    let mut count = 0.0;
+    for row in rows {
+        sum.resize(row.len(), 0.0);
+        sum.iter_mut().zip(row).for_each(|(s, x)| *s += x);
+        count += 1.0;
+    }
+    sum.iter_mut().for_each(|s| *s /= f64::max(count, 1.0));
+    sum
+}
+
+/// One set of tables for every channel.
+fn sets(layout: &[Table], values: &[Vec<Vec<f64>>], halves: &[Option<Vec<Vec<f64>>>]) -> Vec<Tables> {
+    let width = |i: usize| layout[i].corrected.len();
+    let channels = values.first().and_then(|rows| rows.first()).map_or(0, |row| row.len() / width(0));
+    let column = |i: usize, channel: usize, rows: &[Vec<f64>]| -> Vec<f64> {
+        rows.iter().flat_map(|row| row[channel * width(i)..(channel + 1) * width(i)].to_vec()).collect()
+    };
+    let table = |i: usize, channel: usize| {
+        let mean = column(i, channel, &values[i]);
+        let Some(half) = halves[i].as_ref().map(|rows| column(i, channel, rows)) else {
+            return Table { values: mean, reverse: None, ..layout[i].clone() };
+        };
+        let both = |sign: f64| mean.iter().zip(&half).map(|(m, h)| m + sign * h).collect();
+        Table { values: both(1.0), reverse: Some(both(-1.0)), ..layout[i].clone() }
+    };
+    let set = |channel| Tables { tables: (0..layout.len()).map(|i| table(i, channel)).collect(), errors: Vec::new() };
+    (0..channels).map(set).collect()
+}

@@ -1,0 +1,171 @@
+//! Files of a target read back into tables. Whatever the controller would swallow in silence or
+//! misread (comments, blank lines, commas, unsorted lines, NaN, too many points) is refused here
+//! with its place.
+//!
+//! A manifest says how a file is laid out: lines of known patterns ([`lines`]), columns, or one of the
+//! formats that have a reader of their own ([`named`], [`lattice`]). What is read becomes tables in
+//! [`assemble`]. Files without a known name are told apart by their content ([`recognise()`]).
+
+mod assemble;
+mod columns;
+mod lattice;
+mod lines;
+mod named;
+mod recognise;
+
+pub use recognise::{Recognised, recognise};
+
+use super::Target;
+use super::manifest::{FileSpec, Layout, Per};
+use super::render::assigned_letters;
+use crate::compensation::Tables;
+use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::machine::Machine;
+use crate::units;
+
+/// A file found on disk: its plain name and its text.
+pub type ReadBack = (String, String);
+
+/// What is known while a file is read.
+pub(super) struct Reading<'a> {
+    pub target: &'a Target,
+    pub machine: &'a Machine,
+    /// (index of the axis, letter) in the controller's order.
+    pub letters: Vec<(usize, String)>,
+    /// The axis to which the file belongs by its name.
+    pub axis: Option<usize>,
+}
+
+impl Reading<'_> {
+    /// The axis with one of the controller's letters.
+    pub fn by_letter(&self, letter: &str) -> Option<usize> {
+        self.letters.iter().find(|(_, known)| known == letter).map(|(axis, _)| *axis)
+    }
+
+    /// The axis with one of the controller's numbers, from 1.
+    pub fn by_number(&self, number: &str) -> Option<usize> {
+        let number: usize = number.parse().ok()?;
+        self.letters.get(number.checked_sub(1)?).map(|(axis, _)| *axis)
+    }
+}
+
+impl Target {
+    /// Names of the files that a set for this machine can have tables in.
+    pub fn table_files(&self, machine: &Machine) -> Vec<String> {
+        let with_layout = self.manifest.files.iter().filter(|spec| spec.layout.is_some());
+        with_layout.flat_map(|spec| self.names(machine, spec).into_iter().map(|(_, name)| name)).collect()
+    }
+
+    fn names(&self, machine: &Machine, spec: &FileSpec) -> Vec<(Option<usize>, String)> {
+        match spec.per {
+            Per::Machine => vec![(None, spec.path.clone())],
+            Per::Axis | Per::Input | Per::Output => {
+                let named = self.axis_files(machine, spec).unwrap_or_default();
+                named.into_iter().map(|(axis, name)| (Some(axis), name)).collect()
+            }
+        }
+    }
+
+    /// Reads the tables out of files with these names. Diagnostics: E0704 and its place.
+    pub fn read(&self, machine: &Machine, files: &[ReadBack], diagnostics: &mut Diagnostics) -> Option<Tables> {
+        let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
+        let mut reading = Reading { target: self, machine, letters, axis: None };
+        let mut all = Tables::default();
+        let mut any = false;
+        for spec in &self.manifest.files {
+            let Some(layout) = &spec.layout else { continue };
+            for (axis, name) in self.names(machine, spec) {
+                let Some((_, text)) = files.iter().find(|(known, _)| *known == name) else {
+                    // Which axes have tables is for a set to say, if it has files of some only.
+                    if matches!(spec.per, Per::Axis | Per::Machine) && spec.of.is_none() {
+                        diagnostics.push(missing(&name));
+                    }
+                    continue;
+                };
+                reading.axis = axis;
+                any = true;
+                match reading.file(layout, text) {
+                    Ok(read) => {
+                        all.tables.extend(read.tables);
+                        all.errors.extend(read.errors);
+                    }
+                    Err(fault) => {
+                        let source = diagnostics.sources.add(&*name, &**text);
+                        diagnostics.push(fault.diagnostic(&name, text, source));
+                    }
+                }
+            }
+        }
+        (!diagnostics.refused() && any).then(|| all.merged())
+    }
+}
+
+impl Reading<'_> {
+    fn file(&self, layout: &Layout, text: &str) -> Result<Tables, Fault> {
+        let one = |table| Tables { tables: vec![table], errors: Vec::new() };
+        match layout {
+            Layout::Columns { columns } => columns::own_axis(self, columns, text).map(one),
+            Layout::CsvLattice => lattice::csv(self.machine, text).map(one),
+            Layout::JsonLattice => lattice::json(self.machine, text).map(one),
+            // Those of kinematics modules have a reader of their own.
+            Layout::CArrays | Layout::HalConstants => Ok(Tables::default()),
+            Layout::Lines { comment, lines } => {
+                let records = lines::records(comment.as_deref(), lines, text)?;
+                assemble::tables(self, &records)
+            }
+            Layout::ErrorColumns => named::error_columns(self, text),
+            Layout::AxisColumns { position, reversal, frame } => {
+                named::axis_columns(self, &named::Header { position, reversal, frame }, text)
+            }
+        }
+    }
+}
+
+/// A number of a compensation file, no larger than anything there is (a kilometre in nanometres).
+fn number(cell: &str) -> Result<f64, String> {
+    const LARGEST: f64 = 1e12;
+    let value = units::number(cell).map_err(|failure| failure.to_string())?;
+    if value.abs() <= LARGEST {
+        Ok(value)
+    } else {
+        Err(format!("`{}` is no position or correction of a machine", cell.trim()))
+    }
+}
+
+/// What is wrong with a line (counted from 0).
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Fault {
+    line: usize,
+    message: String,
+}
+
+impl Fault {
+    fn new(line: usize, message: impl Into<String>) -> Self {
+        Self { line, message: message.into() }
+    }
+
+    fn diagnostic(&self, name: &str, text: &str, source: crate::diagnostic::SourceId) -> Diagnostic {
+        at_line(self.line, &self.message, name, text, source)
+    }
+}
+
+/// What is wrong with a line (counted from 0) of a file.
+pub(super) fn at_line(
+    line: usize,
+    message: &str,
+    name: &str,
+    text: &str,
+    source: crate::diagnostic::SourceId,
+) -> Diagnostic {
+    let start: usize = text.split_inclusive('\n').take(line).map(str::len).sum();
+    let length = text.get(start..).and_then(|rest| rest.lines().next()).map_or(0, str::len);
+    let place = Place { source, range: start..start + length };
+    Diagnostic::new("E0704", format!("`{name}`: {message}"))
+        .at(Some(place), "")
+        .help("compile the file set again; do not edit compensation files by hand")
+}
+
+fn missing(name: &str) -> Diagnostic {
+    Diagnostic::new("E0705", format!("the file `{name}` is missing"))
+        .help("a set of compensation files is only whole with all of them")
+}
