@@ -12,7 +12,8 @@
 //! 3. [`lower`] turns a machine at a pose into matrices over an [`algebra`], joint by joint, in one
 //!    documented order, and multiplies them along the chain.
 //! 4. [`evaluate`] subtracts the ideal machine: deviation of the functional point, orientation, E_VE.
-//!    Whatever has a deviation at a pose is an [`evaluate::Field`].
+//!    Whatever has a deviation at a pose is an [`evaluate::Field`]. For many poses a machine is compiled into an
+//!    [`evaluate::Plan`], which gives the same numbers on the vector unit.
 //! 5. [`analysis`] maps and compares fields over a volume, budgets tolerances, ranks arrangements of the axes.
 //! 6. [`convert`] writes a machine under other conventions, and proves that it is the same machine.
 //! 7. [`identify`] fits errors to measured deviations and writes a machine file again.
@@ -37,12 +38,14 @@
 //! - A stage reports all it finds wrong to [`diagnostic::Diagnostics`] and goes on. "Error" always means
 //!   a geometric error; failures are diagnostics.
 //! - Same input, same bytes, on any number of threads.
-//! - Lints refuse `unwrap`, `expect` and `panic` outside tests, and unsafe code everywhere: whatever the
-//!   input, the answer is meant to be a diagnostic.
+//! - The general algebra defines every result; a compiled plan is tested against it, and what a plan does not
+//!   cover goes through it. No bit depends on the vector width.
+//! - Lints refuse `unwrap`, `expect` and `panic` outside tests: whatever the input, the answer is meant to be a
+//!   diagnostic. Unsafe code stands in one file, `evaluate/plan/lanes.rs`, with its reasons.
 //!
 //! ## What is absent
 //!
-//! Network, clock, global state, settings other than the arguments (`NO_COLOR` is honoured). No controller is described in Rust:
+//! Network (but for the page that `report --watch` serves on 127.0.0.1), clock, global state, settings other than the arguments (`NO_COLOR` is honoured). No controller is described in Rust:
 //! it is a folder in `templates/`, and only the arithmetic of its replay has a name here.
 
 pub mod algebra;

@@ -118,6 +118,18 @@ pub fn exp_hat<S: Algebra>(w: &[S; 3]) -> Matrix3<S> {
     sum
 }
 
+/// How the rotation exp(hat(w)) moves with its vector: exp(hat(w + dw)) = (1 + hat(J dw)) exp(hat(w)) + O(dw^2),
+/// J = 1 + (1 - cos t)/t^2 hat(w) + (t - sin t)/t^3 hat(w)^2 with t = |w|.
+pub fn left_jacobian<S: Algebra>(w: &[S; 3]) -> Matrix3<S> {
+    let square = w.iter().map(|x| x.clone() * x.clone()).fold(S::zero(), |a, b| a + b);
+    let hat = hat(w);
+    let twice = product(&hat, &hat);
+    let (first, second) = (square.lift(lift::cosc), square.lift(lift::sincc));
+    let mut sum = hat.map(|x| x * first.clone()) + twice.map(|x| x * second.clone());
+    (0..3).for_each(|i| sum[(i, i)] += S::one());
+    sum
+}
+
 /// Rotation about a unit vector, sine and cosine given: `c 1 + s hat(u) + (1 - c) u u^T`.
 pub fn rotation_about<S: Algebra>(u: &[f64; 3], (sine, cosine): (S, S)) -> Matrix3<S> {
     let skew = hat(&u.map(S::from_real));

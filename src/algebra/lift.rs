@@ -52,6 +52,11 @@ pub fn cosc(x: f64, c: &mut [f64]) {
     power_series(x, c, 0.5, |i| -1.0 / ((2.0 * i + 1.0) * (2.0 * i + 2.0)));
 }
 
+/// (t - sin t)/t^3 as a function of x = t^2.
+pub fn sincc(x: f64, c: &mut [f64]) {
+    power_series(x, c, 1.0 / 6.0, |i| -1.0 / ((2.0 * i + 2.0) * (2.0 * i + 3.0)));
+}
+
 /// asin(s)/s as a function of x = s^2, |x| < 1.
 pub fn asinc(x: f64, c: &mut [f64]) {
     power_series(x, c, 1.0, |i| (2.0 * i - 1.0) * (2.0 * i - 1.0) / ((2.0 * i) * (2.0 * i + 1.0)));

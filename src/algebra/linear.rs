@@ -4,10 +4,15 @@
 //! Error parameters that the data do not tell apart make the matrices here short of rank as a rule, not as
 //! an exception. nalgebra's singular vectors are wrong there (nalgebra#1172): only its QR is used.
 
+mod gram;
+mod householder;
+
+pub use gram::Gram;
+
 use nalgebra::{DMatrix, DVector};
 
 /// Rows that are collected before they are folded into the triangle.
-const BLOCK: usize = 512;
+const BLOCK: usize = 1536;
 
 /// Sweeps of Jacobi rotations; quadratic convergence needs about ten.
 const SWEEPS: usize = 60;
@@ -67,7 +72,7 @@ impl Triangle {
         stacked.rows_mut(0, kept).copy_from(&self.folded);
         stacked.rows_mut(kept, fresh).copy_from(&DMatrix::from_row_slice(fresh, width, &self.buffer));
         self.buffer.clear();
-        self.folded = stacked.qr().unpack_r();
+        self.folded = householder::triangle(stacked);
     }
 
     /// R (square, as many rows as unknowns) and Q^T r.
@@ -117,6 +122,40 @@ impl Reduced {
     pub fn scaled(&self, scale: &DVector<f64>) -> Svd {
         let column = |i: usize, j: usize| if scale[j] > 0.0 { self.r[(i, j)] / scale[j] } else { 0.0 };
         Svd::new(&DMatrix::from_fn(self.r.nrows(), self.r.ncols(), column))
+    }
+
+    /// The same problem with a few more rows, which do not count as readings.
+    pub fn with_rows(&self, rows: &DMatrix<f64>, right: &DVector<f64>) -> Self {
+        let mut triangle = Triangle::new(self.r.ncols());
+        for i in 0..self.r.nrows() {
+            triangle.push(self.r.row(i).iter().copied(), self.right[i]);
+        }
+        for i in 0..rows.nrows() {
+            triangle.push(rows.row(i).iter().copied(), right[i]);
+        }
+        let reduced = triangle.finish();
+        Self { rest: libm::hypot(reduced.rest, self.rest), rows: self.rows, ..reduced }
+    }
+
+    /// About the ratio of largest to smallest singular value, columns scaled to unit length: from below, by a few
+    /// steps of inverse iteration.
+    pub fn condition(&self) -> f64 {
+        let norms = self.column_norms();
+        let n = norms.len();
+        let r = DMatrix::from_fn(n, n, |i, j| self.r[(i, j)] / norms[j]);
+        let mut x = DVector::from_fn(n, |i, _| if i % 2 == 0 { 1.0 } else { -0.7 } / libm::sqrt(n.max(1) as f64));
+        let mut grown = 0.0;
+        for _ in 0..12 {
+            let Some(half) = r.tr_solve_upper_triangular(&x) else { return f64::INFINITY };
+            let Some(whole) = r.solve_upper_triangular(&half) else { return f64::INFINITY };
+            grown = whole.norm();
+            if !(grown > 0.0 && grown.is_finite()) {
+                return f64::INFINITY;
+            }
+            x = whole / grown;
+        }
+        // The largest singular value of n columns of unit length is at most the root of n.
+        libm::sqrt(grown * n as f64)
     }
 
     /// Rank: singular values above `relative` of the largest, columns scaled to unit length. A column

@@ -81,7 +81,7 @@ pub fn deviation_in(field: &dyn Field, pose: &[f64], view: View) -> Deviation {
 }
 
 /// The rotation from the workpiece frame, of the ideal machine; `None` is no rotation.
-fn frame_rotation(machine: &Machine, pose: &[f64], frame: Frame) -> Option<nalgebra::Matrix3<f64>> {
+pub fn frame_rotation(machine: &Machine, pose: &[f64], frame: Frame) -> Option<nalgebra::Matrix3<f64>> {
     match frame {
         Frame::Workpiece => None,
         Frame::Machine => Some(Ideal::at(machine, pose).r_work),

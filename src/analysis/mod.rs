@@ -10,12 +10,14 @@
 //! - [`Inverse`]: the same for the real machine over an algebra, by Newton's iteration.
 //! - [`equations()`]: the closed forms, over an algebra of polynomials in symbols.
 //! - [`interactions()`]: what errors do one by one and two by two, and what order 1 neglects.
+//! - [`sources()`]: what each error alone does over the volume; [`body_diagonals`]: its four diagonals.
 //! - [`levers`]: the lever arms that turn angles into displacements.
 //! - [`LocationSet`]: the location errors this chain needs, and which of them are given.
 
 pub mod budget;
 mod compare;
 mod contributions;
+mod diagonals;
 pub mod enumerate;
 mod equations;
 pub mod instrument;
@@ -25,11 +27,13 @@ mod lever;
 mod location_set;
 mod map;
 mod plane;
+mod sources;
 mod survey;
 mod twist;
 
 pub use compare::{Compared, Comparison, Missed, compare};
 pub use contributions::{ErrorAlone, contributions};
+pub use diagonals::{Diagonal, body_diagonals, space_axes};
 pub use equations::{Equations, Meaning, Naming, Options, Symbol, equations};
 pub use interactions::{Calculation, Effect, Interactions, interactions};
 pub use inverse::{
@@ -37,7 +41,8 @@ pub use inverse::{
 };
 pub use lever::{Lever, levers};
 pub use location_set::{LocationSet, Status};
-pub use map::{MOST_POSES, Map, TooManyPoses, View, deviation_in, map};
+pub use map::{MOST_POSES, Map, TooManyPoses, View, deviation_in, frame_rotation, map};
 pub use plane::Plane;
+pub use sources::{Source, sources};
 pub use survey::{MOST_SURVEYED, Sink, Survey, Task as SurveyTask, Text, survey, survey_with_rows};
 pub use twist::{Map as TwistMap, Quantity, Share, Twist, twists};

@@ -5,13 +5,13 @@ use super::progress::Progress;
 use super::session::Session;
 use super::tolerances::ToleranceArgs;
 use super::view::{axes_json, axes_text, table};
-use super::write::write_whole;
+use super::write::{Kind, write_picture};
 use super::{Format, Outcome, load};
 use crate::analysis::budget::{
     Bound, Budget, Contribution, PERCENTS, Percentile, Request, Statistic, Totals, budget, budget_poses, known,
 };
 use crate::machine::{ErrorId, Machine};
-use crate::report::{Bar, ParetoPicture, WaterfallPicture};
+use crate::report::{Bar, ParetoPicture, Picture, WaterfallPicture};
 use crate::units::{angle, length, significant};
 use serde_json::json;
 use std::path::PathBuf;
@@ -37,10 +37,10 @@ pub(super) struct Args {
     /// Which of the machine's tools.
     #[arg(long)]
     tool: Option<String>,
-    /// Draw what each error does at its bound, and what they add up to.
+    /// Draw what each error does at its bound, and what they add up to (SVG, or PNG by the file's ending).
     #[arg(long, value_name = "FILE")]
     pareto: Option<PathBuf>,
-    /// Draw how the budget is used up, tolerance by tolerance.
+    /// Draw how the budget is used up, tolerance by tolerance (SVG, or PNG by the file's ending).
     #[arg(long, value_name = "FILE")]
     waterfall: Option<PathBuf>,
 }
@@ -69,9 +69,10 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let budget = budget(request, &|count| progress.add(count));
     drop(progress);
     let report = Report { args, machine: &machine, bounds: &bounds, source, poses: poses.len(), at, budget };
-    for (path, svg) in [(&args.pareto, report.pareto()), (&args.waterfall, report.waterfall())] {
+    for (path, picture) in [(&args.pareto, report.pareto()), (&args.waterfall, report.waterfall())] {
         if let Some(path) = path {
-            write_whole(path, svg.as_bytes()).or_else(|d| session.refuse(d))?;
+            let kind = Kind::of(path).unwrap_or(Kind::Svg);
+            write_picture(path, &picture, kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
         }
     }
     match session.format() {
@@ -266,7 +267,7 @@ impl Report<'_> {
         format!("\nBy the derivative of the 95 % value of the drawn machines (± its standard error):\n{rows}\n")
     }
 
-    fn pareto(&self) -> String {
+    fn pareto(&self) -> Picture {
         let bar = |c: &Contribution| Bar { label: self.bounds[c.bound].error.to_string(), value: c.um };
         ParetoPicture {
             title: self.machine.name().to_owned(),
@@ -275,7 +276,7 @@ impl Report<'_> {
             bars: self.budget.worst.iter().take(self.args.top.max(1)).map(bar).collect(),
             total: self.budget.worst.iter().map(|c| c.um * c.um).sum::<f64>(),
         }
-        .svg()
+        .picture()
     }
 
     /// A pose with the digits a picture has room for.
@@ -285,7 +286,7 @@ impl Report<'_> {
             + " (mm, deg)"
     }
 
-    fn waterfall(&self) -> String {
+    fn waterfall(&self) -> Picture {
         let order = self.order();
         let top = self.args.top.max(1);
         let part = |i: &usize| self.budget.position.tighten[*i].effect;
@@ -308,7 +309,7 @@ impl Report<'_> {
                 ("worst case".to_owned(), p.worst_case),
             ],
         }
-        .svg()
+        .picture()
     }
 }
 

@@ -7,7 +7,7 @@ use super::{Outcome, Stop, file_set, kinematics, load};
 use crate::compensation::{Capability, Goal, LatticeRequest, Scope, Tables, resampled};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{AxisKind, Machine};
-use crate::target::{Hashed, Limits, Lock, RenderedFile, Target, certify, is_plain_name};
+use crate::target::{Certificate, Hashed, Limits, Lock, RenderedFile, Target, certify, is_plain_name};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -37,12 +37,8 @@ pub(super) struct Args {
 /// Options that `compile` and `verify` share.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct Options {
-    /// What is corrected: the position (a lattice's default), or the position and the direction of the tool axis (a kinematics module's).
-    #[arg(long, value_enum)]
-    pub correct: Option<GoalArg>,
-    /// With which axes; linear by default for the position, all for the pose.
-    #[arg(long, value_enum)]
-    pub with: Option<WithArg>,
+    #[command(flatten)]
+    pub how: How,
     /// Which of the machine's tools.
     #[arg(long)]
     pub tool: Option<String>,
@@ -52,9 +48,20 @@ pub(super) struct Options {
     /// Seed of the certificate's poses.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+}
+
+/// How a machine is compensated.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct How {
+    /// What is corrected: the position (a lattice's default), or the position and the direction of the tool axis (a kinematics module's).
+    #[arg(long, value_enum)]
+    correct: Option<GoalArg>,
+    /// With which axes; linear by default for the position, all for the pose.
+    #[arg(long, value_enum)]
+    with: Option<WithArg>,
     /// A folder with targets of your own.
     #[arg(long, value_name = "DIR")]
-    pub templates: Option<PathBuf>,
+    templates: Option<PathBuf>,
 }
 
 /// What is corrected.
@@ -76,6 +83,13 @@ pub(super) enum WithArg {
 const LATTICE_DAMPING: f64 = 0.15;
 
 impl Options {
+    /// What the tables leave, at the poses asked for.
+    pub(super) fn certificate(&self, machine: &Machine, target: &Target, tables: &Tables) -> Certificate {
+        certify(machine, target, tables, self.how.scope(), self.poses as usize, self.seed)
+    }
+}
+
+impl How {
     pub(super) fn scope(&self) -> Scope {
         let (goal, usual) = match self.correct.unwrap_or(GoalArg::Position) {
             GoalArg::Position => (Goal::Position, WithArg::Linear),
@@ -127,27 +141,18 @@ fn lattice_axes(session: &Session, machine: &Machine, named: &[String]) -> Resul
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.options.tool.as_deref())?;
     let inputs = inputs(session);
-    let target = args.options.target(session, &args.target)?;
+    let target = args.options.how.target(session, &args.target)?;
     if target.manifest.kinematics().is_some() {
         return kinematics::compile(session, args, &machine, &target, inputs);
     }
-    let scope = args.options.scope();
-    let axes = lattice_axes(session, &machine, &args.lattice)?;
-    let request = LatticeRequest { axes, max_nodes: args.nodes, scope };
-    refuse_impossible_lattice(session, &machine, &target, &request)?;
-    let tables = Arc::new(target.tables(&machine, &request));
-    warn_left_out(session, &machine, &target, &tables);
     let limits = args.max_correction.unwrap_or_default();
-    limits.exceeded(&machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
-    session.checked()?;
-    let rendered = target.render(&machine, &tables, &mut session.diagnostics).ok_or(Stop::Refused)?;
-    session.checked()?;
-    let read = read_back(session, &machine, &target, &rendered, &tables)?;
-    let certificate = certify(&machine, &target, &read, scope, args.options.poses as usize, args.options.seed);
+    let Made { rendered, tables } =
+        made(session, &machine, &target, (&args.lattice, args.nodes), args.options.how.scope(), limits)?;
+    let certificate = args.options.certificate(&machine, &target, &tables);
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
     let files = rendered.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
-    let lock = Lock::new(&args.target, &machine, args.options.words(), inputs, files);
+    let lock = Lock::new(&args.target, &machine, args.options.how.words(), inputs, files);
     if let Err(refusal) = file_set::write(&args.out, &rendered, &lock) {
         return session.refuse(refusal);
     }
@@ -155,6 +160,45 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.out }
         .print(session);
     Ok(())
+}
+
+/// `map` and `report` replay tables.
+fn without_tables(target: &Target) -> Diagnostic {
+    let message =
+        format!("the target `{}` replaces the controller's kinematics and has no tables", target.manifest.target);
+    Diagnostic::new("E0633", message).help("`abbe compile` and `abbe verify` certify what it leaves")
+}
+
+/// A set of files before it is written, and the tables that the controller reads from it.
+pub(super) struct Made {
+    rendered: Vec<RenderedFile>,
+    pub tables: Tables,
+}
+
+/// Fills the tables of a target, renders its files and reads them back as `verify` would. A lattice is
+/// given by the names of its axes (none: all) and the largest number of its nodes.
+pub(super) fn made(
+    session: &mut Session,
+    machine: &Machine,
+    target: &Target,
+    (lattice, max_nodes): (&[String], usize),
+    scope: Scope,
+    limits: Limits,
+) -> Result<Made, Stop> {
+    if target.manifest.kinematics().is_some() {
+        return session.refuse(without_tables(target));
+    }
+    let axes = lattice_axes(session, machine, lattice)?;
+    let request = LatticeRequest { axes, max_nodes, scope };
+    refuse_impossible_lattice(session, machine, target, &request)?;
+    let tables = Arc::new(target.tables(machine, &request));
+    warn_left_out(session, machine, target, &tables);
+    limits.exceeded(machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
+    session.checked()?;
+    let rendered = target.render(machine, &tables, &mut session.diagnostics).ok_or(Stop::Refused)?;
+    session.checked()?;
+    let tables = read_back(session, machine, target, &rendered, &tables)?;
+    Ok(Made { rendered, tables })
 }
 
 /// A lattice has two nodes on every axis at the least, and something to correct.

@@ -1,24 +1,26 @@
 //! `abbe identify`: measurements to error parameters, and a fitted machine file.
 
 use super::files::Disk;
+use super::identify_report::Report;
 use super::session::Session;
-use super::{Format, Outcome, Stop, load, plan, poses, write};
+use super::{Format, Outcome, Stop, load, monomials, pictures, plan, poses, write};
 use crate::diagnostic::Diagnostic;
+use crate::evaluate::Order;
 use crate::identify::{
-    Estimate, Fit, Measurement, Model, Parameter, Residuals, Solution, fit, fitted_file, held_out, parameters,
-    read_measurements, repeatability, robust_fit,
+    Data, End, Measurement, Model, Parameter, Reading, Residuals, Solution, fit, fitted_file, held_out, moore_penrose,
+    parameters, randomness, read_measurements, repeatability, robust_fit, slope_bounds,
 };
 use crate::machine::{self, Machine};
 use crate::syntax::IdentifyEntry;
 use crate::units::{self, significant};
-use serde_json::json;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// The machine file.
     machine: PathBuf,
-    /// Measurements: CSV with a column per axis and any of `dx [um]`, `dy [um]`, `dz [um]`.
+    /// Measurements: CSV with a column per axis and `dx [um]`, `dy [um]`, `dz [um]`, or lengths, ball readings,
+    /// lines, single errors (docs/identification.md).
     #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "plan")]
     data: Vec<PathBuf>,
     /// What to fit: `location`, `tool`, `workpiece`, `spindle`, `linear`, error names, `EXX:poly3` (default: the
@@ -34,6 +36,15 @@ pub(super) struct Args {
     /// Frame in which the deviations were measured.
     #[arg(long, value_enum, default_value = "workpiece")]
     frame: super::eval::FrameArg,
+    /// The model: `exact`, or of order 1 or 2 of the dual numbers.
+    #[arg(long, value_name = "N|exact", default_value = "exact", value_parser = order)]
+    order: Order,
+    /// How: all components at once on the model itself, or the papers' way, each for itself on the monomials.
+    #[arg(long, value_enum, default_value = "joint")]
+    method: Method,
+    /// Draw prediction and data over the planes of the linear axes, as SVG files in this folder.
+    #[arg(long, value_name = "DIR")]
+    svg: Option<PathBuf>,
     /// Let measurements that stand out count less (Huber weights).
     #[arg(long)]
     robust: bool,
@@ -55,32 +66,54 @@ pub(super) struct Args {
     tool: Option<String>,
 }
 
+/// Ways to solve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Method {
+    /// One weighted least-squares problem, Levenberg-Marquardt.
+    Joint,
+    /// Holub and others 2015: monomials of order 2, component by component, pseudo-inverse.
+    MoorePenrose,
+}
+
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let (machine, section) = load::with_identify(session, &args.machine, args.tool.as_deref())?;
     let wanted = request(args, section);
-    let parameters = match parameters(&machine, &wanted) {
+    let own = match parameters(&machine, &wanted) {
         Ok(parameters) => parameters,
         Err(refusal) => return session.refuse(*refusal),
     };
+    let bounds = match slope_bounds(&machine, &wanted, &own) {
+        Ok(bounds) => bounds,
+        Err(refusal) => return session.refuse(*refusal),
+    };
     if let Some(count) = args.plan {
-        let model = Model::new(&machine, &parameters, args.frame.into());
+        let model = Model::new(&machine, &own);
         return plan::run(session, &model, usize::from(count), args.noise, args.seed);
     }
-    let data = measurements(session, &machine, &args.data)?;
-    enough(session, &data, &parameters)?;
-    let model = Model::new(&machine, &parameters, args.frame.into());
+    let Data { rows: data, nuisances } = measurements(session, &machine, args)?;
+    let unknowns: Vec<Parameter> = own.into_iter().chain(nuisances).collect();
+    if args.method == Method::Joint {
+        enough(session, &data, &unknowns)?;
+    }
+    let model = Model::new(&machine, &unknowns).bounded(&bounds).to_order(args.order);
+    if args.method == Method::MoorePenrose {
+        return papers_way(session, args, &model, &data);
+    }
     let found = if args.robust {
         robust_fit(&model, &data)
     } else {
         fit(&model, &data, data.iter().map(|m| m.weight).collect(), None)
     };
     let folds = args.folds.map(usize::from);
-    let solution = Solution::of(&found, &parameters);
+    let solution = Solution::of(&found, &unknowns);
+    let theta = solution.theta();
     let report = Report {
         machine: &machine,
-        parameters: &parameters,
+        unknowns: &unknowns,
+        own: model.own(),
         data: &data,
-        residuals: Residuals::of(&model, &data, &solution.theta()),
+        residuals: Residuals::of(&model, &data, &theta),
+        randomness: randomness(&data, &model.residuals(&data, &theta), &found.weights),
         solution,
         held_out: folds.and_then(|folds| held_out(&model, &data, folds, args.robust)),
         repeatability: repeatability(&data),
@@ -90,12 +123,52 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     if let Some(out) = &args.out {
         write_machine(session, &report, args, out)?;
     }
+    if let Some(folder) = &args.svg {
+        pictures::write(session, &model, &data, &theta, folder)?;
+    }
     match session.format() {
         Format::Json => session.print_json(report.json(session)),
         Format::Csv => session.print(&report.csv()),
         Format::Text => session.print(&report.text(session)),
     }
     session.checked()
+}
+
+/// The fit on the monomials, which gives no machine.
+fn papers_way(session: &mut Session, args: &Args, model: &Model<'_>, data: &[Measurement]) -> Outcome {
+    if args.out.is_some() || args.svg.is_some() || args.robust || args.folds.is_some() {
+        return session.usage(
+            "`--method moore-penrose` gives coefficients of monomials, no machine: no --out, --svg, --robust, --folds",
+        );
+    }
+    if model.own() > MOST_FACTORS {
+        let message = format!("{} parameters have too many products for the papers' way", model.own());
+        let help = format!("at most {MOST_FACTORS}; the joint fit takes more");
+        return session.refuse(Diagnostic::new("E0508", message).help(help));
+    }
+    let Some(components) = moore_penrose(model, data) else {
+        let help = "leave the other files out, or use the joint fit";
+        return session.refuse(Diagnostic::new("E0510", "the papers' way takes deviations dx, dy, dz only").help(help));
+    };
+    match session.format() {
+        Format::Json => session.print_json(monomials::json(&components)),
+        Format::Csv => session.print(&monomials::csv(&components)),
+        Format::Text => session.print(&monomials::text(model.machines().first().map_or("", |m| m.name()), &components)),
+    }
+    session.checked()
+}
+
+/// Most parameters whose products are unknowns.
+const MOST_FACTORS: usize = 24;
+
+/// The orders that can be fitted.
+fn order(text: &str) -> Result<Order, String> {
+    match text {
+        "exact" => Ok(Order::Exact),
+        "1" => Ok(Order::Degree(1)),
+        "2" => Ok(Order::Degree(2)),
+        _ => Err("write 1, 2 or exact".to_owned()),
+    }
 }
 
 /// A length above zero, such as `2 um`.
@@ -114,25 +187,40 @@ fn request(args: &Args, section: Option<IdentifyEntry>) -> IdentifyEntry {
     request
 }
 
-fn measurements(session: &mut Session, machine: &Machine, paths: &[PathBuf]) -> Result<Vec<Measurement>, Stop> {
-    let mut data = Vec::new();
-    for path in paths {
-        data.extend(read_measurements(path, machine, &Disk, &mut session.diagnostics).unwrap_or_default());
-    }
+fn measurements(session: &mut Session, machine: &Machine, args: &Args) -> Result<Data, Stop> {
+    let data = read_measurements(&args.data, machine, args.frame.into(), &Disk, &mut session.diagnostics);
     session.checked()?;
-    let at: Vec<machine::Pose> = data.iter().map(|m| m.pose.clone()).collect();
+    let other = |m: &Measurement| match &m.reading {
+        Reading::Distance { from: End::Pose(to), .. } => Some(to.clone()),
+        _ => None,
+    };
+    let at: Vec<machine::Pose> =
+        data.rows.iter().flat_map(|m| std::iter::once(m.pose.clone()).chain(other(m))).collect();
     poses::check(session, machine, &at)?;
     Ok(data)
 }
 
-fn enough(session: &mut Session, data: &[Measurement], parameters: &[Parameter]) -> Outcome {
+/// Most unknowns of a fit: time grows with their third power.
+const MOST_UNKNOWNS: usize = 500;
+
+fn enough(session: &mut Session, data: &[Measurement], unknowns: &[Parameter]) -> Outcome {
     let readings: usize = data.iter().map(Measurement::readings).sum();
-    if readings >= parameters.len() {
+    let instruments = unknowns.iter().filter(|p| p.is_nuisance()).count();
+    if unknowns.len() > MOST_UNKNOWNS {
+        let message = format!("{} unknowns, {instruments} of them of instruments, are too many", unknowns.len());
+        let help = "at most 500: fit less, or take runs of the same set-up together under one name";
+        return session.refuse(Diagnostic::new("E0508", message).help(help));
+    }
+    if readings >= unknowns.len() {
         return Ok(());
     }
-    let message = format!("{readings} readings cannot determine {} parameters", parameters.len());
+    let also = if instruments > 0 { format!(" and {instruments} unknowns of the instruments") } else { String::new() };
+    let message = format!("{readings} readings cannot determine {} parameters{also}", unknowns.len() - instruments);
     session.refuse(Diagnostic::new("E0503", message).help("measure more poses, or fit less"))
 }
+
+/// Less likely than this, residuals are not noise.
+const UNLIKELY: f64 = 1e-4;
 
 /// What the numbers alone do not say.
 fn remarks(session: &mut Session, report: &Report<'_>) {
@@ -151,11 +239,24 @@ fn remarks(session: &mut Session, report: &Report<'_>) {
         let help = "the fitted errors do not explain the data: fit more of them, or look at the outliers";
         session.diagnostics.push(Diagnostic::new("W0502", message).help(help));
     }
+    let drifting = report.randomness.iter().filter(|r| r.runs < UNLIKELY && r.lag1 > 0.2);
+    let names: Vec<String> = drifting.map(|r| r.name()).collect();
+    if !names.is_empty() {
+        let message = format!("what is left of {} is not noise: neighbours in the file are alike", names.join(", "));
+        let help =
+            "drift of machine or instrument while measuring, or a shape that was not fitted; sigmas are too small then";
+        session.diagnostics.push(Diagnostic::new("W0503", message).help(help));
+    }
 }
 
 /// Writes the fitted machine, if it is one that the program itself would take.
 fn write_machine(session: &mut Session, report: &Report<'_>, args: &Args, out: &Path) -> Outcome {
-    let text = fitted_file(report.machine, report.parameters, &report.solution.theta(), &report.provenance(args));
+    let text = fitted_file(
+        report.machine,
+        &report.unknowns[..report.own],
+        &report.solution.theta(),
+        &report.provenance(&args.data),
+    );
     if let Err(why) = load::own(&text) {
         let message = format!("the fitted machine is refused: {why}");
         let help = "some parameters ran away because the data hardly see them: fix those, or fit less";
@@ -164,143 +265,5 @@ fn write_machine(session: &mut Session, report: &Report<'_>, args: &Args, out: &
     match write::write_whole(out, text.as_bytes()) {
         Ok(()) => Ok(()),
         Err(refusal) => session.refuse(refusal),
-    }
-}
-
-/// What is printed.
-struct Report<'a> {
-    machine: &'a Machine,
-    parameters: &'a [Parameter],
-    data: &'a [Measurement],
-    solution: Solution,
-    residuals: Residuals,
-    held_out: Option<f64>,
-    repeatability: Option<(f64, usize)>,
-    fit: &'a Fit,
-}
-
-fn um(mm: f64) -> f64 {
-    mm * 1e3
-}
-
-impl Report<'_> {
-    fn rows(&self) -> usize {
-        self.fit.reduced.rows
-    }
-
-    fn estimates(&self) -> impl Iterator<Item = (&Parameter, &Estimate)> {
-        self.parameters.iter().zip(&self.solution.estimates)
-    }
-
-    /// Where the numbers of the fitted file come from. No date: the same input gives the same bytes.
-    fn provenance(&self, args: &Args) -> Vec<(String, String)> {
-        let name = |path: &PathBuf| path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let tame = |text: String| crate::diagnostic::shown(&text).chars().take(180).collect::<String>();
-        let files: Vec<String> = args.data.iter().map(name).collect();
-        let fit = format!(
-            "rank {} of {} parameters from {} readings; rms {} um before, {} um after",
-            self.solution.rank,
-            self.parameters.len(),
-            self.rows(),
-            significant(um(self.residuals.before), 5),
-            significant(um(self.residuals.after), 5)
-        );
-        vec![
-            ("identified-by".to_owned(), format!("abbe {}", env!("CARGO_PKG_VERSION"))),
-            ("identified-from".to_owned(), tame(files.join(", "))),
-            ("identified-fit".to_owned(), fit),
-        ]
-        .into_iter()
-        .filter(|(key, _)| !self.machine.provenance().entries.iter().any(|(known, _)| known == key))
-        .collect()
-    }
-
-    fn json(&self, session: &Session) -> serde_json::Value {
-        let parameter = |(p, e): (&Parameter, &Estimate)| json!({"name": p.name, "value": p.shown(e.value) + 0.0, "sigma": e.sigma.map(|s| p.shown(s)), "unit": p.unit});
-        let outlier = |o: &crate::identify::Outlier| json!({"place": self.place(session, o.row), "residual_um": um(o.residual), "deviations": o.deviations});
-        let (s, r) = (&self.solution, &self.residuals);
-        json!({
-            "rows": self.rows(), "points": self.data.len(),
-            "parameters": self.estimates().map(parameter).collect::<Vec<_>>(),
-            "rank": s.rank, "unknowns": self.parameters.len(), "well_determined": s.well_determined,
-            "null_space": s.null_space, "drowned": s.drowned, "condition": s.condition,
-            "singular_values": s.singular_values,
-            "rms_um": {"before": um(r.before), "after": um(r.after), "held_out": self.held_out.map(um)},
-            "sigma_um": um(s.sigma), "degrees_of_freedom": s.freedom,
-            "repeatability_um": self.repeatability.map(|(s, _)| um(s)),
-            "orders_um": {"first": um(r.parts[0]), "second": um(r.parts[1]), "higher": um(r.parts[2]),
-                          "left_by_first": um(r.left[0]), "left_by_second": um(r.left[1])},
-            "outliers": r.outliers.iter().map(outlier).collect::<Vec<_>>(),
-            "steps": self.fit.steps, "settled": self.fit.settled,
-        })
-    }
-
-    fn place(&self, session: &Session, row: usize) -> String {
-        let place = &self.data[row].place;
-        let sources = &session.diagnostics.sources;
-        format!("{}:{}", sources.name(place.source), sources.line_column(place).0)
-    }
-
-    fn csv(&self) -> String {
-        let row = |(p, e): (&Parameter, &Estimate)| {
-            let sigma = e.sigma.map_or_else(String::new, |s| p.shown(s).to_string());
-            format!("{},{},{sigma},{}", p.name, p.shown(e.value) + 0.0, p.unit)
-        };
-        std::iter::once("name,value,sigma,unit".to_owned())
-            .chain(self.estimates().map(row))
-            .collect::<Vec<_>>()
-            .join("\n")
-    }
-
-    fn text(&self, session: &Session) -> String {
-        let mut table = comfy_table::Table::new();
-        let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN);
-        let _ = table.set_header(["parameter", "value", "1 sigma", "unit"]);
-        for (p, e) in self.estimates() {
-            let sigma = e.sigma.map_or_else(|| "free".to_owned(), |s| significant(p.shown(s), 2));
-            let _ = table.add_row([p.name.clone(), significant(p.shown(e.value), 5), sigma, p.unit.clone()]);
-        }
-        format!("{}: fitted to {} points\n{table}\n{}", self.machine.name(), self.data.len(), self.summary(session))
-    }
-
-    fn summary(&self, session: &Session) -> String {
-        let (s, r) = (&self.solution, &self.residuals);
-        let n = |mm: f64| significant(um(mm), 5);
-        let mut text = format!(
-            "rank       {} of {} unknowns from {} readings, {} well determined, condition {}\n\
-             rms        {} um before, {} um after; {} um per reading\n\
-             orders     first {} um, second {} um, higher {} um; first alone leaves {} um, with the second {} um\n",
-            s.rank,
-            self.parameters.len(),
-            self.rows(),
-            s.well_determined,
-            significant(s.condition, 3),
-            n(r.before),
-            n(r.after),
-            n(s.sigma),
-            n(r.parts[0]),
-            n(r.parts[1]),
-            n(r.parts[2]),
-            n(r.left[0]),
-            n(r.left[1]),
-        );
-        if let Some(held_out) = self.held_out {
-            text += &format!("held out   {} um on points that were not used\n", n(held_out));
-        }
-        if let Some((sigma, freedom)) = self.repeatability {
-            text +=
-                &format!("repeated   {} um per reading where a pose was measured again ({freedom} times)\n", n(sigma));
-        }
-        s.null_space.iter().for_each(|words| text += &format!("free       {words}\n"));
-        s.drowned.iter().for_each(|words| text += &format!("drowned    {words}\n"));
-        for outlier in r.outliers.iter().take(10) {
-            let size = significant(outlier.deviations, 3);
-            text +=
-                &format!("outlier    {}: {} um, {size} sigma\n", self.place(session, outlier.row), n(outlier.residual));
-        }
-        if r.outliers.len() > 10 {
-            text += &format!("           and {} more\n", r.outliers.len() - 10);
-        }
-        text
     }
 }

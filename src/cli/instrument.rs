@@ -3,7 +3,7 @@
 use super::poses::{check, pose_at};
 use super::session::Session;
 use super::view::{axes_json, axes_text, cell, table};
-use super::write::write_whole;
+use super::write::{Kind, write_picture};
 use super::{Format, Outcome, Stop, load};
 use crate::analysis::Unreachable;
 use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest, ball_bar, diagonals, r_test, within};
@@ -40,7 +40,7 @@ pub(super) struct Args {
     /// Which of the machine's tools.
     #[arg(long)]
     tool: Option<String>,
-    /// Ball bar: draw the polar diagram.
+    /// Ball bar: draw the polar diagram (SVG, or PNG by the file's ending).
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
 }
@@ -136,8 +136,9 @@ fn circles(session: &mut Session, args: &Args, machine: &Machine, at: &[f64]) ->
     }
     if let Some(path) = &args.svg {
         let subtitle = format!("Ball bar of {} mm about {}", significant(args.radius, 6), axes_text(machine, at));
-        let svg = PolarPicture { title: machine.name(), subtitle: &subtitle, circles: &list }.svg();
-        write_whole(path, svg.as_bytes()).or_else(|d| session.refuse(d))?;
+        let picture = PolarPicture { title: machine.name(), subtitle: &subtitle, circles: &list }.picture();
+        let kind = Kind::of(path).unwrap_or(Kind::Svg);
+        write_picture(path, &picture, kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     }
     match session.format() {
         Format::Json => session.print_json(json!({

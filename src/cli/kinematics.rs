@@ -14,7 +14,7 @@ pub(super) fn compile(
     target: &Target,
     inputs: Vec<Hashed>,
 ) -> Outcome {
-    let orientation = args.options.orientation();
+    let orientation = args.options.how.orientation();
     let meant = carried(session, machine, target, orientation)?;
     session.checked()?;
     let rendered = target.render_kinematics(machine, &meant, &mut session.diagnostics).ok_or(Stop::Refused)?;
@@ -49,7 +49,7 @@ pub(super) fn verify(
     if texts.is_empty() {
         return session.refuse(verify::nothing_found(&args.folder));
     }
-    let meant = carried(session, machine, target, args.options.orientation())?;
+    let meant = carried(session, machine, target, args.options.how.orientation())?;
     let Some(read) = target.read_kinematics(machine, &meant, texts, &mut session.diagnostics) else {
         return Err(Stop::Refused);
     };

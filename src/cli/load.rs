@@ -13,14 +13,33 @@ pub(super) fn machine(session: &mut Session, path: &Path, tool: Option<&str>) ->
     with_identify(session, path, tool).map(|(machine, _)| machine)
 }
 
+/// The same through other eyes than the disk's.
+pub(super) fn machine_through(
+    session: &mut Session,
+    path: &Path,
+    tool: Option<&str>,
+    files: &dyn Files,
+) -> Result<Machine, Stop> {
+    read(session, path, tool, files).map(|(machine, _)| machine)
+}
+
 /// The same, with the section `identify` of the file.
 pub(super) fn with_identify(
     session: &mut Session,
     path: &Path,
     tool: Option<&str>,
 ) -> Result<(Machine, Option<IdentifyEntry>), Stop> {
-    let document = syntax::load(path, &Disk, &mut session.diagnostics);
-    let machine = document.as_ref().and_then(|d| machine::resolve(d, &Disk, &mut session.diagnostics));
+    read(session, path, tool, &Disk)
+}
+
+fn read(
+    session: &mut Session,
+    path: &Path,
+    tool: Option<&str>,
+    files: &dyn Files,
+) -> Result<(Machine, Option<IdentifyEntry>), Stop> {
+    let document = syntax::load(path, files, &mut session.diagnostics);
+    let machine = document.as_ref().and_then(|d| machine::resolve(d, files, &mut session.diagnostics));
     session.checked()?;
     let Some(machine) = machine else { return Err(Stop::Refused) };
     let section = document.and_then(|document| document.identify);

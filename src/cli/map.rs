@@ -1,21 +1,22 @@
 //! `abbe map`: the error over a volume.
 
+use super::certificate_output::warnings;
+use super::compile::{How, made};
 use super::eval::FrameArg;
-use super::poses::{check, pose_at};
+use super::map_output::Outputs;
+use super::map_picture::{Pictures, Subject};
+use super::map_survey::surveyed;
 use super::progress::Progress;
 use super::session::Session;
-use super::view::{
-    STATISTICS, ViewArgs, axes_json, axes_text, frame_text, numbers, order_text, statistics_rows, table,
-};
-use super::write::{write_streamed, write_whole};
+use super::view::{STATISTICS, ViewArgs, axes_json, axes_text, frame_text, order_text, statistics_rows, table};
 use super::{Format, Outcome, Stop, load};
-use crate::analysis::{
-    MOST_POSES, MOST_SURVEYED, Map, Plane, Survey, SurveyTask, View, map, rest, survey, survey_with_rows,
-};
+use crate::analysis::{Diagonal, MOST_POSES, MOST_SURVEYED, SurveyTask, View, body_diagonals, map, rest};
+use crate::compensation::Tables;
 use crate::diagnostic::Diagnostic;
-use crate::evaluate::{Batch, Columns, Deviation, Nodes, Order, Planned, Poses, Random, Statistics, Tally, worst};
-use crate::machine::{AxisKind, Machine};
-use crate::report::{PlanePicture, Shown};
+use crate::evaluate::{Deviation, Field, Nodes, Order, Planned, Poses, Random, Spread, Statistics, Tally, worst};
+use crate::machine::Machine;
+use crate::report::Rows;
+use crate::target::{Compensated, Limits, Replay, Target, certify};
 use crate::units::significant;
 use serde_json::json;
 use std::path::PathBuf;
@@ -27,9 +28,17 @@ pub(super) struct Args {
     /// So many random poses over the volume instead of the grid.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SURVEYED as i64))]
     random: Option<u32>,
-    /// Seed of the random poses.
+    /// So many low-discrepancy poses over the volume: spread more evenly than random ones.
+    #[arg(long, value_name = "N", conflicts_with = "random", value_parser = clap::value_parser!(u32).range(1..=MOST_SURVEYED as i64))]
+    low_discrepancy: Option<u32>,
+    /// Seed of the random or low-discrepancy poses.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Map what the compensation of a controller leaves, beside what is there without it.
+    #[arg(long, value_name = "NAME")]
+    target: Option<String>,
+    #[command(flatten)]
+    how: How,
     #[command(flatten)]
     view: ViewArgs,
     /// Frame of the vectors.
@@ -38,69 +47,89 @@ pub(super) struct Args {
     /// How many of the worst poses to name.
     #[arg(long, value_name = "K", default_value_t = 5)]
     worst: usize,
-    /// Write every pose with its deviation to a CSV file.
-    #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
-    /// Draw the error over a plane of two linear axes.
-    #[arg(long, value_name = "FILE")]
-    svg: Option<PathBuf>,
-    /// The two linear axes of the picture, such as XY or X,Z [default: the first two].
-    #[arg(long, value_name = "AXES", requires = "svg")]
-    plane: Option<String>,
-    /// Where the other axes are for the picture [default: 0, or the end of the travel nearest to it].
-    #[arg(long, value_name = "Z=-100,A=30", requires = "svg", allow_hyphen_values = true)]
-    at: Option<String>,
-    /// What the colours of the picture show.
-    #[arg(long, value_enum, default_value = "length", requires = "svg")]
-    component: ComponentArg,
+    #[command(flatten)]
+    outputs: Outputs,
+    #[command(flatten)]
+    pictures: Pictures,
 }
 
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum ComponentArg {
-    Length,
-    Dx,
-    Dy,
-    Dz,
-}
-
-impl From<ComponentArg> for Shown {
-    fn from(arg: ComponentArg) -> Self {
-        match arg {
-            ComponentArg::Length => Self::Length,
-            ComponentArg::Dx => Self::Component(0),
-            ComponentArg::Dy => Self::Component(1),
-            ComponentArg::Dz => Self::Component(2),
-        }
-    }
-}
+/// A target and its tables, as the controller reads them.
+type Compensation = (Target, Tables);
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.view.tool.as_deref())?;
     let order = args.view.order(&machine);
     let view = View { approach: args.view.approach(), frame: args.frame.into() };
-    let field = Planned::new(&machine, order);
     // What can be refused is refused before the work, not after it.
-    let picture = args.svg.as_ref().map(|path| Ok((path, picture(session, &machine, args)?))).transpose()?;
-    let poses = match args.random {
-        Some(count) => Poses::Random(Random::of(&machine, count as usize, args.seed)),
-        None => Poses::Nodes(Nodes::of(&machine)),
-    };
+    args.outputs.check(session)?;
+    let place = args.pictures.place(session, &machine, args.target.is_some())?;
+    let compensation = compensation(session, args, &machine, order)?;
+    let bare = Planned::new(&machine, order);
+    let replayed = compensation.as_ref().map(|(target, tables)| {
+        let replay = Replay::new(&machine, tables, target.manifest.controller);
+        Compensated { machine: &machine, replay }
+    });
+    let field: &dyn Field = replayed.as_ref().map_or(&bare as &dyn Field, |field| field);
+    let poses = poses(args, &machine);
     if poses.len() > MOST_SURVEYED {
         return session.refuse(too_many(poses.len()));
     }
-    let whole = Whole { machine: &machine, field: &field, poses: &poses, view, worst: args.worst };
-    let report = Report { machine: &machine, poses: &poses, order, view, found: whole.found(session, args)? };
-    if let Some((path, Drawing { axes, at })) = picture {
-        let plane = Plane::of(&field, axes, &at, nodes(&machine, axes), view);
-        let svg = PlanePicture { machine: &machine, plane: &plane, view, order, shown: args.component.into() }.svg();
-        write_whole(path, svg.as_bytes()).or_else(|d| session.refuse(d))?;
+    let target = args.target.as_deref().unwrap_or_default();
+    let whole = Whole { machine: &machine, poses: &poses, view, order, target, worst: args.worst };
+    let before = match &replayed {
+        Some(_) => Some(whole.found(session, &bare, None)?.statistics),
+        None => None,
+    };
+    let found = whole.found(session, field, Some(&args.outputs))?;
+    if let Some(place) = place {
+        let state = if target.is_empty() { String::new() } else { format!("after {target}") };
+        let subject = Subject { field, state: &state };
+        let before = replayed.is_some().then_some(&bare as &dyn Field);
+        args.pictures.write(session, &place, (&subject, before), (view, order))?;
     }
+    let diagonals = body_diagonals(field, &rest(&machine), DIAGONAL_STEPS, view.approach);
+    let report = Report { whole: &whole, found, before, diagonals };
     match session.format() {
         Format::Json => session.print_json(report.json()),
         Format::Csv => session.print(&report.found.csv.clone().unwrap_or_default()),
         Format::Text => session.print(&report.text()),
     }
     Ok(())
+}
+
+/// Intervals of a body diagonal.
+const DIAGONAL_STEPS: usize = 20;
+
+fn poses(args: &Args, machine: &Machine) -> Poses {
+    match (args.random, args.low_discrepancy) {
+        (Some(count), _) => Poses::Random(Random::of(machine, count as usize, args.seed)),
+        (None, Some(count)) => Poses::Spread(Spread::of(machine, count as usize, args.seed)),
+        (None, None) => Poses::Nodes(Nodes::of(machine)),
+    }
+}
+
+/// Poses at which the warnings of a compensation are found.
+const CERTIFIED: usize = 1000;
+
+/// What `compile` would write for the target, with its warnings.
+fn compensation(
+    session: &mut Session,
+    args: &Args,
+    machine: &Machine,
+    order: Order,
+) -> Result<Option<Compensation>, Stop> {
+    let Some(name) = &args.target else { return Ok(None) };
+    if order != Order::Exact {
+        return session.usage(
+            "a compensated machine is mapped with the exact model: leave `--order` out, or say `--order exact`",
+        );
+    }
+    let target = args.how.target(session, name)?;
+    let tables = made(session, machine, &target, (&[], usize::MAX), args.how.scope(), Limits::default())?.tables;
+    let certificate = certify(machine, &target, &tables, args.how.scope(), CERTIFIED, args.seed);
+    warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
+    session.checked()?;
+    Ok(Some((target, tables)))
 }
 
 fn too_long(count: usize) -> Diagnostic {
@@ -114,165 +143,68 @@ fn too_many(count: usize) -> Diagnostic {
         .help("take random poses (`--random 100000`), or larger steps under `volume` in the machine file")
 }
 
-/// Which plane to draw, and where the other axes are.
-struct Drawing {
-    axes: [usize; 2],
-    at: Vec<f64>,
-}
-
-fn picture(session: &mut Session, machine: &Machine, args: &Args) -> Result<Drawing, Stop> {
-    let axes = plane_axes(machine, args.plane.as_deref()).or_else(|message| session.usage(&message))?;
-    let at = match &args.at {
-        Some(text) => pose_at(machine, text).or_else(|message| session.usage(&message))?,
-        None => rest(machine),
-    };
-    let mut shown = at.clone();
-    // The two axes of the plane run over the volume, wherever `--at` puts them.
-    axes.iter().for_each(|i| shown[*i] = machine.volume()[*i].min);
-    check(session, machine, std::slice::from_ref(&shown))?;
-    Ok(Drawing { axes, at })
-}
-
-/// `XY`, or `X,Y2` where names are longer; two different linear axes with room to move.
-fn plane_axes(machine: &Machine, text: Option<&str>) -> Result<[usize; 2], String> {
-    let moves =
-        |i: &usize| machine.axes()[*i].kind == AxisKind::Linear && machine.volume()[*i].max > machine.volume()[*i].min;
-    let mut linear: Vec<usize> = (0..machine.axes().len()).filter(moves).collect();
-    linear.sort_by(|a, b| machine.axes()[*a].name.cmp(&machine.axes()[*b].name));
-    let known: Vec<&str> = linear.iter().map(|i| machine.axes()[*i].name.as_str()).collect();
-    let known = known.join(", ");
-    let Some(text) = text else {
-        return if let [a, b, ..] = linear[..] {
-            Ok([a, b])
-        } else {
-            Err("the machine has no two linear axes to draw a plane of".to_owned())
-        };
-    };
-    let names: Vec<String> = match text.split_once(',') {
-        Some((a, b)) => vec![a.trim().to_owned(), b.trim().to_owned()],
-        None => text.chars().map(String::from).collect(),
-    };
-    let index = |name: &String| linear.iter().copied().find(|i| machine.axes()[*i].name.as_str() == name);
-    match names.iter().map(index).collect::<Option<Vec<_>>>().as_deref() {
-        Some([a, b]) if a != b => Ok([*a, *b]),
-        _ => Err(format!("`--plane {text}` is not two different linear axes of {known}, such as `XY` or `X,Z`")),
-    }
-}
-
-/// About square cells, 72 along the longer side.
-fn nodes(machine: &Machine, axes: [usize; 2]) -> [usize; 2] {
-    let spans = axes.map(|i| machine.volume()[i].max - machine.volume()[i].min);
-    let longest = spans[0].max(spans[1]);
-    spans.map(|span| 1 + (72.0 * span / longest).round().max(2.0) as usize)
-}
-
 /// Everything that is mapped.
 struct Whole<'a> {
     machine: &'a Machine,
-    field: &'a Planned,
     poses: &'a Poses,
     view: View,
+    order: Order,
+    target: &'a str,
     worst: usize,
 }
 
 /// What a map has found.
-struct Found {
-    statistics: Statistics,
+pub(super) struct Found {
+    pub statistics: Statistics,
     /// The worst poses by number, largest deviation first.
-    worst: Vec<(usize, Deviation)>,
+    pub worst: Vec<(usize, Deviation)>,
     /// Is the quantile that of a sketch?
-    sketched: bool,
+    pub sketched: bool,
     /// What goes to standard output.
-    csv: Option<String>,
+    pub csv: Option<String>,
 }
 
 impl Whole<'_> {
-    fn found(&self, session: &mut Session, args: &Args) -> Result<Found, Stop> {
-        let printed = session.format() == Format::Csv;
+    /// Maps a field; `outputs` are written, if there are any.
+    fn found(&self, session: &mut Session, field: &dyn Field, outputs: Option<&Outputs>) -> Result<Found, Stop> {
+        let printed = session.format() == Format::Csv && outputs.is_some();
         if self.poses.len() > MOST_POSES {
             if printed {
                 return session.refuse(too_long(self.poses.len()));
             }
-            return self.surveyed(session, args);
+            let task = SurveyTask { field, poses: self.poses, view: self.view, worst: self.worst };
+            return surveyed(session, task, outputs);
         }
         let progress = Progress::new(self.poses.len(), session.is_quiet());
-        let result = map(self.field, self.poses, self.view, &|count| progress.add(count));
+        let result = map(field, self.poses, self.view, &|count| progress.add(count));
         drop(progress);
         let Ok(map) = result else { return session.refuse(too_many(self.poses.len())) };
-        let csv = (printed || args.csv.is_some()).then(|| self.csv(&map));
-        if let (Some(path), Some(csv)) = (&args.csv, &csv) {
-            write_whole(path, csv.as_bytes()).or_else(|d| session.refuse(d))?;
+        let Self { machine, poses, view, order, target, .. } = *self;
+        let rows = Rows { machine, poses, deviations: &map.deviations, view, order, target };
+        if let Some(outputs) = outputs {
+            outputs.write(session, &rows)?;
         }
+        let csv = printed.then(|| text(&rows));
         let indices = worst(&map.deviations, self.worst);
         let worst = indices.into_iter().map(|i| (i, map.deviations[i])).collect();
         Ok(Found { statistics: map.statistics, worst, sketched: false, csv })
     }
-
-    /// Without keeping the deviations; a file is written as they come.
-    fn surveyed(&self, session: &mut Session, args: &Args) -> Result<Found, Stop> {
-        let task = SurveyTask { field: self.field, poses: self.poses, view: self.view, worst: self.worst };
-        let progress = Progress::new(self.poses.len(), session.is_quiet());
-        let add = |count| progress.add(count);
-        let survey = match &args.csv {
-            None => survey(task, &add),
-            Some(path) => {
-                let mut found: Option<Survey> = None;
-                let written = write_streamed(path, |file| {
-                    file.write_all(self.header().as_bytes())?;
-                    let mut failure = Ok(());
-                    found = survey_with_rows(
-                        task,
-                        &rows,
-                        &mut |text| {
-                            failure = file.write_all(text.as_bytes());
-                            failure.is_ok()
-                        },
-                        &add,
-                    );
-                    failure.and_then(|()| file.write_all(b"\n"))
-                });
-                written.or_else(|d| session.refuse(d))?;
-                found.ok_or(Stop::Refused)?
-            }
-        };
-        drop(progress);
-        Ok(Found { statistics: survey.statistics, worst: survey.worst, sketched: true, csv: None })
-    }
-
-    fn header(&self) -> String {
-        let axes = self.machine.axes().iter().map(|axis| format!("{} [{}]", axis.name, axis.unit()));
-        let names = ["dx [um]", "dy [um]", "dz [um]", "wx [urad]", "wy [urad]", "wz [urad]"];
-        axes.chain(names.map(str::to_owned)).collect::<Vec<_>>().join(",")
-    }
-
-    fn csv(&self, map: &Map) -> String {
-        let mut csv = self.header();
-        for (pose, d) in self.poses.iter().zip(&map.deviations) {
-            csv.push_str(&row(pose, d));
-        }
-        csv.push('\n');
-        csv
-    }
 }
 
-/// A line of a file, with the end of the line before.
-fn row(pose: impl IntoIterator<Item = f64>, d: &Deviation) -> String {
-    let rotation: [f64; 3] = (d.rotation * 1e6).into();
-    format!("\n{}", numbers(pose.into_iter().chain(position_um(d)).chain(rotation)))
-}
-
-/// The lines of a block of poses.
-fn rows(poses: &Batch<'_>, columns: &Columns, len: usize) -> String {
-    (0..len).map(|i| row(poses.pose(i), &columns.get(i))).collect()
+fn text(rows: &Rows<'_>) -> String {
+    let mut bytes = Vec::new();
+    // Writing to memory cannot fail.
+    let _ = rows.csv(&mut bytes);
+    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 /// What is printed.
 struct Report<'a> {
-    machine: &'a Machine,
-    poses: &'a Poses,
-    order: Order,
-    view: View,
+    whole: &'a Whole<'a>,
     found: Found,
+    /// Without compensation, if the map is with.
+    before: Option<Statistics>,
+    diagonals: Vec<Diagonal>,
 }
 
 /// um; adding zero turns -0 into 0.
@@ -282,46 +214,75 @@ fn position_um(deviation: &Deviation) -> [f64; 3] {
 
 impl Report<'_> {
     fn worst(&self) -> impl Iterator<Item = (Vec<f64>, &Deviation)> {
-        self.found.worst.iter().map(|(i, deviation)| (self.poses.get(*i), deviation))
+        self.found.worst.iter().map(|(i, deviation)| (self.whole.poses.get(*i), deviation))
     }
 
     fn json(&self) -> serde_json::Value {
         let s = &self.found.statistics;
         let worst: Vec<_> = self
             .worst()
-            .map(|(pose, d)| json!({"axes": axes_json(self.machine, &pose), "deviation_um": position_um(d)}))
+            .map(|(pose, d)| json!({"axes": axes_json(self.whole.machine, &pose), "deviation_um": position_um(d)}))
             .collect();
         let mut json = json!({
-            "machine": self.machine.name(), "order": order_text(self.order), "frame": frame_text(self.view.frame),
-            "direction": self.view.approach, "poses": s.poses, "position_um": s.position_um,
-            "rotation_urad": s.rotation_urad, "worst": worst,
+            "machine": self.whole.machine.name(), "order": order_text(self.whole.order), "frame": frame_text(self.whole.view.frame),
+            "direction": self.whole.view.approach, "poses": s.poses, "position_um": s.position_um,
+            "rotation_urad": s.rotation_urad, "worst": worst, "diagonals": self.diagonals.iter().map(|d| self.diagonal(d)).collect::<Vec<_>>(),
         });
         if self.found.sketched {
             json["p95_relative_error"] = json!(Tally::QUANTILE_ERROR);
         }
+        if let (Some(object), Some(before)) = (json.as_object_mut(), &self.before) {
+            let _ = object.insert("target".to_owned(), json!(self.whole.target));
+            let before = json!({"position_um": before.position_um, "rotation_urad": before.rotation_urad});
+            let _ = object.insert("uncompensated".to_owned(), before);
+        }
         json
     }
 
+    fn diagonal(&self, d: &Diagonal) -> serde_json::Value {
+        let ends = [&d.ends[0], &d.ends[1]].map(|pose| axes_json(self.whole.machine, pose));
+        let along: Vec<f64> = d.deviations.iter().map(|x| x * 1e3 + 0.0).collect();
+        json!({"name": d.name, "from": ends[0], "to": ends[1], "length_mm": d.length, "range_um": d.range() * 1e3, "deviations_um": along})
+    }
+
     fn text(&self) -> String {
-        let mut statistics = table(&STATISTICS[1..]);
-        let _ = statistics.add_rows(statistics_rows("", &self.found.statistics).map(|row| row.into_iter().skip(1)));
-        let where_from = match self.poses {
+        let where_from = match self.whole.poses {
             Poses::Nodes(nodes) => nodes.counts().map(|n| n.to_string()).collect::<Vec<_>>().join(" x ") + " grid",
+            Poses::Spread(_) => "low-discrepancy over the volume".to_owned(),
             _ => "random over the volume".to_owned(),
         };
         let mut text = format!(
-            "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{} poses ({where_from})\n{statistics}\n",
-            self.machine.name(),
-            frame_text(self.view.frame),
-            order_text(self.order),
+            "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{} poses ({where_from})\n{}\n",
+            self.whole.machine.name(),
+            frame_text(self.whole.view.frame),
+            order_text(self.whole.order),
             self.found.statistics.poses,
+            self.statistics(),
         );
         for (i, (pose, d)) in self.worst().enumerate() {
             let [x, y, z] = position_um(d).map(|v| significant(v, 4));
             let length = significant(d.position.norm() * 1e3, 4);
             let lead = if i == 0 { "Worst:" } else { "      " };
-            text.push_str(&format!("{lead} {length} um ({x}, {y}, {z}) at {}\n", axes_text(self.machine, &pose)));
+            text.push_str(&format!("{lead} {length} um ({x}, {y}, {z}) at {}\n", axes_text(self.whole.machine, &pose)));
+        }
+        if !self.diagonals.is_empty() {
+            let of = |d: &Diagonal| format!("{} {}", d.name, significant(d.range() * 1e3, 4));
+            let list = self.diagonals.iter().map(of).collect::<Vec<_>>().join(", ");
+            text.push_str(&format!("Body diagonals, range of the displacement along them, um: {list}\n"));
         }
         text
+    }
+
+    /// One pair of rows, or two: without compensation and with.
+    fn statistics(&self) -> comfy_table::Table {
+        let Some(before) = &self.before else {
+            let mut table = table(&STATISTICS[1..]);
+            let _ = table.add_rows(statistics_rows("", &self.found.statistics).map(|row| row.into_iter().skip(1)));
+            return table;
+        };
+        let mut table = table(&STATISTICS);
+        let _ = table.add_rows(statistics_rows("before", before));
+        let _ = table.add_rows(statistics_rows(&format!("after {}", self.whole.target), &self.found.statistics));
+        table
     }
 }

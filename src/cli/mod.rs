@@ -18,22 +18,32 @@ mod explain;
 mod file_set;
 pub mod files;
 mod identify;
+mod identify_report;
+mod import;
 mod init;
 mod instrument;
 mod journal;
 mod kinematics;
 mod load;
 mod map;
+mod map_output;
+mod map_picture;
+mod map_survey;
+mod monomials;
+mod pictures;
 mod plan;
 mod poses;
 mod progress;
 mod ranking;
+mod report;
+mod serve;
 mod session;
 mod show;
 mod targets;
 mod tolerances;
 mod verify;
 mod view;
+mod watch;
 mod write;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -116,10 +126,14 @@ enum Verb {
     Instrument(instrument::Args),
     /// Measurements to error parameters, with rank, uncertainty and a fitted machine file.
     Identify(identify::Args),
+    /// A single-axis measurement as an instrument exports it, to a table of error curves.
+    Import(import::Args),
     /// The compensation files of a controller, with their certificate.
     Compile(compile::Args),
     /// Replay compensation files as the controller would, and say what they leave.
     Verify(verify::Args),
+    /// One self-contained HTML page for a design review.
+    Report(report::Args),
     /// The controllers, what they can express, and how sure that is.
     Targets,
     /// The long text of a code, an error name or a target.
@@ -176,9 +190,11 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Enumerate(args) => enumerate::run(session, &args),
         Verb::Instrument(args) => instrument::run(session, &args),
         Verb::Identify(args) => identify::run(session, &args),
+        Verb::Import(args) => import::run(session, &args),
         Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),
         Verb::Verify(args) => verify::run(session, &args),
+        Verb::Report(args) => report::run(session, &args),
         Verb::Targets => targets::run(session),
         Verb::Check(args) => check::run(session, &args),
         Verb::Explain(args) => explain::run(session, &args),

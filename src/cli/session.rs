@@ -20,6 +20,11 @@ impl Session {
         Self { global, diagnostics: Diagnostics::default(), output_lost: Cell::new(None) }
     }
 
+    /// A session with the same options that has found nothing yet.
+    pub(super) fn fresh(&self) -> Self {
+        Self::new(self.global.clone())
+    }
+
     pub(super) fn format(&self) -> Format {
         self.global.format
     }

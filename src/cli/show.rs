@@ -2,11 +2,11 @@
 
 use super::session::Session;
 use super::view::{cell, numbers, table};
-use super::write::write_whole;
+use super::write::{Kind, write_picture};
 use super::{Format, Outcome, load};
 use crate::analysis::{Lever, LocationSet, Status, levers};
 use crate::machine::{Axis, AxisKind, Branch, Machine, Sense, Travel};
-use crate::report::{chain_dot, chain_svg};
+use crate::report::{all_curves, chain_dot, chain_picture};
 use crate::units::significant;
 use serde_json::json;
 use std::path::PathBuf;
@@ -21,6 +21,12 @@ pub(super) struct Args {
     /// Draw the chain.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+    /// The same as PNG.
+    #[arg(long, value_name = "FILE")]
+    png: Option<PathBuf>,
+    /// Draw the curves of the component errors, as SVG or PNG by the file's ending.
+    #[arg(long, value_name = "FILE.svg|.png")]
+    curves: Option<PathBuf>,
     /// Which of the machine's tools.
     #[arg(long)]
     tool: Option<String>,
@@ -31,9 +37,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         return session.usage("`--dot` is a format of its own: leave `--format` out");
     }
     let machine = load::machine(session, &args.machine, args.tool.as_deref())?;
-    if let Some(path) = &args.svg {
-        write_whole(path, chain_svg(&machine).as_bytes()).or_else(|d| session.refuse(d))?;
-    }
+    draw(session, args, &machine)?;
     if args.dot {
         session.print(&chain_dot(&machine));
         return Ok(());
@@ -43,6 +47,27 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         Format::Json => session.print_json(shown.json()),
         Format::Csv => session.print(&shown.csv()),
         Format::Text => session.print(&shown.text()),
+    }
+    Ok(())
+}
+
+/// Writes the pictures asked for.
+fn draw(session: &mut Session, args: &Args, machine: &Machine) -> Outcome {
+    let mut pictures = Vec::new();
+    for (path, kind) in [(&args.svg, Kind::Svg), (&args.png, Kind::Png)] {
+        pictures.extend(path.as_ref().map(|path| (path, kind, chain_picture(machine))));
+    }
+    if let Some(path) = &args.curves {
+        let Some(kind) = Kind::of(path) else {
+            return session.usage("`--curves` takes a file that ends in .svg or .png");
+        };
+        let Some(picture) = all_curves(machine) else {
+            return session.usage("the machine has no component errors to draw");
+        };
+        pictures.push((path, kind, picture));
+    }
+    for (path, kind, picture) in pictures {
+        write_picture(path, &picture, kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     }
     Ok(())
 }

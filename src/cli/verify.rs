@@ -51,7 +51,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         return print_replay(session, &machine, &target, &replay, path);
     }
     let certificate =
-        certify(&machine, &target, &tables, args.options.scope(), args.options.poses as usize, args.options.seed);
+        certify(&machine, &target, &tables, args.options.how.scope(), args.options.poses as usize, args.options.seed);
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
     Shown { machine: &machine, target: &target, certificate: &certificate, files: names, folder: &args.folder }
@@ -63,7 +63,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
 fn target(session: &mut Session, machine: &Machine, args: &Args) -> Result<Target, Stop> {
     let named = args.target.clone().or_else(|| file_set::existing_lock(&args.folder).map(|lock| lock.target));
     if let Some(name) = named {
-        return args.options.target(session, &name);
+        return args.options.how.target(session, &name);
     }
     let there = |target: &Target| target.table_files(machine).iter().any(|name| args.folder.join(name).exists());
     match NAMES.iter().filter_map(|name| Target::embedded(name)).find(there) {

@@ -1,28 +1,85 @@
 //! Files are written whole or not at all: into a temporary file beside the target, then renamed.
 
-use crate::diagnostic::Diagnostic;
-use std::fs;
-use std::io::{self, Write};
+use crate::diagnostic::{Diagnostic, Sources};
+use crate::report::Picture;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// Writes a file so that a reader sees either what was there before or all of `bytes`.
 pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
-    write_streamed(path, |file| file.write_all(bytes))
+    write_streamed(path, |out| out.write_all(bytes))
 }
 
-/// The same for what is too large to be held: `produce` writes it piece by piece.
+/// The same for what is made while it is written.
 pub(super) fn write_streamed(
     path: &Path,
-    produce: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), Diagnostic> {
     let target = replaceable(path)?;
     let temporary = temporary(&target).ok_or_else(|| unwritable(path, "the path names no file"))?;
-    let written = fill(&temporary, &target, produce).and_then(|()| fs::rename(&temporary, &target));
+    let written = filled(&temporary, &target, fill).and_then(|()| fs::rename(&temporary, &target));
     written.map_err(|failure| {
         // What is left of a failed attempt is ours alone; if it cannot go either, there is no more to say.
         let _ = fs::remove_file(&temporary);
         unwritable(path, &failure.to_string())
     })
+}
+
+/// Form of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Svg,
+    Png,
+}
+
+impl Kind {
+    /// By the ending of a name.
+    pub(super) fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "svg" => Some(Self::Svg),
+            "png" => Some(Self::Png),
+            _ => None,
+        }
+    }
+}
+
+/// Writes a picture, never over a file that was read in this run.
+pub(super) fn write_picture(path: &Path, picture: &Picture, kind: Kind, sources: &Sources) -> Result<(), Diagnostic> {
+    refuse_input(path, sources)?;
+    match kind {
+        Kind::Svg => write_whole(path, picture.svg().as_bytes()),
+        Kind::Png => {
+            let undrawable = |why: String| {
+                Diagnostic::new("E0632", format!("`{}` cannot be drawn: {why}", path.display()))
+                    .help("write SVG instead")
+            };
+            write_whole(path, &picture.png().map_err(undrawable)?)
+        }
+    }
+}
+
+/// Refuses to write over a file that was read in this run: a machine file, a table, a measurement.
+pub(super) fn refuse_input(path: &Path, sources: &Sources) -> Result<(), Diagnostic> {
+    let Some(own) = identity(path) else { return Ok(()) };
+    let read = sources.iter().any(|(name, _)| identity(Path::new(name)).is_some_and(|other| other == own));
+    if !read {
+        return Ok(());
+    }
+    let message = format!("`{}` is an input of this run", path.display());
+    Err(Diagnostic::new("E0630", message).help("give the output another name; nothing was written"))
+}
+
+/// What makes two paths the same file.
+#[cfg(unix)]
+fn identity(path: &Path) -> Option<(u64, u64)> {
+    use std::os::unix::fs::MetadataExt;
+    fs::metadata(path).ok().map(|m| (m.dev(), m.ino()))
+}
+
+#[cfg(not(unix))]
+fn identity(path: &Path) -> Option<PathBuf> {
+    fs::canonicalize(path).ok()
 }
 
 /// Like [`write_whole`], but a file that is there already is refused.
@@ -59,9 +116,14 @@ fn temporary(target: &Path) -> Option<PathBuf> {
     Some(target.with_file_name(name))
 }
 
-fn fill(temporary: &Path, target: &Path, produce: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut file = fs::OpenOptions::new().write(true).create_new(true).open(temporary)?;
-    produce(&mut file)?;
+fn filled(
+    temporary: &Path,
+    target: &Path,
+    fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut out = BufWriter::new(OpenOptions::new().write(true).create_new(true).open(temporary)?);
+    fill(&mut out)?;
+    let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
     if let Ok(metadata) = fs::metadata(target) {
         file.set_permissions(metadata.permissions())?;
     }

@@ -47,6 +47,11 @@ impl Field for Bare<'_> {
     fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation {
         evaluate(self.machine, pose, self.order, approach, Frame::Workpiece).deviation
     }
+
+    /// Compiled for the batch: worth it from some ten poses on.
+    fn deviations(&self, poses: &Batch<'_>, approach: Approach, out: Output<'_>) {
+        Plan::new(self.machine, self.order, approach).deviations(poses, out);
+    }
 }
 
 /// A machine without compensation, compiled: the same deviations up to rounding, at many poses a second.

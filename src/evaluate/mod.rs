@@ -8,6 +8,7 @@ mod deviation;
 mod field;
 pub mod plan;
 mod poses;
+mod spread;
 mod statistics;
 mod tally;
 
@@ -18,5 +19,6 @@ pub use deviation::{
 pub use field::{Bare, Field, Planned, commanded_deviation, error_by_error, tool_axis_tilt};
 pub use plan::{Batch, Columns, GridPlan, Normal, Output, Plan, PoseColumns, Unknown, Width};
 pub use poses::{Nodes, Poses, Random, random_poses};
+pub use spread::Spread;
 pub use statistics::{Difference, Statistics, Summary, quantile_95, worst};
 pub use tally::Tally;

@@ -1,9 +1,9 @@
-//! Poses over the volume of a machine: nodes of a grid, or seeded random ones, made by index.
+//! Poses over the volume of a machine: nodes of a grid, seeded random or low-discrepancy ones, made by index.
 //!
 //! A pose depends on nothing but its index (and the seed), so any number of threads sees the same ones,
 //! and a map need not store them.
 
-use super::PoseColumns;
+use super::{PoseColumns, Spread};
 use crate::machine::{Grid, Machine, Pose};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -15,6 +15,8 @@ pub enum Poses {
     Nodes(Nodes),
     /// Evenly distributed over the volume.
     Random(Random),
+    /// Evenly spread over the volume, with smaller gaps than random ones.
+    Spread(Spread),
     /// As listed.
     Listed(Vec<Pose>),
 }
@@ -25,6 +27,7 @@ impl Poses {
         match self {
             Self::Nodes(nodes) => nodes.len(),
             Self::Random(random) => random.count,
+            Self::Spread(spread) => spread.len(),
             Self::Listed(list) => list.len(),
         }
     }
@@ -39,6 +42,7 @@ impl Poses {
         match self {
             Self::Nodes(nodes) => nodes.get(index),
             Self::Random(random) => random.get(index),
+            Self::Spread(spread) => spread.get(index),
             Self::Listed(list) => list.get(index).cloned().unwrap_or_default(),
         }
     }
@@ -55,6 +59,7 @@ impl Poses {
                     columns.push(&pose);
                 }
             }
+            Self::Spread(spread) => indices.for_each(|index| columns.push(&spread.get(index))),
             Self::Listed(list) => list[indices].iter().for_each(|pose| columns.push(pose)),
         }
     }
@@ -197,7 +202,7 @@ impl Random {
 }
 
 /// 53 bits as a number in [0, 1).
-fn unit(bits: u64) -> f64 {
+pub(super) fn unit(bits: u64) -> f64 {
     const SCALE: f64 = 1.0 / (1_u64 << 53) as f64;
     (bits >> 11) as f64 * SCALE
 }

@@ -1,10 +1,8 @@
 //! What is left after the fit: residuals, outliers, orders apart, and the prediction of data not used.
 
 use super::fit::{Fit, fit, robust_fit, standardised};
-use super::measurement::Measurement;
-use super::model::Model;
-use crate::algebra::Dual;
-use crate::lower::{Chain, OrderN};
+use super::measurement::{Kind, Measurement, Reading};
+use super::model::{Model, masked};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -29,6 +27,8 @@ pub struct Residuals {
     pub before: f64,
     /// With the fitted machine.
     pub after: f64,
+    /// With the fitted machine, for each kind of rows: how many, and their RMS.
+    pub kinds: Vec<(Kind, usize, f64)>,
     /// Measurements that stand out, the worst first.
     pub outliers: Vec<Outlier>,
     /// RMS of the first-order part of the fitted deviations, of the second, and of all higher ones.
@@ -56,6 +56,7 @@ impl Residuals {
         Self {
             before: rms(&model.residuals(data, &start)),
             after: rms(&after),
+            kinds: kinds(data, &after),
             outliers: outliers(data, &after),
             parts: [part(0), part(1), part(2)],
             left: [rms(&sum(1)), rms(&sum(2))],
@@ -65,21 +66,13 @@ impl Residuals {
 
 /// First-order, second-order and higher part of a fitted deviation, where it was measured.
 fn orders(model: &Model<'_>, m: &Measurement, theta: &[f64], residual: &Vector3<f64>) -> [Vector3<f64>; 3] {
-    let machine = model.machine(m);
-    let errors = model.errors(m, theta);
-    let chain = Chain::<Dual<3>>::real(machine, &m.pose, &errors, &OrderN);
-    let point = chain.tool_in_workpiece(&machine.workpiece()).translation;
-    let nominal = Chain::<f64>::ideal(machine, &m.pose).tool_in_workpiece(&machine.workpiece()).translation;
-    let exact = Vector3::from_fn(|i, _| m.deviation[i].map_or(0.0, |d| d - residual[i]));
-    let rotation = model.to_frame(m);
-    let seen = |v: Vector3<f64>| {
-        let v = rotation * v;
-        Vector3::from_fn(|i, _| if m.deviation[i].is_some() { v[i] } else { 0.0 })
-    };
-    // With location errors of order 0 the real part differs from the ideal one: it counts as first order.
-    let first = seen(Vector3::from_fn(|i, _| point[i].0[1] + (point[i].0[0] - nominal[i])));
-    let second = seen(Vector3::from_fn(|i, _| point[i].0[2]));
-    [first, second, exact - first - second]
+    model.orders(m, theta, &(m.values() - residual)).map(|v| masked(m, v))
+}
+
+fn kinds(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<(Kind, usize, f64)> {
+    let mut groups: std::collections::BTreeMap<Kind, Vec<Vector3<f64>>> = std::collections::BTreeMap::new();
+    data.iter().zip(residuals).for_each(|(m, r)| groups.entry(m.kind()).or_default().push(*r));
+    groups.into_iter().map(|(kind, residuals)| (kind, residuals.len(), rms(&residuals))).collect()
 }
 
 fn outliers(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<Outlier> {
@@ -119,11 +112,12 @@ pub(super) fn weights(data: &[Measurement]) -> Vec<f64> {
 pub fn repeatability(data: &[Measurement]) -> Option<(f64, usize)> {
     let key = |m: &Measurement| -> Vec<u64> {
         // -0 and 0 are the same position.
-        m.pose.iter().map(|q| (q + 0.0).to_bits()).chain([m.tool as u64]).collect()
+        m.pose.iter().map(|q| (q + 0.0).to_bits()).chain([m.tool as u64, m.approach as u64]).collect()
     };
     let mut groups: std::collections::BTreeMap<(Vec<u64>, usize), Vec<f64>> = std::collections::BTreeMap::new();
     for m in data {
-        for (i, value) in m.deviation.iter().enumerate() {
+        let Reading::Deviation { values, zero: None, .. } = &m.reading else { continue };
+        for (i, value) in values.iter().enumerate() {
             value.iter().for_each(|v| groups.entry((key(m), i)).or_default().push(*v));
         }
     }

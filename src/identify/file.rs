@@ -2,7 +2,7 @@
 
 use super::parameter::{Basis, Parameter};
 use crate::lower::Place;
-use crate::machine::{ComponentError, Curve, Direction, ErrorTerm, Machine, MachineParts, written};
+use crate::machine::{Approach, ComponentError, Curve, Direction, ErrorTerm, Machine, MachineParts, written};
 use std::collections::BTreeMap;
 
 /// The text of a machine file that says what `machine` says, the fitted parameters with their new values;
@@ -13,22 +13,33 @@ pub fn fitted_file(
     theta: &[f64],
     provenance: &[(String, String)],
 ) -> String {
-    let mut curves: BTreeMap<(Place, Direction), Curve> = BTreeMap::new();
+    let mut curves: BTreeMap<(Place, Direction), Directed> = BTreeMap::new();
     for (parameter, value) in parameters.iter().zip(theta) {
         for term in &parameter.terms {
-            let key = (term.source.place, term.source.direction);
-            let sum = join(curves.remove(&key), &term.basis, value * term.factor);
-            curves.insert(key, sum);
+            let sum = &mut curves.entry((term.source.place, term.source.direction)).or_default()[way(term.approach)];
+            *sum = Some(join(sum.take(), &term.basis, value * term.factor));
         }
     }
     let mut parts = machine.to_parts();
-    curves.into_iter().for_each(|((place, direction), curve)| put(&mut parts, place, direction, curve));
+    curves.into_iter().for_each(|((place, direction), curves)| put(&mut parts, place, direction, curves));
     written(&parts, provenance)
 }
 
+/// Curves of mean, forward and reverse approach, as far as they were fitted.
+type Directed = [Option<Curve>; 3];
+
+/// Where an approach stands in [`Directed`].
+fn way(approach: Approach) -> usize {
+    match approach {
+        Approach::Mean => 0,
+        Approach::Forward => 1,
+        Approach::Reverse => 2,
+    }
+}
+
 /// A fitted source in its place. A location error that was not given and comes out as 0 stays away.
-fn put(parts: &mut MachineParts, place: Place, direction: Direction, curve: Curve) {
-    let constant = curve.value(0.0);
+fn put(parts: &mut MachineParts, place: Place, direction: Direction, curves: Directed) {
+    let constant = curves[0].as_ref().map_or(0.0, |curve| curve.value(0.0));
     let index = direction.index();
     match place {
         Place::Tool => parts.setup.tool[index % 3] = constant,
@@ -40,7 +51,24 @@ fn put(parts: &mut MachineParts, place: Place, direction: Direction, curve: Curv
             }
         }
         Place::Component(axis) => {
-            parts.errors[axis].component[index] = Some(ErrorTerm::Component(ComponentError::Single(curve)));
+            let slot = &mut parts.errors[axis].component[index];
+            *slot = Some(ErrorTerm::Component(component(slot.take(), curves)));
+        }
+    }
+}
+
+/// A fitted component error. A direction that was not fitted keeps what the file says.
+fn component(known: Option<ErrorTerm>, [mean, forward, reverse]: Directed) -> ComponentError {
+    let kept = match known {
+        Some(ErrorTerm::Component(ComponentError::Single(curve))) => [curve.clone(), curve],
+        Some(ErrorTerm::Component(ComponentError::Bidirectional { forward, reverse })) => [forward, reverse],
+        _ => [Curve::Polynomial(vec![0.0]), Curve::Polynomial(vec![0.0])],
+    };
+    let [before, behind] = kept;
+    match mean {
+        Some(mean) => ComponentError::Single(mean),
+        None => {
+            ComponentError::Bidirectional { forward: forward.unwrap_or(before), reverse: reverse.unwrap_or(behind) }
         }
     }
 }
@@ -76,5 +104,7 @@ fn spline(known: Option<Curve>, one: &Curve, amount: f64) -> Curve {
     let before = known.as_ref().and_then(Curve::knots);
     let value = |i: usize| before.map_or(0.0, |k| k.values()[i]) + amount * knots.values()[i];
     let points: Vec<(f64, f64)> = knots.positions().iter().enumerate().map(|(i, q)| (*q, value(i))).collect();
-    crate::machine::Knots::new(&points, knots.period()).map_or_else(|_| one.clone(), Curve::cubic)
+    let smooth = matches!(one, Curve::Cubic(..));
+    let through = |knots| if smooth { Curve::cubic(knots) } else { Curve::Linear(knots) };
+    crate::machine::Knots::new(&points, knots.period()).map_or_else(|_| one.clone(), through)
 }

@@ -8,8 +8,9 @@
 
 use super::measurement::Measurement;
 use super::model::Model;
-use crate::algebra::linear::Reduced;
-use nalgebra::{DVector, Vector3};
+use crate::algebra::linear::{Reduced, Svd};
+use nalgebra::{DMatrix, DVector, Vector3};
+use std::cell::Cell;
 
 /// Most accepted steps.
 const STEPS: usize = 200;
@@ -22,6 +23,11 @@ const NOISE: f64 = 1e-12;
 /// Damping as a share of the largest squared singular value: first, and where it is given up.
 const FIRST: f64 = 1e-9;
 const MOST: f64 = 1e6;
+
+/// Readings times unknowns squared from which on the triangle is left for the end.
+const LARGE: f64 = 1e8;
+/// Condition up to which the normal equations give the step.
+const EASY: f64 = 1e5;
 
 /// Standard deviation of the prior, as a displacement (mm).
 const PRIOR: f64 = 3.0;
@@ -41,51 +47,152 @@ pub struct Fit {
     pub settled: bool,
 }
 
-/// Weighted sum of squares (mm^2).
-fn cost(model: &Model<'_>, data: &[Measurement], weights: &[f64], theta: &[f64]) -> f64 {
-    let residuals = model.residuals(data, theta);
-    residuals.iter().zip(weights).map(|(r, w)| r.norm_squared() * w).sum()
-}
-
-/// Fits the parameters to the data, from their starts or from `theta`.
+/// Fits the unknowns to the data, from their starts or from `theta`.
 pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>, theta: Option<Vec<f64>>) -> Fit {
-    let start: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
-    let scale = DVector::from_iterator(start.len(), model.parameters().iter().map(|p| p.size));
-    let away = |theta: &[f64]| DVector::from_fn(start.len(), |j, _| (theta[j] - start[j]) * scale[j]);
-    let mut theta = theta.unwrap_or_else(|| start.clone());
-    let mut now = cost(model, data, &weights, &theta);
+    let prior = Prior::new(model);
+    let readings: usize = data.iter().map(Measurement::readings).sum();
+    let unknowns = model.parameters().len() as f64;
+    let quick = Cell::new(readings as f64 * unknowns * unknowns > LARGE);
+    // Whether the last normal equations had digits enough for the end.
+    let enough = Cell::new(false);
+    let linearised = |theta: &[f64]| {
+        let (reduced, good) = if quick.get() { model.quick(data, &weights, theta) } else { (None, false) };
+        enough.set(good);
+        quick.set(reduced.is_some());
+        reduced.unwrap_or_else(|| model.triangle(data, &weights, theta))
+    };
+    let mut theta = theta.unwrap_or_else(|| model.parameters().iter().map(|p| p.start).collect());
+    let mut reduced = linearised(&theta);
     let mut damping = FIRST;
     for steps in 0..STEPS {
-        let reduced = model.linearised(data, &weights, &theta);
         // The prior against the scatter of the readings as far as it is known by now.
-        let pull = now / reduced.rows.max(1) as f64 / (PRIOR * PRIOR);
-        let home = away(&theta);
-        let svd = reduced.scaled(&scale);
-        let (rank, largest) = (svd.rank(NOISE), svd.values.iter().copied().fold(0.0, f64::max));
-        let before = now + pull * home.norm_squared();
+        let variance = reduced.right_norm() * reduced.right_norm() / reduced.rows.max(1) as f64;
+        let problem = Problem::new(&prior, &reduced, &theta, variance);
+        let before = prior.cost(&reduced, &theta, variance);
         loop {
-            let scaled = svd.step(&reduced.right, rank, (&home, pull), damping * largest * largest);
-            let step = scaled.component_div(&scale);
-            let left = (&reduced.right - &reduced.r * &step).norm_squared() + pull * (&home + &scaled).norm_squared();
-            let promise = reduced.right.norm_squared() + pull * home.norm_squared() - left;
-            if promise.is_nan() || promise <= PROMISE * before + ROUNDING * reduced.rows as f64 || damping > MOST {
+            let scaled = problem.step(damping);
+            let promise = before - problem.cost(&scaled);
+            let last =
+                promise.is_nan() || promise <= PROMISE * before + ROUNDING * reduced.rows as f64 || damping > MOST;
+            if last && quick.get() && !enough.get() {
+                // From here on by the triangle: it sees what the normal equations do not.
+                quick.set(false);
+                (reduced, damping) = (linearised(&theta), FIRST);
+                break;
+            }
+            if last {
                 let settled = damping <= MOST;
                 return Fit { theta, reduced, weights, steps, settled };
             }
+            let step = scaled.component_div(&prior.scale);
             let trial: Vec<f64> = theta.iter().zip(step.iter()).map(|(t, s)| t + s).collect();
-            let then = cost(model, data, &weights, &trial);
-            let gain = before - then - pull * away(&trial).norm_squared();
+            let then = linearised(&trial);
+            let gain = before - prior.cost(&then, &trial, variance);
             if gain > 0.0 {
                 // A step that kept its promise may be longer next time.
                 damping = if gain > 0.5 * promise { damping * 0.01 } else { damping };
-                (theta, now) = (trial, then);
+                (theta, reduced) = (trial, then);
                 break;
             }
             damping *= 10.0;
         }
     }
-    let reduced = model.linearised(data, &weights, &theta);
     Fit { theta, reduced, weights, steps: STEPS, settled: false }
+}
+
+/// What is known before the data: parameters are near their starts, and curves are not steep.
+struct Prior<'a> {
+    start: Vec<f64>,
+    /// Displacement that a unit of each unknown makes.
+    scale: DVector<f64>,
+    /// 1 for parameters of the machine, 0 for unknowns of instruments: nothing is known of those.
+    counts: DVector<f64>,
+    slopes: &'a DMatrix<f64>,
+}
+
+impl<'a> Prior<'a> {
+    fn new(model: &'a Model<'_>) -> Self {
+        let list = model.parameters();
+        Self {
+            start: list.iter().map(|p| p.start).collect(),
+            scale: DVector::from_iterator(list.len(), list.iter().map(|p| p.size)),
+            counts: DVector::from_fn(list.len(), |j, _| f64::from(u8::from(j < model.own()))),
+            slopes: model.slopes(),
+        }
+    }
+
+    /// How far from home, in units of displacement.
+    fn away(&self, theta: &[f64]) -> DVector<f64> {
+        DVector::from_fn(theta.len(), |j, _| (theta[j] - self.start[j]) * self.scale[j] * self.counts[j])
+    }
+
+    /// Weighted sum of squares (mm^2) of readings and prior, readings scattering with this variance.
+    fn cost(&self, reduced: &Reduced, theta: &[f64], variance: f64) -> f64 {
+        let slopes = self.slopes * DVector::from_column_slice(theta);
+        let pull = variance / (PRIOR * PRIOR);
+        let data = reduced.right_norm() * reduced.right_norm();
+        data + pull * self.away(theta).norm_squared() + variance * slopes.norm_squared()
+    }
+}
+
+/// The linear problem of one step.
+struct Problem {
+    reduced: Reduced,
+    scale: DVector<f64>,
+    home: DVector<f64>,
+    pull: f64,
+    solver: Solver,
+}
+
+/// The singular values where the data may leave directions free; else the normal equations do.
+enum Solver {
+    Singular(Svd, usize),
+    Normal(DMatrix<f64>, f64),
+}
+
+impl Problem {
+    fn new(prior: &Prior<'_>, reduced: &Reduced, theta: &[f64], variance: f64) -> Self {
+        let root = libm::sqrt(variance);
+        let slopes = prior.slopes * root;
+        let right = -&slopes * DVector::from_column_slice(theta);
+        let reduced = if slopes.nrows() > 0 { reduced.with_rows(&slopes, &right) } else { reduced.clone() };
+        let solver = if reduced.condition() < EASY {
+            let scaled = DMatrix::from_fn(theta.len(), theta.len(), |i, j| reduced.r[(i, j)] / prior.scale[j]);
+            let normal = scaled.tr_mul(&scaled);
+            let largest = normal.diagonal().max();
+            Solver::Normal(normal, largest)
+        } else {
+            let svd = reduced.scaled(&prior.scale);
+            let rank = svd.rank(NOISE);
+            Solver::Singular(svd, rank)
+        };
+        let (scale, home) = (prior.scale.clone(), prior.away(theta));
+        Self { reduced, scale, home, pull: variance / (PRIOR * PRIOR), solver }
+    }
+
+    /// The best step, in units of displacement.
+    fn step(&self, damping: f64) -> DVector<f64> {
+        match &self.solver {
+            Solver::Singular(svd, rank) => {
+                let largest = svd.values.iter().copied().fold(0.0, f64::max);
+                svd.step(&self.reduced.right, *rank, (&self.home, self.pull), damping * largest * largest)
+            }
+            Solver::Normal(normal, largest) => {
+                let n = normal.ncols();
+                let force =
+                    self.reduced.r.tr_mul(&self.reduced.right).component_div(&self.scale) - &self.home * self.pull;
+                let stiff = normal + DMatrix::identity(n, n) * (self.pull + damping * largest);
+                stiff.cholesky().map_or_else(|| DVector::zeros(n), |factor| factor.solve(&force))
+            }
+        }
+    }
+
+    /// What a step would leave.
+    fn cost(&self, scaled: &DVector<f64>) -> f64 {
+        let step = scaled.component_div(&self.scale);
+        let left = (&self.reduced.right - &self.reduced.r * &step).norm_squared();
+        left + self.reduced.rest * self.reduced.rest + self.pull * (&self.home + scaled).norm_squared()
+    }
 }
 
 /// Huber's constant, in standard deviations of a component.
@@ -121,7 +228,7 @@ pub fn standardised(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<f64
     let mut components: Vec<f64> = data
         .iter()
         .zip(residuals)
-        .flat_map(|(m, r)| (0..3).filter(|i| m.deviation[*i].is_some()).map(|i| r[i].abs() * m.weight.sqrt()))
+        .flat_map(|(m, r)| (0..3).filter(|i| m.seen()[*i]).map(|i| r[i].abs() * m.weight.sqrt()))
         .collect();
     components.sort_by(f64::total_cmp);
     // The median of the absolute value of a normal deviate is 0.6745 standard deviations.

@@ -1,31 +1,43 @@
 //! Identification: from measured deviations to error parameters.
 //!
-//! 1. [`read_measurements`]: CSV files to [`Measurement`]s.
-//! 2. [`parameters`]: the words of `--fit` or of the section `identify` to [`Parameter`]s.
-//! 3. [`Model`]: what the machine with these parameters would be measured as, exactly, and its derivatives.
+//! 1. [`read_measurements`]: CSV files to [`Measurement`]s, and the unknowns of the instruments.
+//! 2. [`parameters`], [`slope_bounds`]: the words of `--fit` or of the section `identify` to [`Parameter`]s.
+//! 3. [`Model`]: what the machine with these parameters would be measured as, exactly or to an order, and its derivatives.
 //! 4. [`fit()`], [`robust_fit`]: weighted least squares by Levenberg-Marquardt.
 //! 5. [`Solution`]: rank, null space in words, uncertainty; what the noise drowns.
-//! 6. [`Residuals`], [`held_out`]: what is left, outliers, orders apart, prediction of data not used.
+//! 6. [`Residuals`], [`randomness`], [`held_out`]: what is left, outliers, orders apart, is it noise, prediction of data
+//!    not used.
 //! 7. [`fitted_file`]: the fitted machine as a self-contained machine file.
 //!
+//! [`moore_penrose`] is the papers' own way beside it, [`import`] reads single-axis measurements, and
 //! [`plan()`] goes before all of them: which poses to measure, and what they will tell.
 
 mod checks;
+mod columns;
+mod curves;
 mod file;
 mod fit;
+pub mod import;
 mod measurement;
 mod model;
+mod monomials;
 mod parameter;
 mod plan;
+mod randomness;
+mod reader;
 mod request;
 mod solution;
+mod station;
 
 pub use checks::{Outlier, Residuals, held_out, repeatability};
 pub use file::fitted_file;
 pub use fit::{Fit, fit, robust_fit};
-pub use measurement::{Measurement, read_measurements};
+pub use measurement::{Data, End, Kind, Measurement, Reading};
 pub use model::Model;
-pub use parameter::{Basis, Parameter, Term};
+pub use monomials::{Coefficient, Component, Monomial, moore_penrose};
+pub use parameter::{Basis, Parameter, SlopeBound, Term};
 pub use plan::{Plan, plan};
-pub use request::parameters;
+pub use randomness::{Randomness, randomness};
+pub use reader::read_measurements;
+pub use request::{parameters, slope_bounds};
 pub use solution::{Estimate, Solution};

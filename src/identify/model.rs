@@ -1,29 +1,79 @@
-//! The measurement model: what the machine with given parameters would have been measured as, exactly, and the
-//! derivatives by the parameters. Rows are streamed into a triangle; the Jacobian as a whole never exists.
+//! The measurement model: what the machine with given parameters would have been measured as, exactly or to an order
+//! of the dual numbers, and the derivatives by the unknowns. Rows are streamed; the Jacobian as a whole never exists.
 
-use super::measurement::Measurement;
-use super::parameter::Parameter;
-use crate::algebra::linear::{Reduced, Triangle};
-use crate::evaluate::Frame;
-use crate::lower::{Ideal, Place, Source, Values, actual_point, tangents, values};
-use crate::machine::{Approach, Machine};
-use nalgebra::{Matrix3, Vector3};
+use super::measurement::{End, Measurement, Reading};
+use super::parameter::{Parameter, SlopeBound};
+use crate::algebra::linear::{Gram, Reduced, Triangle};
+use crate::algebra::{Algebra, Dual};
+use crate::evaluate::{Frame, Order};
+use crate::lower::{ErrorLift, Exact, Ideal, OrderN, Place, Source, Values, point, tangents, values};
+use crate::machine::{LocationOrder, Machine};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 use rayon::prelude::*;
 
-/// Machine, parameters and the frame in which deviations were measured.
+/// Normal equations are trusted up to this condition.
+const CONDITION: f64 = 1e5;
+/// Where they are not, a step is damped by this share of each column.
+const DAMPED: f64 = 1e-9;
+
+/// Machine and unknowns: parameters of the machine first, then those of the instruments.
 pub struct Model<'a> {
     machines: Vec<Machine>,
     parameters: &'a [Parameter],
+    /// How many of them are the machine's.
+    own: usize,
     /// Every error that a parameter moves, each once.
     sources: Vec<Source>,
     /// Terms of each parameter as (index in `sources`, index of the term).
     links: Vec<Vec<(usize, usize)>>,
-    frame: Frame,
+    order: Order,
+    /// Slopes of fitted curves over the standard deviations allowed: rows, one coefficient for each unknown.
+    slopes: DMatrix<f64>,
+    /// Do location errors count in the real part?
+    real_locations: bool,
+}
+
+/// What a reading would be, and how it moves; the first [`Measurement::seen`] components count.
+struct Local {
+    predicted: Vector3<f64>,
+    /// By each source.
+    by_source: Vec<Vector3<f64>>,
+    /// By unknowns of instruments: index and derivative.
+    by_nuisance: Vec<(usize, Vector3<f64>)>,
+}
+
+/// An algebra in which the model is computed.
+trait Scheme: Algebra {
+    type Lift: ErrorLift<Self>;
+    const LIFT: Self::Lift;
+    /// The sum of all degrees.
+    fn total(&self) -> f64 {
+        self.real() + self.nilpotent_sum()
+    }
+    /// Of a derivative, the degrees that belong to the derivative of the truncated model.
+    fn slope(&self, real: bool) -> f64;
+}
+
+impl Scheme for f64 {
+    type Lift = Exact;
+    const LIFT: Exact = Exact;
+    fn slope(&self, _: bool) -> f64 {
+        *self
+    }
+}
+
+impl<const M: usize> Scheme for Dual<M> {
+    type Lift = OrderN;
+    const LIFT: OrderN = OrderN;
+    fn slope(&self, real: bool) -> f64 {
+        // The derivative by a first-order error has one degree less; the real part does not count among degrees.
+        if real { self.total() } else { self.0[..M - 1].iter().rev().sum() }
+    }
 }
 
 impl<'a> Model<'a> {
-    /// A model of a machine; deviations are given in `frame`.
-    pub fn new(machine: &Machine, parameters: &'a [Parameter], frame: Frame) -> Self {
+    /// The exact model of a machine.
+    pub fn new(machine: &Machine, parameters: &'a [Parameter]) -> Self {
         let mut sources: Vec<Source> = Vec::new();
         let mut index = |source: Source| {
             sources.iter().position(|known| *known == source).unwrap_or_else(|| {
@@ -37,12 +87,38 @@ impl<'a> Model<'a> {
             .collect();
         let with = |name: &str| machine.with_tool(name).unwrap_or_else(|| machine.clone());
         let machines = machine.tools().iter().map(|tool| with(&tool.name)).collect();
-        Self { machines, parameters, sources, links, frame }
+        let own = parameters.iter().position(Parameter::is_nuisance).unwrap_or(parameters.len());
+        let slopes = DMatrix::zeros(0, parameters.len());
+        let real_locations = machine.conventions().location_order == LocationOrder::Real;
+        Self { machines, parameters, own, sources, links, order: Order::Exact, slopes, real_locations }
     }
 
-    /// The parameters.
+    /// The same to an order of the dual numbers (1 or 2; others count as exact).
+    pub fn to_order(mut self, order: Order) -> Self {
+        self.order = order;
+        self
+    }
+
+    /// The same with curves that are held flat by these bounds.
+    pub fn bounded(mut self, bounds: &[SlopeBound]) -> Self {
+        let rows: Vec<Vec<f64>> = bounds.iter().flat_map(|bound| bound.rows(self.parameters)).collect();
+        self.slopes = DMatrix::from_fn(rows.len(), self.parameters.len(), |i, j| rows[i][j]);
+        self
+    }
+
+    /// Slopes over the standard deviations allowed, linear in the unknowns.
+    pub(super) fn slopes(&self) -> &DMatrix<f64> {
+        &self.slopes
+    }
+
+    /// The unknowns, the machine's first.
     pub fn parameters(&self) -> &[Parameter] {
         self.parameters
+    }
+
+    /// How many unknowns are the machine's.
+    pub fn own(&self) -> usize {
+        self.own
     }
 
     /// The machine with each of its tools.
@@ -55,25 +131,25 @@ impl<'a> Model<'a> {
         &self.machines[measurement.tool]
     }
 
-    /// The errors at a measurement's pose: fitted sources by the parameters, the others as the machine file says.
-    pub fn errors(&self, measurement: &Measurement, theta: &[f64]) -> Values {
-        let pose = &measurement.pose;
-        let mut errors = values(self.machine(measurement), pose, Approach::Mean);
+    /// The errors at a pose: fitted sources by the parameters, the others as the machine file says.
+    fn errors(&self, measurement: &Measurement, pose: &[f64], theta: &[f64]) -> Values {
+        let mut errors = values(self.machine(measurement), pose, measurement.approach);
         for source in &self.sources {
             *slot(&mut errors, *source) = 0.0;
         }
-        for (parameter, value) in self.parameters.iter().zip(theta) {
+        for (parameter, value) in self.parameters[..self.own].iter().zip(theta) {
             for term in &parameter.terms {
-                *slot(&mut errors, term.source) += value * term.factor * term.basis.value(position(pose, term.source));
+                let basis = term.value(position(pose, term.source), measurement.approach);
+                *slot(&mut errors, term.source) += value * basis;
             }
         }
         errors
     }
 
-    /// Rotation from the workpiece frame to that of the measurement, and the nominal point from the workpiece origin.
-    fn nominal(&self, measurement: &Measurement) -> (Matrix3<f64>, Vector3<f64>) {
+    /// Rotation from the workpiece frame to that of the reading, and the nominal point from the workpiece origin.
+    fn nominal(&self, measurement: &Measurement, frame: Frame) -> (Matrix3<f64>, Vector3<f64>) {
         let ideal = Ideal::at(self.machine(measurement), &measurement.pose);
-        let rotation = match self.frame {
+        let rotation = match frame {
             Frame::Workpiece => Matrix3::identity(),
             Frame::Machine => ideal.r_work,
             Frame::Tool => ideal.pose.linear.transpose(),
@@ -81,22 +157,90 @@ impl<'a> Model<'a> {
         (rotation, ideal.pose.translation)
     }
 
-    /// Rotation from the workpiece frame to the frame in which a measurement's deviation is given.
-    pub fn to_frame(&self, measurement: &Measurement) -> Matrix3<f64> {
-        self.nominal(measurement).0
+    fn nuisance(&self, theta: &[f64], index: usize) -> f64 {
+        theta[self.own + index]
     }
 
-    /// The deviation (mm, in the frame of the measurement) that the machine with these parameters has.
-    pub fn predicted(&self, measurement: &Measurement, theta: &[f64]) -> Vector3<f64> {
-        let errors = self.errors(measurement, theta);
-        let (rotation, nominal) = self.nominal(measurement);
-        rotation * (actual_point(self.machine(measurement), &measurement.pose, &errors) - nominal)
+    fn nuisance_point(&self, theta: &[f64], index: usize) -> Vector3<f64> {
+        Vector3::from_fn(|k, _| self.nuisance(theta, index + k))
+    }
+
+    /// What would be read, as an element.
+    fn reading<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Vector3<S> {
+        let at = |pose: &[f64]| point(self.machine(m), pose, &self.errors(m, pose, theta), &S::LIFT);
+        let constant = |zero: &Option<usize>| zero.map_or(0.0, |zero| self.nuisance(theta, zero));
+        let single = |x: S| Vector3::new(x, S::zero(), S::zero());
+        match &m.reading {
+            Reading::Deviation { frame, zero, .. } => {
+                let (rotation, nominal) = self.nominal(m, *frame);
+                let first = zero.map_or_else(Vector3::zeros, |zero| self.nuisance_point(theta, zero));
+                turned(&rotation, &minus(&at(&m.pose), &nominal)).zip_map(&first, |x, c| x - S::from_real(c))
+            }
+            Reading::Distance { from, zero, .. } => {
+                let way = match from {
+                    End::Station(first) => minus(&at(&m.pose), &self.nuisance_point(theta, *first)),
+                    End::Pose(to) => at(&m.pose) - at(to),
+                };
+                single(length(&way) - S::from_real(constant(zero)))
+            }
+            Reading::Along { direction, zero, .. } => {
+                let (_, nominal) = self.nominal(m, Frame::Workpiece);
+                let along = along(direction, &minus(&at(&m.pose), &nominal));
+                single(along - S::from_real(self.nuisance(theta, *zero)))
+            }
+            Reading::Error { source, .. } => single(S::LIFT.lift(*source, self.errors(m, &m.pose, theta).of(*source))),
+        }
+    }
+
+    /// What the machine with these unknowns would be read as (mm, in the frame of the reading).
+    pub fn predicted(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
+        match self.order {
+            Order::Degree(1) => self.reading::<Dual<2>>(m, theta).map(|x| x.total()),
+            Order::Degree(2) => self.reading::<Dual<3>>(m, theta).map(|x| x.total()),
+            _ => self.reading::<f64>(m, theta),
+        }
+    }
+
+    /// What the errors add to the ideal machine's reading: the first- and second-order part, and all higher ones
+    /// together where the exact reading is `exact`.
+    pub fn orders(&self, m: &Measurement, theta: &[f64], exact: &Vector3<f64>) -> [Vector3<f64>; 3] {
+        let parts = self.reading::<Dual<3>>(m, theta);
+        let ideal = self.ideal(m, theta);
+        // With location errors of order 0 the real part differs from the ideal one: it counts as first order.
+        let first = parts.zip_map(&ideal, |x, ideal| x.0[1] + (x.0[0] - ideal));
+        let second = parts.map(|x| x.0[2]);
+        [first, second, exact - ideal - first - second]
+    }
+
+    /// The first degree (with what location errors of order 0 do) and the second degree of what would be read.
+    pub(super) fn degrees(&self, m: &Measurement, theta: &[f64]) -> [Vector3<f64>; 2] {
+        let [first, second, _] = self.orders(m, theta, &Vector3::zeros());
+        [first, second]
+    }
+
+    /// The reading of the ideal machine.
+    fn ideal(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
+        let at = |pose: &[f64]| Ideal::at(self.machine(m), pose).pose.translation;
+        let single = |x| Vector3::new(x, 0.0, 0.0);
+        match &m.reading {
+            Reading::Deviation { zero, .. } => {
+                zero.map_or_else(Vector3::zeros, |zero| -self.nuisance_point(theta, zero))
+            }
+            Reading::Distance { from, zero, .. } => {
+                let way = match from {
+                    End::Station(first) => at(&m.pose) - self.nuisance_point(theta, *first),
+                    End::Pose(to) => at(&m.pose) - at(to),
+                };
+                single(way.norm() - zero.map_or(0.0, |zero| self.nuisance(theta, zero)))
+            }
+            Reading::Along { zero, .. } => single(-self.nuisance(theta, *zero)),
+            Reading::Error { .. } => Vector3::zeros(),
+        }
     }
 
     /// Measured minus predicted (mm); 0 where nothing was measured.
     pub fn residual(&self, measurement: &Measurement, theta: &[f64]) -> Vector3<f64> {
-        let predicted = self.predicted(measurement, theta);
-        Vector3::from_fn(|i, _| measurement.deviation[i].map_or(0.0, |measured| measured - predicted[i]))
+        masked(measurement, measurement.values() - self.predicted(measurement, theta))
     }
 
     /// Residuals of all measurements.
@@ -104,49 +248,225 @@ impl<'a> Model<'a> {
         data.par_iter().map(|m| self.residual(m, theta)).collect()
     }
 
-    /// The linear problem at these parameters: `min |J step - residual|`, rows times the root of their weights.
-    pub fn linearised(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Reduced {
-        // The pieces do not depend on the number of threads, nor does the order in which they are joined.
-        let piece = data.len().div_ceil(16).clamp(32, 4096);
-        let pieces: Vec<Triangle> = data
-            .par_chunks(piece)
-            .zip(weights.par_chunks(piece))
-            .map(|(data, weights)| self.piece(data, weights, theta))
-            .collect();
+    /// The linear problem at these unknowns, `min |J step - residual|`, rows times the root of their weights, by
+    /// normal equations. False: they have not digits enough to say more than a (slightly damped) step.
+    pub(super) fn quick(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> (Option<Reduced>, bool) {
+        let gram = self.pieces(data, weights, |data, weights| self.gram(data, weights, theta));
+        let sum = gram.into_iter().reduce(|mut sum, piece| {
+            sum.merge(piece);
+            sum
+        });
+        let Some(mut sum) = sum else { return (None, false) };
+        match sum.finish(0.0).filter(|reduced| reduced.condition() < CONDITION) {
+            Some(reduced) => (Some(reduced), true),
+            None => (sum.finish(DAMPED), false),
+        }
+    }
+
+    /// The same by the triangle of all rows: singular values are good to the last digits.
+    pub fn triangle(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Reduced {
+        let pieces = self.pieces(data, weights, |data, weights| self.piece(data, weights, theta));
         let mut whole = Triangle::new(self.parameters.len());
         pieces.into_iter().for_each(|piece| whole.merge(piece));
         whole.finish()
     }
 
-    fn piece(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Triangle {
-        let mut triangle = Triangle::new(self.parameters.len());
+    /// The pieces do not depend on the number of threads, nor does the order in which they are joined.
+    fn pieces<T: Send>(
+        &self,
+        data: &[Measurement],
+        weights: &[f64],
+        f: impl Fn(&[Measurement], &[f64]) -> T + Sync,
+    ) -> Vec<T> {
+        let piece = data.len().div_ceil(16).clamp(32, 4096);
+        data.par_chunks(piece).zip(weights.par_chunks(piece)).map(|(data, weights)| f(data, weights)).collect()
+    }
+
+    fn gram(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Gram {
+        let mut gram = Gram::new(self.parameters.len());
+        let mut scratch = Vec::new();
         for (measurement, weight) in data.iter().zip(weights) {
-            let (columns, residual) = self.rows(measurement, theta);
-            let root = weight.sqrt();
-            for i in (0..3).filter(|i| measurement.deviation[*i].is_some()) {
-                triangle.push(columns.iter().map(|column| column[i] * root), residual[i] * root);
+            let readings = measurement.readings();
+            self.fill(measurement, libm::sqrt(*weight), theta, &mut scratch, gram.extend(readings));
+        }
+        gram
+    }
+
+    fn piece(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Triangle {
+        let width = self.parameters.len() + 1;
+        let mut triangle = Triangle::new(self.parameters.len());
+        let (mut scratch, mut rows) = (Vec::new(), Vec::new());
+        for (measurement, weight) in data.iter().zip(weights) {
+            rows.clear();
+            rows.resize(measurement.readings() * width, 0.0);
+            self.fill(measurement, libm::sqrt(*weight), theta, &mut scratch, &mut rows);
+            for row in rows.chunks(width) {
+                triangle.push(row[..width - 1].iter().copied(), row[width - 1]);
             }
         }
         triangle
     }
 
-    /// Derivative of the predicted deviation by each parameter, and the residual.
-    pub(super) fn rows(&self, measurement: &Measurement, theta: &[f64]) -> (Vec<Vector3<f64>>, Vector3<f64>) {
-        let pose = &measurement.pose;
-        let errors = self.errors(measurement, theta);
-        let at = tangents(self.machine(measurement), pose, &errors, &self.sources);
-        let (rotation, nominal) = self.nominal(measurement);
-        let predicted = rotation * (at.point - nominal);
-        let residual = Vector3::from_fn(|i, _| measurement.deviation[i].map_or(0.0, |d| d - predicted[i]));
-        let column = |(parameter, links): (&Parameter, &Vec<(usize, usize)>)| {
-            let moved = |(source, k): &(usize, usize)| {
-                let term = &parameter.terms[*k];
-                at.derivatives[*source] * (term.factor * term.basis.value(position(pose, term.source)))
-            };
-            rotation * links.iter().map(moved).sum::<Vector3<f64>>()
+    /// The rows of a measurement, coefficients and residual each, times `root`. `bases` is room to work in.
+    fn fill(&self, m: &Measurement, root: f64, theta: &[f64], bases: &mut Vec<f64>, rows: &mut [f64]) {
+        let local = match self.order {
+            Order::Degree(1) => self.local::<Dual<2>>(m, theta),
+            Order::Degree(2) => self.local::<Dual<3>>(m, theta),
+            _ => self.local::<f64>(m, theta),
         };
-        (self.parameters.iter().zip(&self.links).map(column).collect(), residual)
+        let width = self.parameters.len() + 1;
+        let residual = m.values() - local.predicted;
+        let from_end = matches!(m.reading, Reading::Distance { from: End::Pose(_), .. });
+        bases.clear();
+        if !from_end {
+            let value = |p: &Parameter| -> Vec<f64> {
+                p.terms.iter().map(|t| t.value(position(&m.pose, t.source), m.approach)).collect()
+            };
+            self.parameters[..self.own].iter().for_each(|p| match &p.terms[..] {
+                [one] => bases.push(one.value(position(&m.pose, one.source), m.approach)),
+                _ => bases.extend(value(p)),
+            });
+        }
+        let seen = m.seen();
+        for (row, k) in rows.chunks_mut(width).zip((0..3).filter(|k| seen[*k])) {
+            let mut at = 0;
+            for (j, links) in self.links[..self.own].iter().enumerate() {
+                if from_end {
+                    row[j] = local.by_source[j][k] * root;
+                    continue;
+                }
+                let sum: f64 =
+                    links.iter().zip(&bases[at..]).map(|((source, _), b)| local.by_source[*source][k] * b).sum();
+                row[j] = sum * root;
+                at += links.len();
+            }
+            for (index, derivative) in &local.by_nuisance {
+                row[self.own + index] = derivative[k] * root;
+            }
+            row[width - 1] = residual[k] * root;
+        }
     }
+
+    /// Derivative of the predicted reading by each unknown, and the residual.
+    pub(super) fn rows(&self, m: &Measurement, theta: &[f64]) -> (Vec<Vector3<f64>>, Vector3<f64>) {
+        let width = self.parameters.len() + 1;
+        let mut rows = vec![0.0; m.readings() * width];
+        self.fill(m, 1.0, theta, &mut Vec::new(), &mut rows);
+        let seen: Vec<usize> = (0..3).filter(|k| m.seen()[*k]).collect();
+        let column = |j: usize| {
+            let mut column = Vector3::zeros();
+            seen.iter().enumerate().for_each(|(i, k)| column[*k] = rows[i * width + j]);
+            column
+        };
+        ((0..width - 1).map(column).collect(), column(width - 1))
+    }
+
+    /// How a derivative by a source counts.
+    fn slope<S: Scheme>(&self, source: Source, x: &S) -> f64 {
+        x.slope(self.real_locations && matches!(source.place, Place::Location(_)))
+    }
+
+    fn local<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Local {
+        let machine = self.machine(m);
+        let at = |pose: &[f64]| tangents(machine, pose, &self.errors(m, pose, theta), &S::LIFT, &self.sources);
+        let unit = |k: usize, x: f64| Vector3::from_fn(|i, _| if i == k { x } else { 0.0 });
+        match &m.reading {
+            Reading::Deviation { frame, zero, .. } => {
+                let (rotation, nominal) = self.nominal(m, *frame);
+                let here = at(&m.pose);
+                let first = zero.map_or_else(Vector3::zeros, |zero| self.nuisance_point(theta, zero));
+                let slope = |(s, d): (&Source, &Vector3<S>)| rotation * d.map(|x| self.slope(*s, &x));
+                Local {
+                    predicted: rotation * minus(&here.point, &nominal).map(|x| x.total()) - first,
+                    by_source: self.sources.iter().zip(&here.derivatives).map(slope).collect(),
+                    by_nuisance: zero.map_or_else(Vec::new, |z| (0..3).map(|k| (z + k, unit(k, -1.0))).collect()),
+                }
+            }
+            Reading::Distance { from: End::Station(first), zero, .. } => {
+                let here = at(&m.pose);
+                let way = minus(&here.point, &self.nuisance_point(theta, *first));
+                let (distance, towards) = normalised(way);
+                let slope = |(s, d): (&Source, &Vector3<S>)| unit(0, self.slope(*s, &dot(&towards, d)));
+                let station = (0..3).map(|k| (first + k, unit(0, -towards[k].total())));
+                Local {
+                    predicted: unit(0, distance.total() - zero.map_or(0.0, |z| self.nuisance(theta, z))),
+                    by_source: self.sources.iter().zip(&here.derivatives).map(slope).collect(),
+                    by_nuisance: station.chain(zero.map(|z| (z, unit(0, -1.0)))).collect(),
+                }
+            }
+            Reading::Distance { from: End::Pose(to), zero, .. } => {
+                let (here, there) = (at(&m.pose), at(to));
+                let (distance, towards) = normalised(here.point.clone() - there.point.clone());
+                let slope = |s: usize, d: &Vector3<S>| self.slope(self.sources[s], &dot(&towards, d));
+                // The basis functions differ at the two ends: this goes by parameter.
+                let by_parameter = |(p, links): (&Parameter, &Vec<(usize, usize)>)| {
+                    let moved = |(s, k): &(usize, usize)| {
+                        let term = &p.terms[*k];
+                        let basis = |pose: &[f64]| term.value(position(pose, term.source), m.approach);
+                        slope(*s, &here.derivatives[*s]) * basis(&m.pose)
+                            - slope(*s, &there.derivatives[*s]) * basis(to)
+                    };
+                    unit(0, links.iter().map(moved).sum())
+                };
+                Local {
+                    predicted: unit(0, distance.total() - zero.map_or(0.0, |z| self.nuisance(theta, z))),
+                    by_source: self.parameters[..self.own].iter().zip(&self.links).map(by_parameter).collect(),
+                    by_nuisance: zero.map(|z| (z, unit(0, -1.0))).into_iter().collect(),
+                }
+            }
+            Reading::Along { direction, zero, .. } => {
+                let (_, nominal) = self.nominal(m, Frame::Workpiece);
+                let here = at(&m.pose);
+                let slope = |(s, d): (&Source, &Vector3<S>)| unit(0, self.slope(*s, &along(direction, d)));
+                let predicted = along(direction, &minus(&here.point, &nominal)).total();
+                Local {
+                    predicted: unit(0, predicted - self.nuisance(theta, *zero)),
+                    by_source: self.sources.iter().zip(&here.derivatives).map(slope).collect(),
+                    by_nuisance: vec![(*zero, unit(0, -1.0))],
+                }
+            }
+            Reading::Error { source, .. } => Local {
+                predicted: unit(0, self.errors(m, &m.pose, theta).of(*source)),
+                by_source: self.sources.iter().map(|s| unit(0, f64::from(u8::from(s == source)))).collect(),
+                by_nuisance: Vec::new(),
+            },
+        }
+    }
+}
+
+/// 0 where nothing was measured.
+pub(super) fn masked(m: &Measurement, v: Vector3<f64>) -> Vector3<f64> {
+    let seen = m.seen();
+    Vector3::from_fn(|k, _| if seen[k] { v[k] } else { 0.0 })
+}
+
+fn minus<S: Algebra>(x: &Vector3<S>, point: &Vector3<f64>) -> Vector3<S> {
+    x.zip_map(point, |x, p| x - S::from_real(p))
+}
+
+fn turned<S: Algebra>(rotation: &Matrix3<f64>, x: &Vector3<S>) -> Vector3<S> {
+    Vector3::from_fn(|i, _| (0..3).map(|j| x[j].scaled(rotation[(i, j)])).fold(S::zero(), |a, b| a + b))
+}
+
+fn along<S: Algebra>(direction: &Vector3<f64>, x: &Vector3<S>) -> S {
+    (0..3).map(|k| x[k].scaled(direction[k])).fold(S::zero(), |a, b| a + b)
+}
+
+fn dot<S: Algebra>(a: &Vector3<S>, b: &Vector3<S>) -> S {
+    (0..3).map(|k| a[k].clone() * b[k].clone()).fold(S::zero(), |a, b| a + b)
+}
+
+/// Length; 0 of a way without length.
+fn length<S: Algebra>(way: &Vector3<S>) -> S {
+    dot(way, way).sqrt().unwrap_or_else(S::zero)
+}
+
+/// Length and unit vector; both 0 of a way without length.
+fn normalised<S: Algebra>(way: Vector3<S>) -> (S, Vector3<S>) {
+    let length = length(&way);
+    let recip = length.recip().unwrap_or_else(S::zero);
+    let unit = way.map(|x| x * recip.clone());
+    (length, unit)
 }
 
 /// The position on which a source's curve depends (mm or deg).

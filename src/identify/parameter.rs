@@ -1,7 +1,7 @@
 //! What is fitted: each parameter moves one or more error sources, each by a basis function of the axis position.
 
 use crate::lower::{Place, Source};
-use crate::machine::{AxisKind, Curve, Machine, sin_cos_degrees};
+use crate::machine::{Approach, AxisKind, Curve, Machine, sin_cos_degrees};
 
 /// Lever (mm) by which a rotation counts as a displacement where sizes of unlike parameters are compared.
 const LEVER: f64 = 300.0;
@@ -17,7 +17,7 @@ pub enum Basis {
     Cosine(u8),
     /// `sin k q`, q an angle.
     Sine(u8),
-    /// A spline that is 1 at one knot and 0 at the others.
+    /// A spline, or straight lines between knots, that is 1 at one knot and 0 at the others.
     Spline(Curve),
 }
 
@@ -43,6 +43,25 @@ pub struct Term {
     pub basis: Basis,
     /// Times this.
     pub factor: f64,
+    /// Acts in this direction of approach only; half in their mean. `Mean`: always.
+    pub approach: Approach,
+}
+
+impl Term {
+    /// A term that acts in both directions.
+    pub(super) fn new(source: Source, basis: Basis, factor: f64) -> Self {
+        Self { source, basis, factor, approach: Approach::Mean }
+    }
+
+    /// What a unit of the parameter adds to the error at a position (mm or deg).
+    pub fn value(&self, q: f64, approach: Approach) -> f64 {
+        let share = match (self.approach, approach) {
+            (Approach::Mean, _) => 1.0,
+            (_, Approach::Mean) => 0.5,
+            (own, other) => f64::from(u8::from(own == other)),
+        };
+        share * self.factor * self.basis.value(q)
+    }
 }
 
 /// A fitted parameter. Its value is kept in mm, rad and degrees of position: mm, rad/mm, mm/deg^2 ...
@@ -54,7 +73,7 @@ pub struct Parameter {
     pub unit: String,
     /// Multiplies the kept value to give one in `unit`.
     pub factor: f64,
-    /// What it moves.
+    /// What it moves; nothing if it belongs to an instrument or a set-up.
     pub terms: Vec<Term>,
     /// Where the fit starts.
     pub start: f64,
@@ -66,7 +85,7 @@ impl Parameter {
     /// A parameter of one term.
     pub(super) fn single(machine: &Machine, name: String, source: Source, basis: Basis, start: f64) -> Self {
         let power = if let Basis::Power(k) = basis { k } else { 0 };
-        let term = Term { source, basis, factor: 1.0 };
+        let term = Term::new(source, basis, 1.0);
         Self::of_terms(machine, name, source, power, vec![term], start)
     }
 
@@ -98,8 +117,48 @@ impl Parameter {
         Self { name, unit: format!("{unit}{per}{exponent}"), factor, terms, start, size }
     }
 
+    /// An unknown length (mm) that is no error of the machine.
+    pub(super) fn nuisance(name: String, start: f64) -> Self {
+        Self { name, unit: "mm".to_owned(), factor: 1.0, terms: Vec::new(), start, size: 1.0 }
+    }
+
+    /// Does it belong to an instrument or a set-up?
+    pub fn is_nuisance(&self) -> bool {
+        self.terms.is_empty()
+    }
+
     /// The value in `unit`.
     pub fn shown(&self, value: f64) -> f64 {
         value * self.factor
+    }
+}
+
+/// A soft bound on the slope of a fitted curve, for where nothing was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SlopeBound {
+    /// The error.
+    pub source: Source,
+    /// Interval of the axis (mm or deg).
+    pub interval: (f64, f64),
+    /// Standard deviation of the slope (mm or rad, per mm or deg).
+    pub slope: f64,
+}
+
+/// Where a slope is taken, evenly over the travel.
+const SLOPES: usize = 25;
+
+impl SlopeBound {
+    /// The slope at even positions over the bound, as coefficients of the parameters. All of them together count as
+    /// one reading of the slope.
+    pub(super) fn rows(&self, parameters: &[Parameter]) -> Vec<Vec<f64>> {
+        let step = (self.interval.1 - self.interval.0) / SLOPES as f64;
+        let row = |i: usize| {
+            let (low, high) = (self.interval.0 + step * i as f64, self.interval.0 + step * (i + 1) as f64);
+            let rise = |term: &Term| term.factor * (term.basis.value(high) - term.basis.value(low));
+            let slope = |p: &Parameter| p.terms.iter().filter(|t| t.source == self.source).map(rise).sum::<f64>();
+            let scale = step * self.slope * libm::sqrt(SLOPES as f64);
+            parameters.iter().map(|p| slope(p) / scale).collect()
+        };
+        (0..SLOPES).map(row).collect()
     }
 }

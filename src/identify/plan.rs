@@ -1,11 +1,12 @@
 //! Which poses to measure: few, and such that the parameters are known best. Nothing has to be measured for it.
 
 use super::fit::Fit;
-use super::measurement::Measurement;
+use super::measurement::{Measurement, Reading};
 use super::model::Model;
 use super::solution::Solution;
 use crate::diagnostic::{Place, SourceId};
-use crate::evaluate::random_poses;
+use crate::evaluate::{Frame, random_poses};
+use crate::machine::Approach;
 use nalgebra::{DMatrix, Matrix3};
 
 /// Random poses to choose from, for each tool.
@@ -50,7 +51,8 @@ fn candidates(model: &Model<'_>, seed: u64) -> Vec<Measurement> {
         let blank = move |pose| Measurement {
             pose,
             tool,
-            deviation: [Some(0.0); 3],
+            approach: Approach::Mean,
+            reading: Reading::Deviation { values: [Some(0.0); 3], frame: Frame::Workpiece, zero: None },
             weight: 1.0,
             run: None,
             place: place.clone(),
@@ -83,7 +85,7 @@ fn update(covariance: &mut DMatrix<f64>, rows: &DMatrix<f64>) {
 
 fn expected(model: &Model<'_>, poses: &[Measurement], theta: &[f64], noise: f64) -> Solution {
     let weights = vec![1.0; poses.len()];
-    let reduced = model.linearised(poses, &weights, theta);
+    let reduced = model.triangle(poses, &weights, theta);
     let mut fit = Fit { theta: theta.to_vec(), reduced, weights, steps: 0, settled: true };
     // As if the readings scattered by the noise over as many degrees of freedom as there will be.
     let freedom = Solution::of(&fit, model.parameters()).freedom.max(1);

@@ -1,22 +1,26 @@
 //! What to fit, in words: groups (`location`, `tool`, `workpiece`, `spindle`, `linear`) and error names, component
-//! errors with a basis (`EXX:poly3`, `ECC:fourier2`, `EYX:spline8`).
+//! errors with a basis (`EXX:poly3`, `ECC:fourier2`, `EYX:spline8`, `EBY:blocks4`), each direction of approach for
+//! itself if wanted (`EXX+-:poly3`), and parameters of one's own.
 
-use super::parameter::{Basis, Parameter, Term};
+use super::curves;
+use super::parameter::{Basis, Parameter, SlopeBound, Term};
 use crate::diagnostic::{Diagnostic, did_you_mean, shown};
 use crate::lower::{Place, Source};
-use crate::machine::{
-    Approach, AxisKind, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Knots, Machine, Travel, parse_error_name,
-};
-use crate::syntax::IdentifyEntry;
+use crate::machine::{Approach, AxisKind, Direction, ErrorId, Machine, parse_error_name};
+use crate::syntax::{IdentifyEntry, Scalar};
 
 /// Groups by name.
 const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
 
-type Refused = Box<Diagnostic>;
+pub(super) type Refused = Box<Diagnostic>;
 
 /// The parameters that `request` asks for, in its order, each once.
 pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refused> {
     let mut list: Vec<Parameter> = Vec::new();
+    // What is wrong with a parameter of one's own is said whether it is fitted or not.
+    for (name, errors) in &request.parameters {
+        own_parameter(machine, name, errors)?;
+    }
     for word in &request.fit {
         for parameter in of_word(machine, word.trim(), request)? {
             add(&mut list, parameter)?;
@@ -26,6 +30,9 @@ pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Para
         let fixed = fixed(machine, word.trim(), &list)?;
         list.retain(|parameter| !fixed.contains(&parameter.name));
     }
+    for (follower, leaders) in &request.tied {
+        tie(machine, follower, leaders, &mut list)?;
+    }
     if list.is_empty() {
         let help =
             "name errors or groups: `--fit location,tool`, or `identify: { fit: [location] }` in the machine file";
@@ -34,13 +41,48 @@ pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Para
     Ok(list)
 }
 
+/// The bounds on slopes of fitted curves.
+pub fn slope_bounds(
+    machine: &Machine,
+    request: &IdentifyEntry,
+    list: &[Parameter],
+) -> Result<Vec<SlopeBound>, Refused> {
+    let one = |(word, bound): (&String, &Scalar)| {
+        let error = error(machine, word)?;
+        let source = source(machine, &error);
+        let axis = machine.axis_index(error.axis.as_str()).filter(|_| !error.location).map(|i| &machine.axes()[i]);
+        let help = "write a slope such as `EXX: 20 um/m` or `ECC: 1 urad/deg` of a fitted curve";
+        let Some(axis) = axis.filter(|_| list.iter().any(|p| p.terms.iter().any(|t| t.source == source))) else {
+            return Err(refusal(format!("`{error}` is no curve that is fitted: it has no slope to bound"), help));
+        };
+        let quantity = crate::units::quantity(&bound.to_string()).ok();
+        let per_axis = if axis.kind == AxisKind::Linear { (1, 0) } else { (0, 1) };
+        let value = if error.direction.is_rotation() { (0, 1) } else { (1, 0) };
+        let wanted = (value.0 - per_axis.0, value.1 - per_axis.1);
+        let slope = quantity.filter(|q| (q.dimension.length, q.dimension.angle) == wanted && q.value > 0.0);
+        let Some(slope) = slope else {
+            return Err(refusal(format!("`{bound}` is not a slope of `{error}`"), help));
+        };
+        // Positions of rotary axes are in degrees.
+        let per = if axis.kind == AxisKind::Linear { 1.0 } else { std::f64::consts::PI / 180.0 };
+        Ok(SlopeBound { source, interval: axis.travel.interval(), slope: slope.value * per })
+    };
+    request.slopes.iter().map(one).collect()
+}
+
 /// The same parameter from two words counts once; two forms of curve may not move the same error.
 fn add(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Refused> {
     if list.iter().any(|known| known.name == parameter.name) {
         return Ok(());
     }
-    let moves = |t: &Term| parameter.terms.iter().any(|own| own.source == t.source);
-    let clash = |known: &&Parameter| known.terms.iter().any(moves) && kind(known) != kind(&parameter);
+    let meet = |a: Approach, b: Approach| a == b || a == Approach::Mean || b == Approach::Mean;
+    let clash = |known: &&Parameter| {
+        let unlike = kind(known) != kind(&parameter);
+        let at_odds = |a: &Term, b: &Term| {
+            a.source == b.source && meet(a.approach, b.approach) && (unlike || a.approach != b.approach)
+        };
+        known.terms.iter().any(|a| parameter.terms.iter().any(|b| at_odds(a, b)))
+    };
     if let Some(known) = list.iter().find(clash) {
         let message = format!("`{}` and `{}` fit the same error curve in two forms", known.name, parameter.name);
         return Err(refusal(message, "fit every error once, in one form"));
@@ -49,10 +91,51 @@ fn add(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Refused> {
     Ok(())
 }
 
+/// `EXX+`, `EXX forward`: the error's name and the direction it is meant for.
+pub(super) fn directed(name: &str) -> (&str, Option<Approach>) {
+    let cut = |endings: [&str; 2]| endings.iter().find_map(|ending| name.strip_suffix(ending)).map(str::trim);
+    match (cut(["+", " forward"]), cut(["-", " reverse"])) {
+        (Some(bare), _) => (bare, Some(Approach::Forward)),
+        (_, Some(bare)) => (bare, Some(Approach::Reverse)),
+        _ => (name, None),
+    }
+}
+
+/// Lets an error follow another: what moves that one moves this one too.
+fn tie(
+    machine: &Machine,
+    follower: &str,
+    leaders: &indexmap::IndexMap<String, Scalar>,
+    list: &mut [Parameter],
+) -> Result<(), Refused> {
+    let help = "write one error and a factor: `tied: { EBY: { EBX: -1 } }` is EBY = -EBX; EBX is fitted, EBY is not";
+    let own = error(machine, follower)?;
+    let Some((leader, factor)) = leaders.first().filter(|_| leaders.len() == 1) else {
+        return Err(refusal(format!("`{own}` follows {} errors", leaders.len()), help));
+    };
+    let factor = curves::plain(factor).ok_or_else(|| refusal(format!("`{factor}` is not a factor"), help))?;
+    let leader = error(machine, leader)?;
+    let (from, to) = (source(machine, &leader), source(machine, &own));
+    if own.location != leader.location || own.direction.is_rotation() != leader.direction.is_rotation() {
+        return Err(refusal(format!("`{own}` and `{leader}` are not of one kind: neither follows the other"), help));
+    }
+    if list.iter().any(|p| p.terms.iter().any(|t| t.source == to)) {
+        return Err(refusal(format!("`{own}` follows `{leader}` and is fitted itself"), help));
+    }
+    let mut followed = false;
+    for parameter in list {
+        let copies: Vec<Term> = parameter.terms.iter().filter(|t| t.source == from).cloned().collect();
+        followed |= !copies.is_empty();
+        parameter.terms.extend(copies.into_iter().map(|t| Term { source: to, factor: t.factor * factor, ..t }));
+    }
+    if followed { Ok(()) } else { Err(refusal(format!("`{own}` follows `{leader}`, which is not fitted"), help)) }
+}
+
 /// Which form of curve a parameter belongs to.
 fn kind(parameter: &Parameter) -> u8 {
     match parameter.terms.first().map(|t| &t.basis) {
         _ if parameter.name.ends_with(":slope") => 4,
+        _ if !parameter.name.contains(':') && parameter.terms.iter().any(|t| matches!(t.basis, Basis::Power(_))) => 5,
         Some(Basis::Power(_)) => 1,
         Some(Basis::Cosine(_) | Basis::Sine(_)) => 2,
         Some(Basis::Spline(_)) => 3,
@@ -60,7 +143,7 @@ fn kind(parameter: &Parameter) -> u8 {
     }
 }
 
-fn refusal(message: String, help: impl Into<String>) -> Refused {
+pub(super) fn refusal(message: String, help: impl Into<String>) -> Refused {
     Box::new(Diagnostic::new("E0502", message).help(help))
 }
 
@@ -121,7 +204,7 @@ fn setup(machine: &Machine, place: Place, word: &str, starts: &[f64]) -> Vec<Par
 }
 
 /// Where an error sits. Its axis is one of the chain's, or the spindle.
-fn source(machine: &Machine, error: &ErrorId) -> Source {
+pub(super) fn source(machine: &Machine, error: &ErrorId) -> Source {
     let joint = machine.axis_index(error.axis.as_str()).unwrap_or(machine.axes().len());
     let place = if error.location { Place::Location(joint) } else { Place::Component(joint) };
     Source { place, direction: error.direction }
@@ -142,96 +225,73 @@ fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refused> {
     Ok(error)
 }
 
-/// One error, with the basis that stands behind it, in `identify.basis`, or usual for the axis.
+/// One error, with the basis that stands behind it, in `identify.basis`, or usual for the axis; or a parameter of
+/// one's own.
 fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refused> {
+    if let Some(errors) = request.parameters.get(word) {
+        return Ok(vec![own_parameter(machine, word, errors)?]);
+    }
     let (name, form) = word.split_once(':').map_or((word, None), |(name, form)| (name.trim(), Some(form.trim())));
-    let error = error(machine, name)?;
+    let both = name.strip_suffix("+-").map(str::trim);
+    let (bare, approach) = both.map_or_else(|| directed(name), |bare| (bare, None));
+    let error = error(machine, bare)?;
     let listed = request.basis.iter().find(|(key, _)| parse_error_name(key).as_ref() == Some(&error));
     let form = form.or(listed.map(|(_, form)| form.as_str()));
     if error.location {
         return match form {
-            None => Ok(vec![location(machine, &error)]),
-            Some(_) => Err(refusal(format!("`{error}` is a constant: it has no basis"), format!("write `{error}`"))),
+            None if bare == name => Ok(vec![location(machine, &error)]),
+            _ => Err(refusal(
+                format!("`{error}` is a constant: it has neither basis nor direction"),
+                format!("write `{error}`"),
+            )),
         };
     }
-    let axis = machine.axis_index(error.axis.as_str()).unwrap_or_default();
-    let usual = if machine.axes()[axis].kind == AxisKind::Linear { "poly3" } else { "fourier2" };
-    let form = form.unwrap_or(usual);
-    let cut = form.find(|c: char| c.is_ascii_digit()).unwrap_or(form.len());
-    let (family, order) = (&form[..cut], form[cut..].parse::<u8>().ok().filter(|n| (1..=50).contains(n)));
-    match (family, order) {
-        ("poly", Some(order)) => polynomial(machine, &error, axis, order),
-        ("fourier", Some(order)) => fourier(machine, &error, axis, order),
-        ("spline", Some(knots)) => spline(machine, &error, axis, knots),
-        _ => {
-            let message = format!("`{}` is not a basis", shown(form));
-            Err(refusal(message, "write poly3 (powers 0 to 3), fourier2 (orders 0 to 2) or spline8 (8 knots)"))
+    let knots = request.knots.iter().find(|(key, _)| parse_error_name(key).as_ref() == Some(&error));
+    let knots = knots.map(|(_, knots)| knots.as_slice());
+    if both.is_none() {
+        return curves::parameters(machine, &error, form, knots, approach.unwrap_or_default());
+    }
+    let mut list = curves::parameters(machine, &error, form, knots, Approach::Forward)?;
+    list.extend(curves::parameters(machine, &error, form, knots, Approach::Reverse)?);
+    Ok(list)
+}
+
+/// A parameter of one's own: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`.
+fn own_parameter(
+    machine: &Machine,
+    name: &str,
+    errors: &indexmap::IndexMap<String, Vec<Scalar>>,
+) -> Result<Parameter, Refused> {
+    let help =
+        "write coefficients by rising power of the position, in mm and rad: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`";
+    if GROUPS.contains(&name) || parse_error_name(name).is_some() || name.contains(':') {
+        return Err(refusal(
+            format!("`{}` cannot be the name of a parameter: it means something else", shown(name)),
+            help,
+        ));
+    }
+    let mut terms: Vec<Term> = Vec::new();
+    for (key, powers) in errors {
+        let error = error(machine, key)?;
+        let source = source(machine, &error);
+        for (k, factor) in powers.iter().enumerate() {
+            let said = || refusal(format!("`{}`: `{factor}` is not a coefficient of `{error}`", shown(name)), help);
+            let factor = curves::plain(factor).ok_or_else(said)?;
+            let power = u8::try_from(k).ok().filter(|k| *k < 10 && (*k == 0 || !error.location)).ok_or_else(said)?;
+            if factor != 0.0 {
+                terms.push(Term::new(
+                    source,
+                    if error.location { Basis::Constant } else { Basis::Power(power) },
+                    factor,
+                ));
+            }
         }
     }
-}
-
-/// The curve that the file gives for an error, if it has one direction.
-fn given<'a>(machine: &'a Machine, error: &ErrorId) -> Option<&'a Curve> {
-    machine.errors().find(|(known, _)| known == error).and_then(|(_, term)| match term {
-        ErrorTerm::Component(ComponentError::Single(curve)) => Some(curve),
-        _ => None,
-    })
-}
-
-fn polynomial(machine: &Machine, error: &ErrorId, axis: usize, order: u8) -> Result<Vec<Parameter>, Refused> {
-    if machine.is_continuous(axis) {
-        let help = format!("use `{error}:fourier{order}`");
-        return Err(refusal(format!("`{error}`: a polynomial on an axis without ends is not periodic"), help));
-    }
-    let known = match given(machine, error) {
-        Some(Curve::Polynomial(known)) => known.clone(),
-        _ => Vec::new(),
+    let Some(main) = terms.first().cloned() else {
+        return Err(refusal(format!("`{}` moves no error", shown(name)), help));
     };
-    let one = |k: u8| {
-        let start = known.get(usize::from(k)).copied().unwrap_or(0.0);
-        Parameter::single(machine, format!("{error}:x^{k}"), source(machine, error), Basis::Power(k), start)
-    };
-    Ok((0..=order.min(20)).map(one).collect())
-}
-
-fn fourier(machine: &Machine, error: &ErrorId, axis: usize, order: u8) -> Result<Vec<Parameter>, Refused> {
-    if machine.axes()[axis].kind == AxisKind::Linear {
-        let message = format!("`{error}`: harmonics are of one turn, axis `{}` is linear", error.axis);
-        return Err(refusal(message, "use poly or spline"));
-    }
-    let known = match given(machine, error) {
-        Some(Curve::Harmonics(known)) => known.clone(),
-        _ => Vec::new(),
-    };
-    let at = |k: u8| known.get(usize::from(k)).copied().unwrap_or_default();
-    let one = |k: u8| {
-        let name = |word: &str| format!("{error}:{word}{k}");
-        let cosine = Parameter::single(machine, name("cos"), source(machine, error), Basis::Cosine(k), at(k).0);
-        let sine = Parameter::single(machine, name("sin"), source(machine, error), Basis::Sine(k), at(k).1);
-        if k == 0 { vec![cosine] } else { vec![cosine, sine] }
-    };
-    Ok((0..=order).flat_map(one).collect())
-}
-
-/// Even knots over the travel; periodic, with as many knots to the turn, on an axis without ends.
-fn spline(machine: &Machine, error: &ErrorId, axis: usize, knots: u8) -> Result<Vec<Parameter>, Refused> {
-    let travel = machine.axes()[axis].travel;
-    let (min, max) = travel.interval();
-    let turn = travel == Travel::Continuous;
-    let count = usize::from(knots.max(2));
-    let intervals = if turn { count } else { count - 1 };
-    let position = |i: usize| if i == intervals { max } else { min + (max - min) * i as f64 / intervals as f64 };
-    let one = |k: usize| {
-        let value = |i: usize| f64::from(u8::from(i == k || (turn && k == 0 && i == intervals)));
-        let points: Vec<(f64, f64)> = (0..=intervals).map(|i| (position(i), value(i))).collect();
-        let failed = || refusal(format!("`{error}`: the travel has no room for {count} knots"), "take fewer knots");
-        let curve = Curve::cubic(Knots::new(&points, turn.then_some(360.0)).map_err(|_| failed())?);
-        let at = crate::units::significant(position(k), 6);
-        let name = format!("{error}:{at}{}", machine.axes()[axis].unit());
-        let start = given(machine, error).map_or(0.0, |known| known.value(position(k)));
-        Ok(Parameter::single(machine, name, source(machine, error), Basis::Spline(curve), start))
-    };
-    (0..count).map(one).collect()
+    let power = if let Basis::Power(k) = main.basis { k } else { 0 };
+    Ok(Parameter::of_terms(machine, name.to_owned(), main.source, power, terms, 0.0))
 }
 
 /// The 2015 paper's parametrisation of every linear axis: positioning and the three angles grow with the
@@ -244,8 +304,7 @@ fn linear(machine: &Machine) -> Vec<Parameter> {
 fn slopes(machine: &Machine, axis: usize, u: [f64; 3]) -> Vec<Parameter> {
     let name = &machine.axes()[axis].name;
     let at = |direction| Source { place: Place::Component(axis), direction };
-    let term =
-        |k: usize, power, factor: f64| Term { source: at(Direction::ALL[k]), basis: Basis::Power(power), factor };
+    let term = |k: usize, power, factor: f64| Term::new(at(Direction::ALL[k]), Basis::Power(power), factor);
     let parameter = |main: Direction, terms: Vec<Term>| {
         let error = ErrorId { axis: name.clone(), location: false, direction: main };
         let terms = terms.into_iter().filter(|t| t.factor != 0.0).collect();

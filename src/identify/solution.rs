@@ -23,6 +23,10 @@ pub struct Estimate {
     pub value: f64,
     /// Standard uncertainty from the scatter of the residuals; `None`: the data leave the value free.
     pub sigma: Option<f64>,
+    /// How many times better its effect on a usual reading is known than one reading is: root mean square of the
+    /// effect of one standard uncertainty over the readings, inverted, in standard deviations of a reading. Depends on
+    /// where was measured, not on what; 0 if the value is free.
+    pub valuation: f64,
 }
 
 /// A fit with its diagnosis.
@@ -30,6 +34,8 @@ pub struct Estimate {
 pub struct Solution {
     /// One for each parameter.
     pub estimates: Vec<Estimate>,
+    /// The least valuation of the machine's parameters that have a value: an observability figure.
+    pub valuation: f64,
     /// Numerical rank of the column-scaled Jacobian at the solution.
     pub rank: usize,
     /// How many independent directions the noise does not drown.
@@ -57,14 +63,35 @@ impl Solution {
         let scale = DVector::from_fn(norms.len(), |j, _| norms[j].max(FAINT * strongest * sizes[j]));
         let unit = fit.reduced.scaled(&scale);
         let rank = unit.rank(RANK);
-        let sized = fit.reduced.scaled(&sizes);
+        // In full rank no direction has to be told from the others, and one decomposition will do.
+        let full = rank == parameters.len();
+        let sized = if full { None } else { Some(fit.reduced.scaled(&sizes)) };
         let freedom = fit.reduced.rows.saturating_sub(rank);
         let sigma = fit.reduced.right_norm() / (freedom.max(1) as f64).sqrt();
-        let null = echelon(&sized.null_space(rank));
+        let null = sized.as_ref().map_or_else(Vec::new, |sized| echelon(&sized.null_space(rank)));
+        let (covariance, hidden) = match &sized {
+            Some(sized) => (sized.covariance(rank), sized.null_space(rank)),
+            None => (unit.covariance(rank), DMatrix::zeros(parameters.len(), 0)),
+        };
+        let units = if full { &scale } else { &sizes };
+        // Standard uncertainties for readings of unit variance.
+        let spread = |j: usize| libm::sqrt(covariance[(j, j)].max(0.0)) / units[j];
+        let free = |j: usize| hidden.row(j).norm_squared() > LOST;
+        let theta = at_rest(&fit.theta, &null, parameters);
+        let root = libm::sqrt(fit.reduced.rows.max(1) as f64);
+        let estimate = |(j, value): (usize, f64)| Estimate {
+            value,
+            sigma: (!free(j)).then(|| spread(j) * sigma),
+            valuation: if free(j) || norms[j] == 0.0 { 0.0 } else { root / (norms[j] * spread(j)) },
+        };
+        let estimates: Vec<Estimate> = theta.into_iter().enumerate().map(estimate).collect();
+        let values = estimates.iter().zip(parameters).filter(|(e, p)| e.sigma.is_some() && !p.is_nuisance());
+        let valuation = values.map(|(e, _)| e.valuation).reduce(f64::min).unwrap_or(0.0);
         let well_determined = heard(&unit, rank, fit.reduced.rows);
         let smallest = if rank > 0 { unit.values[rank - 1] } else { 0.0 };
         Self {
-            estimates: estimates(fit, &null, &sized, parameters, rank, sigma),
+            estimates,
+            valuation,
             rank,
             well_determined,
             null_space: null.iter().map(|row| inseparable(&named(row), parameters)).collect(),
@@ -87,25 +114,6 @@ impl Solution {
 fn heard(unit: &Svd, rank: usize, readings: usize) -> usize {
     let limit = 1.0 / (readings.max(1) as f64).sqrt();
     (0..rank).filter(|k| unit.values[*k] > limit).count()
-}
-
-fn estimates(
-    fit: &Fit,
-    null: &[DVector<f64>],
-    sized: &Svd,
-    parameters: &[Parameter],
-    rank: usize,
-    sigma: f64,
-) -> Vec<Estimate> {
-    let covariance = sized.covariance(rank);
-    let hidden = sized.null_space(rank);
-    let theta = at_rest(&fit.theta, null, parameters);
-    let estimate = |(j, value): (usize, f64)| {
-        let free = hidden.row(j).norm_squared() > LOST;
-        let spread = covariance[(j, j)].max(0.0).sqrt() / parameters[j].size * sigma;
-        Estimate { value, sigma: (!free).then_some(spread) }
-    };
-    theta.into_iter().enumerate().map(estimate).collect()
 }
 
 /// Puts parameters that have no effect back to where they started: what is left of them is the bend of

@@ -93,7 +93,7 @@ pub fn joint<S: Algebra>(
 }
 
 /// N(q): translation along, or rotation about, the axis direction.
-fn nominal<S: Algebra>(axis: &Axis, position: &Position<S>) -> Htm<S> {
+pub(super) fn nominal<S: Algebra>(axis: &Axis, position: &Position<S>) -> Htm<S> {
     match position.sensed(axis) {
         Position::Linear(way) => Htm::translation(Vector3::from(axis.direction).map(|u| way.scaled(u))),
         Position::Rotary(sine, cosine) => {

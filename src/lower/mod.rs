@@ -19,4 +19,4 @@ pub use generators::{Declared, Given, WeilLift, given, presence};
 pub use joint::{JointElements, Position, error_motion, error_outside, invert_if, joint};
 pub use sensitivity::{Sensitivity, sensitivities, sensitivities_to};
 pub use source::{ErrorLift, Exact, OrderN, Place, Source, Values, values};
-pub use tangent::{Tangents, actual_point, tangents};
+pub use tangent::{Tangents, actual_point, point, tangents};

@@ -1,84 +1,265 @@
-//! Exact derivatives of the functional point at the actual errors: each source lives in one joint, so
-//! dp = P dG s with the actual prefix P and the actual point s that the rest of the walk makes of the tip.
+//! Derivatives of the functional point at the actual errors. Each error lives in one factor of one joint, so that
+//! dp = P dF x: the actual prefix P, and the actual point x that the rest of the walk makes of the tip. One walk
+//! gives all of them. Over D_n the derivatives are those of the model of order n.
 
 use super::chain::Chain;
-use super::joint::{JointElements, Position, error_motion, invert_if, joint};
-use super::source::{Exact, Place, Source, Values};
-use crate::algebra::{Algebra, Dual, Htm};
-use crate::machine::{Direction, Machine};
-use nalgebra::Vector3;
+use super::joint::{Position, error_motion, error_outside, invert_if, nominal};
+use super::source::{ErrorLift, Exact, Place, Source, Values};
+use crate::algebra::{Algebra, Htm, left_jacobian};
+use crate::machine::{AxisKind, Branch, Direction, ErrorsAre, Joints, Location, LocationOrder, Machine};
+use nalgebra::{Matrix3, Vector3};
 
 /// Where the functional point really is, and how it moves with single errors.
 #[derive(Debug, Clone)]
-pub struct Tangents {
+pub struct Tangents<S: Algebra> {
     /// The actual functional point from the workpiece origin (mm, workpiece frame).
-    pub point: Vector3<f64>,
+    pub point: Vector3<S>,
     /// Its derivative by each source asked for (mm per mm or per rad, workpiece frame).
-    pub derivatives: Vec<Vector3<f64>>,
+    pub derivatives: Vec<Vector3<S>>,
 }
 
 /// The actual functional point from the workpiece origin (mm, workpiece frame): exact model.
 pub fn actual_point(machine: &Machine, pose: &[f64], values: &Values) -> Vector3<f64> {
-    let chain = Chain::<f64>::real(machine, pose, values, &Exact);
-    let walk = std::iter::once(&chain.clamping).chain(&chain.joints).chain([&chain.spindle]);
-    let point = walk.rev().fold(chain.tip, |point, joint| joint.apply(&point.into()));
-    point - Vector3::from(machine.workpiece())
+    point(machine, pose, values, &Exact)
+}
+
+/// The actual functional point from the workpiece origin (mm, workpiece frame) over an algebra.
+pub fn point<S: Algebra>(machine: &Machine, pose: &[f64], values: &Values, lift: &impl ErrorLift<S>) -> Vector3<S> {
+    let chain = Chain::real(machine, pose, values, lift);
+    let image = chain.walk().rev().fold(chain.tip.clone(), |x, joint| &joint.linear * x + &joint.translation);
+    minus(image, &machine.workpiece())
+}
+
+fn minus<S: Algebra>(x: Vector3<S>, point: &[f64; 3]) -> Vector3<S> {
+    Vector3::from_fn(|i, _| x[i].clone() - S::from_real(point[i]))
+}
+
+fn plus<S: Algebra>(x: Vector3<S>, point: &[f64; 3]) -> Vector3<S> {
+    Vector3::from_fn(|i, _| x[i].clone() + S::from_real(point[i]))
 }
 
 /// The actual functional point at a pose (mm, deg) with its derivatives by `sources`, at these errors.
-pub fn tangents(machine: &Machine, pose: &[f64], values: &Values, sources: &[Source]) -> Tangents {
-    let chain = Chain::<f64>::real(machine, pose, values, &Exact);
-    let walk: Vec<&Htm<f64>> = std::iter::once(&chain.clamping).chain(&chain.joints).chain([&chain.spindle]).collect();
-    let mut prefix = vec![nalgebra::Matrix3::identity()];
-    for (k, joint) in walk.iter().enumerate() {
-        prefix.push(prefix[k] * joint.linear);
+pub fn tangents<S: Algebra>(
+    machine: &Machine,
+    pose: &[f64],
+    values: &Values,
+    lift: &impl ErrorLift<S>,
+    sources: &[Source],
+) -> Tangents<S> {
+    let lowering = Lowering { machine, lift };
+    let mut walk = vec![lowering.clamping(values)];
+    walk.extend((0..pose.len()).map(|i| lowering.joint(i, pose[i], &values.axes[i])));
+    walk.push(lowering.spindle(values));
+    let mut x = lowering.tip(values);
+    for joint in walk.iter_mut().rev() {
+        x = plus(joint.pass(minus(x, &joint.origin)), &joint.origin);
     }
-    let mut points = vec![chain.tip];
-    for (k, joint) in walk.iter().rev().enumerate() {
-        points.push(joint.apply(&points[k].into()));
+    let mut prefix = Matrix3::from_fn(|i, j| if i == j { S::one() } else { S::zero() });
+    let mut moved = Vec::with_capacity(walk.len());
+    for joint in &walk {
+        moved.push(joint.derivatives(&mut prefix, machine.conventions().joints));
     }
-    points.reverse();
     let derivative = |source: &Source| {
-        let k = match source.place {
-            Place::Workpiece => 0,
-            Place::Location(i) | Place::Component(i) => i + 1,
-            Place::Tool => return prefix[walk.len()].column(source.direction.index() % 3).into_owned(),
-        };
-        let moved = with_generator(machine, pose, values, *source).apply(&points[k + 1].into());
-        prefix[k] * moved.map(|x: Dual<2>| x.0[1])
+        let k = source.direction.index();
+        match source.place {
+            Place::Workpiece => moved[0][0][k].clone(),
+            Place::Location(i) => moved[i + 1][0][k].clone(),
+            Place::Component(i) => moved[i + 1][1][k].clone(),
+            Place::Tool => prefix.column(k % 3).into_owned(),
+        }
     };
-    Tangents {
-        point: points[0] - Vector3::from(machine.workpiece()),
-        derivatives: sources.iter().map(derivative).collect(),
+    Tangents { point: minus(x, &machine.workpiece()), derivatives: sources.iter().map(derivative).collect() }
+}
+
+/// What an error matrix of a factor is, and how it moves with its six errors.
+struct Motion<S: Algebra> {
+    matrix: Htm<S>,
+    jacobian: Option<Matrix3<S>>,
+}
+
+/// A factor of a joint's bracket and the point that it was applied to.
+struct Factor<S: Algebra> {
+    kind: Kind<S>,
+    input: Vector3<S>,
+}
+
+enum Kind<S: Algebra> {
+    /// The nominal motion.
+    Nominal(Htm<S>),
+    /// The error motion, or its inverse: 0 for location, 1 for component errors.
+    Error(usize, Option<Htm<S>>),
+    /// `Loc N Loc^-1` of a translation: the translation along the displaced direction.
+    Displaced(Vector3<S>),
+}
+
+/// A joint: its bracket about an origin.
+struct Joint<S: Algebra> {
+    origin: [f64; 3],
+    motions: [Motion<S>; 2],
+    factors: Vec<Factor<S>>,
+}
+
+impl<S: Algebra> Joint<S> {
+    fn new(origin: [f64; 3], motions: [Motion<S>; 2], kinds: Vec<Kind<S>>) -> Self {
+        let zero = Vector3::from_fn(|_, _| S::zero());
+        let factors = kinds.into_iter().map(|kind| Factor { kind, input: zero.clone() }).collect();
+        Self { origin, motions, factors }
+    }
+
+    /// What the bracket makes of a point; every factor keeps what came to it.
+    fn pass(&mut self, mut x: Vector3<S>) -> Vector3<S> {
+        let Self { motions, factors, .. } = self;
+        let apply = |g: &Htm<S>, x: &Vector3<S>| &g.linear * x + &g.translation;
+        for factor in factors.iter_mut().rev() {
+            let image = match &factor.kind {
+                Kind::Nominal(g) | Kind::Error(_, Some(g)) => apply(g, &x),
+                Kind::Error(which, None) => apply(&motions[*which].matrix, &x),
+                Kind::Displaced(way) => &motions[0].matrix.linear * way + &x,
+            };
+            factor.input = std::mem::replace(&mut x, image);
+        }
+        x
+    }
+
+    /// Derivatives by location and component errors; the prefix moves on past this joint.
+    fn derivatives(&self, prefix: &mut Matrix3<S>, joints: Joints) -> [[Vector3<S>; 6]; 2] {
+        let zero = || std::array::from_fn(|_| Vector3::from_fn(|_, _| S::zero()));
+        let mut sum: [[Vector3<S>; 6]; 2] = [zero(), zero()];
+        for factor in &self.factors {
+            match &factor.kind {
+                Kind::Nominal(g) => *prefix = &*prefix * &g.linear,
+                Kind::Error(which, None) => {
+                    let motion = &self.motions[*which];
+                    motion.add(&mut sum[*which], prefix, true, &factor.input, joints);
+                    *prefix = &*prefix * &motion.matrix.linear;
+                }
+                Kind::Error(which, Some(inverse)) => {
+                    // d(M^-1) x = -M^-1 dM (M^-1 x).
+                    let after = &*prefix * &inverse.linear;
+                    let image = &inverse.linear * &factor.input + &inverse.translation;
+                    let back = after.map(|x| -x);
+                    self.motions[*which].add(&mut sum[*which], &back, true, &image, joints);
+                    *prefix = after;
+                }
+                Kind::Displaced(way) => self.motions[0].add(&mut sum[0], prefix, false, way, joints),
+            }
+        }
+        sum
     }
 }
 
-/// The joint over D_1 in which one error has the generator beside its value.
-fn with_generator(machine: &Machine, pose: &[f64], values: &Values, source: Source) -> Htm<Dual<2>> {
-    let conventions = machine.conventions();
-    let marked = |six: &[f64; 6]| -> [Dual<2>; 6] {
-        Direction::ALL.map(|d| Dual([six[d.index()], f64::from(u8::from(d == source.direction))]))
-    };
-    let at = |i: usize| Position::at(&machine.axes()[i], pose[i]);
-    let plain = |six: &[f64; 6]| six.iter().any(|e| *e != 0.0).then(|| six.map(Dual::from_real));
-    match source.place {
-        Place::Location(i) if i < pose.len() => {
-            let (location, component) = &values.axes[i];
-            let errors = JointElements { location: Some(marked(location)), component: plain(component) };
-            joint(&machine.axes()[i], conventions, &at(i), &errors)
+impl<S: Algebra> Motion<S> {
+    fn new(six: &[S; 6], joints: Joints) -> Self {
+        let jacobian = match joints {
+            Joints::Orthogonal if six[3..].iter().any(|e| !e.is_zero()) => {
+                Some(left_jacobian(&[six[3].clone(), six[4].clone(), six[5].clone()]))
+            }
+            _ => None,
+        };
+        Self { matrix: error_motion(six, joints), jacobian }
+    }
+
+    /// Adds prefix times the derivatives of the motion of a point (or of a direction only).
+    fn add(&self, sum: &mut [Vector3<S>; 6], prefix: &Matrix3<S>, point: bool, x: &Vector3<S>, joints: Joints) {
+        let turned = match joints {
+            Joints::Orthogonal => &self.matrix.linear * x,
+            Joints::Linearised => x.clone(),
+        };
+        for k in 0..3 {
+            if point {
+                sum[k] += prefix.column(k);
+            }
+            let w = self.jacobian.as_ref().map_or_else(
+                || Vector3::from_fn(|i, _| if i == k { S::one() } else { S::zero() }),
+                |j| j.column(k).into_owned(),
+            );
+            let at = |i: usize| {
+                let (a, b) = ((i + 1) % 3, (i + 2) % 3);
+                w[a].clone() * turned[b].clone() - w[b].clone() * turned[a].clone()
+            };
+            sum[3 + k] += prefix * Vector3::new(at(0), at(1), at(2));
         }
-        Place::Component(i) => {
-            let (location, component) = &values.axes[i];
-            let errors = JointElements { location: plain(location), component: Some(marked(component)) };
-            joint(&machine.axes()[i], conventions, &at(i), &errors)
+    }
+}
+
+/// Numbers to factors.
+struct Lowering<'a, L> {
+    machine: &'a Machine,
+    lift: &'a L,
+}
+
+impl<L> Lowering<'_, L> {
+    fn motion<S: Algebra>(&self, place: Place, six: &[f64; 6]) -> Motion<S>
+    where
+        L: ErrorLift<S>,
+    {
+        let conventions = self.machine.conventions();
+        let real = conventions.location_order == LocationOrder::Real && matches!(place, Place::Location(_));
+        let element = |direction: Direction| {
+            let (source, value) = (Source { place, direction }, six[direction.index()]);
+            if real { self.lift.real(source, value) } else { self.lift.lift(source, value) }
+        };
+        Motion::new(&Direction::ALL.map(element), conventions.joints)
+    }
+
+    fn none<S: Algebra>(&self) -> Motion<S> {
+        Motion { matrix: Htm::identity(), jacobian: None }
+    }
+
+    fn tip<S: Algebra>(&self, values: &Values) -> Vector3<S>
+    where
+        L: ErrorLift<S>,
+    {
+        let tip = self.machine.tool().tip;
+        Vector3::from_fn(|i, _| {
+            let source = Source { place: Place::Tool, direction: Direction::ALL[i] };
+            S::from_real(tip[i]) + self.lift.lift(source, values.tool[i])
+        })
+    }
+
+    fn clamping<S: Algebra>(&self, values: &Values) -> Joint<S>
+    where
+        L: ErrorLift<S>,
+    {
+        let motion = self.motion(Place::Workpiece, &values.workpiece);
+        let inverse = invert_if(true, motion.matrix.clone());
+        Joint::new(self.machine.workpiece(), [motion, self.none()], vec![Kind::Error(0, Some(inverse))])
+    }
+
+    fn spindle<S: Algebra>(&self, values: &Values) -> Joint<S>
+    where
+        L: ErrorLift<S>,
+    {
+        let motion = self.motion(Place::Location(values.axes.len()), &values.spindle.unwrap_or_default());
+        Joint::new(self.machine.tool().gauge, [motion, self.none()], vec![Kind::Error(0, None)])
+    }
+
+    /// The factors in the order that [`super::joint()`] multiplies them in.
+    fn joint<S: Algebra>(&self, i: usize, position: f64, (location, component): &([f64; 6], [f64; 6])) -> Joint<S>
+    where
+        L: ErrorLift<S>,
+    {
+        let (axis, conventions) = (&self.machine.axes()[i], self.machine.conventions());
+        let body = conventions.errors_are == ErrorsAre::Body && axis.branch == Branch::Workpiece;
+        let carried = conventions.location == Location::CarriedBody;
+        let location = self.motion(Place::Location(i), location);
+        let component = self.motion(Place::Component(i), component);
+        let nominal = nominal(axis, &Position::<S>::at(axis, position));
+        let inverse = |wanted: bool, motion: &Motion<S>| wanted.then(|| invert_if(true, motion.matrix.clone()));
+        let error = Kind::Error(1, inverse(body, &component));
+        let mut motion = match axis.kind {
+            _ if carried => vec![Kind::Nominal(nominal)],
+            AxisKind::Linear => vec![Kind::Displaced(nominal.translation)],
+            AxisKind::Rotary => {
+                let back = Kind::Error(0, inverse(true, &location));
+                vec![Kind::Error(0, None), Kind::Nominal(nominal), back]
+            }
+        };
+        motion.insert(if error_outside(axis, conventions) { 0 } else { motion.len() }, error);
+        if carried {
+            let at = if axis.branch == Branch::Tool { 0 } else { motion.len() };
+            motion.insert(at, Kind::Error(0, inverse(body, &location)));
         }
-        Place::Workpiece => {
-            let motion = error_motion(&marked(&values.workpiece), conventions.joints);
-            Htm::about(&machine.workpiece(), invert_if(true, motion))
-        }
-        Place::Location(_) | Place::Tool => {
-            let motion = error_motion(&marked(&values.spindle.unwrap_or_default()), conventions.joints);
-            Htm::about(&machine.tool().gauge, motion)
-        }
+        Joint::new(axis.origin, [location, component], motion)
     }
 }

@@ -1,7 +1,7 @@
 //! Bars of a budget: the Pareto chart of contributions, and the waterfall of what uses the budget up.
 
 use super::frame::{Axis, Frame};
-use super::svg::{Anchor, FAINT, Font, INK, Svg, fitted, number, polyline};
+use super::svg::{Anchor, FAINT, Font, INK, Picture, Svg, fitted, number, polyline};
 use crate::units::significant;
 
 /// A labelled value.
@@ -87,8 +87,8 @@ fn value(svg: &mut Svg, place: (f64, f64), (low, high): (f64, f64), value: f64, 
 }
 
 impl ParetoPicture {
-    /// The picture as an SVG file.
-    pub fn svg(&self) -> String {
+    /// The picture.
+    pub fn picture(&self) -> Picture {
         let mut svg = begin(&self.title, &self.subtitle);
         let highest = self.bars.iter().map(|b| b.value).fold(0.0, f64::max);
         let axis = Axis::new(0.0, highest * 1.08);
@@ -107,13 +107,13 @@ impl ParetoPicture {
         svg.path(&polyline(&line), &format!(r#"fill="none" stroke="{RED}" stroke-width="1.6""#));
         line.iter().for_each(|at| svg.circle(*at, 2.6, &format!(r#"fill="{RED}""#)));
         FRAME.right(&mut svg, &shares, "share of the sum of squares in %", RED);
-        svg.finish(&format!("{}: {}", self.title, self.subtitle))
+        svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
 }
 
 impl WaterfallPicture {
-    /// The picture as an SVG file.
-    pub fn svg(&self) -> String {
+    /// The picture.
+    pub fn picture(&self) -> Picture {
         let mut svg = begin(&self.title, &self.subtitle);
         let sum: f64 = self.bars.iter().map(|b| b.value).sum();
         let highest = self.marks.iter().map(|m| m.1).fold(sum, f64::max);
@@ -136,6 +136,6 @@ impl WaterfallPicture {
             let edges = bar(&mut svg, &axis, at, (0.0, *total), label, if i == 0 { INK } else { GREY });
             value(&mut svg, at, edges, *total, false);
         }
-        svg.finish(&format!("{}: {}", self.title, self.subtitle))
+        svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
 }

@@ -1,7 +1,7 @@
 //! The kinematic chain as a picture: bed in the middle, what carries the workpiece to the left, what
 //! carries the tool to the right.
 
-use super::svg::{Anchor, FAINT, Font, INK, Svg, fitted, polyline, wrapped};
+use super::svg::{Anchor, FAINT, Font, INK, Picture, Svg, fitted, polyline, wrapped};
 use crate::analysis::{Lever, levers};
 use crate::machine::{Axis, AxisKind, Body, Branch, Machine, Sense, Travel};
 use crate::units::significant;
@@ -27,8 +27,8 @@ impl Station<'_> {
     }
 }
 
-/// The chain as an SVG file.
-pub fn chain_svg(machine: &Machine) -> String {
+/// The chain as a picture.
+pub fn chain_picture(machine: &Machine) -> Picture {
     let stations = stations(machine);
     let row: f64 = stations.iter().map(Station::width).sum::<f64>() + GAP * (stations.len() - 1) as f64;
     let width = (row + 2.0 * MARGIN).max(620.0);
@@ -49,7 +49,7 @@ pub fn chain_svg(machine: &Machine) -> String {
     for (i, note) in notes.iter().enumerate() {
         svg.text((MARGIN, TOP + BOX.1 + 36.0 + 17.0 * i as f64), note, Font::plain(12.0), Anchor::Start, 0.0);
     }
-    svg.finish(&format!("{}: kinematic chain {}", machine.name(), machine.chain()))
+    svg.picture(&format!("{}: kinematic chain {}", machine.name(), machine.chain()))
 }
 
 const NOTE: &str = "Blue: motion of the tool relative to the workpiece for a positive command, in machine coordinates \

@@ -1,23 +1,36 @@
-//! Pictures for people: SVG and Graphviz as text, without outside resources, the same bytes every time.
+//! Pictures and pages for people: SVG, PNG, HTML and Graphviz, without outside resources, the same bytes
+//! every time.
 //!
-//! - [`PlanePicture`]: the deviation over a plane of two linear axes.
-//! - [`ParetoPicture`], [`WaterfallPicture`]: a budget.
-//! - [`PolarPicture`]: a ball bar.
+//! - [`page`]: the report, one self-contained HTML page.
+//! - [`PlanePicture`]: the deviation over a plane of two linear axes; [`before_after`]: in two states.
+//! - [`FitPicture`]: prediction against data over such a plane.
+//! - [`axis_curves`], [`all_curves`]: curves of the component errors as small multiples.
+//! - [`ParetoPicture`], [`WaterfallPicture`]: a budget; [`PolarPicture`]: a ball bar.
+//! - [`chain_picture`], [`chain_dot`]: the kinematic chain.
+//! - [`Rows`]: a map pose by pose as CSV, JSON, Parquet and VTK.
 //! - [`equations`]: the closed forms as text and as LaTeX.
-//! - [`chain_svg`], [`chain_dot`]: the kinematic chain.
 
 mod bars;
 mod chain;
+mod curves;
 mod dot;
 pub mod equations;
+mod fit;
 mod frame;
+mod outlines;
+pub mod page;
 mod plane;
 mod polar;
+mod rows;
 mod scale;
 mod svg;
 
 pub use bars::{Bar, ParetoPicture, WaterfallPicture};
-pub use chain::chain_svg;
+pub use chain::chain_picture;
+pub use curves::{all_curves, axis_curves};
 pub use dot::chain_dot;
-pub use plane::{PlanePicture, Shown};
+pub use fit::{FitPicture, FitPoint};
+pub use plane::{Drawn, PlanePicture, Shown, before_after};
 pub use polar::PolarPicture;
+pub use rows::{Rows, csv_header, csv_line};
+pub use svg::Picture;

@@ -2,7 +2,7 @@
 //! for all planes.
 
 use super::scale::round_step;
-use super::svg::{Anchor, Font, INK, Svg, fitted, number, polygon};
+use super::svg::{Anchor, Font, INK, Picture, Svg, fitted, number, polygon};
 use crate::analysis::instrument::BallBar;
 use crate::machine::sin_cos_degrees;
 use crate::units::significant;
@@ -31,8 +31,8 @@ const WAYS: [(&str, &str, &str); 2] =
     [("counter-clockwise", "#3b6ea8", ""), ("clockwise", "#b4533c", r#" stroke-dasharray="5 3""#)];
 
 impl PolarPicture<'_> {
-    /// The picture as an SVG file.
-    pub fn svg(&self) -> String {
+    /// The picture.
+    pub fn picture(&self) -> Picture {
         let width = 2.0 * LEFT + PANEL * self.circles.len().max(2) as f64;
         let mut svg = Svg::new(width, TOP + PANEL + 100.0);
         svg.text((LEFT, 32.0), &fitted(self.title, 60), Font::bold(18.0), Anchor::Start, 0.0);
@@ -56,7 +56,7 @@ impl PolarPicture<'_> {
             significant(ring, 4)
         );
         svg.text((LEFT, below + 22.0), &note, Font::faint(12.0), Anchor::Start, 0.0);
-        svg.finish(&format!("{}: {}", self.title, self.subtitle))
+        svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
 
     /// Micrometres from ring to ring.

@@ -1,7 +1,7 @@
 //! A small writer of SVG: numbers short and never `-0`, text escaped, no outside resources, the same
-//! bytes for the same picture.
+//! bytes for the same picture. A finished [`Picture`] can be had as PNG too, its text as outlines.
 
-use std::fmt::Write;
+use super::outlines;
 
 /// Where a text hangs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,19 +53,67 @@ impl Font {
 pub struct Svg {
     width: f64,
     height: f64,
-    body: String,
+    body: Vec<Piece>,
+}
+
+/// A piece of the body: text is kept apart, for it is written in two ways.
+#[derive(Debug, Clone)]
+enum Piece {
+    Markup(String),
+    Text(Text),
+}
+
+/// A line of text.
+#[derive(Debug, Clone)]
+pub(super) struct Text {
+    pub at: (f64, f64),
+    pub text: String,
+    pub font: Font,
+    pub anchor: Anchor,
+    pub turned: f64,
 }
 
 impl Svg {
     /// An empty picture on white ground.
     pub fn new(width: f64, height: f64) -> Self {
-        Self { width, height, body: String::new() }
+        Self { width, height, body: Vec::new() }
     }
 
     /// Adds an element whose attributes are ours (nothing of the user's may be in them).
     pub fn element(&mut self, name: &str, attributes: &str) {
-        // Writing to a string cannot fail.
-        let _ = writeln!(self.body, "<{name} {attributes}/>");
+        self.markup(format!("<{name} {attributes}/>\n"));
+    }
+
+    fn markup(&mut self, text: String) {
+        match self.body.last_mut() {
+            Some(Piece::Markup(body)) => body.push_str(&text),
+            _ => self.body.push(Piece::Markup(text)),
+        }
+    }
+
+    /// What `draw` draws becomes a group with these attributes (ours, like those of [`Self::element`]).
+    pub fn group(&mut self, attributes: &str, draw: impl FnOnce(&mut Self)) {
+        self.markup(format!("<g {attributes}>\n"));
+        draw(self);
+        self.markup("</g>\n".to_owned());
+    }
+
+    /// Puts another picture here, so many times as large.
+    pub fn place(&mut self, corner: (f64, f64), times: f64, other: Self) {
+        let transform = format!(r#"transform="translate({} {}) scale({times})""#, number(corner.0), number(corner.1));
+        self.group(&transform, |svg| {
+            for piece in other.body {
+                match piece {
+                    Piece::Markup(text) => svg.markup(text),
+                    text @ Piece::Text(_) => svg.body.push(text),
+                }
+            }
+        });
+    }
+
+    /// Width and height, px.
+    pub fn size(&self) -> (f64, f64) {
+        (self.width, self.height)
     }
 
     /// A straight line.
@@ -111,25 +159,24 @@ impl Svg {
 
     /// A line of text; `turned` by that many degrees about its point. Escaped here.
     pub fn text(&mut self, at: (f64, f64), text: &str, font: Font, anchor: Anchor, turned: f64) {
-        let (x, y) = (number(at.0), number(at.1));
-        let anchor = match anchor {
-            Anchor::Start => "",
-            Anchor::Middle => r#" text-anchor="middle""#,
-            Anchor::End => r#" text-anchor="end""#,
-        };
-        let weight = if font.bold { r#" font-weight="bold""# } else { "" };
-        let turn =
-            if turned == 0.0 { String::new() } else { format!(r#" transform="rotate({} {x} {y})""#, number(turned)) };
-        let (size, colour, text) = (number(font.size), font.colour, escaped(text));
-        let _ = writeln!(
-            self.body,
-            r#"<text x="{x}" y="{y}" font-size="{size}" fill="{colour}"{weight}{anchor}{turn}>{text}</text>"#
-        );
+        self.body.push(Piece::Text(Text { at, text: text.to_owned(), font, anchor, turned }));
     }
 
-    /// The whole file. `title` is what a screen reader says.
-    pub fn finish(self, title: &str) -> String {
-        let (width, height) = (number(self.width), number(self.height));
+    /// The finished picture. `title` is what a screen reader says.
+    pub fn picture(self, title: &str) -> Picture {
+        Picture { drawing: self, title: title.to_owned() }
+    }
+
+    /// The file, its texts written by `write`.
+    fn file(&self, title: &str, write: impl Fn(&Text) -> String) -> String {
+        let body: String = self
+            .body
+            .iter()
+            .map(|piece| match piece {
+                Piece::Markup(text) => text.clone(),
+                Piece::Text(text) => write(text),
+            })
+            .collect();
         format!(
             concat!(
                 r#"<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}" "#,
@@ -138,11 +185,58 @@ impl Svg {
                 r#"<rect x="0" y="0" width="{w}" height="{h}" fill="white"/>"#,
                 "\n{body}</svg>\n"
             ),
-            w = width,
-            h = height,
+            w = number(self.width),
+            h = number(self.height),
             title = escaped(title),
-            body = self.body,
+            body = body,
         )
+    }
+}
+
+/// A text element.
+fn text_element(text: &Text) -> String {
+    let (x, y) = (number(text.at.0), number(text.at.1));
+    let anchor = match text.anchor {
+        Anchor::Start => "",
+        Anchor::Middle => r#" text-anchor="middle""#,
+        Anchor::End => r#" text-anchor="end""#,
+    };
+    let weight = if text.font.bold { r#" font-weight="bold""# } else { "" };
+    let turn = if text.turned == 0.0 {
+        String::new()
+    } else {
+        format!(r#" transform="rotate({} {x} {y})""#, number(text.turned))
+    };
+    let (size, colour, words) = (number(text.font.size), text.font.colour, escaped(&text.text));
+    format!("<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" fill=\"{colour}\"{weight}{anchor}{turn}>{words}</text>\n")
+}
+
+/// A finished picture.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    drawing: Svg,
+    title: String,
+}
+
+/// Pixels of a PNG for a px of the drawing: sharp in print at the usual size.
+const PNG_SCALE: f32 = 2.0;
+
+impl Picture {
+    /// As an SVG file.
+    pub fn svg(&self) -> String {
+        self.drawing.file(&self.title, text_element)
+    }
+
+    /// As a PNG file, two pixels for a px; what went wrong, if it cannot be drawn.
+    pub fn png(&self) -> Result<Vec<u8>, String> {
+        let text = self.drawing.file(&self.title, outlines::path_elements);
+        let tree = resvg::usvg::Tree::from_str(&text, &resvg::usvg::Options::default()).map_err(|f| f.to_string())?;
+        let size = tree.size().to_int_size().scale_by(PNG_SCALE).ok_or("the picture is too large")?;
+        let mut pixels =
+            resvg::tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("the picture is too large")?;
+        let scale = resvg::tiny_skia::Transform::from_scale(PNG_SCALE, PNG_SCALE);
+        resvg::render(&tree, scale, &mut pixels.as_mut());
+        pixels.encode_png().map_err(|failure| failure.to_string())
     }
 }
 

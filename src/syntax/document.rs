@@ -206,9 +206,22 @@ pub struct IdentifyEntry {
     pub fit: Vec<String>,
     /// Names that keep their value.
     pub fixed: Vec<String>,
-    /// Basis by error name: `poly3`, `fourier2`, `spline8`.
+    /// Basis by error name: `poly3`, `fourier2`, `spline8`, `blocks4`; `spline` and `blocks` through given knots.
     #[schemars(schema_with = "super::schema::bases")]
     pub basis: IndexMap<String, String>,
+    /// Positions of knots by error name, for `spline` and `blocks`; the ends of the travel are added.
+    #[schemars(schema_with = "super::schema::knots")]
+    pub knots: IndexMap<String, Vec<Scalar>>,
+    /// Parameters of one's own: for every error that moves with it, the coefficients by rising power of its axis's
+    /// position (mm, rad; mm or deg).
+    #[schemars(schema_with = "super::schema::own_parameters")]
+    pub parameters: IndexMap<String, IndexMap<String, Vec<Scalar>>>,
+    /// Errors that follow others: `EBY: { EBX: -1 }` is EBY = -EBX.
+    #[schemars(schema_with = "super::schema::tied")]
+    pub tied: IndexMap<String, IndexMap<String, Scalar>>,
+    /// How steep a fitted curve is at most, about (standard deviation): `EXX: 20 um/m`.
+    #[schemars(schema_with = "super::schema::slopes")]
+    pub slopes: IndexMap<String, Scalar>,
 }
 
 /// Top-level keys.

@@ -13,6 +13,7 @@ mod places;
 mod read;
 mod scalar;
 mod schema;
+pub mod sheet;
 mod table;
 mod term;
 mod tree;

@@ -15,7 +15,7 @@ pub fn read_text(
     match files.read(path) {
         Ok(bytes) => {
             let text = decode(path, bytes, named, diagnostics)?;
-            Some((diagnostics.sources.add(shown(&path.display().to_string()), text.clone()), text))
+            Some(keep(path, text, diagnostics))
         }
         Err(failure) => {
             diagnostics.push(unreadable(path, &failure).at(named, ""));
@@ -24,7 +24,13 @@ pub fn read_text(
     }
 }
 
-fn unreadable(path: &Path, failure: &ReadFailure) -> Diagnostic {
+/// Keeps a text among the sources, without its byte order mark.
+pub(super) fn keep(path: &Path, text: String, diagnostics: &mut Diagnostics) -> (SourceId, String) {
+    let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
+    (diagnostics.sources.add(shown(&path.display().to_string()), text.clone()), text)
+}
+
+pub(super) fn unreadable(path: &Path, failure: &ReadFailure) -> Diagnostic {
     let file = format!("`{}`", shown(&path.display().to_string()));
     match failure {
         ReadFailure::NotFound => Diagnostic::new("E0101", format!("there is no file {file}"))
@@ -48,7 +54,7 @@ fn unreadable(path: &Path, failure: &ReadFailure) -> Diagnostic {
 fn decode(path: &Path, bytes: Vec<u8>, named: Option<Place>, diagnostics: &mut Diagnostics) -> Option<String> {
     let utf16 = bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]);
     match String::from_utf8(bytes) {
-        Ok(text) => Some(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text)),
+        Ok(text) => Some(text),
         Err(failure) => {
             let at = failure.utf8_error().valid_up_to();
             let line = failure.as_bytes()[..at].iter().filter(|b| **b == b'\n').count() + 1;

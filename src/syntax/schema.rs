@@ -283,7 +283,33 @@ pub fn generators(_: &mut SchemaGenerator) -> Schema {
 
 /// Basis by error name.
 pub fn bases(_: &mut SchemaGenerator) -> Schema {
-    json_schema!({ "type": "object", "additionalProperties": { "type": "string", "pattern": "^(poly|fourier|spline)[1-9][0-9]?$" } })
+    let pattern = "^((poly|fourier|spline|blocks)[1-9][0-9]?|spline|blocks)$";
+    json_schema!({ "type": "object", "additionalProperties": { "type": "string", "pattern": pattern } })
+}
+
+/// Positions by error name.
+pub fn knots(_: &mut SchemaGenerator) -> Schema {
+    let position = json!({ "type": ["number", "string"] });
+    json_schema!({ "type": "object", "additionalProperties": { "type": "array", "items": position } })
+}
+
+/// Coefficients by parameter and error name.
+pub fn own_parameters(_: &mut SchemaGenerator) -> Schema {
+    let powers = json!({ "type": "array", "items": { "type": "number" }, "minItems": 1, "maxItems": 10 });
+    let errors = json!({ "type": "object", "additionalProperties": powers, "minProperties": 1 });
+    json_schema!({ "type": "object", "additionalProperties": errors })
+}
+
+/// Error name, the error it follows, and a factor.
+pub fn tied(_: &mut SchemaGenerator) -> Schema {
+    let factor = json!({ "type": "number" });
+    let one = json!({ "type": "object", "additionalProperties": factor, "minProperties": 1, "maxProperties": 1 });
+    json_schema!({ "type": "object", "additionalProperties": one })
+}
+
+/// Slopes by error name.
+pub fn slopes(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "type": "object", "additionalProperties": { "type": "string" } })
 }
 
 /// Exactly one form of a curve; `interpolation` only beside points.

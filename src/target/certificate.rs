@@ -9,7 +9,8 @@ use super::replay::{Compensated, Replay};
 use super::{Controller, Target};
 use crate::compensation::{Capability, Correction, Jacobian, Lattice, Scope, Strongest, Tables, own_axis_tables};
 use crate::evaluate::{
-    Bare, Deviation, Field, Order, Statistics, Summary, error_by_error, random_poses, tool_axis_tilt,
+    Bare, Columns, Deviation, Field, Order, PoseColumns, Statistics, Summary, error_by_error, random_poses,
+    tool_axis_tilt,
 };
 use crate::machine::{Approach, AxisKind, ErrorId, ErrorTerm, Machine, Pose};
 use nalgebra::Vector3;
@@ -111,8 +112,18 @@ pub(super) fn worse_p95(machine: &Machine, of: impl Fn(Approach) -> Vec<Deviatio
 /// Poses for the figures of single errors: every one costs a cell of the lattice.
 pub(super) const MOST_SINGLE_POSES: usize = 200;
 
+/// Poses that are evaluated at once.
+const BLOCK: usize = 256;
+
 pub(super) fn deviations(field: &dyn Field, poses: &[Pose], approach: Approach) -> Vec<Deviation> {
-    poses.par_iter().map(|pose| field.deviation(pose, approach)).collect()
+    let axes = field.machine().axes().len();
+    let block = |poses: &[Pose]| {
+        let mut columns = Columns::new(poses.len());
+        let at = PoseColumns::of(axes, poses.iter().map(Vec::as_slice));
+        field.deviations(&at.batch(), approach, columns.output(poses.len()));
+        (0..poses.len()).map(|i| columns.get(i)).collect::<Vec<_>>()
+    };
+    poses.par_chunks(BLOCK).flat_map_iter(block).collect()
 }
 
 pub(super) fn figures(field: &dyn Field, poses: &[Pose], approach: Approach) -> Figures {

@@ -3,7 +3,7 @@
 
 use super::manifest::{Arithmetic, Controller};
 use crate::compensation::{Lattice, OwnAxisTable, Tables};
-use crate::evaluate::{Deviation, Field, commanded_deviation};
+use crate::evaluate::{Batch, Deviation, Field, Order, Output, Plan, PoseColumns, commanded_deviation};
 use crate::machine::{Approach, Machine};
 
 /// A controller with tables loaded.
@@ -135,5 +135,12 @@ impl Field for Compensated<'_> {
         let added = self.replay.added(pose, approach);
         let command: Vec<f64> = pose.iter().zip(&added).map(|(q, c)| q + c).collect();
         commanded_deviation(self.machine, pose, &command, approach)
+    }
+
+    fn deviations(&self, poses: &Batch<'_>, approach: Approach, out: Output<'_>) {
+        let mut added = PoseColumns::new(poses.axes().len());
+        (0..poses.len()).for_each(|i| added.push(&self.replay.added(&poses.pose(i), approach)));
+        // The plan is exact, and as many commands as poses: there is always an answer.
+        let _ = Plan::new(self.machine, Order::Exact, approach).commanded(poses, &added.batch(), out);
     }
 }

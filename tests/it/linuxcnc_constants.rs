@@ -188,6 +188,33 @@ fn manifests_that_cannot_be_are_refused() {
 }
 
 #[test]
+fn names_of_constants_must_fit() {
+    for (from, to) in [("C_xx, C_xy", "C_xx"), ("C_xx, C_xy", "C_xx, C_xx"), ("C_xx, C_xy", "C_xx, 'C xy'")] {
+        let folder = Folder::new();
+        copied(&folder, "linuxcnc-matrixkins", |text| text.replacen(from, to, 1));
+        let (out, templates) = (folder.path("out"), folder.path("").display().to_string());
+        let _ = compile(&config("gantry-3ax.yaml"), "mine", &out, &["--templates", &templates]).refused("E0703");
+    }
+}
+
+#[test]
+fn what_is_too_large_to_be_an_error_is_refused() {
+    let folder = Folder::new();
+    let out = folder.path("out");
+    for (errors, words) in [
+        ("  EXX: { polynomial: [5 mm] }\n", "a deviation of 5 mm is above the limit of 1 mm"),
+        ("  EAZ: { polynomial: [9 mrad] }\n", "a tilt of the tool by 9 mrad is above the limit of 5 mrad"),
+    ] {
+        let machine = three_axis(&folder, errors);
+        let _ = compile(&machine, "linuxcnc-kins", &out, &[]).refused("E0602").says(words);
+        assert!(!out.exists());
+        let run = compile(&machine, "linuxcnc-kins", &out, &["--max-correction", "20 mm, 10 mrad"]);
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        std::fs::remove_dir_all(&out).unwrap();
+    }
+}
+
+#[test]
 fn templates_that_write_something_else_are_noticed() {
     let folder = Folder::new();
     copied(&folder, "linuxcnc-kins", |text| text);

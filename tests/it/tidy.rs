@@ -162,6 +162,26 @@ fn only_the_command_line_prints_and_touches_files() {
     assert!(wrong.is_empty(), "outside cli:\n{}", wrong.join("\n"));
 }
 
+/// The one file whose head says why its unsafe code is sound.
+const UNSAFE: &str = "src/evaluate/plan/lanes.rs";
+
+#[test]
+fn unsafe_code_is_in_one_file_with_its_reasons() {
+    let word = |line: &str| {
+        line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == "unsafe" || w == "unsafe_code")
+    };
+    let mut wrong = Vec::new();
+    for (path, text) in sources().into_iter().filter(|(path, _)| path != Path::new(UNSAFE)) {
+        wrong.extend(
+            code_lines(&text).filter(|(_, line)| word(line)).map(|(number, _)| format!("{}:{number}", path.display())),
+        );
+    }
+    assert!(wrong.is_empty(), "unsafe code outside {UNSAFE}:\n{}", wrong.join("\n"));
+    let text = std::fs::read_to_string(UNSAFE).unwrap();
+    assert!(text.contains("Why the unsafe code is sound") && text.contains("// SAFETY:"));
+    assert!(text.lines().count() < 500, "no longer a small file");
+}
+
 #[test]
 fn every_code_in_the_sources_is_explained() {
     let known: Vec<&str> = abbe::diagnostic::CODES.iter().map(|code| code.code).collect();

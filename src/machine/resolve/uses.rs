@@ -5,14 +5,14 @@ use super::axes::Declared;
 use super::context::Context;
 use super::errors::named;
 use crate::diagnostic::shown;
-use crate::machine::AxisName;
 use crate::machine::algebra::{AlgebraChoice, named_monomial};
+use crate::machine::{AxisName, parse_error_name};
 use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, below, keys};
 
 /// Groups that may be fitted.
 const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
 /// Families of basis functions, each with its order behind it.
-const BASES: [&str; 3] = ["poly", "fourier", "spline"];
+const BASES: [&str; 4] = ["poly", "fourier", "spline", "blocks"];
 
 /// Which errors there may be.
 pub struct Known<'a> {
@@ -89,15 +89,17 @@ fn vanishing(context: &mut Context<'_>, known: &Known<'_>, monomial: &str, names
 /// The section `identify`.
 pub fn identify(context: &mut Context<'_>, known: &Known<'_>) {
     let Some(entry) = &context.document.identify else { return };
+    let knotted = |name: &str| entry.knots.keys().any(|key| parse_error_name(key) == parse_error_name(name));
     for (key, list) in [("fit", &entry.fit), ("fixed", &entry.fixed)] {
         for (i, text) in list.iter().enumerate() {
             let at = below(&keys(["identify", key]), i);
             let (name, form) = text.split_once(':').map_or((text.as_str(), None), |(n, f)| (n, Some(f)));
             if let Some(form) = form {
-                basis(context, form, &at);
+                basis(context, form, knotted(undirected(name)), &at);
             }
-            if !GROUPS.contains(&name) {
-                fit(context, known, name, &at);
+            let own = entry.parameters.contains_key(name);
+            if !GROUPS.contains(&name) && !own {
+                fit(context, known, undirected(name), &at);
             }
         }
     }
@@ -105,8 +107,26 @@ pub fn identify(context: &mut Context<'_>, known: &Known<'_>) {
         let at = keys(["identify", "basis", name]);
         let place = context.document.places.key(&at);
         let _ = named(context, name, known, place);
-        basis(context, form, &at);
+        basis(context, form, knotted(name), &at);
     }
+    let leaders = entry.tied.iter().flat_map(|(name, leaders)| {
+        std::iter::once((keys(["identify", "tied", name]), name))
+            .chain(leaders.keys().map(move |leader| (keys(["identify", "tied", name, leader]), leader)))
+    });
+    let moved = entry.parameters.iter().flat_map(|(name, errors)| {
+        errors.keys().map(move |error| (keys(["identify", "parameters", name, error]), error))
+    });
+    let knots = entry.knots.keys().map(|name| (keys(["identify", "knots", name]), name));
+    let slopes = entry.slopes.keys().map(|name| (keys(["identify", "slopes", name]), name));
+    for (at, name) in leaders.chain(moved).chain(knots).chain(slopes).collect::<Vec<_>>() {
+        let place = context.document.places.key(&at);
+        let _ = named(context, name, known, place);
+    }
+}
+
+/// An error's name without the direction of approach that may stand behind it.
+fn undirected(name: &str) -> &str {
+    ["+-", "+", "-"].iter().find_map(|sign| name.strip_suffix(sign)).unwrap_or(name).trim()
 }
 
 /// A word near a group is meant as one.
@@ -120,8 +140,11 @@ fn fit(context: &mut Context<'_>, known: &Known<'_>, name: &str, at: &Keys) {
     }
 }
 
-/// `poly3`, `fourier2`, `spline8`.
-fn basis(context: &mut Context<'_>, form: &str, at: &Keys) {
+/// `poly3`, `fourier2`, `spline8`, `blocks4`; `spline` and `blocks` alone where `knots` has some.
+fn basis(context: &mut Context<'_>, form: &str, knotted: bool, at: &Keys) {
+    if knotted && ["spline", "blocks"].contains(&form.trim()) {
+        return;
+    }
     let order = BASES.iter().find_map(|family| form.trim().strip_prefix(family));
     if !order.and_then(|o| o.parse::<u8>().ok()).is_some_and(|o| (1..=50).contains(&o)) {
         let message = format!("`{}` is not a basis", shown(form));
@@ -129,7 +152,7 @@ fn basis(context: &mut Context<'_>, form: &str, at: &Keys) {
             "E0215",
             at,
             message,
-            "write poly3 (powers 0 to 3), fourier2 (orders 0 to 2) or spline8 (8 knots)",
+            "write poly3 (powers 0 to 3), fourier2 (orders 0 to 2), spline8 (8 knots) or blocks4 (4 blocks)",
         );
     }
 }

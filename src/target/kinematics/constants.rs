@@ -12,13 +12,6 @@ use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 /// Poses to which constants are fitted.
 const POSES: usize = 1000;
 
-/// Names of the matrix's parameters, row by row.
-pub const MATRIX: [&str; 9] = ["C_xx", "C_xy", "C_xz", "C_yx", "C_yy", "C_yz", "C_zx", "C_zy", "C_zz"];
-
-/// Names of a tilting table's pins.
-pub const PINS: [&str; 7] =
-    ["x-rot-point", "y-rot-point", "z-rot-point", "x-offset", "y-offset", "z-offset", "tool-offset"];
-
 /// joint = C axis, for X, Y, Z.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearMap {
@@ -69,13 +62,13 @@ fn xyz(machine: &Machine, letters: &[(usize, usize)]) -> Option<[usize; 3]> {
     Some([find(0)?, find(1)?, find(2)?])
 }
 
-/// The lines of a tilting table A or B with a table C on it: the controller's pins, mm.
+/// The lines of a tilting table A or B with a table C on it, mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Centres {
     /// 0 if the table tilts about X (A), 1 if about Y (B).
     pub tilt: usize,
-    /// In the order of [`PINS`].
-    pub pins: [f64; 7],
+    /// A point of C's line, the way from it to the tilting line, the length of the tool.
+    pub lines: [f64; 7],
     /// Index in the walk of X, Y and Z.
     axes: [usize; 3],
     /// Index in the walk of C and of the tilting axis.
@@ -86,7 +79,7 @@ impl Centres {
     /// The nominal lines, moved so that they leave least of the deviation (least squares).
     pub fn fitted(machine: &Machine, letters: &[(usize, usize)]) -> Result<Self, Diagnostic> {
         let nominal = Self::nominal(machine, letters).ok_or_else(|| {
-            Diagnostic::new("E0751", "xyzac-trt-kins and xyzbc-trt-kins are for a table C on a tilting table A or B, X, Y, Z along the machine axes, and tables that turn right-handed")
+            Diagnostic::new("E0751", "this kinematics module is for a table C on a tilting table A or B, X, Y, Z along the machine axes, and tables that turn right-handed")
                 .help("a chain such as \"w C' A' b X Y Z t\" with `sense: direct` for A and C; for other machines take the target linuxcnc-kins")
         })?;
         let bare = Bare { machine, order: Order::Exact };
@@ -121,7 +114,7 @@ impl Centres {
         let tool = machine.tool();
         let (c, t) = (machine.axes()[0].origin, machine.axes()[1].origin);
         let offset: [f64; 3] = std::array::from_fn(|i| if i == tilt { 0.0 } else { t[i] - c[i] });
-        let pins = [
+        let lines = [
             c[0] - tool.tip[0],
             c[1] - tool.tip[1],
             c[2] - tool.gauge[2],
@@ -130,12 +123,12 @@ impl Centres {
             offset[2],
             tool.gauge[2] - tool.tip[2],
         ];
-        Some(Self { tilt, pins, axes, rotary })
+        Some(Self { tilt, lines, axes, rotary })
     }
 
     /// The centre of C and the way from it to the tilting axis, tool included.
-    fn lines(&self) -> (Vector3<f64>, Vector3<f64>) {
-        let [x, y, z, dx, dy, dz, tool] = self.pins;
+    fn centre_and_offset(&self) -> (Vector3<f64>, Vector3<f64>) {
+        let [x, y, z, dx, dy, dz, tool] = self.lines;
         (Vector3::new(x, y, z), Vector3::new(dx, dy, dz + tool))
     }
 
@@ -148,7 +141,7 @@ impl Centres {
 
     /// What the module sends to the joints for a tip: p = R + Rc (D + Rt (J - D - R)) solved for J.
     pub fn command(&self, tip: &Vector3<f64>, pose: &[f64]) -> Vec<f64> {
-        let (centre, offset) = self.lines();
+        let (centre, offset) = self.centre_and_offset();
         let [c, tilt] = self.turns(pose);
         let joints = centre + offset + tilt.transpose() * (c.transpose() * (tip - centre) - offset);
         let mut command = pose.to_vec();
@@ -165,16 +158,16 @@ impl Centres {
 
     fn shifted(mut self, shift: &Vector4<f64>) -> Self {
         let across = 1 - self.tilt;
-        self.pins[0] += shift[0];
-        self.pins[1] += shift[1];
-        // The pins say the tilting line from the centre of C.
-        self.pins[3 + across] += shift[2] - shift[across];
-        self.pins[5] += shift[3];
+        self.lines[0] += shift[0];
+        self.lines[1] += shift[1];
+        // The tilting line is said from the centre of C.
+        self.lines[3 + across] += shift[2] - shift[across];
+        self.lines[5] += shift[3];
         self
     }
 
     pub(super) fn rounded(mut self, decimals: u8) -> Self {
-        self.pins = self.pins.map(|x| round(x, decimals));
+        self.lines = self.lines.map(|x| round(x, decimals));
         self
     }
 }

@@ -1,7 +1,6 @@
 //! The resolved machine as data for templates. Numbers arrive as text that reads back as the same
 //! double; constants as plain decimals.
 
-use super::constants::{MATRIX, PINS};
 use super::data::{CurveData, Joint, Model, WORLD};
 use super::{Carried, KinematicsMechanism};
 use crate::machine::{Axis, Machine, Travel};
@@ -24,14 +23,14 @@ const MARGIN: f64 = 1.0;
 pub fn context(machine: &Machine, carried: &Carried, mechanism: &KinematicsMechanism) -> Value {
     match carried {
         Carried::FullModel(model) => full_model(machine, model, mechanism),
-        Carried::LinearMap(map) => constants(&MATRIX, &map.matrix, mechanism, "none"),
-        Carried::RotaryCentres(centres) => constants(&PINS, &centres.pins, mechanism, ["a", "b"][centres.tilt.min(1)]),
+        Carried::LinearMap(map) => constants(&map.matrix, mechanism, "none"),
+        Carried::RotaryCentres(centres) => constants(&centres.lines, mechanism, ["a", "b"][centres.tilt.min(1)]),
     }
 }
 
-fn constants(names: &[&str], values: &[f64], mechanism: &KinematicsMechanism, tilt: &str) -> Value {
+fn constants(values: &[f64], mechanism: &KinematicsMechanism, tilt: &str) -> Value {
     let text = |value: &f64| fixed(*value, mechanism.increment.correction_decimals);
-    let all = names.iter().zip(values).map(|(name, value)| context! { name => *name, value => text(value) });
+    let all = mechanism.constants.iter().zip(values).map(|(name, value)| context! { name, value => text(value) });
     context! { constants => all.collect::<Vec<_>>(), tilt }
 }
 

@@ -1,7 +1,6 @@
 //! The files of a kinematics module, written and read back.
 
 use super::arrays::{Arrays, Fault};
-use super::constants::{MATRIX, PINS};
 use super::context::context;
 use super::data::{CurveData, Form, Joint, Model};
 use super::{Carried, Carries};
@@ -51,18 +50,19 @@ impl Target {
             );
             return None;
         };
+        let names = self.manifest.kinematics().map_or(&[][..], |mechanism| &mechanism.constants);
         let read = match (&spec.layout, meant) {
             (Some(Layout::CArrays), Carried::FullModel(meant)) => {
                 Arrays::read(text).and_then(|arrays| model(&arrays, machine, meant)).map(Carried::FullModel)
             }
-            (Some(Layout::HalConstants), Carried::LinearMap(meant)) => set_constants(text, &MATRIX).map(|matrix| {
+            (Some(Layout::HalConstants), Carried::LinearMap(meant)) => set_constants(text, names).map(|matrix| {
                 let mut map = meant.clone();
                 map.matrix = matrix;
                 Carried::LinearMap(map)
             }),
-            (Some(Layout::HalConstants), Carried::RotaryCentres(meant)) => set_constants(text, &PINS).map(|pins| {
+            (Some(Layout::HalConstants), Carried::RotaryCentres(meant)) => set_constants(text, names).map(|pins| {
                 let mut centres = meant.clone();
-                centres.pins = pins;
+                centres.lines = pins;
                 Carried::RotaryCentres(centres)
             }),
             _ => Err(Fault { line: 0, message: "the manifest's layout is none of its mechanism".to_owned() }),
@@ -87,7 +87,7 @@ pub fn layout_fits(carries: Carries, layout: &Layout) -> bool {
 }
 
 /// `setp COMPONENT.NAME VALUE` lines, each name once; comments and blank lines are left alone.
-fn set_constants<const N: usize>(text: &str, names: &[&str; N]) -> Result<[f64; N], Fault> {
+fn set_constants<const N: usize>(text: &str, names: &[String]) -> Result<[f64; N], Fault> {
     let mut found = [None; N];
     for (line, words) in text.lines().enumerate().map(|(n, line)| (n, line.split('#').next().unwrap_or(""))) {
         let fault = |message: String| Fault { line, message };

@@ -1,11 +1,19 @@
-//! The error plane: a colour map of the deviation over two linear axes, with arrows.
+//! The error plane: the deviation over two linear axes as a colour map with arrows, or as a deformed grid;
+//! two states side by side.
 
-use super::scale::{rising, round_step, signed, tick_text, ticks};
-use super::svg::{Anchor, FAINT, Font, INK, Svg, fitted, number, polygon, wrapped};
+mod bands;
+mod deformed;
+mod sides;
+
+pub use sides::before_after;
+
+use super::scale::{round_step, tick_text, ticks};
+use super::svg::{Anchor, Font, INK, Picture, Svg, fitted, polygon, wrapped};
 use crate::analysis::{Plane, View};
 use crate::evaluate::{Frame, Order};
 use crate::machine::{Approach, Machine};
 use crate::units::significant;
+use bands::Bands;
 
 /// What the colours show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,6 +22,16 @@ pub enum Shown {
     Length,
     /// One component of it: 0, 1, 2 for x, y, z of the frame.
     Component(usize),
+}
+
+/// How the plane is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Drawn {
+    /// A colour map, with arrows.
+    #[default]
+    Colours,
+    /// The nominal grid, and the same displaced.
+    Grid,
 }
 
 /// A plane to be drawn, and how it was computed.
@@ -29,6 +47,13 @@ pub struct PlanePicture<'a> {
     pub order: Order,
     /// What the colours show.
     pub shown: Shown,
+    /// How it is drawn.
+    pub drawn: Drawn,
+    /// What is said of the machine's state, such as `after compensation by linuxcnc`; may be empty.
+    pub state: &'a str,
+    /// The plane (perhaps this one) whose colours, from zero, and exaggeration are shared by pictures that are
+    /// to be compared; `None` for a scale of its own.
+    pub like: Option<&'a Plane>,
 }
 
 const WIDTH: f64 = 880.0;
@@ -38,32 +63,51 @@ const WIDEST: f64 = 640.0;
 const HIGHEST: f64 = 560.0;
 /// Least height of the colour bar.
 const BAR: f64 = 150.0;
-/// Bands of colour, at most.
-const BANDS: usize = 14;
 /// Arrows along the longer side, about.
 const ARROWS: f64 = 13.0;
 
 impl PlanePicture<'_> {
     /// The picture as an SVG file.
     pub fn svg(&self) -> String {
-        let values = self.values();
-        let bands = Bands::new(&values, self.shown);
+        self.picture().svg()
+    }
+
+    /// The picture.
+    pub fn picture(&self) -> Picture {
+        self.draw().picture(&format!("{}: {}", self.title(), self.subtitle()))
+    }
+
+    fn draw(&self) -> Svg {
+        let values = self.values(self.plane);
+        let mut scaled = self.values(self.reference());
+        scaled.extend(self.like.map(|_| 0.0));
+        let bands = Bands::new(&scaled, self.shown);
         let scale = self.scale();
-        let notes: Vec<String> =
-            self.notes(&values, self.exaggeration(scale)).iter().flat_map(|note| wrapped(note, 118)).collect();
+        let exaggeration = self.exaggeration(scale);
+        let notes: Vec<String> = self.notes(&values, exaggeration).iter().flat_map(|note| wrapped(note, 106)).collect();
         let area = self.area(scale);
         let below = TOP + area.1.max(BAR) + 66.0;
-        let mut svg = Svg::new(WIDTH, below + 17.0 * notes.len() as f64 + 8.0);
+        let mut svg = Svg::new(WIDTH, below + 18.5 * notes.len() as f64 + 8.0);
         svg.text((LEFT, 32.0), &fitted(&self.title(), 70), Font::bold(18.0), Anchor::Start, 0.0);
-        svg.text((LEFT, 54.0), &fitted(&self.subtitle(), 100), Font::faint(13.0), Anchor::Start, 0.0);
-        self.fill(&mut svg, &values, &bands, scale);
-        self.arrows(&mut svg, scale);
-        self.frame(&mut svg, scale);
-        bands.bar(&mut svg, (LEFT + area.0 + 34.0, TOP), area.1.max(BAR), &self.quantity());
-        for (i, note) in notes.iter().enumerate() {
-            svg.text((LEFT, below + 17.0 * i as f64), note, Font::plain(12.0), Anchor::Start, 0.0);
+        svg.text((LEFT, 54.0), &fitted(&self.subtitle(), 100), Font::faint(14.0), Anchor::Start, 0.0);
+        match self.drawn {
+            Drawn::Colours => {
+                self.fill(&mut svg, &values, &bands, scale);
+                svg.group(r#"class="on-colour""#, |svg| self.arrows(svg, scale));
+                bands.bar(&mut svg, (LEFT + area.0 + 34.0, TOP), area.1.max(BAR), &self.quantity());
+            }
+            Drawn::Grid => self.deformed(&mut svg, scale, exaggeration),
         }
-        svg.finish(&format!("{}: {}", self.title(), self.subtitle()))
+        self.frame(&mut svg, scale);
+        for (i, note) in notes.iter().enumerate() {
+            svg.text((LEFT, below + 18.5 * i as f64), note, Font::plain(13.5), Anchor::Start, 0.0);
+        }
+        svg
+    }
+
+    /// The plane that sets colours and exaggeration.
+    fn reference(&self) -> &Plane {
+        self.like.unwrap_or(self.plane)
     }
 
     fn axis(&self, k: usize) -> &str {
@@ -94,12 +138,12 @@ impl PlanePicture<'_> {
     }
 
     /// In um, node by node.
-    fn values(&self) -> Vec<f64> {
+    fn values(&self, plane: &Plane) -> Vec<f64> {
         let value = |d: &crate::evaluate::Deviation| match self.shown {
             Shown::Length => d.position.norm(),
             Shown::Component(k) => d.position[k.min(2)],
         };
-        self.plane.deviations.iter().map(|d| value(d) * 1e3).collect()
+        plane.deviations.iter().map(|d| value(d) * 1e3).collect()
     }
 
     fn quantity(&self) -> String {
@@ -119,7 +163,8 @@ impl PlanePicture<'_> {
         let text: Vec<String> =
             held.map(|(_, (axis, q))| format!("{} = {} {}", axis.name, significant(*q, 7), axis.unit())).collect();
         let at = if text.is_empty() { String::new() } else { format!(" at {}", text.join(", ")) };
-        format!("Deviation over the {}-{} plane{at}", self.axis(0), self.axis(1))
+        let state = if self.state.is_empty() { String::new() } else { format!(", {}", self.state) };
+        format!("Deviation over the {}-{} plane{at}{state}", self.axis(0), self.axis(1))
     }
 
     fn notes(&self, values: &[f64], exaggeration: Option<f64>) -> Vec<String> {
@@ -143,21 +188,36 @@ impl PlanePicture<'_> {
                 format!("component of the deviation d along {} of the {frame} frame", ["x", "y", "z"][k.min(2)])
             }
         };
-        let arrows = exaggeration.map_or("No deviation within the plane.".to_owned(), |e| {
-            let [right, times] = [self.axis(0).to_owned(), thousands(e)];
-            format!("Arrows: the part of d within the plane, {times} times as long as it is; to the right is too far in +{right}.")
-        });
+        let drawn = exaggeration.map_or("No deviation within the plane.".to_owned(), |e| self.drawn_note(e));
         let tool = if self.machine.tool().name.is_empty() {
             String::new()
         } else {
             format!(", tool {}", self.machine.tool().name)
         };
+        let first = if self.drawn == Drawn::Colours { "Colour" } else { "In all directions" };
+        let shared = if self.like.is_some_and(|like| !std::ptr::eq(like, self.plane)) {
+            " Colours and factor are those of the first picture."
+        } else {
+            ""
+        };
         vec![
-            format!("Colour: {colour}; {}.", self.largest(values)),
+            format!("{first}: {colour}; {}.{shared}", self.largest(values)),
             "Sign: actual minus nominal position of the functional point, tool relative to workpiece.".to_owned(),
-            arrows,
+            drawn,
             format!("Frame: {frame}, {order}, {approach}{tool}."),
         ]
+    }
+
+    fn drawn_note(&self, exaggeration: f64) -> String {
+        let [right, times] = [self.axis(0).to_owned(), thousands(exaggeration)];
+        match self.drawn {
+            Drawn::Colours => format!(
+                "Arrows: the part of d within the plane, {times} times as long as it is; to the right is too far in +{right}."
+            ),
+            Drawn::Grid => format!(
+                "Grey: nominal grid; blue: displaced by the part of d within the plane, {times} times as far as it is; to the right is too far in +{right}."
+            ),
+        }
     }
 
     fn largest(&self, values: &[f64]) -> String {
@@ -245,25 +305,25 @@ impl PlanePicture<'_> {
         for value in ticks(self.plane.intervals[0], step) {
             let (x, y) = (self.at(scale, (value, 0.0)).0, TOP + height);
             svg.line((x, y), (x, y + 5.0), &tick);
-            svg.text((x, y + 19.0), &tick_text(value, step), Font::plain(12.0), Anchor::Middle, 0.0);
+            svg.text((x, y + 19.0), &tick_text(value, step), Font::plain(13.0), Anchor::Middle, 0.0);
         }
         let step = round_step(self.span(1), ((height / 50.0) as usize).clamp(1, 8));
         for value in ticks(self.plane.intervals[1], step) {
             let y = self.at(scale, (0.0, value)).1;
             svg.line((LEFT - 5.0, y), (LEFT, y), &tick);
-            svg.text((LEFT - 9.0, y + 4.0), &tick_text(value, step), Font::plain(12.0), Anchor::End, 0.0);
+            svg.text((LEFT - 9.0, y + 4.0), &tick_text(value, step), Font::plain(13.0), Anchor::End, 0.0);
         }
         svg.text(
             (LEFT + width / 2.0, TOP + height + 40.0),
             &format!("{} in mm", self.axis(0)),
-            Font::plain(13.0),
+            Font::plain(14.0),
             Anchor::Middle,
             0.0,
         );
         svg.text(
             (22.0, TOP + height / 2.0),
             &format!("{} in mm", self.axis(1)),
-            Font::plain(13.0),
+            Font::plain(14.0),
             Anchor::Middle,
             -90.0,
         );
@@ -288,7 +348,11 @@ impl PlanePicture<'_> {
 
     /// A round factor that makes the longest arrow about as long as their distance.
     fn exaggeration(&self, scale: f64) -> Option<f64> {
-        let length = |node| libm::hypot(self.in_plane(node)[0], self.in_plane(node)[1]);
+        let of = self.reference();
+        let length = |(i, j): (usize, usize)| {
+            let [u, v] = of.in_plane[j * of.counts[0] + i];
+            libm::hypot(u, v)
+        };
         let longest = self.arrow_nodes().into_iter().map(length).fold(0.0, f64::max);
         let intervals = (self.plane.counts[0].max(self.plane.counts[1]) - 1) as f64;
         let distance = self.span(0).max(self.span(1)) / intervals * self.stride() as f64;
@@ -336,69 +400,4 @@ fn thousands(value: f64) -> String {
         text.push(digit);
     }
     text
-}
-
-/// Bands of colour between round levels.
-struct Bands {
-    first: f64,
-    step: f64,
-    count: usize,
-    signed: bool,
-}
-
-impl Bands {
-    fn new(values: &[f64], shown: Shown) -> Self {
-        let (min, max) =
-            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), v| (min.min(*v), max.max(*v)));
-        let signed = shown != Shown::Length;
-        let (min, max) = if max >= min { (min, max) } else { (0.0, 0.0) };
-        // Differences below a tenth of a nanometre are rounding, not errors.
-        let step = round_step((max - min).max(1e-4), BANDS - 2);
-        let first = libm::floor(min / step + 1e-9) * step;
-        let count = libm::ceil((max - first) / step - 1e-9).clamp(1.0, 3.0 * BANDS as f64) as usize;
-        Self { first, step, count, signed }
-    }
-
-    fn count(&self) -> usize {
-        self.count
-    }
-
-    fn level(&self, band: usize) -> f64 {
-        self.first + self.step * band as f64
-    }
-
-    fn colour(&self, band: usize) -> String {
-        let middle = self.level(band) + 0.5 * self.step;
-        if self.signed {
-            let largest = self.level(0).abs().max(self.level(self.count).abs());
-            signed(middle / largest.max(self.step))
-        } else {
-            rising((band as f64 + 0.5) / self.count as f64)
-        }
-    }
-
-    fn bar(&self, svg: &mut Svg, corner: (f64, f64), height: f64, quantity: &str) {
-        let band = height / self.count as f64;
-        // Every how many levels there is a number; zero has one.
-        let every = self.count.div_ceil((height / 18.0) as usize).max(1);
-        for k in 0..=self.count {
-            let y = corner.1 + height - band * k as f64;
-            if k < self.count {
-                svg.rect((corner.0, y - band), (18.0, band), &format!(r#"fill="{}""#, self.colour(k)));
-            }
-            if ((self.level(k) / self.step).round() as i64) % every as i64 == 0 {
-                svg.line((corner.0 + 18.0, y), (corner.0 + 23.0, y), &format!(r#"stroke="{INK}""#));
-                svg.text(
-                    (corner.0 + 27.0, y + 4.0),
-                    &tick_text(self.level(k), self.step),
-                    Font::plain(12.0),
-                    Anchor::Start,
-                    0.0,
-                );
-            }
-        }
-        let outline = format!(r#"fill="none" stroke="{FAINT}" stroke-width="{}""#, number(0.8));
-        svg.rect(corner, (18.0, height), &outline);
-        svg.text((corner.0 + 78.0, corner.1 + height / 2.0), quantity, Font::plain(13.0), Anchor::Middle, -90.0);
-    }
 }

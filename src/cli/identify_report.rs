@@ -1,0 +1,167 @@
+//! What `abbe identify` prints.
+
+use super::session::Session;
+use crate::identify::{Estimate, Fit, Measurement, Parameter, Randomness, Residuals, Solution};
+use crate::machine::Machine;
+use crate::units::significant;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// What is printed.
+pub(super) struct Report<'a> {
+    pub machine: &'a Machine,
+    /// The machine's parameters first.
+    pub unknowns: &'a [Parameter],
+    /// How many are the machine's.
+    pub own: usize,
+    pub data: &'a [Measurement],
+    pub solution: Solution,
+    pub residuals: Residuals,
+    pub randomness: Vec<Randomness>,
+    pub held_out: Option<f64>,
+    pub repeatability: Option<(f64, usize)>,
+    pub fit: &'a Fit,
+}
+
+fn um(mm: f64) -> f64 {
+    mm * 1e3
+}
+
+impl Report<'_> {
+    fn rows(&self) -> usize {
+        self.fit.reduced.rows
+    }
+
+    fn estimates(&self) -> impl Iterator<Item = (&Parameter, &Estimate)> {
+        self.unknowns.iter().zip(&self.solution.estimates)
+    }
+
+    /// Where the numbers of the fitted file come from. No date: the same input gives the same bytes.
+    pub fn provenance(&self, data: &[PathBuf]) -> Vec<(String, String)> {
+        let name = |path: &PathBuf| path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let tame = |text: String| crate::diagnostic::shown(&text).chars().take(180).collect::<String>();
+        let files: Vec<String> = data.iter().map(name).collect();
+        let fit = format!(
+            "rank {} of {} parameters from {} readings; rms {} um before, {} um after",
+            self.solution.rank,
+            self.unknowns.len(),
+            self.rows(),
+            significant(um(self.residuals.before), 5),
+            significant(um(self.residuals.after), 5)
+        );
+        vec![
+            ("identified-by".to_owned(), format!("abbe {}", env!("CARGO_PKG_VERSION"))),
+            ("identified-from".to_owned(), tame(files.join(", "))),
+            ("identified-fit".to_owned(), fit),
+        ]
+        .into_iter()
+        .filter(|(key, _)| !self.machine.provenance().entries.iter().any(|(known, _)| known == key))
+        .collect()
+    }
+
+    pub fn json(&self, session: &Session) -> serde_json::Value {
+        let parameter = |(p, e): (&Parameter, &Estimate)| json!({"name": p.name, "value": p.shown(e.value) + 0.0, "sigma": e.sigma.map(|s| p.shown(s)), "unit": p.unit, "valuation": e.valuation});
+        let outlier = |o: &crate::identify::Outlier| json!({"place": self.place(session, o.row), "residual_um": um(o.residual), "deviations": o.deviations});
+        let (s, r) = (&self.solution, &self.residuals);
+        json!({
+            "rows": self.rows(), "points": self.data.len(),
+            "parameters": self.estimates().take(self.own).map(parameter).collect::<Vec<_>>(),
+            "instruments": self.estimates().skip(self.own).map(parameter).collect::<Vec<_>>(),
+            "rank": s.rank, "unknowns": self.unknowns.len(), "well_determined": s.well_determined,
+            "null_space": s.null_space, "drowned": s.drowned, "condition": s.condition, "valuation": s.valuation,
+            "singular_values": s.singular_values,
+            "rms_um": {"before": um(r.before), "after": um(r.after), "held_out": self.held_out.map(um)},
+            "sigma_um": um(s.sigma), "degrees_of_freedom": s.freedom,
+            "repeatability_um": self.repeatability.map(|(s, _)| um(s)),
+            "orders_um": {"first": um(r.parts[0]), "second": um(r.parts[1]), "higher": um(r.parts[2]),
+                          "left_by_first": um(r.left[0]), "left_by_second": um(r.left[1])},
+            "kinds": r.kinds.iter().map(|(kind, rows, rms)| json!({"kind": kind.word(), "rows": rows, "rms_um": um(*rms)})).collect::<Vec<_>>(),
+            "residual_tests": self.randomness.iter().map(|t| json!({"of": t.name(), "count": t.count, "normality": t.normality, "runs": t.runs, "lag1": t.lag1})).collect::<Vec<_>>(),
+            "outliers": r.outliers.iter().map(outlier).collect::<Vec<_>>(),
+            "steps": self.fit.steps, "settled": self.fit.settled,
+        })
+    }
+
+    fn place(&self, session: &Session, row: usize) -> String {
+        let place = &self.data[row].place;
+        let sources = &session.diagnostics.sources;
+        format!("{}:{}", sources.name(place.source), sources.line_column(place).0)
+    }
+
+    pub fn csv(&self) -> String {
+        let row = |(p, e): (&Parameter, &Estimate)| {
+            let sigma = e.sigma.map_or_else(String::new, |s| p.shown(s).to_string());
+            format!("{},{},{sigma},{}", p.name, p.shown(e.value) + 0.0, p.unit)
+        };
+        std::iter::once("name,value,sigma,unit".to_owned())
+            .chain(self.estimates().map(row))
+            .collect::<Vec<_>>()
+            .join("\n")
+    }
+
+    pub fn text(&self, session: &Session) -> String {
+        let mut table = comfy_table::Table::new();
+        let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN);
+        let _ = table.set_header(["parameter", "value", "1 sigma", "unit"]);
+        for (p, e) in self.estimates() {
+            let sigma = e.sigma.map_or_else(|| "free".to_owned(), |s| significant(p.shown(s), 2));
+            let _ = table.add_row([p.name.clone(), significant(p.shown(e.value), 5), sigma, p.unit.clone()]);
+        }
+        format!("{}: fitted to {} points\n{table}\n{}", self.machine.name(), self.data.len(), self.summary(session))
+    }
+
+    fn summary(&self, session: &Session) -> String {
+        let (s, r) = (&self.solution, &self.residuals);
+        let n = |mm: f64| significant(um(mm), 5);
+        let mut text = format!(
+            "rank       {} of {} unknowns from {} readings, {} well determined, condition {}, valuation {}\n\
+             rms        {} um before, {} um after; {} um per reading\n\
+             orders     first {} um, second {} um, higher {} um; first alone leaves {} um, with the second {} um\n",
+            s.rank,
+            self.unknowns.len(),
+            self.rows(),
+            s.well_determined,
+            significant(s.condition, 3),
+            significant(s.valuation, 3),
+            n(r.before),
+            n(r.after),
+            n(s.sigma),
+            n(r.parts[0]),
+            n(r.parts[1]),
+            n(r.parts[2]),
+            n(r.left[0]),
+            n(r.left[1]),
+        );
+        if r.kinds.len() > 1 {
+            let parts = r.kinds.iter().map(|(kind, rows, rms)| format!("{} um of {rows} {}", n(*rms), kind.word()));
+            text += &format!("kinds      {}\n", parts.collect::<Vec<_>>().join(", "));
+        }
+        for t in &self.randomness {
+            text += &format!(
+                "noise      {}: normal p = {}, signs by chance p = {}, correlation with the one before {}\n",
+                t.name(),
+                significant(t.normality, 2),
+                significant(t.runs, 2),
+                significant(t.lag1, 2)
+            );
+        }
+        if let Some(held_out) = self.held_out {
+            text += &format!("held out   {} um on points that were not used\n", n(held_out));
+        }
+        if let Some((sigma, freedom)) = self.repeatability {
+            text +=
+                &format!("repeated   {} um per reading where a pose was measured again ({freedom} times)\n", n(sigma));
+        }
+        s.null_space.iter().for_each(|words| text += &format!("free       {words}\n"));
+        s.drowned.iter().for_each(|words| text += &format!("drowned    {words}\n"));
+        for outlier in r.outliers.iter().take(10) {
+            let size = significant(outlier.deviations, 3);
+            text +=
+                &format!("outlier    {}: {} um, {size} sigma\n", self.place(session, outlier.row), n(outlier.residual));
+        }
+        if r.outliers.len() > 10 {
+            text += &format!("           and {} more\n", r.outliers.len() - 10);
+        }
+        text
+    }
+}

@@ -1,0 +1,122 @@
+//! `abbe report --watch`: builds the page again whenever a file it was built from changes.
+//!
+//! A file that is refused leaves the last good page in place, with the diagnostics above it.
+
+use super::files::Disk;
+use super::report::{Args, Built, build, write};
+use super::serve::{Answer, serve};
+use super::session::Session;
+use super::{Outcome, Stop};
+use crate::diagnostic::{Diagnostic, Rendering, render};
+use crate::report::page::{Data, Rendered, Served, colours};
+use crate::syntax::{Files, ReadFailure};
+use crate::target::sha256;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::net::{Ipv4Addr, TcpListener};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+/// How often files are looked at.
+const PACE: Duration = Duration::from_millis(150);
+
+/// The disk, remembering what was read from it: also files that are missing, for they may appear.
+#[derive(Default)]
+struct Recorded {
+    seen: RefCell<BTreeMap<PathBuf, Option<String>>>,
+}
+
+impl Files for Recorded {
+    fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
+        let result = Disk.read(path);
+        let state = result.as_ref().ok().map(|bytes| sha256(bytes));
+        let _ = self.seen.borrow_mut().insert(path.to_owned(), state);
+        result
+    }
+}
+
+impl Recorded {
+    /// Has any of the files another content by now? By content: times of modification are coarse on some
+    /// file systems, and an editor may write the same again.
+    fn changed(&self) -> bool {
+        let now = |path: &PathBuf| Disk.read(path).ok().map(|bytes| sha256(&bytes));
+        self.seen.borrow().iter().any(|(path, before)| now(path) != *before)
+    }
+}
+
+pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, args.port)).or_else(|failure| {
+        let message = format!("127.0.0.1 port {} cannot be opened: {failure}", args.port);
+        session.refuse(Diagnostic::new("E0631", message).help("leave `--port` out: any free port is taken then"))
+    })?;
+    let port = listener.local_addr().map_or(args.port, |address| address.port());
+    let mut turn = Turn { args, good: None };
+    let (files, first) = turn.take(session)?;
+    let answer = Arc::new(Mutex::new(Arc::new(first)));
+    serve(listener, port, Arc::clone(&answer));
+    session.print(&format!(
+        "http://127.0.0.1:{port}/ shows the page; it follows the files until this program is ended (Ctrl-C)."
+    ));
+    follow(session, &mut turn, files, &answer)
+}
+
+/// Looks at the files for ever.
+fn follow(session: &mut Session, turn: &mut Turn<'_>, mut files: Recorded, answer: &Mutex<Arc<Answer>>) -> Outcome {
+    loop {
+        std::thread::sleep(PACE);
+        if files.changed() {
+            let (read, next) = turn.take(session)?;
+            files = read;
+            if let Ok(mut answer) = answer.lock() {
+                *answer = Arc::new(next);
+            }
+        }
+    }
+}
+
+/// The last page that was fine.
+struct Turn<'a> {
+    args: &'a Args,
+    good: Option<Built>,
+}
+
+impl Turn<'_> {
+    /// Builds the page from the files as they are now.
+    fn take(&mut self, session: &mut Session) -> Result<(Recorded, Answer), Stop> {
+        let files = Recorded::default();
+        let mut now = session.fresh();
+        let problem = match build(&mut now, self.args, &files) {
+            Ok(built) => {
+                self.good = Some(built);
+                None
+            }
+            // The command line itself: no file will mend it.
+            Err(Stop::Usage) => return Err(Stop::Usage),
+            Err(Stop::Refused) => Some(render(&now.diagnostics, Rendering::default())),
+        };
+        let good = self.good.get_or_insert_with(nothing);
+        let page = good.page(Served::Watched, problem.as_deref()).or_else(|d| session.refuse(d))?;
+        if problem.is_none() {
+            write_alone(&mut now, self.args, good)?;
+        }
+        session.say(if problem.is_some() { "refused: the page says why" } else { "the page is up to date" });
+        Ok((files, answer(page)))
+    }
+}
+
+fn write_alone(session: &mut Session, args: &Args, good: &Built) -> Outcome {
+    if args.out.is_none() {
+        return Ok(());
+    }
+    let page = good.page(Served::Alone, None).or_else(|d| session.refuse(d))?;
+    write(session, args, &page)
+}
+
+fn nothing() -> Built {
+    Built::new(Data { abbe: env!("CARGO_PKG_VERSION"), machines: Vec::new(), comparison: None, colours: colours() })
+}
+
+fn answer(page: Rendered) -> Answer {
+    Answer { tag: format!("\"{}\"", page.mark), body: page.text.into_bytes() }
+}

@@ -1,0 +1,173 @@
+//! Error curves as parameters: a basis of functions of the axis position, one parameter each.
+
+use super::parameter::{Basis, Parameter};
+use super::request::{Refused, refusal, source};
+use crate::diagnostic::shown;
+use crate::machine::{Approach, AxisKind, ComponentError, Curve, ErrorId, ErrorTerm, Knots, Machine, Travel};
+use crate::syntax::Scalar;
+use crate::units;
+
+/// An error and the direction of approach its curve is for.
+struct Of<'a> {
+    machine: &'a Machine,
+    error: &'a ErrorId,
+    axis: usize,
+    approach: Approach,
+}
+
+/// The parameters of a component error in a form such as `poly3`; none: the usual one of the axis.
+pub(super) fn parameters(
+    machine: &Machine,
+    error: &ErrorId,
+    form: Option<&str>,
+    knots: Option<&[Scalar]>,
+    approach: Approach,
+) -> Result<Vec<Parameter>, Refused> {
+    let axis = machine.axis_index(error.axis.as_str()).unwrap_or_default();
+    let of = Of { machine, error, axis, approach };
+    let usual = if machine.axes()[axis].kind == AxisKind::Linear { "poly3" } else { "fourier2" };
+    let form = form.unwrap_or(usual);
+    let cut = form.find(|c: char| c.is_ascii_digit()).unwrap_or(form.len());
+    let (family, order) = (&form[..cut], form[cut..].parse::<u8>().ok().filter(|n| (1..=50).contains(n)));
+    match (family, order) {
+        ("poly", Some(order)) => of.polynomial(order),
+        ("fourier", Some(order)) => of.fourier(order),
+        ("spline", Some(count)) => of.at_knots(&of.even(usize::from(count.max(2)))?, true),
+        ("blocks", Some(count)) => of.at_knots(&of.even(usize::from(count) + usize::from(!of.turns()))?, false),
+        ("spline" | "blocks", None) if cut == form.len() => match knots {
+            Some(knots) => of.at_knots(&of.given_knots(knots)?, family == "spline"),
+            None => {
+                let help = format!("write `{family}8`, or `knots: {{ {error}: [...] }}` in the section `identify`");
+                Err(refusal(format!("`{error}:{family}` has no knots"), help))
+            }
+        },
+        _ => {
+            let message = format!("`{}` is not a basis", shown(form));
+            let help = "write poly3 (powers 0 to 3), fourier2 (orders 0 to 2), spline8 (8 knots) or blocks4 (4 blocks)";
+            Err(refusal(message, help))
+        }
+    }
+}
+
+/// A bare, finite number.
+pub(super) fn plain(scalar: &Scalar) -> Option<f64> {
+    match scalar {
+        Scalar::Number(value) => value.is_finite().then_some(*value),
+        Scalar::Text(text) => units::number(text).ok(),
+    }
+}
+
+impl Of<'_> {
+    fn turns(&self) -> bool {
+        self.machine.axes()[self.axis].travel == Travel::Continuous
+    }
+
+    /// The curve that the file gives, if it gives one for this direction.
+    fn given(&self) -> Option<&Curve> {
+        self.machine.errors().find(|(known, _)| known == self.error).and_then(|(_, term)| match (term, self.approach) {
+            (ErrorTerm::Component(ComponentError::Single(curve)), _) => Some(curve),
+            (ErrorTerm::Component(ComponentError::Bidirectional { forward, .. }), Approach::Forward) => Some(forward),
+            (ErrorTerm::Component(ComponentError::Bidirectional { reverse, .. }), Approach::Reverse) => Some(reverse),
+            _ => None,
+        })
+    }
+
+    fn parameter(&self, label: &str, basis: Basis, start: f64) -> Parameter {
+        let sign = match self.approach {
+            Approach::Mean => "",
+            Approach::Forward => "+",
+            Approach::Reverse => "-",
+        };
+        let name = format!("{}{sign}:{label}", self.error);
+        let mut parameter = Parameter::single(self.machine, name, source(self.machine, self.error), basis, start);
+        parameter.terms.iter_mut().for_each(|term| term.approach = self.approach);
+        parameter
+    }
+
+    fn polynomial(&self, order: u8) -> Result<Vec<Parameter>, Refused> {
+        if self.machine.is_continuous(self.axis) {
+            let help = format!("use `{}:fourier{order}`", self.error);
+            let message = format!("`{}`: a polynomial on an axis without ends is not periodic", self.error);
+            return Err(refusal(message, help));
+        }
+        let known = match self.given() {
+            Some(Curve::Polynomial(known)) => known.clone(),
+            _ => Vec::new(),
+        };
+        let start = |k: u8| known.get(usize::from(k)).copied().unwrap_or(0.0);
+        Ok((0..=order.min(20)).map(|k| self.parameter(&format!("x^{k}"), Basis::Power(k), start(k))).collect())
+    }
+
+    fn fourier(&self, order: u8) -> Result<Vec<Parameter>, Refused> {
+        if self.machine.axes()[self.axis].kind == AxisKind::Linear {
+            let message = format!("`{}`: harmonics are of one turn, axis `{}` is linear", self.error, self.error.axis);
+            return Err(refusal(message, "use poly, spline or blocks"));
+        }
+        let known = match self.given() {
+            Some(Curve::Harmonics(known)) => known.clone(),
+            _ => Vec::new(),
+        };
+        let at = |k: u8| known.get(usize::from(k)).copied().unwrap_or_default();
+        let one = |k: u8| {
+            let cosine = self.parameter(&format!("cos{k}"), Basis::Cosine(k), at(k).0);
+            let sine = self.parameter(&format!("sin{k}"), Basis::Sine(k), at(k).1);
+            if k == 0 { vec![cosine] } else { vec![cosine, sine] }
+        };
+        Ok((0..=order).flat_map(one).collect())
+    }
+
+    /// Even knots over the travel, both ends among them; over a turn, as many to the turn and its end.
+    fn even(&self, count: usize) -> Result<Vec<f64>, Refused> {
+        let (min, max) = self.machine.axes()[self.axis].travel.interval();
+        let intervals = if self.turns() { count } else { count - 1 };
+        let position = |i: usize| if i == intervals { max } else { min + (max - min) * i as f64 / intervals as f64 };
+        Ok((0..=intervals).map(position).collect())
+    }
+
+    /// Knots as the file gives them, and the ends of the travel.
+    fn given_knots(&self, list: &[Scalar]) -> Result<Vec<f64>, Refused> {
+        let axis = &self.machine.axes()[self.axis];
+        let (min, max) = axis.travel.interval();
+        let help = format!("positions of `{}` in {} that rise, inside {min} to {max}", self.error.axis, axis.unit());
+        let position = |scalar: &Scalar| {
+            let quantity = || units::quantity(&scalar.to_string()).ok();
+            plain(scalar).or_else(|| match axis.kind {
+                AxisKind::Linear => quantity()?.as_length(),
+                AxisKind::Rotary => quantity()?.as_angle().map(f64::to_degrees),
+            })
+        };
+        let mut knots = Vec::new();
+        for scalar in list {
+            match position(scalar).filter(|q| (min..=max).contains(q)) {
+                Some(q) if knots.last().is_none_or(|last| *last < q) => knots.push(q),
+                _ => return Err(refusal(format!("`{}`: the knot `{scalar}` is refused", self.error), help)),
+            }
+        }
+        if knots.first().is_none_or(|first| *first > min) {
+            knots.insert(0, min);
+        }
+        if knots.last().is_none_or(|last| *last < max) {
+            knots.push(max);
+        }
+        Ok(knots)
+    }
+
+    /// One parameter for the value at each knot: a natural (or periodic) cubic spline, or straight lines, through
+    /// them. On an axis without ends the last knot is the first again.
+    fn at_knots(&self, knots: &[f64], smooth: bool) -> Result<Vec<Parameter>, Refused> {
+        let turn = self.turns();
+        let count = knots.len() - usize::from(turn);
+        let one = |k: usize| {
+            let value = |i: usize| f64::from(u8::from(i == k || (turn && k == 0 && i == count)));
+            let points: Vec<(f64, f64)> = knots.iter().enumerate().map(|(i, q)| (*q, value(i))).collect();
+            let failed =
+                |_| refusal(format!("`{}`: the travel has no room for {count} knots", self.error), "take fewer knots");
+            let knots_of = Knots::new(&points, turn.then_some(360.0)).map_err(failed)?;
+            let curve = if smooth { Curve::cubic(knots_of) } else { Curve::Linear(knots_of) };
+            let label = format!("{}{}", units::significant(knots[k], 6), self.machine.axes()[self.axis].unit());
+            let start = self.given().map_or(0.0, |known| known.value(knots[k]));
+            Ok(self.parameter(&label, Basis::Spline(curve), start))
+        };
+        (0..count).map(one).collect()
+    }
+}

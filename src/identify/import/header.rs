@@ -1,0 +1,336 @@
+//! Where the table begins, what its columns are, and what stands before it.
+
+use super::{Wanted, error_name, refusal};
+use crate::diagnostic::{Diagnostic, shown};
+use crate::machine::ErrorId;
+use crate::syntax::ColumnDirection;
+use crate::syntax::sheet::{self, Line};
+use crate::units::{self, Dimension};
+
+/// How a table is laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// A column for each error.
+    Wide,
+    /// A row for each reading, the error's name in a column.
+    Tidy,
+    /// A column for each run of one error.
+    Runs,
+}
+
+impl Form {
+    /// Its name for people.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Wide => "one column for each error",
+            Self::Tidy => "one row for each reading",
+            Self::Runs => "one column for each run",
+        }
+    }
+}
+
+/// What a column holds; factors to mm, deg, rad.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Role {
+    Position(f64),
+    /// Readings of an error: index, direction, run.
+    Value {
+        error: usize,
+        direction: Option<ColumnDirection>,
+        run: String,
+        factor: f64,
+    },
+    /// Tidy: the reading, in the unit of its row or this.
+    Reading(Option<(f64, Dimension)>),
+    ErrorName,
+    Unit,
+    Run,
+    Direction,
+    /// Not empty: the row is not to be used.
+    Excluded,
+    Ignored,
+}
+
+/// A header that was understood.
+#[derive(Debug, Clone)]
+pub(super) struct Header {
+    pub form: Form,
+    pub axis: String,
+    pub rotary: bool,
+    pub errors: Vec<ErrorId>,
+    pub roles: Vec<Role>,
+    pub separator: char,
+    /// Index of the first line after it.
+    pub body: usize,
+    pub metadata: Vec<(String, String)>,
+}
+
+/// Names of position columns that do not say the axis.
+const POSITIONS: [&str; 5] = ["position", "target", "pos", "nominal", "target position"];
+/// Lines before the table, at most.
+const PREAMBLE: usize = 500;
+
+/// A title and its unit: `EXX [um]`, `EXX (um)`, `EXX/um`, `EXX_um`.
+fn title(cell: &str) -> (String, Option<String>) {
+    let (name, unit) = units::header(cell);
+    if let Some(unit) = unit {
+        return (name.to_owned(), Some(unit.to_owned()));
+    }
+    let bracketed = cell.strip_suffix(')').and_then(|open| open.split_once('('));
+    let split = bracketed.or_else(|| cell.rsplit_once('/')).or_else(|| cell.rsplit_once('_'));
+    match split {
+        Some((name, unit)) if units::unit(unit.trim()).is_ok() => {
+            (name.trim().to_owned(), Some(unit.trim().to_owned()))
+        }
+        _ => (cell.to_owned(), None),
+    }
+}
+
+/// `Run 1 +`, `2 reverse`, `R3`, `up`, `<-`: the direction, and what is left as the run's name.
+pub(super) fn direction(label: &str) -> (Option<ColumnDirection>, String) {
+    let lower = label.trim().to_lowercase();
+    let words: [(&str, ColumnDirection); 12] = [
+        ("forward", ColumnDirection::Forward),
+        ("reverse", ColumnDirection::Reverse),
+        ("backward", ColumnDirection::Reverse),
+        ("fwd", ColumnDirection::Forward),
+        ("rev", ColumnDirection::Reverse),
+        ("down", ColumnDirection::Reverse),
+        ("up", ColumnDirection::Forward),
+        ("->", ColumnDirection::Forward),
+        ("<-", ColumnDirection::Reverse),
+        ("+", ColumnDirection::Forward),
+        ("-", ColumnDirection::Reverse),
+        ("bwd", ColumnDirection::Reverse),
+    ];
+    let found = words.iter().find_map(|(word, way)| {
+        let rest = lower.strip_suffix(word).or_else(|| lower.strip_prefix(word))?;
+        Some((Some(*way), rest.trim().to_owned()))
+    });
+    let letter = || {
+        let rest = lower.get(1..)?;
+        let way = match lower.chars().next()? {
+            'f' => ColumnDirection::Forward,
+            'r' => ColumnDirection::Reverse,
+            _ => return None,
+        };
+        rest.chars().all(|c| c.is_ascii_digit()).then(|| (Some(way), rest.to_owned()))
+    };
+    let (way, rest) = found.or_else(letter).unwrap_or((None, lower.clone()));
+    let run = rest.strip_prefix("run").unwrap_or(&rest).trim_matches(|c: char| c.is_whitespace() || c == '_');
+    (way, run.to_owned())
+}
+
+/// `key: value` or `key = value` before the table; with a separator in between as spreadsheets write it.
+fn metadata(line: &str, separator: char) -> Option<(String, String)> {
+    let (key, value) = line.split_once([':', '=']).or_else(|| line.split_once(separator))?;
+    let tame =
+        |text: &str| text.trim_matches(|c: char| c.is_whitespace() || [':', '"', separator].contains(&c)).to_owned();
+    let (key, value) = (tame(key), tame(value));
+    (!key.is_empty() && !value.is_empty()).then(|| (key.chars().take(80).collect(), value.chars().take(200).collect()))
+}
+
+/// Does a line begin a table? It has two cells or more, and one of them is a position.
+fn begins(cells: &[String], axis: Option<&str>) -> bool {
+    let position = |cell: &String| {
+        let (name, _) = title(cell);
+        POSITIONS.contains(&name.to_lowercase().as_str())
+            || axis.is_some_and(|axis| name.eq_ignore_ascii_case(axis))
+            || (axis.is_none() && name.len() <= 2 && crate::machine::AxisName::new(&name).is_some())
+    };
+    // `axis; X` before the table is no header. Runs may be named by numbers, positions are words.
+    let said = cells.len() == 2 && cells[0].eq_ignore_ascii_case("axis");
+    cells.len() >= 2 && !said && cells.iter().any(position)
+}
+
+pub(super) fn find(lines: &[Line], wanted: &Wanted) -> Result<Header, Box<Diagnostic>> {
+    let mut known: Vec<(String, String)> = Vec::new();
+    for (i, line) in lines.iter().enumerate().take(PREAMBLE) {
+        let separator = sheet::separator(&line.text);
+        let cells = sheet::cells(&line.text, separator);
+        let named = known.iter().find(|(key, _)| key.eq_ignore_ascii_case("axis")).map(|(_, value)| value.as_str());
+        let axis = wanted.axis.as_deref().or(named);
+        if begins(&cells, axis) && !line.text.contains(": ") {
+            return Reading { lines, wanted, metadata: &known, separator }.header(i, &cells);
+        }
+        known.extend(metadata(&line.text, separator));
+    }
+    Err(Box::new(refusal(
+        "there is no header with a position column".to_owned(),
+        lines.first().map(|l| l.place.clone()),
+    )))
+}
+
+struct Reading<'a> {
+    lines: &'a [Line],
+    wanted: &'a Wanted,
+    metadata: &'a [(String, String)],
+    separator: char,
+}
+
+impl Reading<'_> {
+    fn said(&self, key: &str) -> Option<&str> {
+        self.metadata.iter().find(|(known, _)| known.eq_ignore_ascii_case(key)).map(|(_, value)| value.as_str())
+    }
+
+    fn header(&self, at: usize, cells: &[String]) -> Result<Header, Box<Diagnostic>> {
+        let place = Some(self.lines[at].place.clone());
+        let refuse = |message: String| Box::new(refusal(message, place.clone()));
+        let mut titles: Vec<(String, Option<String>)> = cells.iter().map(|cell| title(cell)).collect();
+        let below = self.lines.get(at + 1).map(|line| sheet::cells(&line.text, self.separator)).unwrap_or_default();
+        let row_of_units = below.len() == titles.len()
+            && below.iter().any(|c| units::unit(c.trim_matches(['[', ']', '(', ')'])).is_ok())
+            && below.iter().all(|c| sheet::number(c, self.separator).is_err());
+        if row_of_units {
+            for ((_, unit), cell) in titles.iter_mut().zip(&below) {
+                let cell = cell.trim_matches(['[', ']', '(', ')']);
+                *unit = unit
+                    .take()
+                    .or_else(|| units::unit(cell).ok().filter(|_| !cell.is_empty()).map(|_| cell.to_owned()));
+            }
+        }
+        let lower: Vec<String> = titles.iter().map(|(name, _)| name.to_lowercase()).collect();
+        let (error, value) = (lower.iter().position(|n| n == "error"), lower.iter().position(|n| n == "value"));
+        let axis =
+            self.axis(&titles).ok_or_else(|| refuse("nothing says which axis moved: give `--axis X`".to_owned()))?;
+        let letter = axis.chars().next().unwrap_or('X');
+        let position = titles.iter().position(|(name, _)| self.is_position(name, &axis));
+        let Some(position) = position else { return Err(refuse("there is no position column".to_owned())) };
+        let unit = titles[position].1.as_deref().or(self.said("position unit"));
+        let (rotary, factor) = match unit.map(units::unit) {
+            None => (['A', 'B', 'C'].contains(&letter), 1.0),
+            Some(Ok((factor, Dimension::LENGTH))) => (false, factor),
+            Some(Ok((_, Dimension::ANGLE))) if unit == Some("deg") || unit == Some("°") => (true, 1.0),
+            Some(Ok((factor, Dimension::ANGLE))) => (true, factor.to_degrees()),
+            Some(_) => return Err(refuse(format!("`{}` is not a unit of positions", shown(unit.unwrap_or_default())))),
+        };
+        let mut header = Header {
+            form: Form::Wide,
+            axis,
+            rotary,
+            errors: Vec::new(),
+            roles: Vec::new(),
+            separator: self.separator,
+            body: at + 1 + usize::from(row_of_units),
+            metadata: self.metadata.to_vec(),
+        };
+        let has_error = |(name, _): &(String, Option<String>)| {
+            super::super::request::directed(name).0.len() >= 3
+                && error_name(super::super::request::directed(name).0).is_some()
+        };
+        header.form = match (error, value) {
+            (Some(_), Some(_)) => Form::Tidy,
+            _ if titles.iter().any(has_error) => Form::Wide,
+            _ => Form::Runs,
+        };
+        for (k, (name, unit)) in titles.iter().enumerate() {
+            let role = if k == position {
+                Role::Position(factor)
+            } else {
+                self.role(&mut header, name, unit.as_deref()).map_err(&refuse)?
+            };
+            header.roles.push(role);
+        }
+        let readings = header.roles.iter().any(|r| matches!(r, Role::Value { .. } | Role::Reading(_)));
+        if readings { Ok(header) } else { Err(refuse("there is no column of readings".to_owned())) }
+    }
+
+    fn is_position(&self, name: &str, axis: &str) -> bool {
+        name.eq_ignore_ascii_case(axis) || POSITIONS.contains(&name.to_lowercase().as_str())
+    }
+
+    /// As asked for, as the metadata say, or the only column that is named like one.
+    fn axis(&self, titles: &[(String, Option<String>)]) -> Option<String> {
+        let own = |(name, _): &(String, Option<String>)| {
+            let short = name.len() <= 2 && error_name(name).is_none();
+            short.then(|| crate::machine::AxisName::new(name)).flatten().map(|n| n.to_string())
+        };
+        let given = self.wanted.axis.clone().or_else(|| self.said("axis").map(str::to_owned));
+        given.or_else(|| titles.iter().find_map(own)).map(|name| name.trim().to_uppercase())
+    }
+
+    fn role(&self, header: &mut Header, name: &str, unit: Option<&str>) -> Result<Role, String> {
+        let lower = name.to_lowercase();
+        match lower.as_str() {
+            "run" => return Ok(Role::Run),
+            "direction" | "dir" | "approach" => return Ok(Role::Direction),
+            "exclude" | "excluded" | "reason" | "rejected" => return Ok(Role::Excluded),
+            "error" if header.form == Form::Tidy => return Ok(Role::ErrorName),
+            "unit" if header.form == Form::Tidy => return Ok(Role::Unit),
+            "value" if header.form == Form::Tidy => {
+                let unit = unit.map(str::to_owned).or_else(|| self.wanted.unit.clone());
+                return unit
+                    .map_or(Ok(Role::Reading(None)), |u| reading_unit(&u).map(|known| Role::Reading(Some(known))));
+            }
+            "" | "axis" | "temp" | "temperature" | "time" | "comment" | "point" | "no" | "index" => {
+                return Ok(Role::Ignored);
+            }
+            _ => {}
+        }
+        if header.form == Form::Tidy {
+            return Ok(Role::Ignored);
+        }
+        let (bare, approach) = super::super::request::directed(name);
+        let way = approach.map(|a| match a {
+            crate::machine::Approach::Reverse => ColumnDirection::Reverse,
+            _ => ColumnDirection::Forward,
+        });
+        if header.form == Form::Wide {
+            let Some(error) = error_name(bare) else { return Ok(Role::Ignored) };
+            return self.value(header, error, way, String::new(), name, unit);
+        }
+        let error = self.wanted.error.as_deref().or(self.said("error")).ok_or_else(|| {
+            format!("nothing says which error the runs are of (`{}`): give `--error EXX`", shown(name))
+        })?;
+        let error = error_name(error).ok_or_else(|| format!("`{}` is not a component error", shown(error)))?;
+        let (way, run) = direction(name);
+        self.value(header, error, way, run, name, unit)
+    }
+
+    fn value(
+        &self,
+        header: &mut Header,
+        error: ErrorId,
+        direction: Option<ColumnDirection>,
+        run: String,
+        name: &str,
+        unit: Option<&str>,
+    ) -> Result<Role, String> {
+        if !error.axis.to_string().eq_ignore_ascii_case(&header.axis) {
+            return Err(format!("`{error}` is no error of axis {}", shown(&header.axis)));
+        }
+        let unit = unit.or(self.wanted.unit.as_deref()).or(self.said("unit")).or(self.said("units"));
+        let Some(unit) = unit else {
+            return Err(format!(
+                "nothing says in which unit `{}` is: write `{0} [um]`, or give `--unit um`",
+                shown(name)
+            ));
+        };
+        let (factor, dimension) = reading_unit(unit)?;
+        fits(&error, dimension).map_err(|()| format!("`{}` is not a unit of `{error}`", shown(unit)))?;
+        let index = index(&mut header.errors, error);
+        Ok(Role::Value { error: index, direction, run, factor })
+    }
+}
+
+/// Where an error stands in the list; added if it is new.
+pub(super) fn index(errors: &mut Vec<ErrorId>, error: ErrorId) -> usize {
+    errors.iter().position(|known| *known == error).unwrap_or_else(|| {
+        errors.push(error);
+        errors.len() - 1
+    })
+}
+
+pub(super) fn reading_unit(unit: &str) -> Result<(f64, Dimension), String> {
+    units::unit(unit).map_err(|_| format!("`{}` is not a unit", shown(unit)))
+}
+
+/// Angles may be ratios (`um/m`).
+pub(super) fn fits(error: &ErrorId, dimension: Dimension) -> Result<(), ()> {
+    let good = match dimension {
+        Dimension::LENGTH => !error.direction.is_rotation(),
+        Dimension::ANGLE | Dimension::RATIO => error.direction.is_rotation(),
+        _ => false,
+    };
+    if good { Ok(()) } else { Err(()) }
+}

@@ -1,0 +1,219 @@
+//! Curves of the component errors as small multiples: an axis has two rows of three panels, translations on
+//! one scale and rotations on another, with the points that were given.
+
+use super::scale::{round_step, tick_text, ticks};
+use super::svg::{Anchor, FAINT, Font, INK, Picture, Svg, fitted, polyline, wrapped};
+use crate::machine::{Approach, Axis, AxisKind, ComponentError, Curve, Direction, ErrorTerm, Machine};
+
+const PANEL: (f64, f64) = (256.0, 130.0);
+const LEFT: f64 = 62.0;
+const STEP: (f64, f64) = (320.0, 196.0);
+const HEAD: f64 = 64.0;
+const WIDTH: f64 = LEFT + 3.0 * STEP.0;
+/// Places at which a curve is drawn, besides its points.
+const SAMPLES: usize = 180;
+const CURVE: &str = "#1d5fa8";
+const BACK: &str = "#b8590f";
+
+/// The curves of one axis as a picture, without the notes that explain it; `None` if it has none.
+pub fn axis_curves(machine: &Machine, axis: usize) -> Option<Picture> {
+    let block = Block::new(machine, axis)?;
+    let mut svg = Svg::new(WIDTH, block.height());
+    block.draw(&mut svg, 0.0);
+    Some(svg.picture(&format!("{}: component errors of {}", machine.name(), block.axis.name)))
+}
+
+/// The curves of all axes in one picture; `None` if there are none.
+pub fn all_curves(machine: &Machine) -> Option<Picture> {
+    let blocks: Vec<Block<'_>> = (0..machine.axes().len()).filter_map(|axis| Block::new(machine, axis)).collect();
+    let height: f64 = blocks.iter().map(|block| block.height() + 16.0).sum();
+    let notes = notes();
+    let mut svg = Svg::new(WIDTH, 44.0 + height + 17.0 * notes.len() as f64 + 12.0);
+    svg.text((16.0, 30.0), &fitted(machine.name(), 80), Font::bold(18.0), Anchor::Start, 0.0);
+    let mut top = 44.0;
+    for block in &blocks {
+        block.draw(&mut svg, top);
+        top += block.height() + 16.0;
+    }
+    footer(&mut svg, top, &notes);
+    (!blocks.is_empty()).then(|| svg.picture(&format!("{}: component errors", machine.name())))
+}
+
+fn notes() -> Vec<String> {
+    let note = "Dots: points as given; line: what is evaluated between them. Where two directions of approach were given, \
+        blue is forward and brown, dashed, reverse. Sign: actual minus nominal. Panels of a row have one scale.";
+    wrapped(note, 130)
+}
+
+fn footer(svg: &mut Svg, top: f64, notes: &[String]) {
+    for (i, note) in notes.iter().enumerate() {
+        svg.text((16.0, top + 8.0 + 17.0 * i as f64), note, Font::faint(12.0), Anchor::Start, 0.0);
+    }
+}
+
+/// What ISO 230-1 calls a component error, in a word or two.
+fn word(axis: &Axis, direction: Direction) -> String {
+    let letters = ["X", "Y", "Z"];
+    let along = (0..3).find(|i| axis.direction[*i].abs() > 0.999);
+    let own = along == Some(direction.index() % 3);
+    match (axis.kind, direction.is_rotation(), own) {
+        (AxisKind::Linear, false, true) => "positioning".to_owned(),
+        (AxisKind::Linear, false, false) => format!("straightness in {}", letters[direction.index()]),
+        (AxisKind::Linear, true, true) => "roll".to_owned(),
+        (AxisKind::Rotary, false, true) => "axial".to_owned(),
+        (AxisKind::Rotary, false, false) => format!("radial in {}", letters[direction.index()]),
+        (AxisKind::Rotary, true, true) => "angular positioning".to_owned(),
+        (_, true, false) => format!("tilt about {}", letters[direction.index() - 3]),
+    }
+}
+
+/// One panel: an error, and its curves with their points (µm or µrad).
+struct Panel {
+    name: String,
+    word: String,
+    curves: Vec<Drawn>,
+    /// Said where there is no curve.
+    instead: String,
+}
+
+/// A curve as it is drawn.
+struct Drawn {
+    line: Vec<(f64, f64)>,
+    points: Vec<(f64, f64)>,
+}
+
+/// The six panels of an axis.
+struct Block<'a> {
+    axis: &'a Axis,
+    interval: (f64, f64),
+    panels: Vec<Panel>,
+}
+
+impl<'a> Block<'a> {
+    /// `None` if the axis has no curve.
+    fn new(machine: &'a Machine, index: usize) -> Option<Self> {
+        let axis = &machine.axes()[index];
+        let interval = axis.travel.interval();
+        let panels: Vec<Panel> =
+            Direction::ALL.iter().map(|direction| panel(machine, index, interval, *direction)).collect();
+        panels.iter().any(|panel| !panel.curves.is_empty()).then_some(Self { axis, interval, panels })
+    }
+
+    fn height(&self) -> f64 {
+        HEAD + 2.0 * STEP.1 - 30.0
+    }
+
+    fn draw(&self, svg: &mut Svg, top: f64) {
+        let title = format!("{}: component errors over its position in {}", self.axis.name, self.axis.unit());
+        svg.text((16.0, top + 24.0), &title, Font::bold(15.0), Anchor::Start, 0.0);
+        for row in 0..2 {
+            let panels = &self.panels[3 * row..3 * row + 3];
+            let scale = scale(panels);
+            for (column, panel) in panels.iter().enumerate() {
+                let corner = (LEFT + STEP.0 * column as f64, top + HEAD + STEP.1 * row as f64);
+                Frame { corner, x: self.interval, y: scale, unit: ["µm", "µrad"][row] }.draw(svg, panel);
+            }
+        }
+    }
+}
+
+fn panel(machine: &Machine, index: usize, interval: (f64, f64), direction: Direction) -> Panel {
+    let axis = &machine.axes()[index];
+    let factor = if direction.is_rotation() { 1e6 } else { 1e3 };
+    let term = machine.axis_errors(index).component[direction.index()].as_ref();
+    let (curves, instead) = match term {
+        Some(ErrorTerm::Component(component)) => (drawn(component, interval, factor), String::new()),
+        Some(ErrorTerm::Tolerance(bound)) => {
+            let unit = if direction.is_rotation() { "µrad" } else { "µm" };
+            (Vec::new(), format!("tolerance ±{} {unit}", crate::units::significant(bound * factor, 4)))
+        }
+        _ => (Vec::new(), "not given: zero".to_owned()),
+    };
+    Panel { name: format!("E{}{}", direction.letter(), axis.name), word: word(axis, direction), curves, instead }
+}
+
+fn drawn(component: &ComponentError, interval: (f64, f64), factor: f64) -> Vec<Drawn> {
+    let approaches = match component {
+        ComponentError::Single(_) => vec![Approach::Mean],
+        ComponentError::Bidirectional { .. } => vec![Approach::Forward, Approach::Reverse],
+    };
+    let of = |(approach, curve): (Approach, &Curve)| {
+        let knots = curve.knots();
+        let points: Vec<(f64, f64)> = knots
+            .map_or_else(Vec::new, |k| k.positions().iter().zip(k.values()).map(|(p, v)| (*p, v * factor)).collect());
+        let even = (0..=SAMPLES).map(|i| interval.0 + (interval.1 - interval.0) * i as f64 / SAMPLES as f64);
+        let within = |p: &f64| (interval.0..=interval.1).contains(p);
+        let mut places: Vec<f64> = even.chain(points.iter().map(|p| p.0).filter(within)).collect();
+        places.sort_by(f64::total_cmp);
+        let line = places.iter().map(|p| (*p, component.value(*p, approach) * factor)).collect();
+        Drawn { line, points: points.into_iter().filter(|p| within(&p.0)).collect() }
+    };
+    approaches.into_iter().zip(component.curves()).map(of).collect()
+}
+
+/// Interval and step of a row's values; always with zero in it.
+fn scale(panels: &[Panel]) -> (f64, f64, f64) {
+    let values = panels.iter().flat_map(|panel| &panel.curves).flat_map(|c| c.line.iter().map(|p| p.1));
+    let (min, max) = values.fold((0.0_f64, 0.0_f64), |(min, max), v| (min.min(v), max.max(v)));
+    // Differences below a tenth of a nanometre are rounding, not errors.
+    let step = round_step((max - min).max(1e-4), 4);
+    (libm::floor(min / step + 1e-9) * step, libm::ceil(max / step - 1e-9) * step, step)
+}
+
+/// Where a panel is, and what its sides mean.
+struct Frame {
+    corner: (f64, f64),
+    x: (f64, f64),
+    /// Least, largest, step.
+    y: (f64, f64, f64),
+    unit: &'static str,
+}
+
+impl Frame {
+    fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        let (low, high, _) = self.y;
+        let share = (x - self.x.0) / (self.x.1 - self.x.0).max(1e-9);
+        (self.corner.0 + PANEL.0 * share, self.corner.1 + PANEL.1 * (high - y) / (high - low).max(1e-9))
+    }
+
+    fn draw(&self, svg: &mut Svg, panel: &Panel) {
+        let (x, y) = self.corner;
+        svg.text((x, y - 10.0), &format!("{}, {}", panel.name, self.unit), Font::bold(13.0), Anchor::Start, 0.0);
+        svg.text((x + PANEL.0, y - 10.0), &panel.word, Font::faint(12.0), Anchor::End, 0.0);
+        self.axes(svg);
+        if panel.curves.is_empty() {
+            let middle = (x + PANEL.0 / 2.0, y + PANEL.1 / 2.0 + 4.0);
+            return svg.text(middle, &panel.instead, Font::faint(12.0), Anchor::Middle, 0.0);
+        }
+        for (curve, (colour, dash)) in panel.curves.iter().zip([(CURVE, ""), (BACK, r#" stroke-dasharray="6 4""#)]) {
+            let line: Vec<(f64, f64)> = curve.line.iter().map(|p| self.at(*p)).collect();
+            svg.path(&polyline(&line), &format!(r#"fill="none" stroke="{colour}" stroke-width="1.8"{dash}"#));
+            for point in &curve.points {
+                svg.circle(self.at(*point), 2.3, &format!(r#"fill="{colour}""#));
+            }
+        }
+    }
+
+    fn axes(&self, svg: &mut Svg) {
+        let (x, y) = self.corner;
+        let (low, high, step) = self.y;
+        for value in ticks((low, high), step) {
+            let at = self.at((self.x.0, value)).1;
+            let zero = value.abs() < 0.5 * step;
+            let style = if zero {
+                format!(r#"stroke="{FAINT}""#)
+            } else {
+                r##"stroke="#c3cad1" stroke-width="0.7""##.to_owned()
+            };
+            svg.line((x, at), (x + PANEL.0, at), &style);
+            svg.text((x - 6.0, at + 4.0), &tick_text(value, step), Font::plain(11.5), Anchor::End, 0.0);
+        }
+        let step = round_step(self.x.1 - self.x.0, 5);
+        for value in ticks(self.x, step) {
+            let at = self.at((value, low)).0;
+            svg.line((at, y + PANEL.1), (at, y + PANEL.1 + 4.0), &format!(r#"stroke="{INK}""#));
+            svg.text((at, y + PANEL.1 + 18.0), &tick_text(value, step), Font::plain(11.5), Anchor::Middle, 0.0);
+        }
+        svg.rect(self.corner, PANEL, &format!(r#"fill="none" stroke="{FAINT}""#));
+    }
+}

@@ -1,0 +1,135 @@
+//! Prediction against data over a plane: the nominal points, where they were measured, where the fitted machine puts
+//! them, all displacements drawn larger by one factor.
+
+use super::scale::{round_step, tick_text, ticks};
+use super::svg::{Anchor, FAINT, Font, INK, Svg, fitted};
+use crate::units::significant;
+
+/// One pose: nominal position (mm), and the in-plane deviations (mm).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FitPoint {
+    /// Where the axes were sent.
+    pub nominal: (f64, f64),
+    /// Measured, actual minus nominal.
+    pub measured: (f64, f64),
+    /// The same as the fitted machine has it.
+    pub predicted: (f64, f64),
+}
+
+/// A plane to be drawn.
+#[derive(Debug, Clone)]
+pub struct FitPicture<'a> {
+    /// The machine's name.
+    pub machine: &'a str,
+    /// The axis to the right, and the one upwards.
+    pub axes: [&'a str; 2],
+    /// Where the other axes are.
+    pub slice: String,
+    /// The poses.
+    pub points: Vec<FitPoint>,
+}
+
+const WIDTH: f64 = 740.0;
+const LEFT: f64 = 112.0;
+const TOP: f64 = 116.0;
+const WIDEST: f64 = 540.0;
+const HIGHEST: f64 = 460.0;
+/// Between the outermost points and the frame.
+const MARGIN: f64 = 44.0;
+const DATA: &str = "#1b5e9c";
+const MODEL: &str = "#c4500b";
+
+/// Lowest and highest of some numbers, a little apart.
+fn span(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    if high > low { (low, high) } else { (low - 1.0, low + 1.0) }
+}
+
+impl FitPicture<'_> {
+    /// The picture as an SVG file.
+    pub fn svg(&self) -> String {
+        let across = span(self.points.iter().map(|p| p.nominal.0));
+        let up = span(self.points.iter().map(|p| p.nominal.1));
+        let scale = (WIDEST / (across.1 - across.0)).min(HIGHEST / (up.1 - up.0));
+        let size = ((across.1 - across.0) * scale, (up.1 - up.0) * scale);
+        let at = |(x, y): (f64, f64)| (LEFT + (x - across.0) * scale, TOP + (up.1 - y) * scale);
+        let magnified = self.magnification(scale);
+        let moved = |p: &FitPoint, d: (f64, f64)| at((p.nominal.0 + d.0 * magnified, p.nominal.1 + d.1 * magnified));
+        let mut svg = Svg::new(WIDTH, TOP + size.1 + MARGIN + 100.0);
+        svg.text((LEFT - MARGIN, 32.0), &fitted(self.machine, 60), Font::bold(18.0), Anchor::Start, 0.0);
+        let subtitle = format!("Prediction and data over {}-{}, {}", self.axes[0], self.axes[1], self.slice);
+        svg.text((LEFT - MARGIN, 54.0), &fitted(&subtitle, 84), Font::faint(13.0), Anchor::Start, 0.0);
+        self.grid(&mut svg, (across, up), size, &at);
+        for p in &self.points {
+            let (nominal, read, said) = (at(p.nominal), moved(p, p.measured), moved(p, p.predicted));
+            let faint = format!(r#"stroke="{FAINT}" stroke-width="0.8""#);
+            svg.line(nominal, read, &faint);
+            svg.circle(nominal, 1.4, &format!(r#"fill="{FAINT}""#));
+            svg.circle(read, 4.2, &format!(r#"fill="none" stroke="{DATA}" stroke-width="1.4""#));
+            let cross = format!(r#"stroke="{MODEL}" stroke-width="1.4""#);
+            svg.line((said.0 - 3.4, said.1 - 3.4), (said.0 + 3.4, said.1 + 3.4), &cross);
+            svg.line((said.0 - 3.4, said.1 + 3.4), (said.0 + 3.4, said.1 - 3.4), &cross);
+        }
+        let below = TOP + size.1 + MARGIN + 56.0;
+        svg.circle((LEFT + 6.0, below - 4.0), 4.2, &format!(r#"fill="none" stroke="{DATA}" stroke-width="1.4""#));
+        svg.text((LEFT + 18.0, below), "measured", Font::plain(12.0), Anchor::Start, 0.0);
+        let cross = format!(r#"stroke="{MODEL}" stroke-width="1.4""#);
+        svg.line((LEFT + 103.0, below - 7.4), (LEFT + 109.0, below - 0.6), &cross);
+        svg.line((LEFT + 103.0, below - 0.6), (LEFT + 109.0, below - 7.4), &cross);
+        svg.text((LEFT + 118.0, below), "predicted", Font::plain(12.0), Anchor::Start, 0.0);
+        let words = format!("displacements drawn {} times as large", significant(magnified, 4));
+        svg.text((LEFT + 200.0, below), &words, Font::faint(12.0), Anchor::Start, 0.0);
+        svg.text((LEFT, below + 20.0), &self.words(), Font::plain(12.0), Anchor::Start, 0.0);
+        svg.picture(&format!("{}: {subtitle}", self.machine)).svg()
+    }
+
+    fn words(&self) -> String {
+        let rms = |f: &dyn Fn(&FitPoint) -> (f64, f64)| {
+            let sum: f64 = self.points.iter().map(f).map(|(x, y)| x * x + y * y).sum();
+            significant(libm::sqrt(sum / self.points.len().max(1) as f64) * 1e3, 3)
+        };
+        let data = rms(&|p| p.measured);
+        let left = rms(&|p| (p.measured.0 - p.predicted.0, p.measured.1 - p.predicted.1));
+        let count = self.points.len();
+        format!("{count} points, root mean square in the plane: {data} µm measured, {left} µm left by the prediction")
+    }
+
+    /// So that the largest displacement is as long as the margin allows, rounded down to 1, 2 or 5.
+    fn magnification(&self, scale: f64) -> f64 {
+        let sizes = self.points.iter().flat_map(|p| [p.measured, p.predicted]).map(|(x, y)| libm::hypot(x, y));
+        let largest = sizes.fold(0.0, f64::max);
+        if !(largest > 0.0 && largest.is_finite()) {
+            return 1.0;
+        }
+        let most = MARGIN / (largest * scale);
+        // The step above a tenth of it is between it and a tenth.
+        [10.0, 5.0, 2.0, 1.0].into_iter().map(|f| round_step(most / 10.0, 1) * f).find(|m| *m <= most).unwrap_or(1.0)
+    }
+
+    fn grid(
+        &self,
+        svg: &mut Svg,
+        (across, up): ((f64, f64), (f64, f64)),
+        size: (f64, f64),
+        at: &impl Fn((f64, f64)) -> (f64, f64),
+    ) {
+        let frame = format!(r#"fill="none" stroke="{INK}" stroke-width="0.8""#);
+        svg.rect((LEFT - MARGIN, TOP - MARGIN), (size.0 + 2.0 * MARGIN, size.1 + 2.0 * MARGIN), &frame);
+        let (bottom, side) = (TOP + size.1 + MARGIN, LEFT - MARGIN);
+        let step = round_step(across.1 - across.0, 7);
+        for tick in ticks(across, step) {
+            let x = at((tick, up.0)).0;
+            svg.line((x, bottom), (x, bottom + 5.0), &format!(r#"stroke="{INK}" stroke-width="0.8""#));
+            svg.text((x, bottom + 18.0), &tick_text(tick, step), Font::plain(11.0), Anchor::Middle, 0.0);
+        }
+        let step = round_step(up.1 - up.0, 7);
+        for tick in ticks(up, step) {
+            let y = at((across.0, tick)).1;
+            svg.line((side - 5.0, y), (side, y), &format!(r#"stroke="{INK}" stroke-width="0.8""#));
+            svg.text((side - 8.0, y + 4.0), &tick_text(tick, step), Font::plain(11.0), Anchor::End, 0.0);
+        }
+        let names = [format!("{} in mm", self.axes[0]), format!("{} in mm", self.axes[1])];
+        svg.text((LEFT + size.0 / 2.0, bottom + 34.0), &names[0], Font::plain(12.0), Anchor::Middle, 0.0);
+        svg.text((22.0, TOP + size.1 / 2.0), &names[1], Font::plain(12.0), Anchor::Middle, -90.0);
+    }
+}

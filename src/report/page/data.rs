@@ -1,0 +1,265 @@
+//! What the page shows of a machine, as it is embedded: units stand in the keys, lengths are mm or um,
+//! angles deg or urad.
+
+use super::comparison::ComparisonData;
+use super::field::FieldData;
+use crate::analysis::{LocationSet, Map, Source, Status, body_diagonals, levers, rest, sources};
+use crate::compensation::Tables;
+use crate::evaluate::{Bare, Order, Poses, Random, Summary, worst};
+use crate::machine::{Approach, Axis, ErrorTerm, Machine, Pose, Travel};
+use crate::target::{Certificate, Handled, Target};
+use serde::Serialize;
+use serde_json::{Map as Object, Value, json};
+
+/// One machine that was given, and how it is looked at.
+#[derive(Debug, Clone, Copy)]
+pub struct Given<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// Its file as it was named.
+    pub file: &'a str,
+    /// How far errors are followed.
+    pub order: Order,
+    /// From which side poses are approached.
+    pub approach: Approach,
+    /// How many random poses statistics are taken over, and their seed.
+    pub poses: (usize, u64),
+    /// What was written for it.
+    pub written: &'a [Written],
+    /// Warnings, each as a line.
+    pub warnings: &'a [String],
+}
+
+/// Compensation for one target: its tables as the controller reads them, and what they leave.
+#[derive(Debug, Clone)]
+pub struct Written {
+    /// The controller.
+    pub target: Target,
+    /// Its tables.
+    pub tables: Tables,
+    /// What is left.
+    pub certificate: Certificate,
+}
+
+/// Everything the page shows.
+#[derive(Debug, Clone, Serialize)]
+pub struct Data {
+    /// Version of the program.
+    pub abbe: &'static str,
+    /// The machines, in their order.
+    pub machines: Vec<MachineData>,
+    /// Two or more of them side by side.
+    pub comparison: Option<ComparisonData>,
+    /// Colours of the scale, from none to the largest deviation.
+    pub colours: Vec<String>,
+}
+
+/// One machine.
+#[derive(Debug, Clone, Serialize)]
+pub struct MachineData {
+    /// `m1`, `m2` ...: unique in the page.
+    pub id: String,
+    name: String,
+    file: String,
+    chain: String,
+    tool: Value,
+    workpiece_origin_mm: [f64; 3],
+    order: String,
+    direction: Approach,
+    poses: usize,
+    seed: u64,
+    axes: Vec<Value>,
+    conventions: Value,
+    provenance: Vec<(String, String)>,
+    warnings: Vec<String>,
+    locations: Vec<Value>,
+    statistics: Value,
+    worst: Vec<Value>,
+    /// The first so many poses are those of `sources`.
+    source_poses: usize,
+    sources: Vec<Value>,
+    diagonals: Vec<Value>,
+    certificates: Vec<Value>,
+    field: FieldData,
+}
+
+/// How many of the worst poses are named.
+const WORST: usize = 5;
+
+/// Poses for what each error does alone, at most: all errors at all poses are held at once.
+const SOURCE_POSES: usize = 10_000;
+
+/// Intervals of a body diagonal.
+const DIAGONAL_STEPS: usize = 20;
+
+impl MachineData {
+    /// Computes everything about a machine.
+    pub fn new(number: usize, given: &Given<'_>, map: &Map) -> Self {
+        let machine = given.machine;
+        let bare = Bare { machine, order: given.order };
+        let poses = given.sample();
+        let bad = worst(&map.deviations, WORST);
+        let worst_pose = bad.first().map_or_else(|| rest(machine), |i| poses.get(*i));
+        let few = (given.poses.0.min(SOURCE_POSES), given.poses.1);
+        let few_poses = Given { poses: few, ..*given }.sample();
+        let named = |i: &usize| {
+            let d = &map.deviations[*i];
+            json!({"axes": positions(machine, &poses.get(*i)), "deviation_um": scaled(d.position, 1e3),
+                "length_um": d.position.norm() * 1e3, "rotation_urad": scaled(d.rotation, 1e6)})
+        };
+        Self {
+            id: format!("m{number}"),
+            name: machine.name().to_owned(),
+            file: given.file.to_owned(),
+            chain: machine.chain().to_string(),
+            tool: tool(machine),
+            workpiece_origin_mm: machine.workpiece(),
+            order: order_word(given.order),
+            direction: given.approach,
+            poses: given.poses.0,
+            seed: given.poses.1,
+            axes: axes(machine),
+            conventions: json!(machine.conventions()),
+            provenance: machine.provenance().entries.clone(),
+            warnings: given.warnings.to_vec(),
+            locations: locations(machine),
+            statistics: json!({"position_um": map.statistics.position_um, "rotation_urad": map.statistics.rotation_urad,
+                "rotation_arcsec": arcsec(&map.statistics.rotation_urad)}),
+            worst: bad.iter().map(named).collect(),
+            source_poses: few.0,
+            sources: sources(&bare, &few_poses, &worst_pose, given.approach).iter().map(source).collect(),
+            diagonals: diagonals(&bare, given.approach),
+            certificates: given.written.iter().map(|written| certificate(machine, written)).collect(),
+            field: FieldData::new(given),
+        }
+    }
+}
+
+impl Given<'_> {
+    /// The poses that statistics are taken over: those of a certificate.
+    pub fn sample(&self) -> Poses {
+        Poses::Random(Random::of(self.machine, self.poses.0, self.poses.1))
+    }
+}
+
+/// Adding zero turns -0 into 0.
+fn scaled(v: nalgebra::Vector3<f64>, factor: f64) -> [f64; 3] {
+    v.map(|x| x * factor + 0.0).into()
+}
+
+pub(super) fn order_word(order: Order) -> String {
+    match order {
+        Order::Exact => "exact model".to_owned(),
+        Order::Degree(n) => format!("model of order {n}"),
+    }
+}
+
+/// An object of axis names and positions (mm, deg).
+pub(super) fn positions(machine: &Machine, pose: &[f64]) -> Value {
+    let entry = |(axis, q): (&Axis, &f64)| (axis.name.to_string(), json!(q + 0.0));
+    machine.axes().iter().zip(pose).map(entry).collect::<Object<_, _>>().into()
+}
+
+fn arcsec(urad: &Summary) -> Value {
+    let of = |x: f64| (x * 1e-6).to_degrees() * 3600.0;
+    json!({"max": of(urad.max), "mean": of(urad.mean), "rms": of(urad.rms), "p95": of(urad.p95), "range": urad.range.map(of)})
+}
+
+fn tool(machine: &Machine) -> Value {
+    let tool = machine.tool();
+    json!({"name": tool.name, "gauge_mm": tool.gauge, "tip_mm": tool.tip})
+}
+
+fn axes(machine: &Machine) -> Vec<Value> {
+    let of = |((axis, lever), grid): ((&Axis, _), &crate::machine::Grid)| {
+        let lever: crate::analysis::Lever = lever;
+        let (min, max) = axis.travel.interval();
+        json!({"name": axis.name.as_str(), "kind": axis.kind, "side": axis.branch, "sense": axis.sense,
+            "direction": axis.direction, "origin_mm": axis.origin, "travel": [min, max],
+            "continuous": axis.travel == Travel::Continuous, "unit": axis.unit(), "volume": [grid.min, grid.max],
+            "arm_at_zero_mm": lever.at_zero, "arm_longest_mm": lever.longest})
+    };
+    machine.axes().iter().zip(levers(machine)).zip(machine.volume()).map(of).collect()
+}
+
+/// The location errors that the chain needs, then those given besides.
+fn locations(machine: &Machine) -> Vec<Value> {
+    let set = LocationSet::of(machine);
+    let value = |id: &crate::machine::ErrorId| {
+        let term = machine.errors().find(|(known, _)| known == id).map(|(_, term)| term.clone());
+        let (factor, unit) = if id.direction.is_rotation() { (1e6, "µrad") } else { (1e3, "µm") };
+        match term {
+            Some(ErrorTerm::Constant(value)) => (json!(value * factor), json!(null), unit),
+            Some(ErrorTerm::Tolerance(bound)) => (json!(null), json!(bound * factor), unit),
+            _ => (json!(null), json!(null), unit),
+        }
+    };
+    let row = |id: &crate::machine::ErrorId, status: &str| {
+        let (value, tolerance, unit) = value(id);
+        json!({"error": id, "status": status, "value": value, "tolerance": tolerance, "unit": unit})
+    };
+    let word = |status: Status| match status {
+        Status::Given => "given",
+        Status::Bounded => "only bounded by a tolerance: zero here",
+        Status::Covered => "said by the others",
+        Status::Missing => "missing: taken as zero",
+    };
+    let needed = set.members.iter().map(|(id, status)| row(id, word(*status)));
+    needed.chain(set.besides.iter().map(|id| row(id, "given besides"))).collect()
+}
+
+fn source(source: &Source) -> Value {
+    json!({"error": source.error, "kind": if source.error.location { "location" } else { "component" },
+        "p95_um": source.position.p95, "max_um": source.position.max, "mean_um": source.position.mean,
+        "p95_urad": source.rotation.p95, "at_worst_um": source.along + 0.0})
+}
+
+fn diagonals(bare: &Bare<'_>, approach: Approach) -> Vec<Value> {
+    let machine = bare.machine;
+    let of = |d: &crate::analysis::Diagonal| {
+        let deviations: Vec<f64> = d.deviations.iter().map(|x| x * 1e3 + 0.0).collect();
+        json!({"name": d.name, "from": positions(machine, &d.ends[0]), "to": positions(machine, &d.ends[1]),
+            "length_mm": d.length, "range_um": d.range() * 1e3, "end_um": deviations.last(), "deviations_um": deviations})
+    };
+    body_diagonals(bare, &rest(machine), DIAGONAL_STEPS, approach).iter().map(of).collect()
+}
+
+fn certificate(machine: &Machine, written: &Written) -> Value {
+    let Written { target, certificate, .. } = written;
+    let manifest = &target.manifest;
+    let figures = |f: &crate::target::Figures| json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis});
+    let mut errors: Vec<_> = certificate.errors.iter().collect();
+    errors.sort_by(|a, b| b.left.total_cmp(&a.left));
+    let error = |e: &&crate::target::ErrorLeft| json!({"error": e.error, "handled": handled(e.handled), "alone_um": e.alone, "left_um": e.left});
+    let by_axis = |values: &[f64]| {
+        let entry =
+            |(axis, c): (&Axis, &f64)| json!({"axis": axis.name.as_str(), "unit": axis.unit(), "added": c + 0.0});
+        machine.axes().iter().zip(values).map(entry).collect::<Vec<_>>()
+    };
+    json!({
+        "target": manifest.target, "title": manifest.title, "expresses": manifest.expresses, "cannot": manifest.cannot,
+        "syntax": {"level": manifest.certainty.syntax.level, "source": manifest.certainty.syntax.source},
+        "sign": {"level": manifest.certainty.sign.level, "source": manifest.certainty.sign.source},
+        "poses": certificate.poses, "direction": certificate.approach,
+        "uncompensated": figures(&certificate.uncompensated), "compensated": figures(&certificate.compensated),
+        "errors": errors.iter().map(error).collect::<Vec<_>>(),
+        "at_reference": {"forward": by_axis(&certificate.at_reference[0]), "reverse": by_axis(&certificate.at_reference[1])},
+    })
+}
+
+fn handled(handled: Handled) -> &'static str {
+    match handled {
+        Handled::Fully => "fully",
+        Handled::Partly => "partly",
+        Handled::No => "no",
+    }
+}
+
+/// A pose in words: `A = -120°, C = 90°`.
+pub(super) fn pose_words(machine: &Machine, axes: &[usize], pose: &Pose) -> String {
+    let word = |i: &usize| {
+        let (axis, q) = (&machine.axes()[*i], crate::units::significant(pose[*i] + 0.0, 6));
+        if axis.unit() == "mm" { format!("{} = {q} mm", axis.name) } else { format!("{} = {q}°", axis.name) }
+    };
+    axes.iter().map(word).collect::<Vec<_>>().join(", ")
+}

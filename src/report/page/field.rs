@@ -1,0 +1,318 @@
+//! The field of the 3D view: deviations on a coarse grid over three axes, at a few stations of the others,
+//! of all errors together, of groups and single errors (first order), and after compensation.
+//!
+//! Positions and vectors are in directions of the machine frame, positions relative to the workpiece origin:
+//! so the volume stands still while a table turns.
+
+use super::data::{Given, pose_words, positions};
+use crate::analysis::{View, deviation_in, frame_rotation, rest, space_axes};
+use crate::evaluate::{Bare, Deviation, Field, Frame, error_by_error, evaluate};
+use crate::machine::{Axis, ErrorId, ErrorTerm, Machine, Pose};
+use crate::report::scale::round_step;
+use crate::target::{Compensated, Replay};
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+/// The grid, and what is known on it.
+#[derive(Debug, Clone, Serialize)]
+pub struct FieldData {
+    /// Axes of the grid, the first running fastest.
+    grid: Vec<GridAxis>,
+    /// Where the other axes are.
+    stations: Vec<Station>,
+    /// Fields on it.
+    layers: Vec<Layer>,
+    /// Factors to choose from.
+    exaggerations: Vec<f64>,
+    /// Index of the factor to begin with.
+    exaggeration: usize,
+}
+
+/// An axis of the grid.
+#[derive(Debug, Clone, Serialize)]
+struct GridAxis {
+    name: String,
+    unit: &'static str,
+    positions: Vec<f64>,
+}
+
+/// One set of positions of the other axes.
+#[derive(Debug, Clone, Serialize)]
+struct Station {
+    label: String,
+    /// Nominal tip at each node, relative to the workpiece origin in machine directions, mm; three numbers a node.
+    nominal_mm: Vec<f64>,
+}
+
+/// A field on the grid.
+#[derive(Debug, Clone, Serialize)]
+struct Layer {
+    id: String,
+    label: String,
+    /// `total`, `axis`, `kind`, `error`, `after` or `removed`.
+    group: &'static str,
+    /// One for each station.
+    at: Vec<LayerAt>,
+}
+
+/// A field at one station.
+#[derive(Debug, Clone, Serialize)]
+struct LayerAt {
+    /// Deviations in nm (machine directions), three numbers a node.
+    deviation_nm: Vec<i64>,
+    /// The end of the colour scale.
+    max_um: f64,
+    mean_um: f64,
+    /// Numbers on the colour scale.
+    ticks_um: Vec<f64>,
+    /// Node of the largest, and where it is.
+    worst: usize,
+    worst_at: Value,
+}
+
+/// Numbers in all layers together, about: what keeps a page small.
+const MOST_NUMBERS: usize = 340_000;
+
+/// Nodes of a grid axis, most and least. Odd, so that there is a middle.
+const NODES: [usize; 5] = [11, 9, 7, 5, 3];
+
+/// Stations at most.
+const MOST_STATIONS: usize = 8;
+
+impl FieldData {
+    /// Evaluates all layers.
+    pub fn new(given: &Given<'_>) -> Self {
+        let machine = given.machine;
+        let axes = grid_axes(machine);
+        let poses = stations(machine, &axes);
+        let groups = groups(machine);
+        let layers = 1 + groups.len() + 2 * given.written.len();
+        let numbers = |n: usize| 3 * layers * poses.len() * n.pow(u32::try_from(axes.len()).unwrap_or(3));
+        let count = NODES.into_iter().find(|n| numbers(*n) <= MOST_NUMBERS).unwrap_or(NODES[NODES.len() - 1]);
+        let lattice = Lattice { given, axes, count };
+        let stations: Vec<Sampled> = poses.iter().map(|pose| lattice.sample(pose, &groups)).collect();
+        let layers = lattice.layers(&stations, &groups);
+        let largest = layers.first().map_or(0.0, |layer| layer.at.iter().map(|at| at.max_um).fold(0.0, f64::max));
+        let exaggerations = exaggerations();
+        Self {
+            exaggeration: first_factor(&exaggerations, extent(&stations), largest * 1e-3),
+            grid: lattice.axes.iter().map(|axis| lattice.grid_axis(*axis)).collect(),
+            stations: lattice.stations(&poses, stations),
+            layers,
+            exaggerations,
+        }
+    }
+}
+
+/// Three linear axes that span space; where there are fewer, axes of the chain fill up.
+fn grid_axes(machine: &Machine) -> Vec<usize> {
+    let mut axes = space_axes(machine);
+    let moves = |i: &usize| machine.volume()[*i].max > machine.volume()[*i].min;
+    for axis in (0..machine.axes().len()).filter(moves) {
+        if axes.len() < 3 && !axes.contains(&axis) {
+            axes.push(axis);
+        }
+    }
+    axes
+}
+
+/// All at rest; then each axis that is not of the grid at its ends or quarters, alone.
+fn stations(machine: &Machine, grid: &[usize]) -> Vec<Pose> {
+    let home = rest(machine);
+    let mut list = vec![home.clone()];
+    for axis in (0..home.len()).filter(|axis| !grid.contains(axis)) {
+        let volume = machine.volume()[axis];
+        let places: &[f64] =
+            if machine.is_continuous(axis) { &[90.0, 180.0, 270.0] } else { &[volume.min, volume.max] };
+        for place in places.iter().filter(|q| (volume.min..=volume.max).contains(*q) && **q != home[axis]) {
+            let mut pose = home.clone();
+            pose[axis] = *place;
+            list.push(pose);
+        }
+    }
+    list.truncate(MOST_STATIONS);
+    list
+}
+
+/// A choice of errors: id, label, group, and the errors.
+struct Group {
+    id: String,
+    label: String,
+    group: &'static str,
+    members: Vec<ErrorId>,
+}
+
+/// By kind, by axis, and one by one.
+fn groups(machine: &Machine) -> Vec<Group> {
+    let known: Vec<ErrorId> =
+        machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).map(|(id, _)| id).collect();
+    let of = |id: String, label: String, group, keep: &dyn Fn(&ErrorId) -> bool| Group {
+        id,
+        label,
+        group,
+        members: known.iter().filter(|e| keep(e)).cloned().collect(),
+    };
+    let mut groups = vec![
+        of("location".into(), "all location errors".into(), "kind", &|e| e.location),
+        of("component".into(), "all component errors".into(), "kind", &|e| !e.location),
+    ];
+    let mut names: Vec<String> = machine.axes().iter().map(|axis| axis.name.to_string()).collect();
+    names.extend(machine.chain().spindle().map(ToString::to_string));
+    for name in names {
+        let label = format!("all errors of {name}");
+        groups.push(of(format!("axis-{name}"), label, "axis", &|e| e.axis.as_str() == name));
+    }
+    groups.extend(known.iter().map(|id| of(id.to_string(), id.to_string(), "error", &|e| e == id)));
+    groups.retain(|group| !group.members.is_empty());
+    groups
+}
+
+/// One station, evaluated: by node the nominal tip (mm) and by layer the deviation (mm).
+struct Sampled {
+    nominal: Vec<Vector3<f64>>,
+    nodes: Vec<Vec<Vector3<f64>>>,
+}
+
+/// The grid at work.
+struct Lattice<'a> {
+    given: &'a Given<'a>,
+    axes: Vec<usize>,
+    count: usize,
+}
+
+impl Lattice<'_> {
+    fn len(&self) -> usize {
+        self.axes.iter().map(|_| self.count).product()
+    }
+
+    fn position(&self, axis: usize, node: usize) -> f64 {
+        let grid = self.given.machine.volume()[axis];
+        if node + 1 == self.count {
+            grid.max
+        } else {
+            grid.min + (grid.max - grid.min) * node as f64 / (self.count - 1) as f64
+        }
+    }
+
+    /// The pose of a node; the first axis runs fastest.
+    fn pose(&self, station: &Pose, node: usize) -> Pose {
+        let mut pose = station.clone();
+        let mut rest = node;
+        for axis in &self.axes {
+            pose[*axis] = self.position(*axis, rest % self.count);
+            rest /= self.count;
+        }
+        pose
+    }
+
+    fn grid_axis(&self, axis: usize) -> GridAxis {
+        let of = &self.given.machine.axes()[axis];
+        let positions = (0..self.count).map(|node| self.position(axis, node)).collect();
+        GridAxis { name: of.name.to_string(), unit: of.unit(), positions }
+    }
+
+    fn sample(&self, station: &Pose, groups: &[Group]) -> Sampled {
+        let rows: Vec<_> =
+            (0..self.len()).into_par_iter().map(|node| self.node(&self.pose(station, node), groups)).collect();
+        let (nominal, nodes) = rows.into_iter().unzip();
+        Sampled { nominal, nodes }
+    }
+
+    /// Nominal tip, and the deviation of every layer, in machine directions.
+    fn node(&self, pose: &Pose, groups: &[Group]) -> (Vector3<f64>, Vec<Vector3<f64>>) {
+        let Given { machine, order, approach, written, .. } = *self.given;
+        let view = View { approach, frame: Frame::Machine };
+        let total = deviation_in(&Bare { machine, order }, pose, view).position;
+        let alone = error_by_error(machine, pose, approach);
+        let turn = frame_rotation(machine, pose, Frame::Machine).unwrap_or_else(nalgebra::Matrix3::identity);
+        let together = |group: &Group| {
+            let members = alone.iter().filter(|(id, _)| group.members.contains(id));
+            turn * members.map(|(_, d): &(ErrorId, Deviation)| d.position).sum::<Vector3<f64>>()
+        };
+        let mut row = vec![total];
+        row.extend(groups.iter().map(together));
+        for one in written {
+            let replay = Replay::new(machine, &one.tables, one.target.manifest.controller);
+            let field = Compensated { machine, replay };
+            let left = deviation_in(&field as &dyn Field, pose, view).position;
+            row.extend([left, total - left]);
+        }
+        (evaluate(machine, pose, order, approach, Frame::Machine).nominal, row)
+    }
+
+    fn stations(&self, poses: &[Pose], sampled: Vec<Sampled>) -> Vec<Station> {
+        let others: Vec<usize> = (0..poses[0].len()).filter(|axis| !self.axes.contains(axis)).collect();
+        let micrometre = |x: &f64| (x * 1e3).round() / 1e3 + 0.0;
+        let station = |(pose, s): (&Pose, Sampled)| Station {
+            label: pose_words(self.given.machine, &others, pose),
+            nominal_mm: s.nominal.iter().flat_map(|p| p.iter().map(micrometre).collect::<Vec<_>>()).collect(),
+        };
+        poses.iter().zip(sampled).map(station).collect()
+    }
+
+    fn layers(&self, stations: &[Sampled], groups: &[Group]) -> Vec<Layer> {
+        let mut heads = vec![("total".to_owned(), "all errors".to_owned(), "total")];
+        heads.extend(groups.iter().map(|g| (g.id.clone(), g.label.clone(), g.group)));
+        for written in self.given.written {
+            let name = &written.target.manifest.target;
+            heads.push((format!("after-{name}"), format!("after {name}"), "after"));
+            heads.push((format!("removed-{name}"), format!("what {name} takes away"), "removed"));
+        }
+        heads.into_iter().enumerate().map(|(k, head)| self.layer(k, head, stations)).collect()
+    }
+
+    fn layer(&self, k: usize, (id, label, group): (String, String, &'static str), stations: &[Sampled]) -> Layer {
+        let at = stations.iter().map(|station| self.layer_at(k, station)).collect();
+        Layer { id, label, group, at }
+    }
+
+    fn layer_at(&self, k: usize, station: &Sampled) -> LayerAt {
+        let lengths: Vec<f64> = station.nodes.iter().map(|row| row[k].norm() * 1e3).collect();
+        let worst = (0..lengths.len()).fold(0, |best, i| if lengths[i] > lengths[best] { i } else { best });
+        let at = |node: usize| {
+            let pose = self.pose(&rest(self.given.machine), node);
+            let all = positions(self.given.machine, &pose);
+            let names = self.axes.iter().map(|axis| &self.given.machine.axes()[*axis]);
+            let pick = |axis: &Axis| (axis.name.to_string(), all[axis.name.as_str()].clone());
+            Value::Object(names.map(pick).collect())
+        };
+        let max_um = lengths.get(worst).copied().unwrap_or(0.0);
+        let step = round_step(max_um, 4);
+        LayerAt {
+            deviation_nm: station.nodes.iter().flat_map(|row| nanometres(&row[k])).collect(),
+            max_um,
+            ticks_um: (0..=4).map(|i| f64::from(i) * step).filter(|tick| *tick <= max_um * (1.0 + 1e-9)).collect(),
+            mean_um: lengths.iter().sum::<f64>() / lengths.len().max(1) as f64,
+            worst,
+            worst_at: if lengths.is_empty() { json!({}) } else { at(worst) },
+        }
+    }
+}
+
+fn nanometres(v: &Vector3<f64>) -> [i64; 3] {
+    v.map(|x| (x * 1e6).round() as i64).into()
+}
+
+/// 1, 2, 5 times powers of ten.
+fn exaggerations() -> Vec<f64> {
+    let decade = |power: f64| [1.0, 2.0, 5.0].map(|x| x * power);
+    [1.0, 10.0, 100.0, 1e3, 1e4, 1e5].into_iter().flat_map(decade).chain([1e6]).collect()
+}
+
+/// Longest side of the box around all nodes of the first station, mm.
+fn extent(stations: &[Sampled]) -> f64 {
+    let nodes = stations.first().map_or(&[][..], |s| &s.nominal);
+    let side = |k: usize| {
+        let (min, max) = nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p[k]), b.max(p[k])));
+        max - min
+    };
+    (0..3).map(side).fold(0.0, f64::max)
+}
+
+/// The largest factor that draws the largest deviation no longer than a fifth of the box.
+fn first_factor(factors: &[f64], extent: f64, largest: f64) -> usize {
+    let fits = |factor: &&f64| **factor * largest <= extent / 5.0;
+    factors.iter().filter(fits).count().saturating_sub(1)
+}

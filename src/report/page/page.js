@@ -1,0 +1,203 @@
+
+/* The page around the views: controls, keys, theme, printing, and the newer page of `report --watch`. */
+
+let data = JSON.parse(document.getElementById("data").textContent);
+let views = [];
+
+function start() {
+  views = [...document.querySelectorAll(".field")].map((section) => connect(section));
+  redraw();
+}
+
+function redraw() { views.forEach((view) => view.draw()); }
+
+/** Wires a section's controls to its view. */
+function connect(section) {
+  const machine = Number(section.dataset.machine), field = data.machines[machine].field;
+  const view = new FieldView(section.querySelector("canvas"), field, data.colours);
+  const find = (name) => section.querySelector(`[data-set="${name}"]`);
+  const out = (name) => section.querySelector(`[data-out="${name}"]`);
+
+  const show = () => {
+    const c = view.choice, sliced = c.part !== "surface";
+    find("slice").disabled = !sliced;
+    if (sliced) {
+      const grid = field.grid[Number(c.part)];
+      find("slice").max = grid.positions.length - 1;
+      c.slice = Math.min(c.slice, grid.positions.length - 1);
+      find("slice").value = c.slice;
+      out("slice").textContent = `${grid.name} = ${shown(grid.positions[c.slice], 6)} ${grid.unit}`;
+    } else out("slice").textContent = "–";
+    find("slice").setAttribute("aria-valuetext", out("slice").textContent);
+    out("exaggeration").textContent = `${thousands(view.factor())} times`;
+    find("exaggeration").setAttribute("aria-valuetext", out("exaggeration").textContent);
+    showScale(section, view.scale());
+    const said = sentence(view);
+    section.querySelector(".said").textContent = said;
+    view.canvas.setAttribute("aria-label", `Deformed volume of ${data.machines[machine].name}. ${said}`);
+    for (const radio of section.querySelectorAll('[name="state"]')) radio.checked = radio.value === c.layer;
+    find("layer").value = c.layer;
+    view.draw();
+  };
+
+  const set = (name, value) => { view.choice[name] = value; if (name === "part") view.choice.node = null; show(); };
+  find("layer").addEventListener("change", (e) => set("layer", e.target.value));
+  find("part").addEventListener("change", (e) => set("part", e.target.value));
+  if (find("station")) find("station").addEventListener("change", (e) => set("station", Number(e.target.value)));
+  for (const name of ["slice", "exaggeration"]) find(name).addEventListener("input", (e) => set(name, Number(e.target.value)));
+  for (const name of ["colour", "arrows", "fixed"]) find(name).addEventListener("change", (e) => set(name, e.target.checked));
+  for (const radio of section.querySelectorAll('[name="state"]')) radio.addEventListener("change", (e) => set("layer", e.target.value));
+  for (const button of section.querySelectorAll("[data-look]")) button.addEventListener("click", () => look(view, button.dataset.look, set));
+  section.querySelector("form").addEventListener("submit", (e) => e.preventDefault());
+  listen(view, set);
+  view.show = show;
+  show();
+  return view;
+}
+
+/** What is seen, in words and with the data's numbers. */
+function sentence(view) {
+  const { field, choice } = view, layer = view.layer(), at = view.at();
+  const place = (positions) => field.grid.map((axis, k) => `${axis.name} = ${shown(positions[k], 6)} ${axis.unit}`).join(", ");
+  const worst = field.grid.map((axis) => at.worst_at[axis.name]);
+  let text = `Field: ${layer.label}`;
+  if (field.stations.length > 1) text += ` at ${field.stations[choice.station].label}`;
+  text += `. Largest ${shown(at.max_um, 4)} µm at ${place(worst)}; mean of the nodes ${shown(at.mean_um, 4)} µm.`;
+  if (choice.node === null) return text;
+  const d = [0, 1, 2].map((k) => shown(at.deviation_nm[3 * choice.node + k] / 1000, 5));
+  const here = view.place(choice.node).slice(0, field.grid.length).map((i, k) => field.grid[k].positions[i]);
+  return `${text} Node ${place(here)}: d = (${d.join(", ")}) µm.`;
+}
+
+function showScale(section, scale) {
+  const list = section.querySelector(".ticks");
+  list.replaceChildren(...scale.ticks_um.map((tick) => {
+    const item = document.createElement("li");
+    item.textContent = shown(tick, 4);
+    item.style.bottom = scale.max_um > 0 ? `${(100 * tick) / scale.max_um}%` : "0";
+    return item;
+  }));
+}
+
+function thousands(value) { return String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f"); }
+
+function look(view, where, set) {
+  const sides = { reset: [-0.6, 0.45], X: [Math.PI / 2, 0], Y: [0, 0], Z: [0, Math.PI / 2] };
+  if (where === "worst") return toWorst(view, set);
+  [camera.yaw, camera.pitch] = sides[where];
+  if (where === "reset") camera.zoom = 1;
+  redraw();
+}
+
+function toWorst(view, set) {
+  const { worst } = view.at();
+  if (view.choice.part !== "surface") view.choice.slice = view.place(worst)[Number(view.choice.part)];
+  set("node", worst);
+}
+
+function turn(yaw, pitch) {
+  camera.yaw += yaw;
+  camera.pitch = Math.min(Math.max(camera.pitch + pitch, -Math.PI / 2), Math.PI / 2);
+  redraw();
+}
+
+function zoom(factor) { camera.zoom = Math.min(Math.max(camera.zoom * factor, 0.3), 8); redraw(); }
+
+/** Pointer and keys of a canvas. */
+function listen(view, set) {
+  const { canvas } = view;
+  let from = null;
+  canvas.addEventListener("pointerdown", (e) => { from = [e.clientX, e.clientY]; canvas.setPointerCapture(e.pointerId); });
+  canvas.addEventListener("pointerup", () => { from = null; });
+  canvas.addEventListener("pointercancel", () => { from = null; });
+  canvas.addEventListener("pointermove", (e) => {
+    if (from) {
+      turn((e.clientX - from[0]) * 0.008, (e.clientY - from[1]) * 0.008);
+      from = [e.clientX, e.clientY];
+      return;
+    }
+    const box = canvas.getBoundingClientRect(), node = view.nearest(e.clientX - box.left, e.clientY - box.top);
+    if (node !== null && node !== view.choice.node) set("node", node);
+  });
+  canvas.addEventListener("wheel", (e) => { if (e.ctrlKey || document.activeElement === canvas) { e.preventDefault(); zoom(Math.exp(-e.deltaY * 0.001)); } }, { passive: false });
+  const slice = (by) => {
+    if (view.choice.part === "surface") return;
+    const last = view.counts[Number(view.choice.part)] - 1;
+    set("slice", Math.min(Math.max(view.choice.slice + by, 0), last));
+  };
+  const step = (by) => {
+    const nodes = view.nodes(), here = nodes.indexOf(view.choice.node);
+    set("node", nodes[(here + by + nodes.length) % nodes.length] ?? nodes[0]);
+  };
+  const keys = {
+    ArrowLeft: () => turn(-0.1, 0), ArrowRight: () => turn(0.1, 0), ArrowUp: () => turn(0, -0.1), ArrowDown: () => turn(0, 0.1),
+    "+": () => zoom(1.15), "=": () => zoom(1.15), "-": () => zoom(1 / 1.15), "−": () => zoom(1 / 1.15),
+    "[": () => slice(-1), "]": () => slice(1), ",": () => step(-1), ".": () => step(1), w: () => toWorst(view, set), 0: () => look(view, "reset", set),
+  };
+  canvas.addEventListener("keydown", (e) => {
+    if (e.ctrlKey || e.altKey || e.metaKey || !keys[e.key]) return;
+    e.preventDefault();
+    keys[e.key]();
+  });
+}
+
+/** What a reader has chosen outlives a page of `--watch`, as far as the new machine still has it. */
+function keep(old) {
+  views.forEach((view, i) => {
+    const before = old[i];
+    if (!before) return;
+    const c = { ...view.choice, ...before };
+    if (!view.field.layers.some((layer) => layer.id === c.layer)) c.layer = view.choice.layer;
+    if (c.station >= view.field.stations.length) c.station = 0;
+    if (c.part !== "surface" && !view.field.grid[Number(c.part)]) c.part = "surface";
+    if (c.node !== null && c.node >= view.nominal().length / 3) c.node = null;
+    view.choice = c;
+    const section = document.querySelectorAll(".field")[i];
+    for (const name of ["station", "part", "exaggeration"]) { const input = section.querySelector(`[data-set="${name}"]`); if (input) input.value = c[name]; }
+    for (const name of ["colour", "arrows", "fixed"]) section.querySelector(`[data-set="${name}"]`).checked = c[name];
+    view.show();
+  });
+}
+
+/** Takes a newer page's content over without losing the reader's place. */
+function take(text) {
+  const page = new DOMParser().parseFromString(text, "text/html");
+  const old = views.map((view) => view.choice);
+  for (const part of ["#problem", "main", "nav", "footer"]) document.querySelector(part).replaceWith(document.adoptNode(page.querySelector(part)));
+  document.getElementById("data").textContent = page.getElementById("data").textContent;
+  document.title = page.title;
+  data = JSON.parse(document.getElementById("data").textContent);
+  start();
+  keep(old);
+}
+
+/** Asks its own server for a newer page, several times a second. */
+async function watch() {
+  let mark = `"${document.body.dataset.watched}"`;
+  for (;;) {
+    try {
+      const answer = await fetch(location.pathname, { headers: { "If-None-Match": mark }, cache: "no-store" });
+      if (answer.status === 200) {
+        take(await answer.text());
+        mark = answer.headers.get("ETag");
+      }
+      document.body.toggleAttribute("data-lost", false);
+    } catch {
+      document.body.toggleAttribute("data-lost", true);
+    }
+    await new Promise((resolve) => setTimeout(resolve, 250));
+  }
+}
+
+/** Colours as chosen; for paper always light ones. */
+const theme = document.getElementById("theme");
+theme.addEventListener("change", () => { document.documentElement.dataset.theme = theme.value; redraw(); });
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+document.getElementById("print").addEventListener("click", () => window.print());
+matchMedia("print").addEventListener("change", redraw);
+window.addEventListener("beforeprint", redraw);
+window.addEventListener("afterprint", redraw);
+window.addEventListener("resize", redraw);
+
+start();
+if (document.body.hasAttribute("data-watched")) watch();

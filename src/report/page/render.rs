@@ -1,0 +1,171 @@
+//! Template, data and pictures to one HTML text.
+
+use super::data::Data;
+use crate::report::svg::escaped;
+use crate::units::significant;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use minijinja::value::{Kwargs, Serde as ViaSerde};
+use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value, context};
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+const TEMPLATE: &str = include_str!("page.html.j2");
+const STYLE: &str = include_str!("style.css");
+const VIEW: &str = include_str!("view.js");
+const SCRIPT: &str = include_str!("page.js");
+
+/// How the page is delivered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Served {
+    /// As a file: it may reach nothing.
+    Alone,
+    /// By `report --watch`: it may ask its own server for a newer page.
+    Watched,
+}
+
+/// A machine's pictures, as SVG text.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Pictures {
+    /// The kinematic chain.
+    pub chain: String,
+    /// Curves of the component errors, an axis each.
+    pub curves: Vec<(String, String)>,
+    /// Planes: a heading, and pictures side by side.
+    pub planes: Vec<(String, Vec<String>)>,
+}
+
+/// What is rendered.
+#[derive(Debug, Clone)]
+pub struct Page<'a> {
+    /// All numbers.
+    pub data: &'a Data,
+    /// The same for each machine.
+    pub pictures: &'a [Pictures],
+    /// How it gets to the reader.
+    pub served: Served,
+    /// Diagnostics of the machine file as it is now, if the page shows an earlier state.
+    pub problem: Option<&'a str>,
+}
+
+impl Page<'_> {
+    /// The page; what went wrong, if a template of ours does not render.
+    pub fn html(&self) -> Result<Rendered, String> {
+        let json = embedded(self.data).map_err(|failure| failure.to_string())?;
+        self.render(&json).map_err(|failure| format!("{failure:#}"))
+    }
+
+    fn render(&self, json: &str) -> Result<Rendered, minijinja::Error> {
+        let script = format!("{VIEW}{SCRIPT}");
+        let mark = hash(&format!("{json}{}", self.problem.unwrap_or_default()));
+        let watched = (self.served == Served::Watched).then_some(&mark);
+        let environment = environment()?;
+        let page = context! {
+            data => Value::from(ViaSerde(self.data)), pictures => Value::from(ViaSerde(self.pictures)), json,
+            style => STYLE, policy => policy(&script, self.served), script, watched, problem => self.problem,
+        };
+        let text = environment.get_template("page.html")?.render(page)?;
+        Ok(Rendered { text, mark })
+    }
+}
+
+/// A rendered page.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rendered {
+    /// All of it.
+    pub text: String,
+    /// Another one for other content: an entity tag.
+    pub mark: String,
+}
+
+fn hash(text: &str) -> String {
+    BASE64.encode(Sha256::digest(text.as_bytes()))
+}
+
+/// Nothing may be loaded, only our own style and script run.
+fn policy(script: &str, served: Served) -> String {
+    let own = |text: &str| format!("'sha256-{}'", hash(text));
+    let connect = if served == Served::Watched { "'self'" } else { "'none'" };
+    format!(
+        "default-src 'none'; script-src {}; style-src {}; connect-src {connect}; img-src data:; base-uri 'none'; form-action 'none'",
+        own(script),
+        own(STYLE)
+    )
+}
+
+/// JSON that can stand in a `script` element: no `<` can end it or open a comment, no line separator of
+/// JavaScript is in it.
+fn embedded(data: &impl Serialize) -> serde_json::Result<String> {
+    let json = serde_json::to_string(data)?;
+    Ok(json
+        .replace('<', "\\u003c")
+        .replace('>', "\\u003e")
+        .replace('&', "\\u0026")
+        .replace('\u{2028}', "\\u2028")
+        .replace('\u{2029}', "\\u2029"))
+}
+
+fn environment() -> Result<Environment<'static>, minijinja::Error> {
+    let mut environment = Environment::new();
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    let syntax = minijinja::syntax::SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
+    environment.set_syntax(syntax);
+    environment.add_function("number", number);
+    environment.add_template("page.html", TEMPLATE)?;
+    Ok(environment)
+}
+
+/// A number of the data with the JSON pointer to it: `number(data, "/machines/0/poses", digits=4)`; with
+/// two decimals if no digits are asked for. The pointer stays in the page, so that what is shown can be held
+/// against the data. Nothing there: a dash.
+fn number(data: Value, pointer: String, options: Kwargs) -> Result<Value, minijinja::Error> {
+    let digits: Option<usize> = options.get("digits")?;
+    let sign: Option<bool> = options.get("sign")?;
+    options.assert_all_used()?;
+    let mut value = data;
+    for part in pointer.split('/').skip(1) {
+        value = match part.parse::<usize>() {
+            Ok(index) => value.get_item_by_index(index)?,
+            Err(_) => value.get_attr(part)?,
+        };
+    }
+    if value.is_undefined() || value.is_none() {
+        return Ok(Value::from_safe_string("–".to_owned()));
+    }
+    let number = f64::try_from(value)?;
+    let text = shown(number, digits);
+    let zero = !text.contains(|c: char| ('1'..='9').contains(&c));
+    let plus = if sign == Some(true) && number > 0.0 && !zero { "+" } else { "" };
+    let kept = digits.map_or(String::new(), |digits| format!(r#" data-digits="{digits}""#));
+    Ok(Value::from_safe_string(format!(r#"<span class="n" data-at="{}"{kept}>{plus}{text}</span>"#, escaped(&pointer))))
+}
+
+/// With so many significant digits, or two decimals; with a real minus, and without noise far below what
+/// anybody measures.
+fn shown(value: f64, digits: Option<usize>) -> String {
+    let value = if value.abs() < 5e-10 { 0.0 } else { value };
+    let text = digits.map_or_else(|| format!("{value:.2}"), |digits| significant(value, digits));
+    if text == "-0.00" { "0.00".to_owned() } else { text.replace('-', "−") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn embedded_json_cannot_end_its_element() {
+        let json = embedded(&serde_json::json!({"name": "</script><!--\u{2028}&"})).unwrap();
+        assert!(!json.contains('<') && !json.contains('>') && !json.contains('\u{2028}') && !json.contains('&'));
+        let back: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(back["name"], "</script><!--\u{2028}&");
+    }
+
+    #[test]
+    fn numbers_carry_the_place_they_come_from() {
+        let data = Value::from(ViaSerde(serde_json::json!({"list": [{"x": -12.3456}]})));
+        let options = Kwargs::from_iter([("digits", Value::from(3))]);
+        let text = number(data, "/list/0/x".to_owned(), options).unwrap().to_string();
+        assert_eq!(text, r#"<span class="n" data-at="/list/0/x" data-digits="3">−12.3</span>"#);
+    }
+}

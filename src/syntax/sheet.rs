@@ -1,0 +1,131 @@
+//! Tables as instruments and spreadsheets write them: UTF-8 or UTF-16 with or without byte order mark, CRLF,
+//! comma, semicolon or tab, decimal commas where the comma does not separate, quotes, `#` and `//` comments.
+//! Machine files and their own tables are read strictly ([`super::read_table`]); this is for what comes from outside.
+
+use super::files::Files;
+use super::read::{keep, unreadable};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, shown};
+use crate::units::{self, Failure};
+use std::path::Path;
+
+/// The text of a file and how its cells are separated.
+#[derive(Debug, Clone)]
+pub struct Sheet {
+    source: SourceId,
+    text: String,
+}
+
+/// A line that is neither blank nor a comment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// Where it stands.
+    pub place: Place,
+    /// Without its end.
+    pub text: String,
+}
+
+/// Reads a file that may be UTF-16; anything else that is not text is refused.
+pub fn read_sheet(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Sheet> {
+    let bytes = match files.read(path) {
+        Ok(bytes) => bytes,
+        Err(failure) => {
+            diagnostics.push(unreadable(path, &failure));
+            return None;
+        }
+    };
+    let Some(text) = decoded(&bytes) else {
+        let message = format!("`{}` is neither UTF-8 nor UTF-16 text", shown(&path.display().to_string()));
+        let help = "export it as text; for example: iconv -f ISO-8859-1 -t UTF-8 old > new";
+        diagnostics.push(Diagnostic::new("E0104", message).help(help));
+        return None;
+    };
+    let (source, text) = keep(path, text, diagnostics);
+    Some(Sheet { source, text })
+}
+
+/// UTF-8, or UTF-16 with a byte order mark or with every other byte of its beginning zero.
+fn decoded(bytes: &[u8]) -> Option<String> {
+    let wide = |little: bool, bytes: &[u8]| {
+        let pair = |p: &[u8]| if little { u16::from_le_bytes([p[0], p[1]]) } else { u16::from_be_bytes([p[0], p[1]]) };
+        let units: Vec<u16> = bytes.chunks_exact(2).map(pair).collect();
+        bytes.len().is_multiple_of(2).then(|| String::from_utf16(&units).ok()).flatten()
+    };
+    match bytes {
+        [0xff, 0xfe, rest @ ..] => wide(true, rest),
+        [0xfe, 0xff, rest @ ..] => wide(false, rest),
+        [first, 0, ..] if *first != 0 => wide(true, bytes),
+        [0, first, ..] if *first != 0 => wide(false, bytes),
+        _ => String::from_utf8(bytes.to_vec()).ok(),
+    }
+}
+
+impl Sheet {
+    /// The file among the sources.
+    pub fn source(&self) -> SourceId {
+        self.source
+    }
+
+    /// The lines that count.
+    pub fn lines(&self) -> Vec<Line> {
+        let mut start = 0;
+        let line = |line: &str| {
+            let content = line.trim_end();
+            let range = start..start + content.len();
+            start += line.len();
+            let bare = content.trim_start();
+            let counts = !bare.is_empty() && !bare.starts_with('#') && !bare.starts_with("//");
+            counts.then(|| Line { place: Place { source: self.source, range }, text: content.to_owned() })
+        };
+        self.text.split_inclusive('\n').filter_map(line).collect()
+    }
+}
+
+/// What separates the cells of a line: a semicolon or tab if there is one, else the comma.
+pub fn separator(header: &str) -> char {
+    [';', '\t'].into_iter().find(|c| header.contains(*c)).unwrap_or(',')
+}
+
+/// The cells of a line, trimmed, without the quotes that spreadsheets put around text.
+pub fn cells(line: &str, separator: char) -> Vec<String> {
+    let mut cells = vec![String::new()];
+    let mut quoted = false;
+    for c in line.chars() {
+        match c {
+            '"' => quoted = !quoted,
+            c if c == separator && !quoted => cells.push(String::new()),
+            c => cells.last_mut().into_iter().for_each(|cell| cell.push(c)),
+        }
+    }
+    cells.into_iter().map(|cell| cell.trim().to_owned()).collect()
+}
+
+/// A number; with a decimal comma where the comma does not separate cells.
+pub fn number(cell: &str, separator: char) -> Result<f64, Failure> {
+    match units::number(cell) {
+        Err(Failure::DecimalComma(_)) if separator != ',' => units::number(&cell.replacen(',', ".", 1)),
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_comes_in_many_bytes() {
+        let wide: Vec<u8> = "a;µ\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> = [0xfe, 0xff].into_iter().chain("a;µ\n".encode_utf16().flat_map(u16::to_be_bytes)).collect();
+        for bytes in [wide.clone(), [&[0xff, 0xfe], wide.as_slice()].concat(), big, "a;µ\n".into()] {
+            assert_eq!(decoded(&bytes).as_deref(), Some("a;µ\n"));
+        }
+        assert_eq!(decoded(&[0xff, 0xfe, 0]), None);
+        assert_eq!(decoded(&[b'a', 0xb5]), None);
+    }
+
+    #[test]
+    fn cells_and_decimal_commas() {
+        assert_eq!(cells("a; \"b; c\" ;1,5", ';'), ["a", "b; c", "1,5"]);
+        assert_eq!(number("1,5", ';').unwrap(), 1.5);
+        assert!(number("1,5", ',').is_err() && number("1.234,5", ';').is_err());
+    }
+}

@@ -1,0 +1,111 @@
+//! The report page in a real Chromium, driven over WebDriver: it loads without the network and without
+//! complaint, shows the numbers of its data, and its controls, keys and `--watch` do what they say.
+//!
+//! Without Chromium every check is left out and named; with `ABBE_REQUIRE_BROWSER=1` (as in `tests/run`) that
+//! is a failure. Screenshots are kept in `target/debug/screenshots/`.
+
+// A test that panics is a test that fails: nothing to be careful about.
+#![allow(clippy::disallowed_methods, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
+mod driver;
+mod page;
+mod pictures;
+mod watch;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+/// Name and body of a check.
+type Check = (&'static str, fn());
+
+const CHECKS: [Check; 8] = [
+    ("the page loads with the network off and without a complaint", page::loads),
+    ("every number shown is the one in the data", page::numbers),
+    ("every control changes the picture, and taking it back restores it", page::controls),
+    ("the keyboard alone reaches and turns the picture", page::keyboard),
+    ("controls and pictures have names", page::names),
+    ("text from the machine file is text", page::hostile),
+    ("a saved machine file refreshes the page, a broken one leaves the last good one", watch::refreshes),
+    ("screenshots: light, dark, print, projector, mobile, comparison", pictures::screenshots),
+];
+
+fn main() -> ExitCode {
+    let names: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    if std::env::args().any(|a| a == "--list") {
+        CHECKS.iter().for_each(|(name, _)| println!("{name}: test"));
+        return ExitCode::SUCCESS;
+    }
+    let wanted = |name: &str| names.is_empty() || names.iter().any(|part| name.contains(part));
+    let checks: Vec<&Check> = CHECKS.iter().filter(|(name, _)| wanted(name)).collect();
+    if let Err(why) = driver::available() {
+        checks.iter().for_each(|(name, _)| println!("test {name} ... LEFT OUT"));
+        println!("{} tests left out: {why}; `tests/run` installs what they need", checks.len());
+        let required = std::env::var_os("ABBE_REQUIRE_BROWSER").is_some();
+        return if required { ExitCode::FAILURE } else { ExitCode::SUCCESS };
+    }
+    let failed = checks.iter().filter(|check| !passes(check)).count();
+    println!("{} passed, {failed} failed", checks.len() - failed);
+    if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn passes((name, body): &Check) -> bool {
+    let passed = catch_unwind(AssertUnwindSafe(body)).is_ok();
+    println!("test {name} ... {}", if passed { "ok" } else { "FAILED" });
+    passed
+}
+
+/// A folder of its own, removed at the end.
+pub struct Folder(pub PathBuf);
+
+impl Folder {
+    /// Makes it, empty.
+    pub fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("abbe-browser-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The program, in `configs/`.
+pub fn abbe() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_abbe"));
+    command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("configs"));
+    command
+}
+
+/// Where screenshots and the five-axis page are kept: beside the program, under `target`.
+pub fn kept() -> PathBuf {
+    let folder = Path::new(env!("CARGO_BIN_EXE_abbe")).parent().unwrap().join("screenshots");
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// The page of a five-axis machine with two targets, written once.
+pub fn five_axes() -> PathBuf {
+    static PAGE: std::sync::OnceLock<PathBuf> = std::sync::OnceLock::new();
+    let write =
+        || report(&kept(), "five-axes.html", &["trunnion.yaml", "--target", "linuxcnc", "--target", "grid-csv"]);
+    PAGE.get_or_init(write).clone()
+}
+
+/// Writes a report with these arguments and returns where it is.
+pub fn report(folder: &Path, name: &str, arguments: &[&str]) -> PathBuf {
+    let path = folder.join(name);
+    let output = abbe()
+        .arg("report")
+        .args(arguments)
+        .arg("--out")
+        .arg(&path)
+        .args(["--poses", "300", "--quiet"])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    path
+}

@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+"""A guard of speed that no busy machine disturbs: instructions of kernels, counted by valgrind's callgrind.
+
+    check.py            compare with counts.json, 5 % either way
+    check.py --renew    write counts.json
+
+What is counted: one sample of benches/evaluate.rs (512 poses, compilation of the plan included) in the development profile,
+as the difference of a run with two samples and one with one: start and reading cancel. The vector width is forced, for valgrind emulates
+a processor of its own (AVX2 at most), so the counts do not depend on this one. They do depend on the compiler: with
+another rustc than the one in counts.json differences are shown and not judged.
+"""
+
+import array
+import json
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+COUNTS = HERE / "counts.json"
+TOLERANCE = 0.05
+POSES = 512
+KERNELS = [f"{kernel} {width} 1" for width in ("scalar", "avx2") for kernel in ("batch 1", "batch exact", "grid")]
+# The trunnion's volume, in the order of its walk: C A Y X Z.
+TRAVEL = [(0, 360), (-120, 30), (0, 450), (0, 500), (-400, 0)]
+
+
+def output(*command):
+    return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+
+
+def binary():
+    lines = output("cargo", "build", "--locked", "--bench", "evaluate", "--message-format=json").splitlines()
+    built = [json.loads(line) for line in lines]
+    return [b["executable"] for b in built if b.get("target", {}).get("name") == "evaluate" and b.get("executable")][-1]
+
+
+def poses(folder):
+    numbers = random.Random(7)
+    path = folder / "poses.f64"
+    path.write_bytes(array.array("d", [numbers.uniform(*t) for t in TRAVEL for _ in range(POSES)]).tobytes())
+    return path
+
+
+def instructions(program, path, folder, samples):
+    """Of one process that is asked for these samples."""
+    out = folder / "callgrind.out"
+    run = subprocess.run(
+        ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", program, ROOT / "configs/trunnion.yaml", path],
+        input="".join(sample + "\n" for sample in samples), capture_output=True, text=True, cwd=ROOT)
+    answers = run.stdout.split()
+    if run.returncode != 0 or "unknown" in answers or len(answers) != 3 + len(samples):
+        raise SystemExit(f"{samples}: {run.stdout}{run.stderr}")
+    return int(next(line for line in out.read_text().splitlines() if line.startswith("summary:")).split()[1]), answers[1]
+
+
+def main():
+    renew = sys.argv[1:] == ["--renew"]
+    compiler = output("rustc", "--version").strip()
+    known = {} if renew else json.loads(COUNTS.read_text())
+    program = binary()
+    found, wrong = {}, []
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        path = poses(folder)
+        for kernel in KERNELS:
+            once, width = instructions(program, path, folder, [kernel])
+            if "avx2" in kernel and width != "Avx2":
+                print(f"{kernel}: this processor has no AVX2, not counted")
+                continue
+            found[kernel] = instructions(program, path, folder, [kernel] * 2)[0] - once
+            expected = known.get("instructions", {}).get(kernel)
+            change = f"{100 * (found[kernel] / expected - 1):+.1f} %" if expected else "new"
+            print(f"{kernel}: {found[kernel]} instructions, {change}")
+            if expected is None or abs(found[kernel] / expected - 1) > TOLERANCE:
+                wrong.append(kernel)
+    if renew:
+        COUNTS.write_text(json.dumps({"rustc": compiler, "instructions": found}, indent=2) + "\n")
+    elif known["rustc"] != compiler:
+        print(f"counted with {known['rustc']}, this is {compiler}: not judged; `{pathlib.Path(sys.argv[0])} --renew` makes new counts")
+    elif wrong:
+        raise SystemExit(f"more than 5 % off: {', '.join(wrong)}. If that is meant (fewer, or a good reason), `--renew` and commit.")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,168 @@
+//! `abbe import`: exports of lasers in the forms that are met, with what is wrong in them said row by row.
+
+use super::identify::{json, run};
+use super::oracle::program::Folder;
+
+/// Means at 0, 100, 200: forward 0, 2, 4 um, reverse 1, 3, 5 um, runs 0.5 um about them.
+const MEANS: [[f64; 2]; 3] = [[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]];
+
+fn value(target: usize, way: usize, run: usize) -> f64 {
+    MEANS[target][way] + if run == 0 { 0.5 } else { -0.5 }
+}
+
+const TABLE: &str = "X [mm], EXX+ [um], EXX- [um]\n0, 0, 1\n100, 2, 3\n200, 4, 5\n";
+
+/// What comes out of a file: the report and the table.
+fn imported(text: &[u8], options: &[&str]) -> (serde_json::Value, String) {
+    let folder = Folder::new();
+    let (file, out) = (folder.path("laser.csv"), folder.path("x.csv"));
+    std::fs::write(&file, text).unwrap();
+    let mut arguments = vec!["import", file.to_str().unwrap(), "--out", out.to_str().unwrap(), "--format", "json"];
+    arguments.extend(options);
+    let report = json(&run(&arguments));
+    (report, std::fs::read_to_string(out).unwrap())
+}
+
+fn without_comments(table: &str) -> String {
+    table.lines().filter(|line| !line.starts_with('#')).map(|line| format!("{line}\n")).collect()
+}
+
+/// The standard's figures of these readings: s = 0.5 sqrt 2 everywhere.
+fn check(report: &serde_json::Value, runs: u64) {
+    let figures = &report["errors"][0];
+    let near = |key: &str, expected: f64| {
+        let found = figures[key].as_f64().unwrap_or_else(|| panic!("{key}: {report}"));
+        assert!((found - expected).abs() < 1e-9, "{key}: {found} {report}");
+    };
+    let s = 0.5_f64.sqrt();
+    assert_eq!((figures["error"].as_str(), figures["runs"].as_u64()), (Some("EXX"), Some(runs)));
+    near("E", 5.0);
+    near("M", 4.0);
+    near("B", -1.0);
+    near("mean_B", -1.0);
+    near("R", (4.0 * s).max(4.0 * s + 1.0));
+    near("A", 5.0 + 4.0 * s);
+    near("slope", 20.0);
+}
+
+/// There and back in one column, run after run, as lasers record.
+fn zigzag(cell: impl Fn(usize, f64) -> String) -> String {
+    let mut text = String::new();
+    for run in 0..2 {
+        for target in 0..3 {
+            text += &cell(target, value(target, 0, run));
+        }
+        for target in (0..3).rev() {
+            text += &cell(target, value(target, 1, run));
+        }
+    }
+    text
+}
+
+#[test]
+fn runs_beside_each_other_with_metadata_decimal_commas_and_utf16() {
+    let mut text =
+        "HEADER\r\nInstrument: laser 80\r\nDate: 2026-11-01\r\nAxis: X\r\n\r\nposition (mm);1+;1-;2+;2-\r\n".to_owned();
+    for (i, target) in ["0", "100,0", "200"].iter().enumerate() {
+        let cells: Vec<String> =
+            (0..4).map(|k| (value(i, k % 2, k / 2) * 1e-3).to_string().replace('.', ",")).collect();
+        text += &format!("{target};{}\r\n", cells.join(";"));
+    }
+    text += "300;0,1;bump;0,1;0,1\r\nend of file\r\n";
+    let wide: Vec<u8> = [0xff, 0xfe].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect();
+    let (report, table) = imported(&wide, &["--error", "EXX", "--unit", "mm"]);
+    check(&report, 2);
+    assert_eq!(without_comments(&table), TABLE);
+    assert!(table.contains("# Instrument: laser 80\n"), "{table}");
+    let left = report["left_out"].as_array().unwrap();
+    assert_eq!(left.iter().map(|l| l["line"].as_u64().unwrap()).collect::<Vec<_>>(), [10, 11], "{report}");
+    assert!(left[0]["reason"].as_str().unwrap().contains("bump"));
+    assert_eq!(report["warnings"][0]["code"], "W0504");
+}
+
+#[test]
+fn there_and_back_in_one_column() {
+    let rows = zigzag(|target, v| format!("{},{v}\n", target * 100));
+    let (report, table) = imported(format!("\u{feff}X [mm],EXX [um]\n{rows}").as_bytes(), &[]);
+    check(&report, 2);
+    assert_eq!((without_comments(&table).as_str(), &report["directions_inferred"]), (TABLE, &serde_json::json!(true)));
+}
+
+#[test]
+fn one_reading_a_row() {
+    let mut text = "axis\terror\tposition [mm]\trun\tdirection\tvalue\tunit\treason\n".to_owned();
+    for (i, _) in MEANS.iter().enumerate() {
+        for k in 0..4 {
+            let way = ["forward", "reverse"][k % 2];
+            text += &format!("X\tEXX\t{}\t{}\t{way}\t{}\tnm\t\n", i * 100, k / 2, value(i, k % 2, k / 2) * 1e3);
+        }
+    }
+    text += "X\tEXX\t100\t9\tforward\t99\tum\tprobe was bumped\nX\tEYY\t100\t9\tforward\t1\tum\t\n";
+    let (report, table) = imported(text.as_bytes(), &["--axis", "X"]);
+    check(&report, 2);
+    assert_eq!(without_comments(&table), TABLE);
+    let reasons: Vec<&str> =
+        report["left_out"].as_array().unwrap().iter().map(|l| l["reason"].as_str().unwrap()).collect();
+    assert_eq!(reasons, ["marked `probe was bumped`", "`EYY` is no error of axis X"]);
+}
+
+#[test]
+fn six_errors_in_one_run_with_a_row_of_units_and_vdi_names() {
+    let text = "X;xtx;EYX;xrz\nmm;µm;nm;arcsec\n0;1;2000;1\n10;2;3000;2\n";
+    let (report, table) = imported(text.as_bytes(), &["--correction"]);
+    assert_eq!(report["errors"].as_array().unwrap().len(), 3);
+    let arcsec = 1e6 * std::f64::consts::PI / 648_000.0;
+    assert!(table.starts_with("X [mm], EXX [um], EYX [um], ECX [urad]\n0, -1, -2, -"), "{table}");
+    let last = table.lines().nth(1).unwrap().rsplit(", ").next().unwrap();
+    assert!((last.parse::<f64>().unwrap() + arcsec).abs() < 1e-6, "{table}");
+}
+
+#[test]
+fn a_turning_axis_closes_and_the_table_is_one_that_machines_take() {
+    let rows: String = (0..=12).map(|i| format!("{},{}\n", i * 30 - 180, f64::from(i % 12))).collect();
+    let (_, table) = imported(format!("C [deg],ECC [urad]\n{rows}").as_bytes(), &["--continuous"]);
+    let folder = Folder::new();
+    folder.write("c.csv", &table);
+    let text = "abbe: 1\nmachine: M\nchain: \"w C' b X Y Z t\"\naxes:\n  X: { travel: [0 mm, 9 mm] }\n  Y: { travel: [0 mm, 9 mm] }\n  Z: { travel: [0 mm, 9 mm] }\n  C: { travel: continuous }\nmeasured: [c.csv]\n";
+    let machine = folder.write("machine.yaml", text);
+    let output = run(&["check", machine.to_str().unwrap()]);
+    assert!(output.status.success(), "{}\n{table}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(table.lines().count(), 14);
+}
+
+#[test]
+fn hostile_exports_are_refused_in_words() {
+    let folder = Folder::new();
+    let said = |bytes: &[u8], options: &[&str]| {
+        let file = folder.path("laser.csv");
+        std::fs::write(&file, bytes).unwrap();
+        let out = folder.path("none.csv");
+        let mut arguments = vec!["import", file.to_str().unwrap(), "--out", out.to_str().unwrap()];
+        arguments.extend(options);
+        let output = run(&arguments);
+        assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(!out.exists());
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    for text in [
+        "",
+        "just words\n",
+        "1,2\n3,4\n",
+        "X [mm],EXX\n0,1\n",
+        "X [mm],EXX [urad]\n0,1\n",
+        "X [mm],EYY [um]\n0,1\n",
+        "X [urad/mm],EXX [um]\n0,1\n",
+        "position,1,2\n0,1,2\n",
+        "X [mm],1,2\n0,1,2\n",
+        "X [mm],EXX [um]\n",
+        "X [mm],EXX [um]\nnan,1\n0,inf\n1e9,1\n,1\n1\n",
+        "X [mm],EXX [um]\n0,1e9\n",
+        "error,value,unit\nEXX,1,um\n",
+    ] {
+        assert!(said(text.as_bytes(), &[]).contains("E0509"), "{text}");
+    }
+    assert!(said(b"X [mm],1\n0,1\n", &["--error", "EXX", "--unit", "furlong"]).contains("E0509"));
+    assert!(said(b"X [mm],1\n0,1\n", &["--error", "EC0Y", "--unit", "um"]).contains("E0509"));
+    assert!(said(&[0xff, 0xfe, 0x00], &[]).contains("E0104"));
+    assert!(said(b"X,\xb5\n", &[]).contains("E0104"));
+}

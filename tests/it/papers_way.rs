@@ -1,0 +1,119 @@
+//! The 2015 paper again, with the files of docs/examples: its own fit on monomials, and the joint fit beside it.
+
+use super::identify::{json, run};
+use super::oracle::program::Folder;
+
+const EXAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/examples/paper-2015/");
+
+fn report(machine: &str, data: &str, more: &[&str]) -> serde_json::Value {
+    let (machine, data) = (format!("{EXAMPLE}{machine}"), format!("{EXAMPLE}{data}"));
+    json(&run(&[&["identify", &machine, "--data", &data, "--format", "json"], more].concat()))
+}
+
+#[test]
+fn the_design_of_the_paper_has_rank_2_along_a_line_and_12_of_22_on_the_grid() {
+    for (data, rank) in [("line.csv", 2), ("phantom.csv", 12)] {
+        let found = report("as-printed.yaml", data, &["--method", "moore-penrose"]);
+        let dx = &found["components"][0];
+        assert_eq!((dx["columns"].as_u64(), dx["rank"].as_u64()), (Some(22), Some(rank)), "{dx}");
+        let names: Vec<&str> =
+            dx["coefficients"].as_array().unwrap().iter().map(|c| c["monomial"].as_str().unwrap()).collect();
+        assert!(names.contains(&"b * f2") && names.contains(&"c * g3") && !names.contains(&"b"), "{names:?}");
+        assert_eq!(names.iter().filter(|name| name.contains('*')).count(), 15);
+    }
+}
+
+/// um/m and urad/m of configs/papers/holub-2015.yaml.
+const TRUTH: [(&str, f64); 12] = [
+    ("EXX:slope", 14.0),
+    ("EAX:slope", 26.0),
+    ("EBX:slope", 22.0),
+    ("ECX:slope", -16.0),
+    ("EYY:slope", -11.0),
+    ("EAY:slope", 30.0),
+    ("EBY:slope", -24.0),
+    ("ECY:slope", 18.0),
+    ("EZZ:slope", 16.0),
+    ("EAZ:slope", -20.0),
+    ("EBZ:slope", 28.0),
+    ("ECZ:slope", 12.0),
+];
+
+#[test]
+fn the_phantom_is_found_again_by_the_joint_fit() {
+    let folder = Folder::new();
+    let svg = folder.path("planes");
+    let found = report("machine.yaml", "phantom.csv", &["--svg", svg.to_str().unwrap(), "--folds", "5"]);
+    let mut determined = 0;
+    for (parameter, (name, known)) in found["parameters"].as_array().unwrap().iter().zip(TRUTH) {
+        assert_eq!(parameter["name"], name);
+        let Some(sigma) = parameter["sigma"].as_f64() else { continue };
+        let gap = (parameter["value"].as_f64().unwrap() - known).abs();
+        assert!(gap < 4.0 * sigma, "{name}: off by {gap}, sigma {sigma}");
+        determined += 1;
+    }
+    // The roll of Z about the tool's own line acts on no point of it.
+    assert_eq!((determined, found["rank"].as_u64()), (11, Some(11)), "{}", found["null_space"]);
+    // The noise is 1 um in each of three components.
+    let rms = |key: &str| found["rms_um"][key].as_f64().unwrap();
+    assert!((rms("after") - 3.0_f64.sqrt()).abs() < 0.1 && (rms("held_out") - 3.0_f64.sqrt()).abs() < 0.1);
+    assert!(rms("before") > 3.0 * rms("after"));
+    for name in ["fit-xy.svg", "fit-xz.svg", "fit-yz.svg"] {
+        let text = std::fs::read_to_string(svg.join(name)).unwrap();
+        // A circle and a dot for each of 49 points, and one in the legend.
+        assert_eq!(text.matches("<circle").count(), 99, "{name}");
+    }
+}
+
+#[test]
+fn the_papers_way_explains_each_component_of_the_phantom() {
+    let found = report("machine.yaml", "phantom.csv", &["--method", "moore-penrose"]);
+    for component in found["components"].as_array().unwrap() {
+        let after = component["rms_um"]["after"].as_f64().unwrap();
+        assert!((0.9..1.1).contains(&after), "{component}");
+        assert!(component["rank"].as_u64() < component["columns"].as_u64());
+    }
+}
+
+/// dx = (a + 2 b) x: the shortest answer is a fifth and two fifths of it.
+#[test]
+fn of_many_answers_the_shortest_is_given() {
+    let folder = Folder::new();
+    let machine = "abbe: 1\nmachine: One\nchain: \"w b X t\"\naxes:\n  X: { travel: [0 mm, 100 mm] }\nidentify:\n  fit: [a, b]\n  parameters: { a: { EXX: [0, 1] }, b: { EXX: [0, 2] } }\n";
+    let machine = folder.write("machine.yaml", machine);
+    let data = folder.write("data.csv", "X [mm],dx [um]\n0,0\n50,25\n100,50\n");
+    let found = json(&run(&[
+        "identify",
+        machine.to_str().unwrap(),
+        "--data",
+        data.to_str().unwrap(),
+        "--method",
+        "moore-penrose",
+        "--format",
+        "json",
+    ]));
+    let dx = &found["components"][0];
+    let value = |k: usize| dx["coefficients"][k]["value"].as_f64().unwrap();
+    assert_eq!((dx["rank"].as_u64(), dx["columns"].as_u64()), (Some(1), Some(2)));
+    assert!((value(0) - 100.0).abs() < 1e-9 && (value(1) - 200.0).abs() < 1e-9, "{dx}");
+    assert_eq!(dx["coefficients"][0]["determined"], false);
+}
+
+#[test]
+fn what_does_not_go_together_is_said() {
+    let (machine, data) = (format!("{EXAMPLE}machine.yaml"), format!("{EXAMPLE}line.csv"));
+    let base = ["identify", &machine, "--data", &data, "--method", "moore-penrose"];
+    assert_eq!(run(&[&base[..], &["--out", "x.yaml"]].concat()).status.code(), Some(2));
+    let folder = Folder::new();
+    let relative = folder.write("r.csv", "X,rel.dx [um]\n300,0\n350,1\n");
+    let with = |data: &str, more: &[&str]| {
+        let output = run(&[&["identify", &machine, "--data", data], more].concat());
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, said) = with(relative.to_str().unwrap(), &["--method", "moore-penrose"]);
+    assert!(code == Some(1) && said.contains("E0510"), "{said}");
+    let curve = folder.write("c.csv", "X,EXX [um]\n300,0\n350,1\n");
+    let svg = folder.path("svg");
+    let (code, said) = with(curve.to_str().unwrap(), &["--fit", "EXX:poly1", "--svg", svg.to_str().unwrap()]);
+    assert!(code == Some(1) && said.contains("E0511"), "{said}");
+}

@@ -1,0 +1,339 @@
+//! The report page as text: it holds what the other verbs say, nothing else is loaded, and what is refused leaves
+//! nothing. What a browser makes of it is in `tests/browser`.
+
+use crate::program::{Folder, abbe, abbe_on, json, refused, text};
+use crate::support::sha256;
+use serde_json::{Value, json as object};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+fn page(folder: &Folder, arguments: &[&str]) -> String {
+    let out = folder.file("page.html");
+    abbe(&[&["report"], arguments, &["--out", text(&out), "--quiet"]].concat());
+    std::fs::read_to_string(out).unwrap()
+}
+
+/// What stands between two marks.
+fn between<'a>(page: &'a str, from: &str, to: &str) -> &'a str {
+    page.split_once(from).unwrap().1.split_once(to).unwrap().0
+}
+
+fn data(page: &str) -> Value {
+    serde_json::from_str(between(page, "id=\"data\">", "</script>")).unwrap()
+}
+
+/// Equal but for the last digits.
+fn near(a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Number(a), Value::Number(b)) => {
+            let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
+            (a - b).abs() <= 1e-12 * b.abs().max(1.0)
+        }
+        (Value::Array(a), Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| near(a, b)),
+        (Value::Object(a), Value::Object(b)) => a.len() == b.len() && a.iter().all(|(k, v)| near(v, &b[k])),
+        _ => a == b,
+    }
+}
+
+#[test]
+fn the_page_loads_nothing_and_its_policy_names_its_own_style_and_script() {
+    let folder = Folder::new("report-alone");
+    let page = page(&folder, &["vmc-cframe-754.yaml", "--poses", "50"]);
+    let addresses: Vec<&str> =
+        page.split("http").skip(1).filter(|rest| !rest.starts_with("://www.w3.org/2000/svg\"")).collect();
+    // The policy's own header is named; no address is.
+    assert!(addresses.iter().all(|rest| rest.starts_with("-equiv=")), "{addresses:?}");
+    assert!(
+        ["<link", "src=", "@import", "url("]
+            .iter()
+            .all(|word| page.matches(word).count() == usize::from(*word == "<link"))
+    );
+    let policy = between(&page, "http-equiv=\"Content-Security-Policy\" content=\"", "\"")
+        .replace("&#x27;", "'")
+        .replace("&#x2f;", "/")
+        .replace("&#x2b;", "+");
+    assert!(policy.starts_with("default-src 'none';") && policy.contains("connect-src 'none'"), "{policy}");
+    let script = page.rsplit_once("<script>").unwrap().1.split_once("</script>").unwrap().0;
+    let style = between(&page, "<style>", "</style>");
+    use base64::Engine;
+    for part in [script, style] {
+        let hex = sha256::sha256(part.as_bytes());
+        let bytes: Vec<u8> = (0..32).map(|i| u8::from_str_radix(&hex[2 * i..2 * i + 2], 16).unwrap()).collect();
+        let hash = base64::engine::general_purpose::STANDARD.encode(bytes);
+        assert!(policy.contains(&hash), "{hash}: {policy}");
+    }
+    assert!(!page.contains(" style=") && !page.contains(" onclick="), "the policy would not let these through");
+}
+
+#[test]
+fn its_statistics_are_those_of_map_compare_and_compile() {
+    let folder = Folder::new("report-numbers");
+    let page =
+        page(&folder, &["trunnion.yaml", "ht-b-c.yaml", "--target", "linuxcnc", "--poses", "400", "--seed", "7"]);
+    let data = data(&page);
+    for (i, file) in ["trunnion.yaml", "ht-b-c.yaml"].into_iter().enumerate() {
+        let machine = &data["machines"][i];
+        let map = json(&["map", file, "--random", "400", "--seed", "7", "--format", "json"]);
+        for key in ["position_um", "rotation_urad"] {
+            assert!(near(&machine["statistics"][key], &map[key]), "{file} {key}");
+        }
+        assert_eq!(machine["worst"][0]["axes"], map["worst"][0]["axes"]);
+        assert!(near(&machine["diagonals"][1]["deviations_um"], &map["diagonals"][1]["deviations_um"]));
+        let out = folder.file(&format!("set{i}"));
+        let certificate = json(&[
+            "compile",
+            file,
+            "--target",
+            "linuxcnc",
+            "--out",
+            text(&out),
+            "--poses",
+            "400",
+            "--seed",
+            "7",
+            "--format",
+            "json",
+            "--quiet",
+        ]);
+        let shown = &machine["certificates"][0];
+        for state in ["uncompensated", "compensated"] {
+            assert!(near(&shown[state], &certificate[state]), "{file} {state}");
+        }
+        for error in shown["errors"].as_array().unwrap() {
+            let other = &certificate["errors"][error["error"].as_str().unwrap()];
+            assert!(near(&error["left_um"], &other["left_um"]) && error["handled"] == other["handled"], "{error}");
+        }
+    }
+    let compare =
+        json(&["compare", "trunnion.yaml", "ht-b-c.yaml", "--poses", "400", "--seed", "7", "--format", "json"]);
+    for i in 0..2 {
+        for key in ["position_um", "rotation_urad", "unreachable"] {
+            assert!(near(&data["comparison"]["machines"][i][key], &compare["machines"][i][key]), "{i} {key}");
+        }
+    }
+    assert_eq!(data["comparison"]["poses"], compare["poses"]);
+}
+
+/// The nodes of the 3D view with their positions: the first axis runs fastest.
+fn nodes(field: &Value) -> Vec<Vec<(String, f64)>> {
+    let grid = field["grid"].as_array().unwrap();
+    let mut list: Vec<Vec<(String, f64)>> = vec![Vec::new()];
+    for axis in grid.iter().rev() {
+        let name = axis["name"].as_str().unwrap();
+        let positions = axis["positions"].as_array().unwrap();
+        let with = |rest: &Vec<(String, f64)>| {
+            positions
+                .iter()
+                .map(|q| [&[(name.to_owned(), q.as_f64().unwrap())], &rest[..]].concat())
+                .collect::<Vec<_>>()
+        };
+        list = list.iter().flat_map(with).collect();
+    }
+    list
+}
+
+/// Positions of the other axes, from a station's words.
+fn station(label: &str) -> Vec<(String, f64)> {
+    let one = |part: &str| {
+        let (name, value) = part.split_once(" = ").unwrap();
+        (name.to_owned(), value.trim_end_matches(['°', 'm', ' ']).parse().unwrap())
+    };
+    label.split(", ").filter(|part| !part.is_empty()).map(one).collect()
+}
+
+#[test]
+fn the_field_of_the_view_is_the_one_eval_gives() {
+    let folder = Folder::new("report-field");
+    let page = page(&folder, &["trunnion.yaml", "--target", "linuxcnc", "--poses", "50"]);
+    let field = &data(&page)["machines"][0]["field"];
+    let nodes = nodes(field);
+    let layer = |id: &str| field["layers"].as_array().unwrap().iter().find(|l| l["id"] == id).unwrap();
+    let vector = |id: &str, at: usize, node: usize| -> [f64; 3] {
+        std::array::from_fn(|k| layer(id)["at"][at]["deviation_nm"][3 * node + k].as_f64().unwrap() * 1e-3)
+    };
+    for (s, of) in field["stations"].as_array().unwrap().iter().enumerate() {
+        let others = station(of["label"].as_str().unwrap());
+        // Every 17th node: all corners of the grid's cube are not needed to find a wrong order.
+        for node in (0..nodes.len()).step_by(17) {
+            let at =
+                nodes[node].iter().chain(&others).map(|(name, q)| format!("{name}={q}")).collect::<Vec<_>>().join(",");
+            let eval = json(&["eval", "trunnion.yaml", "--frame", "machine", "--at", &at, "--format", "json"]);
+            for k in 0..3 {
+                let exact = eval["poses"][0]["deviation"][k].as_f64().unwrap() * 1e3;
+                assert!((vector("total", s, node)[k] - exact).abs() <= 0.0005 + 1e-9, "{at}: {k}");
+                let nominal = eval["poses"][0]["nominal"][k].as_f64().unwrap();
+                assert!(
+                    (of["nominal_mm"][3 * node + k].as_f64().unwrap() - nominal).abs() <= 0.0005 + 1e-9,
+                    "{at}: {k}"
+                );
+            }
+            if s > 1 {
+                break; // One node of the later stations: each `eval` is a process.
+            }
+        }
+        for node in 0..nodes.len() {
+            let total = vector("total", s, node);
+            let after: [f64; 3] =
+                std::array::from_fn(|k| vector("after-linuxcnc", s, node)[k] + vector("removed-linuxcnc", s, node)[k]);
+            let kinds: [f64; 3] =
+                std::array::from_fn(|k| vector("location", s, node)[k] + vector("component", s, node)[k]);
+            for k in 0..3 {
+                // Three numbers of whole nanometres; first order neglects some nm on this machine.
+                assert!((after[k] - total[k]).abs() <= 0.0016, "after and removed do not add up");
+                assert!((kinds[k] - total[k]).abs() <= 0.03, "{kinds:?} {total:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_the_number_of_threads() {
+    let folder = Folder::new("report-threads");
+    let run = |threads: usize| {
+        let out = folder.file("page.html");
+        let output = abbe_on(
+            threads,
+            &["report", "trunnion.yaml", "--target", "linuxcnc", "--poses", "60", "--out", text(&out), "--quiet"],
+        );
+        assert!(output.status.success());
+        std::fs::read(out).unwrap()
+    };
+    assert!(run(1) == run(3));
+}
+
+#[test]
+fn every_kind_of_machine_has_a_page() {
+    let folder = Folder::new("report-all");
+    for file in [
+        "gantry-3ax.yaml",
+        "millturn-bc.yaml",
+        "boring-w.yaml",
+        "robots/ur5.yaml",
+        "papers/hrdina-vasik-2014.yaml",
+        "hh-bd-ram.yaml",
+    ] {
+        let out = folder.file("page.html");
+        let output = abbe_on(2, &["report", file, "--poses", "20", "--out", text(&out), "--quiet"]);
+        assert!(output.status.success(), "{file}: {}", String::from_utf8_lossy(&output.stderr));
+        let page = std::fs::read_to_string(&out).unwrap();
+        assert!(page.len() < 6_000_000 && page.ends_with("</html>"), "{file}: {}", page.len());
+        assert!(!data(&page)["machines"][0]["field"]["layers"].as_array().unwrap().is_empty(), "{file}");
+    }
+}
+
+#[test]
+fn what_is_refused_leaves_nothing() {
+    let folder = Folder::new("report-refused");
+    let own = folder.with(
+        "m.yaml",
+        &std::fs::read_to_string(crate::configs::folder().join("gantry-3ax.yaml"))
+            .unwrap()
+            .replace("errors/", &format!("{}/errors/", crate::configs::folder().display())),
+    );
+    let before = std::fs::read(&own).unwrap();
+    let (code, message) = refused(&["report", text(&own), "--poses", "5", "--out", text(&own)]);
+    assert!(code == 1 && message.contains("E0630"), "{message}");
+    assert_eq!(std::fs::read(&own).unwrap(), before);
+    let out = folder.file("p.html");
+    assert_eq!(refused(&["report", "trunnion.yaml"]).0, 2);
+    let (code, message) = refused(&["report", "none.yaml", "--out", text(&out)]);
+    assert!(code == 1 && message.contains("E0101"), "{message}");
+    let (code, message) = refused(&["report", "trunnion.yaml", "--target", "nobody", "--out", text(&out)]);
+    assert!(code == 1 && message.contains("E0701"), "{message}");
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = taken.local_addr().unwrap().port().to_string();
+    let (code, message) = refused(&["report", "trunnion.yaml", "--watch", "--port", &port]);
+    assert!(code == 1 && message.contains("E0631"), "{message}");
+    assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 1);
+}
+
+/// `report --watch`, ended with this value.
+struct Serving(Child, u16);
+
+impl Drop for Serving {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+impl Serving {
+    fn new(file: &Path) -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_abbe"))
+            .args(["report", text(file), "--watch", "--poses", "10"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let port = between(&line, "http://127.0.0.1:", "/").parse().unwrap();
+        Self(child, port)
+    }
+
+    /// Sends a request and returns status line and headers, and the body.
+    fn ask(&self, request: &str) -> (String, String) {
+        let mut stream = std::net::TcpStream::connect(("127.0.0.1", self.1)).unwrap();
+        // A server that has read enough closes, which the system may report as a failure.
+        let _ = stream.write_all(request.replace("PORT", &self.1.to_string()).replace('\n', "\r\n").as_bytes());
+        let mut answer = String::new();
+        let _ = stream.read_to_string(&mut answer);
+        let (head, body) = answer.split_once("\r\n\r\n").unwrap_or((&answer, ""));
+        (head.to_owned(), body.to_owned())
+    }
+
+    /// Asks until the page holds a word.
+    fn until(&self, word: &str) -> String {
+        for _ in 0..600 {
+            let (_, body) = self.ask("GET / HTTP/1.1\nHost: 127.0.0.1:PORT\n\n");
+            if body.contains(word) {
+                return body;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(100));
+        }
+        panic!("`{word}` never came");
+    }
+}
+
+#[test]
+fn the_watched_page_follows_its_file_and_answers_this_computer_only() {
+    let folder = Folder::new("report-watch");
+    let machine = |name: &str, error: &str| {
+        format!(
+            "abbe: 1\nmachine: {name}\nchain: \"w b X Y Z t\"\naxes:\n  X: {{ travel: [0, 500] }}\n  Y: {{ travel: [0, 400] }}\n  Z: {{ travel: [0, 300] }}\nextends: base.yaml\nerrors:\n  EC0Y: {error}\n"
+        )
+    };
+    folder.with("base.yaml", "provenance: { source: one }\n");
+    let file = folder.with("m.yaml", &machine("First", "20 urad"));
+    let serving = Serving::new(&file);
+    let (head, body) = serving.ask("GET / HTTP/1.1\nHost: 127.0.0.1:PORT\n\n");
+    assert!(head.starts_with("HTTP/1.1 200") && body.contains("<h1>First</h1>"), "{head}");
+    let tag = head.lines().find_map(|line| line.strip_prefix("ETag: ")).unwrap().to_owned();
+    for (request, status) in [
+        (format!("GET / HTTP/1.1\nHost: localhost:PORT\nIf-None-Match: {tag}\n\n"), "304"),
+        ("GET / HTTP/1.1\nHost: evil.example\n\n".to_owned(), "421"),
+        ("GET / HTTP/1.1\n\n".to_owned(), "421"),
+        ("GET /m.yaml HTTP/1.1\nHost: 127.0.0.1:PORT\n\n".to_owned(), "404"),
+        ("POST / HTTP/1.1\nHost: 127.0.0.1:PORT\nContent-Length: 0\n\n".to_owned(), "405"),
+        ("nonsense\n\n".to_owned(), "400"),
+    ] {
+        let (head, body) = serving.ask(&request);
+        assert!(head.starts_with(&format!("HTTP/1.1 {status}")) && body.is_empty(), "{request}: {head}");
+    }
+    assert!(
+        serving.ask(&format!("GET / HTTP/1.1\nX: {}\n\n", "x".repeat(20_000))).0.is_empty(),
+        "a request without end"
+    );
+    let _ = folder.with("m.yaml", &machine("Second", "30 urad"));
+    serving.until("<h1>Second</h1>");
+    // A file that is extended is followed too.
+    let _ = folder.with("base.yaml", "provenance: { source: two }\n");
+    serving.until("<dd>two</dd>");
+    let _ = folder.with("m.yaml", &machine("Third", "many"));
+    let broken = serving.until("refused[");
+    assert!(broken.contains("<h1>Second</h1>") && !broken.contains("role=\"alert\" hidden"));
+    assert_eq!(data(&broken)["machines"][0]["name"], object!("Second"));
+    let _ = folder.with("m.yaml", &machine("Fourth", "30 urad"));
+    assert!(serving.until("<h1>Fourth</h1>").contains("role=\"alert\" hidden"));
+}
