@@ -172,6 +172,20 @@ fn what_is_no_algebra_is_refused_with_its_reason() {
     assert!(exit == 1 && complaint.contains("E0524"), "{complaint}");
 }
 
+/// C(k + 6, 6) monomials of 128 bytes, C(2 k + 6, 6) products of 8.
+#[test]
+fn what_is_too_large_is_told_with_its_size() {
+    let machine = configs::folder().join("trunnion.yaml");
+    let (_, complaint, exit) = abbe(&["eval", machine.to_str().unwrap(), "--algebra", "degree: 6"]);
+    let after = |word: &str| complaint.split(word).nth(1).unwrap().split_whitespace().next().unwrap();
+    let k: f64 = after("an algebra of ").parse().unwrap();
+    let choose = |n: f64| (n + 1.0) * (n + 2.0) * (n + 3.0) * (n + 4.0) * (n + 5.0) * (n + 6.0) / 720.0;
+    let said: f64 = after("monomials and ").parse().unwrap();
+    let bytes = 128.0 * choose(k) + 8.0 * choose(2.0 * k);
+    // Three digits are printed.
+    assert!(exit == 1 && k >= 30.0 && (said * 1e9 / bytes - 1.0).abs() < 5e-3, "{k} {said} {bytes:e}\n{complaint}");
+}
+
 #[test]
 fn the_inverse_undoes_the_errors() {
     let machine = configs::folder().join("trunnion.yaml");
