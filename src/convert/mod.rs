@@ -6,7 +6,7 @@
 //! 1. [`constants`](Constants) reads the K of a machine and regroups them as the new conventions want them:
 //!    location errors, clamping of the workpiece, spindle.
 //! 2. [`ComponentErrors`] says what the six component errors of an axis become, as a function of its position.
-//! 3. [`shape`] looks for a curve of the language that is this function.
+//! 3. [`shape()`] looks for a curve of the language that is this function.
 //! 4. [`prove`] compares both machines, exact model, over travels and volume.
 //!
 //! Nothing is approximated in silence: what no curve can hold is a [`Misfit`], and the proof has the last word.

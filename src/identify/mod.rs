@@ -5,7 +5,7 @@
 //! 3. [`Model`]: what the machine with these parameters would be measured as, exactly or to an order, and its derivatives.
 //! 4. [`fit()`], [`robust_fit`]: weighted least squares by Levenberg-Marquardt.
 //! 5. [`Solution`]: rank, null space in words, uncertainty; what the noise drowns.
-//! 6. [`Residuals`], [`randomness`], [`held_out`]: what is left, outliers, orders apart, is it noise, prediction of data
+//! 6. [`Residuals`], [`randomness()`], [`held_out`]: what is left, outliers, orders apart, is it noise, prediction of data
 //!    not used.
 //! 7. [`fitted_file`]: the fitted machine as a self-contained machine file.
 //!

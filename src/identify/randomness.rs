@@ -100,13 +100,15 @@ mod tests {
 
     #[test]
     fn drift_and_outliers_are_told_from_noise() {
-        // A fixed permutation of even quantiles of a normal distribution, near enough: sums of three.
-        let noise: Vec<f64> = (0..300_u32)
-            .map(|i| {
-                (0..12).map(|k| f64::from((i * 7919 + k * 104_729 + i * i * 31 * (k + 1)) % 1009) / 1009.0).sum::<f64>()
-                    - 6.0
-            })
-            .collect();
+        // Twelve even draws added up are normal, near enough; splitmix64 (Steele, Lea and Flood 2014) draws them.
+        let mut state = 1_u64;
+        let mut even = || {
+            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let noise: Vec<f64> = (0..300).map(|_| (0..12).map(|_| even()).sum::<f64>() - 6.0).collect();
         assert!(normality(&noise) > 0.01 && runs(&noise) > 0.01 && lag1(&noise).abs() < 0.15);
         let drift: Vec<f64> = noise.iter().enumerate().map(|(i, v)| v + i as f64 / 75.0 - 2.0).collect();
         assert!(runs(&drift) < 1e-6 && lag1(&drift) > 0.4);

@@ -1,8 +1,8 @@
 //! Single-axis measurements as instruments export them, to a table of error curves and the figures of ISO 230-2.
 //!
-//! 1. [`header`]: where the table begins, what its columns are, what stands before it.
-//! 2. [`gather`]: rows to samples (error, position, direction, run); what is left out, and why.
-//! 3. [`figures`]: means by target and direction, reversal, repeatability, accuracy.
+//! 1. `header`: where the table begins, what its columns are, what stands before it.
+//! 2. `gather`: rows to samples (error, position, direction, run); what is left out, and why.
+//! 3. `figures`: means by target and direction, reversal, repeatability, accuracy.
 //! 4. [`Import::table`]: the table that a machine file takes.
 
 mod figures;
