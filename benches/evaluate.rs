@@ -14,21 +14,13 @@
 mod naive;
 
 use abbe::analysis::{SurveyTask, View, survey};
+use abbe::cli::files::Disk;
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::{Batch, Columns, Nodes, Order, Plan, Planned, Poses, Width};
 use abbe::machine::{Approach, Machine};
-use abbe::syntax::{Files, ReadFailure};
 use std::io::{BufRead, Write};
 use std::path::Path;
 use std::time::Instant;
-
-struct Disk;
-
-impl Files for Disk {
-    fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
-        std::fs::read(path).map_err(|e| ReadFailure::Other(e.to_string()))
-    }
-}
 
 fn machine(path: &Path) -> Machine {
     let mut diagnostics = Diagnostics::default();

@@ -30,8 +30,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         verify::found(session, &machine, &args.new, None, &args.options)?,
     ];
     session.checked()?;
-    let replays = [&old, &new]
-        .map(|set| Replay::new(&machine, &set.tables, &set.target.manifest.mechanism, set.target.manifest.controller));
+    let replays = [&old, &new].map(|set| Replay::new(&machine, &set.target, &set.tables));
     let mut axes: Vec<Vec<f64>> = vec![Vec::new(); machine.axes().len()];
     let mut moved = Vec::new();
     for pose in random_poses(&machine, args.options.poses as usize, args.options.seed) {

@@ -66,7 +66,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let compensation = compensation(session, args, &machine, order)?;
     let bare = Planned::new(&machine, order);
     let replayed = compensation.as_ref().map(|(target, tables)| {
-        let replay = Replay::new(&machine, tables, &target.manifest.mechanism, target.manifest.controller);
+        let replay = Replay::new(&machine, target, tables);
         Compensated { machine: &machine, replay }
     });
     let field: &dyn Field = replayed.as_ref().map_or(&bare as &dyn Field, |field| field);

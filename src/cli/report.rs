@@ -182,12 +182,7 @@ fn plane(given: &Given<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
         PlanePicture { machine, plane: &bare, view, order, shown: Shown::Length, drawn: Drawn::Colours, state, like };
     let mut svgs = vec![picture.svg(), PlanePicture { drawn: Drawn::Grid, ..picture }.svg()];
     for written in given.written {
-        let replay = Replay::new(
-            machine,
-            &written.tables,
-            &written.target.manifest.mechanism,
-            written.target.manifest.controller,
-        );
+        let replay = Replay::new(machine, &written.target, &written.tables);
         let after = of(&Compensated { machine, replay });
         let state = format!("after {}", written.target.manifest.target);
         for drawn in [Drawn::Colours, Drawn::Grid] {

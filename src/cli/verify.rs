@@ -45,20 +45,19 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.options.tool.clone().or(made_for).as_deref())?;
     warn_other_inputs(session, lock.as_ref());
     let known = known(session, &machine, &args.folder, args.target.as_deref(), &args.options)?;
-    if let Some((target, present)) = known.filter(|(target, _)| target.manifest.kinematics().is_some()) {
-        let texts = file_set::read(&args.folder, &present, &mut session.diagnostics);
+    if let Some((target, present)) = known.as_ref().filter(|(target, _)| target.manifest.kinematics().is_some()) {
+        let texts = file_set::read(&args.folder, present, &mut session.diagnostics);
         session.checked()?;
-        warn_edited(session, &args.folder);
-        return kinematics::verify(session, args, &machine, &target, &texts);
+        warn_edited(session, &args.folder, lock.as_ref());
+        return kinematics::verify(session, args, &machine, target, &texts);
     }
-    let set = found(session, &machine, &args.folder, args.target.as_deref(), &args.options)?;
+    let Found { target, tables, files } = tables_of(session, &machine, &args.folder, known)?;
     session.checked()?;
-    warn_edited(session, &args.folder);
-    let installed = installed(session, &machine, &set.target, &args.options, args.installed.as_deref())?;
-    let Found { target, tables, files } = set;
+    warn_edited(session, &args.folder, lock.as_ref());
+    let installed = installed(session, &machine, &target, &args.options, args.installed.as_deref())?;
     session.checked()?;
     if let Some(path) = &args.replay {
-        let replay = Replay::new(&machine, &tables, &target.manifest.mechanism, target.manifest.controller);
+        let replay = Replay::new(&machine, &target, &tables);
         return print_replay(session, &machine, &target, &replay, path);
     }
     let judged = Judged { target: &target, tables: &tables, installed: installed.as_ref() };
@@ -98,9 +97,18 @@ pub(super) fn found(
     named: Option<&str>,
     options: &Options,
 ) -> Result<Found, Stop> {
-    let Some((target, present)) = known(session, machine, folder, named, options)? else {
-        return by_content(session, machine, folder);
-    };
+    let known = known(session, machine, folder, named, options)?;
+    tables_of(session, machine, folder, known)
+}
+
+/// The tables in a folder of which this target is known by names.
+fn tables_of(
+    session: &mut Session,
+    machine: &Machine,
+    folder: &Path,
+    known: Option<(Target, Vec<String>)>,
+) -> Result<Found, Stop> {
+    let Some((target, present)) = known else { return by_content(session, machine, folder) };
     if target.manifest.kinematics().is_some() {
         let message = format!("`{}` holds a kinematics module, which has no tables", folder.display());
         let help = "a module is written anew from the machine file, not on top of another one";
@@ -175,8 +183,8 @@ fn warn_other_inputs(session: &mut Session, lock: Option<&Lock>) {
 }
 
 /// Files of the set that no longer are what its manifest says are said; its tables are read all the same.
-fn warn_edited(session: &mut Session, folder: &Path) {
-    let Some(lock) = file_set::existing_lock(folder) else {
+fn warn_edited(session: &mut Session, folder: &Path, lock: Option<&Lock>) {
+    let Some(lock) = lock else {
         let message =
             format!("`{}` has no readable {LOCK_NAME}: whether its files were edited cannot be told", folder.display());
         session

@@ -112,10 +112,10 @@ pub struct Judged<'a> {
 /// Compares the machine with and without tables on `count` seeded poses.
 pub fn certify(machine: &Machine, judged: Judged, scope: Scope, count: usize, seed: u64) -> Certificate {
     let Judged { target, tables, installed } = judged;
-    let (mechanisms, controller) = (&target.manifest.mechanism, target.manifest.controller);
+    let mechanisms = &target.manifest.mechanism;
     let poses: Vec<Pose> = random_poses(machine, count, seed);
     let bare = Bare { machine, order: Order::Exact };
-    let load = |tables| Replay::new(machine, tables, mechanisms, controller);
+    let load = |tables| Replay::new(machine, target, tables);
     let compensated = Compensated { machine, replay: load(tables).over(installed.map(load)) };
     let of = |field: &dyn Field, approach| figures(field, &poses, approach);
     let both = approaches(machine).iter().map(|approach| (*approach, of(&compensated, *approach)));
@@ -218,8 +218,7 @@ impl Singles<'_> {
 
     fn replayed(&self, error: ErrorId, tables: &Tables) -> ErrorLeft {
         let machine = self.machine.filtered(|id| *id == error);
-        let manifest = &self.target.manifest;
-        let replay = Replay::new(&machine, tables, &manifest.mechanism, manifest.controller);
+        let replay = Replay::new(&machine, self.target, tables);
         let compensated = Compensated { machine: &machine, replay };
         let p95 = |field: &dyn Field| worse_p95(&machine, |approach| deviations(field, self.poses, approach));
         verdict(error, p95(&Bare { machine: &machine, order: Order::Exact }), p95(&compensated))
@@ -227,8 +226,7 @@ impl Singles<'_> {
 
     /// All errors at once: they are independent to first order, and only the cells around the poses count.
     fn on_lattice(&self, lattice: &Table, tables: &Tables) -> Vec<ErrorLeft> {
-        let manifest = &self.target.manifest;
-        let replay = Replay::new(self.machine, tables, &manifest.mechanism, manifest.controller);
+        let replay = Replay::new(self.machine, self.target, tables);
         let rows: Vec<Vec<EachError>> =
             self.poses.par_iter().map(|pose| self.each_error_left(lattice, &replay, pose)).collect();
         let p95 = |index: usize, pick: fn(&(Deviation, Deviation)) -> Deviation| {

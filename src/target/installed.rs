@@ -11,7 +11,7 @@ impl Target {
         let mechanisms = &self.manifest.mechanism;
         let at = |table: &Table, positions: &[f64], reverse: bool| -> Vec<f64> {
             let alone = Tables { tables: vec![table.clone()], errors: Vec::new() };
-            let replay = Replay::new(machine, &alone, mechanisms, self.manifest.controller);
+            let replay = Replay::new(machine, self, &alone);
             let mut pose = vec![0.0; machine.axes().len()];
             table.axes.iter().zip(positions).for_each(|(axis, q)| pose[*axis] = *q);
             let added = replay.added(&pose, if reverse { Approach::Reverse } else { Approach::Forward });

@@ -1,8 +1,9 @@
 //! What the controller does with its tables, in its own arithmetic. Written from what was measured
 //! on or documented of each controller, not from the code that filled the tables.
 
+use super::Target;
 use super::manifest::{Arithmetic, Controller, Lookup, OutsideTable};
-use crate::compensation::{Mechanisms, Table, Tables, model_correction};
+use crate::compensation::{Table, Tables, model_correction};
 use crate::evaluate::{Batch, Deviation, Field, Order, Output, Plan, PoseColumns, commanded_deviation};
 use crate::machine::{Approach, Machine};
 
@@ -19,10 +20,11 @@ pub struct Replay<'a> {
 }
 
 impl<'a> Replay<'a> {
-    /// Loads tables.
-    pub fn new(machine: &'a Machine, tables: &'a Tables, mechanisms: &Mechanisms, controller: Controller) -> Self {
+    /// Loads tables of a target.
+    pub fn new(machine: &'a Machine, target: &Target, tables: &'a Tables) -> Self {
+        let mechanisms = &target.manifest.mechanism;
         let modulo = tables.tables.iter().map(|t| mechanisms.rules(t).is_some_and(|rules| rules.modulo)).collect();
-        Self { machine, tables, controller, modulo, installed: None }
+        Self { machine, tables, controller: target.manifest.controller, modulo, installed: None }
     }
 
     /// The same on a machine whose errors were measured with other tables in force.

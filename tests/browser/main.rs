@@ -7,19 +7,17 @@
 // A test that panics is a test that fails: nothing to be careful about.
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+#[path = "../it/support/checks.rs"]
+mod checks;
 mod driver;
 mod page;
 mod pictures;
 mod watch;
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-/// Name and body of a check.
-type Check = (&'static str, fn());
-
-const CHECKS: [Check; 8] = [
+const CHECKS: [checks::Check; 8] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -31,28 +29,7 @@ const CHECKS: [Check; 8] = [
 ];
 
 fn main() -> ExitCode {
-    let names: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
-    if std::env::args().any(|a| a == "--list") {
-        CHECKS.iter().for_each(|(name, _)| println!("{name}: test"));
-        return ExitCode::SUCCESS;
-    }
-    let wanted = |name: &str| names.is_empty() || names.iter().any(|part| name.contains(part));
-    let checks: Vec<&Check> = CHECKS.iter().filter(|(name, _)| wanted(name)).collect();
-    if let Err(why) = driver::available() {
-        checks.iter().for_each(|(name, _)| println!("test {name} ... LEFT OUT"));
-        println!("{} tests left out: {why}; `tests/run` installs what they need", checks.len());
-        let required = std::env::var_os("ABBE_REQUIRE_BROWSER").is_some();
-        return if required { ExitCode::FAILURE } else { ExitCode::SUCCESS };
-    }
-    let failed = checks.iter().filter(|check| !passes(check)).count();
-    println!("{} passed, {failed} failed", checks.len() - failed);
-    if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
-}
-
-fn passes((name, body): &Check) -> bool {
-    let passed = catch_unwind(AssertUnwindSafe(body)).is_ok();
-    println!("test {name} ... {}", if passed { "ok" } else { "FAILED" });
-    passed
+    checks::run(&CHECKS, driver::available, "ABBE_REQUIRE_BROWSER")
 }
 
 /// A folder of its own, removed at the end.

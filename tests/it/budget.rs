@@ -123,7 +123,7 @@ fn three_equal_errors_at_one_place_have_the_moments_of_their_sum() {
          volume: { step: 50 mm }\n",
     );
     for (word, distribution) in [("uniform", Distribution::Uniform), ("triangular", Distribution::Triangular)] {
-        let machine = load(&path);
+        let machine = crate::loaded::machine(&path);
         let bounds = bounds(&machine, None);
         let poses = [vec![100.0, 200.0, 300.0]];
         let draws = Draws::new(5, distribution);
@@ -146,12 +146,6 @@ fn three_equal_errors_at_one_place_have_the_moments_of_their_sum() {
             (b.position.rss - 300.0_f64.sqrt()).abs() < 1e-9 && (b.position.worst_case - 300.0_f64.sqrt()).abs() < 1e-9
         );
     }
-}
-
-fn load(path: &std::path::Path) -> Machine {
-    let mut diagnostics = abbe::diagnostic::Diagnostics::default();
-    let document = abbe::syntax::load(path, &abbe::cli::files::Disk, &mut diagnostics).unwrap();
-    abbe::machine::resolve(&document, &abbe::cli::files::Disk, &mut diagnostics).unwrap()
 }
 
 #[test]

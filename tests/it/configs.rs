@@ -1,9 +1,6 @@
 //! The machines in configs/, for tests that go through all of them.
 
-use abbe::cli::files::Disk;
-use abbe::diagnostic::{Diagnostics, Rendering, render};
-use abbe::machine::{self, Machine};
-use abbe::syntax;
+use abbe::machine::Machine;
 use std::path::{Path, PathBuf};
 
 /// The folder.
@@ -13,10 +10,7 @@ pub fn folder() -> PathBuf {
 
 /// A machine by its path in the folder.
 pub fn machine(name: &str) -> Machine {
-    let mut diagnostics = Diagnostics::default();
-    let document = syntax::load(&folder().join(name), &Disk, &mut diagnostics);
-    let machine = document.and_then(|document| machine::resolve(&document, &Disk, &mut diagnostics));
-    machine.unwrap_or_else(|| panic!("{}", render(&diagnostics, Rendering::default())))
+    crate::loaded::machine(&folder().join(name))
 }
 
 /// Names of all machine files, sorted.

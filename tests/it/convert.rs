@@ -12,15 +12,6 @@ use crate::support::{Run, abbe, config, number};
 use abbe::machine::{
     Approach, AxisKind, Branch, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, Machine, RotaryOrder, Sense,
 };
-use std::path::Path;
-
-/// Reads a machine file; what it means is the oracle's business.
-fn read(path: &Path) -> Machine {
-    let (files, mut found) = (abbe::cli::files::Disk, abbe::diagnostic::Diagnostics::default());
-    let document = abbe::syntax::load(path, &files, &mut found);
-    let machine = document.and_then(|d| abbe::machine::resolve(&d, &files, &mut found));
-    machine.unwrap_or_else(|| panic!("{}", abbe::diagnostic::render(&found, Default::default())))
-}
 
 /// The machine as the oracle sees it: its numbers and the names of its conventions.
 fn oracle(machine: &Machine) -> rigid::Machine {
@@ -112,7 +103,7 @@ fn convert(sample: &Sample, arguments: &[&str]) -> (Run, Option<Machine>, Folder
             .args(["--format", "json", "--out"])
             .arg(&out),
     );
-    let machine = out.exists().then(|| read(&out));
+    let machine = out.exists().then(|| crate::loaded::machine(&out));
     (run, machine, folder)
 }
 
@@ -214,7 +205,7 @@ fn any_combination_to_any_other_and_back() {
                 Run::of(abbe().arg("convert").arg(folder.path(source)).args(["--to", &words(to), "--out"]).arg(target));
             assert_eq!(run.code, Some(0), "{}", run.err);
         }
-        there = if one.exists() { read(&two) } else { there };
+        there = if one.exists() { crate::loaded::machine(&two) } else { there };
         let found = apart(&sample, &there, &mut random);
         assert!(found[0] < 2.0 * BOUND[0] && found[1] < 2.0 * BOUND[1], "{found:?}");
     }
@@ -241,7 +232,7 @@ fn tables_are_kept() {
         let out = folder.path("converted.yaml");
         let run = Run::of(abbe().arg("convert").arg(config("trunnion.yaml")).args(["--to", to, "--out"]).arg(&out));
         assert_eq!(run.code, Some(0), "{}", run.err);
-        let [before, after] = [config("trunnion.yaml"), out].map(|path| read(&path));
+        let [before, after] = [config("trunnion.yaml"), out].map(|path| crate::loaded::machine(&path));
         for (i, axis) in before.axes().iter().enumerate() {
             for (a, b) in before.axis_errors(i).component.iter().zip(&after.axis_errors(i).component) {
                 let points = |term: &Option<abbe::machine::ErrorTerm>| match term {
@@ -308,7 +299,7 @@ fn yaw_becomes_straightness() {
     );
     let out = folder.path("out.yaml");
     assert_eq!(Run::of(abbe().arg("convert").arg(path).args(["--to", "before", "--out"]).arg(&out)).code, Some(0));
-    let six = read(&out).component_values(0, 400.0, Approach::Mean);
+    let six = crate::loaded::machine(&out).component_values(0, 400.0, Approach::Mean);
     // E N: the error turns the way already gone, so 10 urad x 400 mm = 4 um must be taken back.
     assert!((six[1] + 4e-3).abs() < 1e-12 && (six[5] - 1e-5).abs() < 1e-18, "{six:?}");
 }
@@ -325,7 +316,7 @@ fn squareness_between_carried_bodies() {
     let out = folder.path("out.yaml");
     let run = Run::of(abbe().arg("convert").arg(path).args(["--to", "carried_body", "--out"]).arg(&out));
     assert_eq!(run.code, Some(0), "{}", run.err);
-    let machine = read(&out);
+    let machine = crate::loaded::machine(&out);
     let c0 = |i: usize| machine.axis_errors(i).location_values()[5];
     assert!((c0(0) - 5e-6).abs() < 1e-18 && (c0(1) - 7e-6).abs() < 1e-18);
     // The tool stands on Y as before: what turned it on the way is taken back at the spindle.
@@ -396,10 +387,10 @@ fn the_file_is_whole() {
             abbe().arg("convert").arg(&path).args(["--to", to, "--tool", "long", "--quiet", "--out"]).arg(&out),
         );
         assert_eq!(run.code, Some(0), "{}", run.err);
-        (read(&out), std::fs::read_to_string(&out).unwrap())
+        (crate::loaded::machine(&out), std::fs::read_to_string(&out).unwrap())
     };
     let (machine, written) = convert("direct");
-    let before = read(&path);
+    let before = crate::loaded::machine(&path);
     assert_eq!(machine.algebra(), before.algebra());
     let interval = |m: &Machine| (m.volume()[0].min, m.volume()[0].max, m.volume()[0].step);
     assert_eq!((interval(&before), interval(&machine)), ((0.0, 180.0, 5.0), (-180.0, 0.0, 5.0)), "{written}");

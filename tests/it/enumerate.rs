@@ -11,18 +11,10 @@ use crate::program::{Folder, abbe, abbe_on, json, refused, text};
 use abbe::analysis::budget::{Distribution, Draws, NODES, Statistic, bounds, classes};
 use abbe::analysis::enumerate::{Judge, Rule, Standing, Study, TooMany, walks};
 use abbe::analysis::{ToolPose, inverse, rest};
-use abbe::cli::files::Disk;
-use abbe::diagnostic::Diagnostics;
 use abbe::lower::sensitivities_to;
 use abbe::machine::{AxisKind, AxisName, Branch, ErrorId, Machine, Pose, Travel as Way};
 use serde_json::Value;
 use std::path::Path;
-
-fn load(path: &Path) -> Machine {
-    let mut diagnostics = Diagnostics::default();
-    let document = abbe::syntax::load(path, &Disk, &mut diagnostics).unwrap();
-    abbe::machine::resolve(&document, &Disk, &mut diagnostics).unwrap()
-}
 
 fn count(machine: &Machine, rotary: Option<usize>, rules: &[&str]) -> usize {
     let names: Vec<&AxisName> = machine.axes().iter().map(|axis| &axis.name).collect();
@@ -34,7 +26,7 @@ fn count(machine: &Machine, rotary: Option<usize>, rules: &[&str]) -> usize {
 fn there_are_as_many_arrangements_as_there_should_be() {
     let (three, five) = (machine("gantry-3ax.yaml"), machine("trunnion.yaml"));
     assert_eq!((count(&three, None, &[]), count(&five, None, &[])), (24, 720));
-    let study = load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/examples/study.yaml"));
+    let study = crate::loaded::machine(&Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/examples/study.yaml"));
     assert_eq!((count(&study, Some(2), &[]), count(&study, Some(0), &[]), count(&study, None, &[])), (2160, 24, 5040));
     // Half of all walks have C before A; with at most one axis on the table there are 2 beds of 6.
     assert_eq!(count(&five, None, &["C before A"]), 360);
@@ -78,7 +70,7 @@ fn given_errors_are_those_of_an_independent_model_placed_anew() {
         }
         let folder = Workshop::new();
         let _ = yaml::write(&sample, &folder);
-        let machine = load(&folder.path("machine.yaml"));
+        let machine = crate::loaded::machine(&folder.path("machine.yaml"));
         let list = walks(&machine, None, &[]).unwrap();
         let study = Study::new(&machine, list.clone(), Judge::Errors, Statistic::Max, 12, 1);
         for (step, walk) in list.iter().enumerate().step_by(5) {
@@ -324,7 +316,7 @@ fn what_makes_no_study_is_refused() {
     );
     // 9! * 10.
     says(&[text(&many)], &["E0607", "3628800"]);
-    let machine = load(&many);
+    let machine = crate::loaded::machine(&many);
     assert_eq!(walks(&machine, None, &[]), Err(TooMany::Before(3_628_800)));
     let still = folder.with(
         "still.yaml",
@@ -343,7 +335,7 @@ fn machines_are_rearranged_as_a_file_would_say() {
         "variant.yaml",
         &format!("abbe: 1\nextends: {}\nchain: \"w A' C' b Z Y X t\"\n", folder.join("trunnion.yaml").display()),
     );
-    let by_file = load(&variant);
+    let by_file = crate::loaded::machine(&variant);
     let side = |name: &str, branch| (AxisName::new(name).unwrap(), branch);
     let (w, t) = (Branch::Workpiece, Branch::Tool);
     let by_hand = machine.rearranged(&[side("A", w), side("C", w), side("Z", t), side("Y", t), side("X", t)]).unwrap();

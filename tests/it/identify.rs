@@ -15,8 +15,8 @@ use abbe::identify::{
     robust_fit,
 };
 use abbe::lower::{Exact, Place, Source, actual_point, tangents, values};
-use abbe::machine::{self, Approach, Direction, Machine};
-use abbe::syntax::{self, IdentifyEntry};
+use abbe::machine::{Approach, Direction, Machine};
+use abbe::syntax::IdentifyEntry;
 use nalgebra::{DMatrix, Vector3};
 
 pub fn wanted(machine: &Machine, words: &[&str]) -> Vec<Parameter> {
@@ -42,9 +42,7 @@ pub fn solve(machine: &Machine, parameters: &[Parameter], data: &[Measurement]) 
 pub fn of_sample(sample: &Sample) -> Machine {
     let folder = Folder::new();
     yaml::write(sample, &folder);
-    let mut diagnostics = Diagnostics::default();
-    let document = syntax::load(&folder.path("machine.yaml"), &Disk, &mut diagnostics);
-    document.and_then(|d| machine::resolve(&d, &Disk, &mut diagnostics)).unwrap()
+    crate::loaded::machine(&folder.path("machine.yaml"))
 }
 
 fn rms(vectors: impl Iterator<Item = Vector3<f64>>) -> f64 {

@@ -29,6 +29,7 @@ mod language;
 mod linuxcnc_constants;
 mod linuxcnc_kinematics;
 mod linuxcnc_kins;
+mod loaded;
 mod map;
 mod map_files;
 mod measurements;

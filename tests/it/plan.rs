@@ -8,38 +8,19 @@ use crate::oracle::rigid::Conventions;
 use crate::oracle::yaml;
 use abbe::analysis::{SurveyTask, View, deviation_in, map, survey};
 use abbe::compensation::{Goal, Scope, correct, correct_all};
-use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::{
     Bare, Columns, Deviation, Frame, Nodes, Order, Plan, Planned, PoseColumns, Poses, Tally, Unknown, Width,
     command_deviation, evaluate,
 };
 use abbe::lower::{Ideal, given, sensitivities};
 use abbe::machine::{Approach, Grid, Machine};
-use abbe::syntax::{Files, ReadFailure};
-use std::path::Path;
-
-/// The file system, as it is.
-struct Disk;
-
-impl Files for Disk {
-    fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
-        std::fs::read(path).map_err(|e| ReadFailure::Other(e.to_string()))
-    }
-}
-
-/// The machine in a file.
-fn machine(path: &Path) -> Machine {
-    let mut diagnostics = Diagnostics::default();
-    let document = abbe::syntax::load(path, &Disk, &mut diagnostics).unwrap();
-    abbe::machine::resolve(&document, &Disk, &mut diagnostics).unwrap()
-}
 
 fn random_machine(random: &mut Random, conventions: Conventions, size: f64) -> (Machine, Vec<Vec<f64>>) {
     let sample = Sample::random(random, conventions, size);
     let folder = Folder::new();
     yaml::write(&sample, &folder);
     let poses = sample.poses(random, 29);
-    (machine(&folder.path("machine.yaml")), poses)
+    (crate::loaded::machine(&folder.path("machine.yaml")), poses)
 }
 
 fn columns(machine: &Machine, poses: &[Vec<f64>]) -> PoseColumns {
@@ -164,7 +145,7 @@ fn what_no_kernel_covers_goes_through_the_general_algebra() {
     let text = format!(
         "abbe: 1\nmachine: m\nchain: \"w C' b X Y Z t\"\naxes:\n  X: {{ travel: [0, 500] }}\n  Y: {{ travel: [0, 500] }}\n  Z: {{ travel: [0, 500] }}\n  C: {{ travel: continuous }}\nerrors: {{ {errors} ECZ: {{ polynomial: [0 rad, 0.0001 rad/mm] }} }}\n"
     );
-    let machine = machine(&folder.write("machine.yaml", &text));
+    let machine = crate::loaded::machine(&folder.write("machine.yaml", &text));
     let poses = abbe::evaluate::random_poses(&machine, 29, 1);
     let turned = planned(&Plan::new(&machine, Order::Exact, Approach::Mean), &poses);
     assert!(turned.iter().all(|d| d.rotation.norm() > 0.35), "{turned:?}");
@@ -323,7 +304,7 @@ fn a_survey_is_a_map_that_is_not_kept() {
 #[test]
 fn corrections_in_batches_are_those_one_by_one() {
     for name in ["trunnion", "hh-bd-ram", "ht-nut45-c", "vmc-cframe-754", "millturn-bc"] {
-        let machine = machine(&crate::support::config(&format!("{name}.yaml")));
+        let machine = crate::loaded::machine(&crate::support::config(&format!("{name}.yaml")));
         let plan = Plan::new(&machine, Order::Exact, Approach::Mean);
         let poses = abbe::evaluate::random_poses(&machine, 40, 5);
         for scope in [Scope::POSITION, Scope { goal: Goal::Pose, rotary: true, damping: 0.05 }] {

@@ -68,17 +68,10 @@ def through_launcher(fragment, keep=False):
 
 
 class Display(session.Controller):
-    """Attaches to the controller that the launcher has started."""
+    """A controller that the launcher has started."""
 
     def attach(self):
-        import hal
-        import linuxcnc
-        self.linuxcnc, self.hal = linuxcnc, hal
-        self.component = hal.component("abbe-test")
-        self.component.ready()
-        self.stat, self.command = linuxcnc.stat(), linuxcnc.command()
-        self.errors = linuxcnc.error_channel()
-        self.wait("status channel", self._status_is_there)
+        super().attach()
         self.open_samplers()
 
     def switch_on(self):

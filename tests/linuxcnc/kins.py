@@ -117,17 +117,7 @@ def arrived(stat, zero, mdi):
 
 
 class Launched(session.Controller):
-    """Attaches to the controller that the launcher has started."""
-
-    def attach(self):
-        import hal
-        import linuxcnc
-        self.linuxcnc, self.hal = linuxcnc, hal
-        self.component = hal.component("abbe-test")
-        self.component.ready()
-        self.stat, self.command = linuxcnc.stat(), linuxcnc.command()
-        self.errors = linuxcnc.error_channel()
-        self.wait("status channel", self._status_is_there)
+    """A controller that the launcher has started."""
 
     def motors(self):
         return [self.pin(f"joint.{n}.motor-pos-cmd") - self.pin(f"joint.{n}.motor-offset")

@@ -243,15 +243,19 @@ class Controller:
 
     def start(self):
         """The start order of the stock launcher, without its display."""
-        import hal
-        import linuxcnc
-        self.linuxcnc, self.hal = linuxcnc, hal
         self.call("linuxcncsvr", "linuxcncsvr", "-ini", self.ini)
         self.call("halcmd", "halcmd", "loadusr", "-Wn", "iocontrol", "io", "-ini", self.ini)
         self.call("halcmd", "halcmd", "-i", self.ini, "-f", self.hal_file)
         # Task talks to motion while it starts, so it must not be waited for here.
         self.spawn("milltask", "milltask", "-ini", self.ini)
         self.call("halcmd", "halcmd", "start")
+        self.attach()
+
+    def attach(self):
+        """To a controller that is running: this one's, or one that the stock launcher has started."""
+        import hal
+        import linuxcnc
+        self.linuxcnc, self.hal = linuxcnc, hal
         self.component = hal.component("abbe-test")
         self.component.ready()
         self.stat, self.command = linuxcnc.stat(), linuxcnc.command()

@@ -6,6 +6,8 @@
 // A test that panics is a test that fails: nothing to be careful about.
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+#[path = "../it/support/checks.rs"]
+mod checks;
 #[path = "../it/support/config.rs"]
 mod config;
 mod kinematics;
@@ -15,14 +17,10 @@ mod kins;
 mod oracle;
 mod tables;
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::process::{Command, ExitCode, Output};
 
-/// Name and body of a check.
-type Check = (&'static str, fn());
-
-const CHECKS: [Check; 10] = [
+const CHECKS: [checks::Check; 10] = [
     ("three-axis tables in the running controller", tables::three_axis),
     ("five-axis tables in the running controller", tables::five_axis),
     ("malformed tables: what the controller swallows never comes out of compile", tables::malformed),
@@ -36,31 +34,7 @@ const CHECKS: [Check; 10] = [
 ];
 
 fn main() -> ExitCode {
-    let names: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
-    if std::env::args().any(|a| a == "--list") {
-        CHECKS.iter().for_each(|(name, _)| println!("{name}: test"));
-        return ExitCode::SUCCESS;
-    }
-    let wanted = |name: &str| names.is_empty() || names.iter().any(|part| name.contains(part));
-    let checks: Vec<&Check> = CHECKS.iter().filter(|(name, _)| wanted(name)).collect();
-    if let Err(why) = controller() {
-        return left_out(&checks, &why);
-    }
-    let failed = checks.iter().filter(|check| !passes(check)).count();
-    println!("{} passed, {failed} failed", checks.len() - failed);
-    if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
-}
-
-fn passes((name, body): &Check) -> bool {
-    let passed = catch_unwind(AssertUnwindSafe(body)).is_ok();
-    println!("test {name} ... {}", if passed { "ok" } else { "FAILED" });
-    passed
-}
-
-fn left_out(checks: &[&Check], why: &str) -> ExitCode {
-    checks.iter().for_each(|(name, _)| println!("test {name} ... LEFT OUT"));
-    println!("{} tests left out: {why}; `tests/run` installs what they need", checks.len());
-    if std::env::var_os("ABBE_REQUIRE_LIVE").is_some() { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+    checks::run(&CHECKS, controller, "ABBE_REQUIRE_LIVE")
 }
 
 /// Is there a controller, and may we start it?

@@ -204,6 +204,39 @@ macro_rules! operators {
     };
 }
 
+/// What differs between vector types by the intrinsic alone: how many lanes, splat, load, store and quotient.
+macro_rules! common {
+    ($count:literal, $splat:ident, $load:ident, $store:ident, $over:ident) => {
+        const COUNT: usize = $count;
+
+        #[inline(always)]
+        fn splat(x: f64) -> Self {
+            // SAFETY: see the head of this file; this holds for all blocks of the type.
+            Self(unsafe { $splat(x) })
+        }
+        #[inline(always)]
+        fn load(from: &[f64]) -> Self {
+            let from = &from[..$count];
+            Self(unsafe { $load(from.as_ptr()) })
+        }
+        #[inline(always)]
+        fn store(self, to: &mut [f64]) {
+            let to = &mut to[..$count];
+            unsafe { $store(to.as_mut_ptr(), self.0) }
+        }
+        #[inline(always)]
+        fn over(self, other: Self) -> Self {
+            Self(unsafe { $over(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn spread(self) -> [f64; MOST] {
+            let mut lanes = [0.0; MOST];
+            self.store(&mut lanes);
+            lanes
+        }
+    };
+}
+
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::{Add, Kernel, Lanes, MOST, Mul, Row, Sub};
@@ -225,28 +258,10 @@ mod x86 {
     operators!(Four, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd);
 
     impl Lanes for Four {
-        const COUNT: usize = 4;
         type Eight = [__m256d; 2];
 
-        #[inline(always)]
-        fn splat(x: f64) -> Self {
-            // SAFETY: see the head of this file; this holds for all blocks below.
-            Self(unsafe { _mm256_set1_pd(x) })
-        }
-        #[inline(always)]
-        fn load(from: &[f64]) -> Self {
-            let from = &from[..4];
-            Self(unsafe { _mm256_loadu_pd(from.as_ptr()) })
-        }
-        #[inline(always)]
-        fn store(self, to: &mut [f64]) {
-            let to = &mut to[..4];
-            unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) }
-        }
-        #[inline(always)]
-        fn over(self, other: Self) -> Self {
-            Self(unsafe { _mm256_div_pd(self.0, other.0) })
-        }
+        common!(4, _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_div_pd);
+
         #[inline(always)]
         fn if_less(self, than: Self, yes: Self, no: Self) -> Self {
             Self(unsafe { _mm256_blendv_pd(no.0, yes.0, _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, than.0)) })
@@ -260,12 +275,6 @@ mod x86 {
                 _mm256_cvtepi32_pd(cut)
             };
             (Self(whole), indices)
-        }
-        #[inline(always)]
-        fn spread(self) -> [f64; MOST] {
-            let mut lanes = [0.0; MOST];
-            self.store(&mut lanes);
-            lanes
         }
         #[inline(always)]
         fn row(row: &Row) -> Self::Eight {
@@ -326,28 +335,10 @@ mod x86 {
     operators!(Eight, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd);
 
     impl Lanes for Eight {
-        const COUNT: usize = 8;
         type Eight = __m512d;
 
-        #[inline(always)]
-        fn splat(x: f64) -> Self {
-            // SAFETY: see the head of this file; this holds for all blocks below.
-            Self(unsafe { _mm512_set1_pd(x) })
-        }
-        #[inline(always)]
-        fn load(from: &[f64]) -> Self {
-            let from = &from[..8];
-            Self(unsafe { _mm512_loadu_pd(from.as_ptr()) })
-        }
-        #[inline(always)]
-        fn store(self, to: &mut [f64]) {
-            let to = &mut to[..8];
-            unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
-        }
-        #[inline(always)]
-        fn over(self, other: Self) -> Self {
-            Self(unsafe { _mm512_div_pd(self.0, other.0) })
-        }
+        common!(8, _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_div_pd);
+
         #[inline(always)]
         fn if_less(self, than: Self, yes: Self, no: Self) -> Self {
             Self(unsafe { _mm512_mask_blend_pd(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, than.0), no.0, yes.0) })
@@ -361,12 +352,6 @@ mod x86 {
                 _mm512_cvtepi32_pd(cut)
             };
             (Self(whole), indices)
-        }
-        #[inline(always)]
-        fn spread(self) -> [f64; MOST] {
-            let mut lanes = [0.0; MOST];
-            self.store(&mut lanes);
-            lanes
         }
         #[inline(always)]
         fn row(row: &Row) -> Self::Eight {
@@ -414,28 +399,10 @@ mod arm {
     operators!(Neon, vaddq_f64, vsubq_f64, vmulq_f64);
 
     impl Lanes for Neon {
-        const COUNT: usize = 2;
         type Eight = [f64; 8];
 
-        #[inline(always)]
-        fn splat(x: f64) -> Self {
-            // SAFETY: see the head of this file; this holds for all blocks below.
-            Self(unsafe { vdupq_n_f64(x) })
-        }
-        #[inline(always)]
-        fn load(from: &[f64]) -> Self {
-            let from = &from[..2];
-            Self(unsafe { vld1q_f64(from.as_ptr()) })
-        }
-        #[inline(always)]
-        fn store(self, to: &mut [f64]) {
-            let to = &mut to[..2];
-            unsafe { vst1q_f64(to.as_mut_ptr(), self.0) }
-        }
-        #[inline(always)]
-        fn over(self, other: Self) -> Self {
-            Self(unsafe { vdivq_f64(self.0, other.0) })
-        }
+        common!(2, vdupq_n_f64, vld1q_f64, vst1q_f64, vdivq_f64);
+
         #[inline(always)]
         fn if_less(self, than: Self, yes: Self, no: Self) -> Self {
             Self(unsafe { vbslq_f64(vcltq_f64(self.0, than.0), yes.0, no.0) })
@@ -445,12 +412,6 @@ mod arm {
             let lanes = self.spread();
             let (a, b) = (lanes[0] as i32, lanes[1] as i32);
             (Self::load(&[f64::from(a), f64::from(b)]), [a as u32, b as u32, 0, 0, 0, 0, 0, 0])
-        }
-        #[inline(always)]
-        fn spread(self) -> [f64; MOST] {
-            let mut lanes = [0.0; MOST];
-            self.store(&mut lanes);
-            lanes
         }
         #[inline(always)]
         fn row(row: &Row) -> Self::Eight {

@@ -15,9 +15,11 @@
 //! approximated: what no kernel covers (orders above 2, location errors in the real part at order 1 or 2, rotations beyond 0.3 rad)
 //! goes pose by pose through the general algebra, on the same interface.
 
-// Iterators and `Option::map` take closures, which are compiled without the vector features of the function around them:
-// in kernels plain loops and matches stand instead.
-#![allow(clippy::needless_range_loop, clippy::manual_map)]
+#![allow(
+    clippy::needless_range_loop,
+    clippy::manual_map,
+    reason = "closures are compiled without the vector features of the function around them: kernels have plain loops and matches"
+)]
 
 mod batch;
 mod curves;

@@ -234,8 +234,7 @@ impl Lattice<'_> {
         let mut row = vec![total];
         row.extend(groups.iter().map(together));
         for one in written {
-            let replay =
-                Replay::new(machine, &one.tables, &one.target.manifest.mechanism, one.target.manifest.controller);
+            let replay = Replay::new(machine, &one.target, &one.tables);
             let field = Compensated { machine, replay };
             let left = deviation_in(&field as &dyn Field, pose, view).position;
             row.extend([left, total - left]);

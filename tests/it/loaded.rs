@@ -1,0 +1,14 @@
+//! Machine files as the library reads them.
+
+use abbe::cli::files::Disk;
+use abbe::diagnostic::{Diagnostics, Rendering, render};
+use abbe::machine::Machine;
+use std::path::Path;
+
+/// The machine in a file; what is said against it otherwise.
+pub fn machine(path: &Path) -> Machine {
+    let mut diagnostics = Diagnostics::default();
+    let document = abbe::syntax::load(path, &Disk, &mut diagnostics);
+    let machine = document.and_then(|d| abbe::machine::resolve(&d, &Disk, &mut diagnostics));
+    machine.unwrap_or_else(|| panic!("{}", render(&diagnostics, Rendering::default())))
+}

@@ -1,0 +1,33 @@
+//! A test program of its own harness: checks by name, and none that is left out counts as passed.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process::ExitCode;
+
+/// Name and body of a check.
+pub type Check = (&'static str, fn());
+
+/// Runs the checks that the arguments name a part of (none: all). If what they need is not available they are left
+/// out and named, which is a failure if this variable of the environment is set.
+pub fn run(checks: &[Check], available: impl FnOnce() -> Result<(), String>, required: &str) -> ExitCode {
+    let names: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    if std::env::args().any(|a| a == "--list") {
+        checks.iter().for_each(|(name, _)| println!("{name}: test"));
+        return ExitCode::SUCCESS;
+    }
+    let wanted = |name: &str| names.is_empty() || names.iter().any(|part| name.contains(part));
+    let checks: Vec<&Check> = checks.iter().filter(|(name, _)| wanted(name)).collect();
+    if let Err(why) = available() {
+        checks.iter().for_each(|(name, _)| println!("test {name} ... LEFT OUT"));
+        println!("{} tests left out: {why}; `tests/run` installs what they need", checks.len());
+        return if std::env::var_os(required).is_some() { ExitCode::FAILURE } else { ExitCode::SUCCESS };
+    }
+    let failed = checks.iter().filter(|check| !passes(check)).count();
+    println!("{} passed, {failed} failed", checks.len() - failed);
+    if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn passes((name, body): &Check) -> bool {
+    let passed = catch_unwind(AssertUnwindSafe(body)).is_ok();
+    println!("test {name} ... {}", if passed { "ok" } else { "FAILED" });
+    passed
+}
