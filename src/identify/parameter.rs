@@ -52,15 +52,14 @@ impl Term {
     pub(super) fn new(source: Source, basis: Basis, factor: f64) -> Self {
         Self { source, basis, factor, approach: Approach::Mean }
     }
+}
 
-    /// What a unit of the parameter adds to the error at a position (mm or deg).
-    pub fn value(&self, q: f64, approach: Approach) -> f64 {
-        let share = match (self.approach, approach) {
-            (Approach::Mean, _) => 1.0,
-            (_, Approach::Mean) => 0.5,
-            (own, other) => f64::from(u8::from(own == other)),
-        };
-        share * self.factor * self.basis.value(q)
+/// How much of what acts in its `own` direction of approach counts in the direction that a machine is `met` in.
+pub(super) fn share(own: Approach, met: Approach) -> f64 {
+    match (own, met) {
+        (Approach::Mean, _) => 1.0,
+        (_, Approach::Mean) => 0.5,
+        (own, met) => f64::from(u8::from(own == met)),
     }
 }
 
