@@ -1,7 +1,7 @@
 //! What is fitted: each parameter moves one or more error sources, each by a basis function of the axis position.
 
 use crate::lower::{Place, Source};
-use crate::machine::{Approach, AxisKind, Curve, Machine, sin_cos_degrees};
+use crate::machine::{Approach, AxisKind, Curve, Knots, Machine, sin_cos_degrees};
 
 /// Lever (mm) by which a rotation counts as a displacement where sizes of unlike parameters are compared.
 const LEVER: f64 = 300.0;
@@ -17,11 +17,16 @@ pub enum Basis {
     Cosine(u8),
     /// `sin k q`, q an angle.
     Sine(u8),
-    /// A spline, or straight lines between knots, that is 1 at one knot and 0 at the others.
+    /// A spline, or straight lines between knots, that is 1 at one knot and 0 at the others; or a B-spline.
     Spline(Curve),
 }
 
 impl Basis {
+    /// Where its pieces meet.
+    pub(super) fn knots(&self) -> Option<&[f64]> {
+        if let Self::Spline(curve) = self { curve.knots().map(Knots::positions) } else { None }
+    }
+
     /// Value at a position (mm or deg).
     pub fn value(&self, q: f64) -> f64 {
         match self {
