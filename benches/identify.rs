@@ -98,7 +98,7 @@ fn compared(rows: usize, columns: usize) {
     let normal = || {
         let mut gram = Gram::new(columns);
         values.chunks(width).for_each(|row| gram.extend(1).copy_from_slice(row));
-        gram.finish(0.0).unwrap()
+        gram.finish().unwrap()
     };
     let triangle = || {
         let mut triangle = Triangle::new(columns);

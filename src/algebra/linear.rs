@@ -11,8 +11,8 @@ pub use gram::Gram;
 
 use nalgebra::{DMatrix, DVector};
 
-/// Rows that are collected before they are folded into the triangle.
-const BLOCK: usize = 1536;
+/// Rows that are collected before they are folded into the triangle: few enough for the cache.
+const BLOCK: usize = 256;
 
 /// Sweeps of Jacobi rotations; quadratic convergence needs about ten.
 const SWEEPS: usize = 60;
@@ -30,29 +30,36 @@ pub struct Triangle {
 impl Triangle {
     /// No rows yet.
     pub fn new(unknowns: usize) -> Self {
-        Self { unknowns, rows: 0, buffer: Vec::new(), folded: DMatrix::zeros(0, unknowns + 1) }
+        let width = unknowns + 1;
+        Self { unknowns, rows: 0, buffer: Vec::new(), folded: DMatrix::zeros(width, width) }
     }
 
     /// Adds one row: coefficients, then the right side.
     pub fn push(&mut self, coefficients: impl IntoIterator<Item = f64>, right: f64) {
-        let start = self.buffer.len();
-        self.buffer.extend(coefficients);
-        self.buffer.resize(start + self.unknowns, 0.0);
-        self.buffer.push(right);
-        self.rows += 1;
-        if self.buffer.len() >= BLOCK.max(2 * self.unknowns) * (self.unknowns + 1) {
+        let unknowns = self.unknowns;
+        let row = self.extend(1);
+        row.iter_mut().zip(coefficients).for_each(|(place, coefficient)| *place = coefficient);
+        row[unknowns] = right;
+    }
+
+    /// Room for so many more rows, each of coefficients and right side, to be written by the caller.
+    pub fn extend(&mut self, rows: usize) -> &mut [f64] {
+        let width = self.unknowns + 1;
+        if self.buffer.len() + rows * width > BLOCK * width {
             self.fold();
         }
+        let start = self.buffer.len();
+        self.buffer.resize(start + rows * width, 0.0);
+        self.rows += rows;
+        &mut self.buffer[start..]
     }
 
     /// Adds the rows of another triangle of as many unknowns.
-    pub fn merge(&mut self, other: Self) {
-        let mut other = other;
+    pub fn merge(&mut self, mut other: Self) {
         other.fold();
         self.fold();
         self.rows += other.rows;
-        self.buffer = transposed(&other.folded);
-        self.fold();
+        householder::fold(&mut self.folded, &mut other.folded);
     }
 
     /// How many rows went in.
@@ -60,37 +67,25 @@ impl Triangle {
         self.rows
     }
 
-    /// QR of the triangle so far on top of the rows collected since.
+    /// The rows collected since the last time go into the triangle.
     fn fold(&mut self) {
         let width = self.unknowns + 1;
-        let fresh = self.buffer.len() / width;
-        if fresh == 0 {
-            return;
-        }
-        let kept = self.folded.nrows();
-        let mut stacked = DMatrix::zeros(kept + fresh, width);
-        stacked.rows_mut(0, kept).copy_from(&self.folded);
-        stacked.rows_mut(kept, fresh).copy_from(&DMatrix::from_row_slice(fresh, width, &self.buffer));
+        let mut fresh = DMatrix::from_row_slice(self.buffer.len() / width, width, &self.buffer);
         self.buffer.clear();
-        self.folded = householder::triangle(stacked);
+        householder::fold(&mut self.folded, &mut fresh);
     }
 
     /// R (square, as many rows as unknowns) and Q^T r.
     pub fn finish(mut self) -> Reduced {
         self.fold();
         let n = self.unknowns;
-        let at = |i: usize, j: usize| if i < self.folded.nrows() { self.folded[(i, j)] } else { 0.0 };
         Reduced {
-            r: DMatrix::from_fn(n, n, |i, j| if i <= j { at(i, j) } else { 0.0 }),
-            right: DVector::from_fn(n, |i, _| at(i, n)),
-            rest: at(n, n).abs(),
+            r: self.folded.view((0, 0), (n, n)).into_owned(),
+            right: self.folded.view((0, n), (n, 1)).column(0).into_owned(),
+            rest: self.folded[(n, n)].abs(),
             rows: self.rows,
         }
     }
-}
-
-fn transposed(matrix: &DMatrix<f64>) -> Vec<f64> {
-    matrix.transpose().as_slice().to_vec()
 }
 
 /// A least-squares problem reduced to a triangle.

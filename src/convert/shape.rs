@@ -67,7 +67,7 @@ fn given(component: ComponentError, known: bool) -> Option<ErrorTerm> {
     let nothing = |curve: &Curve| match curve {
         Curve::Polynomial(c) => c.iter().all(|c| *c == 0.0),
         Curve::Harmonics(c) => c.iter().all(|(c, s)| *c == 0.0 && *s == 0.0),
-        Curve::Linear(_) | Curve::Cubic(..) => false,
+        Curve::Linear(_) | Curve::Cubic(..) | Curve::BSpline(_) => false,
     };
     (known || !component.curves().all(nothing)).then_some(ErrorTerm::Component(component))
 }
@@ -245,6 +245,10 @@ fn signed(curve: &Curve, sign: f64, sense: f64) -> Option<Curve> {
     Some(match curve {
         Curve::Linear(knots) => Curve::Linear(turned(knots)?),
         Curve::Cubic(knots, _) => Curve::cubic(turned(knots)?),
+        Curve::BSpline(spline) if sense < 0.0 => Curve::BSpline(spline.mirrored(sign)?),
+        Curve::BSpline(spline) => {
+            Curve::BSpline(spline.with_coefficients(spline.coefficients().iter().map(|c| sign * c)))
+        }
         Curve::Polynomial(c) => {
             let mut power = sign;
             let next = |c: &f64| {

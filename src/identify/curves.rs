@@ -3,9 +3,12 @@
 use super::parameter::{Basis, Parameter};
 use super::request::{Refused, refusal, source};
 use crate::diagnostic::shown;
-use crate::machine::{Approach, AxisKind, ComponentError, Curve, ErrorId, ErrorTerm, Knots, Machine, Travel};
+use crate::machine::{
+    Approach, AxisKind, BSpline, BSplineFailure, ComponentError, Curve, ErrorId, ErrorTerm, Knots, Machine, Travel,
+};
 use crate::syntax::Scalar;
 use crate::units;
+use nalgebra::{DMatrix, DVector};
 
 /// An error and the direction of approach its curve is for.
 struct Of<'a> {
@@ -27,14 +30,20 @@ pub(super) fn parameters(
     let of = Of { machine, error, axis, approach };
     let usual = if machine.axes()[axis].kind == AxisKind::Linear { "poly3" } else { "fourier2" };
     let form = form.unwrap_or(usual);
+    let (form, degree) = match form.split_once('/') {
+        Some((bare, degree)) if bare.starts_with("bspline") => (bare, degree.parse::<u8>().unwrap_or(0)),
+        _ => (form, 3),
+    };
     let cut = form.find(|c: char| c.is_ascii_digit()).unwrap_or(form.len());
     let (family, order) = (&form[..cut], form[cut..].parse::<u8>().ok().filter(|n| (1..=50).contains(n)));
     match (family, order) {
         ("poly", Some(order)) => of.polynomial(order),
         ("fourier", Some(order)) => of.fourier(order),
         ("spline", Some(count)) => of.at_knots(&of.even(usize::from(count.max(2)))?, true),
+        ("bspline", Some(count)) => of.bspline(&of.even(usize::from(count.max(2)))?, degree),
         ("blocks", Some(count)) => of.at_knots(&of.even(usize::from(count) + usize::from(!of.turns()))?, false),
-        ("spline" | "blocks", None) if cut == form.len() => match knots {
+        ("spline" | "blocks" | "bspline", None) if cut == form.len() => match knots {
+            Some(knots) if family == "bspline" => of.bspline(&of.given_knots(knots)?, degree),
             Some(knots) => of.at_knots(&of.given_knots(knots)?, family == "spline"),
             None => {
                 let help = format!("write `{family}8`, or `knots: {{ {error}: [...] }}` in the section `identify`");
@@ -43,7 +52,8 @@ pub(super) fn parameters(
         },
         _ => {
             let message = format!("`{}` is not a basis", shown(form));
-            let help = "write poly3 (powers 0 to 3), fourier2 (orders 0 to 2), spline8 (8 knots) or blocks4 (4 blocks)";
+            let help = "write poly3 (powers 0 to 3), fourier2 (orders 0 to 2), spline8 or bspline8 (8 knots), or blocks4 \
+                        (4 blocks)";
             Err(refusal(message, help))
         }
     }
@@ -169,5 +179,34 @@ impl Of<'_> {
             Ok(self.parameter(&label, Basis::Spline(curve), start))
         };
         (0..count).map(one).collect()
+    }
+
+    /// One parameter for each coefficient of a B-spline, named after where its function is centred.
+    fn bspline(&self, knots: &[f64], degree: u8) -> Result<Vec<Parameter>, Refused> {
+        let (period, degree) = (self.turns().then_some(360.0), usize::from(degree));
+        let zeros = vec![0.0; BSpline::count(degree, knots.len(), period.is_some())];
+        let failed = |failure| match failure {
+            BSplineFailure::Degree => (format!("`{}`: a B-spline of this degree", self.error), "degrees are 1 to 3"),
+            _ => (format!("`{}`: the travel has no room for {} knots", self.error, knots.len()), "take fewer knots"),
+        };
+        let blank = BSpline::new(degree, knots, &zeros, period).map_err(|failure| {
+            let (message, help) = failed(failure);
+            refusal(message, help)
+        })?;
+        let sites = blank.sites();
+        let count = sites.len();
+        let function = |k: usize| blank.with_coefficients((0..count).map(|i| f64::from(u8::from(i == k))));
+        let functions: Vec<BSpline> = (0..count).map(function).collect();
+        let start = self.given().and_then(|known| {
+            let values = DVector::from_fn(count, |i, _| known.value(sites[i]));
+            DMatrix::from_fn(count, count, |i, k| functions[k].value(sites[i])).lu().solve(&values)
+        });
+        let unit = self.machine.axes()[self.axis].unit();
+        let one = |(k, function): (usize, BSpline)| {
+            let label = format!("b@{}{unit}", units::significant(sites[k], 6));
+            let start = start.as_ref().map_or(0.0, |start| start[k]);
+            self.parameter(&label, Basis::Spline(Curve::BSpline(function)), start)
+        };
+        Ok(functions.into_iter().enumerate().map(one).collect())
     }
 }

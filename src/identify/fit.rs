@@ -10,7 +10,6 @@ use super::measurement::Measurement;
 use super::model::Model;
 use crate::algebra::linear::{Reduced, Svd};
 use nalgebra::{DMatrix, DVector, Vector3};
-use std::cell::Cell;
 
 /// Most accepted steps.
 const STEPS: usize = 200;
@@ -21,10 +20,10 @@ const ROUNDING: f64 = 1e-22;
 /// Singular values below this share of the largest are noise of rounding, for steps.
 const NOISE: f64 = 1e-12;
 /// Damping as a share of the largest squared singular value: first, and where it is given up.
-const FIRST: f64 = 1e-9;
+const FIRST: f64 = 1e-12;
 const MOST: f64 = 1e6;
 
-/// Readings times unknowns squared from which on the triangle is left for the end.
+/// Readings times unknowns squared from which on normal equations are worth a look.
 const LARGE: f64 = 1e8;
 /// Condition up to which the normal equations give the step.
 const EASY: f64 = 1e5;
@@ -47,57 +46,66 @@ pub struct Fit {
     pub settled: bool,
 }
 
+/// The linear problem anywhere: by normal equations where there is much to reduce and the columns are well apart.
+struct Linear<'a> {
+    model: &'a Model<'a>,
+    data: &'a [Measurement],
+    weights: &'a [f64],
+    quick: bool,
+}
+
+impl<'a> Linear<'a> {
+    fn new(model: &'a Model<'_>, data: &'a [Measurement], weights: &'a [f64], theta: &[f64]) -> Self {
+        let readings: usize = data.iter().map(Measurement::readings).sum();
+        let unknowns = model.parameters().len() as f64;
+        let large = readings as f64 * unknowns * unknowns > LARGE;
+        Self { model, data, weights, quick: large && model.is_easy(data, weights, theta) }
+    }
+
+    fn at(&mut self, theta: &[f64]) -> Reduced {
+        let quick = if self.quick { self.model.quick(self.data, self.weights, theta) } else { None };
+        self.quick = quick.is_some();
+        quick.unwrap_or_else(|| self.model.triangle(self.data, self.weights, theta))
+    }
+}
+
 /// Fits the unknowns to the data, from their starts or from `theta`.
 pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>, theta: Option<Vec<f64>>) -> Fit {
     let prior = Prior::new(model);
-    let readings: usize = data.iter().map(Measurement::readings).sum();
-    let unknowns = model.parameters().len() as f64;
-    let quick = Cell::new(readings as f64 * unknowns * unknowns > LARGE);
-    // Whether the last normal equations had digits enough for the end.
-    let enough = Cell::new(false);
-    let linearised = |theta: &[f64]| {
-        let (reduced, good) = if quick.get() { model.quick(data, &weights, theta) } else { (None, false) };
-        enough.set(good);
-        quick.set(reduced.is_some());
-        reduced.unwrap_or_else(|| model.triangle(data, &weights, theta))
-    };
     let mut theta = theta.unwrap_or_else(|| model.parameters().iter().map(|p| p.start).collect());
-    let mut reduced = linearised(&theta);
-    let mut damping = FIRST;
-    for steps in 0..STEPS {
+    let mut linear = Linear::new(model, data, &weights, &theta);
+    let mut reduced = linear.at(&theta);
+    let (mut damping, mut steps, mut settled) = (FIRST, 0, false);
+    while steps < STEPS && !settled && damping <= MOST {
         // The prior against the scatter of the readings as far as it is known by now.
         let variance = reduced.right_norm() * reduced.right_norm() / reduced.rows.max(1) as f64;
         let problem = Problem::new(&prior, &reduced, &theta, variance);
         let before = prior.cost(&reduced, &theta, variance);
-        loop {
+        // The sum of squares is not known better than this. A step that promises less is taken on trust, and is the last.
+        let unseen = 2.0 * libm::sqrt(before * ROUNDING);
+        while damping <= MOST {
             let scaled = problem.step(damping);
             let promise = before - problem.cost(&scaled);
-            let last =
-                promise.is_nan() || promise <= PROMISE * before + ROUNDING * reduced.rows as f64 || damping > MOST;
-            if last && quick.get() && !enough.get() {
-                // From here on by the triangle: it sees what the normal equations do not.
-                quick.set(false);
-                (reduced, damping) = (linearised(&theta), FIRST);
+            if promise.is_nan() || promise <= PROMISE * before + ROUNDING * reduced.rows as f64 {
+                settled = true;
                 break;
-            }
-            if last {
-                let settled = damping <= MOST;
-                return Fit { theta, reduced, weights, steps, settled };
             }
             let step = scaled.component_div(&prior.scale);
             let trial: Vec<f64> = theta.iter().zip(step.iter()).map(|(t, s)| t + s).collect();
-            let then = linearised(&trial);
+            let then = linear.at(&trial);
             let gain = before - prior.cost(&then, &trial, variance);
-            if gain > 0.0 {
+            settled = promise <= unseen && gain.abs() <= unseen;
+            if gain > 0.0 || settled {
                 // A step that kept its promise may be longer next time.
                 damping = if gain > 0.5 * promise { damping * 0.01 } else { damping };
                 (theta, reduced) = (trial, then);
+                steps += 1;
                 break;
             }
             damping *= 10.0;
         }
     }
-    Fit { theta, reduced, weights, steps: STEPS, settled: false }
+    Fit { theta, reduced, weights, steps, settled }
 }
 
 /// What is known before the data: parameters are near their starts, and curves are not steep.

@@ -2,19 +2,19 @@
 //! of the dual numbers, and the derivatives by the unknowns. Rows are streamed; the Jacobian as a whole never exists.
 
 use super::measurement::{End, Measurement, Reading};
-use super::parameter::{Parameter, SlopeBound};
+use super::parameter::{Basis, Parameter, SlopeBound, Term, share};
 use crate::algebra::linear::{Gram, Reduced, Triangle};
 use crate::algebra::{Algebra, Dual};
 use crate::evaluate::{Frame, Order};
 use crate::lower::{ErrorLift, Exact, Ideal, OrderN, Place, Source, Values, point, tangents, values};
-use crate::machine::{LocationOrder, Machine};
+use crate::machine::{Approach, LocationOrder, Machine};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rayon::prelude::*;
 
 /// Normal equations are trusted up to this condition.
 const CONDITION: f64 = 1e5;
-/// Where they are not, a step is damped by this share of each column.
-const DAMPED: f64 = 1e-9;
+/// Rows per unknown, and rows at least, of a sample that shows whether they are.
+const SAMPLE: (usize, usize) = (4, 1000);
 
 /// Machine and unknowns: parameters of the machine first, then those of the instruments.
 pub struct Model<'a> {
@@ -24,8 +24,10 @@ pub struct Model<'a> {
     own: usize,
     /// Every error that a parameter moves, each once.
     sources: Vec<Source>,
-    /// Terms of each parameter as (index in `sources`, index of the term).
-    links: Vec<Vec<(usize, usize)>>,
+    /// The functions of the pose by which they do, with their axis, each once; the first is 1.
+    functions: Vec<(usize, Basis)>,
+    /// The terms of each parameter.
+    links: Vec<Vec<Link>>,
     order: Order,
     /// Slopes of fitted curves over the standard deviations allowed: rows, one coefficient for each unknown.
     slopes: DMatrix<f64>,
@@ -33,11 +35,27 @@ pub struct Model<'a> {
     real_locations: bool,
 }
 
+/// What a parameter does to a source: factor times function. Indices are those of the model's lists.
+#[derive(Debug, Clone, Copy)]
+struct Link {
+    source: usize,
+    function: usize,
+    factor: f64,
+    approach: Approach,
+}
+
+impl Link {
+    /// What a unit of the parameter adds to the source.
+    fn value(&self, functions: &[f64], approach: Approach) -> f64 {
+        share(self.approach, approach) * self.factor * functions[self.function]
+    }
+}
+
 /// What a reading would be, and how it moves; the first [`Measurement::seen`] components count.
 struct Local {
     predicted: Vector3<f64>,
-    /// By each source.
-    by_source: Vec<Vector3<f64>>,
+    /// By parameters of the machine.
+    by_parameter: Vec<Vector3<f64>>,
     /// By unknowns of instruments: index and derivative.
     by_nuisance: Vec<(usize, Vector3<f64>)>,
 }
@@ -74,23 +92,23 @@ impl<const M: usize> Scheme for Dual<M> {
 impl<'a> Model<'a> {
     /// The exact model of a machine.
     pub fn new(machine: &Machine, parameters: &'a [Parameter]) -> Self {
-        let mut sources: Vec<Source> = Vec::new();
-        let mut index = |source: Source| {
-            sources.iter().position(|known| *known == source).unwrap_or_else(|| {
-                sources.push(source);
-                sources.len() - 1
-            })
+        let (mut sources, mut functions) = (Vec::new(), vec![(0, Basis::Constant)]);
+        let mut link = |term: &Term| {
+            let axis = if let Place::Component(axis) = term.source.place { axis } else { 0 };
+            let function = match &term.basis {
+                Basis::Constant => 0,
+                basis => index(&mut functions, (axis, basis.clone())),
+            };
+            let source = index(&mut sources, term.source);
+            Link { source, function, factor: term.factor, approach: term.approach }
         };
-        let links = parameters
-            .iter()
-            .map(|p| p.terms.iter().enumerate().map(|(k, term)| (index(term.source), k)).collect())
-            .collect();
+        let links = parameters.iter().map(|p| p.terms.iter().map(&mut link).collect()).collect();
         let with = |name: &str| machine.with_tool(name).unwrap_or_else(|| machine.clone());
         let machines = machine.tools().iter().map(|tool| with(&tool.name)).collect();
         let own = parameters.iter().position(Parameter::is_nuisance).unwrap_or(parameters.len());
         let slopes = DMatrix::zeros(0, parameters.len());
         let real_locations = machine.conventions().location_order == LocationOrder::Real;
-        Self { machines, parameters, own, sources, links, order: Order::Exact, slopes, real_locations }
+        Self { machines, parameters, own, sources, functions, links, order: Order::Exact, slopes, real_locations }
     }
 
     /// The same to an order of the dual numbers (1 or 2; others count as exact).
@@ -131,19 +149,30 @@ impl<'a> Model<'a> {
         &self.machines[measurement.tool]
     }
 
+    /// The functions of the pose.
+    fn functions(&self, pose: &[f64]) -> Vec<f64> {
+        self.functions.iter().map(|(axis, basis)| basis.value(pose[*axis])).collect()
+    }
+
     /// The errors at a pose: fitted sources by the parameters, the others as the machine file says.
-    fn errors(&self, measurement: &Measurement, pose: &[f64], theta: &[f64]) -> Values {
+    fn errors(&self, measurement: &Measurement, pose: &[f64], theta: &[f64], functions: &[f64]) -> Values {
         let mut errors = values(self.machine(measurement), pose, measurement.approach);
         for source in &self.sources {
             *slot(&mut errors, *source) = 0.0;
         }
-        for (parameter, value) in self.parameters[..self.own].iter().zip(theta) {
-            for term in &parameter.terms {
-                let basis = term.value(position(pose, term.source), measurement.approach);
-                *slot(&mut errors, term.source) += value * basis;
+        for (links, value) in self.links[..self.own].iter().zip(theta) {
+            for link in links {
+                let share = link.value(functions, measurement.approach);
+                *slot(&mut errors, self.sources[link.source]) += value * share;
             }
         }
         errors
+    }
+
+    /// Derivatives by the parameters of the machine from those by the sources.
+    fn by_parameter(&self, by_source: &[Vector3<f64>], functions: &[f64], approach: Approach) -> Vec<Vector3<f64>> {
+        let by = |links: &Vec<Link>| links.iter().map(|l| by_source[l.source] * l.value(functions, approach)).sum();
+        self.links[..self.own].iter().map(by).collect()
     }
 
     /// Rotation from the workpiece frame to that of the reading, and the nominal point from the workpiece origin.
@@ -167,7 +196,8 @@ impl<'a> Model<'a> {
 
     /// What would be read, as an element.
     fn reading<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Vector3<S> {
-        let at = |pose: &[f64]| point(self.machine(m), pose, &self.errors(m, pose, theta), &S::LIFT);
+        let errors = |pose: &[f64]| self.errors(m, pose, theta, &self.functions(pose));
+        let at = |pose: &[f64]| point(self.machine(m), pose, &errors(pose), &S::LIFT);
         let constant = |zero: &Option<usize>| zero.map_or(0.0, |zero| self.nuisance(theta, zero));
         let single = |x: S| Vector3::new(x, S::zero(), S::zero());
         match &m.reading {
@@ -188,7 +218,7 @@ impl<'a> Model<'a> {
                 let along = along(direction, &minus(&at(&m.pose), &nominal));
                 single(along - S::from_real(self.nuisance(theta, *zero)))
             }
-            Reading::Error { source, .. } => single(S::LIFT.lift(*source, self.errors(m, &m.pose, theta).of(*source))),
+            Reading::Error { source, .. } => single(S::LIFT.lift(*source, errors(&m.pose).of(*source))),
         }
     }
 
@@ -248,67 +278,56 @@ impl<'a> Model<'a> {
         data.par_iter().map(|m| self.residual(m, theta)).collect()
     }
 
+    /// Are the columns of the Jacobian well apart? Judged by a part of the rows.
+    pub(super) fn is_easy(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> bool {
+        let (per_unknown, least) = SAMPLE;
+        let step = (data.len() / (per_unknown * self.parameters.len()).max(least)).max(1);
+        let some: Vec<Measurement> = data.iter().step_by(step).cloned().collect();
+        let weights: Vec<f64> = weights.iter().step_by(step).copied().collect();
+        self.triangle(&some, &weights, theta).condition() < CONDITION
+    }
+
     /// The linear problem at these unknowns, `min |J step - residual|`, rows times the root of their weights, by
-    /// normal equations. False: they have not digits enough to say more than a (slightly damped) step.
-    pub(super) fn quick(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> (Option<Reduced>, bool) {
-        let gram = self.pieces(data, weights, |data, weights| self.gram(data, weights, theta));
-        let sum = gram.into_iter().reduce(|mut sum, piece| {
+    /// normal equations. `None`: they have not digits enough.
+    pub(super) fn quick(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Option<Reduced> {
+        let pieces = self.stream(data, weights, theta, Gram::new, Gram::extend);
+        let sum = pieces.into_iter().reduce(|mut sum, piece| {
             sum.merge(piece);
             sum
         });
-        let Some(mut sum) = sum else { return (None, false) };
-        match sum.finish(0.0).filter(|reduced| reduced.condition() < CONDITION) {
-            Some(reduced) => (Some(reduced), true),
-            None => (sum.finish(DAMPED), false),
-        }
+        sum?.finish().filter(|reduced| reduced.condition() < CONDITION)
     }
 
     /// The same by the triangle of all rows: singular values are good to the last digits.
     pub fn triangle(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Reduced {
-        let pieces = self.pieces(data, weights, |data, weights| self.piece(data, weights, theta));
+        let pieces = self.stream(data, weights, theta, Triangle::new, Triangle::extend);
         let mut whole = Triangle::new(self.parameters.len());
         pieces.into_iter().for_each(|piece| whole.merge(piece));
         whole.finish()
     }
 
-    /// The pieces do not depend on the number of threads, nor does the order in which they are joined.
-    fn pieces<T: Send>(
+    /// All rows, piece by piece. The pieces do not depend on the number of threads, nor does their order.
+    fn stream<T: Send>(
         &self,
         data: &[Measurement],
         weights: &[f64],
-        f: impl Fn(&[Measurement], &[f64]) -> T + Sync,
+        theta: &[f64],
+        new: impl Fn(usize) -> T + Sync,
+        extend: impl Fn(&mut T, usize) -> &mut [f64] + Sync,
     ) -> Vec<T> {
         let piece = data.len().div_ceil(16).clamp(32, 4096);
-        data.par_chunks(piece).zip(weights.par_chunks(piece)).map(|(data, weights)| f(data, weights)).collect()
-    }
-
-    fn gram(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Gram {
-        let mut gram = Gram::new(self.parameters.len());
-        let mut scratch = Vec::new();
-        for (measurement, weight) in data.iter().zip(weights) {
-            let readings = measurement.readings();
-            self.fill(measurement, libm::sqrt(*weight), theta, &mut scratch, gram.extend(readings));
-        }
-        gram
-    }
-
-    fn piece(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Triangle {
-        let width = self.parameters.len() + 1;
-        let mut triangle = Triangle::new(self.parameters.len());
-        let (mut scratch, mut rows) = (Vec::new(), Vec::new());
-        for (measurement, weight) in data.iter().zip(weights) {
-            rows.clear();
-            rows.resize(measurement.readings() * width, 0.0);
-            self.fill(measurement, libm::sqrt(*weight), theta, &mut scratch, &mut rows);
-            for row in rows.chunks(width) {
-                triangle.push(row[..width - 1].iter().copied(), row[width - 1]);
+        let one = |(data, weights): (&[Measurement], &[f64])| {
+            let mut sum = new(self.parameters.len());
+            for (measurement, weight) in data.iter().zip(weights) {
+                self.fill(measurement, libm::sqrt(*weight), theta, extend(&mut sum, measurement.readings()));
             }
-        }
-        triangle
+            sum
+        };
+        data.par_chunks(piece).zip(weights.par_chunks(piece)).map(one).collect()
     }
 
-    /// The rows of a measurement, coefficients and residual each, times `root`. `bases` is room to work in.
-    fn fill(&self, m: &Measurement, root: f64, theta: &[f64], bases: &mut Vec<f64>, rows: &mut [f64]) {
+    /// The rows of a measurement, coefficients and residual each, times `root`.
+    fn fill(&self, m: &Measurement, root: f64, theta: &[f64], rows: &mut [f64]) {
         let local = match self.order {
             Order::Degree(1) => self.local::<Dual<2>>(m, theta),
             Order::Degree(2) => self.local::<Dual<3>>(m, theta),
@@ -316,30 +335,9 @@ impl<'a> Model<'a> {
         };
         let width = self.parameters.len() + 1;
         let residual = m.values() - local.predicted;
-        let from_end = matches!(m.reading, Reading::Distance { from: End::Pose(_), .. });
-        bases.clear();
-        if !from_end {
-            let value = |p: &Parameter| -> Vec<f64> {
-                p.terms.iter().map(|t| t.value(position(&m.pose, t.source), m.approach)).collect()
-            };
-            self.parameters[..self.own].iter().for_each(|p| match &p.terms[..] {
-                [one] => bases.push(one.value(position(&m.pose, one.source), m.approach)),
-                _ => bases.extend(value(p)),
-            });
-        }
         let seen = m.seen();
         for (row, k) in rows.chunks_mut(width).zip((0..3).filter(|k| seen[*k])) {
-            let mut at = 0;
-            for (j, links) in self.links[..self.own].iter().enumerate() {
-                if from_end {
-                    row[j] = local.by_source[j][k] * root;
-                    continue;
-                }
-                let sum: f64 =
-                    links.iter().zip(&bases[at..]).map(|((source, _), b)| local.by_source[*source][k] * b).sum();
-                row[j] = sum * root;
-                at += links.len();
-            }
+            row.iter_mut().zip(&local.by_parameter).for_each(|(place, derivative)| *place = derivative[k] * root);
             for (index, derivative) in &local.by_nuisance {
                 row[self.own + index] = derivative[k] * root;
             }
@@ -351,7 +349,7 @@ impl<'a> Model<'a> {
     pub(super) fn rows(&self, m: &Measurement, theta: &[f64]) -> (Vec<Vector3<f64>>, Vector3<f64>) {
         let width = self.parameters.len() + 1;
         let mut rows = vec![0.0; m.readings() * width];
-        self.fill(m, 1.0, theta, &mut Vec::new(), &mut rows);
+        self.fill(m, 1.0, theta, &mut rows);
         let seen: Vec<usize> = (0..3).filter(|k| m.seen()[*k]).collect();
         let column = |j: usize| {
             let mut column = Vector3::zeros();
@@ -368,66 +366,68 @@ impl<'a> Model<'a> {
 
     fn local<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Local {
         let machine = self.machine(m);
-        let at = |pose: &[f64]| tangents(machine, pose, &self.errors(m, pose, theta), &S::LIFT, &self.sources);
+        let functions = self.functions(&m.pose);
+        let tangents_at = |pose: &[f64], functions: &[f64]| {
+            tangents(machine, pose, &self.errors(m, pose, theta, functions), &S::LIFT, &self.sources)
+        };
+        let by_parameter = |by_source: Vec<Vector3<f64>>| self.by_parameter(&by_source, &functions, m.approach);
+        let here = || tangents_at(&m.pose, &functions);
         let unit = |k: usize, x: f64| Vector3::from_fn(|i, _| if i == k { x } else { 0.0 });
         match &m.reading {
             Reading::Deviation { frame, zero, .. } => {
                 let (rotation, nominal) = self.nominal(m, *frame);
-                let here = at(&m.pose);
+                let here = here();
                 let first = zero.map_or_else(Vector3::zeros, |zero| self.nuisance_point(theta, zero));
                 let slope = |(s, d): (&Source, &Vector3<S>)| rotation * d.map(|x| self.slope(*s, &x));
                 Local {
                     predicted: rotation * minus(&here.point, &nominal).map(|x| x.total()) - first,
-                    by_source: self.sources.iter().zip(&here.derivatives).map(slope).collect(),
+                    by_parameter: by_parameter(self.sources.iter().zip(&here.derivatives).map(slope).collect()),
                     by_nuisance: zero.map_or_else(Vec::new, |z| (0..3).map(|k| (z + k, unit(k, -1.0))).collect()),
                 }
             }
             Reading::Distance { from: End::Station(first), zero, .. } => {
-                let here = at(&m.pose);
+                let here = here();
                 let way = minus(&here.point, &self.nuisance_point(theta, *first));
                 let (distance, towards) = normalised(way);
                 let slope = |(s, d): (&Source, &Vector3<S>)| unit(0, self.slope(*s, &dot(&towards, d)));
                 let station = (0..3).map(|k| (first + k, unit(0, -towards[k].total())));
                 Local {
                     predicted: unit(0, distance.total() - zero.map_or(0.0, |z| self.nuisance(theta, z))),
-                    by_source: self.sources.iter().zip(&here.derivatives).map(slope).collect(),
+                    by_parameter: by_parameter(self.sources.iter().zip(&here.derivatives).map(slope).collect()),
                     by_nuisance: station.chain(zero.map(|z| (z, unit(0, -1.0)))).collect(),
                 }
             }
             Reading::Distance { from: End::Pose(to), zero, .. } => {
-                let (here, there) = (at(&m.pose), at(to));
+                let other = self.functions(to);
+                let (here, there) = (here(), tangents_at(to, &other));
                 let (distance, towards) = normalised(here.point.clone() - there.point.clone());
-                let slope = |s: usize, d: &Vector3<S>| self.slope(self.sources[s], &dot(&towards, d));
-                // The basis functions differ at the two ends: this goes by parameter.
-                let by_parameter = |(p, links): (&Parameter, &Vec<(usize, usize)>)| {
-                    let moved = |(s, k): &(usize, usize)| {
-                        let term = &p.terms[*k];
-                        let basis = |pose: &[f64]| term.value(position(pose, term.source), m.approach);
-                        slope(*s, &here.derivatives[*s]) * basis(&m.pose)
-                            - slope(*s, &there.derivatives[*s]) * basis(to)
-                    };
-                    unit(0, links.iter().map(moved).sum())
-                };
+                let slope = |(s, d): (&Source, &Vector3<S>)| unit(0, self.slope(*s, &dot(&towards, d)));
+                let slopes = |derivatives: &[Vector3<S>]| self.sources.iter().zip(derivatives).map(slope).collect();
+                // The functions differ at the two ends.
+                let near = by_parameter(slopes(&here.derivatives));
+                let far = self.by_parameter(&slopes(&there.derivatives), &other, m.approach);
                 Local {
                     predicted: unit(0, distance.total() - zero.map_or(0.0, |z| self.nuisance(theta, z))),
-                    by_source: self.parameters[..self.own].iter().zip(&self.links).map(by_parameter).collect(),
+                    by_parameter: near.iter().zip(&far).map(|(near, far)| near - far).collect(),
                     by_nuisance: zero.map(|z| (z, unit(0, -1.0))).into_iter().collect(),
                 }
             }
             Reading::Along { direction, zero, .. } => {
                 let (_, nominal) = self.nominal(m, Frame::Workpiece);
-                let here = at(&m.pose);
+                let here = here();
                 let slope = |(s, d): (&Source, &Vector3<S>)| unit(0, self.slope(*s, &along(direction, d)));
                 let predicted = along(direction, &minus(&here.point, &nominal)).total();
                 Local {
                     predicted: unit(0, predicted - self.nuisance(theta, *zero)),
-                    by_source: self.sources.iter().zip(&here.derivatives).map(slope).collect(),
+                    by_parameter: by_parameter(self.sources.iter().zip(&here.derivatives).map(slope).collect()),
                     by_nuisance: vec![(*zero, unit(0, -1.0))],
                 }
             }
             Reading::Error { source, .. } => Local {
-                predicted: unit(0, self.errors(m, &m.pose, theta).of(*source)),
-                by_source: self.sources.iter().map(|s| unit(0, f64::from(u8::from(s == source)))).collect(),
+                predicted: unit(0, self.errors(m, &m.pose, theta, &functions).of(*source)),
+                by_parameter: by_parameter(
+                    self.sources.iter().map(|s| unit(0, f64::from(u8::from(s == source)))).collect(),
+                ),
                 by_nuisance: Vec::new(),
             },
         }
@@ -469,9 +469,12 @@ fn normalised<S: Algebra>(way: Vector3<S>) -> (S, Vector3<S>) {
     (length, unit)
 }
 
-/// The position on which a source's curve depends (mm or deg).
-fn position(pose: &[f64], source: Source) -> f64 {
-    if let Place::Component(axis) = source.place { pose[axis] } else { 0.0 }
+/// Where something stands in a list; at its end if it was not there.
+fn index<T: PartialEq>(list: &mut Vec<T>, wanted: T) -> usize {
+    list.iter().position(|known| *known == wanted).unwrap_or_else(|| {
+        list.push(wanted);
+        list.len() - 1
+    })
 }
 
 /// The number of a source among the errors.

@@ -1,7 +1,7 @@
 //! What is fitted: each parameter moves one or more error sources, each by a basis function of the axis position.
 
 use crate::lower::{Place, Source};
-use crate::machine::{Approach, AxisKind, Curve, Machine, sin_cos_degrees};
+use crate::machine::{Approach, AxisKind, Curve, Knots, Machine, sin_cos_degrees};
 
 /// Lever (mm) by which a rotation counts as a displacement where sizes of unlike parameters are compared.
 const LEVER: f64 = 300.0;
@@ -17,11 +17,16 @@ pub enum Basis {
     Cosine(u8),
     /// `sin k q`, q an angle.
     Sine(u8),
-    /// A spline, or straight lines between knots, that is 1 at one knot and 0 at the others.
+    /// A spline, or straight lines between knots, that is 1 at one knot and 0 at the others; or a B-spline.
     Spline(Curve),
 }
 
 impl Basis {
+    /// Where its pieces meet.
+    pub(super) fn knots(&self) -> Option<&[f64]> {
+        if let Self::Spline(curve) = self { curve.knots().map(Knots::positions) } else { None }
+    }
+
     /// Value at a position (mm or deg).
     pub fn value(&self, q: f64) -> f64 {
         match self {
@@ -52,15 +57,14 @@ impl Term {
     pub(super) fn new(source: Source, basis: Basis, factor: f64) -> Self {
         Self { source, basis, factor, approach: Approach::Mean }
     }
+}
 
-    /// What a unit of the parameter adds to the error at a position (mm or deg).
-    pub fn value(&self, q: f64, approach: Approach) -> f64 {
-        let share = match (self.approach, approach) {
-            (Approach::Mean, _) => 1.0,
-            (_, Approach::Mean) => 0.5,
-            (own, other) => f64::from(u8::from(own == other)),
-        };
-        share * self.factor * self.basis.value(q)
+/// How much of what acts in its `own` direction of approach counts in the direction that a machine is `met` in.
+pub(super) fn share(own: Approach, met: Approach) -> f64 {
+    match (own, met) {
+        (Approach::Mean, _) => 1.0,
+        (_, Approach::Mean) => 0.5,
+        (own, met) => f64::from(u8::from(own == met)),
     }
 }
 

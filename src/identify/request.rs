@@ -1,12 +1,12 @@
 //! What to fit, in words: groups (`location`, `tool`, `workpiece`, `spindle`, `linear`) and error names, component
-//! errors with a basis (`EXX:poly3`, `ECC:fourier2`, `EYX:spline8`, `EBY:blocks4`), each direction of approach for
+//! errors with a basis (`EXX:poly3`, `ECC:fourier2`, `EYX:spline8`, `EYX:bspline8`, `EBY:blocks4`), each direction of approach for
 //! itself if wanted (`EXX+-:poly3`), and parameters of one's own.
 
 use super::curves;
 use super::parameter::{Basis, Parameter, SlopeBound, Term};
 use crate::diagnostic::{Diagnostic, did_you_mean, shown};
 use crate::lower::{Place, Source};
-use crate::machine::{Approach, AxisKind, Direction, ErrorId, Machine, parse_error_name};
+use crate::machine::{Approach, AxisKind, Curve, Direction, ErrorId, Machine, parse_error_name};
 use crate::syntax::{IdentifyEntry, Scalar};
 
 /// Groups by name.
@@ -79,7 +79,8 @@ fn add(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Refused> {
     let clash = |known: &&Parameter| {
         let unlike = kind(known) != kind(&parameter);
         let at_odds = |a: &Term, b: &Term| {
-            a.source == b.source && meet(a.approach, b.approach) && (unlike || a.approach != b.approach)
+            let unlike = unlike || a.basis.knots() != b.basis.knots() || a.approach != b.approach;
+            a.source == b.source && meet(a.approach, b.approach) && unlike
         };
         known.terms.iter().any(|a| parameter.terms.iter().any(|b| at_odds(a, b)))
     };
@@ -138,7 +139,9 @@ fn kind(parameter: &Parameter) -> u8 {
         _ if !parameter.name.contains(':') && parameter.terms.iter().any(|t| matches!(t.basis, Basis::Power(_))) => 5,
         Some(Basis::Power(_)) => 1,
         Some(Basis::Cosine(_) | Basis::Sine(_)) => 2,
-        Some(Basis::Spline(_)) => 3,
+        Some(Basis::Spline(Curve::Linear(_))) => 3,
+        Some(Basis::Spline(Curve::BSpline(spline))) => 6 + spline.degree() as u8,
+        Some(Basis::Spline(_)) => 6,
         _ => 0,
     }
 }

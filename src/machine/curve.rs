@@ -4,6 +4,8 @@
 //! table holds the end value, because a corrected command may pass the end of the travel by the
 //! correction. Positions a *user* gives are checked against [`Curve::domain`] before any lookup.
 
+use super::bspline::BSpline;
+
 /// How a curve is given.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Curve {
@@ -11,6 +13,8 @@ pub enum Curve {
     Linear(Knots),
     /// Natural cubic spline (periodic on continuous axes); second derivatives at the knots.
     Cubic(Knots, Vec<f64>),
+    /// A sum of B-splines.
+    BSpline(BSpline),
     /// Coefficients by rising power of the position (mm or deg).
     Polynomial(Vec<f64>),
     /// (cosine, sine) by rising order; order 0 is the constant. Argument in degrees.
@@ -78,8 +82,13 @@ impl Knots {
         self.period
     }
 
+    /// The same positions with other values.
+    pub(super) fn with_values(self, values: Vec<f64>) -> Self {
+        Self { values, ..self }
+    }
+
     /// Index of the interval and the position, wrapped or held at the ends.
-    fn locate(&self, position: f64) -> (usize, f64) {
+    pub(super) fn locate(&self, position: f64) -> (usize, f64) {
         let first = self.positions[0];
         let last = self.positions[self.positions.len() - 1];
         let x = match self.period {
@@ -129,6 +138,7 @@ impl Curve {
         match self {
             Self::Linear(knots) => knots.linear(position),
             Self::Cubic(knots, second) => knots.cubic(second, position),
+            Self::BSpline(spline) => spline.value(position),
             Self::Polynomial(c) => c.iter().rev().fold(0.0, |sum, c| sum * position + c),
             Self::Harmonics(orders) => harmonics(orders, position),
         }
@@ -140,10 +150,11 @@ impl Curve {
         knots.positions.first().copied().zip(knots.positions.last().copied())
     }
 
-    /// The points it was given by, if it was.
+    /// The points between which it is one polynomial, if there are any.
     pub fn knots(&self) -> Option<&Knots> {
         match self {
             Self::Linear(knots) | Self::Cubic(knots, _) => Some(knots),
+            Self::BSpline(spline) => Some(spline.breaks()),
             Self::Polynomial(_) | Self::Harmonics(_) => None,
         }
     }

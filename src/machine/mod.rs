@@ -6,6 +6,7 @@
 
 mod algebra;
 mod axis;
+mod bspline;
 mod chain;
 mod conventions;
 mod curve;
@@ -17,6 +18,7 @@ mod written;
 
 pub use algebra::{AlgebraChoice, Generators, NamedMonomial};
 pub use axis::{Axis, AxisKind, Travel};
+pub use bspline::{BSpline, BSplineFailure};
 pub use chain::{Body, Branch, KinematicChain};
 pub use conventions::{Conventions, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, RotaryOrder, Sense};
 pub use curve::{Curve, Knots, KnotsFailure, sin_cos_degrees};

@@ -145,6 +145,7 @@ fn term(term: &ErrorTerm, direction: Direction, axis: Option<&Axis>) -> String {
 
 fn curve(curve: &Curve, direction: Direction, axis: Option<&Axis>) -> String {
     let kind = axis.map_or(AxisKind::Linear, |axis| axis.kind);
+    let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
     match curve {
         Curve::Polynomial(c) => {
             let terms: Vec<String> = c.iter().enumerate().map(|(k, c)| coefficient(*c, direction, kind, k)).collect();
@@ -156,8 +157,14 @@ fn curve(curve: &Curve, direction: Direction, axis: Option<&Axis>) -> String {
             };
             format!("{{ harmonics: {{ {} }} }}", orders.iter().enumerate().map(pair).collect::<Vec<_>>().join(", "))
         }
+        Curve::BSpline(spline) => {
+            let breaks: Vec<String> =
+                spline.breaks().positions().iter().map(|q| format!("{} {unit}", number(*q))).collect();
+            let coefficients: Vec<String> = spline.coefficients().iter().map(|c| amount(*c, direction)).collect();
+            let (degree, breaks, coefficients) = (spline.degree(), breaks.join(", "), coefficients.join(", "));
+            format!("{{ bspline: {{ degree: {degree}, knots: [{breaks}], coefficients: [{coefficients}] }} }}")
+        }
         Curve::Linear(knots) | Curve::Cubic(knots, _) => {
-            let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
             let pairs = knots.positions().iter().zip(knots.values());
             let points: Vec<String> =
                 pairs.map(|(q, v)| format!("[{} {unit}, {}]", number(*q), amount(*v, direction))).collect();

@@ -206,10 +206,10 @@ pub struct IdentifyEntry {
     pub fit: Vec<String>,
     /// Names that keep their value.
     pub fixed: Vec<String>,
-    /// Basis by error name: `poly3`, `fourier2`, `spline8`, `blocks4`; `spline` and `blocks` through given knots.
+    /// Basis by error name: `poly3`, `fourier2`, `spline8`, `bspline8`, `blocks4`; `spline`, `bspline` and `blocks` with given knots.
     #[schemars(schema_with = "super::schema::bases")]
     pub basis: IndexMap<String, String>,
-    /// Positions of knots by error name, for `spline` and `blocks`; the ends of the travel are added.
+    /// Positions of knots by error name, for `spline`, `bspline` and `blocks`; the ends of the travel are added.
     #[schemars(schema_with = "super::schema::knots")]
     pub knots: IndexMap<String, Vec<Scalar>>,
     /// Parameters of one's own: for every error that moves with it, the coefficients by rising power of its axis's

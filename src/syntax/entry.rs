@@ -113,6 +113,7 @@ fn sample(key: &str) -> Option<&'static str> {
         "points" => "[[0 mm, 0 um], [500 mm, 3 um]]",
         "polynomial" => "[0 um, 3 um/m]",
         "harmonics" => "{ 1: [2 urad, -1 urad] }",
+        "bspline" => "{ knots: [0 mm, 500 mm], coefficients: [0 um, 1 um, 2 um, 1 um] }",
         "measured" => "[errors/x.csv, errors/y.csv]",
         "range" => "[0, 500]",
         "step" => "25 mm",

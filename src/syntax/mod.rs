@@ -28,7 +28,7 @@ pub use read::read_text;
 pub use scalar::Scalar;
 pub use schema::schema;
 pub use table::{Column, ColumnDirection, Table, read_table};
-pub use term::{CurveEntry, TermEntry};
+pub use term::{BSplineEntry, CurveEntry, TermEntry};
 
 use crate::diagnostic::Diagnostics;
 use std::path::Path;

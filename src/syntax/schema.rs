@@ -238,6 +238,20 @@ pub fn harmonics(generator: &mut SchemaGenerator) -> Schema {
     })
 }
 
+/// { degree, knots, coefficients }
+pub fn bspline(generator: &mut SchemaGenerator) -> Schema {
+    let value = quantity(generator).to_value();
+    json_schema!({
+        "description": "A B-spline: rising knots from end to end, and a coefficient for each interval and each degree; on a continuous axis for each interval.",
+        "type": ["object", "null"], "required": ["knots", "coefficients"], "additionalProperties": false,
+        "properties": {
+            "degree": { "description": "3 unless said.", "type": ["integer", "null"], "minimum": 1, "maximum": 3 },
+            "knots": { "type": "array", "items": position(), "minItems": 2 },
+            "coefficients": { "type": "array", "items": value, "minItems": 1 }
+        }
+    })
+}
+
 /// A curve of one direction, short or long.
 pub fn curve(generator: &mut SchemaGenerator) -> Schema {
     let (short, long) = (quantity(generator).to_value(), object::<CurveEntry>(generator));
@@ -283,7 +297,7 @@ pub fn generators(_: &mut SchemaGenerator) -> Schema {
 
 /// Basis by error name.
 pub fn bases(_: &mut SchemaGenerator) -> Schema {
-    let pattern = "^((poly|fourier|spline|blocks)[1-9][0-9]?|spline|blocks)$";
+    let pattern = "^((poly|fourier|spline|blocks)[1-9][0-9]?|spline|blocks|bspline([1-9][0-9]?)?(/[123])?)$";
     json_schema!({ "type": "object", "additionalProperties": { "type": "string", "pattern": pattern } })
 }
 
@@ -315,7 +329,7 @@ pub fn slopes(_: &mut SchemaGenerator) -> Schema {
 /// Exactly one form of a curve; `interpolation` only beside points.
 pub fn one_form(schema: &mut Schema) {
     let directions = schema.get("properties").is_some_and(|p| p.get("forward").is_some());
-    let single = ["value", "table", "points", "polynomial", "harmonics"];
+    let single = ["value", "table", "points", "polynomial", "harmonics", "bspline"];
     let mut forms: Vec<Value> = single.iter().map(|form| json!({ "required": [form] })).collect();
     if directions {
         forms.extend([json!({ "required": ["forward", "reverse"] }), json!({ "required": ["tolerance"] })]);

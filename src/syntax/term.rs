@@ -7,7 +7,19 @@ use serde::de::MapAccess;
 use serde::de::value::MapAccessDeserializer;
 use serde::{Deserialize, Deserializer};
 
-/// One of the forms of a curve: exactly one of `value`, `table`, `points`, `polynomial`, `harmonics`.
+/// A B-spline as written.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BSplineEntry {
+    /// 1 to 3; 3 unless said.
+    pub degree: Option<u8>,
+    /// Rising positions from end to end, each once.
+    pub knots: Vec<Scalar>,
+    /// One more than the intervals for each degree; on a continuous axis as many as the intervals.
+    pub coefficients: Vec<Scalar>,
+}
+
+/// One of the forms of a curve: exactly one of `value`, `table`, `points`, `polynomial`, `harmonics`, `bspline`.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default, remote = "Self")]
 #[schemars(transform = super::schema::one_form)]
@@ -29,6 +41,9 @@ pub struct CurveEntry {
     /// [cosine, sine] by order; rotary axes only.
     #[schemars(schema_with = "super::schema::harmonics")]
     pub harmonics: Option<IndexMap<String, Vec<Scalar>>>,
+    /// Degree, knots and coefficients.
+    #[schemars(schema_with = "super::schema::bspline")]
+    pub bspline: Option<BSplineEntry>,
 }
 
 /// An error term: a curve, one for each direction, or a tolerance.
@@ -53,6 +68,9 @@ pub struct TermEntry {
     /// [cosine, sine] by order; rotary axes only.
     #[schemars(schema_with = "super::schema::harmonics")]
     pub harmonics: Option<IndexMap<String, Vec<Scalar>>>,
+    /// Degree, knots and coefficients.
+    #[schemars(schema_with = "super::schema::bspline")]
+    pub bspline: Option<BSplineEntry>,
     /// The curve for rising positions.
     #[schemars(schema_with = "super::schema::curve")]
     pub forward: Option<CurveEntry>,
@@ -77,6 +95,7 @@ impl TermEntry {
             interpolation: self.interpolation.clone(),
             polynomial: self.polynomial.clone(),
             harmonics: self.harmonics.clone(),
+            bspline: self.bspline.clone(),
         }
     }
 }

@@ -444,3 +444,27 @@ fn location_errors_that_cannot_act_are_told() {
     assert_eq!(warnings(inert), ["W0402"; 4]);
     assert_eq!(warnings(&format!("{inert}\nconventions: {{ location: carried_body }}")), [""; 0]);
 }
+
+#[test]
+fn a_b_spline_that_is_none_is_refused_in_words() {
+    let with = |spline: &str| {
+        let text = small(&format!("errors: {{ EXX: {{ bspline: {{ {spline} }} }} }}"));
+        let (machine, diagnostics) = read(&[("m.yaml", &text)]);
+        assert!(machine.is_none());
+        render(&diagnostics, Rendering::default())
+    };
+    for (spline, code, words) in [
+        ("knots: [0, 500], coefficients: [1 um, 2 um, 3 um]", "E0410", "2 knots and degree 3 take 4"),
+        ("degree: 4, knots: [0, 500], coefficients: [1 um]", "E0410", "a B-spline of degree 4"),
+        ("degree: 1, knots: [0, 0, 500], coefficients: [1 um, 2 um, 3 um]", "E0410", "do not rise here"),
+        ("degree: 1, knots: [0, 400], coefficients: [1 um, 2 um]", "E0409", "is given from 0 to 400 mm"),
+        ("degree: 1, knots: [], coefficients: []", "E0410", "has no points"),
+        ("degree: 1, knots: [0], coefficients: [1 um]", "E0410", "1 knots and degree 1 take 2"),
+        ("degree: 1, knots: [0, 500], coefficients: [1, 2]", "E0204", ""),
+        ("degree: 1, knots: [0, 500], coefficients: [90 mm, 2 mm]", "E0412", "which no machine has"),
+        ("knot: [0, 500]", "E0201", "knot"),
+    ] {
+        let said = with(spline);
+        assert!(said.contains(code) && said.contains(words), "{spline}: {said}");
+    }
+}

@@ -79,6 +79,60 @@ fn blocks_are_linear_within_and_continuous_across_and_the_file_says_them() {
     );
 }
 
+/// The truth is one cubic per piece, smooth across the knots, by its own formula: no B-spline of ours.
+#[test]
+fn b_splines_are_found_and_the_file_says_them() {
+    let cube = |x: f64| if x > 0.0 { x * x * x } else { 0.0 };
+    let exx = |x: f64| 4.0 + 0.02 * x - 2e-7 * x * x * x + 9e-7 * cube(x - 120.0) - 1.5e-6 * cube(x - 300.0);
+    let square = |x: f64| if x > 0.0 { x * x } else { 0.0 };
+    let eyx = |x: f64| -1.0 + 0.01 * x - 1e-4 * square(x - 120.0);
+    let blank = five("");
+    let mut wanted = request(&["EXX:bspline", "EYX:bspline/2", "ECC:bspline4"]);
+    let knots = |list: &[f64]| list.iter().map(|q| number(*q)).collect::<Vec<_>>();
+    wanted.knots.insert("EXX".to_owned(), knots(&[120.0, 300.0]));
+    wanted.knots.insert("EYX".to_owned(), knots(&[120.0]));
+    let points: Vec<String> = (0..=500).map(|x| format!("[{x} mm, {} um]", exx(f64::from(x)))).collect();
+    let bent: Vec<String> = (0..=500).map(|x| format!("[{x} mm, {} um]", eyx(f64::from(x)))).collect();
+    let ecc = "{ bspline: { knots: [0, 90, 180, 270, 360], coefficients: [3 urad, 20 urad, -10 urad, 5 urad] } }";
+    let truth = five(&format!(
+        "errors: {{ EXX: {{ points: [{}] }}, EYX: {{ points: [{}] }}, ECC: {ecc} }}\n",
+        points.join(", "),
+        bent.join(", ")
+    ));
+    // Whole millimetres, where the table is the formula.
+    let whole = |mut pose: Vec<f64>| {
+        let x = five("").axis_index("X").unwrap();
+        pose[x] = libm::round(pose[x]);
+        pose
+    };
+    let poses: Vec<Vec<f64>> = five_poses(&mut Random::new(191), 200).into_iter().map(whole).collect();
+    let rows: Vec<Measurement> = poses.iter().map(|p| measured(p, deviation(&truth, p))).collect();
+    let (unknowns, found) = solved(&blank, &wanted, &rows);
+    assert_eq!(unknowns.iter().filter(|p| p.name.starts_with("EXX:b@")).count(), 6);
+    assert_eq!(unknowns.iter().filter(|p| p.name.starts_with("EYX:b@")).count(), 4);
+    assert!((value(&unknowns, &found, "EXX:b@0mm") - exx(0.0)).abs() < 1e-5);
+    assert!((value(&unknowns, &found, "EXX:b@500mm") - exx(500.0)).abs() < 1e-5);
+    let ecc: Vec<f64> = unknowns
+        .iter()
+        .zip(&found.theta)
+        .filter(|(p, _)| p.name.starts_with("ECC"))
+        .map(|(p, t)| p.shown(*t))
+        .collect();
+    assert!(ecc.iter().zip([3.0, 20.0, -10.0, 5.0]).all(|(a, b)| (a - b).abs() < 1e-5), "{ecc:?}");
+    let text = fitted_file(&blank, &unknowns, &found.theta, &[]);
+    assert!(text.contains("bspline: { degree: 3") && text.contains("bspline: { degree: 2"), "{text}");
+    let fitted = silent(&[("machine.yaml", &text)]);
+    for pose in five_poses(&mut Random::new(192), 50).into_iter().map(whole) {
+        let (a, b) = (deviation(&fitted, &pose), deviation(&truth, &pose));
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-8), "{a:?} {b:?}");
+    }
+    // A fit that starts at the fitted machine is there already.
+    let again = list(&fitted, &wanted);
+    for (p, start) in again.iter().zip(&found.theta) {
+        assert!((p.start - start).abs() < 1e-13, "{}: {} {start}", p.name, p.start);
+    }
+}
+
 #[test]
 fn both_directions_are_found_and_written() {
     let truth = five(
@@ -203,6 +257,12 @@ fn requests_that_make_no_sense_are_refused_in_words() {
         "{ fit: [EXX:blocks] }",
         "{ fit: [EXX:blocks0] }",
         "{ fit: [EXX:spline], knots: { EXX: [0, 900] } }",
+        "{ fit: [EXX:bspline] }",
+        "{ fit: [EXX:bspline5/4] }",
+        "{ fit: [EXX:bspline5/0] }",
+        "{ fit: [EXX:bspline5, EXX:spline5] }",
+        "{ fit: [EXX:bspline5, EXX:bspline6] }",
+        "{ fit: [EXX:spline4, EXX:spline5] }",
         "{ fit: [EXX:spline], knots: { EXX: [10, 10] } }",
         "{ fit: [EXX:spline], knots: { EXX: [10 deg] } }",
         "{ fit: [EC0Y+] }",

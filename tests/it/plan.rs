@@ -1,6 +1,7 @@
 //! The compiled evaluator against the general algebra, on random machines in every convention, and against itself:
 //! at any vector width and in any batch the bits are the same.
 
+use crate::identify::{five, five_poses};
 use crate::oracle::machines::{Sample, combinations};
 use crate::oracle::program::Folder;
 use crate::oracle::random::Random;
@@ -150,6 +151,25 @@ fn what_no_kernel_covers_goes_through_the_general_algebra() {
     let turned = planned(&Plan::new(&machine, Order::Exact, Approach::Mean), &poses);
     assert!(turned.iter().all(|d| d.rotation.norm() > 0.35), "{turned:?}");
     agree(&machine, &poses, Order::Exact, ROUNDING);
+}
+
+/// Linear and cubic B-splines are compiled with the tables beside them; the second derivatives of quadratic ones jump.
+#[test]
+fn b_splines_run_with_the_tables() {
+    let knots = "knots: [0, 120, 500], coefficients: [3 um, -2 um, 4 um";
+    let errors = |degree: u8, more: &str| {
+        format!(
+            "errors:\n  EXX: {{ bspline: {{ degree: {degree}, {knots}{more}] }} }}\n  EYX: {{ points: [[0, 1 um], [200, 2 um], [500, 0 um]] }}\n  EBX: {{ points: [[0, 1 urad], [200, 9 urad], [500, 0 urad]], interpolation: cubic }}\n  ECC: {{ bspline: {{ degree: {degree}, knots: [0, 50, 200, 360], coefficients: [3 urad, 20 urad, -10 urad] }} }}\n"
+        )
+    };
+    for (degree, more, compiled) in [(1, "", true), (2, ", 5 um", false), (3, ", 5 um, -1 um", true)] {
+        let machine = five(&errors(degree, more));
+        let poses = five_poses(&mut Random::new(74), 60);
+        for order in [Order::Degree(1), Order::Degree(2), Order::Exact] {
+            assert_eq!(Plan::new(&machine, order, Approach::Mean).is_compiled(), compiled);
+            agree(&machine, &poses, order, [2e-12, 1e-15]);
+        }
+    }
 }
 
 #[test]

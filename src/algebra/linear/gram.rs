@@ -53,19 +53,15 @@ impl Gram {
         self.sum += other.sum;
     }
 
-    /// The triangle, if the columns are far enough from being dependent. With `damping` it is that of the problem with
-    /// `damping |x|^2` beside, columns scaled to length 1 (Marquardt's), which always has one from 1e-10 on.
-    pub fn finish(&mut self, damping: f64) -> Option<Reduced> {
+    /// The triangle, if the columns are far enough from being dependent.
+    pub fn finish(mut self) -> Option<Reduced> {
         self.fold();
         let n = self.width - 1;
-        let length = |j: usize| libm::sqrt(self.sum[(j, j)]);
-        // A parameter without effect has a damped column and stays where it is.
-        let scale = DVector::from_fn(n, |j, _| if damping > 0.0 && length(j) == 0.0 { 1.0 } else { length(j) });
+        let scale = DVector::from_fn(n, |j, _| libm::sqrt(self.sum[(j, j)]));
         if scale.iter().any(|s| !(*s > 0.0 && s.is_finite())) {
             return None;
         }
-        let more = |i: usize, j: usize| if i == j { damping } else { 0.0 };
-        let mut r = DMatrix::from_fn(n, n, |i, j| self.sum[(i, j)] / (scale[i] * scale[j]) + more(i, j));
+        let mut r = DMatrix::from_fn(n, n, |i, j| self.sum[(i, j)] / (scale[i] * scale[j]));
         let mut right = DVector::from_fn(n, |i, _| self.sum[(i, n)] / scale[i]);
         cholesky(&mut r, &mut right)?;
         let square = self.sum[(n, n)];
@@ -122,7 +118,7 @@ mod tests {
             triangle.push(row[..3].iter().copied(), row[3]);
         }
         gram.merge(other);
-        let (fast, slow) = (gram.finish(0.0).unwrap(), triangle.finish());
+        let (fast, slow) = (gram.finish().unwrap(), triangle.finish());
         assert_eq!(fast.rows, slow.rows);
         assert!((fast.r.transpose() * &fast.r - slow.r.transpose() * &slow.r).amax() < 1e-9);
         assert!((fast.rest - slow.rest).abs() < 1e-9 && (fast.right_norm() - slow.right_norm()).abs() < 1e-9);
@@ -134,7 +130,7 @@ mod tests {
         for i in 0..50 {
             gram.extend(1).copy_from_slice(&[1.0, 2.0 + 1e-7 * f64::from(i), 3.0]);
         }
-        assert!(gram.finish(0.0).is_none() && gram.finish(1e-9).is_some());
-        assert!(Gram::new(2).finish(0.0).is_none() && Gram::new(2).finish(1e-9).is_some());
+        assert!(gram.finish().is_none());
+        assert!(Gram::new(2).finish().is_none());
     }
 }

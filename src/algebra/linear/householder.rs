@@ -1,74 +1,78 @@
-//! Triangle of a tall matrix by Householder reflections, some columns at a time: their product is `1 - V T V^T`
-//! (Schreiber and Van Loan 1989), which the other columns meet as three matrix products.
+//! The triangle of a tall matrix by Householder reflections, block by block (TSQR): fresh rows are folded into the
+//! triangle of all rows before. Reflection k meets row k of the triangle and the fresh rows only, so that a block costs
+//! what its rows cost, however low it is; some reflections at a time, whose product is `1 - V T V^T` (Schreiber and Van
+//! Loan 1989), are three matrix products for the other columns.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
-/// Columns taken together.
-const PANEL: usize = 16;
+/// Reflections taken together.
+const PANEL: usize = 8;
 
-/// R of the QR decomposition: as many rows as the smaller dimension. Signs of its rows are arbitrary.
-pub fn triangle(mut a: DMatrix<f64>) -> DMatrix<f64> {
-    let (m, n) = a.shape();
-    let size = m.min(n);
-    let mut first = 0;
-    while first < size {
-        let width = PANEL.min(size - first);
-        let (v, t) = panel(&mut a, first, width);
-        update(&mut a, first, width, &v, &t);
-        first += width;
+/// Folds rows into an upper triangle of as many columns: `r^T r` grows by `fresh^T fresh`. The rows are used up; signs of
+/// the rows of `r` are arbitrary.
+pub fn fold(r: &mut DMatrix<f64>, fresh: &mut DMatrix<f64>) {
+    let n = r.ncols();
+    for first in (0..n).step_by(PANEL) {
+        let width = PANEL.min(n - first);
+        let t = panel(r, fresh, first, width);
+        update(r, fresh, first, width, &t);
     }
-    DMatrix::from_fn(size, n, |i, j| if i <= j { a[(i, j)] } else { 0.0 })
 }
 
-/// Reflects the columns from `first` on, below the rows done; gives the vectors V and the triangle T.
-fn panel(a: &mut DMatrix<f64>, first: usize, width: usize) -> (DMatrix<f64>, DMatrix<f64>) {
-    let rows = a.nrows() - first;
-    let mut v = DMatrix::zeros(rows, width);
+/// Reflects `width` columns from `first` on. What is left of them in `fresh` are the lower parts of the vectors V (the
+/// upper are unit vectors); gives the triangle T.
+fn panel(r: &mut DMatrix<f64>, fresh: &mut DMatrix<f64>, first: usize, width: usize) -> DMatrix<f64> {
     let mut t = DMatrix::zeros(width, width);
     for k in 0..width {
-        let Some((vector, tau)) = reflection(&a.view((first + k, first + k), (rows - k, 1)).column(0).into_owned())
-        else {
+        let at = first + k;
+        let Some(tau) = reflection(r, fresh, at) else {
+            fresh.column_mut(at).fill(0.0);
             continue;
         };
-        for j in k..width {
-            let mut column = a.view_mut((first + k, first + j), (rows - k, 1));
-            let along = vector.dot(&column.column(0)) * tau;
-            column.column_mut(0).axpy(-along, &vector, 1.0);
+        let (done, mut behind) = fresh.columns_range_pair_mut(0..=at, at + 1..);
+        let v = done.column(at);
+        for (j, mut column) in behind.column_iter_mut().take(width - k - 1).enumerate() {
+            let along = tau * (r[(at, at + 1 + j)] + v.dot(&column));
+            r[(at, at + 1 + j)] -= along;
+            column.axpy(-along, &v, 1.0);
         }
-        v.view_mut((k, k), (rows - k, 1)).copy_from(&vector);
-        // T grows by a column: -tau T (V^T v).
-        let above: Vec<f64> = (0..k).map(|j| v.view((k, j), (rows - k, 1)).column(0).dot(&vector)).collect();
+        // T grows by a column: -tau T (V^T v). The upper parts of different vectors are orthogonal.
+        let above: Vec<f64> = (0..k).map(|j| done.column(first + j).dot(&v)).collect();
         for i in 0..k {
             t[(i, k)] = -tau * (i..k).map(|j| t[(i, j)] * above[j]).sum::<f64>();
         }
         t[(k, k)] = tau;
     }
-    (v, t)
+    t
 }
 
-/// The reflection that leaves a multiple of the first unit vector: `1 - tau v v^T`; none of what is zero there already.
-fn reflection(x: &DVector<f64>) -> Option<(DVector<f64>, f64)> {
-    let norm = x.norm();
-    if norm == 0.0 || !norm.is_finite() {
+/// The reflection `1 - tau v v^T` that clears a column below the triangle; v (1 on top) takes the column's place. None of a
+/// column that is clear.
+fn reflection(r: &mut DMatrix<f64>, fresh: &mut DMatrix<f64>, at: usize) -> Option<f64> {
+    let (top, below) = (r[(at, at)], fresh.column(at).norm());
+    let norm = libm::hypot(top, below);
+    if below == 0.0 || !norm.is_finite() {
         return None;
     }
-    let head = x[0] + norm.copysign(x[0]);
-    let mut v = x / head;
-    v[0] = 1.0;
-    Some((v, head / norm.copysign(x[0])))
+    let image = -norm.copysign(top);
+    fresh.column_mut(at).unscale_mut(top - image);
+    r[(at, at)] = image;
+    Some((image - top) / image)
 }
 
 /// The columns behind the panel: `C - V (T^T (V^T C))`.
-fn update(a: &mut DMatrix<f64>, first: usize, width: usize, v: &DMatrix<f64>, t: &DMatrix<f64>) {
-    let (rows, behind) = (a.nrows() - first, a.ncols() - first - width);
+fn update(r: &mut DMatrix<f64>, fresh: &mut DMatrix<f64>, first: usize, width: usize, t: &DMatrix<f64>) {
+    let behind = r.ncols() - first - width;
     if behind == 0 {
         return;
     }
-    let mut rest = a.view_mut((first, first + width), (rows, behind));
-    let mut along = DMatrix::zeros(width, behind);
-    along.gemm(1.0, &v.transpose(), &rest, 0.0);
-    let turned = t.transpose() * along;
-    rest.gemm(-1.0, v, &turned, 1.0);
+    let (v, mut rest) = fresh.columns_range_pair_mut(first..first + width, first + width..);
+    let mut rows = r.view_mut((first, first + width), (width, behind));
+    let mut along = rows.clone_owned();
+    along.gemm(1.0, &v.transpose(), &rest, 1.0);
+    let turned = t.tr_mul(&along);
+    rows -= &turned;
+    rest.gemm(-1.0, &v, &turned, 1.0);
 }
 
 #[cfg(test)]
@@ -78,19 +82,37 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_has_the_columns_lengths_and_angles(rows in 1_usize..60, columns in 1_usize..45, rank in 1_usize..45, seed in 0_u64..1000) {
-            let number = |i: usize, j: usize| libm::sin((seed + 1) as f64 * 0.37 + i as f64 * 12.9898 + j as f64 * 78.233) * 3.0;
+        fn it_has_the_columns_lengths_and_angles(
+            rows in 1_usize..60, columns in 1_usize..45, rank in 1_usize..45, cut in 0_usize..60, seed in 0_u64..1000,
+        ) {
+            let number =
+                |i: usize, j: usize| libm::sin((seed + 1) as f64 * 0.37 + i as f64 * 12.9898 + j as f64 * 78.233) * 3.0;
             let left = DMatrix::from_fn(rows, rank, number);
             let a = left * DMatrix::from_fn(rank, columns, |i, j| number(j + 7, i + 3));
-            let r = triangle(a.clone());
-            prop_assert_eq!(r.nrows(), rows.min(columns));
+            let mut r = DMatrix::zeros(columns, columns);
+            let cut = cut.min(rows);
+            fold(&mut r, &mut a.rows(0, cut).into_owned());
+            fold(&mut r, &mut a.rows(cut, rows - cut).into_owned());
             prop_assert!((r.transpose() * &r - a.transpose() * &a).amax() < 1e-12 * (1.0 + a.norm_squared()));
-            prop_assert!((0..r.nrows()).all(|i| (0..i.min(columns)).all(|j| r[(i, j)] == 0.0)));
+            prop_assert!((0..columns).all(|i| (0..i).all(|j| r[(i, j)] == 0.0)));
         }
     }
 
     #[test]
     fn nothing_stays_nothing() {
-        assert_eq!(triangle(DMatrix::zeros(5, 3)), DMatrix::zeros(3, 3));
+        let mut r = DMatrix::zeros(3, 3);
+        fold(&mut r, &mut DMatrix::zeros(5, 3));
+        assert_eq!(r, DMatrix::zeros(3, 3));
+    }
+
+    /// Singular values down to the last digits: columns of the Läuchli matrix, whose normal equations are singular.
+    #[test]
+    fn it_keeps_what_normal_equations_lose() {
+        let small = 1e-10;
+        let row = |i: usize, j: usize| if i == 0 { 1.0 } else { f64::from(u8::from(i == j + 1)) * small };
+        let mut r = DMatrix::zeros(3, 3);
+        fold(&mut r, &mut DMatrix::from_fn(4, 3, row));
+        let values = super::super::Svd::new(&r).values;
+        assert!((values[0] - libm::sqrt(3.0)).abs() < 1e-15 && (values[2] / small - 1.0).abs() < 1e-4, "{values}");
     }
 }

@@ -8,7 +8,7 @@
 
 use super::lanes::{Lanes, MOST, Row};
 use super::trigonometry::nearest;
-use crate::machine::{Approach, ComponentError, Curve, ErrorTerm, JointErrors, Knots};
+use crate::machine::{Approach, BSpline, ComponentError, Curve, ErrorTerm, JointErrors, Knots};
 
 /// Six errors: translations, then rotations.
 pub type Six = [f64; 6];
@@ -46,7 +46,7 @@ enum Intervals {
 }
 
 impl Curves {
-    /// The component errors of an axis. `None` if periodic tables stand beside others.
+    /// The component errors of an axis. `None` if periodic tables stand beside others, or a piece is no cubic.
     pub fn new(errors: &JointErrors, approach: Approach) -> Option<Self> {
         let (mut curves, mut parts, mut tables) = (Self::default(), Vec::new(), Vec::new());
         for (column, term) in errors.component.iter().enumerate() {
@@ -61,7 +61,8 @@ impl Curves {
             match curve {
                 Curve::Polynomial(c) => curves.add_polynomial(column, weight, c),
                 Curve::Harmonics(orders) => curves.add_harmonics(column, weight, orders),
-                Curve::Linear(_) | Curve::Cubic(..) => tables.push((column, weight, curve)),
+                Curve::Linear(_) | Curve::Cubic(..) => tables.push((column, weight, curve.clone())),
+                Curve::BSpline(spline) => tables.push((column, weight, piecewise(spline)?)),
             }
         }
         curves.table = if tables.is_empty() { None } else { Some(Table::union(&tables)?) };
@@ -188,6 +189,12 @@ fn weighted(component: &ComponentError, approach: Approach) -> Vec<(f64, &Curve)
     }
 }
 
+/// A B-spline by values and second derivatives at its knots. `None` if it has jumps in them, or a higher degree.
+fn piecewise(spline: &BSpline) -> Option<Curve> {
+    let second = spline.second_derivatives()?;
+    Some(Curve::Cubic(spline.breaks().clone(), second))
+}
+
 /// The second derivative of a curve: linear between the knots of a spline.
 fn bend(curve: &Curve) -> Option<Curve> {
     let Curve::Cubic(knots, second) = curve else { return None };
@@ -196,7 +203,7 @@ fn bend(curve: &Curve) -> Option<Curve> {
 }
 
 impl Table {
-    fn union(curves: &[(usize, f64, &Curve)]) -> Option<Self> {
+    fn union(curves: &[(usize, f64, Curve)]) -> Option<Self> {
         let all: Vec<&Knots> = curves.iter().filter_map(|(_, _, curve)| curve.knots()).collect();
         let period = all.first()?.period();
         if all.iter().any(|knots| knots.period() != period) {

@@ -4,8 +4,8 @@ use super::axes::Declared;
 use super::context::Context;
 use super::names::readings;
 use crate::diagnostic::{Diagnostic, Place, did_you_mean, shown};
-use crate::machine::{AxisKind, ComponentError, Curve, ErrorId, Knots, KnotsFailure, Travel};
-use crate::syntax::{Column, ColumnDirection, CurveEntry, Keys, Scalar, Table, below, keys};
+use crate::machine::{AxisKind, BSpline, BSplineFailure, ComponentError, Curve, ErrorId, Knots, KnotsFailure, Travel};
+use crate::syntax::{BSplineEntry, Column, ColumnDirection, CurveEntry, Keys, Scalar, Table, below, keys};
 use crate::units::Dimension;
 use std::rc::Rc;
 
@@ -88,6 +88,9 @@ fn curve(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry, at: &K
     }
     if let Some(orders) = &entry.harmonics {
         return harmonics(context, of, orders, &below(at, "harmonics"));
+    }
+    if let Some(entry) = &entry.bspline {
+        return bspline(context, of, entry, &below(at, "bspline"));
     }
     let value = context.error_value(entry.value.as_ref()?, of.error.direction, &context.value_of(at))? * of.sign();
     Some(if of.continuous() { Curve::Harmonics(vec![(value, 0.0)]) } else { Curve::Polynomial(vec![value]) })
@@ -174,6 +177,53 @@ fn harmonic(
         return None;
     }
     Some((order, (cosine, sine)))
+}
+
+fn bspline(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &BSplineEntry, at: &Keys) -> Option<Curve> {
+    let (at_knots, at_coefficients) = (below(at, "knots"), below(at, "coefficients"));
+    let knots: Vec<Option<f64>> = entry
+        .knots
+        .iter()
+        .enumerate()
+        .map(|(i, scalar)| context.position(scalar, of.kind, &below(&at_knots, i)))
+        .collect();
+    let coefficients: Vec<Option<f64>> = entry
+        .coefficients
+        .iter()
+        .enumerate()
+        .map(|(i, scalar)| context.error_value(scalar, of.error.direction, &below(&at_coefficients, i)))
+        .collect();
+    let coefficients = coefficients.into_iter().map(|c| Some(c? * of.sign())).collect::<Option<Vec<f64>>>()?;
+    let pairs = knots.into_iter().map(|q| Some((q?, 0.0))).collect::<Option<_>>()?;
+    let breaks: Vec<f64> = snapped(pairs, of.axis.travel).into_iter().map(|pair| pair.0).collect();
+    let degree = usize::from(entry.degree.unwrap_or(3));
+    let place = |at: &Keys| context.document.places.value(at);
+    match BSpline::new(degree, &breaks, &coefficients, of.continuous().then_some(360.0)) {
+        Ok(spline) => {
+            covers(context, of, spline.breaks(), place(&at_knots))?;
+            Some(Curve::BSpline(spline))
+        }
+        Err(failure) => {
+            let (message, place, help) = match failure {
+                BSplineFailure::Degree => {
+                    let help = "1 is straight between the knots, 3 (the default) is cubic";
+                    (format!("a B-spline of degree {degree}"), place(&below(at, "degree")), help.to_owned())
+                }
+                BSplineFailure::Count(count) => {
+                    let message = format!("`{}` has {} coefficients", of.error, coefficients.len());
+                    let help = format!("{} knots and degree {degree} take {count}", breaks.len());
+                    (message, place(&at_coefficients), help)
+                }
+                BSplineFailure::Breaks(failure) => {
+                    let pairs: Vec<(f64, f64)> = breaks.iter().map(|q| (*q, 0.0)).collect();
+                    let (message, at, help) = explain(&failure, of, &pairs, &|i| place(&below(&at_knots, i)));
+                    (message, at.or(place(&at_knots)), help.to_owned())
+                }
+            };
+            context.diagnostics.push(Diagnostic::new("E0410", message).at(place, "").help(help));
+            None
+        }
+    }
 }
 
 fn from_points(

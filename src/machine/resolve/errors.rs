@@ -112,6 +112,7 @@ fn curve_forms(entry: &CurveEntry) -> Vec<&'static str> {
         ("points", entry.points.is_some()),
         ("polynomial", entry.polynomial.is_some()),
         ("harmonics", entry.harmonics.is_some()),
+        ("bspline", entry.bspline.is_some()),
     ];
     all.into_iter().filter(|f| f.1).map(|f| f.0).collect()
 }
@@ -122,7 +123,8 @@ fn one_form(context: &mut Context<'_>, forms: &[&str], at: &Keys) -> bool {
         [_] => true,
         [] => {
             if !context.document.places.is_marred(at) {
-                let help = "write a value such as `12 um`, or one of table, points, polynomial, harmonics, tolerance";
+                let help =
+                    "write a value such as `12 um`, or one of table, points, polynomial, harmonics, bspline, tolerance";
                 context.at_key("E0203", at, format!("`{}` says nothing", dotted(at)), help);
             }
             false

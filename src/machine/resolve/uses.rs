@@ -12,7 +12,7 @@ use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, below, keys};
 /// Groups that may be fitted.
 const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
 /// Families of basis functions, each with its order behind it.
-const BASES: [&str; 4] = ["poly", "fourier", "spline", "blocks"];
+const BASES: [&str; 5] = ["poly", "fourier", "spline", "bspline", "blocks"];
 
 /// Which errors there may be.
 pub struct Known<'a> {
@@ -140,19 +140,23 @@ fn fit(context: &mut Context<'_>, known: &Known<'_>, name: &str, at: &Keys) {
     }
 }
 
-/// `poly3`, `fourier2`, `spline8`, `blocks4`; `spline` and `blocks` alone where `knots` has some.
+/// `poly3`, `fourier2`, `spline8`, `bspline8`, `bspline8/2`, `blocks4`; splines and `blocks` alone where `knots` has some.
 fn basis(context: &mut Context<'_>, form: &str, knotted: bool, at: &Keys) {
-    if knotted && ["spline", "blocks"].contains(&form.trim()) {
+    let bare = match form.trim().rsplit_once('/') {
+        Some((bare, "1" | "2" | "3")) if bare.starts_with("bspline") => bare,
+        _ => form.trim(),
+    };
+    if knotted && ["spline", "bspline", "blocks"].contains(&bare) {
         return;
     }
-    let order = BASES.iter().find_map(|family| form.trim().strip_prefix(family));
+    let order = BASES.iter().find_map(|family| bare.strip_prefix(family));
     if !order.and_then(|o| o.parse::<u8>().ok()).is_some_and(|o| (1..=50).contains(&o)) {
         let message = format!("`{}` is not a basis", shown(form));
         context.at_value(
             "E0215",
             at,
             message,
-            "write poly3 (powers 0 to 3), fourier2 (orders 0 to 2), spline8 (8 knots) or blocks4 (4 blocks)",
+            "write poly3 (powers 0 to 3), fourier2 (orders 0 to 2), spline8 or bspline8 (8 knots), or blocks4 (4 blocks)",
         );
     }
 }

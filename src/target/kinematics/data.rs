@@ -185,6 +185,7 @@ fn keep(curve: &Curve, all: &mut Vec<CurveData>) -> Option<usize> {
     let (form, numbers) = match curve {
         Curve::Linear(knots) => (Form::Linear, [knots.positions(), knots.values()].concat()),
         Curve::Cubic(knots, second) => (Form::Cubic, [knots.positions(), knots.values(), second].concat()),
+        Curve::BSpline(spline) => (Form::Cubic, spline.pieces()),
         Curve::Polynomial(coefficients) => (Form::Polynomial, coefficients.clone()),
         Curve::Harmonics(orders) => (Form::Harmonics, orders.iter().flat_map(|(c, s)| [*c, *s]).collect()),
     };
