@@ -1,10 +1,10 @@
 //! `abbe report`: one self-contained HTML page for a design review.
 
 use super::compile::{Options, effect};
-use super::eval::{ApproachArg, order};
 use super::files::Disk;
 use super::progress::Progress;
 use super::session::Session;
+use super::view::{ApproachArg, order};
 use super::write::{refuse_input, write_whole};
 use super::{Format, Outcome, Stop, load, watch};
 use crate::analysis::{Plane, View, map, rest, space_axes};
