@@ -44,5 +44,5 @@ pub use location_set::{LocationSet, Status};
 pub use map::{MOST_POSES, Map, TooManyPoses, View, deviation_in, frame_rotation, map};
 pub use plane::Plane;
 pub use sources::{Source, sources};
-pub use survey::{MOST_SURVEYED, Sink, Survey, Task as SurveyTask, Text, survey, survey_with_rows};
+pub use survey::{Block, MOST_SURVEYED, Survey, Task as SurveyTask, survey, survey_with_rows};
 pub use twist::{Map as TwistMap, Quantity, Share, Twist, twists};

@@ -21,6 +21,9 @@ pub(super) struct Args {
     machine: PathBuf,
     #[command(flatten)]
     pub(super) tolerances: ToleranceArgs,
+    /// Seed of poses and errors.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(super) seed: u64,
     /// What arrangements are judged by [default: budget, if any error is bounded].
     #[arg(long, value_enum)]
     by: Option<ByArg>,
@@ -159,7 +162,7 @@ fn judge(session: &mut Session, args: &Args, machine: &Machine) -> Result<(Judge
         return Ok((Judge::Errors, None));
     }
     let (bounds, source) = args.tolerances.bounds(session, machine)?;
-    Ok((Judge::Budget { bounds, draws: args.tolerances.draws(), samples: args.samples as usize }, source))
+    Ok((Judge::Budget { bounds, draws: args.tolerances.draws(args.seed), samples: args.samples as usize }, source))
 }
 
 fn by(judge: &Judge) -> By {
@@ -176,7 +179,7 @@ fn fingerprint(args: &Args, machine: &Machine, judge: &Judge, rules: &[Rule]) ->
         Judge::Budget { bounds, samples, .. } => format!("{bounds:?} {samples} {:?}", args.tolerances.distribution()),
         Judge::Errors => "errors".to_owned(),
     };
-    let options = (args.rotary, args.poses, args.tolerances.seed, args.tolerances.statistic());
+    let options = (args.rotary, args.poses, args.seed, args.tolerances.statistic());
     let text = format!("{} {machine:?} {rules:?} {bounds} {options:?}", env!("CARGO_PKG_VERSION"));
     Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -194,7 +197,7 @@ fn compute(
     let mine = |step: &usize| part.is_none_or(|(i, n)| step % n == i - 1);
     let todo: Vec<usize> = (0..walks.len()).filter(mine).filter(|step| !keeper.has(*step)).collect();
     if !todo.is_empty() {
-        let (statistic, seed) = (args.tolerances.statistic(), args.tolerances.seed);
+        let (statistic, seed) = (args.tolerances.statistic(), args.seed);
         let study = Study::new(setting.machine, walks, judge, statistic, args.poses as usize, seed);
         let progress = Progress::new(todo.len(), session.is_quiet());
         todo.into_par_iter().for_each(|step| {

@@ -15,10 +15,11 @@ use crate::compensation::Tables;
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Deviation, Field, Nodes, Order, Planned, Poses, Random, Spread, Statistics, Tally, worst};
 use crate::machine::Machine;
-use crate::report::Rows;
+use crate::report::{Form, Rows};
 use crate::target::{Compensated, Judged, Limits, Replay, Target, certify};
 use crate::units::significant;
 use serde_json::json;
+use std::io::Cursor;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -135,7 +136,7 @@ fn compensation(
 
 fn too_long(count: usize) -> Diagnostic {
     Diagnostic::new("E0541", format!("a table of {count} poses does not go to standard output: {MOST_POSES} at most"))
-        .help("write it to a file with `--csv FILE`: that takes no memory, but some 200 bytes of disk per pose")
+        .help("write it to a file with `--csv FILE` or `--parquet FILE`: that takes no memory, but 80 to 200 bytes of disk per pose")
 }
 
 fn too_many(count: usize) -> Diagnostic {
@@ -169,34 +170,39 @@ impl Whole<'_> {
     /// Maps a field; `outputs` are written, if there are any.
     fn found(&self, session: &mut Session, field: &dyn Field, outputs: Option<&Outputs>) -> Result<Found, Stop> {
         let printed = session.format() == Format::Csv && outputs.is_some();
-        if self.poses.len() > MOST_POSES {
+        let Self { machine, poses, view, order, target, .. } = *self;
+        let rows = Rows { machine, poses, view, order, target };
+        if poses.len() > MOST_POSES {
             if printed {
                 return session.refuse(too_long(self.poses.len()));
             }
             let task = SurveyTask { field, poses: self.poses, view: self.view, worst: self.worst };
-            return surveyed(session, task, outputs);
+            return surveyed(session, task, &rows, outputs);
         }
         let progress = Progress::new(self.poses.len(), session.is_quiet());
         let result = map(field, self.poses, self.view, &|count| progress.add(count));
         drop(progress);
         let Ok(map) = result else { return session.refuse(too_many(self.poses.len())) };
-        let Self { machine, poses, view, order, target, .. } = *self;
-        let rows = Rows { machine, poses, deviations: &map.deviations, view, order, target };
         if let Some(outputs) = outputs {
-            outputs.write(session, &rows)?;
+            outputs.write(session, &rows, &map.deviations)?;
         }
-        let csv = printed.then(|| text(&rows));
+        let csv = printed.then(|| text(&rows, &map.deviations));
         let indices = worst(&map.deviations, self.worst);
         let worst = indices.into_iter().map(|i| (i, map.deviations[i])).collect();
         Ok(Found { statistics: map.statistics, worst, sketched: false, csv })
     }
 }
 
-fn text(rows: &Rows<'_>) -> String {
-    let mut bytes = Vec::new();
+/// The table as CSV.
+fn text(rows: &Rows<'_>, deviations: &[Deviation]) -> String {
+    let mut bytes = Cursor::new(Vec::new());
+    let all = rows.prepared(&[Form::Csv], 0, rows.poses.iter().zip(deviations.iter().copied()));
     // Writing to memory cannot fail.
-    let _ = rows.csv(&mut bytes);
-    String::from_utf8_lossy(&bytes).into_owned()
+    let _ = rows.stream(Form::Csv, &mut bytes).and_then(|mut csv| {
+        csv.put(&all)?;
+        csv.finish()
+    });
+    String::from_utf8_lossy(bytes.get_ref()).into_owned()
 }
 
 /// What is printed.

@@ -4,6 +4,7 @@
 
 mod algebra;
 mod budget;
+mod budgets;
 mod certificate_output;
 mod check;
 mod classify;

@@ -46,7 +46,7 @@ impl Report<'_> {
         json!({
             "machine": self.setting.machine.name(), "chain": self.setting.machine.chain().to_string(), "by": by,
             "class": args.tolerances.class, "class_source": self.setting.source, "errors": errors,
-            "poses": self.work, "samples": samples, "seed": args.tolerances.seed,
+            "poses": self.work, "samples": samples, "seed": args.seed,
             "statistic": args.tolerances.statistic(), "reach": args.reach / 100.0,
             "arrangements": self.ranking.ranked.len() + self.ranking.short.len() + self.ranking.cannot_turn.len(),
             "ranked": self.ranking.ranked.iter().enumerate().map(number).collect::<Vec<_>>(),

@@ -19,9 +19,6 @@ pub(super) struct ToleranceArgs {
     /// What counts of a machine: its largest deviation over the poses, or the 95 % one.
     #[arg(long, value_enum, default_value = "max")]
     statistic: StatisticArg,
-    /// Seed of poses and errors.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub(super) seed: u64,
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
@@ -51,8 +48,8 @@ impl ToleranceArgs {
         }
     }
 
-    pub(super) fn draws(&self) -> Draws {
-        Draws::new(self.seed, self.distribution())
+    pub(super) fn draws(&self, seed: u64) -> Draws {
+        Draws::new(seed, self.distribution())
     }
 
     /// The bounds of the file and of the class, and the class's source.
@@ -61,15 +58,21 @@ impl ToleranceArgs {
         session: &mut Session,
         machine: &Machine,
     ) -> Result<(Vec<Bound>, Option<String>), Stop> {
+        let (list, source) = self.bounds_if_any(session, machine)?;
+        if list.is_empty() { session.refuse(nothing_bounded(machine)) } else { Ok((list, source)) }
+    }
+
+    /// The same where a machine may have none.
+    pub(super) fn bounds_if_any(
+        &self,
+        session: &mut Session,
+        machine: &Machine,
+    ) -> Result<(Vec<Bound>, Option<String>), Stop> {
         let class = match &self.class {
             Some(name) => Some(find(session, machine, name)?),
             None => None,
         };
-        let list = bounds(machine, class.as_ref());
-        if list.is_empty() {
-            return session.refuse(nothing_bounded(machine));
-        }
-        Ok((list, class.map(|class| class.source)))
+        Ok((bounds(machine, class.as_ref()), class.map(|class| class.source)))
     }
 }
 

@@ -4,7 +4,9 @@ use super::eval::{ApproachArg, FrameArg, order};
 use crate::evaluate::{Frame, Order, Statistics, Summary};
 use crate::machine::{Approach, Machine};
 use crate::units::significant;
-use serde_json::json;
+
+/// An object of axis names and positions (mm, deg).
+pub(super) use crate::report::positions as axes_json;
 
 /// How errors are followed and looked at.
 #[derive(Debug, Clone, clap::Args)]
@@ -56,13 +58,6 @@ impl From<FrameArg> for Frame {
             FrameArg::Tool => Self::Tool,
         }
     }
-}
-
-/// An object of axis names and positions (mm, deg).
-pub(super) fn axes_json(machine: &Machine, pose: &[f64]) -> serde_json::Value {
-    // Adding zero turns -0 into 0.
-    let entry = |(axis, q): (&crate::machine::Axis, &f64)| (axis.name.to_string(), json!(q + 0.0));
-    machine.axes().iter().zip(pose).map(entry).collect::<serde_json::Map<_, _>>().into()
 }
 
 /// `X = 100 mm, C = 90 deg`.

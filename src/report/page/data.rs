@@ -155,7 +155,7 @@ pub(super) fn order_word(order: Order) -> String {
 }
 
 /// An object of axis names and positions (mm, deg).
-pub(super) fn positions(machine: &Machine, pose: &[f64]) -> Value {
+pub fn positions(machine: &Machine, pose: &[f64]) -> Value {
     let entry = |(axis, q): (&Axis, &f64)| (axis.name.to_string(), json!(q + 0.0));
     machine.axes().iter().zip(pose).map(entry).collect::<Object<_, _>>().into()
 }

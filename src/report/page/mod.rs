@@ -15,7 +15,7 @@ mod field;
 mod render;
 
 pub use comparison::ComparisonData;
-pub use data::{Data, Given, MachineData, Written};
+pub use data::{Data, Given, MachineData, Written, positions};
 pub use render::{Page, Pictures, Rendered, Served};
 
 use crate::report::scale::rising;
