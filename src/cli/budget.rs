@@ -11,7 +11,7 @@ use crate::analysis::budget::{
     Bound, Budget, Contribution, PERCENTS, Percentile, Request, Statistic, Totals, budget, budget_poses, known,
 };
 use crate::machine::Machine;
-use crate::report::{BudgetReport, tolerance, tolerance_unit};
+use crate::report::{BudgetReport, Drawing, tolerance, tolerance_unit};
 use crate::units::{angle, length, significant};
 use serde_json::json;
 use std::path::PathBuf;
@@ -71,7 +71,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let progress = Progress::new(2 * samples, session.is_quiet());
     let budget = budget(request, &|count| progress.add(count));
     drop(progress);
-    let report = Report { args, machine: &machine, bounds: &bounds, source, poses: poses.len(), at, budget };
+    let drawing = args.tolerances.drawing(source, samples, args.seed);
+    let report = Report { args, machine: &machine, bounds: &bounds, drawing, poses: poses.len(), at, budget };
     let drawn = report.report();
     for (path, picture) in [(&args.pareto, drawn.pareto(args.top)), (&args.waterfall, drawn.waterfall(args.top))] {
         if let Some(path) = path {
@@ -92,7 +93,7 @@ struct Report<'a> {
     args: &'a Args,
     machine: &'a Machine,
     bounds: &'a [Bound],
-    source: Option<String>,
+    drawing: Drawing,
     poses: usize,
     at: Option<Vec<f64>>,
     budget: Budget,
@@ -104,27 +105,22 @@ fn short(value: f64) -> String {
 
 impl Report<'_> {
     fn report(&self) -> BudgetReport<'_> {
-        let (bounds, budget) = (self.bounds, &self.budget);
-        BudgetReport { machine: self.machine, bounds, budget, samples: self.args.samples as usize }
+        let (machine, bounds, budget) = (self.machine, self.bounds, &self.budget);
+        BudgetReport { machine, bounds, budget, poses: self.poses, drawing: &self.drawing }
     }
 
     fn json(&self) -> serde_json::Value {
         let report = self.report();
-        let mut json = json!({
-            "machine": self.machine.name(), "chain": self.machine.chain().to_string(), "frame": "workpiece", "order": "1",
-            "class": self.args.tolerances.class, "class_source": self.source, "left_out": known(self.machine),
-            "poses": self.poses, "samples": self.args.samples, "seed": self.args.seed,
-            "distribution": self.args.tolerances.distribution(), "statistic": self.args.tolerances.statistic(),
-            "position_um": report.totals(&self.budget.position), "rotation_urad": report.totals(&self.budget.rotation),
-            "contributions": report.contributions(&self.budget.worst),
-            "contributions_on_average": report.contributions(&self.budget.average),
-            "tighten": report.tighten(),
-        });
-        if let (Some(object), Some(pose), Some(list)) = (json.as_object_mut(), &self.at, &self.budget.at) {
+        let mut json = report.json();
+        json.extend([
+            ("machine".to_owned(), json!(self.machine.name())),
+            ("chain".to_owned(), json!(self.machine.chain().to_string())),
+        ]);
+        if let (Some(pose), Some(list)) = (&self.at, &self.budget.at) {
             let at = json!({"axes": axes_json(self.machine, pose), "contributions": report.contributions(list)});
-            let _ = object.insert("at".to_owned(), at);
+            let _ = json.insert("at".to_owned(), at);
         }
-        json
+        json.into()
     }
 
     /// One line for each error.
@@ -158,7 +154,7 @@ impl Report<'_> {
         let own = self.bounds.iter().filter(|bound| !bound.of_class).count();
         let mut text = format!("{}, {}\n", self.machine.name(), self.machine.chain());
         text += &format!("{} errors bounded: {own} by the machine file", self.bounds.len());
-        if let (Some(class), Some(source)) = (&self.args.tolerances.class, &self.source) {
+        if let Some((class, source)) = &self.drawing.class {
             text += &format!(", {} by class {class} ({source})", self.bounds.len() - own);
         }
         text += &match known(self.machine) {

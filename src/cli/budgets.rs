@@ -9,9 +9,9 @@ use super::view::table;
 use crate::analysis::budget::{Bound, BoundedError, Budget, Request, beside, budget};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{Machine, Pose};
-use crate::report::{BudgetReport, budgets_json};
+use crate::report::{BudgetReport, Drawing, budgets_json};
 use crate::units::significant;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 /// How machines are drawn.
 #[derive(Clone, Copy)]
@@ -26,11 +26,8 @@ pub(super) struct Budgets {
     bounds: Vec<Vec<Bound>>,
     budgets: Vec<Budget>,
     errors: Vec<BoundedError>,
-    samples: usize,
-    /// The class with its source, how errors are distributed, and what counts of each machine.
-    class: Option<(String, String)>,
-    distribution: crate::analysis::budget::Distribution,
-    statistic: crate::analysis::budget::Statistic,
+    poses: usize,
+    drawing: Drawing,
 }
 
 /// The budgets, each at the machine's own poses of the same work; none if not every machine has one.
@@ -75,30 +72,27 @@ pub(super) fn budgets(
         errors: beside(&pairs),
         bounds: all,
         budgets: list,
-        samples: drawn.samples,
-        class: drawn.tolerances.class.clone().zip(source),
-        distribution: drawn.tolerances.distribution(),
-        statistic: drawn.tolerances.statistic(),
+        poses: sides.first().map_or(0, |(_, poses)| poses.len()),
+        drawing: drawn.tolerances.drawing(source, drawn.samples, drawn.seed),
     }))
 }
 
 impl Budgets {
     /// As `compare --format json` and the page have it.
-    pub(super) fn json<'m>(&self, machines: impl IntoIterator<Item = &'m Machine>) -> Value {
-        let samples = self.samples;
+    pub(super) fn json<'m>(&'m self, machines: impl IntoIterator<Item = &'m Machine>) -> Value {
+        let (poses, drawing) = (self.poses, &self.drawing);
         let sides = machines.into_iter().zip(self.bounds.iter().zip(&self.budgets));
-        let reports: Vec<BudgetReport<'_>> =
-            sides.map(|(machine, (bounds, budget))| BudgetReport { machine, bounds, budget, samples }).collect();
+        let report = |(machine, (bounds, budget)): (&'m Machine, (&'m Vec<Bound>, &'m Budget))| BudgetReport {
+            machine,
+            bounds,
+            budget,
+            poses,
+            drawing,
+        };
+        let reports: Vec<BudgetReport<'_>> = sides.map(report).collect();
         let mut json = budgets_json(&reports, &self.errors);
-        let (class, source) = self.class.clone().unzip();
         if let Some(object) = json.as_object_mut() {
-            object.extend([
-                ("class".to_owned(), json!(class)),
-                ("class_source".to_owned(), json!(source)),
-                ("samples".to_owned(), json!(self.samples)),
-                ("distribution".to_owned(), json!(self.distribution)),
-                ("statistic".to_owned(), json!(self.statistic)),
-            ]);
+            object.extend(drawing.json());
         }
         json
     }
@@ -110,13 +104,14 @@ impl Budgets {
             let _ = rows.add_row(totals_row(&format!("{} position, um", i + 1), &budget.position));
             let _ = rows.add_row(totals_row("  rotation, urad", &budget.rotation));
         }
-        let class = self.class.as_ref().map_or(String::new(), |(name, source)| format!(", class {name} ({source})"));
+        let class =
+            self.drawing.class.as_ref().map_or(String::new(), |(name, source)| format!(", class {name} ({source})"));
         let counts: Vec<String> = self.bounds.iter().map(|bounds| bounds.len().to_string()).collect();
         format!(
             "\nBudgets on the same tool poses: {} errors bounded{class}; {} machines drawn, {} distribution\n{rows}\n{TOTALS_NOTE}\n{}",
             counts.join(" and "),
-            self.samples,
-            self.distribution.name(),
+            self.drawing.samples,
+            self.drawing.distribution.name(),
             self.tolerances(top)
         )
     }

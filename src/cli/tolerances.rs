@@ -5,6 +5,7 @@ use super::session::Session;
 use crate::analysis::budget::{Bound, Class, Distribution, Draws, Statistic, bounds, classes, known, lacks_rotary};
 use crate::diagnostic::{Diagnostic, did_you_mean, shown};
 use crate::machine::Machine;
+use crate::report::Drawing;
 
 /// How errors are drawn and judged.
 #[derive(Debug, Clone, clap::Args)]
@@ -46,6 +47,12 @@ impl ToleranceArgs {
             StatisticArg::Max => Statistic::Max,
             StatisticArg::P95 => Statistic::P95,
         }
+    }
+
+    /// For those who read the result.
+    pub(super) fn drawing(&self, source: Option<String>, samples: usize, seed: u64) -> Drawing {
+        let (distribution, statistic) = (self.distribution(), self.statistic());
+        Drawing { class: self.class.clone().zip(source), samples, seed, distribution, statistic }
     }
 
     pub(super) fn draws(&self, seed: u64) -> Draws {

@@ -3,10 +3,27 @@
 use super::bars::{Bar, ParetoPicture, WaterfallPicture};
 use super::page::positions;
 use super::svg::Picture;
-use crate::analysis::budget::{Bound, BoundedError, Budget, Contribution, PERCENTS, Totals};
+use crate::analysis::budget::{
+    Bound, BoundedError, Budget, Contribution, Distribution, PERCENTS, Statistic, Totals, known,
+};
 use crate::machine::{ErrorId, Machine};
 use crate::units::significant;
 use serde_json::{Map, Value, json};
+
+/// How machines were drawn for a budget.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawing {
+    /// The class that bounds what the machine file does not, and its source.
+    pub class: Option<(String, String)>,
+    /// How many machines.
+    pub samples: usize,
+    /// Seed of poses and errors.
+    pub seed: u64,
+    /// How an error is distributed between its bounds.
+    pub distribution: Distribution,
+    /// What counts of each machine.
+    pub statistic: Statistic,
+}
 
 /// A budget with what it is of.
 #[derive(Debug, Clone, Copy)]
@@ -17,8 +34,26 @@ pub struct BudgetReport<'a> {
     pub bounds: &'a [Bound],
     /// What they come to.
     pub budget: &'a Budget,
-    /// How many machines were drawn.
-    pub samples: usize,
+    /// At how many poses.
+    pub poses: usize,
+    /// How machines were drawn.
+    pub drawing: &'a Drawing,
+}
+
+impl Drawing {
+    /// As it stands in JSON.
+    pub fn json(&self) -> Map<String, Value> {
+        let (class, source) = self.class.clone().unzip();
+        let entries = [
+            ("class", json!(class)),
+            ("class_source", json!(source)),
+            ("samples", json!(self.samples)),
+            ("seed", json!(self.seed)),
+            ("distribution", json!(self.distribution)),
+            ("statistic", json!(self.statistic)),
+        ];
+        entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    }
 }
 
 /// A tolerance in um or urad.
@@ -44,8 +79,26 @@ impl BudgetReport<'_> {
         order
     }
 
+    /// All of it.
+    pub fn json(&self) -> Map<String, Value> {
+        let entries = [
+            ("frame", json!("workpiece")),
+            ("order", json!("1")),
+            ("left_out", json!(known(self.machine))),
+            ("poses", json!(self.poses)),
+            ("position_um", self.totals(&self.budget.position)),
+            ("rotation_urad", self.totals(&self.budget.rotation)),
+            ("contributions", json!(self.contributions(&self.budget.worst))),
+            ("contributions_on_average", json!(self.contributions(&self.budget.average))),
+            ("tighten", json!(self.tighten())),
+        ];
+        let mut json = self.drawing.json();
+        json.extend(entries.into_iter().map(|(name, value)| (name.to_owned(), value)));
+        json
+    }
+
     /// Totals of position and orientation.
-    pub fn totals(&self, totals: &Totals) -> Value {
+    fn totals(&self, totals: &Totals) -> Value {
         let percentiles: Map<_, _> = PERCENTS
             .iter()
             .map(|p| totals.percentile(*p))
@@ -67,8 +120,9 @@ impl BudgetReport<'_> {
         list.iter().map(one).collect()
     }
 
-    /// Which tolerance to tighten first.
-    pub fn tighten(&self) -> Vec<Value> {
+    /// Which tolerance to tighten first, and what each does at its bound.
+    fn tighten(&self) -> Vec<Value> {
+        let um = |list: &[Contribution], i: usize| list.iter().find(|c| c.bound == i).map(|c| c.um);
         let one = |i: usize| {
             let (bound, t) = (&self.bounds[i], self.budget.position.tighten[i]);
             let per = 1.0 / tolerance(bound);
@@ -76,6 +130,7 @@ impl BudgetReport<'_> {
                 "error": bound.error, "tolerance": tolerance(bound), "unit": tolerance_unit(&bound.error),
                 "of_class": bound.of_class, "um_per_unit": t.effect * per, "sigma": t.sigma * per,
                 "um_of_p95": t.effect, "um_of_p95_sigma": t.sigma,
+                "at_worst_um": um(&self.budget.worst, i), "average_um": um(&self.budget.average, i),
             })
         };
         self.order().into_iter().map(one).collect()
@@ -115,7 +170,7 @@ impl BudgetReport<'_> {
         let p = &self.budget.position;
         WaterfallPicture {
             title: self.machine.name().to_owned(),
-            subtitle: format!("What each tolerance has of the 95 % value of {} drawn machines", self.samples),
+            subtitle: format!("What each tolerance has of the 95 % value of {} drawn machines", self.drawing.samples),
             quantity: "position deviation in µm".to_owned(),
             bars,
             marks: vec![
@@ -152,7 +207,7 @@ pub fn budgets_json(budgets: &[BudgetReport<'_>], errors: &[BoundedError]) -> Va
             "minus_first": minus, "average_um": each(&|p| p.average),
         })
     };
-    json!({"machines": budgets.iter().map(side).collect::<Vec<_>>(), "contributions": errors.iter().map(error).collect::<Vec<_>>()})
+    json!({"machines": budgets.iter().map(side).collect::<Vec<_>>(), "largest_um": errors.first().map_or(0.0, BoundedError::largest), "contributions": errors.iter().map(error).collect::<Vec<_>>()})
 }
 
 fn minus_first(totals: &Totals, first: &Totals) -> Value {

@@ -2,7 +2,7 @@
 //! one scale and rotations on another, with the points that were given.
 
 use super::scale::{round_step, tick_text, ticks};
-use super::svg::{Anchor, FAINT, Font, INK, Picture, Svg, fitted, polyline, wrapped};
+use super::svg::{Anchor, FAINT, FIRST, Font, INK, LINE, Picture, SECOND, Svg, fitted, polyline, wrapped};
 use crate::machine::{Approach, Axis, AxisKind, ComponentError, Curve, Direction, ErrorTerm, Machine};
 
 const PANEL: (f64, f64) = (256.0, 130.0);
@@ -12,8 +12,6 @@ const HEAD: f64 = 64.0;
 const WIDTH: f64 = LEFT + 3.0 * STEP.0;
 /// Places at which a curve is drawn, besides its points.
 const SAMPLES: usize = 180;
-const CURVE: &str = "#1d5fa8";
-const BACK: &str = "#b8590f";
 
 /// The curves of one axis as a picture, without the notes that explain it; `None` if it has none.
 pub fn axis_curves(machine: &Machine, axis: usize) -> Option<Picture> {
@@ -185,7 +183,7 @@ impl Frame {
             let middle = (x + PANEL.0 / 2.0, y + PANEL.1 / 2.0 + 4.0);
             return svg.text(middle, &panel.instead, Font::faint(12.0), Anchor::Middle, 0.0);
         }
-        for (curve, (colour, dash)) in panel.curves.iter().zip([(CURVE, ""), (BACK, r#" stroke-dasharray="6 4""#)]) {
+        for (curve, (colour, dash)) in panel.curves.iter().zip([(FIRST, ""), (SECOND, r#" stroke-dasharray="6 4""#)]) {
             let line: Vec<(f64, f64)> = curve.line.iter().map(|p| self.at(*p)).collect();
             svg.path(&polyline(&line), &format!(r#"fill="none" stroke="{colour}" stroke-width="1.8"{dash}"#));
             for point in &curve.points {
@@ -200,11 +198,8 @@ impl Frame {
         for value in ticks((low, high), step) {
             let at = self.at((self.x.0, value)).1;
             let zero = value.abs() < 0.5 * step;
-            let style = if zero {
-                format!(r#"stroke="{FAINT}""#)
-            } else {
-                r##"stroke="#c3cad1" stroke-width="0.7""##.to_owned()
-            };
+            let style =
+                if zero { format!(r#"stroke="{FAINT}""#) } else { format!(r#"stroke="{LINE}" stroke-width="0.7""#) };
             svg.line((x, at), (x + PANEL.0, at), &style);
             svg.text((x - 6.0, at + 4.0), &tick_text(value, step), Font::plain(11.5), Anchor::End, 0.0);
         }
