@@ -4,6 +4,7 @@ use super::poses::{check, pose_at};
 use super::progress::Progress;
 use super::session::Session;
 use super::tolerances::ToleranceArgs;
+use super::tool_poses::{self, Reached};
 use super::view::{axes_json, axes_text, table};
 use super::write::{Kind, write_picture};
 use super::{Format, Outcome, load};
@@ -28,6 +29,10 @@ pub(super) struct Args {
     /// How many random poses, besides the corners of the volume.
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     poses: u32,
+    /// Instead of these poses, those for tool poses in the workpiece frame: a CSV file with columns X, Y, Z and
+    /// I, J, K or rotary axes.
+    #[arg(long, value_name = "FILE", conflicts_with = "poses")]
+    tool_poses: Option<PathBuf>,
     /// How many machines are drawn.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     samples: u32,
@@ -57,7 +62,14 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     check(session, &machine, at.as_slice())?;
     let (bounds, source) = args.tolerances.bounds(session, &machine)?;
     let draws = args.tolerances.draws(args.seed);
-    let poses = budget_poses(&machine, args.poses as usize, args.seed);
+    let reached = match &args.tool_poses {
+        Some(path) => Some(tool_poses::read(session, &machine, path)?.reached(session, &machine)?),
+        None => None,
+    };
+    let poses = match &reached {
+        Some(reached) => reached.poses.clone(),
+        None => budget_poses(&machine, args.poses as usize, args.seed),
+    };
     let samples = args.samples as usize;
     let request = Request {
         machine: &machine,
@@ -72,7 +84,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let budget = budget(request, &|count| progress.add(count));
     drop(progress);
     let drawing = args.tolerances.drawing(source, samples, args.seed);
-    let report = Report { args, machine: &machine, bounds: &bounds, drawing, poses: poses.len(), at, budget };
+    let report = Report { args, machine: &machine, bounds: &bounds, drawing, poses: poses.len(), reached, at, budget };
     let drawn = report.report();
     for (path, picture) in [(&args.pareto, drawn.pareto(args.top)), (&args.waterfall, drawn.waterfall(args.top))] {
         if let Some(path) = path {
@@ -95,6 +107,7 @@ struct Report<'a> {
     bounds: &'a [Bound],
     drawing: Drawing,
     poses: usize,
+    reached: Option<Reached>,
     at: Option<Vec<f64>>,
     budget: Budget,
 }
@@ -116,6 +129,9 @@ impl Report<'_> {
             ("machine".to_owned(), json!(self.machine.name())),
             ("chain".to_owned(), json!(self.machine.chain().to_string())),
         ]);
+        if let Some(reached) = &self.reached {
+            let _ = json.insert("tool_poses".to_owned(), reached.json());
+        }
         if let (Some(pose), Some(list)) = (&self.at, &self.budget.at) {
             let at = json!({"axes": axes_json(self.machine, pose), "contributions": report.contributions(list)});
             let _ = json.insert("at".to_owned(), at);
@@ -162,8 +178,9 @@ impl Report<'_> {
             n => format!("; {n} errors with values are left out\n"),
         };
         text += &format!(
-            "{} poses; {} machines drawn, {} distribution, seed {}; counted is the {what} of each\n",
+            "{} {}; {} machines drawn, {} distribution, seed {}; counted is the {what} of each\n",
             self.poses,
+            self.reached.as_ref().map_or_else(|| "poses".to_owned(), Reached::words),
             self.args.samples,
             self.args.tolerances.distribution().name(),
             self.args.seed

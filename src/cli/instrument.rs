@@ -94,13 +94,8 @@ fn named(machine: &Machine, text: &str, mut pose: Vec<f64>) -> Result<Vec<f64>, 
 }
 
 fn not_driven<T>(session: &mut Session, what: &str, why: Unreachable) -> Result<T, Stop> {
-    let why = match why {
-        Unreachable::Direction => "the tool cannot be held in this direction",
-        Unreachable::Place => "the linear axes do not span it",
-        Unreachable::Travel => "an axis would leave its travel",
-    };
     let help = "take a smaller `--radius`, another place (`--at X=250,Y=200`), or another `--plane` or `--axis`";
-    session.refuse(Diagnostic::new("E0612", format!("{what} cannot be driven: {why}")).help(help))
+    session.refuse(Diagnostic::new("E0612", format!("{what} cannot be driven: {}", why.words())).help(help))
 }
 
 fn um(x: f64) -> String {

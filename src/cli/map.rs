@@ -8,6 +8,7 @@ use super::map_picture::{Pictures, Subject};
 use super::map_survey::surveyed;
 use super::progress::Progress;
 use super::session::Session;
+use super::tool_poses::{self, Reached};
 use super::view::{STATISTICS, ViewArgs, axes_json, axes_text, frame_text, order_text, statistics_rows, table};
 use super::{Format, Outcome, Stop, load};
 use crate::analysis::{Diagonal, MOST_POSES, MOST_SURVEYED, SurveyTask, View, body_diagonals, map, rest};
@@ -32,6 +33,10 @@ pub(super) struct Args {
     /// So many low-discrepancy poses over the volume: spread more evenly than random ones.
     #[arg(long, value_name = "N", conflicts_with = "random", value_parser = clap::value_parser!(u32).range(1..=MOST_SURVEYED as i64))]
     low_discrepancy: Option<u32>,
+    /// The poses for these tool poses in the workpiece frame instead of the grid: a CSV file with columns X, Y, Z and
+    /// I, J, K or rotary axes.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["random", "low_discrepancy"])]
+    tool_poses: Option<PathBuf>,
     /// Seed of the random or low-discrepancy poses.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -64,6 +69,10 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     // What can be refused is refused before the work, not after it.
     args.outputs.check(session)?;
     let place = args.pictures.place(session, &machine, args.target.is_some())?;
+    let reached = match &args.tool_poses {
+        Some(path) => Some(tool_poses::read(session, &machine, path)?.reached(session, &machine)?),
+        None => None,
+    };
     let compensation = compensation(session, args, &machine, order)?;
     let bare = Planned::new(&machine, order);
     let replayed = compensation.as_ref().map(|(target, tables)| {
@@ -71,12 +80,13 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         Compensated { machine: &machine, replay }
     });
     let field: &dyn Field = replayed.as_ref().map_or(&bare as &dyn Field, |field| field);
-    let poses = poses(args, &machine);
+    let poses = poses(args, &machine, reached.as_ref());
     if poses.len() > MOST_SURVEYED {
         return session.refuse(too_many(poses.len()));
     }
     let target = args.target.as_deref().unwrap_or_default();
-    let whole = Whole { machine: &machine, poses: &poses, view, order, target, worst: args.worst };
+    let reached = reached.as_ref();
+    let whole = Whole { machine: &machine, poses: &poses, reached, view, order, target, worst: args.worst };
     let before = match &replayed {
         Some(_) => Some(whole.found(session, &bare, None)?.statistics),
         None => None,
@@ -101,7 +111,10 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
 /// Intervals of a body diagonal.
 const DIAGONAL_STEPS: usize = 20;
 
-fn poses(args: &Args, machine: &Machine) -> Poses {
+fn poses(args: &Args, machine: &Machine, reached: Option<&Reached>) -> Poses {
+    if let Some(reached) = reached {
+        return Poses::Listed(reached.poses.clone());
+    }
     match (args.random, args.low_discrepancy) {
         (Some(count), _) => Poses::Random(Random::of(machine, count as usize, args.seed)),
         (None, Some(count)) => Poses::Spread(Spread::of(machine, count as usize, args.seed)),
@@ -149,6 +162,8 @@ fn too_many(count: usize) -> Diagnostic {
 struct Whole<'a> {
     machine: &'a Machine,
     poses: &'a Poses,
+    /// Where they come from, if from a file.
+    reached: Option<&'a Reached>,
     view: View,
     order: Order,
     target: &'a str,
@@ -238,6 +253,9 @@ impl Report<'_> {
         if self.found.sketched {
             json["p95_relative_error"] = json!(Tally::QUANTILE_ERROR);
         }
+        if let Some(reached) = self.whole.reached {
+            json["tool_poses"] = reached.json();
+        }
         if let (Some(object), Some(before)) = (json.as_object_mut(), &self.before) {
             let _ = object.insert("target".to_owned(), json!(self.whole.target));
             let before = json!({"position_um": before.position_um, "rotation_urad": before.rotation_urad});
@@ -254,6 +272,7 @@ impl Report<'_> {
 
     fn text(&self) -> String {
         let where_from = match self.whole.poses {
+            Poses::Listed(_) => self.whole.reached.map_or_else(String::new, Reached::words),
             Poses::Nodes(nodes) => nodes.counts().map(|n| n.to_string()).collect::<Vec<_>>().join(" x ") + " grid",
             Poses::Spread(_) => "low-discrepancy over the volume".to_owned(),
             _ => "random over the volume".to_owned(),

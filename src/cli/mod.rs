@@ -43,6 +43,7 @@ mod session;
 mod show;
 mod targets;
 mod tolerances;
+mod tool_poses;
 mod verify;
 mod view;
 mod watch;

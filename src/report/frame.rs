@@ -8,6 +8,8 @@ use super::svg::{Anchor, FAINT, Font, INK, LINE, Svg};
 pub struct Axis {
     min: f64,
     max: f64,
+    /// Angles in degrees: their round steps divide a turn.
+    turns: bool,
 }
 
 /// A rectangle in px.
@@ -26,7 +28,12 @@ pub struct Frame {
 impl Axis {
     /// From a least to a largest value; an interval of no width is widened.
     pub fn new(min: f64, max: f64) -> Self {
-        Self { min, max: if max > min { max } else { min + 1.0 } }
+        Self { min, max: if max > min { max } else { min + 1.0 }, turns: false }
+    }
+
+    /// The same for angles in degrees.
+    pub fn degrees(min: f64, max: f64) -> Self {
+        Self { turns: true, ..Self::new(min, max) }
     }
 
     fn share(&self, value: f64) -> f64 {
@@ -34,7 +41,9 @@ impl Axis {
     }
 
     fn ticks(&self, length: f64, pitch: f64) -> (Vec<f64>, f64) {
-        let step = round_step(self.max - self.min, ((length / pitch) as usize).clamp(1, 10));
+        let (range, most) = (self.max - self.min, ((length / pitch) as usize).clamp(1, 10));
+        let round = [5.0, 10.0, 15.0, 30.0, 45.0, 90.0].into_iter().find(|step| range <= step * most as f64);
+        let step = round.filter(|_| self.turns && range > 20.0).unwrap_or_else(|| round_step(range, most));
         (ticks((self.min, self.max), step), step)
     }
 }

@@ -64,10 +64,14 @@ fn curve(svg: &mut Svg, points: &[(f64, f64)], stroke: Stroke) {
     }
 }
 
-/// A turn so complete that its ends meet.
-fn whole_turn(test: &RTest) -> bool {
-    let (first, last) = (test.positions.first().copied().unwrap_or(0.0), test.positions.last().copied().unwrap_or(0.0));
-    (last - first).abs() >= 360.0
+/// Stretches without a gap, as index ranges: between them are positions that could not be read.
+fn stretches(positions: &[f64]) -> Vec<std::ops::Range<usize>> {
+    let step = |i: usize| (positions[i] - positions[i - 1]).abs();
+    let least = (1..positions.len()).map(step).fold(f64::INFINITY, f64::min);
+    let mut starts: Vec<usize> = vec![0];
+    starts.extend((1..positions.len()).filter(|i| step(*i) > 1.5 * least));
+    let ends = starts.iter().skip(1).copied().chain([positions.len()]);
+    starts.iter().zip(ends).map(|(start, end)| *start..end).collect()
 }
 
 impl RTestPicture<'_> {
@@ -97,7 +101,7 @@ impl RTestPicture<'_> {
 
 fn row(svg: &mut Svg, name: &str, test: &RTest, (frame, axis): (Frame, &Axis), dial: Dial) {
     let ends = (test.positions.first().copied().unwrap_or(0.0), test.positions.last().copied().unwrap_or(0.0));
-    let across = Axis::new(ends.0.min(ends.1), ends.0.max(ends.1));
+    let across = Axis::degrees(ends.0.min(ends.1), ends.0.max(ends.1));
     let ranges = test.range.map(|um| significant(um, 3)).join(", ");
     let title = format!("{name}: ranges {ranges} µm");
     svg.text((frame.left, frame.top - 12.0), &title, Font::bold(13.0), Anchor::Start, 0.0);
@@ -105,10 +109,12 @@ fn row(svg: &mut Svg, name: &str, test: &RTest, (frame, axis): (Frame, &Axis), d
     frame.horizontal(svg, &across, &format!("{name} in degrees"));
     dial.rings(svg, &format!("{name} 0°"), "90°");
     for (k, (_, stroke)) in COMPONENTS.iter().enumerate() {
-        let values = || test.positions.iter().zip(&test.readings).map(|(q, d)| (*q, d[k]));
-        let points: Vec<(f64, f64)> = values().map(|(q, d)| (frame.x(&across, q), frame.y(axis, d))).collect();
-        curve(svg, &points, *stroke);
-        dial.curve(svg, values(), whole_turn(test), *stroke);
+        for stretch in stretches(&test.positions) {
+            let values = || stretch.clone().map(|i| (test.positions[i], test.readings[i][k]));
+            let points: Vec<(f64, f64)> = values().map(|(q, d)| (frame.x(&across, q), frame.y(axis, d))).collect();
+            curve(svg, &points, *stroke);
+            dial.curve(svg, values(), false, *stroke);
+        }
     }
 }
 
@@ -147,5 +153,17 @@ fn panel(svg: &mut Svg, d: &Diagonal, frame: Frame, axis: &Axis) {
         let points: Vec<(f64, f64)> =
             d.ways.iter().zip(way).map(|(x, y)| (frame.x(&across, *x), frame.y(axis, *y))).collect();
         curve(svg, &points, stroke);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_not_read_is_not_joined() {
+        assert_eq!(stretches(&[0.0, 10.0, 20.0, 340.0, 350.0, 360.0]), [0..3, 3..6]);
+        assert_eq!(stretches(&[30.0, 20.0, 10.0]), [0..3]);
+        assert_eq!(stretches(&[5.0]), [0..1]);
     }
 }

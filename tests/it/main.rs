@@ -49,4 +49,5 @@ mod support;
 mod targets;
 mod theorems;
 mod tidy;
+mod tool_poses;
 mod weil;

@@ -1,7 +1,7 @@
 //! Two or more machines on the same tool poses.
 
 use super::data::Given;
-use crate::analysis::{Compared, Comparison, ErrorAlone, compare, contributions};
+use crate::analysis::{Compared, Comparison, ErrorAlone, Work, compare, contributions};
 use crate::evaluate::{Bare, Field};
 use crate::machine::{Machine, Pose};
 use serde::Serialize;
@@ -34,7 +34,7 @@ impl ComparisonData {
         let first = given.first().filter(|_| given.len() > 1)?;
         let bare: Vec<Bare<'_>> = given.iter().map(|g| Bare { machine: g.machine, order: g.order }).collect();
         let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-        let comparison = compare(&fields, &first.sample(), first.approach, &|_| {});
+        let comparison = compare(&fields, &Work::Taken(first.sample()), first.approach, &|_| {});
         let poses = |c: &Compared| c.reached.iter().map(|(pose, _)| pose.clone()).collect();
         let sides = given.iter().zip(&comparison.machines).map(|(g, c)| (g.machine, poses(c))).collect();
         Some((comparison, sides))

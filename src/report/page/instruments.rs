@@ -9,6 +9,9 @@ use serde_json::{Value, json};
 /// Radii that ball bars have, mm, the one tried first in front.
 const RADII: [f64; 5] = [150.0, 100.0, 50.0, 25.0, 10.0];
 
+/// Shares of the volume at which a ball is tried, the usual one in front.
+const PLACES: [f64; 4] = [0.75, 0.6, 0.5, 0.25];
+
 /// Readings on a circle, on a turn and on a diagonal: those of `instrument`.
 const POINTS: [usize; 3] = [360, 37, 11];
 
@@ -18,16 +21,16 @@ pub struct Instruments {
     centre: Pose,
     radius: f64,
     circles: Vec<BallBar>,
-    ball: Pose,
-    turns: Vec<RTest>,
+    /// With the place of the ball for each.
+    turns: Vec<(Pose, RTest)>,
     lines: Vec<Diagonal>,
 }
 
 impl Instruments {
     /// Circles about the middle of the volume, as large as all planes (else any) allow; every rotary axis about a ball
-    /// three quarters along the volume; the diagonals.
+    /// where most of its positions can be read; the diagonals.
     pub fn new(machine: &Machine) -> Self {
-        let (centre, ball) = (within(machine, 0.5), within(machine, 0.75));
+        let centre = within(machine, 0.5);
         let circles = |radius: &f64| -> (f64, Vec<BallBar>) {
             let planes = CirclePlane::ALL.into_iter();
             (*radius, planes.filter_map(|plane| ball_bar(machine, &centre, plane, *radius, POINTS[0]).ok()).collect())
@@ -39,9 +42,9 @@ impl Instruments {
             .reduce(|best, next| if next.1.len() > best.1.len() { next } else { best })
             .unwrap_or_default();
         let rotary = (0..machine.axes().len()).filter(|i| machine.axes()[*i].kind == AxisKind::Rotary);
-        let turns = rotary.filter_map(|axis| r_test(machine, &ball, axis, POINTS[1]).ok()).collect();
+        let turns = rotary.filter_map(|axis| turn(machine, axis)).collect();
         let lines = diagonals(machine, &centre, POINTS[2], false);
-        Self { radius, circles, turns, lines, centre, ball }
+        Self { radius, circles, turns, lines, centre }
     }
 
     /// As `instrument --format json` has them.
@@ -50,10 +53,12 @@ impl Instruments {
             "centre": positions(machine, &self.centre), "radius_mm": self.radius,
             "planes": self.circles.iter().map(circle_json).collect::<Vec<_>>(),
         });
-        let turns = json!({
-            "ball_at": positions(machine, &self.ball),
-            "axes": self.turns.iter().map(|turn| turn_json(machine, turn)).collect::<Vec<_>>(),
-        });
+        let turn = |(ball, turn): &(Pose, RTest)| {
+            let mut json = turn_json(machine, turn);
+            json["ball_at"] = positions(machine, ball);
+            json
+        };
+        let turns = json!({"axes": self.turns.iter().map(turn).collect::<Vec<_>>()});
         let lines = json!({
             "at": positions(machine, &self.centre),
             "diagonals": self.lines.iter().map(|line| line_json(machine, line)).collect::<Vec<_>>(),
@@ -65,7 +70,7 @@ impl Instruments {
     pub fn pictures(&self, machine: &Machine) -> [String; 3] {
         let title = machine.name();
         let svg = |there: bool, picture: &dyn Fn() -> String| if there { picture() } else { String::new() };
-        let named = |turn: &RTest| (machine.axes()[turn.axis].name.to_string(), turn.clone());
+        let named = |(_, turn): &(Pose, RTest)| (machine.axes()[turn.axis].name.to_string(), turn.clone());
         let tests: Vec<(String, RTest)> = self.turns.iter().map(named).collect();
         let bar = format!("Ball bar of {} mm about the middle of the volume", self.radius);
         [
@@ -73,7 +78,7 @@ impl Instruments {
                 PolarPicture { title, subtitle: &bar, circles: &self.circles }.picture().svg()
             }),
             svg(!tests.is_empty(), &|| {
-                let subtitle = "R-test with the ball three quarters along the volume";
+                let subtitle = "R-test, each axis about a ball within its reach";
                 RTestPicture { title, subtitle, tests: &tests }.picture().svg()
             }),
             svg(!self.lines.is_empty(), &|| {
@@ -82,4 +87,14 @@ impl Instruments {
             }),
         ]
     }
+}
+
+/// The test of an axis with the ball where fewest positions are out of reach; of equals the first place.
+fn turn(machine: &Machine, axis: usize) -> Option<(Pose, RTest)> {
+    let at = |share: &f64| {
+        let ball = within(machine, *share);
+        let test = r_test(machine, &ball, axis, POINTS[1]).ok()?;
+        Some((ball, test))
+    };
+    PLACES.iter().filter_map(at).reduce(|best, next| if next.1.skipped < best.1.skipped { next } else { best })
 }
