@@ -8,6 +8,7 @@ use crate::oracle::random::Random;
 use crate::oracle::rigid::Frame;
 use crate::oracle::{program::Folder as Workshop, yaml};
 use crate::program::{Folder, abbe, abbe_on, json, refused, text};
+use abbe::analysis::Work;
 use abbe::analysis::budget::{Distribution, Draws, NODES, Statistic, bounds, classes};
 use abbe::analysis::enumerate::{Judge, Rule, Standing, Study, TooMany, walks};
 use abbe::analysis::{ToolPose, inverse, rest};
