@@ -3,11 +3,11 @@
 use super::budgets::{Drawn, budgets};
 use super::certificate_output::warnings;
 use super::compile::{Made, Options, made};
-use super::eval::{ApproachArg, order};
 use super::files::Disk;
 use super::progress::Progress;
 use super::session::Session;
 use super::tolerances::ToleranceArgs;
+use super::view::{ApproachArg, order};
 use super::write::{refuse_input, write_whole};
 use super::{Format, Outcome, Stop, load, watch};
 use crate::analysis::budget::{Bound, Budget, Request, budget, budget_poses};
