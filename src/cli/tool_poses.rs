@@ -150,11 +150,11 @@ fn pose_at(machine: &Machine, row: &Row, at_rest: &[f64]) -> Result<Pose, Unreac
 }
 
 impl Reached {
-    /// `230 tool poses of part.csv, 12 of them out of reach`.
+    /// `tool poses of part.csv, 12 more out of reach`.
     pub(super) fn words(&self) -> String {
         let missed = match self.missed.len() {
             0 => String::new(),
-            n => format!(", {n} more are out of reach"),
+            n => format!(", {n} more out of reach"),
         };
         format!("tool poses of {}{missed}", shown(&self.file))
     }
