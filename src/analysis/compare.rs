@@ -1,9 +1,10 @@
 //! Machines side by side on the same work: the same tool poses in the workpiece frame, reached by
 //! each machine's own ideal inverse kinematics.
 
-use super::inverse::{ToolPose, Unreachable, inverse, rest, tool_pose};
+use super::inverse::{ToolPose, Unreachable, inverse, rest};
+use super::work::Work;
 use crate::evaluate::{Deviation, Field};
-use crate::evaluate::{Difference, Poses, Statistics};
+use crate::evaluate::{Difference, Statistics};
 use crate::machine::{Approach, Pose};
 use rayon::prelude::*;
 
@@ -23,6 +24,8 @@ pub struct Comparison {
 pub struct Compared {
     /// Tool poses it cannot reach, whether the others can or not.
     pub unreachable: Missed,
+    /// The same by index, in order.
+    pub missed: Vec<(usize, Unreachable)>,
     /// Its pose (mm, deg) at each common tool pose, with the deviation there (workpiece frame).
     pub reached: Vec<(Pose, Deviation)>,
     /// Over the common tool poses.
@@ -45,7 +48,8 @@ pub struct Missed {
 }
 
 impl Missed {
-    pub(super) fn count<'a>(reasons: impl Iterator<Item = &'a Unreachable>) -> Self {
+    /// Counts reasons.
+    pub fn count<'a>(reasons: impl Iterator<Item = &'a Unreachable>) -> Self {
         reasons.fold(Self::default(), |mut missed, reason| {
             missed.total += 1;
             match reason {
@@ -61,21 +65,21 @@ impl Missed {
 /// What every machine does at one tool pose.
 type Row = Vec<Result<(Pose, Deviation), Unreachable>>;
 
-/// Compares machines at the tool poses that the first one's ideal takes at `poses`. Of several ways to
+/// Compares machines on the same work, which may be what the first one's ideal takes at its poses. Of several ways to
 /// a tool pose each machine takes the one nearest to its zero pose. `progress` is told how many
 /// tool poses were done.
 pub fn compare(
     fields: &[&dyn Field],
-    poses: &Poses,
+    work: &Work,
     approach: Approach,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Comparison {
     let Some(first) = fields.first() else {
-        return Comparison { asked: poses.len(), common: Vec::new(), machines: Vec::new() };
+        return Comparison { asked: work.len(), common: Vec::new(), machines: Vec::new() };
     };
     let rests: Vec<Pose> = fields.iter().map(|field| rest(field.machine())).collect();
     let row = |index: usize| {
-        let target = tool_pose(first.machine(), &poses.get(index));
+        let target = work.get(first.machine(), index);
         let at = |(field, rest): (&&dyn Field, &Pose)| {
             let pose = inverse(field.machine(), &target, rest)?;
             let deviation = field.deviation(&pose, approach);
@@ -85,14 +89,17 @@ pub fn compare(
         progress(1);
         (target, row)
     };
-    let rows: Vec<(ToolPose, Row)> = (0..poses.len()).into_par_iter().map(row).collect();
+    let rows: Vec<(ToolPose, Row)> = (0..work.len()).into_par_iter().map(row).collect();
     side_by_side(rows, fields.len())
 }
 
 fn side_by_side(rows: Vec<(ToolPose, Row)>, count: usize) -> Comparison {
     let asked = rows.len();
-    let missed: Vec<Missed> =
-        (0..count).map(|m| Missed::count(rows.iter().filter_map(|(_, row)| row[m].as_ref().err()))).collect();
+    let why = |m: usize| {
+        let failure = |(i, (_, row)): (usize, &(ToolPose, Row))| Some((i, *row[m].as_ref().err()?));
+        rows.iter().enumerate().filter_map(failure).collect::<Vec<_>>()
+    };
+    let missed: Vec<Vec<(usize, Unreachable)>> = (0..count).map(why).collect();
     let mut common = Vec::new();
     let mut reached = vec![Vec::new(); count];
     for (target, row) in rows {
@@ -103,8 +110,9 @@ fn side_by_side(rows: Vec<(ToolPose, Row)>, count: usize) -> Comparison {
     }
     let of = |list: &Vec<(Pose, Deviation)>| Statistics::of(&list.iter().map(|(_, d)| *d).collect::<Vec<_>>());
     let statistics: Vec<Statistics> = reached.iter().map(of).collect();
-    let sides = missed.into_iter().zip(reached).zip(&statistics).map(|((unreachable, reached), s)| Compared {
-        unreachable,
+    let sides = missed.into_iter().zip(reached).zip(&statistics).map(|((missed, reached), s)| Compared {
+        unreachable: Missed::count(missed.iter().map(|(_, why)| why)),
+        missed,
         reached,
         statistics: *s,
         difference: s.minus(&statistics[0]),

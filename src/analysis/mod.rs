@@ -7,6 +7,7 @@
 //! - [`Plane`]: a field over a plane of two linear axes, for drawing.
 //! - [`inverse()`]: where the axes must be for a pose of the tool; [`compare()`] puts machines side by
 //!   side on the same tool poses.
+//! - [`Work`]: the tool poses that machines are given to do.
 //! - [`Inverse`]: the same for the real machine over an algebra, by Newton's iteration.
 //! - [`equations()`]: the closed forms, over an algebra of polynomials in symbols.
 //! - [`interactions()`]: what errors do one by one and two by two, and what order 1 neglects.
@@ -30,6 +31,7 @@ mod plane;
 mod sources;
 mod survey;
 mod twist;
+mod work;
 
 pub use compare::{Compared, Comparison, Missed, compare};
 pub use contributions::{ErrorAlone, contributions};
@@ -44,5 +46,6 @@ pub use location_set::{LocationSet, Status};
 pub use map::{MOST_POSES, Map, TooManyPoses, View, deviation_in, frame_rotation, map};
 pub use plane::Plane;
 pub use sources::{Source, sources};
-pub use survey::{MOST_SURVEYED, Sink, Survey, Task as SurveyTask, Text, survey, survey_with_rows};
+pub use survey::{Block, MOST_SURVEYED, Survey, Task as SurveyTask, survey, survey_with_rows};
 pub use twist::{Map as TwistMap, Quantity, Share, Twist, twists};
+pub use work::Work;

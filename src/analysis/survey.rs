@@ -2,6 +2,7 @@
 
 use super::map::{View, into_frame};
 use crate::evaluate::{Batch, Columns, Deviation, Field, Frame, GridPlan, Plan, PoseColumns, Poses, Statistics, Tally};
+use crate::machine::Pose;
 use rayon::prelude::*;
 
 /// More poses than this take hours.
@@ -32,11 +33,22 @@ pub struct Task<'a> {
     pub worst: usize,
 }
 
-/// Makes text of a block of poses and their deviations: the first `len` rows of both.
-pub type Text<'a> = &'a (dyn Fn(&Batch<'_>, &Columns, usize) -> String + Sync);
+/// Consecutive poses of a survey with their deviations.
+#[derive(Clone, Copy)]
+pub struct Block<'a> {
+    /// Index of the first.
+    pub first: usize,
+    poses: &'a Batch<'a>,
+    columns: &'a Columns,
+    len: usize,
+}
 
-/// Takes the texts in the order of the poses; `false` ends the survey.
-pub type Sink<'a> = &'a mut dyn FnMut(String) -> bool;
+impl Block<'_> {
+    /// The poses (mm, deg) with their deviations (mm, rad).
+    pub fn rows(&self) -> impl Iterator<Item = (Pose, Deviation)> {
+        (0..self.len).map(|i| (self.poses.pose(i), self.columns.get(i)))
+    }
+}
 
 /// Surveys a field. Memory does not grow with the number of poses, and no bit depends on the number of threads.
 /// `progress` is told how many poses were done.
@@ -44,15 +56,16 @@ pub fn survey(task: Task<'_>, progress: &(dyn Fn(usize) + Sync)) -> Survey {
     let run = Run::new(task, progress);
     let tasks = run.blocks().min(8 * rayon::current_num_threads());
     let bounds = |k: usize| k * run.blocks() / tasks.max(1);
-    let tally = (0..tasks).into_par_iter().map(|k| run.tally(bounds(k)..bounds(k + 1), &mut |_, _, _| ()));
+    let tally = (0..tasks).into_par_iter().map(|k| run.tally(bounds(k)..bounds(k + 1), &mut |_| ()));
     finished(tally.reduce(|| Tally::new(task.worst), Tally::merged))
 }
 
-/// The same, with a text for every block. `None` if the sink has had enough.
-pub fn survey_with_rows(
+/// The same, with something made of every block, on any thread; `sink` takes these in the order of the poses.
+/// `None` if it has had enough.
+pub fn survey_with_rows<T: Send>(
     task: Task<'_>,
-    text: Text<'_>,
-    sink: Sink<'_>,
+    make: &(dyn Fn(Block<'_>) -> T + Sync),
+    sink: &mut dyn FnMut(T) -> bool,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Option<Survey> {
     let run = Run::new(task, progress);
@@ -61,14 +74,14 @@ pub fn survey_with_rows(
     for start in (0..run.blocks()).step_by(round) {
         let blocks = start..(start + round).min(run.blocks());
         let one = |block: usize| {
-            let mut rows = String::new();
-            let tally = run.tally(block..block + 1, &mut |poses, columns, len| rows = text(poses, columns, len));
-            (tally, rows)
+            let mut made = None;
+            let tally = run.tally(block..block + 1, &mut |block| made = Some(make(block)));
+            (tally, made)
         };
-        let done: Vec<(Tally, String)> = blocks.into_par_iter().map(one).collect();
-        for (tally, rows) in done {
+        let done: Vec<(Tally, Option<T>)> = blocks.into_par_iter().map(one).collect();
+        for (tally, made) in done {
             whole = whole.merged(tally);
-            if !sink(rows) {
+            if !made.is_none_or(&mut *sink) {
                 return None;
             }
         }
@@ -108,7 +121,7 @@ impl<'a> Run<'a> {
     }
 
     /// Consecutive blocks.
-    fn tally(&self, blocks: std::ops::Range<usize>, rows: &mut dyn FnMut(&Batch<'_>, &Columns, usize)) -> Tally {
+    fn tally(&self, blocks: std::ops::Range<usize>, rows: &mut dyn FnMut(Block<'_>)) -> Tally {
         let mut tally = Tally::new(self.task.worst);
         let mut poses = PoseColumns::new(self.task.field.machine().axes().len());
         let mut columns = Columns::new(self.block.min(self.count));
@@ -123,7 +136,7 @@ impl<'a> Run<'a> {
             }
             into_frame(self.frames.as_ref(), self.task.view.frame, &batch, columns.output(len));
             tally.add(range.start, &columns, len);
-            rows(&batch, &columns, len);
+            rows(Block { first: range.start, poses: &batch, columns: &columns, len });
             (self.progress)(len);
         }
         tally

@@ -1,12 +1,16 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
+use super::budgets::{Budgets, Drawn, budgets};
+use super::poses::check;
 use super::progress::Progress;
 use super::session::Session;
+use super::tolerances::ToleranceArgs;
+use super::tool_poses::{self, ToolPoses};
 use super::view::{STATISTICS, ViewArgs, cell, numbers, order_text, statistics_rows, table};
 use super::{Format, Outcome, load};
-use crate::analysis::{Comparison, ErrorAlone, Missed, compare, contributions};
+use crate::analysis::{Comparison, ErrorAlone, Missed, Work, compare, contributions};
 use crate::diagnostic::Diagnostic;
-use crate::evaluate::{Bare, Field, Poses, Random, Statistics};
+use crate::evaluate::{Bare, Field, Statistics};
 use crate::machine::{Machine, Pose};
 use crate::units::significant;
 use serde_json::json;
@@ -20,12 +24,21 @@ pub(super) struct Args {
     /// How many tool poses.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     poses: u32,
-    /// Seed of the tool poses.
+    /// The tool poses themselves, in the workpiece frame: a CSV file with columns X, Y, Z and I, J, K, or rotary axes of
+    /// the first machine.
+    #[arg(long, value_name = "FILE", conflicts_with = "poses")]
+    tool_poses: Option<PathBuf>,
+    /// Seed of the tool poses, and of the errors that are drawn.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// How many errors to list one by one as text.
     #[arg(long, value_name = "K", default_value_t = 10)]
     top: usize,
+    #[command(flatten)]
+    tolerances: ToleranceArgs,
+    /// How many machines are drawn for the budgets, which are compared where every machine bounds errors.
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    samples: u32,
     #[command(flatten)]
     view: ViewArgs,
 }
@@ -38,17 +51,35 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let bare: Vec<Bare<'_>> =
         machines.iter().map(|machine| Bare { machine, order: args.view.order(machine) }).collect();
     let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-    let poses = Poses::Random(Random::of(&machines[0], args.poses as usize, args.seed));
-    let progress = Progress::new(poses.len(), session.is_quiet());
-    let comparison = compare(&fields, &poses, args.view.approach(), &|count| progress.add(count));
+    let file = match &args.tool_poses {
+        Some(path) => Some(tool_poses::read(session, &machines[0], path)?),
+        None => None,
+    };
+    let work = match &file {
+        Some(file) => Work::Listed(file.list(&machines[0])),
+        None => Work::random(&machines[0], args.poses as usize, args.seed),
+    };
+    let progress = Progress::new(work.len(), session.is_quiet());
+    let comparison = compare(&fields, &work, args.view.approach(), &|count| progress.add(count));
     drop(progress);
+    if let Some(file) = &file {
+        for (machine, side) in machines.iter().zip(&comparison.machines) {
+            file.say(session, machine, &side.missed)?;
+            check(session, machine, &side.reached.iter().map(|(pose, _)| pose.clone()).collect::<Vec<_>>())?;
+        }
+    }
     let poses = |side: &crate::analysis::Compared| side.reached.iter().map(|(pose, _)| pose.clone()).collect();
     let sides: Vec<(&Machine, Vec<Pose>)> = machines.iter().zip(comparison.machines.iter().map(poses)).collect();
     let errors = contributions(&sides, args.view.approach());
-    let report = Report { args, machines: &machines, comparison: &comparison, errors };
     if comparison.common.is_empty() {
-        return session.refuse(nothing_in_common(&report));
+        return session.refuse(nothing_in_common(args, &comparison));
     }
+    let budgets = budgets(
+        session,
+        &sides,
+        Drawn { tolerances: &args.tolerances, samples: args.samples as usize, seed: args.seed },
+    )?;
+    let report = Report { args, machines: &machines, comparison: &comparison, errors, budgets, file };
     match session.format() {
         Format::Json => session.print_json(report.json()),
         Format::Csv => session.print(&report.csv()),
@@ -57,11 +88,11 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     Ok(())
 }
 
-fn nothing_in_common(report: &Report<'_>) -> Diagnostic {
+fn nothing_in_common(args: &Args, comparison: &Comparison) -> Diagnostic {
     let missed = |(file, m): (String, &Missed)| format!("{file} misses {}", reasons(m));
-    let sides = report.files().zip(report.comparison.machines.iter().map(|c| &c.unreachable));
+    let sides = files(args).zip(comparison.machines.iter().map(|c| &c.unreachable));
     let help = sides.map(missed).collect::<Vec<_>>().join("; ");
-    let message = format!("none of the {} tool poses is reached by all machines", report.comparison.asked);
+    let message = format!("none of the {} tool poses is reached by all machines", comparison.asked);
     Diagnostic::new("E0813", message).help(format!(
         "{help}. Tool poses count from the workpiece origin: give the machines comparable ones, or narrow the first one's `volume`"
     ))
@@ -80,20 +111,30 @@ struct Report<'a> {
     machines: &'a [Machine],
     comparison: &'a Comparison,
     errors: Vec<ErrorAlone>,
+    budgets: Option<Budgets>,
+    file: Option<ToolPoses>,
+}
+
+fn files(args: &Args) -> impl Iterator<Item = String> {
+    args.machines.iter().map(|path| path.display().to_string())
 }
 
 impl Report<'_> {
     fn files(&self) -> impl Iterator<Item = String> {
-        self.args.machines.iter().map(|path| path.display().to_string())
+        files(self.args)
     }
 
     fn json(&self) -> serde_json::Value {
         let side = |((machine, file), c): ((&Machine, String), &crate::analysis::Compared)| {
-            json!({
+            let mut json = json!({
                 "machine": machine.name(), "file": file, "order": order_text(self.args.view.order(machine)),
                 "unreachable": c.unreachable, "position_um": c.statistics.position_um,
                 "rotation_urad": c.statistics.rotation_urad, "minus_first": c.difference,
-            })
+            });
+            if let Some(work) = &self.file {
+                json["missed"] = work.lines(&c.missed).into();
+            }
+            json
         };
         let machines: Vec<_> =
             self.machines.iter().zip(self.files()).zip(&self.comparison.machines).map(side).collect();
@@ -101,11 +142,15 @@ impl Report<'_> {
             let minus: Vec<f64> = (0..e.um.len()).map(|i| e.minus_first(i)).collect();
             json!({"error": e.error, "um": e.um, "minus_first": minus})
         };
-        json!({
+        let mut json = json!({
             "contributions": self.errors.iter().map(error).collect::<Vec<_>>(),
             "asked": self.comparison.asked, "poses": self.comparison.common.len(), "seed": self.args.seed,
             "frame": "workpiece", "direction": self.args.view.approach(), "machines": machines,
-        })
+        });
+        if let Some(budgets) = &self.budgets {
+            json["budgets"] = budgets.json(self.machines);
+        }
+        json
     }
 
     /// One line for each tool pose and machine.
@@ -126,9 +171,12 @@ impl Report<'_> {
     fn text(&self) -> String {
         let c = self.comparison;
         let mut text = format!(
-            "{} tool poses in the workpiece frame, drawn from the volume of {}; {} reached by all\n",
+            "{} tool poses in the workpiece frame, {}; {} reached by all\n",
             c.asked,
-            self.machines[0].name(),
+            match &self.args.tool_poses {
+                Some(path) => format!("of {}", path.display()),
+                None => format!("drawn from the volume of {}", self.machines[0].name()),
+            },
             c.common.len()
         );
         for (i, ((machine, file), side)) in self.machines.iter().zip(self.files()).zip(&c.machines).enumerate() {
@@ -149,7 +197,8 @@ impl Report<'_> {
             let difference = Statistics { poses: c.common.len(), position_um, rotation_urad };
             let _ = rows.add_rows(statistics_rows(&format!("{} - 1", i + 1), &difference));
         }
-        format!("{text}{rows}\n{}Negative differences: less error than machine 1.\n", self.one_by_one())
+        let budgets = self.budgets.as_ref().map_or(String::new(), |budgets| budgets.text(self.args.top));
+        format!("{text}{rows}\n{}{budgets}Negative differences: less error than machine 1.\n", self.one_by_one())
     }
 
     /// The errors that do most in any of the machines.

@@ -5,7 +5,9 @@ use super::progress::Progress;
 use super::ranking::{By, Report, Setting};
 use super::session::Session;
 use super::tolerances::ToleranceArgs;
+use super::tool_poses::{self, Reached};
 use super::{Format, Outcome, Stop, load};
+use crate::analysis::Work;
 use crate::analysis::budget::known;
 use crate::analysis::enumerate::{Journal, Judge, MOST_ARRANGEMENTS, Rule, Study, TooMany, Walk, ranked, walks};
 use crate::diagnostic::{Diagnostic, shown};
@@ -21,6 +23,9 @@ pub(super) struct Args {
     machine: PathBuf,
     #[command(flatten)]
     pub(super) tolerances: ToleranceArgs,
+    /// Seed of poses and errors.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(super) seed: u64,
     /// What arrangements are judged by [default: budget, if any error is bounded].
     #[arg(long, value_enum)]
     by: Option<ByArg>,
@@ -37,6 +42,9 @@ pub(super) struct Args {
     /// How many tool poses.
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     poses: u32,
+    /// The work: tool poses in the workpiece frame, a CSV file with columns X, Y, Z and I, J, K or rotary axes.
+    #[arg(long, value_name = "FILE", conflicts_with = "poses")]
+    tool_poses: Option<PathBuf>,
     /// How many machines are drawn for the budget.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     pub(super) samples: u32,
@@ -85,22 +93,21 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     if args.rotary.is_some_and(|wanted| wanted > rotary) {
         return session.usage(&format!("`--rotary` is at most {rotary}: so many rotary axes has the machine"));
     }
-    let draws = u64::from(args.poses) * u64::from(args.samples);
-    if draws > MOST_DRAWS {
-        let message = format!(
-            "{} poses and {} samples are {draws} drawn poses; {MOST_DRAWS} are kept at most",
-            args.poses, args.samples
-        );
-        return session.refuse(Diagnostic::new("E0606", message).help("take fewer `--poses` or `--samples`"));
+    if args.tool_poses.is_none() {
+        draws(session, args.poses.into(), args.samples.into())?;
     }
     let rules = rules(session, args, &machine)?;
     let walks = listed(session, args, &machine, &rules)?;
     let (judge, source) = judge(session, args, &machine)?;
-    let journal = Journal::new(fingerprint(args, &machine, &judge, &rules), walks.len());
-    let setting = Setting { args, machine: &machine, by: by(&judge), source };
+    let (work, reached) = work(session, args, &machine)?;
+    if let (Judge::Budget { samples, .. }, true) = (&judge, args.tool_poses.is_some()) {
+        draws(session, work.len() as u64, *samples as u64)?;
+    }
+    let journal = Journal::new(fingerprint(args, &machine, &judge, &rules, &work), walks.len());
+    let setting = Setting { args, machine: &machine, by: by(&judge), source, reached };
     let journal = if args.merge.is_empty() {
         let mut keeper = Keeper::new(session, args.state.as_deref(), journal)?;
-        compute(session, &setting, walks, judge, part, &mut keeper)?;
+        compute(session, &setting, (walks, judge, &work), part, &mut keeper)?;
         keeper.into_journal()
     } else {
         merged(session, &args.merge, journal)?
@@ -117,6 +124,26 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         Format::Text => session.print(&report.text()),
     }
     Ok(())
+}
+
+/// Refuses more draws than are kept.
+fn draws(session: &mut Session, poses: u64, samples: u64) -> Outcome {
+    let draws = poses * samples;
+    if draws <= MOST_DRAWS {
+        return Ok(());
+    }
+    let message = format!("{poses} poses and {samples} samples are {draws} drawn poses; {MOST_DRAWS} are kept at most");
+    session.refuse(Diagnostic::new("E0606", message).help("take fewer poses or `--samples`"))
+}
+
+/// The tool poses of the file, or random ones over the machine's volume.
+fn work(session: &mut Session, args: &Args, machine: &Machine) -> Result<(Work, Option<Reached>), Stop> {
+    let Some(path) = &args.tool_poses else {
+        return Ok((Work::random(machine, args.poses as usize, args.seed), None));
+    };
+    let file = tool_poses::read(session, machine, path)?;
+    let reached = file.reached(session, machine)?;
+    Ok((Work::Listed(file.list(machine)), Some(reached)))
 }
 
 fn rules(session: &mut Session, args: &Args, machine: &Machine) -> Result<Vec<Rule>, Stop> {
@@ -159,7 +186,7 @@ fn judge(session: &mut Session, args: &Args, machine: &Machine) -> Result<(Judge
         return Ok((Judge::Errors, None));
     }
     let (bounds, source) = args.tolerances.bounds(session, machine)?;
-    Ok((Judge::Budget { bounds, draws: args.tolerances.draws(), samples: args.samples as usize }, source))
+    Ok((Judge::Budget { bounds, draws: args.tolerances.draws(args.seed), samples: args.samples as usize }, source))
 }
 
 fn by(judge: &Judge) -> By {
@@ -170,14 +197,15 @@ fn by(judge: &Judge) -> By {
 }
 
 /// What results depend on: everything resolved, and every option that changes a number.
-fn fingerprint(args: &Args, machine: &Machine, judge: &Judge, rules: &[Rule]) -> String {
+fn fingerprint(args: &Args, machine: &Machine, judge: &Judge, rules: &[Rule], work: &Work) -> String {
     let rules: Vec<String> = rules.iter().map(Rule::to_string).collect();
     let bounds = match judge {
         Judge::Budget { bounds, samples, .. } => format!("{bounds:?} {samples} {:?}", args.tolerances.distribution()),
         Judge::Errors => "errors".to_owned(),
     };
-    let options = (args.rotary, args.poses, args.tolerances.seed, args.tolerances.statistic());
-    let text = format!("{} {machine:?} {rules:?} {bounds} {options:?}", env!("CARGO_PKG_VERSION"));
+    let options = (args.rotary, args.poses, args.seed, args.tolerances.statistic());
+    let listed = if args.tool_poses.is_some() { format!(" {work:?}") } else { String::new() };
+    let text = format!("{} {machine:?} {rules:?} {bounds} {options:?}{listed}", env!("CARGO_PKG_VERSION"));
     Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
@@ -185,8 +213,7 @@ fn fingerprint(args: &Args, machine: &Machine, judge: &Judge, rules: &[Rule]) ->
 fn compute(
     session: &mut Session,
     setting: &Setting<'_>,
-    walks: Vec<Walk>,
-    judge: Judge,
+    (walks, judge, work): (Vec<Walk>, Judge, &Work),
     part: Option<(usize, usize)>,
     keeper: &mut Keeper,
 ) -> Outcome {
@@ -194,8 +221,7 @@ fn compute(
     let mine = |step: &usize| part.is_none_or(|(i, n)| step % n == i - 1);
     let todo: Vec<usize> = (0..walks.len()).filter(mine).filter(|step| !keeper.has(*step)).collect();
     if !todo.is_empty() {
-        let (statistic, seed) = (args.tolerances.statistic(), args.tolerances.seed);
-        let study = Study::new(setting.machine, walks, judge, statistic, args.poses as usize, seed);
+        let study = Study::new(setting.machine, walks, judge, args.tolerances.statistic(), work);
         let progress = Progress::new(todo.len(), session.is_quiet());
         todo.into_par_iter().for_each(|step| {
             if !keeper.has_failed() {

@@ -9,7 +9,7 @@ use crate::analysis::Unreachable;
 use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest, ball_bar, diagonals, r_test, within};
 use crate::diagnostic::Diagnostic;
 use crate::machine::{AxisKind, Machine};
-use crate::report::PolarPicture;
+use crate::report::{DiagonalPicture, Picture, PolarPicture, RTestPicture, circle_json, line_json, turn_json};
 use crate::units::significant;
 use serde_json::json;
 use std::path::PathBuf;
@@ -40,7 +40,7 @@ pub(super) struct Args {
     /// Which of the machine's tools.
     #[arg(long)]
     tool: Option<String>,
-    /// Ball bar: draw the polar diagram (SVG, or PNG by the file's ending).
+    /// Draw the readings (SVG, or PNG by the file's ending).
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
 }
@@ -73,9 +73,6 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         Some(text) => named(&machine, text, within(&machine, share)).or_else(|message| session.usage(&message))?,
     };
     check(session, &machine, std::slice::from_ref(&at))?;
-    if args.svg.is_some() && args.instrument != InstrumentArg::BallBar {
-        return session.usage("`--svg` draws the polar diagram of a ball bar");
-    }
     match args.instrument {
         InstrumentArg::BallBar => circles(session, args, &machine, &at),
         InstrumentArg::RTest => turns(session, args, &machine, &at),
@@ -97,13 +94,8 @@ fn named(machine: &Machine, text: &str, mut pose: Vec<f64>) -> Result<Vec<f64>, 
 }
 
 fn not_driven<T>(session: &mut Session, what: &str, why: Unreachable) -> Result<T, Stop> {
-    let why = match why {
-        Unreachable::Direction => "the tool cannot be held in this direction",
-        Unreachable::Place => "the linear axes do not span it",
-        Unreachable::Travel => "an axis would leave its travel",
-    };
     let help = "take a smaller `--radius`, another place (`--at X=250,Y=200`), or another `--plane` or `--axis`";
-    session.refuse(Diagnostic::new("E0612", format!("{what} cannot be driven: {why}")).help(help))
+    session.refuse(Diagnostic::new("E0612", format!("{what} cannot be driven: {}", why.words())).help(help))
 }
 
 fn um(x: f64) -> String {
@@ -134,12 +126,8 @@ fn circles(session: &mut Session, args: &Args, machine: &Machine, at: &[f64]) ->
             }
         }
     }
-    if let Some(path) = &args.svg {
-        let subtitle = format!("Ball bar of {} mm about {}", significant(args.radius, 6), axes_text(machine, at));
-        let picture = PolarPicture { title: machine.name(), subtitle: &subtitle, circles: &list }.picture();
-        let kind = Kind::of(path).unwrap_or(Kind::Svg);
-        write_picture(path, &picture, kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
-    }
+    let subtitle = format!("Ball bar of {} mm about {}", significant(args.radius, 6), axes_text(machine, at));
+    drawn(session, args, || PolarPicture { title: machine.name(), subtitle: &subtitle, circles: &list }.picture())?;
     match session.format() {
         Format::Json => session.print_json(json!({
             "machine": machine.name(), "instrument": "ball_bar", "centre": axes_json(machine, at), "radius_mm": args.radius,
@@ -149,16 +137,6 @@ fn circles(session: &mut Session, args: &Args, machine: &Machine, at: &[f64]) ->
         Format::Text => session.print(&circles_text(machine, at, args.radius, &list)),
     }
     Ok(())
-}
-
-fn circle_json(b: &BallBar) -> serde_json::Value {
-    json!({
-        "plane": b.plane, "circular_deviation_um": {"counter_clockwise": b.deviation[0], "clockwise": b.deviation[1]},
-        "bidirectional_um": b.bidirectional, "mean_radial_um": b.mean,
-        "radial_max_min_um": {"counter_clockwise": b.extremes[0], "clockwise": b.extremes[1]},
-        "squareness_urad": b.squareness + 0.0, "scale_mismatch_um_per_m": b.scale_mismatch + 0.0,
-        "angle_deg": b.angles, "counter_clockwise_um": b.readings[0], "clockwise_um": b.readings[1],
-    })
 }
 
 fn circles_csv(list: &[BallBar]) -> String {
@@ -228,6 +206,10 @@ fn turns(session: &mut Session, args: &Args, machine: &Machine, at: &[f64]) -> O
             }
         }
     }
+    let subtitle = format!("R-test with the ball at {}", axes_text(machine, at));
+    let tests: Vec<(String, RTest)> =
+        list.iter().map(|r| (machine.axes()[r.axis].name.to_string(), r.clone())).collect();
+    drawn(session, args, || RTestPicture { title: machine.name(), subtitle: &subtitle, tests: &tests }.picture())?;
     match session.format() {
         Format::Json => session.print_json(json!({
             "machine": machine.name(), "instrument": "r_test", "ball_at": axes_json(machine, at), "frame": "machine",
@@ -237,14 +219,6 @@ fn turns(session: &mut Session, args: &Args, machine: &Machine, at: &[f64]) -> O
         Format::Text => session.print(&turns_text(machine, at, &list)),
     }
     Ok(())
-}
-
-fn turn_json(machine: &Machine, r: &RTest) -> serde_json::Value {
-    let reading = |((q, pose), d): ((&f64, &Vec<f64>), &nalgebra::Vector3<f64>)| json!({"position_deg": q, "axes": axes_json(machine, pose), "reading_um": [d.x + 0.0, d.y + 0.0, d.z + 0.0]});
-    json!({
-        "axis": machine.axes()[r.axis].name.as_str(), "range_um": r.range, "skipped": r.skipped,
-        "readings": r.positions.iter().zip(&r.poses).zip(&r.readings).map(reading).collect::<Vec<_>>(),
-    })
 }
 
 fn turns_csv(machine: &Machine, list: &[RTest]) -> String {
@@ -278,6 +252,11 @@ fn lines(session: &mut Session, args: &Args, machine: &Machine, at: &[f64], step
     if list.is_empty() {
         return not_driven(session, "a diagonal", Unreachable::Place);
     }
+    let how = if steps { ", one axis at a time" } else { "" };
+    let subtitle = format!("Laser along the diagonals{how}{}", standing(machine, at, &list[0].axes));
+    drawn(session, args, || {
+        DiagonalPicture { title: machine.name(), subtitle: &subtitle, diagonals: &list }.picture()
+    })?;
     match session.format() {
         Format::Json => session.print_json(json!({
             "machine": machine.name(), "instrument": if steps { "step_diagonals" } else { "diagonals" },
@@ -288,14 +267,6 @@ fn lines(session: &mut Session, args: &Args, machine: &Machine, at: &[f64], step
         Format::Text => session.print(&lines_text(machine, at, &list)),
     }
     Ok(())
-}
-
-fn line_json(machine: &Machine, d: &Diagonal) -> serde_json::Value {
-    let names: Vec<&str> = d.axes.iter().map(|i| machine.axes()[*i].name.as_str()).collect();
-    json!({
-        "name": d.name, "axes": names, "e_d_um": d.systematic, "b_d_um": d.reversal, "by_axis_um": d.by_axis,
-        "way_mm": d.ways, "there_um": d.there, "back_um": d.back,
-    })
 }
 
 fn lines_csv(list: &[Diagonal]) -> String {
@@ -333,9 +304,20 @@ fn lines_text(machine: &Machine, at: &[f64], list: &[Diagonal]) -> String {
 
 /// The heading, with the axes that stand.
 fn others(machine: &Machine, at: &[f64], moving: &[usize]) -> String {
+    format!("{}: laser along the diagonals{}; exact model\n", machine.name(), standing(machine, at, moving))
+}
+
+/// `, A = 0 deg`: the axes that stand.
+fn standing(machine: &Machine, at: &[f64], moving: &[usize]) -> String {
     let stands = |(i, (axis, q)): (usize, (&crate::machine::Axis, &f64))| {
         (!moving.contains(&i)).then(|| format!(", {} = {} {}", axis.name, significant(*q, 7), axis.unit()))
     };
-    let standing: String = machine.axes().iter().zip(at).enumerate().filter_map(stands).collect();
-    format!("{}: laser along the diagonals{standing}; exact model\n", machine.name())
+    machine.axes().iter().zip(at).enumerate().filter_map(stands).collect()
+}
+
+/// Draws the readings if that was asked for.
+fn drawn(session: &mut Session, args: &Args, picture: impl FnOnce() -> Picture) -> Outcome {
+    let Some(path) = &args.svg else { return Ok(()) };
+    let kind = Kind::of(path).unwrap_or(Kind::Svg);
+    write_picture(path, &picture(), kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))
 }

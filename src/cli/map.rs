@@ -6,6 +6,7 @@ use super::map_picture::{Pictures, Subject};
 use super::map_survey::surveyed;
 use super::progress::Progress;
 use super::session::Session;
+use super::tool_poses::{self, Reached};
 use super::view::{
     FrameArg, STATISTICS, ViewArgs, axes_json, axes_text, frame_text, order_text, statistics_rows, table,
 };
@@ -14,10 +15,11 @@ use crate::analysis::{Diagonal, MOST_POSES, MOST_SURVEYED, SurveyTask, View, bod
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Deviation, Field, Nodes, Order, Planned, Poses, Random, Spread, Statistics, Tally, worst};
 use crate::machine::Machine;
-use crate::report::Rows;
+use crate::report::{Form, Rows};
 use crate::target::{Effect, Target};
 use crate::units::significant;
 use serde_json::json;
+use std::io::Cursor;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -30,6 +32,10 @@ pub(super) struct Args {
     /// So many low-discrepancy poses over the volume: spread more evenly than random ones.
     #[arg(long, value_name = "N", conflicts_with = "random", value_parser = clap::value_parser!(u32).range(1..=MOST_SURVEYED as i64))]
     low_discrepancy: Option<u32>,
+    /// The poses for these tool poses in the workpiece frame instead of the grid: a CSV file with columns X, Y, Z and
+    /// I, J, K or rotary axes.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["random", "low_discrepancy"])]
+    tool_poses: Option<PathBuf>,
     /// Seed of the random or low-discrepancy poses.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -62,16 +68,21 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     // What can be refused is refused before the work, not after it.
     args.outputs.check(session)?;
     let place = args.pictures.place(session, &machine, args.target.is_some())?;
+    let reached = match &args.tool_poses {
+        Some(path) => Some(tool_poses::read(session, &machine, path)?.reached(session, &machine)?),
+        None => None,
+    };
     let compensation = compensation(session, args, &machine, order)?;
     let bare = Planned::new(&machine, order);
     let replayed = compensation.as_ref().map(|(target, effect)| effect.field(&machine, target));
     let field: &dyn Field = replayed.as_ref().map_or(&bare as &dyn Field, |field| &**field);
-    let poses = poses(args, &machine);
+    let poses = poses(args, &machine, reached.as_ref());
     if poses.len() > MOST_SURVEYED {
         return session.refuse(too_many(poses.len()));
     }
     let target = args.target.as_deref().unwrap_or_default();
-    let whole = Whole { machine: &machine, poses: &poses, view, order, target, worst: args.worst };
+    let reached = reached.as_ref();
+    let whole = Whole { machine: &machine, poses: &poses, reached, view, order, target, worst: args.worst };
     let before = match &replayed {
         Some(_) => Some(whole.found(session, &bare, None)?.statistics),
         None => None,
@@ -96,7 +107,10 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
 /// Intervals of a body diagonal.
 const DIAGONAL_STEPS: usize = 20;
 
-fn poses(args: &Args, machine: &Machine) -> Poses {
+fn poses(args: &Args, machine: &Machine, reached: Option<&Reached>) -> Poses {
+    if let Some(reached) = reached {
+        return Poses::Listed(reached.poses.clone());
+    }
     match (args.random, args.low_discrepancy) {
         (Some(count), _) => Poses::Random(Random::of(machine, count as usize, args.seed)),
         (None, Some(count)) => Poses::Spread(Spread::of(machine, count as usize, args.seed)),
@@ -127,7 +141,7 @@ fn compensation(
 
 fn too_long(count: usize) -> Diagnostic {
     Diagnostic::new("E0541", format!("a table of {count} poses does not go to standard output: {MOST_POSES} at most"))
-        .help("write it to a file with `--csv FILE`: that takes no memory, but some 200 bytes of disk per pose")
+        .help("write it to a file with `--csv FILE` or `--parquet FILE`: that takes no memory, but 80 to 200 bytes of disk per pose")
 }
 
 fn too_many(count: usize) -> Diagnostic {
@@ -140,6 +154,8 @@ fn too_many(count: usize) -> Diagnostic {
 struct Whole<'a> {
     machine: &'a Machine,
     poses: &'a Poses,
+    /// Where they come from, if from a file.
+    reached: Option<&'a Reached>,
     view: View,
     order: Order,
     target: &'a str,
@@ -161,34 +177,39 @@ impl Whole<'_> {
     /// Maps a field; `outputs` are written, if there are any.
     fn found(&self, session: &mut Session, field: &dyn Field, outputs: Option<&Outputs>) -> Result<Found, Stop> {
         let printed = session.format() == Format::Csv && outputs.is_some();
-        if self.poses.len() > MOST_POSES {
+        let Self { machine, poses, view, order, target, .. } = *self;
+        let rows = Rows { machine, poses, view, order, target };
+        if poses.len() > MOST_POSES {
             if printed {
                 return session.refuse(too_long(self.poses.len()));
             }
             let task = SurveyTask { field, poses: self.poses, view: self.view, worst: self.worst };
-            return surveyed(session, task, outputs);
+            return surveyed(session, task, &rows, outputs);
         }
         let progress = Progress::new(self.poses.len(), session.is_quiet());
         let result = map(field, self.poses, self.view, &|count| progress.add(count));
         drop(progress);
         let Ok(map) = result else { return session.refuse(too_many(self.poses.len())) };
-        let Self { machine, poses, view, order, target, .. } = *self;
-        let rows = Rows { machine, poses, deviations: &map.deviations, view, order, target };
         if let Some(outputs) = outputs {
-            outputs.write(session, &rows)?;
+            outputs.write(session, &rows, &map.deviations)?;
         }
-        let csv = printed.then(|| text(&rows));
+        let csv = printed.then(|| text(&rows, &map.deviations));
         let indices = worst(&map.deviations, self.worst);
         let worst = indices.into_iter().map(|i| (i, map.deviations[i])).collect();
         Ok(Found { statistics: map.statistics, worst, sketched: false, csv })
     }
 }
 
-fn text(rows: &Rows<'_>) -> String {
-    let mut bytes = Vec::new();
+/// The table as CSV.
+fn text(rows: &Rows<'_>, deviations: &[Deviation]) -> String {
+    let mut bytes = Cursor::new(Vec::new());
+    let all = rows.prepared(&[Form::Csv], 0, rows.poses.iter().zip(deviations.iter().copied()));
     // Writing to memory cannot fail.
-    let _ = rows.csv(&mut bytes);
-    String::from_utf8_lossy(&bytes).into_owned()
+    let _ = rows.stream(Form::Csv, &mut bytes).and_then(|mut csv| {
+        csv.put(&all)?;
+        csv.finish()
+    });
+    String::from_utf8_lossy(bytes.get_ref()).into_owned()
 }
 
 /// What is printed.
@@ -224,6 +245,9 @@ impl Report<'_> {
         if self.found.sketched {
             json["p95_relative_error"] = json!(Tally::QUANTILE_ERROR);
         }
+        if let Some(reached) = self.whole.reached {
+            json["tool_poses"] = reached.json();
+        }
         if let (Some(object), Some(before)) = (json.as_object_mut(), &self.before) {
             let _ = object.insert("target".to_owned(), json!(self.whole.target));
             let before = json!({"position_um": before.position_um, "rotation_urad": before.rotation_urad});
@@ -240,6 +264,7 @@ impl Report<'_> {
 
     fn text(&self) -> String {
         let where_from = match self.whole.poses {
+            Poses::Listed(_) => self.whole.reached.map_or_else(String::new, Reached::words),
             Poses::Nodes(nodes) => nodes.counts().map(|n| n.to_string()).collect::<Vec<_>>().join(" x ") + " grid",
             Poses::Spread(_) => "low-discrepancy over the volume".to_owned(),
             _ => "random over the volume".to_owned(),

@@ -1,10 +1,13 @@
 //! Files of `abbe map`: every pose with its deviation, for other programs.
 
 use super::session::Session;
-use super::write::{refuse_input, write_streamed};
+use super::write::{Staged, refuse_input};
 use super::{Outcome, Stop};
-use crate::report::Rows;
-use std::path::{Path, PathBuf};
+use crate::diagnostic::Diagnostic;
+use crate::evaluate::Deviation;
+use crate::report::{Form, Prepared, Rows, Stream};
+use std::io::BufWriter;
+use std::path::PathBuf;
 
 /// Where every pose with its deviation is written.
 #[derive(Debug, Clone, clap::Args)]
@@ -23,34 +26,84 @@ pub(super) struct Outputs {
     vtk: Option<PathBuf>,
 }
 
+/// Rows of a block of a map that is held: as many as a survey makes at once.
+const BLOCK: usize = 1 << 14;
+
 impl Outputs {
-    fn paths(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.csv, &self.json, &self.parquet, &self.vtk].into_iter().flatten()
+    fn wanted(&self) -> impl Iterator<Item = (Form, &PathBuf)> {
+        let all =
+            [(Form::Csv, &self.csv), (Form::Json, &self.json), (Form::Parquet, &self.parquet), (Form::Vtk, &self.vtk)];
+        all.into_iter().filter_map(|(form, path)| Some((form, path.as_ref()?)))
+    }
+
+    /// The forms that were asked for.
+    pub(super) fn forms(&self) -> Vec<Form> {
+        self.wanted().map(|(form, _)| form).collect()
     }
 
     /// Refuses outputs that are inputs, before any work.
     pub(super) fn check(&self, session: &mut Session) -> Outcome {
-        for path in self.paths() {
+        for (_, path) in self.wanted() {
             refuse_input(path, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
         }
         Ok(())
     }
 
-    /// The file that can be written while a map is made; the others need all of it.
-    pub(super) fn streamed(&self, session: &mut Session) -> Result<Option<&Path>, Stop> {
-        if self.json.is_some() || self.parquet.is_some() || self.vtk.is_some() {
-            return session.usage("so many poses are written as CSV only: leave `--json`, `--parquet` and `--vtk` out");
+    /// Writes a map that is held, each file whole or not at all.
+    pub(super) fn write(&self, session: &mut Session, rows: &Rows<'_>, deviations: &[Deviation]) -> Outcome {
+        let forms = self.forms();
+        if forms.is_empty() {
+            return Ok(());
         }
-        Ok(self.csv.as_deref())
+        let mut tables = Tables::new(session, self, rows)?;
+        for (k, block) in deviations.chunks(BLOCK).enumerate() {
+            let first = k * BLOCK;
+            let pairs = block.iter().enumerate().map(|(i, deviation)| (rows.poses.get(first + i), *deviation));
+            if !tables.put(&rows.prepared(&forms, first, pairs)) {
+                break;
+            }
+        }
+        tables.finish(session)
+    }
+}
+
+/// The files of a map, written side by side while it is made.
+pub(super) struct Tables<'a> {
+    tables: Vec<(Staged, Box<dyn Stream + 'a>)>,
+    failure: Option<Diagnostic>,
+}
+
+impl<'a> Tables<'a> {
+    /// Begins them all.
+    pub(super) fn new(session: &mut Session, outputs: &Outputs, rows: &Rows<'a>) -> Result<Self, Stop> {
+        let begin = |(form, path): (Form, &PathBuf)| {
+            let staged = Staged::new(path)?;
+            let file = staged.file()?;
+            let stream = rows.stream(form, BufWriter::new(file)).map_err(|failure| staged.failed(&failure))?;
+            Ok((staged, stream))
+        };
+        let tables: Result<Vec<_>, Diagnostic> = outputs.wanted().map(begin).collect();
+        Ok(Self { tables: tables.or_else(|d| session.refuse(d))?, failure: None })
     }
 
-    /// Writes what was asked for, each file whole or not at all.
-    pub(super) fn write(&self, session: &mut Session, rows: &Rows<'_>) -> Outcome {
-        let csv = self.csv.as_ref().map(|path| write_streamed(path, |out| rows.csv(out)));
-        let json = self.json.as_ref().map(|path| write_streamed(path, |out| rows.json(out)));
-        let parquet = self.parquet.as_ref().map(|path| write_streamed(path, |out| rows.parquet(out)));
-        let vtk = self.vtk.as_ref().map(|path| write_streamed(path, |out| rows.vtk(out)));
-        let failure = [csv, json, parquet, vtk].into_iter().flatten().find_map(Result::err);
-        failure.map_or(Ok(()), |diagnostic| session.refuse(diagnostic))
+    /// The next rows; `false` if one of the files cannot be written.
+    pub(super) fn put(&mut self, rows: &Prepared) -> bool {
+        let mut written =
+            self.tables.iter_mut().map(|(staged, stream)| stream.put(rows).map_err(|f| staged.failed(&f)));
+        self.failure = written.find_map(Result::err);
+        self.failure.is_none()
+    }
+
+    /// Ends them all, and puts them in their places.
+    pub(super) fn finish(self, session: &mut Session) -> Outcome {
+        let Self { tables, failure } = self;
+        let end = |(staged, stream): (Staged, Box<dyn Stream + 'a>)| {
+            stream.finish().map_err(|failure| staged.failed(&failure))?;
+            Ok(staged)
+        };
+        let ended =
+            failure.map_or(Ok(()), Err).and_then(|()| tables.into_iter().map(end).collect::<Result<Vec<_>, _>>());
+        let placed = ended.and_then(|list| list.into_iter().try_for_each(Staged::commit));
+        placed.or_else(|d| session.refuse(d))
     }
 }

@@ -4,6 +4,7 @@
 
 mod algebra;
 mod budget;
+mod budgets;
 mod certificate_output;
 mod check;
 mod classify;
@@ -42,6 +43,7 @@ mod session;
 mod show;
 mod targets;
 mod tolerances;
+mod tool_poses;
 mod verify;
 mod view;
 mod watch;

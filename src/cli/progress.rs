@@ -14,6 +14,7 @@ const PACE: Duration = Duration::from_millis(100);
 pub(super) struct Progress {
     total: usize,
     visible: bool,
+    begun: Instant,
     state: Mutex<State>,
 }
 
@@ -26,8 +27,9 @@ struct State {
 impl Progress {
     /// Of so many steps; `quiet` says nothing whatever happens.
     pub(super) fn new(total: usize, quiet: bool) -> Self {
-        let state = State { done: 0, next: Instant::now() + PATIENCE, shown: false };
-        Self { total, visible: !quiet && std::io::stderr().is_terminal(), state: Mutex::new(state) }
+        let begun = Instant::now();
+        let state = State { done: 0, next: begun + PATIENCE, shown: false };
+        Self { total, begun, visible: !quiet && std::io::stderr().is_terminal(), state: Mutex::new(state) }
     }
 
     /// So many more are done.
@@ -42,8 +44,19 @@ impl Progress {
             state.next = now + PACE;
             state.shown = true;
             let percent = 100 * state.done / self.total.max(1);
-            let _ = write!(std::io::stderr(), "\r{percent:3} % of {}", self.total);
+            let left = remaining(now - self.begun, state.done, self.total);
+            let _ = write!(std::io::stderr(), "\r{percent:3} % of {}, {left} left\x1b[K", self.total);
         }
+    }
+}
+
+/// How long the rest will take at the pace so far: `45 s`, `12 min`, `3.5 h`.
+fn remaining(elapsed: Duration, done: usize, total: usize) -> String {
+    let seconds = elapsed.as_secs_f64() * (total.saturating_sub(done)) as f64 / done.max(1) as f64;
+    match seconds {
+        s if s < 90.0 => format!("{} s", s.ceil()),
+        s if s < 5400.0 => format!("{} min", (s / 60.0).ceil()),
+        s => format!("{:.1} h", s / 3600.0),
     }
 }
 
@@ -53,5 +66,20 @@ impl Drop for Progress {
         if self.state.get_mut().is_ok_and(|state| state.shown) {
             let _ = write!(std::io::stderr(), "\r\x1b[K");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rest_takes_as_long_per_step_as_what_is_done() {
+        let left = |seconds, done, total| remaining(Duration::from_secs(seconds), done, total);
+        assert_eq!(
+            [left(10, 1, 4), left(60, 1, 11), left(3600, 1, 3), left(5, 7, 7)],
+            ["30 s", "10 min", "2.0 h", "0 s"]
+        );
+        assert_eq!(left(1, 0, 5), "5 s");
     }
 }

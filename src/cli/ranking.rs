@@ -1,6 +1,7 @@
 //! The result of `enumerate` as text, JSON and CSV.
 
 use super::enumerate::Args;
+use super::tool_poses::Reached;
 use super::view::{cell, table};
 use crate::analysis::budget::{Bound, Statistic, known};
 use crate::analysis::enumerate::{Ranking, Row, Standing};
@@ -20,6 +21,8 @@ pub(super) struct Setting<'a> {
     pub(super) machine: &'a Machine,
     pub(super) by: By,
     pub(super) source: Option<String>,
+    /// What the machine itself reaches of a file's tool poses.
+    pub(super) reached: Option<Reached>,
 }
 
 /// What is printed.
@@ -43,16 +46,20 @@ impl Report<'_> {
             }
             json
         };
-        json!({
+        let mut json = json!({
             "machine": self.setting.machine.name(), "chain": self.setting.machine.chain().to_string(), "by": by,
             "class": args.tolerances.class, "class_source": self.setting.source, "errors": errors,
-            "poses": self.work, "samples": samples, "seed": args.tolerances.seed,
+            "poses": self.work, "samples": samples, "seed": args.seed,
             "statistic": args.tolerances.statistic(), "reach": args.reach / 100.0,
             "arrangements": self.ranking.ranked.len() + self.ranking.short.len() + self.ranking.cannot_turn.len(),
             "ranked": self.ranking.ranked.iter().enumerate().map(number).collect::<Vec<_>>(),
             "reach_less": self.ranking.short.iter().map(row_json).collect::<Vec<_>>(),
             "cannot_turn_the_tool": self.ranking.cannot_turn.iter().map(|row| row.chain.clone()).collect::<Vec<_>>(),
-        })
+        });
+        if let (Some(object), Some(reached)) = (json.as_object_mut(), &self.setting.reached) {
+            let _ = object.insert("tool_poses".to_owned(), reached.json());
+        }
+        json
     }
 
     /// One line for each arrangement.
@@ -85,11 +92,14 @@ impl Report<'_> {
             Statistic::P95 => "95 %",
         };
         let mut text = format!(
-            "{}: {} arrangements of its axes on {} tool poses, drawn from the volume of {}\n",
+            "{}: {} arrangements of its axes on {} {}\n",
             self.setting.machine.name(),
             r.ranked.len() + r.short.len() + r.cannot_turn.len(),
             self.work,
-            self.setting.machine.chain()
+            self.setting.reached.as_ref().map_or_else(
+                || format!("tool poses, drawn from the volume of {}", self.setting.machine.chain()),
+                Reached::words
+            )
         );
         text += &match &self.setting.by {
             By::Errors => format!(

@@ -1,23 +1,26 @@
 //! `abbe report`: one self-contained HTML page for a design review.
 
+use super::budgets::{Drawn, budgets};
 use super::compile::{Options, effect};
 use super::files::Disk;
 use super::progress::Progress;
 use super::session::Session;
+use super::tolerances::ToleranceArgs;
 use super::view::{ApproachArg, order};
 use super::write::{refuse_input, write_whole};
 use super::{Format, Outcome, Stop, load, watch};
+use crate::analysis::budget::{Bound, Budget, Request, budget, budget_poses};
 use crate::analysis::{Plane, View, map, rest, space_axes};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Bare, Field, Frame, Order};
 use crate::machine::Machine;
 use crate::report::page::{
-    ComparisonData, Data, Given, MachineData, Page, Pictures, Rendered, Served, Written, colours,
+    ComparisonData, Data, Given, Instruments, MachineData, Page, Pictures, Rendered, Served, Written, colours,
 };
-use crate::report::{Drawn, PlanePicture, Shown, axis_curves, chain_picture};
+use crate::report::{BudgetReport, Drawing, Drawn as Way, PlanePicture, Shown, axis_curves, chain_picture};
 use crate::syntax::Files;
 use crate::target::Target;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -43,6 +46,11 @@ pub(super) struct Args {
     /// Direction of approach where forward and reverse curves were given.
     #[arg(long, value_enum, default_value = "mean")]
     direction: ApproachArg,
+    #[command(flatten)]
+    tolerances: ToleranceArgs,
+    /// How many machines are drawn for a budget, which is shown where errors are bounded.
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    samples: u32,
     #[command(flatten)]
     options: Options,
 }
@@ -97,12 +105,13 @@ pub(super) fn build(session: &mut Session, args: &Args, files: &dyn Files) -> Re
         let written =
             args.target.iter().map(|name| compensation(session, args, &machine, name)).collect::<Result<_, _>>()?;
         let warnings = session.diagnostics.iter().skip(seen).map(|d| format!("{}: {}", d.code, d.message)).collect();
-        machines.push(Subject { machine, file: path.display().to_string(), written, warnings });
+        let (budget, instruments) = (budgeted(session, args, &machine)?, Instruments::new(&machine));
+        machines.push(Subject { machine, file: path.display().to_string(), written, warnings, budget, instruments });
     }
     let given: Vec<Given<'_>> = machines.iter().map(|subject| subject.given(args)).collect();
     let progress = Progress::new(given.len() * args.options.poses as usize, session.is_quiet());
     let done = |count| progress.add(count);
-    let comparison = ComparisonData::new(&given, &|_| {});
+    let comparison = comparison(session, args, &given)?;
     let data = Data { abbe: env!("CARGO_PKG_VERSION"), machines: Vec::new(), comparison, colours: colours() };
     let mut built = Built::new(data);
     for (i, given) in given.iter().enumerate() {
@@ -110,8 +119,9 @@ pub(super) fn build(session: &mut Session, args: &Args, files: &dyn Files) -> Re
         let field = Bare { machine: given.machine, order: given.order };
         // Never more poses than a map takes: the option's range sees to that.
         let Ok(map) = map(&field, &given.sample(), view, &done) else { continue };
-        built.data.machines.push(MachineData::new(i + 1, given, &map));
-        built.pictures.push(pictures(given));
+        let data = MachineData::new(i + 1, given, &map);
+        built.pictures.push(pictures(given, &data));
+        built.data.machines.push(data);
     }
     Ok(built)
 }
@@ -122,6 +132,44 @@ struct Subject {
     file: String,
     written: Vec<Written>,
     warnings: Vec<String>,
+    instruments: Instruments,
+    budget: Option<Budgeted>,
+}
+
+/// A budget with what it is of.
+struct Budgeted {
+    bounds: Vec<Bound>,
+    budget: Budget,
+    poses: usize,
+    drawing: Drawing,
+}
+
+/// Poses of a budget besides the corners of the volume: as many as `budget` takes.
+const BUDGET_POSES: usize = 500;
+
+/// What `budget` would say, if any error is bounded.
+fn budgeted(session: &mut Session, args: &Args, machine: &Machine) -> Result<Option<Budgeted>, Stop> {
+    let (bounds, source) = args.tolerances.bounds_if_any(session, machine)?;
+    if bounds.is_empty() {
+        return Ok(None);
+    }
+    let (samples, seed) = (args.samples as usize, args.options.seed);
+    let (poses, draws) = (budget_poses(machine, BUDGET_POSES, seed), args.tolerances.draws(seed));
+    let statistic = args.tolerances.statistic();
+    let request = Request { machine, bounds: &bounds, poses: &poses, at: None, draws: &draws, samples, statistic };
+    let progress = Progress::new(2 * samples, session.is_quiet());
+    let budget = budget(request, &|count| progress.add(count));
+    let drawing = args.tolerances.drawing(source, samples, seed);
+    Ok(Some(Budgeted { budget, poses: poses.len(), drawing, bounds }))
+}
+
+/// Several machines on the same work, with their budgets where all have one.
+fn comparison(session: &mut Session, args: &Args, given: &[Given<'_>]) -> Result<Option<ComparisonData>, Stop> {
+    let Some(work) = ComparisonData::work(given) else { return Ok(None) };
+    let drawn = Drawn { tolerances: &args.tolerances, samples: args.samples as usize, seed: args.options.seed };
+    let budgets = budgets(session, &work.1, drawn)?;
+    let json = budgets.map_or(Value::Null, |budgets| budgets.json(given.iter().map(|g| g.machine)));
+    Ok(Some(ComparisonData::new(given, &work, json)))
 }
 
 impl Subject {
@@ -135,6 +183,14 @@ impl Subject {
             poses: (args.options.poses as usize, args.options.seed),
             written: &self.written,
             warnings: &self.warnings,
+            instruments: &self.instruments,
+            budget: self.budget.as_ref().map(|b| BudgetReport {
+                machine: &self.machine,
+                bounds: &b.bounds,
+                budget: &b.budget,
+                poses: b.poses,
+                drawing: &b.drawing,
+            }),
         }
     }
 }
@@ -150,7 +206,10 @@ fn compensation(session: &mut Session, args: &Args, machine: &Machine, name: &st
 /// Intervals along the longer side of a plane.
 const PLANE_NODES: f64 = 48.0;
 
-fn pictures(given: &Given<'_>) -> Pictures {
+/// Bars of a chart.
+const BARS: usize = 14;
+
+fn pictures(given: &Given<'_>, data: &MachineData) -> Pictures {
     let machine = given.machine;
     let curves = (0..machine.axes().len())
         .filter_map(|axis| Some((machine.axes()[axis].name.to_string(), axis_curves(machine, axis)?.svg())));
@@ -160,6 +219,9 @@ fn pictures(given: &Given<'_>) -> Pictures {
         chain: chain_picture(machine).svg(),
         curves: curves.collect(),
         planes: pairs.map(|axes| plane(given, axes)).collect(),
+        pareto: data.pareto(BARS).map_or_else(String::new, |picture| picture.svg()),
+        instruments: given.instruments.pictures(machine),
+        budget: given.budget.iter().flat_map(|b| [b.pareto(BARS).svg(), b.waterfall(BARS).svg()]).collect(),
     }
 }
 
@@ -174,12 +236,12 @@ fn plane(given: &Given<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
     let bare = of(&Bare { machine, order });
     let (state, like) = if given.written.is_empty() { ("", None) } else { ("uncompensated", Some(&bare)) };
     let picture =
-        PlanePicture { machine, plane: &bare, view, order, shown: Shown::Length, drawn: Drawn::Colours, state, like };
-    let mut svgs = vec![picture.svg(), PlanePicture { drawn: Drawn::Grid, ..picture }.svg()];
+        PlanePicture { machine, plane: &bare, view, order, shown: Shown::Length, drawn: Way::Colours, state, like };
+    let mut svgs = vec![picture.svg(), PlanePicture { drawn: Way::Grid, ..picture }.svg()];
     for written in given.written {
         let after = of(&*written.effect.field(machine, &written.target));
         let state = format!("after {}", written.target.manifest.target);
-        for drawn in [Drawn::Colours, Drawn::Grid] {
+        for drawn in [Way::Colours, Way::Grid] {
             svgs.push(PlanePicture { plane: &after, drawn, state: &state, like: Some(&bare), ..picture }.svg());
         }
     }

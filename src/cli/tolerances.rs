@@ -5,6 +5,7 @@ use super::session::Session;
 use crate::analysis::budget::{Bound, Class, Distribution, Draws, Statistic, bounds, classes, known, lacks_rotary};
 use crate::diagnostic::{Diagnostic, did_you_mean, shown};
 use crate::machine::Machine;
+use crate::report::Drawing;
 
 /// How errors are drawn and judged.
 #[derive(Debug, Clone, clap::Args)]
@@ -19,9 +20,6 @@ pub(super) struct ToleranceArgs {
     /// What counts of a machine: its largest deviation over the poses, or the 95 % one.
     #[arg(long, value_enum, default_value = "max")]
     statistic: StatisticArg,
-    /// Seed of poses and errors.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub(super) seed: u64,
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
@@ -51,8 +49,14 @@ impl ToleranceArgs {
         }
     }
 
-    pub(super) fn draws(&self) -> Draws {
-        Draws::new(self.seed, self.distribution())
+    /// For those who read the result.
+    pub(super) fn drawing(&self, source: Option<String>, samples: usize, seed: u64) -> Drawing {
+        let (distribution, statistic) = (self.distribution(), self.statistic());
+        Drawing { class: self.class.clone().zip(source), samples, seed, distribution, statistic }
+    }
+
+    pub(super) fn draws(&self, seed: u64) -> Draws {
+        Draws::new(seed, self.distribution())
     }
 
     /// The bounds of the file and of the class, and the class's source.
@@ -61,15 +65,21 @@ impl ToleranceArgs {
         session: &mut Session,
         machine: &Machine,
     ) -> Result<(Vec<Bound>, Option<String>), Stop> {
+        let (list, source) = self.bounds_if_any(session, machine)?;
+        if list.is_empty() { session.refuse(nothing_bounded(machine)) } else { Ok((list, source)) }
+    }
+
+    /// The same where a machine may have none.
+    pub(super) fn bounds_if_any(
+        &self,
+        session: &mut Session,
+        machine: &Machine,
+    ) -> Result<(Vec<Bound>, Option<String>), Stop> {
         let class = match &self.class {
             Some(name) => Some(find(session, machine, name)?),
             None => None,
         };
-        let list = bounds(machine, class.as_ref());
-        if list.is_empty() {
-            return session.refuse(nothing_bounded(machine));
-        }
-        Ok((list, class.map(|class| class.source)))
+        Ok((bounds(machine, class.as_ref()), class.map(|class| class.source)))
     }
 }
 

@@ -3,7 +3,9 @@
 use crate::evaluate::{Frame, MAX_DUAL_ORDER, Order, Statistics, Summary};
 use crate::machine::{Approach, Machine};
 use crate::units::significant;
-use serde_json::json;
+
+/// An object of axis names and positions (mm, deg).
+pub(super) use crate::report::positions as axes_json;
 
 /// How errors are followed and looked at.
 #[derive(Debug, Clone, clap::Args)]
@@ -95,12 +97,6 @@ pub(super) fn frame_text(frame: Frame) -> &'static str {
 /// `-0` is nobody's result: adding zero turns it into 0.
 pub(super) fn plain(value: f64) -> f64 {
     value + 0.0
-}
-
-/// An object of axis names and positions (mm, deg).
-pub(super) fn axes_json(machine: &Machine, pose: &[f64]) -> serde_json::Value {
-    let entry = |(axis, q): (&crate::machine::Axis, &f64)| (axis.name.to_string(), json!(plain(*q)));
-    machine.axes().iter().zip(pose).map(entry).collect::<serde_json::Map<_, _>>().into()
 }
 
 /// `X = 100 mm, C = 90 deg`.

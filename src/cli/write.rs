@@ -3,27 +3,63 @@
 use crate::diagnostic::{Diagnostic, Sources};
 use crate::report::Picture;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Writes a file so that a reader sees either what was there before or all of `bytes`.
 pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
-    write_streamed(path, |out| out.write_all(bytes))
+    let staged = Staged::new(path)?;
+    staged.file()?.write_all(bytes).map_err(|failure| staged.failed(&failure))?;
+    staged.commit()
 }
 
-/// The same for what is made while it is written.
-pub(super) fn write_streamed(
-    path: &Path,
-    fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> Result<(), Diagnostic> {
-    let target = replaceable(path)?;
-    let temporary = temporary(&target).ok_or_else(|| unwritable(path, "the path names no file"))?;
-    let written = filled(&temporary, &target, fill).and_then(|()| fs::rename(&temporary, &target));
-    written.map_err(|failure| {
+/// A file in the making, beside the one it becomes; gone if it is not finished.
+pub(super) struct Staged {
+    path: PathBuf,
+    target: PathBuf,
+    temporary: PathBuf,
+    file: File,
+}
+
+impl Staged {
+    /// Opens it.
+    pub(super) fn new(path: &Path) -> Result<Self, Diagnostic> {
+        let target = replaceable(path)?;
+        let temporary = temporary(&target).ok_or_else(|| unwritable(path, "the path names no file"))?;
+        let opened = OpenOptions::new().write(true).create_new(true).open(&temporary);
+        let file = opened.map_err(|failure| unwritable(path, &failure.to_string()))?;
+        Ok(Self { path: path.to_owned(), target, temporary, file })
+    }
+
+    /// For writing.
+    pub(super) fn file(&self) -> Result<File, Diagnostic> {
+        self.file.try_clone().map_err(|failure| self.failed(&failure))
+    }
+
+    /// What is said when it cannot be written.
+    pub(super) fn failed(&self, failure: &io::Error) -> Diagnostic {
+        unwritable(&self.path, &failure.to_string())
+    }
+
+    /// All of it is there: it takes its place.
+    pub(super) fn commit(self) -> Result<(), Diagnostic> {
+        let finished = || {
+            if let Ok(metadata) = fs::metadata(&self.target) {
+                self.file.set_permissions(metadata.permissions())?;
+            }
+            self.file.sync_all()?;
+            fs::rename(&self.temporary, &self.target)
+        };
+        finished().map_err(|failure| self.failed(&failure))
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
         // What is left of a failed attempt is ours alone; if it cannot go either, there is no more to say.
-        let _ = fs::remove_file(&temporary);
-        unwritable(path, &failure.to_string())
-    })
+        // After a commit there is nothing of this name.
+        let _ = fs::remove_file(&self.temporary);
+    }
 }
 
 /// Form of a picture.
@@ -114,20 +150,6 @@ fn temporary(target: &Path) -> Option<PathBuf> {
     name.push(target.file_name()?);
     name.push(format!(".{}.tmp", std::process::id()));
     Some(target.with_file_name(name))
-}
-
-fn filled(
-    temporary: &Path,
-    target: &Path,
-    fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> io::Result<()> {
-    let mut out = BufWriter::new(OpenOptions::new().write(true).create_new(true).open(temporary)?);
-    fill(&mut out)?;
-    let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
-    if let Ok(metadata) = fs::metadata(target) {
-        file.set_permissions(metadata.permissions())?;
-    }
-    file.sync_all()
 }
 
 fn unwritable(path: &Path, why: &str) -> Diagnostic {

@@ -70,6 +70,8 @@ pub struct Conversion {
 pub fn convert(machine: &Machine, wish: &Wish) -> Result<Conversion, Diagnostic> {
     let mut parts = machine.to_parts();
     parts.conventions = wish.conventions;
+    // Values are regrouped: what was said of one of them is not said of the sums.
+    parts.uncertainty.clear();
     let turned = |axis: &Axis| turns_over(machine, axis, wish);
     for (axis, grid) in parts.axes.iter_mut().zip(&mut parts.volume).filter(|(axis, _)| turned(axis)) {
         *axis = mirrored(axis);

@@ -2,7 +2,7 @@
 
 use super::parameter::{Basis, Parameter};
 use crate::lower::Place;
-use crate::machine::{Approach, ComponentError, Curve, Direction, ErrorTerm, Machine, MachineParts, written};
+use crate::machine::{Approach, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine, MachineParts, written};
 use std::collections::BTreeMap;
 
 /// The text of a machine file that says what `machine` says, the fitted parameters with their new values;
@@ -40,6 +40,12 @@ fn way(approach: Approach) -> usize {
 /// A fitted source in its place. A location error that was not given and comes out as 0 stays away.
 fn put(parts: &mut MachineParts, place: Place, direction: Direction, curves: Directed) {
     let constant = curves[0].as_ref().map_or(0.0, |curve| curve.value(0.0));
+    // What was said of the value before is not said of the fitted one.
+    if let Place::Location(joint) | Place::Component(joint) = place {
+        let axis = parts.axes.get(joint).map(|axis| &axis.name).or_else(|| parts.chain.spindle()).cloned();
+        let id = |axis| ErrorId { axis, location: matches!(place, Place::Location(_)), direction };
+        let _ = axis.and_then(|axis| parts.uncertainty.remove(&id(axis)));
+    }
     let index = direction.index();
     match place {
         Place::Tool => parts.setup.tool[index % 3] = constant,

@@ -4,6 +4,7 @@ use super::{
     AlgebraChoice, Approach, Axis, AxisKind, AxisName, Branch, Conventions, Direction, ErrorId, ErrorTerm, JointErrors,
     KinematicChain, Travel,
 };
+use std::collections::BTreeMap;
 
 /// Positions of all axes as programmed (mm, deg), in the order of [`Machine::axes`].
 pub type Pose = Vec<f64>;
@@ -69,6 +70,8 @@ pub struct MachineParts {
     pub volume: Vec<Grid>,
     /// Where the numbers come from.
     pub provenance: Provenance,
+    /// Expanded uncertainties (k = 2; mm, rad) of the values of errors, where the file states them. No result hangs on them.
+    pub uncertainty: BTreeMap<ErrorId, f64>,
     /// The algebra it names, if any.
     pub algebra: Option<AlgebraChoice>,
 }
@@ -169,6 +172,11 @@ impl Machine {
     /// Interval and step of each axis.
     pub fn volume(&self) -> &[Grid] {
         &self.parts.volume
+    }
+
+    /// Expanded uncertainty (k = 2; mm or rad) of an error's values, if the file states it.
+    pub fn uncertainty(&self, error: &ErrorId) -> Option<f64> {
+        self.parts.uncertainty.get(error).copied()
     }
 
     /// Where the numbers come from.

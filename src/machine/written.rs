@@ -118,17 +118,29 @@ fn errors(parts: &MachineParts) -> String {
     let axes = parts.axes.iter().map(|axis| (&axis.name, Some(axis)));
     let spindle = parts.chain.spindle().map(|name| (name, None));
     let lines: String =
-        axes.chain(spindle).zip(&parts.errors).map(|(joint, errors)| joint_lines(joint, errors)).collect();
+        axes.chain(spindle).zip(&parts.errors).map(|(joint, errors)| joint_lines(parts, joint, errors)).collect();
     if lines.is_empty() { lines } else { format!("errors:\n{lines}") }
 }
 
 /// Location errors, then component errors; a spindle has no positions.
-fn joint_lines((name, axis): (&AxisName, Option<&Axis>), errors: &JointErrors) -> String {
+fn joint_lines(parts: &MachineParts, (name, axis): (&AxisName, Option<&Axis>), errors: &JointErrors) -> String {
     let line = |(location, direction, of): (bool, Direction, &ErrorTerm)| {
         let id = ErrorId { axis: name.clone(), location, direction };
-        format!("  {id}: {}\n", term(of, direction, axis))
+        let term = term(of, direction, axis);
+        match parts.uncertainty.get(&id) {
+            Some(half) => format!("  {id}: {}\n", with_uncertainty(&term, &amount(*half, direction))),
+            None => format!("  {id}: {term}\n"),
+        }
     };
     errors.iter().map(line).collect()
+}
+
+/// A term with its uncertainty beside it, in its mapping.
+fn with_uncertainty(term: &str, uncertainty: &str) -> String {
+    match term.strip_suffix(" }") {
+        Some(open) => format!("{open}, uncertainty: {uncertainty} }}"),
+        None => format!("{{ value: {term}, uncertainty: {uncertainty} }}"),
+    }
 }
 
 fn term(term: &ErrorTerm, direction: Direction, axis: Option<&Axis>) -> String {

@@ -1,7 +1,7 @@
 //! Bars of a budget: the Pareto chart of contributions, and the waterfall of what uses the budget up.
 
 use super::frame::{Axis, Frame};
-use super::svg::{Anchor, FAINT, Font, INK, Picture, Svg, fitted, number, polyline};
+use super::svg::{Anchor, FAINT, FIRST, Font, INK, Picture, SECOND, Svg, fitted, number, polyline};
 use crate::units::significant;
 
 /// A labelled value.
@@ -46,8 +46,6 @@ pub struct WaterfallPicture {
 const WIDTH: f64 = 880.0;
 const HEIGHT: f64 = 460.0;
 const FRAME: Frame = Frame { left: 78.0, top: 84.0, width: 740.0, height: 270.0 };
-const BLUE: &str = "#3b6ea8";
-const RED: &str = "#b4533c";
 const GREY: &str = "#8a94a0";
 
 /// Where column `i` of `count` begins, and how wide its bar is.
@@ -98,15 +96,15 @@ impl ParetoPicture {
         let mut line = vec![];
         for (i, b) in self.bars.iter().enumerate() {
             let place = column(i, self.bars.len());
-            let edges = bar(&mut svg, &axis, place, (0.0, b.value), &b.label, BLUE);
+            let edges = bar(&mut svg, &axis, place, (0.0, b.value), &b.label, FIRST);
             value(&mut svg, place, edges, b.value, true);
             sum += b.value * b.value;
             let share = if self.total > 0.0 { 100.0 * sum / self.total } else { 0.0 };
             line.push((place.0 + 0.5 * place.1, FRAME.y(&shares, share)));
         }
-        svg.path(&polyline(&line), &format!(r#"fill="none" stroke="{RED}" stroke-width="1.6""#));
-        line.iter().for_each(|at| svg.circle(*at, 2.6, &format!(r#"fill="{RED}""#)));
-        FRAME.right(&mut svg, &shares, "share of the sum of squares in %", RED);
+        svg.path(&polyline(&line), &format!(r#"fill="none" stroke="{SECOND}" stroke-width="1.6""#));
+        line.iter().for_each(|at| svg.circle(*at, 2.6, &format!(r#"fill="{SECOND}""#)));
+        FRAME.right(&mut svg, &shares, "share of the sum of squares in %", SECOND);
         svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
 }
@@ -123,7 +121,7 @@ impl WaterfallPicture {
         let mut level = 0.0;
         for (i, b) in self.bars.iter().enumerate() {
             let (x, width) = column(i, count);
-            let colour = if b.value < 0.0 { RED } else { BLUE };
+            let colour = if b.value < 0.0 { SECOND } else { FIRST };
             let edges = bar(&mut svg, &axis, (x, width), (level, level + b.value), &b.label, colour);
             value(&mut svg, (x, width), edges, b.value, false);
             level += b.value;

@@ -2,8 +2,8 @@
 //! one scale and rotations on another, with the points that were given.
 
 use super::scale::{round_step, tick_text, ticks};
-use super::svg::{Anchor, FAINT, Font, INK, Picture, Svg, fitted, polyline, wrapped};
-use crate::machine::{Approach, Axis, AxisKind, ComponentError, Curve, Direction, ErrorTerm, Machine};
+use super::svg::{Anchor, FAINT, FIRST, Font, INK, LINE, Picture, SECOND, Svg, fitted, polygon, polyline, wrapped};
+use crate::machine::{Approach, Axis, AxisKind, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine};
 
 const PANEL: (f64, f64) = (256.0, 130.0);
 const LEFT: f64 = 62.0;
@@ -12,8 +12,6 @@ const HEAD: f64 = 64.0;
 const WIDTH: f64 = LEFT + 3.0 * STEP.0;
 /// Places at which a curve is drawn, besides its points.
 const SAMPLES: usize = 180;
-const CURVE: &str = "#1d5fa8";
-const BACK: &str = "#b8590f";
 
 /// The curves of one axis as a picture, without the notes that explain it; `None` if it has none.
 pub fn axis_curves(machine: &Machine, axis: usize) -> Option<Picture> {
@@ -41,7 +39,7 @@ pub fn all_curves(machine: &Machine) -> Option<Picture> {
 
 fn notes() -> Vec<String> {
     let note = "Dots: points as given; line: what is evaluated between them. Where two directions of approach were given, \
-        blue is forward and brown, dashed, reverse. Sign: actual minus nominal. Panels of a row have one scale.";
+        blue is forward and brown, dashed, reverse. Band, U: expanded uncertainty (k = 2) where the file states it. Sign: actual minus nominal. Panels of a row have one scale.";
     wrapped(note, 130)
 }
 
@@ -72,6 +70,8 @@ struct Panel {
     name: String,
     word: String,
     curves: Vec<Drawn>,
+    /// Expanded uncertainty of the values, if it is known.
+    band: Option<f64>,
     /// Said where there is no curve.
     instead: String,
 }
@@ -129,7 +129,10 @@ fn panel(machine: &Machine, index: usize, interval: (f64, f64), direction: Direc
         }
         _ => (Vec::new(), "not given: zero".to_owned()),
     };
-    Panel { name: format!("E{}{}", direction.letter(), axis.name), word: word(axis, direction), curves, instead }
+    let id = ErrorId { axis: axis.name.clone(), location: false, direction };
+    let band = machine.uncertainty(&id).map(|half| half * factor);
+    let sure = band.map_or(String::new(), |half| format!(", U = {}", crate::units::significant(half, 3)));
+    Panel { name: id.to_string(), word: word(axis, direction) + &sure, curves, band, instead }
 }
 
 fn drawn(component: &ComponentError, interval: (f64, f64), factor: f64) -> Vec<Drawn> {
@@ -153,7 +156,9 @@ fn drawn(component: &ComponentError, interval: (f64, f64), factor: f64) -> Vec<D
 
 /// Interval and step of a row's values; always with zero in it.
 fn scale(panels: &[Panel]) -> (f64, f64, f64) {
-    let values = panels.iter().flat_map(|panel| &panel.curves).flat_map(|c| c.line.iter().map(|p| p.1));
+    let ends = |panel: &Panel, value: f64| [value - panel.band.unwrap_or(0.0), value + panel.band.unwrap_or(0.0)];
+    let lines = panels.iter().flat_map(|panel| panel.curves.iter().map(move |curve| (panel, curve)));
+    let values = lines.flat_map(|(panel, curve)| curve.line.iter().flat_map(move |p| ends(panel, p.1)));
     let (min, max) = values.fold((0.0_f64, 0.0_f64), |(min, max), v| (min.min(v), max.max(v)));
     // Differences below a tenth of a nanometre are rounding, not errors.
     let step = round_step((max - min).max(1e-4), 4);
@@ -185,7 +190,16 @@ impl Frame {
             let middle = (x + PANEL.0 / 2.0, y + PANEL.1 / 2.0 + 4.0);
             return svg.text(middle, &panel.instead, Font::faint(12.0), Anchor::Middle, 0.0);
         }
-        for (curve, (colour, dash)) in panel.curves.iter().zip([(CURVE, ""), (BACK, r#" stroke-dasharray="6 4""#)]) {
+        for (curve, colour) in panel.curves.iter().zip([FIRST, SECOND]) {
+            if let Some(half) = panel.band {
+                let edge = |sign: f64| move |p: &(f64, f64)| (p.0, p.1 + sign * half);
+                let upper = curve.line.iter().map(edge(1.0));
+                let around = upper.chain(curve.line.iter().rev().map(edge(-1.0)));
+                let around: Vec<(f64, f64)> = around.map(|p| self.at(p)).collect();
+                svg.path(&polygon(&around), &format!(r#"fill="{colour}" fill-opacity="0.18" class="band""#));
+            }
+        }
+        for (curve, (colour, dash)) in panel.curves.iter().zip([(FIRST, ""), (SECOND, r#" stroke-dasharray="6 4""#)]) {
             let line: Vec<(f64, f64)> = curve.line.iter().map(|p| self.at(*p)).collect();
             svg.path(&polyline(&line), &format!(r#"fill="none" stroke="{colour}" stroke-width="1.8"{dash}"#));
             for point in &curve.points {
@@ -200,11 +214,8 @@ impl Frame {
         for value in ticks((low, high), step) {
             let at = self.at((self.x.0, value)).1;
             let zero = value.abs() < 0.5 * step;
-            let style = if zero {
-                format!(r#"stroke="{FAINT}""#)
-            } else {
-                r##"stroke="#c3cad1" stroke-width="0.7""##.to_owned()
-            };
+            let style =
+                if zero { format!(r#"stroke="{FAINT}""#) } else { format!(r#"stroke="{LINE}" stroke-width="0.7""#) };
             svg.line((x, at), (x + PANEL.0, at), &style);
             svg.text((x - 6.0, at + 4.0), &tick_text(value, step), Font::plain(11.5), Anchor::End, 0.0);
         }

@@ -2,7 +2,7 @@
 //! them, all displacements drawn larger by one factor.
 
 use super::scale::{round_step, tick_text, ticks};
-use super::svg::{Anchor, FAINT, Font, INK, Svg, fitted};
+use super::svg::{Anchor, FAINT, FIRST, Font, INK, SECOND, Svg, fitted};
 use crate::units::significant;
 
 /// One pose: nominal position (mm), and the in-plane deviations (mm).
@@ -36,8 +36,6 @@ const WIDEST: f64 = 540.0;
 const HIGHEST: f64 = 460.0;
 /// Between the outermost points and the frame.
 const MARGIN: f64 = 44.0;
-const DATA: &str = "#1b5e9c";
-const MODEL: &str = "#c4500b";
 
 /// Lowest and highest of some numbers, a little apart.
 fn span(values: impl Iterator<Item = f64>) -> (f64, f64) {
@@ -65,15 +63,15 @@ impl FitPicture<'_> {
             let faint = format!(r#"stroke="{FAINT}" stroke-width="0.8""#);
             svg.line(nominal, read, &faint);
             svg.circle(nominal, 1.4, &format!(r#"fill="{FAINT}""#));
-            svg.circle(read, 4.2, &format!(r#"fill="none" stroke="{DATA}" stroke-width="1.4""#));
-            let cross = format!(r#"stroke="{MODEL}" stroke-width="1.4""#);
+            svg.circle(read, 4.2, &format!(r#"fill="none" stroke="{FIRST}" stroke-width="1.4""#));
+            let cross = format!(r#"stroke="{SECOND}" stroke-width="1.4""#);
             svg.line((said.0 - 3.4, said.1 - 3.4), (said.0 + 3.4, said.1 + 3.4), &cross);
             svg.line((said.0 - 3.4, said.1 + 3.4), (said.0 + 3.4, said.1 - 3.4), &cross);
         }
         let below = TOP + size.1 + MARGIN + 56.0;
-        svg.circle((LEFT + 6.0, below - 4.0), 4.2, &format!(r#"fill="none" stroke="{DATA}" stroke-width="1.4""#));
+        svg.circle((LEFT + 6.0, below - 4.0), 4.2, &format!(r#"fill="none" stroke="{FIRST}" stroke-width="1.4""#));
         svg.text((LEFT + 18.0, below), "measured", Font::plain(12.0), Anchor::Start, 0.0);
-        let cross = format!(r#"stroke="{MODEL}" stroke-width="1.4""#);
+        let cross = format!(r#"stroke="{SECOND}" stroke-width="1.4""#);
         svg.line((LEFT + 103.0, below - 7.4), (LEFT + 109.0, below - 0.6), &cross);
         svg.line((LEFT + 103.0, below - 0.6), (LEFT + 109.0, below - 7.4), &cross);
         svg.text((LEFT + 118.0, below), "predicted", Font::plain(12.0), Anchor::Start, 0.0);

@@ -1,13 +1,15 @@
 //! The rectangle a diagram is drawn in, and its axes: what pictures of curves and bars share.
 
 use super::scale::{round_step, tick_text, ticks};
-use super::svg::{Anchor, FAINT, Font, INK, Svg};
+use super::svg::{Anchor, FAINT, Font, INK, LINE, Svg};
 
 /// Values along one side of a frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Axis {
     min: f64,
     max: f64,
+    /// Angles in degrees: their round steps divide a turn.
+    turns: bool,
 }
 
 /// A rectangle in px.
@@ -26,7 +28,12 @@ pub struct Frame {
 impl Axis {
     /// From a least to a largest value; an interval of no width is widened.
     pub fn new(min: f64, max: f64) -> Self {
-        Self { min, max: if max > min { max } else { min + 1.0 } }
+        Self { min, max: if max > min { max } else { min + 1.0 }, turns: false }
+    }
+
+    /// The same for angles in degrees.
+    pub fn degrees(min: f64, max: f64) -> Self {
+        Self { turns: true, ..Self::new(min, max) }
     }
 
     fn share(&self, value: f64) -> f64 {
@@ -34,7 +41,9 @@ impl Axis {
     }
 
     fn ticks(&self, length: f64, pitch: f64) -> (Vec<f64>, f64) {
-        let step = round_step(self.max - self.min, ((length / pitch) as usize).clamp(1, 10));
+        let (range, most) = (self.max - self.min, ((length / pitch) as usize).clamp(1, 10));
+        let round = [5.0, 10.0, 15.0, 30.0, 45.0, 90.0].into_iter().find(|step| range <= step * most as f64);
+        let step = round.filter(|_| self.turns && range > 20.0).unwrap_or_else(|| round_step(range, most));
         (ticks((self.min, self.max), step), step)
     }
 }
@@ -45,17 +54,34 @@ impl Frame {
         self.top + self.height * (1.0 - axis.share(value))
     }
 
+    /// Where a value is, from the left.
+    pub fn x(&self, axis: &Axis, value: f64) -> f64 {
+        self.left + self.width * axis.share(value)
+    }
+
+    /// The axis at the lower edge.
+    pub fn horizontal(&self, svg: &mut Svg, axis: &Axis, name: &str) {
+        let (values, step) = axis.ticks(self.width, 70.0);
+        let edge = self.top + self.height;
+        for value in values {
+            let x = self.x(axis, value);
+            svg.line((x, edge), (x, edge + 5.0), &format!(r#"stroke="{INK}""#));
+            svg.text((x, edge + 19.0), &tick_text(value, step), Font::plain(12.0), Anchor::Middle, 0.0);
+        }
+        svg.text((self.left + self.width / 2.0, edge + 38.0), name, Font::plain(13.0), Anchor::Middle, 0.0);
+    }
+
     /// The axis at the left edge with faint lines across, and the border.
     pub fn vertical(&self, svg: &mut Svg, axis: &Axis, name: &str) {
         let (values, step) = axis.ticks(self.height, 40.0);
         for value in values {
             let y = self.y(axis, value);
-            svg.line((self.left, y), (self.left + self.width, y), r##"stroke="#e3e7eb""##);
+            svg.line((self.left, y), (self.left + self.width, y), &format!(r#"stroke="{LINE}" stroke-width="0.7""#));
             svg.line((self.left - 5.0, y), (self.left, y), &format!(r#"stroke="{INK}""#));
             svg.text((self.left - 9.0, y + 4.0), &tick_text(value, step), Font::plain(12.0), Anchor::End, 0.0);
         }
         svg.rect((self.left, self.top), (self.width, self.height), &format!(r#"fill="none" stroke="{FAINT}""#));
-        svg.text((22.0, self.top + self.height / 2.0), name, Font::plain(13.0), Anchor::Middle, -90.0);
+        svg.text((self.left - 56.0, self.top + self.height / 2.0), name, Font::plain(13.0), Anchor::Middle, -90.0);
     }
 
     /// An axis at the right edge.

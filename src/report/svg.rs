@@ -31,6 +31,16 @@ pub const INK: &str = "#1f2933";
 /// Colour of what stands back.
 pub const FAINT: &str = "#5f6b76";
 
+/// Colour of lines across a diagram.
+pub const LINE: &str = "#c3cad1";
+
+/// Colours of curves and bars: of the first, of the second, of the third kind. A page maps them to its own.
+pub const FIRST: &str = "#1d5fa8";
+/// Of the second.
+pub const SECOND: &str = "#b8590f";
+/// Of the third.
+pub const THIRD: &str = "#1c7a3d";
+
 impl Font {
     /// Plain text in ink.
     pub const fn plain(size: f64) -> Self {

@@ -116,7 +116,7 @@ fn errors(generator: &mut SchemaGenerator) -> Value {
     let term = object::<TermEntry>(generator);
     let constant = json!({
         "type": "object",
-        "properties": { "value": quantity(generator), "tolerance": quantity(generator), "provenance": notes(generator) },
+        "properties": { "value": quantity(generator), "tolerance": quantity(generator), "uncertainty": quantity(generator), "provenance": notes(generator) },
         "oneOf": [{ "required": ["value"] }, { "required": ["tolerance"] }],
         "additionalProperties": false
     });

@@ -80,6 +80,9 @@ pub struct TermEntry {
     /// Not known, only bounded.
     #[schemars(schema_with = "super::schema::quantity")]
     pub tolerance: Option<Scalar>,
+    /// Expanded uncertainty (k = 2) of the values.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub uncertainty: Option<Scalar>,
     /// Where the numbers come from.
     #[schemars(schema_with = "super::schema::notes")]
     pub provenance: Option<IndexMap<String, Scalar>>,

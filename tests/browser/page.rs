@@ -42,15 +42,18 @@ pub fn loads() {
 
 pub fn numbers() {
     let folder = Folder::new("numbers");
-    let browser =
-        opened(&report(&folder.0, "page.html", &["trunnion.yaml", "vmc-cframe-754.yaml", "--target", "linuxcnc"]));
+    let browser = opened(&report(
+        &folder.0,
+        "page.html",
+        &["trunnion.yaml", "vmc-cframe-754.yaml", "--target", "linuxcnc", "--class", "production", "--samples", "60"],
+    ));
     let data: Value =
         serde_json::from_str(browser.run("return document.getElementById('data').textContent;").as_str().unwrap())
             .unwrap();
     let shown =
         browser.run("return [...document.querySelectorAll('[data-at]')].map((n) => [n.dataset.at, n.textContent]);");
     let shown = shown.as_array().unwrap();
-    assert!(shown.len() > 800, "{}", shown.len());
+    assert!(shown.len() > 1500, "{}", shown.len());
     for pair in shown {
         let (at, text) = (pair[0].as_str().unwrap(), pair[1].as_str().unwrap());
         let value = data.pointer(at).unwrap_or_else(|| panic!("{at} is not in the data")).as_f64().unwrap();

@@ -20,7 +20,8 @@ fn scheme(browser: &Browser, value: &str) {
 pub fn screenshots() {
     let folder = Folder::new("pictures");
     let page = five_axes();
-    let both = report(&folder.0, "both.html", &["trunnion.yaml", "ht-b-c.yaml"]);
+    let both =
+        report(&folder.0, "both.html", &["trunnion.yaml", "ht-b-c.yaml", "--class", "production", "--samples", "60"]);
     let kept = kept();
     let mut shots = Vec::new();
     for (name, width, height, colours, file) in [

@@ -1,7 +1,7 @@
 //! Inverse kinematics against forward kinematics, and machines side by side.
 
 use crate::configs::{all, machine};
-use crate::program::{abbe, abbe_on, json, refused};
+use crate::program::{Folder, abbe, abbe_on, json, refused, text};
 use abbe::analysis::{ToolPose, Unreachable, inverse, rest, tool_pose};
 use abbe::evaluate::random_poses;
 use abbe::machine::{AxisKind, Machine};
@@ -202,4 +202,60 @@ fn errors_are_compared_one_by_one() {
     // The variant removes or reduces what alignment can: the rest is the same, curve by curve.
     let same = list.iter().find(|e| e["error"] == "EXX").unwrap();
     assert_eq!(number(&same["minus_first"][1]), 0.0);
+}
+
+#[test]
+fn budgets_are_compared_tolerance_by_tolerance() {
+    let folder = Folder::new("compare-budgets");
+    let machine = |name: &str, errors: &str| {
+        let axes = "{ X: { travel: [0, 400] }, Y: { travel: [0, 500] }, Z: { travel: [0, 400] } }";
+        folder.with(
+            name,
+            &format!("abbe: 1\nmachine: {name}\nchain: w b X Y Z t\naxes: {axes}\nerrors: {{ {errors} }}\n"),
+        )
+    };
+    let one = machine("one.yaml", "EC0Y: { tolerance: 20 urad }, EXX: { tolerance: 3 um }");
+    let two = machine("two.yaml", "EC0Y: { tolerance: 40 urad }, EXX: { tolerance: 6 um }, EYY: 5 um");
+    let three = machine("three.yaml", "EYY: 5 um");
+    let of = |files: &[&str]| {
+        json(&[&["compare"], files, &["--samples", "300", "--poses", "200", "--format", "json"]].concat())
+    };
+    let c = of(&[text(&one), text(&two)]);
+    let b = &c["budgets"];
+    let at = |pointer: &str| b.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}: {b}"));
+    // Drawn alike, an error grows with its tolerance: all of the second is twice the first, and so the difference the first.
+    for key in ["worst_case", "rss", "mean_of_both", "monte_carlo/mean", "monte_carlo/p95"] {
+        let first = at(&format!("/machines/0/position_um/{key}"));
+        assert!((at(&format!("/machines/1/position_um/{key}")) - 2.0 * first).abs() < 1e-9 * first, "{key}");
+        assert!((at(&format!("/machines/1/minus_first/position_um/{key}")) - first).abs() < 1e-9 * first, "{key}");
+    }
+    let errors = b["contributions"].as_array().unwrap();
+    assert_eq!(errors.iter().map(|e| e["error"].as_str().unwrap()).collect::<Vec<_>>(), ["EC0Y", "EXX"]);
+    assert_eq!((&errors[0]["tolerance"], &errors[0]["unit"]), (&serde_json::json!([20.0, 40.0]), &"urad".into()));
+    for i in 0..2 {
+        let part = at(&format!("/contributions/{i}/um_of_p95/0"));
+        assert!((at(&format!("/contributions/{i}/minus_first/1")) - part).abs() < 1e-9 * part);
+    }
+    // On average: EC0Y moves the tool by y; root mean square over the tool poses of the comparison, as printed.
+    let csv = abbe(&["compare", text(&one), text(&two), "--poses", "200", "--format", "csv"]);
+    let y = |line: &str| line.split(',').nth(3).unwrap().parse::<f64>().unwrap();
+    let squares: Vec<f64> = csv.lines().skip(1).step_by(2).map(|line| (y(line) * 20e-3).powi(2)).collect();
+    let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+    assert!((at("/contributions/0/average_um/0") - rms).abs() < 1e-9, "{rms}");
+    // All parts are those of the machines around the 95 % value: within the window of 92.5 to 97.5 %.
+    let sum: f64 = (0..2).map(|i| at(&format!("/contributions/{i}/um_of_p95/0"))).sum();
+    let (p90, p99) = (
+        at("/machines/0/position_um/monte_carlo/percentiles/p90/value"),
+        at("/machines/0/position_um/monte_carlo/percentiles/p99/value"),
+    );
+    assert!(p90 < sum && sum < p99, "{p90} {sum} {p99}");
+    let said = abbe(&["compare", text(&one), text(&two), "--poses", "50", "--samples", "50"]);
+    assert!(said.contains("Budgets on the same tool poses: 2 and 2 errors bounded; 50 machines drawn"), "{said}");
+    // One that bounds nothing: said, and the rest is there.
+    let c = of(&[text(&one), text(&three)]);
+    assert!(c["budgets"].is_null() && c["warnings"][0]["code"] == "W0607", "{c}");
+    assert!(of(&[text(&three), text(&three)])["warnings"].is_null());
+    // With a class both have one.
+    let c = of(&[text(&one), text(&three), "--class", "production"]);
+    assert_eq!((&c["budgets"]["class"], c["budgets"]["machines"].as_array().unwrap().len()), (&"production".into(), 2));
 }

@@ -8,6 +8,7 @@ use crate::oracle::random::Random;
 use crate::oracle::rigid::Frame;
 use crate::oracle::{program::Folder as Workshop, yaml};
 use crate::program::{Folder, abbe, abbe_on, json, refused, text};
+use abbe::analysis::Work;
 use abbe::analysis::budget::{Distribution, Draws, NODES, Statistic, bounds, classes};
 use abbe::analysis::enumerate::{Judge, Rule, Standing, Study, TooMany, walks};
 use abbe::analysis::{ToolPose, inverse, rest};
@@ -72,7 +73,7 @@ fn given_errors_are_those_of_an_independent_model_placed_anew() {
         let _ = yaml::write(&sample, &folder);
         let machine = crate::loaded::machine(&folder.path("machine.yaml"));
         let list = walks(&machine, None, &[]).unwrap();
-        let study = Study::new(&machine, list.clone(), Judge::Errors, Statistic::Max, 12, 1);
+        let study = Study::new(&machine, list.clone(), Judge::Errors, Statistic::Max, &Work::random(&machine, 12, 1));
         for (step, walk) in list.iter().enumerate().step_by(5) {
             for (row, table) in study.step(step).iter().zip(&walk.tables) {
                 if row.standing != Standing::Judged {
@@ -115,7 +116,7 @@ fn budgets_are_those_of_one_machine_after_the_other() {
         let draws = Draws::new(9, Distribution::Uniform);
         let list = walks(&machine, None, &[]).unwrap();
         let judge = Judge::Budget { bounds: bounds.clone(), draws: draws.clone(), samples: 3 };
-        let study = Study::new(&machine, list.clone(), judge, Statistic::Max, few, 4);
+        let study = Study::new(&machine, list.clone(), judge, Statistic::Max, &Work::random(&machine, few, 4));
         let mut judged = 0;
         for (step, walk) in list.iter().enumerate().step_by(17) {
             for (row, table) in study.step(step).iter().zip(&walk.tables).step_by(2) {

@@ -150,3 +150,36 @@ fn pictures_tables_and_refusals() {
         assert_eq!(refused(&[&["instrument", "trunnion.yaml"], arguments].concat()).0, 2, "{arguments:?}");
     }
 }
+
+#[test]
+fn every_instrument_is_drawn() {
+    let folder = Folder::new("instrument-pictures");
+    for instrument in ["ball-bar", "r-test", "diagonals", "step-diagonals"] {
+        let (svg, png) = (folder.file("p.svg"), folder.file("p.png"));
+        abbe(&["instrument", "ht-b-c.yaml", instrument, "--svg", text(&svg)]);
+        let picture = std::fs::read_to_string(&svg).unwrap();
+        well_formed(&picture).unwrap();
+        abbe(&["instrument", "ht-b-c.yaml", instrument, "--svg", text(&png)]);
+        assert!(std::fs::read(&png).unwrap().starts_with(b"\x89PNG"));
+        // A reading that grows beyond its frame would be drawn outside of the picture.
+        let size = |name: &str| -> f64 {
+            picture.split_once(&format!("{name}=\"")).unwrap().1.split('"').next().unwrap().parse().unwrap()
+        };
+        for (name, limit) in [("cx", size("width")), ("cy", size("height"))] {
+            for part in picture.split(&format!(" {name}=\"")).skip(1) {
+                let at: f64 = part.split('"').next().unwrap().parse().unwrap();
+                assert!((0.0..=limit).contains(&at), "{instrument}: {name} {at}");
+            }
+        }
+    }
+    // The ranges in the picture's words are those of the JSON.
+    let svg = folder.file("r.svg");
+    let r = json(&["instrument", "ht-b-c.yaml", "r-test", "--svg", text(&svg), "--format", "json"]);
+    let picture = std::fs::read_to_string(&svg).unwrap();
+    for axis in r["axes"].as_array().unwrap() {
+        let ranges: Vec<String> =
+            numbers(&axis["range_um"]).iter().map(|um| abbe::units::significant(*um, 3)).collect();
+        let words = format!("{}: ranges {} µm", axis["axis"].as_str().unwrap(), ranges.join(", "));
+        assert!(picture.contains(&words), "{words}");
+    }
+}

@@ -50,4 +50,5 @@ mod support;
 mod targets;
 mod theorems;
 mod tidy;
+mod tool_poses;
 mod weil;

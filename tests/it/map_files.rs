@@ -305,3 +305,64 @@ fn png_pictures_are_the_svg_ones_at_twice_the_size_with_their_text() {
     );
     assert_eq!(refused(&["show", "trunnion.yaml", "--curves", "curves.jpg"]).0, 2);
 }
+
+#[test]
+fn more_poses_than_are_held_are_streamed_in_every_form() {
+    let folder = Folder::new("streamed");
+    // 101 x 100 x 101 nodes, more than a million; C turns the table.
+    let machine = folder.with(
+        "m.yaml",
+        "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500] }\n  Y: { travel: [0, 495] }\n  Z: { travel: [0, 500] }\nworkpiece: { origin: [1, 2, 3] }\nerrors:\n  EC0Y: 20 urad\n  EB0Z: -9 urad\nvolume: { step: 5 mm }\n",
+    );
+    let [j, p, v] = ["m.json", "m.parquet", "m.vtu"].map(|name| folder.file(name));
+    let run = |threads: usize, more: &[&str]| {
+        let forms = ["--parquet", text(&p), "--vtk", text(&v)];
+        let output = crate::program::abbe_on(
+            threads,
+            &[&["map", text(&machine), "--order", "1", "--quiet"], forms.as_slice(), more].concat(),
+        );
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        [&p, &v].map(|path| std::fs::read(path).unwrap())
+    };
+    let [parquet, vtk] = run(2, &["--json", text(&j)]);
+    assert!(run(3, &[]) == [parquet, vtk.clone()], "bytes hang on the number of threads");
+    let (count, dx) = (101 * 100 * 101, |y: f64, z: f64| -20e-3 * y - 9e-3 * z);
+    let node = |i: usize| [i / 10_100, i / 101 % 100, i % 101].map(|k| 5.0 * k as f64);
+    let reader = SerializedFileReader::new(std::fs::File::open(&p).unwrap()).unwrap();
+    let groups = reader.metadata().row_groups();
+    assert_eq!(groups.iter().map(|g| g.num_rows()).sum::<i64>(), count as i64);
+    assert!(groups[..groups.len() - 1].iter().all(|g| g.num_rows() == 1 << 16));
+    for (i, record) in reader.get_row_iter(None).unwrap().enumerate().step_by(997) {
+        let record = record.unwrap();
+        let [x, y, z] = node(i);
+        assert_eq!([0, 1, 2].map(|k| record.get_double(k).unwrap()), [x, y, z], "{i}");
+        assert!((record.get_double(3).unwrap() - dx(y, z)).abs() < 1e-9, "{i}");
+    }
+    let (points, deviations) = (doubles(array(&vtk, "Points")), doubles(array(&vtk, "deviation_um")));
+    assert_eq!((points.len(), deviations.len()), (3 * count, 3 * count));
+    for i in 0..count {
+        let [x, y, z] = node(i);
+        let at = [x - 1.0, y - 2.0, z - 3.0];
+        assert!((0..3).all(|k| (points[3 * i + k] - at[k]).abs() < 1e-9), "{i}");
+        assert!((deviations[3 * i] - dx(y, z)).abs() < 1e-9, "{i}");
+    }
+    let cells = integers(array(&vtk, "connectivity"));
+    assert_eq!(cells.len(), 8 * 100 * 99 * 100);
+    assert_eq!(cells[cells.len() - 8..][6], count - 1, "the last cell ends at the last node");
+    assert!(vtk.ends_with(b"\n </AppendedData>\n</VTKFile>\n"));
+    let text = std::fs::read_to_string(&j).unwrap();
+    let mut lines = text.lines();
+    assert!(lines.next().unwrap().ends_with("\"poses\":["));
+    let mut seen = 0;
+    for (i, line) in lines.by_ref().take(count).enumerate() {
+        seen += 1;
+        if i % 997 == 0 || i + 1 == count {
+            let pose: Value = serde_json::from_str(line.trim_end_matches(',')).unwrap();
+            let [_, y, z] = node(i);
+            assert!((pose["deviation_um"][0].as_f64().unwrap() - dx(y, z)).abs() < 1e-9);
+            assert_eq!(pose["axes"]["Z"].as_f64().unwrap(), z);
+        }
+        assert_eq!(line.ends_with(','), i + 1 < count);
+    }
+    assert_eq!((seen, lines.collect::<Vec<_>>()), (count, vec!["]}"]));
+}

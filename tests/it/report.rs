@@ -337,3 +337,52 @@ fn the_watched_page_follows_its_file_and_answers_this_computer_only() {
     let _ = folder.with("m.yaml", &machine("Fourth", "30 urad"));
     assert!(serving.until("<h1>Fourth</h1>").contains("role=\"alert\" hidden"));
 }
+
+#[test]
+fn its_budgets_and_instruments_are_those_of_their_verbs() {
+    let folder = Folder::new("report-budget");
+    let class = ["--class", "production", "--samples", "60"];
+    let files = ["trunnion.yaml", "ht-b-c.yaml"];
+    let page = page(&folder, &[&files[..], &class, &["--poses", "90", "--seed", "5"]].concat());
+    let data = data(&page);
+    for (i, file) in files.into_iter().enumerate() {
+        let machine = &data["machines"][i];
+        let budget = json(&[&["budget", file, "--seed", "5", "--format", "json"], &class[..]].concat());
+        for (key, value) in machine["budget"].as_object().unwrap() {
+            assert_eq!(value, &budget[key], "{file}: {key}");
+        }
+        assert!(machine["budget"]["tighten"].as_array().unwrap().len() > 30);
+        let bar = json(&["instrument", file, "ball-bar", "--radius", "150", "--format", "json"]);
+        assert_eq!(machine["instruments"]["ball_bar"]["planes"], bar["planes"], "{file}");
+        assert_eq!(machine["instruments"]["ball_bar"]["centre"], bar["centre"], "{file}");
+        let lines = json(&["instrument", file, "diagonals", "--format", "json"]);
+        assert_eq!(machine["instruments"]["diagonals"]["diagonals"], lines["diagonals"], "{file}");
+        for turn in machine["instruments"]["r_test"]["axes"].as_array().unwrap() {
+            let at: Vec<String> =
+                turn["ball_at"].as_object().unwrap().iter().map(|(axis, q)| format!("{axis}={q}")).collect();
+            let name = turn["axis"].as_str().unwrap();
+            let own = json(&["instrument", file, "r-test", "--axis", name, "--at", &at.join(","), "--format", "json"]);
+            for key in ["readings", "range_um", "skipped"] {
+                assert_eq!(turn[key], own["axes"][0][key], "{file} {name} {key}");
+            }
+        }
+    }
+    let compare =
+        json(&[&["compare"], &files[..], &class, &["--poses", "90", "--seed", "5", "--format", "json"]].concat());
+    assert_eq!(data["comparison"]["budgets"], compare["budgets"]);
+    for id in ["m1-budget", "m2-budget", "m1-instruments", "comparison-budgets"] {
+        assert!(page.contains(&format!("id=\"{id}\"")), "{id}");
+    }
+}
+
+#[test]
+fn without_tolerances_there_is_no_budget_and_without_linear_axes_no_path() {
+    let folder = Folder::new("report-none");
+    let three = page(&folder, &["vmc-cframe-754.yaml", "--poses", "20"]);
+    assert!(data(&three)["machines"][0]["budget"].is_null() && !three.contains("m1-budget"));
+    let robot = page(&folder, &["robots/ur5.yaml", "--poses", "20"]);
+    assert!(robot.contains("None of the paths can be driven"));
+    let out = folder.file("page2.html");
+    let (code, message) = refused(&["report", "trunnion.yaml", "--class", "commodity", "--out", text(&out)]);
+    assert!(code == 1 && message.contains("E0605") && !out.exists(), "{message}");
+}

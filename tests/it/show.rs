@@ -129,3 +129,49 @@ fn init_writes_a_machine_that_is_fine_and_never_overwrites() {
         assert_eq!(std::fs::read(&file).unwrap(), written);
     }
 }
+
+#[test]
+fn a_stated_uncertainty_is_a_band_about_the_curve_and_changes_no_result() {
+    let folder = Folder::new("uncertainty");
+    let machine = |name: &str, more: &str, location: &str| {
+        folder.with(
+            name,
+            &format!(
+                "abbe: 1\nmachine: m\nchain: w b X Y Z t\naxes: {{ X: {{ travel: [0, 400] }}, Y: {{ travel: [0, 400] }}, Z: {{ travel: [0, 400] }} }}\nerrors:\n  EXX: {{ points: [[0 mm, 1 um], [400 mm, 1 um]]{more} }}\n  EC0Y: {location}\n"
+            ),
+        )
+    };
+    let sure = machine("sure.yaml", ", uncertainty: 0.5 um", "{ value: 12 urad, uncertainty: 2 urad }");
+    let plain = machine("plain.yaml", "", "12 urad");
+    let curves = |machine: &std::path::Path| {
+        let svg = folder.file("c.svg");
+        abbe(&["show", text(machine), "--curves", text(&svg)]);
+        std::fs::read_to_string(svg).unwrap()
+    };
+    let drawn = curves(&sure);
+    assert!(!curves(&plain).contains("class=\"band\"") && drawn.contains("positioning, U = 0.5"));
+    // The band of a constant curve is a rectangle: 1 um from edge to edge where the curve itself is 1 um from zero.
+    let ys = |path: &str| -> Vec<f64> {
+        let data = path.split('"').next().unwrap();
+        data.split(['M', 'L', 'Z']).filter(|p| !p.is_empty()).map(|p| p.split(' ').nth(1).unwrap().parse().unwrap()).collect()
+    };
+    let band = drawn.split("<path d=\"").find(|path| path.contains("class=\"band\"")).unwrap();
+    let line = drawn.split("<path d=\"").skip(1).find(|path| !path.contains("class=\"band\"")).unwrap();
+    let (low, high) = ys(band).iter().fold((f64::MAX, f64::MIN), |(low, high), y| (low.min(*y), high.max(*y)));
+    let middle = ys(line)[0];
+    assert!(((high - middle) - (middle - low)).abs() < 0.02 && high - low > 20.0, "{low} {middle} {high}");
+    let result = |machine: &std::path::Path| json(&["eval", text(machine), "--at", "X=100,Y=200", "--format", "json"])["poses"].clone();
+    assert_eq!(result(&sure), result(&plain));
+    let page = folder.file("page.html");
+    abbe(&["report", text(&sure), "--poses", "10", "--out", text(&page)]);
+    let page = std::fs::read_to_string(page).unwrap();
+    assert!(page.contains("\"uncertainty\":2.0") && page.contains("class=\"band\""));
+    let wrong = machine("negative.yaml", ", uncertainty: -0.5 um", "12 urad");
+    let (code, message) = refused(&["check", text(&wrong)]);
+    assert!(code == 1 && message.contains("E0411") && message.contains("uncertainty"), "{message}");
+    let wrong = machine("both.yaml", "", "{ tolerance: 12 urad, uncertainty: 1 urad }");
+    let (code, message) = refused(&["check", text(&wrong)]);
+    assert!(code == 1 && message.contains("E0209"), "{message}");
+    let wrong = machine("unit.yaml", ", uncertainty: 0.5 urad", "12 urad");
+    assert_eq!(refused(&["check", text(&wrong)]).0, 1);
+}

@@ -9,9 +9,11 @@
 //! 4. Which tolerance to tighten first: the derivative of the 95 % value. All derivatives come from the
 //!    same random numbers. Since the error of a machine grows in proportion to all tolerances together,
 //!    tolerance times derivative, summed up, is the 95 % value itself (Euler).
+//! 5. [`beside()`]: these parts in several machines.
 //!
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
+mod beside;
 mod bounds;
 mod class;
 mod draw;
@@ -20,6 +22,7 @@ mod monte_carlo;
 mod quantile;
 mod worst;
 
+pub use beside::{BoundedError, Part, beside};
 pub use bounds::{Bound, bounds, known, lacks_rotary};
 pub use class::{Class, classes};
 pub use draw::{Distribution, Draws, HARMONICS, NODES};

@@ -1,8 +1,8 @@
 //! All arrangements of a machine's axes on the two sides of the bed, on the same work.
 //!
 //! 1. [`walks`] lists them, walk by walk, without those that a [`Rule`] excludes.
-//! 2. The work is a list of tool poses in the workpiece frame, drawn from the volume of the machine as
-//!    its file has it. Every walk reaches them by its ideal inverse kinematics, or does not.
+//! 2. The [`Work`] is a list of tool poses in the workpiece frame, drawn from the volume of the machine as
+//!    its file has it, or given. Every walk reaches them by its ideal inverse kinematics, or does not.
 //! 3. A walk that cannot turn the tool as the work asks is set apart.
 //! 4. The others are judged by a budget (the same drawn errors for all) or by the errors given.
 //! 5. [`ranked`] puts them in order; [`Journal`] keeps results walk by walk, so that a run can be
@@ -24,6 +24,7 @@ use super::budget::{Bound, Draws, Percentile, Statistic, mean};
 use super::compare::Missed;
 use super::inverse::{ToolPose, Unreachable, inverse, rest, tool_pose};
 use super::twist::{Quantity, twists};
+use super::work::Work;
 use crate::evaluate::{Bare, Field, Order, Poses, Random};
 use crate::machine::{Approach, AxisKind, Machine, Pose};
 use nalgebra::{Matrix3, Vector3};
@@ -114,21 +115,13 @@ pub struct Outcome {
 
 impl<'a> Study<'a> {
     /// Draws the work and the errors. Tool poses that the machine itself misses are left out.
-    pub fn new(
-        machine: &'a Machine,
-        walks: Vec<Walk>,
-        judge: Judge,
-        statistic: Statistic,
-        poses: usize,
-        seed: u64,
-    ) -> Self {
-        let drawn = Poses::Random(Random::of(machine, poses, seed));
+    pub fn new(machine: &'a Machine, walks: Vec<Walk>, judge: Judge, statistic: Statistic, work: &Work) -> Self {
         let at_rest = rest(machine);
         let own = |i: usize| {
-            let target = tool_pose(machine, &drawn.get(i));
+            let target = work.get(machine, i);
             inverse(machine, &target, &at_rest).ok().map(|pose| (target, pose))
         };
-        let own: Vec<(ToolPose, Pose)> = (0..drawn.len()).into_par_iter().filter_map(own).collect();
+        let own: Vec<(ToolPose, Pose)> = (0..work.len()).into_par_iter().filter_map(own).collect();
         let (work, poses): (Vec<ToolPose>, Vec<Pose>) = own.into_iter().unzip();
         let (joints, chunks) = match &judge {
             Judge::Errors => (Vec::new(), Vec::new()),

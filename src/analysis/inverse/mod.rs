@@ -45,6 +45,17 @@ pub enum Unreachable {
     Travel,
 }
 
+impl Unreachable {
+    /// Why, in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Direction => "the tool cannot be held in this direction",
+            Self::Place => "the linear axes do not span it",
+            Self::Travel => "an axis would leave its travel",
+        }
+    }
+}
+
 /// Where the ideal machine holds its tool at a pose (mm, deg).
 pub fn tool_pose(machine: &Machine, pose: &[f64]) -> ToolPose {
     let ideal = Ideal::at(machine, pose).pose;

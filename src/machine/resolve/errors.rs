@@ -18,6 +18,8 @@ const LARGEST_ROTATION: f64 = 0.1;
 pub struct Errors {
     pub joints: BTreeMap<AxisName, JointErrors>,
     pub places: BTreeMap<ErrorId, Option<Place>>,
+    /// Expanded uncertainties (mm, rad).
+    pub uncertainty: BTreeMap<ErrorId, f64>,
 }
 
 impl Errors {
@@ -47,6 +49,9 @@ pub fn errors(context: &mut Context<'_>, known: &Known<'_>) -> Errors {
         if let Some(entry) = entry {
             let term = term(context, &spelling, entry, known, &at);
             errors.put(&spelling.error, term);
+            if let Some(value) = uncertainty(context, &spelling.error, entry, &at) {
+                let _ = errors.uncertainty.insert(spelling.error, value);
+            }
         }
     }
     for (i, path) in document.measured.iter().enumerate() {
@@ -135,6 +140,23 @@ fn one_form(context: &mut Context<'_>, forms: &[&str], at: &Keys) -> bool {
             false
         }
     }
+}
+
+/// How sure the values of a term are.
+fn uncertainty(context: &mut Context<'_>, error: &ErrorId, entry: &TermEntry, at: &Keys) -> Option<f64> {
+    let here = below(at, "uncertainty");
+    let value = context.error_value(entry.uncertainty.as_ref()?, error.direction, &here)?;
+    if entry.tolerance.is_some() {
+        let message = format!("`tolerance` and `uncertainty` of `{}` exclude each other", dotted(at));
+        context.at_key("E0209", &here, message, "an uncertainty is of a value that is known");
+        return None;
+    }
+    if value < 0.0 {
+        let help = "an uncertainty is a half-width: `0.6 um` means ±0.6 um (k = 2)";
+        context.at_value("E0411", &here, "a negative uncertainty", help);
+        return None;
+    }
+    context.plausible(value, error.direction, &here).then_some(value)
 }
 
 fn term(

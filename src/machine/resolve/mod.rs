@@ -59,6 +59,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
         setup,
         volume: volume?,
         provenance,
+        uncertainty: std::mem::take(&mut errors.uncertainty),
         algebra,
         chain,
     };

@@ -1,7 +1,7 @@
 //! Two or more machines on the same tool poses.
 
 use super::data::Given;
-use crate::analysis::{Compared, ErrorAlone, compare, contributions};
+use crate::analysis::{Compared, Comparison, ErrorAlone, Work, compare, contributions};
 use crate::evaluate::{Bare, Field};
 use crate::machine::{Machine, Pose};
 use serde::Serialize;
@@ -18,37 +18,48 @@ pub struct ComparisonData {
     machines: Vec<Value>,
     /// The errors that do most in any of the machines, one by one.
     errors: Vec<Value>,
+    /// The budgets on the same work, as `compare` has them.
+    budgets: Value,
 }
+
+/// Machines with their poses at the tool poses that all of them reach.
+pub type Sides<'a> = Vec<(&'a Machine, Vec<Pose>)>;
 
 /// How many of them.
 const ERRORS: usize = 20;
 
 impl ComparisonData {
-    /// Compares two or more machines at tool poses drawn from the volume of the first.
-    pub fn new(given: &[Given<'_>], progress: &(dyn Fn(usize) + Sync)) -> Option<Self> {
+    /// Two or more machines at tool poses drawn from the volume of the first.
+    pub fn work<'a>(given: &[Given<'a>]) -> Option<(Comparison, Sides<'a>)> {
         let first = given.first().filter(|_| given.len() > 1)?;
         let bare: Vec<Bare<'_>> = given.iter().map(|g| Bare { machine: g.machine, order: g.order }).collect();
         let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-        let comparison = compare(&fields, &first.sample(), first.approach, progress);
+        let comparison = compare(&fields, &Work::Taken(first.sample()), first.approach, &|_| {});
+        let poses = |c: &Compared| c.reached.iter().map(|(pose, _)| pose.clone()).collect();
+        let sides = given.iter().zip(&comparison.machines).map(|(g, c)| (g.machine, poses(c))).collect();
+        Some((comparison, sides))
+    }
+
+    /// What the page shows of them; `budgets` is null if there are none.
+    pub fn new(given: &[Given<'_>], (comparison, sides): &(Comparison, Sides<'_>), budgets: Value) -> Self {
         let side = |(g, c): (&Given<'_>, &Compared)| {
             json!({"name": g.machine.name(), "file": g.file, "chain": g.machine.chain().to_string(),
                 "unreachable": c.unreachable, "position_um": c.statistics.position_um,
                 "rotation_urad": c.statistics.rotation_urad, "minus_first": c.difference})
         };
-        let poses = |c: &Compared| c.reached.iter().map(|(pose, _)| pose.clone()).collect();
-        let sides: Vec<(&Machine, Vec<Pose>)> =
-            given.iter().zip(&comparison.machines).map(|(g, c)| (g.machine, poses(c))).collect();
         let error = |e: ErrorAlone| {
             let minus: Vec<f64> = (0..e.um.len()).map(|i| e.minus_first(i)).collect();
             json!({"error": e.error, "um": e.um, "minus_first": minus})
         };
-        Some(Self {
-            errors: contributions(&sides, first.approach).into_iter().take(ERRORS).map(error).collect(),
+        let (approach, seed) = given.first().map_or_else(Default::default, |first| (first.approach, first.poses.1));
+        Self {
+            errors: contributions(sides, approach).into_iter().take(ERRORS).map(error).collect(),
+            budgets,
             asked: comparison.asked,
             poses: comparison.common.len(),
-            seed: first.poses.1,
+            seed,
             largest_um: comparison.machines.iter().map(|c| c.statistics.position_um.max).fold(0.0, f64::max),
             machines: given.iter().zip(&comparison.machines).map(side).collect(),
-        })
+        }
     }
 }

@@ -3,9 +3,11 @@
 
 use super::comparison::ComparisonData;
 use super::field::FieldData;
+use super::instruments::Instruments;
 use crate::analysis::{LocationSet, Map, Source, Status, body_diagonals, levers, rest, sources};
 use crate::evaluate::{Bare, Order, Poses, Random, Summary, worst};
 use crate::machine::{Approach, Axis, ErrorTerm, Machine, Pose, Travel};
+use crate::report::{Bar, BudgetReport, ParetoPicture, Picture};
 use crate::target::{Certificate, Effect, Handled, Target};
 use serde::Serialize;
 use serde_json::{Map as Object, Value, json};
@@ -25,6 +27,10 @@ pub struct Given<'a> {
     pub poses: (usize, u64),
     /// What was written for it.
     pub written: &'a [Written],
+    /// What instruments read of it.
+    pub instruments: &'a Instruments,
+    /// Its budget, if errors are bounded.
+    pub budget: Option<BudgetReport<'a>>,
     /// Warnings, each as a line.
     pub warnings: &'a [String],
 }
@@ -78,6 +84,8 @@ pub struct MachineData {
     source_poses: usize,
     sources: Vec<Value>,
     diagonals: Vec<Value>,
+    instruments: Value,
+    budget: Value,
     certificates: Vec<Value>,
     field: FieldData,
 }
@@ -128,9 +136,28 @@ impl MachineData {
             source_poses: few.0,
             sources: sources(&bare, &few_poses, &worst_pose, given.approach).iter().map(source).collect(),
             diagonals: diagonals(&bare, given.approach),
+            instruments: given.instruments.json(machine),
+            budget: given.budget.map_or(Value::Null, |budget| budget.json().into()),
             certificates: given.written.iter().map(|written| certificate(machine, written)).collect(),
             field: FieldData::new(given),
         }
+    }
+}
+
+impl MachineData {
+    /// The errors that do most alone, and how they add up; `None` without errors.
+    pub fn pareto(&self, top: usize) -> Option<Picture> {
+        let bar = |s: &Value| Some(Bar { label: s["error"].as_str()?.to_owned(), value: s["p95_um"].as_f64()? });
+        let bars: Vec<Bar> = self.sources.iter().filter_map(bar).collect();
+        let total = bars.iter().map(|b| b.value * b.value).sum();
+        let picture = ParetoPicture {
+            title: self.name.clone(),
+            subtitle: "Each error alone, as the file gives it: 95 % of the poses lie below".to_owned(),
+            quantity: "position deviation in µm".to_owned(),
+            bars: bars.into_iter().take(top).collect(),
+            total,
+        };
+        (total > 0.0).then(|| picture.picture())
     }
 }
 
@@ -154,7 +181,7 @@ pub(super) fn order_word(order: Order) -> String {
 }
 
 /// An object of axis names and positions (mm, deg).
-pub(super) fn positions(machine: &Machine, pose: &[f64]) -> Value {
+pub fn positions(machine: &Machine, pose: &[f64]) -> Value {
     let entry = |(axis, q): (&Axis, &f64)| (axis.name.to_string(), json!(q + 0.0));
     machine.axes().iter().zip(pose).map(entry).collect::<Object<_, _>>().into()
 }
@@ -195,7 +222,9 @@ fn locations(machine: &Machine) -> Vec<Value> {
     };
     let row = |id: &crate::machine::ErrorId, status: &str| {
         let (value, tolerance, unit) = value(id);
-        json!({"error": id, "status": status, "value": value, "tolerance": tolerance, "unit": unit})
+        let factor = if id.direction.is_rotation() { 1e6 } else { 1e3 };
+        let uncertainty = machine.uncertainty(id).map(|half| half * factor);
+        json!({"error": id, "status": status, "value": value, "uncertainty": uncertainty, "tolerance": tolerance, "unit": unit})
     };
     let word = |status: Status| match status {
         Status::Given => "given",

@@ -12,10 +12,12 @@
 mod comparison;
 mod data;
 mod field;
+mod instruments;
 mod render;
 
 pub use comparison::ComparisonData;
-pub use data::{Data, Given, MachineData, Written};
+pub use data::{Data, Given, MachineData, Written, positions};
+pub use instruments::Instruments;
 pub use render::{Page, Pictures, Rendered, Served};
 
 use crate::report::scale::rising;

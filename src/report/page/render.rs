@@ -33,6 +33,12 @@ pub struct Pictures {
     pub curves: Vec<(String, String)>,
     /// Planes: a heading, and pictures side by side.
     pub planes: Vec<(String, Vec<String>)>,
+    /// The errors that do most, largest first; empty without errors.
+    pub pareto: String,
+    /// Ball bar, R-test and diagonals; empty where there are none.
+    pub instruments: [String; 3],
+    /// Pareto chart and waterfall of the budget, if there is one.
+    pub budget: Vec<String>,
 }
 
 /// What is rendered.

@@ -1,27 +1,35 @@
 //! CSV: a header with units, one pose a line.
 
-use super::{Rows, columns, six};
-use crate::evaluate::Deviation;
-use crate::machine::Machine;
+use super::{Prepared, Rows, Stream};
+use std::fmt::Write as _;
 use std::io::{self, Write};
 
-/// The header, with the end of its line.
-pub fn csv_header(machine: &Machine) -> String {
-    columns(machine).join(",") + "\n"
+pub(super) struct Csv<W> {
+    out: W,
 }
 
-/// The line of a pose (mm, deg) with its deviation (mm, rad), with its end.
-pub fn csv_line(pose: impl IntoIterator<Item = f64>, deviation: &Deviation) -> String {
-    // Adding zero turns -0 into 0.
-    let cells = pose.into_iter().chain(six(deviation)).map(|x| (x + 0.0).to_string());
-    cells.collect::<Vec<_>>().join(",") + "\n"
+/// The line of a row, with its end.
+pub(super) fn line(row: &[f64], text: &mut String) {
+    for (i, x) in row.iter().enumerate() {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{}{x}", if i == 0 { "" } else { "," });
+    }
+    text.push('\n');
 }
 
-impl Rows<'_> {
-    /// Writes CSV.
-    pub fn csv(&self, out: &mut dyn Write) -> io::Result<()> {
-        out.write_all(csv_header(self.machine).as_bytes())?;
-        let lines = self.poses.iter().zip(self.deviations);
-        lines.map(|(pose, deviation)| csv_line(pose, deviation)).try_for_each(|line| out.write_all(line.as_bytes()))
+impl<W: Write> Csv<W> {
+    pub(super) fn new(rows: &Rows<'_>, mut out: W) -> io::Result<Self> {
+        writeln!(out, "{}", rows.columns().join(","))?;
+        Ok(Self { out })
+    }
+}
+
+impl<W: Write> Stream for Csv<W> {
+    fn put(&mut self, rows: &Prepared) -> io::Result<()> {
+        self.out.write_all(rows.csv.as_bytes())
+    }
+
+    fn finish(mut self: Box<Self>) -> io::Result<()> {
+        self.out.flush()
     }
 }

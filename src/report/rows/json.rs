@@ -1,28 +1,43 @@
-//! JSON: the facts, then one object a pose.
+//! JSON: the facts, then one object a pose, a line each, so that it can be read by eye and by line.
 
-use super::Rows;
+use super::{Prepared, Rows, Stream};
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
 
-impl Rows<'_> {
-    /// Writes JSON: a pose a line, so that it can be read by eye and by line.
-    pub fn json(&self, out: &mut dyn Write) -> io::Result<()> {
-        let facts: Map<String, Value> =
-            self.facts().into_iter().map(|(name, word)| (name.to_owned(), json!(word))).collect();
-        let head = Value::Object(facts).to_string();
-        write!(out, "{},\"poses\":[", head.trim_end_matches('}'))?;
-        for index in 0..self.deviations.len() {
-            let comma = if index == 0 { "\n" } else { ",\n" };
-            write!(out, "{comma}{}", self.pose(index))?;
-        }
-        writeln!(out, "\n]}}")
-    }
+pub(super) struct Json<W> {
+    out: W,
+}
 
-    fn pose(&self, index: usize) -> Value {
-        let row = self.row(index);
+impl Rows<'_> {
+    /// The object of a row, with what stands before it: a comma, but for the first of all.
+    pub(super) fn json_line(&self, row: &[f64], text: &mut String) {
         let (axes, six) = row.split_at(self.machine.axes().len());
         let names = self.machine.axes().iter().map(|axis| axis.name.to_string());
         let axes: Map<String, Value> = names.zip(axes.iter().map(|q| json!(q))).collect();
-        json!({"axes": axes, "deviation_um": six[..3], "rotation_urad": six[3..]})
+        let pose = json!({"axes": axes, "deviation_um": six[..3], "rotation_urad": six[3..]});
+        text.push_str(",\n");
+        text.push_str(&pose.to_string());
+    }
+}
+
+impl<W: Write> Json<W> {
+    pub(super) fn new(rows: &Rows<'_>, mut out: W) -> io::Result<Self> {
+        let facts: Map<String, Value> =
+            rows.facts().into_iter().map(|(name, word)| (name.to_owned(), json!(word))).collect();
+        let head = Value::Object(facts).to_string();
+        write!(out, "{},\"poses\":[", head.trim_end_matches('}'))?;
+        Ok(Self { out })
+    }
+}
+
+impl<W: Write> Stream for Json<W> {
+    fn put(&mut self, rows: &Prepared) -> io::Result<()> {
+        let text = if rows.first == 0 { rows.json.trim_start_matches(',') } else { &rows.json };
+        self.out.write_all(text.as_bytes())
+    }
+
+    fn finish(mut self: Box<Self>) -> io::Result<()> {
+        self.out.write_all(b"\n]}\n")?;
+        self.out.flush()
     }
 }

@@ -1,29 +1,27 @@
 //! A mapped field pose by pose, for other programs: CSV, JSON, Parquet and VTK.
 //!
-//! Each is written to a stream as it is made, so that no second copy of the map is held. Positions are in mm
-//! and deg as programmed, deviations in um and urad, actual minus nominal.
+//! [`Rows`] says what the table is of. Blocks of consecutive poses are [`Prepared`], on any thread, and put into a
+//! [`Stream`] one after the other; so a table is never held as a whole, whatever its form. Positions are in mm and
+//! deg as programmed, deviations in um and urad, actual minus nominal.
 
 mod csv;
 mod json;
 mod parquet;
 mod vtk;
 
-pub use csv::{csv_header, csv_line};
-
-use crate::analysis::View;
+use crate::analysis::{View, frame_rotation, tool_pose};
 use crate::evaluate::{Deviation, Frame, Order, Poses};
-use crate::machine::{Approach, Machine};
+use crate::machine::{Approach, Machine, Pose};
+use std::io::{self, Seek, Write};
 
-/// What is written.
+/// What a table is of.
 #[derive(Debug, Clone, Copy)]
 pub struct Rows<'a> {
     /// The machine.
     pub machine: &'a Machine,
     /// The poses.
     pub poses: &'a Poses,
-    /// The deviation at each (mm, rad), in the frame of the view.
-    pub deviations: &'a [Deviation],
-    /// How they were computed.
+    /// How the deviations were computed.
     pub view: View,
     /// To which order.
     pub order: Order,
@@ -31,27 +29,100 @@ pub struct Rows<'a> {
     pub target: &'a str,
 }
 
+/// Form of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// A header with units, one pose a line.
+    Csv,
+    /// An object with one object a pose.
+    Json,
+    /// The columns of the CSV.
+    Parquet,
+    /// An unstructured grid.
+    Vtk,
+}
+
+/// Consecutive rows, as far as the forms asked for can be made of them apart from the others.
+#[derive(Debug, Clone, Default)]
+pub struct Prepared {
+    /// Index of the first.
+    first: usize,
+    /// Positions (mm, deg), then the deviation (um, urad): the numbers of each row.
+    rows: Vec<Vec<f64>>,
+    csv: String,
+    json: String,
+    /// Nominal tips, mm.
+    tips: Vec<[f64; 3]>,
+}
+
+/// Where the rows of one table go, in their order.
+pub trait Stream {
+    /// The next rows.
+    fn put(&mut self, rows: &Prepared) -> io::Result<()>;
+
+    /// That was all.
+    fn finish(self: Box<Self>) -> io::Result<()>;
+}
+
+/// What a file has to be able to do.
+pub trait Target: Write + Seek + Send {}
+
+impl<T: Write + Seek + Send> Target for T {}
+
 /// Names of the six columns of a deviation.
 const DEVIATION: [&str; 6] = ["dx [um]", "dy [um]", "dz [um]", "wx [urad]", "wy [urad]", "wz [urad]"];
 
-/// `X [mm]`, ..., then those of the deviation.
-fn columns(machine: &Machine) -> Vec<String> {
-    let axes = machine.axes().iter().map(|axis| format!("{} [{}]", axis.name, axis.unit()));
-    axes.chain(DEVIATION.map(str::to_owned)).collect()
-}
-
-impl Rows<'_> {
-    fn columns(&self) -> Vec<String> {
-        columns(self.machine)
+impl<'a> Rows<'a> {
+    /// Prepares rows for some forms: `first` is the index of the first pose, the deviations (mm, rad) are in the
+    /// frame of the view.
+    pub fn prepared(&self, forms: &[Form], first: usize, rows: impl Iterator<Item = (Pose, Deviation)>) -> Prepared {
+        let mut made = Prepared { first, ..Prepared::default() };
+        let wants = |form| forms.contains(&form);
+        for (pose, deviation) in rows {
+            if wants(Form::Vtk) {
+                made.tips.push(self.tip(&pose));
+            }
+            let mut row = pose;
+            row.extend(six(&deviation));
+            // Adding zero turns -0 into 0.
+            row.iter_mut().for_each(|x| *x += 0.0);
+            if wants(Form::Csv) {
+                csv::line(&row, &mut made.csv);
+            }
+            if wants(Form::Json) {
+                self.json_line(&row, &mut made.json);
+            }
+            made.rows.push(row);
+        }
+        made
     }
 
-    /// The numbers of a row, in the order of the columns.
-    fn row(&self, index: usize) -> Vec<f64> {
-        let mut row = self.poses.get(index);
-        row.extend(six(&self.deviations[index]));
-        // Adding zero turns -0 into 0.
-        row.iter_mut().for_each(|x| *x += 0.0);
-        row
+    /// Begins a table.
+    pub fn stream<'o>(&self, form: Form, out: impl Target + 'o) -> io::Result<Box<dyn Stream + 'o>>
+    where
+        'a: 'o,
+    {
+        Ok(match form {
+            Form::Csv => Box::new(csv::Csv::new(self, out)?),
+            Form::Json => Box::new(json::Json::new(self, out)?),
+            Form::Parquet => Box::new(parquet::Parquet::new(self, out)?),
+            Form::Vtk => Box::new(vtk::Vtk::new(self, out)?),
+        })
+    }
+
+    /// `X [mm]`, ..., then those of the deviation.
+    fn columns(&self) -> Vec<String> {
+        let axes = self.machine.axes().iter().map(|axis| format!("{} [{}]", axis.name, axis.unit()));
+        axes.chain(DEVIATION.map(str::to_owned)).collect()
+    }
+
+    /// Nominal tip from the workpiece origin, mm, in the frame of the vectors.
+    fn tip(&self, pose: &[f64]) -> [f64; 3] {
+        let tip = tool_pose(self.machine, pose).tip;
+        match frame_rotation(self.machine, pose, self.view.frame) {
+            Some(turn) => (turn * tip).map(|x| x + 0.0).into(),
+            None => tip.map(|x| x + 0.0).into(),
+        }
     }
 
     /// What a reader has to know, as names and words.

@@ -1,66 +1,88 @@
-//! Parquet: the columns of the CSV as doubles, the facts as the file's metadata.
+//! Parquet: the columns of the CSV as doubles, uncompressed, the facts as the file's metadata.
 
-use super::Rows;
+use super::{Prepared, Rows, Stream};
 use parquet::basic::{Repetition, Type as Physical};
 use parquet::data_type::DoubleType;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
-use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
+use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 use std::io::{self, Write};
 use std::sync::Arc;
 
-/// Rows of a row group: what a reader holds at once.
+/// Rows of a row group: what writer and reader hold at once. However rows come, groups are the same.
 const GROUP: usize = 1 << 16;
 
-impl Rows<'_> {
-    /// Writes Parquet, uncompressed.
-    pub fn parquet(&self, out: &mut (dyn Write + Send)) -> io::Result<()> {
-        self.write_parquet(out).map_err(|failure| match failure {
-            ParquetError::External(inner) => io::Error::other(inner),
-            other => io::Error::other(other),
-        })
-    }
+pub(super) struct Parquet<W: Write + Send> {
+    writer: SerializedFileWriter<W>,
+    /// Rows that do not make a group yet, by columns.
+    waiting: Vec<Vec<f64>>,
+}
 
-    fn write_parquet(&self, out: &mut (dyn Write + Send)) -> Result<(), ParquetError> {
-        let facts = self.facts().into_iter().map(|(name, word)| KeyValue::new(name.to_owned(), word));
+impl<W: Write + Send> Parquet<W> {
+    pub(super) fn new(rows: &Rows<'_>, out: W) -> io::Result<Self> {
+        let facts = rows.facts().into_iter().map(|(name, word)| KeyValue::new(name.to_owned(), word));
         let properties = WriterProperties::builder()
             .set_created_by(format!("abbe {}", env!("CARGO_PKG_VERSION")))
             .set_key_value_metadata(Some(facts.collect()))
             .build();
-        let mut writer = SerializedFileWriter::new(out, Arc::new(self.schema()?), Arc::new(properties))?;
-        let count = self.deviations.len();
-        for start in (0..count).step_by(GROUP) {
-            let rows: Vec<Vec<f64>> = (start..count.min(start + GROUP)).map(|index| self.row(index)).collect();
-            let mut group = writer.next_row_group()?;
-            columns(&mut group, &rows)?;
-            let _ = group.close()?;
+        let columns = rows.columns();
+        let waiting = vec![Vec::new(); columns.len()];
+        let schema = schema(columns).map_err(failed)?;
+        let writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties)).map_err(failed)?;
+        Ok(Self { writer, waiting })
+    }
+
+    fn group(&mut self) -> Result<(), ParquetError> {
+        let mut group = self.writer.next_row_group()?;
+        let mut columns = self.waiting.iter_mut();
+        while let (Some(mut column), Some(values)) = (group.next_column()?, columns.next()) {
+            let _ = column.typed::<DoubleType>().write_batch(values, None, None)?;
+            column.close()?;
+            values.clear();
         }
-        let _ = writer.close()?;
+        let _ = group.close()?;
         Ok(())
     }
 
-    fn schema(&self) -> Result<Type, ParquetError> {
-        let column = |name: String| {
-            let kind = Type::primitive_type_builder(&name, Physical::DOUBLE);
-            kind.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
-        };
-        let fields = self.columns().into_iter().map(column).collect::<Result<Vec<_>, _>>()?;
-        Type::group_type_builder("map").with_fields(fields).build()
+    fn waiting(&self) -> usize {
+        self.waiting.first().map_or(0, Vec::len)
     }
 }
 
-fn columns<W: Write + Send>(
-    group: &mut SerializedRowGroupWriter<'_, W>,
-    rows: &[Vec<f64>],
-) -> Result<(), ParquetError> {
-    let mut k = 0;
-    while let Some(mut column) = group.next_column()? {
-        let values: Vec<f64> = rows.iter().map(|row| row[k]).collect();
-        let _ = column.typed::<DoubleType>().write_batch(&values, None, None)?;
-        column.close()?;
-        k += 1;
+impl<W: Write + Send> Stream for Parquet<W> {
+    fn put(&mut self, rows: &Prepared) -> io::Result<()> {
+        for row in &rows.rows {
+            self.waiting.iter_mut().zip(row).for_each(|(column, x)| column.push(*x));
+            if self.waiting() == GROUP {
+                self.group().map_err(failed)?;
+            }
+        }
+        Ok(())
     }
-    Ok(())
+
+    fn finish(mut self: Box<Self>) -> io::Result<()> {
+        if self.waiting() > 0 {
+            self.group().map_err(failed)?;
+        }
+        let _ = self.writer.close().map_err(failed)?;
+        Ok(())
+    }
+}
+
+fn schema(columns: Vec<String>) -> Result<Type, ParquetError> {
+    let column = |name: String| {
+        let kind = Type::primitive_type_builder(&name, Physical::DOUBLE);
+        kind.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
+    };
+    let fields = columns.into_iter().map(column).collect::<Result<Vec<_>, _>>()?;
+    Type::group_type_builder("map").with_fields(fields).build()
+}
+
+fn failed(failure: ParquetError) -> io::Error {
+    match failure {
+        ParquetError::External(inner) => io::Error::other(inner),
+        other => io::Error::other(other),
+    }
 }

@@ -1,0 +1,57 @@
+//! Budgets side by side: tolerance by tolerance, what each has of the 95 % value in each of several machines.
+
+use super::bounds::Bound;
+use super::{Budget, Tighten};
+use crate::machine::ErrorId;
+use std::collections::BTreeMap;
+
+/// One bounded error in one machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Part {
+    /// Its bound (mm, rad).
+    pub tolerance: f64,
+    /// What it has of the 95 % value of the drawn machines' position (um): the parts of a machine add up to it.
+    pub of_p95: Tighten,
+    /// What it does alone at its bound, root mean square over the poses (um).
+    pub average: f64,
+}
+
+/// One bounded error in several machines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoundedError {
+    /// The error.
+    pub error: ErrorId,
+    /// In each machine; `None` where it is not bounded.
+    pub parts: Vec<Option<Part>>,
+}
+
+impl BoundedError {
+    /// The largest part of all machines.
+    pub fn largest(&self) -> f64 {
+        self.parts.iter().flatten().map(|part| part.of_p95.effect.abs()).fold(0.0, f64::max)
+    }
+
+    /// Its part of a machine's 95 % value minus that of the first; an error that is not bounded has no part.
+    /// Over all errors these differences add up to that of the 95 % values.
+    pub fn minus_first(&self, machine: usize) -> f64 {
+        let effect = |i: usize| self.parts.get(i).copied().flatten().map_or(0.0, |part| part.of_p95.effect);
+        effect(machine) - effect(0)
+    }
+}
+
+/// Every error that is bounded in any of the machines; largest first, then by name.
+pub fn beside(budgets: &[(&[Bound], &Budget)]) -> Vec<BoundedError> {
+    let mut by_error: BTreeMap<&ErrorId, Vec<Option<Part>>> = BTreeMap::new();
+    for (machine, (bounds, budget)) in budgets.iter().enumerate() {
+        let average: BTreeMap<usize, f64> = budget.average.iter().map(|c| (c.bound, c.um)).collect();
+        for (i, bound) in bounds.iter().enumerate() {
+            let parts = by_error.entry(&bound.error).or_insert_with(|| vec![None; budgets.len()]);
+            let average = average.get(&i).copied().unwrap_or(0.0);
+            parts[machine] = Some(Part { tolerance: bound.tolerance, of_p95: budget.position.tighten[i], average });
+        }
+    }
+    let one = |(error, parts): (&ErrorId, Vec<Option<Part>>)| BoundedError { error: error.clone(), parts };
+    let mut list: Vec<BoundedError> = by_error.into_iter().map(one).collect();
+    list.sort_by(|a, b| b.largest().total_cmp(&a.largest()));
+    list
+}

@@ -1,0 +1,294 @@
+//! Tool poses from a file, as the work of a machine: the functional point in the workpiece frame with the
+//! direction of the tool axis, or with positions of the rotary axes.
+//!
+//! What a machine cannot reach is left out, named row by row, and counted.
+
+use super::files::Disk;
+use super::poses::check;
+use super::session::Session;
+use super::{Outcome, Stop};
+use crate::analysis::{Missed, ToolPose, Unreachable, inverse, place, rest, tool_pose};
+use crate::diagnostic::{Diagnostic, Place, SourceId, shown};
+use crate::machine::{AxisKind, Machine, Pose};
+use crate::syntax::read_text;
+use crate::units::{self, Dimension};
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// More tool poses than this are not read.
+const MOST: usize = 1_000_000;
+
+/// So many rows are named one by one; then only their number is said.
+const NAMED: usize = 10;
+
+/// Where the tool points.
+#[derive(Debug, Clone)]
+enum Aim {
+    /// Unit vector from the tip to the holder, workpiece frame.
+    Axis(Vector3<f64>),
+    /// The machine's rotary axes as given (deg), all others at 0.
+    Rotary(Pose),
+}
+
+/// A row of the file.
+#[derive(Debug, Clone)]
+struct Row {
+    /// Where it stands.
+    place: Place,
+    /// 1-based.
+    line: usize,
+    tip: Vector3<f64>,
+    aim: Aim,
+}
+
+/// The rows of a file.
+#[derive(Debug, Clone)]
+pub(super) struct ToolPoses {
+    file: String,
+    rows: Vec<Row>,
+}
+
+/// What a machine reaches of them.
+#[derive(Debug, Clone)]
+pub(super) struct Reached {
+    file: String,
+    asked: usize,
+    /// Its poses (mm, deg), in the order of the rows.
+    pub poses: Vec<Pose>,
+    missed: Vec<(usize, Unreachable)>,
+}
+
+/// Reads a file; rotary columns are those of `machine`.
+pub(super) fn read(session: &mut Session, machine: &Machine, path: &Path) -> Result<ToolPoses, Stop> {
+    let read = read_text(path, None, &Disk, &mut session.diagnostics);
+    let Some((source, text)) = read else { return Err(Stop::Refused) };
+    match parse(machine, source, &text) {
+        Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows }),
+        Err((place, message)) => {
+            let help = "columns are X, Y, Z (mm, from the workpiece origin), and I, J, K of the tool axis or positions of rotary axes (deg)";
+            session.refuse(Diagnostic::new("E0817", message).at(Some(place), "").help(help))
+        }
+    }
+}
+
+impl ToolPoses {
+    /// As poses of the tool: where the ideal `machine`, whose rotary axes the file may give, holds it.
+    pub(super) fn list(&self, machine: &Machine) -> Vec<ToolPose> {
+        let direction = |aim: &Aim| match aim {
+            Aim::Axis(direction) => *direction,
+            Aim::Rotary(pose) => tool_pose(machine, pose).direction,
+        };
+        self.rows.iter().map(|row| ToolPose { tip: row.tip, direction: direction(&row.aim) }).collect()
+    }
+
+    /// The poses of a machine for all rows that it reaches. Says what it does not; none at all is refused.
+    pub(super) fn reached(&self, session: &mut Session, machine: &Machine) -> Result<Reached, Stop> {
+        let at_rest = rest(machine);
+        let found: Vec<Result<Pose, Unreachable>> =
+            self.rows.par_iter().map(|row| pose_at(machine, row, &at_rest)).collect();
+        let missed = found.iter().enumerate().filter_map(|(i, pose)| Some((i, *pose.as_ref().err()?))).collect();
+        self.say(session, machine, &missed)?;
+        let poses: Vec<Pose> = found.into_iter().filter_map(Result::ok).collect();
+        check(session, machine, &poses)?;
+        let missed = missed.into_iter().map(|(i, why)| (self.rows[i].line, why)).collect();
+        Ok(Reached { file: self.file.clone(), asked: self.rows.len(), poses, missed })
+    }
+
+    /// Lines of rows that were missed, and why.
+    pub(super) fn lines(&self, missed: &[(usize, Unreachable)]) -> Vec<Value> {
+        missed.iter().map(|(i, why)| json!({"line": self.rows[*i].line, "why": why})).collect()
+    }
+
+    /// Names the rows that a machine does not reach; all of them are refused.
+    pub(super) fn say(&self, session: &mut Session, machine: &Machine, missed: &Vec<(usize, Unreachable)>) -> Outcome {
+        let name = shown(machine.name());
+        if !self.rows.is_empty() && missed.len() == self.rows.len() {
+            let reasons = reasons(missed.iter().map(|(_, why)| why));
+            let message = format!("`{name}` reaches none of the {} tool poses: {reasons}", missed.len());
+            let help = "tips count from the workpiece origin, in the workpiece frame: check that origin, the tool and the travels";
+            return session.refuse(Diagnostic::new("E0613", message).help(help));
+        }
+        for (i, why) in missed.iter().take(NAMED) {
+            let message = format!("`{name}` does not reach this tool pose: {}", why.words());
+            let diagnostic = Diagnostic::new("W0608", message).at(Some(self.rows[*i].place.clone()), "left out");
+            session.diagnostics.push(diagnostic);
+        }
+        if missed.len() > NAMED {
+            let rest = &missed[NAMED..];
+            let message = format!(
+                "`{name}` does not reach {} tool poses more: {}",
+                rest.len(),
+                reasons(rest.iter().map(|(_, why)| why))
+            );
+            session.diagnostics.push(Diagnostic::new("W0608", message).help("`--format json` lists all of them"));
+        }
+        session.checked()
+    }
+}
+
+/// `3 direction, 9 travel`.
+fn reasons<'a>(why: impl Iterator<Item = &'a Unreachable>) -> String {
+    let m = Missed::count(why);
+    let each = [(m.direction, "direction"), (m.place, "place"), (m.travel, "travel")];
+    each.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect::<Vec<_>>().join(", ")
+}
+
+fn pose_at(machine: &Machine, row: &Row, at_rest: &[f64]) -> Result<Pose, Unreachable> {
+    match &row.aim {
+        Aim::Axis(direction) => inverse(machine, &ToolPose { tip: row.tip, direction: *direction }, at_rest),
+        Aim::Rotary(rotary) => {
+            let start = machine.axes().iter().zip(rotary).zip(at_rest);
+            let pose: Pose = start
+                .map(|((axis, turned), rest)| if axis.kind == AxisKind::Rotary { *turned } else { *rest })
+                .collect();
+            let placed = place(machine, &row.tip, &pose)?;
+            if machine.beyond_travel(&placed).next().is_some() { Err(Unreachable::Travel) } else { Ok(placed) }
+        }
+    }
+}
+
+impl Reached {
+    /// `tool poses of part.csv, 12 more out of reach`.
+    pub(super) fn words(&self) -> String {
+        let missed = match self.missed.len() {
+            0 => String::new(),
+            n => format!(", {n} more out of reach"),
+        };
+        format!("tool poses of {}{missed}", shown(&self.file))
+    }
+
+    /// What JSON says of them.
+    pub(super) fn json(&self) -> Value {
+        let row = |(line, why): &(usize, Unreachable)| json!({"line": line, "why": why});
+        json!({
+            "file": self.file, "asked": self.asked, "reached": self.poses.len(),
+            "unreachable": Missed::count(self.missed.iter().map(|(_, why)| why)),
+            "rows": self.missed.iter().map(row).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// What a column is, with the factor to mm or deg.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Column {
+    Tip(usize, f64),
+    Axis(usize),
+    Rotary(usize, f64),
+}
+
+/// What is wrong, and where.
+type Wrong = (Place, String);
+
+fn parse(machine: &Machine, source: SourceId, text: &str) -> Result<Vec<Row>, Wrong> {
+    let mut start = 0;
+    let mut lines = text.split_inclusive('\n').enumerate().filter_map(|(number, line)| {
+        let content = line.trim_end();
+        let place = Place { source, range: start..start + content.len() };
+        start += line.len();
+        let counts = !content.trim_start().is_empty() && !content.trim_start().starts_with('#');
+        counts.then_some((number + 1, place, content))
+    });
+    let whole = Place { source, range: 0..0 };
+    let (_, place, header) = lines.next().ok_or((whole, "the file has no header".to_owned()))?;
+    let columns = columns(machine, header).map_err(|message| (place.clone(), message))?;
+    let mut rows = Vec::new();
+    for (line, place, text) in lines {
+        let (tip, aim) = row(machine, &columns, text).map_err(|message| (place.clone(), message))?;
+        if rows.len() == MOST {
+            return Err((place, format!("more than {MOST} tool poses")));
+        }
+        rows.push(Row { place, line, tip, aim });
+    }
+    if rows.is_empty() { Err((place, "the file has no tool poses".to_owned())) } else { Ok(rows) }
+}
+
+fn columns(machine: &Machine, header: &str) -> Result<Vec<Column>, String> {
+    let columns: Vec<Column> = header.split(',').map(|cell| column(machine, cell)).collect::<Result<_, _>>()?;
+    let same = |a: &Column, b: &Column| match (a, b) {
+        (Column::Tip(i, _), Column::Tip(k, _)) | (Column::Axis(i), Column::Axis(k)) => i == k,
+        (Column::Rotary(i, _), Column::Rotary(k, _)) => i == k,
+        _ => false,
+    };
+    if let Some(i) = (0..columns.len()).find(|i| columns[..*i].iter().any(|other| same(other, &columns[*i]))) {
+        let name = header.split(',').nth(i).unwrap_or("").trim();
+        return Err(format!("column `{}` is there twice", shown(name)));
+    }
+    let count = |kind: fn(&Column) -> bool| columns.iter().filter(|column| kind(column)).count();
+    let axis = count(|c| matches!(c, Column::Axis(_)));
+    if count(|c| matches!(c, Column::Tip(..))) != 3 {
+        return Err("the columns X, Y and Z are needed: the functional point in the workpiece frame".to_owned());
+    }
+    match (axis, count(|c| matches!(c, Column::Rotary(..)))) {
+        (1 | 2, _) => Err("of I, J and K all are needed, or none".to_owned()),
+        (3, 1..) => Err("the tool axis is given twice: by I, J, K and by rotary axes".to_owned()),
+        _ => Ok(columns),
+    }
+}
+
+fn column(machine: &Machine, cell: &str) -> Result<Column, String> {
+    let (name, unit) = units::header(cell);
+    let factor = |dimension: Dimension, one: f64| match unit {
+        None => Ok(one),
+        Some("deg" | "°") if dimension == Dimension::ANGLE => Ok(1.0),
+        Some(unit) => {
+            let (factor, of) = units::unit(unit).map_err(|failure| failure.to_string())?;
+            let degrees = if dimension == Dimension::ANGLE { factor.to_degrees() } else { factor };
+            if of == dimension {
+                Ok(degrees)
+            } else {
+                Err(format!("`{unit}` is {}, not a unit for `{name}`", of.word()))
+            }
+        }
+    };
+    if let Some(i) = ["X", "Y", "Z"].iter().position(|letter| *letter == name) {
+        return Ok(Column::Tip(i, factor(Dimension::LENGTH, 1.0)?));
+    }
+    if let (Some(i), None) = (["I", "J", "K"].iter().position(|letter| *letter == name), unit) {
+        return Ok(Column::Axis(i));
+    }
+    let rotary = |i: &usize| machine.axes()[*i].kind == AxisKind::Rotary;
+    match machine.axis_index(name).filter(rotary) {
+        Some(i) => Ok(Column::Rotary(i, factor(Dimension::ANGLE, 1.0)?)),
+        None => {
+            let rotary = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary);
+            let names: Vec<&str> = rotary.map(|axis| axis.name.as_str()).collect();
+            let known = if names.is_empty() { "there is none".to_owned() } else { names.join(", ") };
+            Err(format!("column `{}` is neither X, Y, Z nor I, J, K nor a rotary axis ({known})", shown(name)))
+        }
+    }
+}
+
+fn row(machine: &Machine, columns: &[Column], line: &str) -> Result<(Vector3<f64>, Aim), String> {
+    const FARTHEST: f64 = 1e6;
+    let cells: Vec<&str> = line.split(',').collect();
+    if cells.len() != columns.len() {
+        return Err(format!("{} cells under {} columns", cells.len(), columns.len()));
+    }
+    let (mut tip, mut axis, mut pose) = (Vector3::zeros(), Vector3::zeros(), vec![0.0; machine.axes().len()]);
+    for (cell, column) in cells.iter().zip(columns) {
+        let number = units::number(cell).map_err(|failure| failure.to_string())?;
+        match *column {
+            Column::Tip(i, factor) => tip[i] = number * factor,
+            Column::Axis(i) => axis[i] = number,
+            Column::Rotary(i, factor) => pose[i] = number * factor,
+        }
+    }
+    if tip.iter().chain(&pose).any(|x| x.abs() > FARTHEST) {
+        return Err("a position is beyond 1000000 mm or deg: no machine goes there".to_owned());
+    }
+    if columns.iter().any(|column| matches!(column, Column::Rotary(..))) {
+        return Ok((tip, Aim::Rotary(pose)));
+    }
+    if !columns.iter().any(|column| matches!(column, Column::Axis(_))) {
+        return Ok((tip, Aim::Axis(Vector3::z())));
+    }
+    // Scaled first: the square of a large or small number is not one.
+    let largest = axis.amax();
+    let scaled = if largest > 0.0 && largest.is_finite() { axis / largest } else { Vector3::zeros() };
+    match scaled.try_normalize(0.0) {
+        Some(direction) => Ok((tip, Aim::Axis(direction))),
+        None => Err("the tool axis I, J, K has no direction: it is zero".to_owned()),
+    }
+}
