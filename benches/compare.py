@@ -118,8 +118,9 @@ def grids(binary, folder, rounds):
     path, _ = machine.poses(f"{folder}/grid", COUNT)
     ours = Ours(binary, file, path, 0)
     ask = lambda words: lambda: ours.sample(words)
-    times = interleaved(rounds, {"copy of the outputs": ask("copy"), "ours, order 1, grid of 40^5": ask("grid widest 1")})
-    print("\nGrid, order 1, 2^20 of its 1.02e8 nodes a sample, one core; ratio to the copy:")
+    mine = {f"ours, order {order}, grid of 40^5": ask(f"grid {order} widest 1") for order in ("1", "2", "exact")}
+    times = interleaved(rounds, {"copy of the outputs": ask("copy"), **mine})
+    print("\nGrid, 2^20 of its 1.02e8 nodes a sample, one core; ratio to the copy:")
     table(times, "copy of the outputs")
 
 
@@ -143,7 +144,7 @@ def threads(binary, folder, rounds):
     os.sched_setaffinity(0, range(os.cpu_count()))
     ours = Ours(binary, machine.write(f"{folder}/threads", steps=16), machine.poses(f"{folder}/threads", 1 << 22)[0])
     ask = lambda words: lambda: ours.sample(words)
-    names = ["batch 1 widest", "batch exact widest", "survey 1", "survey exact", "grid widest"]
+    names = ["batch 1 widest", "batch exact widest", "survey 1", "survey exact", "grid 1 widest", "grid exact widest"]
     times = interleaved(rounds, {f"{n} {t}": ask(f"{n} {t}") for n in names for t in (1, 2)})
     print("\nTwo threads against one (smallest of the samples):")
     for n in names:

@@ -4,12 +4,13 @@ use super::map::{View, into_frame};
 use crate::evaluate::{Batch, Columns, Deviation, Field, Frame, GridPlan, Plan, PoseColumns, Poses, Statistics, Tally};
 use crate::machine::Pose;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// More poses than this take hours.
 pub const MOST_SURVEYED: usize = 1_000_000_000;
 
-/// Poses of a block: the unit in which sums are formed.
-const BLOCK: usize = 1 << 14;
+/// Poses of a block: the unit in which sums are formed. Its poses and deviations stay in the second cache.
+const BLOCK: usize = 1 << 12;
 
 /// Statistics and the worst poses. Quantiles are within [`Tally::QUANTILE_ERROR`] of the exact ones.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,11 +54,13 @@ impl Block<'_> {
 /// Surveys a field. Memory does not grow with the number of poses, and no bit depends on the number of threads.
 /// `progress` is told how many poses were done.
 pub fn survey(task: Task<'_>, progress: &(dyn Fn(usize) + Sync)) -> Survey {
-    let run = Run::new(task, progress);
-    let tasks = run.blocks().min(8 * rayon::current_num_threads());
-    let bounds = |k: usize| k * run.blocks() / tasks.max(1);
-    let tally = (0..tasks).into_par_iter().map(|k| run.tally(bounds(k)..bounds(k + 1), &mut |_| ()));
-    finished(tally.reduce(|| Tally::new(task.worst), Tally::merged))
+    let run = Run::new(task, progress, false);
+    let one = |mut worker: Worker, block: usize| {
+        run.block(&mut worker, block);
+        worker
+    };
+    let tallies = (0..run.blocks()).into_par_iter().fold(|| run.worker(), one).map(|worker| worker.tally);
+    finished(tallies.reduce_with(Tally::merged).unwrap_or_else(|| Tally::new(task.worst)))
 }
 
 /// The same, with something made of every block, on any thread; `sink` takes these in the order of the poses.
@@ -68,20 +71,22 @@ pub fn survey_with_rows<T: Send>(
     sink: &mut dyn FnMut(T) -> bool,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Option<Survey> {
-    let run = Run::new(task, progress);
+    let run = Run::new(task, progress, true);
     let mut whole = Tally::new(task.worst);
-    let round = 2 * rayon::current_num_threads();
+    let round = 8 * rayon::current_num_threads();
     for start in (0..run.blocks()).step_by(round) {
         let blocks = start..(start + round).min(run.blocks());
         let one = |block: usize| {
-            let mut made = None;
-            let tally = run.tally(block..block + 1, &mut |block| made = Some(make(block)));
-            (tally, made)
+            let mut worker = run.worker();
+            let range = run.block(&mut worker, block);
+            let (first, len) = (range.start, range.len());
+            let made = make(Block { first, poses: &worker.poses.batch(), columns: &worker.columns, len });
+            (worker.tally, made)
         };
-        let done: Vec<(Tally, Option<T>)> = blocks.into_par_iter().map(one).collect();
+        let done: Vec<(Tally, T)> = blocks.into_par_iter().map(one).collect();
         for (tally, made) in done {
             whole = whole.merged(tally);
-            if !made.is_none_or(&mut *sink) {
+            if !sink(made) {
                 return None;
             }
         }
@@ -101,11 +106,20 @@ struct Run<'a> {
     block: usize,
     grid: Option<GridPlan>,
     frames: Option<Plan>,
+    /// Are the positions of the poses needed? A grid knows its own.
+    positions: bool,
     progress: &'a (dyn Fn(usize) + Sync),
 }
 
+/// What a thread uses for one block after the other.
+struct Worker {
+    tally: Tally,
+    poses: PoseColumns,
+    columns: Columns,
+}
+
 impl<'a> Run<'a> {
-    fn new(task: Task<'a>, progress: &'a (dyn Fn(usize) + Sync)) -> Self {
+    fn new(task: Task<'a>, progress: &'a (dyn Fn(usize) + Sync), rows: bool) -> Self {
         let grid = match task.poses {
             Poses::Nodes(nodes) => task.field.plan(task.view.approach).and_then(|plan| plan.grid(nodes)),
             _ => None,
@@ -113,32 +127,37 @@ impl<'a> Run<'a> {
         let grid = grid.filter(|grid| grid.line() > 1);
         let block = grid.as_ref().map_or(BLOCK, |grid| (BLOCK / grid.line()).max(1) * grid.line());
         let frames = (task.view.frame != Frame::Workpiece).then(|| super::map::frames(task.field));
-        Self { task, count: task.poses.len(), block, grid, frames, progress }
+        let positions = rows || grid.is_none() || frames.is_some();
+        Self { task, count: task.poses.len(), block, grid, frames, positions, progress }
     }
 
     fn blocks(&self) -> usize {
         self.count.div_ceil(self.block)
     }
 
-    /// Consecutive blocks.
-    fn tally(&self, blocks: std::ops::Range<usize>, rows: &mut dyn FnMut(Block<'_>)) -> Tally {
-        let mut tally = Tally::new(self.task.worst);
-        let mut poses = PoseColumns::new(self.task.field.machine().axes().len());
-        let mut columns = Columns::new(self.block.min(self.count));
-        for block in blocks {
-            let range = block * self.block..((block + 1) * self.block).min(self.count);
-            let len = range.len();
-            self.task.poses.fill(range.clone(), &mut poses);
-            let batch = poses.batch();
-            match &self.grid {
-                Some(grid) => grid.fill(range.start / grid.line(), columns.output(len)),
-                None => self.task.field.deviations(&batch, self.task.view.approach, columns.output(len)),
-            }
-            into_frame(self.frames.as_ref(), self.task.view.frame, &batch, columns.output(len));
-            tally.add(range.start, &columns, len);
-            rows(Block { first: range.start, poses: &batch, columns: &columns, len });
-            (self.progress)(len);
+    fn worker(&self) -> Worker {
+        Worker {
+            tally: Tally::new(self.task.worst),
+            poses: PoseColumns::new(self.task.field.machine().axes().len()),
+            columns: Columns::new(self.block.min(self.count)),
         }
-        tally
+    }
+
+    /// One block more; returns which poses it has.
+    fn block(&self, worker: &mut Worker, block: usize) -> Range<usize> {
+        let Worker { tally, poses, columns } = worker;
+        let range = block * self.block..((block + 1) * self.block).min(self.count);
+        let len = range.len();
+        if self.positions {
+            self.task.poses.fill(range.clone(), poses);
+        }
+        match &self.grid {
+            Some(grid) => grid.fill(range.start / grid.line(), columns.output(len)),
+            None => self.task.field.deviations(&poses.batch(), self.task.view.approach, columns.output(len)),
+        }
+        into_frame(self.frames.as_ref(), self.task.view.frame, &poses.batch(), columns.output(len));
+        tally.add(range.start, columns, len);
+        (self.progress)(len);
+        range
     }
 }

@@ -16,9 +16,7 @@ pub trait Field: Sync {
     /// The same at many poses, as many as `out` has room for: one by one, unless the field knows better.
     fn deviations(&self, poses: &Batch<'_>, approach: Approach, mut out: Output<'_>) {
         for i in 0..out.len() {
-            let deviation = self.deviation(&poses.pose(i), approach);
-            out.position.iter_mut().zip(&deviation.position).for_each(|(column, x)| column[i] = *x);
-            out.rotation.iter_mut().zip(&deviation.rotation).for_each(|(column, x)| column[i] = *x);
+            out.put(i, &self.deviation(&poses.pose(i), approach));
         }
     }
 

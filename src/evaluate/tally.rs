@@ -6,6 +6,7 @@
 //!
 //! The sketch counts lengths in buckets: 1024 to each power of two, from 2^-50 mm (or rad) to 2^14. Its quantile is the
 //! middle of the bucket that holds the exact one: within 0.05 % ([`Tally::QUANTILE_ERROR`]), whatever the distribution.
+//! It has room for the powers of two that occur, so a tally of a few blocks is small and quickly merged.
 
 use super::{Columns, Deviation, Statistics, Summary};
 use std::collections::BinaryHeap;
@@ -26,7 +27,17 @@ struct Lengths {
     sums: Vec<[f64; 2]>,
     max: f64,
     range: [(f64, f64); 3],
-    buckets: Vec<u64>,
+    sketch: Sketch,
+}
+
+/// How many lengths are in each bucket, for the powers of two from the smallest length to the largest.
+#[derive(Debug, Clone, Default)]
+struct Sketch {
+    /// Number of the first bucket that has a place: where a power of two begins.
+    first: usize,
+    counts: Vec<u64>,
+    /// Lengths in bucket 0 before it had a place: zeros, mostly, for which no room is made.
+    nothing: u64,
 }
 
 /// A pose among the worst; the greatest is the one to be dropped first.
@@ -51,38 +62,132 @@ impl PartialOrd for Worst {
     }
 }
 
-/// Bits of a double below its bucket: 10 bits of the mantissa stay.
+/// Buckets to a power of two: 10 bits of the mantissa stay.
+const POWER: usize = 1 << 10;
+/// Bits of a double below its bucket.
 const BELOW: u32 = 42;
 /// The bucket of 2^-50, and how many there are.
 const FIRST: u64 = (1023 - 50) << 10;
-const BUCKETS: usize = 64 << 10;
+const BUCKETS: usize = 64 * POWER;
+
+impl Sketch {
+    #[inline]
+    fn count(&mut self, length: f64) {
+        let bucket = ((length.to_bits() >> BELOW).saturating_sub(FIRST) as usize).min(BUCKETS - 1);
+        match self.counts.get_mut(bucket.wrapping_sub(self.first)) {
+            Some(count) => *count += 1,
+            None if bucket == 0 => self.nothing += 1,
+            None => {
+                self.reach(bucket, bucket + 1);
+                self.counts[bucket - self.first] += 1;
+            }
+        }
+    }
+
+    /// Makes room for the powers of two of some buckets.
+    #[cold]
+    fn reach(&mut self, from: usize, to: usize) {
+        let (from, to) = (from / POWER * POWER, to.next_multiple_of(POWER));
+        let (old_from, old_to) = (self.first, self.first + self.counts.len());
+        let (from, to) = if self.counts.is_empty() { (from, to) } else { (from.min(old_from), to.max(old_to)) };
+        let mut counts = vec![0; to - from];
+        if !self.counts.is_empty() {
+            counts[old_from - from..old_to - from].copy_from_slice(&self.counts);
+        }
+        (self.first, self.counts) = (from, counts);
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.nothing += other.nothing;
+        if !other.counts.is_empty() {
+            self.reach(other.first, other.first + other.counts.len());
+            let at = other.first - self.first;
+            self.counts[at..].iter_mut().zip(&other.counts).for_each(|(sum, count)| *sum += count);
+        }
+    }
+
+    /// The middle of the bucket that holds the length of this rank (from 1); `None` if that is all but nothing.
+    fn quantile(&self, rank: u64) -> Option<f64> {
+        let mut seen = self.nothing;
+        let place = self.counts.iter().position(|count| {
+            seen += count;
+            seen >= rank
+        });
+        let bucket = place.filter(|_| self.nothing < rank)? + self.first;
+        let edge = |bucket: usize| f64::from_bits((FIRST + bucket as u64) << BELOW);
+        (bucket > 0).then(|| 0.5 * (edge(bucket) + edge(bucket + 1)))
+    }
+}
+
+/// Sums and extremes of a block, eight poses abreast.
+#[derive(Default)]
+struct Eights {
+    sum: [f64; 8],
+    squares: [f64; 8],
+    max: [f64; 8],
+    low: [[f64; 8]; 3],
+    high: [[f64; 8]; 3],
+}
+
+impl Eights {
+    /// Eight vectors more; returns their lengths.
+    #[allow(clippy::needless_range_loop, reason = "eight sums and three columns by one index")]
+    #[inline]
+    fn add(&mut self, vectors: [&[f64; 8]; 3]) -> [f64; 8] {
+        let [x, y, z] = vectors;
+        let mut lengths = [0.0; 8];
+        for k in 0..8 {
+            let square = x[k] * x[k] + y[k] * y[k] + z[k] * z[k];
+            lengths[k] = square.sqrt();
+            self.sum[k] += lengths[k];
+            self.squares[k] += square;
+            self.max[k] = if lengths[k] > self.max[k] { lengths[k] } else { self.max[k] };
+        }
+        for (axis, values) in vectors.into_iter().enumerate() {
+            let (low, high) = (&mut self.low[axis], &mut self.high[axis]);
+            for k in 0..8 {
+                low[k] = if values[k] < low[k] { values[k] } else { low[k] };
+                high[k] = if values[k] > high[k] { values[k] } else { high[k] };
+            }
+        }
+        lengths
+    }
+}
 
 impl Lengths {
     fn new() -> Self {
         let range = [(f64::INFINITY, f64::NEG_INFINITY); 3];
-        Self { sums: Vec::new(), max: 0.0, range, buckets: vec![0; BUCKETS] }
+        Self { sums: Vec::new(), max: 0.0, range, sketch: Sketch::default() }
     }
 
     /// One block; returns its largest length.
-    #[allow(clippy::needless_range_loop, reason = "three columns and eight sums by one index")]
     fn add(&mut self, columns: &[Vec<f64>; 3], len: usize) -> f64 {
-        let [x, y, z] = columns.each_ref().map(|column| &column[..len]);
-        let (mut sum, mut squares, mut max) = ([0.0; 8], [0.0; 8], 0.0_f64);
-        for i in 0..len {
-            let square = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
-            let length = square.sqrt();
-            sum[i % 8] += length;
-            squares[i % 8] += square;
-            max = max.max(length);
-            let bucket = (length.to_bits() >> BELOW).saturating_sub(FIRST) as usize;
-            self.buckets[bucket.min(BUCKETS - 1)] += 1;
+        let [(x, x_rest), (y, y_rest), (z, z_rest)] = columns.each_ref().map(|column| column[..len].as_chunks::<8>());
+        // The rest is padded with its first vector, which changes no extreme; the sums go without.
+        let mut block = Eights { low: [[f64::INFINITY; 8]; 3], high: [[f64::NEG_INFINITY; 8]; 3], ..Eights::default() };
+        for ((x, y), z) in x.iter().zip(y).zip(z) {
+            block.add([x, y, z]).into_iter().for_each(|length| self.sketch.count(length));
         }
-        for ((low, high), column) in self.range.iter_mut().zip([x, y, z]) {
-            *low = column.iter().fold(*low, |low, x| low.min(*x));
-            *high = column.iter().fold(*high, |high, x| high.max(*x));
+        if let ([a, ..], [b, ..], [c, ..]) = (x_rest, y_rest, z_rest) {
+            let count = x_rest.len();
+            let (sum, squares) = (block.sum, block.squares);
+            let padded = [(x_rest, a), (y_rest, b), (z_rest, c)].map(|(rest, first)| {
+                let mut eight = [*first; 8];
+                eight[..count].copy_from_slice(rest);
+                eight
+            });
+            let lengths = block.add(padded.each_ref());
+            lengths[..count].iter().for_each(|length| self.sketch.count(*length));
+            block.sum[count..].copy_from_slice(&sum[count..]);
+            block.squares[count..].copy_from_slice(&squares[count..]);
         }
+        for ((low, high), (lows, highs)) in self.range.iter_mut().zip(block.low.iter().zip(&block.high)) {
+            *low = lows.iter().fold(*low, |low, x| low.min(*x));
+            *high = highs.iter().fold(*high, |high, x| high.max(*x));
+        }
+        let max = block.max.into_iter().fold(0.0, f64::max);
         self.max = self.max.max(max);
-        self.sums.push([sum.iter().sum(), squares.iter().sum()]);
+        self.sums.push([block.sum.iter().sum(), block.squares.iter().sum()]);
         max
     }
 
@@ -92,21 +197,7 @@ impl Lengths {
         for ((low, high), (l, h)) in self.range.iter_mut().zip(other.range) {
             (*low, *high) = (low.min(l), high.max(h));
         }
-        self.buckets.iter_mut().zip(other.buckets).for_each(|(sum, count)| *sum += count);
-    }
-
-    /// The middle of the bucket that holds the length of this rank (from 1).
-    fn quantile(&self, rank: u64) -> f64 {
-        let mut seen = 0;
-        let bucket = self.buckets.iter().position(|count| {
-            seen += count;
-            seen >= rank
-        });
-        let edge = |bucket: usize| f64::from_bits((FIRST + bucket as u64) << BELOW);
-        match bucket {
-            None | Some(0) => 0.0,
-            Some(bucket) => (0.5 * (edge(bucket) + edge(bucket + 1))).min(self.max),
-        }
+        self.sketch.merge(&other.sketch);
     }
 
     fn summary(&self, poses: u64, unit: f64) -> Summary {
@@ -116,7 +207,7 @@ impl Lengths {
             max: self.max * unit,
             mean: total(0) / count * unit,
             rms: (total(1) / count).sqrt() * unit,
-            p95: self.quantile((95 * poses).div_ceil(100)) * unit,
+            p95: self.sketch.quantile((95 * poses).div_ceil(100)).unwrap_or(0.0).min(self.max) * unit,
             range: self.range.map(|(low, high)| (high - low) * unit),
         }
     }

@@ -23,7 +23,7 @@ ROOT = HERE.parent.parent
 COUNTS = HERE / "counts.json"
 TOLERANCE = 0.05
 POSES = 8192
-KERNELS = [f"{kernel} {width} 1" for width in ("scalar", "avx2") for kernel in ("batch 1", "batch exact", "grid")]
+KERNELS = [f"{kernel} {width} 1" for width in ("scalar", "avx2") for kernel in ("batch 1", "batch exact", "grid 1", "grid exact")]
 # The trunnion's volume, in the order of its walk: C A Y X Z.
 TRAVEL = [(0, 360), (-120, 30), (0, 450), (0, 500), (-400, 0)]
 

@@ -110,6 +110,8 @@ fn the_bits_depend_on_no_width_and_no_batch() {
     for (index, conventions) in combinations().enumerate() {
         let conventions = Conventions { linearised: index % 2 == 0, ..conventions };
         let (machine, poses) = random_machine(&mut random, conventions, 1e-3);
+        // More than two chunks of what is found out ahead.
+        let poses: Vec<Vec<f64>> = poses.iter().cycle().take(77).cloned().collect();
         for order in [Order::Degree(1), Order::Degree(2), Order::Exact] {
             let plan = Plan::new(&machine, order, Approach::Mean);
             let scalar = planned(&plan.clone().with_width(Width::Scalar), &poses);
@@ -117,8 +119,8 @@ fn the_bits_depend_on_no_width_and_no_batch() {
             assert_eq!(scalar, one_by_one, "{order:?}");
             for width in widths() {
                 let plan = plan.clone().with_width(width);
-                // 29 poses: whole vectors and a rest at every width; and every length of a batch.
-                for count in [29, 1, 3, 8, 11] {
+                // Whole vectors and a rest at every width; whole chunks and less.
+                for count in [77, 64, 40, 32, 29, 1, 3, 8, 11] {
                     assert_eq!(planned(&plan, &poses[..count]), scalar[..count], "{order:?} {width:?} {count}");
                 }
             }
@@ -151,6 +153,7 @@ fn what_no_kernel_covers_goes_through_the_general_algebra() {
     let turned = planned(&Plan::new(&machine, Order::Exact, Approach::Mean), &poses);
     assert!(turned.iter().all(|d| d.rotation.norm() > 0.35), "{turned:?}");
     agree(&machine, &poses, Order::Exact, ROUNDING);
+    grid_agrees(&machine, Order::Exact);
 }
 
 /// Linear and cubic B-splines are compiled with the tables beside them; the second derivatives of quadratic ones jump.
@@ -252,31 +255,46 @@ fn nodes(machine: &Machine) -> Nodes {
     Nodes::new(&volume)
 }
 
+/// Deviations at the nodes of a grid from a line on.
+fn filled(plan: &Plan, nodes: &Nodes, first: usize) -> Vec<Deviation> {
+    let grid = plan.grid(nodes).unwrap();
+    assert_eq!(grid.lines() * grid.line(), nodes.len());
+    let mut out = Columns::new(nodes.len() - first * grid.line());
+    let len = out.len();
+    grid.fill_parallel(first, out.output(len));
+    (0..len).map(|i| out.get(i)).collect()
+}
+
+/// Order 1 up to rounding, the others to the bit; and the same bits from any line on and at any width.
+fn grid_agrees(machine: &Machine, order: Order) {
+    let nodes = nodes(machine);
+    let poses: Vec<Vec<f64>> = (0..nodes.len()).map(|i| nodes.get(i)).collect();
+    for approach in APPROACHES {
+        let plan = Plan::new(machine, order, approach);
+        let (scattered, whole) = (planned(&plan, &poses), filled(&plan, &nodes, 0));
+        if order == Order::Degree(1) {
+            let (size, gap) = (largest(&scattered), largest(&differences(&whole, &scattered)));
+            assert!(gap[0] <= 1e-12 * size[0] && gap[1] <= 1e-12 * size[1], "{gap:?} of {size:?}");
+        } else {
+            assert_eq!(whole, scattered, "{order:?} {approach:?}");
+        }
+        let grid = plan.grid(&nodes).unwrap();
+        let half = grid.lines() / 2;
+        assert_eq!(filled(&plan, &nodes, half), whole[half * grid.line()..]);
+        for width in widths() {
+            assert_eq!(filled(&plan.clone().with_width(width), &nodes, 0), whole, "{order:?} {width:?}");
+        }
+    }
+}
+
 #[test]
 fn grids_are_the_nodes_one_by_one() {
     let mut random = Random::new(86);
     for (index, conventions) in combinations().enumerate() {
         let conventions = Conventions { linearised: index % 2 == 0, ..conventions };
         let (machine, _) = random_machine(&mut random, conventions, 1e-4);
-        let nodes = nodes(&machine);
-        let poses: Vec<Vec<f64>> = (0..nodes.len()).map(|i| nodes.get(i)).collect();
-        let plan = Plan::new(&machine, Order::Degree(1), Approach::Mean);
-        let scattered = planned(&plan, &poses);
-        let fill = |plan: &Plan, first: usize| {
-            let grid = plan.grid(&nodes).unwrap();
-            assert_eq!(grid.lines() * grid.line(), nodes.len());
-            let mut out = Columns::new(nodes.len() - first * grid.line());
-            let len = out.len();
-            grid.fill_parallel(first, out.output(len));
-            (0..len).map(|i| out.get(i)).collect::<Vec<_>>()
-        };
-        let whole = fill(&plan, 0);
-        let (size, gap) = (largest(&scattered), largest(&differences(&whole, &scattered)));
-        assert!(gap[0] <= 1e-12 * size[0] && gap[1] <= 1e-12 * size[1], "{gap:?} of {size:?}");
-        let lines = plan.grid(&nodes).unwrap();
-        assert_eq!(fill(&plan, lines.lines() / 2), whole[lines.lines() / 2 * lines.line()..]);
-        for width in widths() {
-            assert_eq!(fill(&plan.clone().with_width(width), 0), whole, "{width:?}");
+        for order in [Order::Degree(1), Order::Degree(2), Order::Exact] {
+            grid_agrees(&machine, order);
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Batches: many poses in columns, and where their deviations go.
 
-use super::lanes::{Kernel, Lanes};
+use super::ahead::{Ahead, CHUNK, Inputs, Scattered, Wanted};
+use super::curves::Six;
+use super::lanes::{Kernel, Lanes, expect};
 use super::links::Vector;
 
 /// Poses by columns: one slice of positions (mm or deg) per axis, in the order of the machine's axes.
@@ -110,6 +112,14 @@ impl<'a> Output<'a> {
         }
     }
 
+    /// One deviation.
+    pub fn put(&mut self, index: usize, deviation: &crate::evaluate::Deviation) {
+        for k in 0..3 {
+            self.position[k][index] = deviation.position[k];
+            self.rotation[k][index] = deviation.rotation[k];
+        }
+    }
+
     /// Room for the first `at` poses, and for the rest.
     pub fn split_at(self, at: usize) -> (Self, Self) {
         let halves = |columns: [&'a mut [f64]; 3]| {
@@ -173,12 +183,24 @@ pub struct Slices<'a> {
 
 /// Something that has a deviation at a pose, lane by lane.
 pub trait Task {
+    /// What it makes of the six errors of an axis.
+    type Node: Copy;
+
+    /// What is to be found out about an axis before the walk.
+    fn wanted(&self, axis: usize) -> Wanted<'_>;
+
+    /// Makes it.
+    fn node(&self, axis: usize, six: &Six) -> Self::Node;
+
     /// Position, rotation, and a number that is above [`FARTHEST`] where they must not be trusted.
-    fn at<V: Lanes>(&self, poses: &Slices<'_>, at: usize) -> (Vector<V>, Vector<V>, V);
+    fn at<V: Lanes, I: Inputs<V, Self::Node>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V);
 }
 
 /// Squared half angle (rad) up to which the series of the kernels are good to the last bit.
 pub const FARTHEST: f64 = 0.0225;
+
+/// Poses of a batch that may be in the second cache with their deviations.
+const IN_CACHE: usize = 1 << 14;
 
 /// A task over a batch.
 pub struct Pass<'a, 'o, T> {
@@ -195,25 +217,59 @@ pub struct Pass<'a, 'o, T> {
 impl<T: Task> Kernel for Pass<'_, '_, T> {
     #[inline(always)]
     fn run<V: Lanes>(mut self) {
-        let (count, mut at) = (self.out.len(), 0);
-        while at + V::COUNT <= count {
-            self.step::<V>(at);
-            at += V::COUNT;
+        let mut ahead = vec![Ahead::NONE; self.poses.axes.len()];
+        let count = self.out.len();
+        let (whole, mut from) = (count / V::COUNT * V::COUNT, 0);
+        while from < whole {
+            let next = whole.min(from + CHUNK);
+            if count > IN_CACHE {
+                self.expect(from + 3 * CHUNK);
+            }
+            self.chunk::<V>(&mut ahead, from, next);
+            from = next;
         }
-        self.rest(at);
+        if whole < count {
+            self.rest(&mut ahead, whole, count);
+        }
     }
 }
 
 impl<T: Task> Pass<'_, '_, T> {
+    /// The chunk from here on will be read and written: eleven columns are more than a processor foresees by itself.
+    #[inline(always)]
+    fn expect(&self, from: usize) {
+        for line in (from..from + CHUNK).step_by(8) {
+            for column in self.poses.axes {
+                expect(column, line);
+            }
+            for column in self.out.position.iter().chain(&self.out.rotation) {
+                expect(column, line);
+            }
+        }
+    }
+
     /// What is less than a vector: compiled once, for its bits are the same at any width.
     #[inline(never)]
-    fn rest(&mut self, from: usize) {
-        (from..self.out.len()).for_each(|at| self.step::<f64>(at));
+    fn rest(&mut self, ahead: &mut [Ahead], from: usize, to: usize) {
+        self.chunk::<f64>(ahead, from, to);
     }
 
     #[inline(always)]
-    fn step<V: Lanes>(&mut self, at: usize) {
-        let (d, w, far) = self.task.at::<V>(&self.poses, at);
+    fn chunk<V: Lanes>(&mut self, ahead: &mut [Ahead], from: usize, to: usize) {
+        for axis in 0..ahead.len() {
+            ahead[axis].look::<V>(self.task.wanted(axis), &self.poses, axis, from, to - from);
+        }
+        let mut at = from;
+        while at < to {
+            self.step::<V>(Scattered { poses: self.poses, at, axes: ahead, i: at - from });
+            at += V::COUNT;
+        }
+    }
+
+    #[inline(always)]
+    fn step<V: Lanes>(&mut self, inputs: Scattered<'_>) {
+        let at = inputs.at;
+        let (d, w, far) = self.task.at::<V, _>(inputs);
         for k in 0..3 {
             d[k].store(&mut self.out.position[k][at..]);
             w[k].store(&mut self.out.rotation[k][at..]);

@@ -36,6 +36,22 @@ struct Table {
     intervals: Intervals,
 }
 
+/// Where positions lie in a table. Aligned, so that no vector of 64 bytes lies in two cache lines.
+#[derive(Debug, Clone, PartialEq)]
+#[repr(C, align(64))]
+pub struct Spots<const N: usize> {
+    interval: [u32; N],
+    /// Share of the interval's upper end.
+    share: [f64; N],
+    /// Weights of the second derivatives at both ends, of cubic tables.
+    bends: [[f64; N]; 2],
+}
+
+impl<const N: usize> Spots<N> {
+    /// Before anything is located.
+    pub const NONE: Self = Self { interval: [0; N], share: [0.0; N], bends: [[0.0; N]; 2] };
+}
+
 /// How the interval of a position is found.
 #[derive(Debug, Clone, PartialEq)]
 enum Intervals {
@@ -128,16 +144,27 @@ impl Curves {
         !self.waves.is_empty()
     }
 
-    /// The six errors at a position (mm or deg), whose sine and cosine are given where harmonics need them.
+    /// Where positions (mm or deg) lie in the table, to place i and those after it.
     #[inline(always)]
-    pub fn at<V: Lanes>(&self, position: V, turn: (V, V)) -> [V; 6] {
+    pub fn locate<V: Lanes, const N: usize>(&self, position: V, spots: &mut Spots<N>, i: usize) {
+        if let Some(table) = &self.table {
+            table.locate(position, spots, i);
+        }
+    }
+
+    /// The six errors at positions that have been located, whose sine and cosine are given where harmonics need them.
+    #[inline(always)]
+    pub fn at<V: Lanes, const N: usize>(&self, position: V, turn: (V, V), (spots, i): (&Spots<N>, usize)) -> [V; 6] {
         let mut six = match &self.table {
             Some(table) => {
-                let [a, b, c, d, e, f, ..] = table.at(position);
+                let [a, b, c, d, e, f, ..] = if table.cubic { table.cubic(spots, i) } else { table.linear(spots, i) };
                 [a, b, c, d, e, f]
             }
             None => splat_six(&self.constant),
         };
+        if self.powers.is_empty() && self.waves.is_empty() {
+            return six;
+        }
         if !self.powers.is_empty() {
             self.add_powers(&mut six, position);
         }
@@ -145,6 +172,13 @@ impl Curves {
             self.add_waves(&mut six, turn);
         }
         six
+    }
+
+    /// The six errors at one position.
+    pub fn alone(&self, position: f64, turn: (f64, f64)) -> Six {
+        let mut spots = Spots::<1>::NONE;
+        self.locate(position, &mut spots, 0);
+        self.at(position, turn, (&spots, 0))
     }
 
     #[inline(always)]
@@ -229,7 +263,7 @@ impl Table {
     }
 
     #[inline(always)]
-    fn at<V: Lanes>(&self, position: V) -> [V; 8] {
+    fn locate<V: Lanes, const N: usize>(&self, position: V, spots: &mut Spots<N>, i: usize) {
         let (first, last) = (V::splat(self.first), V::splat(self.last));
         let x = match self.period {
             Some(period) => {
@@ -239,29 +273,35 @@ impl Table {
             None => position,
         };
         let x = x.larger(first).smaller(last);
-        match &self.intervals {
+        let (interval, share, width) = match &self.intervals {
             Intervals::Even { per_unit, last, width } => {
                 let along = (x - first) * V::splat(*per_unit);
-                let (whole, at) = along.smaller(V::splat(*last)).whole();
-                let share = along - whole;
-                if self.cubic { self.cubic(&at, share, V::splat(*width)) } else { self.linear(&at, share) }
+                let (whole, interval) = along.smaller(V::splat(*last)).whole();
+                (interval, along - whole, V::splat(*width))
             }
             Intervals::Uneven { per_unit, last, starts, knots } => {
                 let (_, cells) = ((x - first) * V::splat(*per_unit)).smaller(V::splat(*last)).whole();
-                let (at, share, width) = search(starts, knots, &cells, &x.spread(), V::COUNT);
-                let (share, width) = (V::load(&share), V::load(&width));
-                if self.cubic { self.cubic(&at, share, width) } else { self.linear(&at, share) }
+                let (interval, share, width) = search(starts, knots, &cells, &x.spread(), V::COUNT);
+                (interval, V::load(&share), V::load(&width))
             }
+        };
+        spots.interval[i..i + V::COUNT].copy_from_slice(&interval[..V::COUNT]);
+        share.store(&mut spots.share[i..]);
+        if self.cubic {
+            let (scale, rest) = (width * width * V::splat(1.0 / 6.0), V::splat(1.0) - share);
+            ((rest * rest * rest - rest) * scale).store(&mut spots.bends[0][i..]);
+            ((share * share * share - share) * scale).store(&mut spots.bends[1][i..]);
         }
     }
 
     #[inline(always)]
-    fn linear<V: Lanes>(&self, at: &[u32; MOST], share: V) -> [V; 8] {
-        let share = share.spread();
+    fn linear<V: Lanes, const N: usize>(&self, spots: &Spots<N>, i: usize) -> [V; 8] {
+        let (interval, share) = (&spots.interval[i..i + V::COUNT], &spots.share[i..i + V::COUNT]);
         let mut rows = [V::row(&self.rows[0]); MOST];
         for lane in 0..V::COUNT {
-            let i = at[lane] as usize;
-            let (low, high) = (V::row(&self.rows[i]), V::row(&self.rows[i + 1]));
+            let at = interval[lane] as usize;
+            let pair = &self.rows[at..at + 2];
+            let (low, high) = (V::row(&pair[0]), V::row(&pair[1]));
             rows[lane] = V::row_plus(low, V::row_minus(high, low), share[lane]);
         }
         V::columns(&rows)
@@ -269,19 +309,17 @@ impl Table {
 
     /// Natural form of a cubic piece: values and second derivatives at both ends.
     #[inline(always)]
-    fn cubic<V: Lanes>(&self, at: &[u32; MOST], share: V, width: V) -> [V; 8] {
-        let scale = width * width * V::splat(1.0 / 6.0);
-        let rest = V::splat(1.0) - share;
-        let low_bend = ((rest * rest * rest - rest) * scale).spread();
-        let high_bend = ((share * share * share - share) * scale).spread();
-        let share = share.spread();
+    fn cubic<V: Lanes, const N: usize>(&self, spots: &Spots<N>, i: usize) -> [V; 8] {
+        let (interval, share) = (&spots.interval[i..i + V::COUNT], &spots.share[i..i + V::COUNT]);
+        let [low_bend, high_bend] = [&spots.bends[0][i..i + V::COUNT], &spots.bends[1][i..i + V::COUNT]];
         let mut rows = [V::row(&self.rows[0]); MOST];
         for lane in 0..V::COUNT {
-            let i = 2 * at[lane] as usize;
-            let (low, high) = (V::row(&self.rows[i]), V::row(&self.rows[i + 2]));
+            let at = 2 * interval[lane] as usize;
+            let four = &self.rows[at..at + 4];
+            let (low, high) = (V::row(&four[0]), V::row(&four[2]));
             let straight = V::row_plus(low, V::row_minus(high, low), share[lane]);
-            let bent = V::row_plus(straight, V::row(&self.rows[i + 1]), low_bend[lane]);
-            rows[lane] = V::row_plus(bent, V::row(&self.rows[i + 3]), high_bend[lane]);
+            let bent = V::row_plus(straight, V::row(&four[1]), low_bend[lane]);
+            rows[lane] = V::row_plus(bent, V::row(&four[3]), high_bend[lane]);
         }
         V::columns(&rows)
     }

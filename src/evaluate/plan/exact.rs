@@ -6,7 +6,9 @@
 //! (1 - cos t) / t^2, and the rotation is a quaternion; with linearised joints a and b are rational, and the
 //! rotation is a matrix, which need not be orthogonal.
 
-use super::batch::{FARTHEST, Slices, Task};
+use super::ahead::{Inputs, Wanted};
+use super::batch::{FARTHEST, Task};
+use super::curves::Six;
 use super::lanes::Lanes;
 use super::links::{About, Link, Links, Located, Motion, Placed, Vector, cross, dot, minus, plus, slid, splat, times};
 use super::trigonometry::{RADIAN, sin_cos};
@@ -241,10 +243,9 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
     }
 
     #[inline(always)]
-    fn six(&mut self, six: [V; 6], inverse: bool, about: &[f64; 3]) {
-        let (small, far) = R::small(six, inverse);
-        self.far = self.far.larger(far);
-        self.apply(&small, about);
+    fn small(&mut self, (small, far): &(Small<V>, V), about: &[f64; 3]) {
+        self.far = self.far.larger(*far);
+        self.apply(small, about);
     }
 
     #[inline(always)]
@@ -263,28 +264,33 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
     }
 
     #[inline(always)]
-    fn link(&mut self, link: &Link, location: Option<&Fixed>, q: V, added: Option<V>) {
+    fn link<I: Inputs<V, Node>>(&mut self, link: &Link, axis: usize, location: Option<&Fixed>, inputs: I) {
         let zero = V::splat(0.0);
+        let (q, added) = (inputs.position(axis), inputs.added(axis));
         let there = match added {
             Some(added) => q + added,
             None => q,
         };
-        let turn = if link.turns { sin_cos(q) } else { (zero, zero) };
+        let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
         let wave = if added.is_some() && link.curves.has_waves() { sin_cos(there) } else { turn };
-        let errors = if link.errors { Some(link.curves.at(there, wave)) } else { None };
+        let errors = match inputs.known(axis) {
+            _ if !link.errors => None,
+            Some(Node { small, far }) => Some((small.splat(), V::splat(*far))),
+            None => Some(R::small(inputs.six(axis, &link.curves, there, wave), link.inverse)),
+        };
         if let (Some(location), Located::Innermost) = (location, link.located) {
             self.fixed(location);
         }
-        if let (Some(six), false) = (errors, link.outside) {
-            self.six(six, link.inverse, &link.origin);
+        if let (Some(small), false) = (&errors, link.outside) {
+            self.small(small, &link.origin);
         }
         let around = if link.located == Located::Around { location } else { None };
         match &link.motion {
             Motion::Slide(direction) => self.slide(direction, around, (q, there), added),
             Motion::Turn(about) => self.turn(about, &link.origin, around, turn, added),
         }
-        if let (Some(six), true) = (errors, link.outside) {
-            self.six(six, link.inverse, &link.origin);
+        if let (Some(small), true) = (&errors, link.outside) {
+            self.small(small, &link.origin);
         }
         if let (Some(location), Located::Outermost) = (location, link.located) {
             self.fixed(location);
@@ -310,8 +316,7 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
         if let Some(location) = around {
             self.apply(&location.undone.splat(), origin);
         }
-        let o = splat(origin);
-        self.point = plus(about.turned(turn, minus(self.point, o)), o);
+        self.point = about.turned_about(turn, origin, self.point);
         self.displacement = about.turned(turn, self.displacement);
         self.relative = self.relative.turned(about, turn);
         if let Some(added) = added {
@@ -348,7 +353,7 @@ impl Exact {
     }
 
     #[inline(always)]
-    fn walk<V: Lanes, R: Relative<V>>(&self, poses: &Slices<'_>, at: usize) -> (Vector<V>, Vector<V>, V) {
+    fn walk<V: Lanes, R: Relative<V>, I: Inputs<V, Node>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V) {
         let links = &self.links;
         let mut state = State::<V, R> {
             point: splat(&links.tip),
@@ -360,12 +365,7 @@ impl Exact {
             state.fixed(spindle);
         }
         for (axis, link) in links.joints.iter().enumerate().rev() {
-            let q = V::load(&poses.axes[axis][at..]);
-            let added = match poses.added.get(axis) {
-                Some(column) => Some(V::load(&column[at..])),
-                None => None,
-            };
-            state.link(link, self.locations[axis].as_ref(), q, added);
+            state.link(link, axis, self.locations[axis].as_ref(), inputs);
         }
         if let Some(clamping) = &self.clamping {
             state.fixed(clamping);
@@ -375,13 +375,36 @@ impl Exact {
     }
 }
 
+/// The error motion of an axis at a node of a grid.
+#[derive(Debug, Clone, Copy)]
+pub struct Node {
+    small: Small<f64>,
+    far: f64,
+}
+
 impl Task for Exact {
+    type Node = Node;
+
     #[inline(always)]
-    fn at<V: Lanes>(&self, poses: &Slices<'_>, at: usize) -> (Vector<V>, Vector<V>, V) {
+    fn wanted(&self, axis: usize) -> Wanted<'_> {
+        self.links.joints[axis].wanted()
+    }
+
+    fn node(&self, axis: usize, six: &Six) -> Node {
+        let inverse = self.links.joints[axis].inverse;
+        let (small, far) = match self.links.linearised {
+            true => Matrix::small(*six, inverse),
+            false => Quaternion::small(*six, inverse),
+        };
+        Node { small, far }
+    }
+
+    #[inline(always)]
+    fn at<V: Lanes, I: Inputs<V, Node>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V) {
         if self.links.linearised {
-            self.walk::<V, Matrix<V>>(poses, at)
+            self.walk::<V, Matrix<V>, I>(inputs)
         } else {
-            self.walk::<V, Quaternion<V>>(poses, at)
+            self.walk::<V, Quaternion<V>, I>(inputs)
         }
     }
 }

@@ -5,11 +5,11 @@
 //! costs nothing but the way of the point. The errors (delta, eps) about a point o displace p by
 //! `eps x p + (delta - eps x o)`: the bracket is folded into the tables, and so are location errors.
 
-use super::batch::{Slices, Task};
+use super::ahead::{Inputs, Wanted};
+use super::batch::Task;
 use super::curves::{Curves, Six, splat_six};
 use super::lanes::Lanes;
-use super::links::{Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, slid, splat, times};
-use super::trigonometry::sin_cos;
+use super::links::{Link, Links, Located, Motion, Placed, Vector, cross, plus, slid, splat, times};
 
 /// The plan of order 1.
 #[derive(Debug, Clone)]
@@ -109,15 +109,25 @@ impl FirstOrder {
 }
 
 impl Task for FirstOrder {
+    type Node = ();
+
     #[inline(always)]
-    fn at<V: Lanes>(&self, poses: &Slices<'_>, at: usize) -> (Vector<V>, Vector<V>, V) {
+    fn wanted(&self, axis: usize) -> Wanted<'_> {
+        let joint = &self.joints[axis];
+        Wanted { turns: joint.turns, curves: joint.curves.as_ref() }
+    }
+
+    fn node(&self, _: usize, _: &Six) {}
+
+    #[inline(always)]
+    fn at<V: Lanes, I: Inputs<V, ()>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V) {
         let zero = V::splat(0.0);
         let mut state = self.start();
         for (axis, joint) in self.joints.iter().enumerate().rev() {
-            let q = V::load(&poses.axes[axis][at..]);
-            let turn = if joint.turns { sin_cos(q) } else { (zero, zero) };
+            let q = inputs.position(axis);
+            let turn = if joint.turns { inputs.turn(axis) } else { (zero, zero) };
             let errors = match &joint.curves {
-                Some(curves) => Some(curves.at(q, turn)),
+                Some(curves) => Some(inputs.six(axis, curves, q, turn)),
                 None => None,
             };
             state.pass(joint, q, turn, errors);
@@ -149,8 +159,7 @@ impl<V: Lanes> State<V> {
                 }
             }
             Motion::Turn(about) => {
-                let o = splat(&joint.origin);
-                self.point = plus(about.turned(turn, minus(self.point, o)), o);
+                self.point = about.turned_about(turn, &joint.origin, self.point);
                 self.displacement = about.turned(turn, self.displacement);
                 self.rotation = about.turned(turn, self.rotation);
             }

@@ -1,148 +1,34 @@
-//! Order 1 on a tensor grid: nothing that does not depend on the inner axis is computed at its nodes.
+//! Tensor grids: nothing that does not depend on the inner axis is computed at its nodes.
 //!
-//! The inner axis is the last one, which is the joint next to the tool. What happens on its tool side and in it
-//! depends on its own position alone: point, displacement and rotation at each of its nodes are computed once for the grid, and
-//! so are the sines, cosines and errors at the nodes of every other axis. The outer joints are one rigid motion (R, t) with one
-//! twist (v, w) for a whole line of nodes, and
-//!
-//! ```text
-//! displacement = R d + w x (R p + t) + v        rotation = R r + w
-//! ```
-//!
-//! where of an inner linear axis `R p` is a constant and the position times a constant.
+//! The inner axis is the last one, which is the joint next to the tool. Order 1 composes the outer joints into one motion and
+//! one twist for a whole line (`composed`): its numbers are those of scattered poses up to rounding, 1e-12 of the largest. Orders
+//! 2 and exact walk like scattered poses, with everything looked up beforehand (`walked`): the same numbers, to the bit. All
+//! of them are the same at any vector width and on any number of threads.
 
-use super::Plan;
 use super::batch::Output;
-use super::curves::Six;
-use super::first::{FirstOrder, Joint};
-use super::lanes::{Kernel, Lanes, MOST};
-use super::links::{Motion, cross, minus, plus, splat, times};
-use super::trigonometry::sin_cos;
+use super::composed::{self, Composed};
+use super::exact::Exact;
+use super::lanes::{Lanes, run};
+use super::second::SecondOrder;
+use super::walked::{self, Walked};
+use super::{Plan, Walk};
 use crate::evaluate::Nodes;
 use rayon::prelude::*;
 
-type Vector3 = [f64; 3];
-
-/// A plan of order 1 with the nodes of a grid.
+/// A plan with the nodes of a grid.
 #[derive(Debug, Clone)]
 pub struct GridPlan {
-    plan: FirstOrder,
-    width: super::Width,
-    outer: Vec<AxisNodes>,
-    inner: Inner,
+    plan: Plan,
+    nodes: Nodes,
+    counts: Vec<usize>,
+    kind: Kind,
 }
 
-/// What is known at the nodes of an outer axis.
 #[derive(Debug, Clone)]
-struct AxisNodes {
-    positions: Vec<f64>,
-    turns: Vec<(f64, f64)>,
-    twists: Vec<Option<Six>>,
-}
-
-/// State behind the inner joint at its nodes, in columns that are padded to whole vectors.
-#[derive(Debug, Clone)]
-struct Inner {
-    count: usize,
-    position: Vec<f64>,
-    /// Direction of a linear axis and the point at position 0.
-    slide: Option<(Vector3, Vector3)>,
-    point: [Vec<f64>; 3],
-    displacement: [Vec<f64>; 3],
-    rotation: [Vec<f64>; 3],
-}
-
-/// The outer joints so far: ideal motion `x -> columns x + place`, and a twist in the workpiece frame.
-#[derive(Debug, Clone, Copy)]
-struct Level {
-    columns: [Vector3; 3],
-    place: Vector3,
-    shift: Vector3,
-    turn: Vector3,
-}
-
-impl Level {
-    const START: Self = Self {
-        columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        place: [0.0; 3],
-        shift: [0.0; 3],
-        turn: [0.0; 3],
-    };
-
-    #[inline(always)]
-    fn turned(&self, v: Vector3) -> Vector3 {
-        plus(plus(times(self.columns[0], v[0]), times(self.columns[1], v[1])), times(self.columns[2], v[2]))
-    }
-
-    #[inline(always)]
-    fn add(&mut self, [x, y, z, a, b, c]: &Six) {
-        let turn = self.turned([*a, *b, *c]);
-        self.shift = plus(self.shift, minus(self.turned([*x, *y, *z]), cross(turn, self.place)));
-        self.turn = plus(self.turn, turn);
-    }
-
-    /// Past a joint at one of its nodes.
-    #[inline(always)]
-    fn past(&self, joint: &Joint, axis: &AxisNodes, node: usize) -> Self {
-        let (mut next, q, twist) = (*self, axis.positions[node], &axis.twists[node]);
-        if let Some(constant) = &joint.constant {
-            next.add(constant);
-        }
-        if let (Some(twist), true) = (twist, joint.outside) {
-            next.add(twist);
-        }
-        match &joint.motion {
-            Motion::Slide(u) => {
-                if let Some(bend) = joint.bend {
-                    next.shift = plus(next.shift, times(self.turned(bend), q));
-                }
-                next.place = plus(next.place, times(self.turned(*u), q));
-            }
-            Motion::Turn(about) => {
-                let turn = axis.turns[node];
-                let unit = Self::START.columns;
-                next.columns = unit.map(|e| self.turned(about.turned(turn, e)));
-                next.place = plus(next.place, self.turned(minus(joint.origin, about.turned(turn, joint.origin))));
-            }
-        }
-        if let (Some(twist), false) = (twist, joint.outside) {
-            next.add(twist);
-        }
-        next
-    }
-}
-
-impl AxisNodes {
-    fn new(joint: &Joint, positions: Vec<f64>) -> Self {
-        let turns: Vec<(f64, f64)> = positions.iter().map(|q| sin_cos(*q)).collect();
-        let twist = |(q, turn): (&f64, &(f64, f64))| joint.curves.as_ref().map(|curves| curves.at(*q, *turn));
-        Self { twists: positions.iter().zip(&turns).map(twist).collect(), turns, positions }
-    }
-}
-
-impl Inner {
-    fn new(plan: &FirstOrder, joint: &Joint, axis: &AxisNodes) -> Self {
-        let count = axis.positions.len();
-        let padded = || vec![0.0; count.next_multiple_of(MOST)];
-        let columns = || std::array::from_fn(|_| padded());
-        let slide = match joint.motion {
-            Motion::Slide(direction) => Some((direction, plan.tip)),
-            Motion::Turn(_) => None,
-        };
-        let mut inner =
-            Self { count, position: padded(), slide, point: columns(), displacement: columns(), rotation: columns() };
-        for (node, q) in axis.positions.iter().enumerate() {
-            let mut state = plan.start::<f64>();
-            state.pass(joint, *q, axis.turns[node], axis.twists[node]);
-            inner.position[node] = *q;
-            for k in 0..3 {
-                inner.point[k][node] = state.point[k];
-                inner.displacement[k][node] = state.displacement[k];
-                inner.rotation[k][node] = state.rotation[k];
-            }
-        }
-        inner
-    }
+enum Kind {
+    First(Box<Composed>),
+    Second(Box<Walked<SecondOrder>>),
+    Exact(Box<Walked<Exact>>),
 }
 
 /// Lines that one thread does at a time, in nodes.
@@ -151,18 +37,34 @@ const BLOCK: usize = 1 << 15;
 impl GridPlan {
     /// Nodes of a line: of the inner axis.
     pub fn line(&self) -> usize {
-        self.inner.count
+        self.counts.last().copied().unwrap_or(1)
     }
 
     /// Lines of the grid; the largest `usize` if there are more.
     pub fn lines(&self) -> usize {
-        self.outer.iter().map(|axis| axis.positions.len()).fold(1, usize::saturating_mul)
+        self.counts.iter().rev().skip(1).copied().fold(1, usize::saturating_mul)
     }
 
     /// Deviations at the nodes of whole lines from `first` on, in the order of [`Nodes::get`]: as many lines as `out` has room
     /// for, on this thread.
     pub fn fill(&self, first: usize, out: Output<'_>) {
-        super::lanes::run(self.width, Lines { grid: self, first, out });
+        let lines = (out.len() / self.line()).min(self.lines().saturating_sub(first));
+        let (mut whole, _) = out.split_at(lines * self.line());
+        let mut at = vec![0; self.counts.len() - 1];
+        let mut index = first;
+        for (node, count) in at.iter_mut().zip(&self.counts).rev() {
+            (*node, index) = (index % count, index / count);
+        }
+        let (mut beyond, out) = (Vec::new(), whole.reborrow());
+        match &self.kind {
+            Kind::First(grid) => run(self.plan.width, composed::Lines { grid, first: at, out }),
+            Kind::Second(grid) => run(self.plan.width, walked::Lines { grid, first: at, out, beyond: &mut beyond }),
+            Kind::Exact(grid) => run(self.plan.width, walked::Lines { grid, first: at, out, beyond: &mut beyond }),
+        }
+        for index in beyond {
+            let pose = self.nodes.get(first * self.line() + index);
+            whole.put(index, &self.plan.general(&pose));
+        }
     }
 
     /// The same on all threads of rayon's pool.
@@ -178,78 +80,30 @@ impl GridPlan {
         }
         parts.into_par_iter().for_each(|(start, part)| self.fill(start, part));
     }
-
-    /// Level after every outer joint, from the joint `from` on, at these nodes.
-    #[inline(always)]
-    fn climb(&self, levels: &mut [Level], nodes: &[usize], from: usize) {
-        for k in from..self.outer.len() {
-            levels[k + 1] = levels[k].past(&self.plan.joints[k], &self.outer[k], nodes[k]);
-        }
-    }
 }
 
 impl Plan {
-    /// The plan on the nodes of a grid; `None` if it is not of order 1, not compiled, or has no axes.
+    /// The plan on the nodes of a grid; `None` if it is not compiled or has no axes.
     pub fn grid(&self, nodes: &Nodes) -> Option<GridPlan> {
-        let super::Walk::First(plan) = &self.kernel else { return None };
         let positions = nodes.positions();
-        if positions.len() != plan.joints.len() {
+        if positions.len() != self.machine.axes().len() {
             return None;
         }
-        let axes = plan.joints.iter().zip(positions);
-        let mut outer: Vec<AxisNodes> = axes.map(|(joint, positions)| AxisNodes::new(joint, positions)).collect();
-        let (last, joint) = (outer.pop()?, plan.joints.last()?);
-        let inner = Inner::new(plan, joint, &last);
-        Some(GridPlan { plan: plan.clone(), width: self.width, outer, inner })
+        let kind = match &self.kernel {
+            Walk::First(task) => Kind::First(Box::new(Composed::new(task, positions)?)),
+            Walk::Second(task) => Kind::Second(Box::new(Walked::new(task.clone(), positions)?)),
+            Walk::Exact(task) => Kind::Exact(Box::new(Walked::new(Exact::clone(task), positions)?)),
+            Walk::General => return None,
+        };
+        Some(GridPlan { plan: self.clone(), nodes: nodes.clone(), counts: nodes.counts().collect(), kind })
     }
-}
-
-struct Lines<'a, 'o> {
-    grid: &'a GridPlan,
-    first: usize,
-    out: Output<'o>,
-}
-
-impl Kernel for Lines<'_, '_> {
-    #[inline(always)]
-    fn run<V: Lanes>(mut self) {
-        let grid = self.grid;
-        let lines = (self.out.len() / grid.line()).min(grid.lines().saturating_sub(self.first));
-        let mut nodes = vec![0; grid.outer.len()];
-        let mut index = self.first;
-        for (node, axis) in nodes.iter_mut().zip(&grid.outer).rev() {
-            (*node, index) = (index % axis.positions.len(), index / axis.positions.len());
-        }
-        let mut levels = vec![Level::START; grid.outer.len() + 1];
-        let mut from = 0;
-        for line in 0..lines {
-            grid.climb(&mut levels, &nodes, from);
-            let level = levels[grid.outer.len()];
-            match &grid.inner.slide {
-                Some((direction, start)) => self.straight::<V>(line, &level, direction, start),
-                None => self.round::<V>(line, &level),
-            }
-            from = advance(&mut nodes, &grid.outer);
-        }
-    }
-}
-
-/// Three columns at a node.
-#[inline(always)]
-fn load<V: Lanes>(columns: &[Vec<f64>; 3], at: usize) -> [V; 3] {
-    [V::load(&columns[0][at..]), V::load(&columns[1][at..]), V::load(&columns[2][at..])]
-}
-
-#[inline(always)]
-fn splat_columns<V: Lanes>([a, b, c]: &[Vector3; 3]) -> [[V; 3]; 3] {
-    [splat(a), splat(b), splat(c)]
 }
 
 /// The next line; which is the outermost axis that moved.
-fn advance(nodes: &mut [usize], outer: &[AxisNodes]) -> usize {
-    for k in (0..outer.len()).rev() {
+pub fn advance(nodes: &mut [usize], count: impl Fn(usize) -> usize) -> usize {
+    for k in (0..nodes.len()).rev() {
         nodes[k] += 1;
-        if nodes[k] < outer[k].positions.len() {
+        if nodes[k] < count(k) {
             return k;
         }
         nodes[k] = 0;
@@ -257,71 +111,17 @@ fn advance(nodes: &mut [usize], outer: &[AxisNodes]) -> usize {
     0
 }
 
-impl Lines<'_, '_> {
-    /// Vectors may reach into the next line, which is written after it; not beyond the end.
-    #[inline(always)]
-    fn write<V: Lanes>(&mut self, base: usize, i: usize, d: [V; 3], w: [V; 3]) {
-        let at = base + i;
-        let room = self.out.position[0].len() - at;
-        for k in 0..3 {
-            if V::COUNT <= room {
-                d[k].store(&mut self.out.position[k][at..]);
-                w[k].store(&mut self.out.rotation[k][at..]);
-            } else {
-                self.out.position[k][at..].copy_from_slice(&d[k].spread()[..room]);
-                self.out.rotation[k][at..].copy_from_slice(&w[k].spread()[..room]);
-            }
-        }
-    }
-
-    /// An inner linear axis.
-    #[inline(always)]
-    fn straight<V: Lanes>(&mut self, line: usize, level: &Level, direction: &Vector3, start: &Vector3) {
-        let inner = &self.grid.inner;
-        let slope = splat::<V>(&cross(level.turn, level.turned(*direction)));
-        let base = splat::<V>(&plus(level.shift, cross(level.turn, plus(level.turned(*start), level.place))));
-        let turn = splat::<V>(&level.turn);
-        let columns = splat_columns::<V>(&level.columns);
-        let mut i = 0;
-        while i < inner.count {
-            let q = V::load(&inner.position[i..]);
-            let d = load::<V>(&inner.displacement, i);
-            let w = load::<V>(&inner.rotation, i);
-            let mut moved = [q; 3];
-            let mut turned = [q; 3];
-            for k in 0..3 {
-                let sum = columns[0][k] * d[0] + columns[1][k] * d[1] + columns[2][k] * d[2];
-                moved[k] = sum + (slope[k] * q + base[k]);
-                turned[k] = columns[0][k] * w[0] + columns[1][k] * w[1] + columns[2][k] * w[2] + turn[k];
-            }
-            self.write(line * inner.count, i, moved, turned);
-            i += V::COUNT;
-        }
-    }
-
-    /// An inner rotary axis.
-    #[inline(always)]
-    fn round<V: Lanes>(&mut self, line: usize, level: &Level) {
-        let inner = &self.grid.inner;
-        let base = splat::<V>(&plus(level.shift, cross(level.turn, level.place)));
-        let turn = splat::<V>(&level.turn);
-        let columns = splat_columns::<V>(&level.columns);
-        let [a, b, c] = level.columns;
-        let levers = splat_columns::<V>(&[cross(level.turn, a), cross(level.turn, b), cross(level.turn, c)]);
-        let mut i = 0;
-        while i < inner.count {
-            let p = load::<V>(&inner.point, i);
-            let d = load::<V>(&inner.displacement, i);
-            let w = load::<V>(&inner.rotation, i);
-            let (mut moved, mut turned) = (p, p);
-            for k in 0..3 {
-                let sum = columns[0][k] * d[0] + columns[1][k] * d[1] + columns[2][k] * d[2];
-                let lever = levers[0][k] * p[0] + levers[1][k] * p[1] + levers[2][k] * p[2];
-                moved[k] = sum + (lever + base[k]);
-                turned[k] = columns[0][k] * w[0] + columns[1][k] * w[1] + columns[2][k] * w[2] + turn[k];
-            }
-            self.write(line * inner.count, i, moved, turned);
-            i += V::COUNT;
+/// A vector of nodes. It may reach into the next line, which is written after it; not beyond the end.
+#[inline(always)]
+pub fn write<V: Lanes>(out: &mut Output<'_>, at: usize, d: [V; 3], w: [V; 3]) {
+    let room = out.position[0].len() - at;
+    for k in 0..3 {
+        if V::COUNT <= room {
+            d[k].store(&mut out.position[k][at..]);
+            w[k].store(&mut out.rotation[k][at..]);
+        } else {
+            out.position[k][at..].copy_from_slice(&d[k].spread()[..room]);
+            out.rotation[k][at..].copy_from_slice(&w[k].spread()[..room]);
         }
     }
 }

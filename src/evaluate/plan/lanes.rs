@@ -123,6 +123,19 @@ pub fn run<K: Kernel>(width: Width, kernel: K) {
     }
 }
 
+/// Asks for the cache line of an element of a column beforehand, whether or not there is one: it changes nothing but the time.
+#[inline(always)]
+pub fn expect(column: &[f64], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: a prefetch reads nothing a program can see and never faults, whatever the address.
+    unsafe {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        _mm_prefetch::<_MM_HINT_T0>(column.as_ptr().wrapping_add(index).cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (column, index);
+}
+
 impl Lanes for f64 {
     const COUNT: usize = 1;
     type Eight = [f64; 8];
@@ -204,6 +217,22 @@ macro_rules! operators {
     };
 }
 
+/// Minimum and maximum by one instruction, which gives its second operand where one is not a number: as `if_less` does.
+macro_rules! extremes {
+    ($min:ident, $max:ident) => {
+        #[inline(always)]
+        fn smaller(self, other: Self) -> Self {
+            // SAFETY: see the head of this file.
+            Self(unsafe { $min(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn larger(self, other: Self) -> Self {
+            // SAFETY: see the head of this file.
+            Self(unsafe { $max(self.0, other.0) })
+        }
+    };
+}
+
 /// What differs between vector types by the intrinsic alone: how many lanes, splat, load, store and quotient.
 macro_rules! common {
     ($count:literal, $splat:ident, $load:ident, $store:ident, $over:ident) => {
@@ -261,6 +290,7 @@ mod x86 {
         type Eight = [__m256d; 2];
 
         common!(4, _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_div_pd);
+        extremes!(_mm256_min_pd, _mm256_max_pd);
 
         #[inline(always)]
         fn if_less(self, than: Self, yes: Self, no: Self) -> Self {
@@ -338,6 +368,7 @@ mod x86 {
         type Eight = __m512d;
 
         common!(8, _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_div_pd);
+        extremes!(_mm512_min_pd, _mm512_max_pd);
 
         #[inline(always)]
         fn if_less(self, than: Self, yes: Self, no: Self) -> Self {

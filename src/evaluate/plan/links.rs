@@ -1,5 +1,6 @@
 //! The chain, compiled: what of a machine does not depend on the pose, joint by joint.
 
+use super::ahead::Wanted;
 use super::curves::{Curves, Six};
 use super::lanes::Lanes;
 use crate::machine::{
@@ -60,6 +61,14 @@ pub struct Link {
     pub location: Option<Placed>,
     /// How they act.
     pub located: Located,
+}
+
+impl Link {
+    /// What a walk wants to know at it.
+    #[inline(always)]
+    pub fn wanted(&self) -> Wanted<'_> {
+        Wanted { turns: self.turns, curves: if self.errors { Some(&self.curves) } else { None } }
+    }
 }
 
 /// How a location error acts.
@@ -208,6 +217,19 @@ impl About {
                 let along = (V::splat(1.0) - c) * dot(u, v);
                 plus(plus(times(v, c), times(cross(u, v), s)), times(u, along))
             }
+        }
+    }
+
+    /// A point turned about an origin. What lies along a machine axis stays as it is.
+    #[inline(always)]
+    pub fn turned_about<V: Lanes>(&self, turn: (V, V), origin: &[f64; 3], point: Vector<V>) -> Vector<V> {
+        let o = splat(origin);
+        let [x, y, z] = plus(self.turned(turn, minus(point, o)), o);
+        match self {
+            Self::Principal(0, _) => [point[0], y, z],
+            Self::Principal(1, _) => [x, point[1], z],
+            Self::Principal(..) => [x, y, point[2]],
+            Self::Oblique(_) => [x, y, z],
         }
     }
 

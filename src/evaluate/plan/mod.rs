@@ -7,7 +7,8 @@
 //! 2. `curves`: the six curves of an axis become one table that is read row by row;
 //! 3. `first`, `second`, `exact`: the joints become the walk of one order, constants folded.
 //!
-//! Running is a walk from the tool to the workpiece, many poses abreast (`lanes`).
+//! Running is a walk from the tool to the workpiece, many poses abreast (`lanes`); what does not depend on the walk, such as the
+//! places of positions in the tables, is found out a chunk of poses ahead (`ahead`).
 //!
 //! What is promised: numbers do not depend on the vector width nor on the number of threads, to the bit. They agree with
 //! [`evaluate`](super::evaluate()) up to rounding: order 1 to 1e-12 of the batch's largest deviation; the others to 1e-12
@@ -21,7 +22,9 @@
     reason = "closures are compiled without the vector features of the function around them: kernels have plain loops and matches"
 )]
 
+mod ahead;
 mod batch;
+mod composed;
 mod curves;
 mod exact;
 mod first;
@@ -32,6 +35,7 @@ mod links;
 mod second;
 mod sensitivity;
 mod trigonometry;
+mod walked;
 
 pub use batch::{Batch, Columns, Output, PoseColumns};
 pub use grid::GridPlan;
@@ -155,22 +159,20 @@ impl Plan {
             Walk::General => beyond.extend(0..out.len()),
         }
         for index in beyond {
-            let Deviation { position, rotation } = self.general(&poses, index);
-            for k in 0..3 {
-                out.position[k][index] = position[k];
-                out.rotation[k][index] = rotation[k];
-            }
+            let pose: Vec<f64> = poses.axes.iter().map(|column| column[index]).collect();
+            let deviation = if poses.added.is_empty() {
+                self.general(&pose)
+            } else {
+                let command: Vec<f64> = pose.iter().zip(poses.added).map(|(q, column)| q + column[index]).collect();
+                command_deviation(&self.machine, &Ideal::at(&self.machine, &pose).pose, &command, self.approach)
+            };
+            out.put(index, &deviation);
         }
     }
 
     /// Over the general algebra.
-    fn general(&self, poses: &Slices<'_>, index: usize) -> Deviation {
-        let pose: Vec<f64> = poses.axes.iter().map(|column| column[index]).collect();
-        if poses.added.is_empty() {
-            return evaluate(&self.machine, &pose, self.order, self.approach, Frame::Workpiece).deviation;
-        }
-        let command: Vec<f64> = pose.iter().zip(poses.added).map(|(q, column)| q + column[index]).collect();
-        command_deviation(&self.machine, &Ideal::at(&self.machine, &pose).pose, &command, self.approach)
+    fn general(&self, pose: &[f64]) -> Deviation {
+        evaluate(&self.machine, pose, self.order, self.approach, Frame::Workpiece).deviation
     }
 }
 

@@ -4,11 +4,11 @@
 //! square and its product with everything summed so far, which are the joints on its tool side: all pairs,
 //! in one walk. With E^-1 in place of E (`errors_are: body`) the signs and the squares change as its series says.
 
-use super::batch::{Slices, Task};
-use super::curves::splat_six;
+use super::ahead::{Inputs, Wanted};
+use super::batch::Task;
+use super::curves::{Six, splat_six};
 use super::lanes::Lanes;
 use super::links::{About, Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, slid, splat, times};
-use super::trigonometry::sin_cos;
 
 /// The plan of order 2.
 #[derive(Debug, Clone)]
@@ -65,8 +65,7 @@ impl<V: Lanes> State<V> {
         if let Some(location) = around {
             self.placed(location, true);
         }
-        let o = splat(origin);
-        self.point = plus(about.turned(turn, minus(self.point, o)), o);
+        self.point = about.turned_about(turn, origin, self.point);
         let ([d, dd], [w, ww]) = (self.displacement, self.rotation);
         self.displacement = [about.turned(turn, d), about.turned(turn, dd)];
         self.rotation = [about.turned(turn, w), about.turned(turn, ww)];
@@ -76,10 +75,11 @@ impl<V: Lanes> State<V> {
     }
 
     #[inline(always)]
-    fn link(&mut self, link: &Link, q: V) {
+    fn link<I: Inputs<V, ()>>(&mut self, link: &Link, axis: usize, inputs: I) {
         let zero = V::splat(0.0);
-        let turn = if link.turns { sin_cos(q) } else { (zero, zero) };
-        let errors = if link.errors { Some(link.curves.at(q, turn)) } else { None };
+        let q = inputs.position(axis);
+        let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
+        let errors = if link.errors { Some(inputs.six(axis, &link.curves, q, turn)) } else { None };
         let location = link.location.as_ref();
         if let (Some(location), Located::Innermost) = (location, link.located) {
             self.placed(location, false);
@@ -109,8 +109,17 @@ impl SecondOrder {
 }
 
 impl Task for SecondOrder {
+    type Node = ();
+
     #[inline(always)]
-    fn at<V: Lanes>(&self, poses: &Slices<'_>, at: usize) -> (Vector<V>, Vector<V>, V) {
+    fn wanted(&self, axis: usize) -> Wanted<'_> {
+        self.links.joints[axis].wanted()
+    }
+
+    fn node(&self, _: usize, _: &Six) {}
+
+    #[inline(always)]
+    fn at<V: Lanes, I: Inputs<V, ()>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V) {
         let (links, zero) = (&self.links, [V::splat(0.0); 3]);
         // exp: 1/2 and 1/2; 1 + hat: none, and 1 in its inverse.
         let squares = if links.linearised { [0.0, 1.0] } else { [0.5, 0.5] };
@@ -124,7 +133,7 @@ impl Task for SecondOrder {
             state.placed(spindle, false);
         }
         for (axis, link) in links.joints.iter().enumerate().rev() {
-            state.link(link, V::load(&poses.axes[axis][at..]));
+            state.link(link, axis, inputs);
         }
         if let Some(clamping) = &links.clamping {
             state.placed(clamping, false);
