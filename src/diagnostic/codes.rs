@@ -146,6 +146,7 @@ pub const CODES: &[CodeInfo] = &[
     code!("W0701", "a file has been edited"),
     code!("W0702", "tables of another machine file"),
     code!("W0703", "no manifest to compare with"),
+    code!("W0704", "points of installed tables are lost"),
     code!("W0760", "words of the program are axes, not the tip"),
     code!("W0761", "a rotary axis with the letter of a linear one"),
     code!("E0801", "the machine has no such tool"),

@@ -10,8 +10,8 @@ use crate::machine::Machine;
 pub enum Effect {
     /// Tables beside the motion.
     Tables(Tables),
-    /// A module in place of the kinematics.
-    Module(Box<Carried>),
+    /// A module in place of the kinematics, and the tables beside it.
+    Module(Box<Carried>, Tables),
 }
 
 impl Effect {
@@ -19,7 +19,9 @@ impl Effect {
     pub fn field<'a>(&'a self, machine: &'a Machine, target: &'a Target) -> Box<dyn Field + 'a> {
         match self {
             Self::Tables(tables) => Box::new(Compensated { machine, replay: Replay::new(machine, target, tables) }),
-            Self::Module(carried) => Box::new(Driven::new(machine, carried)),
+            Self::Module(carried, beside) => {
+                Box::new(Driven::new(machine, carried).beside(Replay::new(machine, target, beside)))
+            }
         }
     }
 }
