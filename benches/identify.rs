@@ -66,11 +66,11 @@ fn fits(name: &str, machine: &Machine, words: &[&str], poses: usize) {
     let weights = vec![1.0; rows.len()];
     let whole = || {
         let found = fit(&model, &rows, weights.clone(), None);
-        Solution::of(&found, &unknowns)
+        (Solution::of(&found, &unknowns), found.steps)
     };
-    let solution = whole();
+    let (solution, steps) = whole();
     println!(
-        "{name}: {} readings, {} parameters, rank {}, condition {:.0}",
+        "{name}: {} readings, {} parameters, rank {}, condition {:.0}, {steps} steps",
         3 * poses,
         unknowns.len(),
         solution.rank,

@@ -3,8 +3,9 @@
 //! Steps are the shortest ones in units of displacement, so that directions which the data do not see stay where
 //! they are. Damping is needed although the model is almost linear: where a direction is nearly invisible, the
 //! undamped step is a large turn, the model is not linear over it, and the iteration runs to and fro. For the
-//! same reason there is a weak prior: a parameter is within some 3 mm or 10 mrad of its start. It costs a well
-//! determined parameter far less than its uncertainty, and what the noise drowns stays at home.
+//! same reason there is a weak prior: the displacement that a parameter makes is not beyond thirty times what was
+//! measured, or 3 mm (10 mrad). It costs a well determined parameter far less than its uncertainty, and what the noise
+//! drowns stays at home.
 
 use super::measurement::Measurement;
 use super::model::Model;
@@ -13,8 +14,12 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Most accepted steps.
 const STEPS: usize = 200;
-/// A step that promises less than this share of the sum of squares is the last.
-const PROMISE: f64 = 1e-13;
+/// Relative offset of Bates and Watts (1981): a step that moves the estimate by less than this share of the radius of its
+/// confidence region is the last. Where the data see all unknowns the next one would be smaller by orders; along what the
+/// noise drowns the iteration creeps for long, and gains nothing that could be told from noise.
+const OFFSET: f64 = 1e-3;
+/// A step that promises less than this share of the sum of squares is none.
+const PROMISE: f64 = 1e-15;
 /// Or less than this per reading (mm^2): the rounding of positions.
 const ROUNDING: f64 = 1e-22;
 /// Singular values below this share of the largest are noise of rounding, for steps.
@@ -28,8 +33,9 @@ const LARGE: f64 = 1e8;
 /// Condition up to which the normal equations give the step.
 const EASY: f64 = 1e5;
 
-/// Standard deviation of the prior, as a displacement (mm).
-const PRIOR: f64 = 3.0;
+/// Standard deviation of the prior, as a displacement: so many times the root mean square of what was measured, and at
+/// most this (mm).
+const PRIOR: (f64, f64) = (30.0, 3.0);
 
 /// Where a fit has come to.
 #[derive(Debug, Clone)]
@@ -71,11 +77,20 @@ impl<'a> Linear<'a> {
 
 /// Fits the unknowns to the data, from their starts or from `theta`.
 pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>, theta: Option<Vec<f64>>) -> Fit {
-    let prior = Prior::new(model);
-    let mut theta = theta.unwrap_or_else(|| model.parameters().iter().map(|p| p.start).collect());
-    let mut linear = Linear::new(model, data, &weights, &theta);
-    let mut reduced = linear.at(&theta);
+    let home: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+    let mut linear = Linear::new(model, data, &weights, &home);
+    let at_home = linear.at(&home);
+    let heft: f64 = data.iter().zip(&weights).map(|(m, weight)| weight * m.readings() as f64).sum();
+    let prior = Prior::new(model, at_home.right_norm() / libm::sqrt(heft));
+    let (mut theta, mut reduced) = match theta {
+        Some(theta) => {
+            let there = linear.at(&theta);
+            (theta, there)
+        }
+        None => (home, at_home),
+    };
     let (mut damping, mut steps, mut settled) = (FIRST, 0, false);
+    let mut small_before = false;
     while steps < STEPS && !settled && damping <= MOST {
         // The prior against the scatter of the readings as far as it is known by now.
         let variance = reduced.right_norm() * reduced.right_norm() / reduced.rows.max(1) as f64;
@@ -83,6 +98,8 @@ pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>, theta: Op
         let before = prior.cost(&reduced, &theta, variance);
         // The sum of squares is not known better than this. A step that promises less is taken on trust, and is the last.
         let unseen = 2.0 * libm::sqrt(before * ROUNDING);
+        let small = unseen.max(OFFSET * OFFSET * theta.len() as f64 * variance);
+        let mut first = true;
         while damping <= MOST {
             let scaled = problem.step(damping);
             let promise = before - problem.cost(&scaled);
@@ -94,15 +111,19 @@ pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>, theta: Op
             let trial: Vec<f64> = theta.iter().zip(step.iter()).map(|(t, s)| t + s).collect();
             let then = linear.at(&trial);
             let gain = before - prior.cost(&then, &trial, variance);
-            settled = promise <= unseen && gain.abs() <= unseen;
-            if gain > 0.0 || settled {
+            if gain > 0.0 || (promise <= unseen && gain >= -unseen) {
+                // A step that was cut short is small for that alone: then the next one decides.
+                let is_small = promise <= small && gain <= small;
+                settled = is_small && (first || small_before);
+                small_before = is_small;
                 // A step that kept its promise may be longer next time.
-                damping = if gain > 0.5 * promise { damping * 0.01 } else { damping };
+                damping *= if gain > 0.5 * promise { 0.01 } else { 1.0 };
                 (theta, reduced) = (trial, then);
                 steps += 1;
                 break;
             }
             damping *= 10.0;
+            first = false;
         }
     }
     Fit { theta, reduced, weights, steps, settled }
@@ -116,17 +137,27 @@ struct Prior<'a> {
     /// 1 for parameters of the machine, 0 for unknowns of instruments: nothing is known of those.
     counts: DVector<f64>,
     slopes: &'a DMatrix<f64>,
+    /// Standard deviation of a displacement (mm).
+    sigma: f64,
 }
 
 impl<'a> Prior<'a> {
-    fn new(model: &'a Model<'_>) -> Self {
+    /// `measured`: root mean square of the readings, as far as the start leaves them (mm).
+    fn new(model: &'a Model<'_>, measured: f64) -> Self {
         let list = model.parameters();
+        let (times, most) = PRIOR;
         Self {
+            sigma: (times * measured).min(most).max(f64::MIN_POSITIVE),
             start: list.iter().map(|p| p.start).collect(),
             scale: DVector::from_iterator(list.len(), list.iter().map(|p| p.size)),
             counts: DVector::from_fn(list.len(), |j, _| f64::from(u8::from(j < model.own()))),
             slopes: model.slopes(),
         }
+    }
+
+    /// Weight of a displacement beside readings of this variance.
+    fn pull(&self, variance: f64) -> f64 {
+        if variance > 0.0 { variance / self.sigma / self.sigma } else { 0.0 }
     }
 
     /// How far from home, in units of displacement.
@@ -137,7 +168,7 @@ impl<'a> Prior<'a> {
     /// Weighted sum of squares (mm^2) of readings and prior, readings scattering with this variance.
     fn cost(&self, reduced: &Reduced, theta: &[f64], variance: f64) -> f64 {
         let slopes = self.slopes * DVector::from_column_slice(theta);
-        let pull = variance / (PRIOR * PRIOR);
+        let pull = self.pull(variance);
         let data = reduced.right_norm() * reduced.right_norm();
         data + pull * self.away(theta).norm_squared() + variance * slopes.norm_squared()
     }
@@ -175,7 +206,7 @@ impl Problem {
             Solver::Singular(svd, rank)
         };
         let (scale, home) = (prior.scale.clone(), prior.away(theta));
-        Self { reduced, scale, home, pull: variance / (PRIOR * PRIOR), solver }
+        Self { reduced, scale, home, pull: prior.pull(variance), solver }
     }
 
     /// The best step, in units of displacement.
