@@ -153,14 +153,19 @@ fn a_stated_uncertainty_is_a_band_about_the_curve_and_changes_no_result() {
     // The band of a constant curve is a rectangle: 1 um from edge to edge where the curve itself is 1 um from zero.
     let ys = |path: &str| -> Vec<f64> {
         let data = path.split('"').next().unwrap();
-        data.split(['M', 'L', 'Z']).filter(|p| !p.is_empty()).map(|p| p.split(' ').nth(1).unwrap().parse().unwrap()).collect()
+        data.split(['M', 'L', 'Z'])
+            .filter(|p| !p.is_empty())
+            .map(|p| p.split(' ').nth(1).unwrap().parse().unwrap())
+            .collect()
     };
     let band = drawn.split("<path d=\"").find(|path| path.contains("class=\"band\"")).unwrap();
     let line = drawn.split("<path d=\"").skip(1).find(|path| !path.contains("class=\"band\"")).unwrap();
     let (low, high) = ys(band).iter().fold((f64::MAX, f64::MIN), |(low, high), y| (low.min(*y), high.max(*y)));
     let middle = ys(line)[0];
     assert!(((high - middle) - (middle - low)).abs() < 0.02 && high - low > 20.0, "{low} {middle} {high}");
-    let result = |machine: &std::path::Path| json(&["eval", text(machine), "--at", "X=100,Y=200", "--format", "json"])["poses"].clone();
+    let result = |machine: &std::path::Path| {
+        json(&["eval", text(machine), "--at", "X=100,Y=200", "--format", "json"])["poses"].clone()
+    };
     assert_eq!(result(&sure), result(&plain));
     let page = folder.file("page.html");
     abbe(&["report", text(&sure), "--poses", "10", "--out", text(&page)]);
