@@ -218,7 +218,7 @@ fn budgets_are_compared_tolerance_by_tolerance() {
     let two = machine("two.yaml", "EC0Y: { tolerance: 40 urad }, EXX: { tolerance: 6 um }, EYY: 5 um");
     let three = machine("three.yaml", "EYY: 5 um");
     let of = |files: &[&str]| {
-        json(&[&["compare"], files, &["--samples", "300", "--poses", "200", "--format", "json"]].concat())
+        json(&[&["compare"], files, &["--samples", "300", "--poses", "200", "--format", "json", "--quiet"]].concat())
     };
     let c = of(&[text(&one), text(&two)]);
     let b = &c["budgets"];

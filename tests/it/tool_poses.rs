@@ -100,7 +100,7 @@ fn work_that_was_drawn_and_the_same_from_a_file_compare_alike() {
     let folder = Folder::new("tool-poses-compare");
     let file = drawn(&folder, "trunnion.yaml", "120");
     let of = |work: &[&str]| {
-        let class = ["--class", "production", "--samples", "40", "--seed", "3", "--format", "json"];
+        let class = ["--class", "production", "--samples", "40", "--seed", "3", "--format", "json", "--quiet"];
         json(&[&["compare", "trunnion.yaml", "ht-b-c.yaml"], work, &class].concat())
     };
     let (ours, theirs) = (of(&["--tool-poses", text(&file)]), of(&["--poses", "120"]));
@@ -170,7 +170,7 @@ fn what_is_out_of_reach_is_named_and_what_is_wrong_refused() {
     let folder = Folder::new("tool-poses-refused");
     let machine = three(&folder, "20 urad");
     let file = folder.with("work.csv", "X,Y,Z,I,J,K\n0,0,0,0,0,1\n900,0,0,0,0,1\n0,0,0,0,1,1\n0,0,5,0,0,2e300\n");
-    let map = json(&["map", text(&machine), "--tool-poses", text(&file), "--format", "json"]);
+    let map = json(&["map", text(&machine), "--tool-poses", text(&file), "--format", "json", "--quiet"]);
     assert_eq!((&map["poses"], &map["tool_poses"]["unreachable"]["total"]), (&2.into(), &2.into()));
     assert_eq!(
         map["tool_poses"]["rows"],
