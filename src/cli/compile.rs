@@ -7,7 +7,10 @@ use super::{Outcome, Stop, file_set, kinematics, load, verify};
 use crate::compensation::{Fit, Goal, LatticeRequest, Scope, Stored, Tables, resampled};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{AxisKind, Machine};
-use crate::target::{Certificate, Hashed, Judged, Limits, Lock, NAMES, RenderedFile, Target, certify, is_plain_name};
+use crate::target::{
+    Certificate, Depth, Effect, Hashed, Judged, Limits, Lock, NAMES, RenderedFile, Target, certify, certify_kinematics,
+    is_plain_name,
+};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -208,23 +211,41 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     Ok(())
 }
 
-/// `map` and `report` replay tables.
-fn without_tables(target: &Target) -> Diagnostic {
-    let message =
-        format!("the target `{}` replaces the controller's kinematics and has no tables", target.manifest.target);
-    Diagnostic::new("E0633", message).help("`abbe compile` and `abbe verify` certify what it leaves")
+/// What a target does to a machine by the files that `compile` would write, and the certificate over so many
+/// poses; nothing is written.
+pub(super) fn effect(
+    session: &mut Session,
+    machine: &Machine,
+    target: &Target,
+    how: &How,
+    (poses, seed): (usize, u64),
+) -> Result<(Effect, Certificate), Stop> {
+    let (effect, certificate) = if target.manifest.kinematics().is_some() {
+        let (_, carried) = kinematics::made(session, machine, target, how.orientation())?;
+        let certificate = certify_kinematics(machine, target, &carried, Depth { poses, seed });
+        (Effect::Module(Box::new(carried)), certificate)
+    } else {
+        let limits = Limits::default();
+        let tables = made(session, machine, target, (&[], usize::MAX), how.scope(), limits, None)?.tables;
+        let judged = Judged { target, tables: &tables, installed: None };
+        let certificate = certify(machine, judged, how.scope(), poses, seed);
+        (Effect::Tables(tables), certificate)
+    };
+    warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
+    session.checked()?;
+    Ok((effect, certificate))
 }
 
 /// A set of files before it is written, and the tables that the controller reads from it.
-pub(super) struct Made {
+struct Made {
     rendered: Vec<RenderedFile>,
-    pub tables: Tables,
+    tables: Tables,
 }
 
 /// Fills the tables of a target, renders its files and reads them back as `verify` would. A lattice is
 /// given by the names of its axes (none: all) and the largest number of its nodes; what is filled goes on top
 /// of what is installed.
-pub(super) fn made(
+fn made(
     session: &mut Session,
     machine: &Machine,
     target: &Target,
@@ -233,9 +254,6 @@ pub(super) fn made(
     limits: Limits,
     installed: Option<&Tables>,
 ) -> Result<Made, Stop> {
-    if target.manifest.kinematics().is_some() {
-        return session.refuse(without_tables(target));
-    }
     if let Some(refusal) = target.refusal(machine) {
         return session.refuse(refusal);
     }

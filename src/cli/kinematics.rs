@@ -15,11 +15,7 @@ pub(super) fn compile(
     inputs: Vec<Hashed>,
 ) -> Outcome {
     let orientation = args.options.how.orientation();
-    let meant = carried(session, machine, target, orientation)?;
-    session.checked()?;
-    let rendered = target.render_kinematics(machine, &meant, &mut session.diagnostics).ok_or(Stop::Refused)?;
-    session.checked()?;
-    let read = read_back(session, machine, target, &rendered, &meant)?;
+    let (rendered, read) = made(session, machine, target, orientation)?;
     let certificate = certify_kinematics(machine, target, &read, depth(&args.options));
     let limits = args.max_correction.unwrap_or_default();
     limits.exceeded_by(&certificate).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
@@ -34,6 +30,21 @@ pub(super) fn compile(
     let names = rendered.iter().map(|file| file.name.clone()).collect();
     Shown { machine, target, certificate: &certificate, files: names, folder: &args.out }.print(session);
     Ok(())
+}
+
+/// The files of a module, and what the controller reads from them.
+pub(super) fn made(
+    session: &mut Session,
+    machine: &Machine,
+    target: &Target,
+    orientation: bool,
+) -> Result<(Vec<RenderedFile>, Carried), Stop> {
+    let meant = carried(session, machine, target, orientation)?;
+    session.checked()?;
+    let rendered = target.render_kinematics(machine, &meant, &mut session.diagnostics).ok_or(Stop::Refused)?;
+    session.checked()?;
+    let read = read_back(session, machine, target, &rendered, &meant)?;
+    Ok((rendered, read))
 }
 
 pub(super) fn verify(
@@ -67,7 +78,10 @@ fn depth(options: &compile::Options) -> Depth {
 
 fn carried(session: &mut Session, machine: &Machine, target: &Target, orientation: bool) -> Result<Carried, Stop> {
     match Carried::of(machine, target, orientation) {
-        Ok(carried) => Ok(carried),
+        Ok(carried) => {
+            carried.warnings(machine).into_iter().for_each(|warning| session.diagnostics.push(warning));
+            Ok(carried)
+        }
         Err(refusal) => session.refuse(refusal),
     }
 }

@@ -1,7 +1,6 @@
 //! `abbe map`: the error over a volume.
 
-use super::certificate_output::warnings;
-use super::compile::{How, made};
+use super::compile::{How, effect};
 use super::map_output::Outputs;
 use super::map_picture::{Pictures, Subject};
 use super::map_survey::surveyed;
@@ -12,12 +11,11 @@ use super::view::{
 };
 use super::{Format, Outcome, Stop, load};
 use crate::analysis::{Diagonal, MOST_POSES, MOST_SURVEYED, SurveyTask, View, body_diagonals, map, rest};
-use crate::compensation::Tables;
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Deviation, Field, Nodes, Order, Planned, Poses, Random, Spread, Statistics, Tally, worst};
 use crate::machine::Machine;
 use crate::report::Rows;
-use crate::target::{Compensated, Judged, Limits, Replay, Target, certify};
+use crate::target::{Effect, Target};
 use crate::units::significant;
 use serde_json::json;
 use std::path::PathBuf;
@@ -54,8 +52,8 @@ pub(super) struct Args {
     pictures: Pictures,
 }
 
-/// A target and its tables, as the controller reads them.
-type Compensation = (Target, Tables);
+/// A target and what it does.
+type Compensation = (Target, Effect);
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.view.tool.as_deref())?;
@@ -66,11 +64,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let place = args.pictures.place(session, &machine, args.target.is_some())?;
     let compensation = compensation(session, args, &machine, order)?;
     let bare = Planned::new(&machine, order);
-    let replayed = compensation.as_ref().map(|(target, tables)| {
-        let replay = Replay::new(&machine, target, tables);
-        Compensated { machine: &machine, replay }
-    });
-    let field: &dyn Field = replayed.as_ref().map_or(&bare as &dyn Field, |field| field);
+    let replayed = compensation.as_ref().map(|(target, effect)| effect.field(&machine, target));
+    let field: &dyn Field = replayed.as_ref().map_or(&bare as &dyn Field, |field| &**field);
     let poses = poses(args, &machine);
     if poses.len() > MOST_SURVEYED {
         return session.refuse(too_many(poses.len()));
@@ -126,12 +121,8 @@ fn compensation(
         );
     }
     let target = args.how.target(session, name, None)?;
-    let tables = made(session, machine, &target, (&[], usize::MAX), args.how.scope(), Limits::default(), None)?.tables;
-    let judged = Judged { target: &target, tables: &tables, installed: None };
-    let certificate = certify(machine, judged, args.how.scope(), CERTIFIED, args.seed);
-    warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
-    session.checked()?;
-    Ok(Some((target, tables)))
+    let (effect, _) = effect(session, machine, &target, &args.how, (CERTIFIED, args.seed))?;
+    Ok(Some((target, effect)))
 }
 
 fn too_long(count: usize) -> Diagnostic {

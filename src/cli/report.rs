@@ -1,7 +1,6 @@
 //! `abbe report`: one self-contained HTML page for a design review.
 
-use super::certificate_output::warnings;
-use super::compile::{Made, Options, made};
+use super::compile::{Options, effect};
 use super::files::Disk;
 use super::progress::Progress;
 use super::session::Session;
@@ -17,7 +16,7 @@ use crate::report::page::{
 };
 use crate::report::{Drawn, PlanePicture, Shown, axis_curves, chain_picture};
 use crate::syntax::Files;
-use crate::target::{Compensated, Judged, Limits, Replay, Target};
+use crate::target::Target;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -143,13 +142,9 @@ impl Subject {
 /// What `compile` would write for a target, and its certificate.
 fn compensation(session: &mut Session, args: &Args, machine: &Machine, name: &str) -> Result<Written, Stop> {
     let target: Target = args.options.how.target(session, name, None)?;
-    let (scope, limits) = (args.options.how.scope(), Limits::default());
-    let Made { tables, .. } = made(session, machine, &target, (&[], usize::MAX), scope, limits, None)?;
-    let judged = Judged { target: &target, tables: &tables, installed: None };
-    let certificate = args.options.certificate(machine, judged);
-    warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
-    session.checked()?;
-    Ok(Written { target, tables, certificate })
+    let depth = (args.options.poses as usize, args.options.seed);
+    let (effect, certificate) = effect(session, machine, &target, &args.options.how, depth)?;
+    Ok(Written { target, effect, certificate })
 }
 
 /// Intervals along the longer side of a plane.
@@ -182,8 +177,7 @@ fn plane(given: &Given<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
         PlanePicture { machine, plane: &bare, view, order, shown: Shown::Length, drawn: Drawn::Colours, state, like };
     let mut svgs = vec![picture.svg(), PlanePicture { drawn: Drawn::Grid, ..picture }.svg()];
     for written in given.written {
-        let replay = Replay::new(machine, &written.target, &written.tables);
-        let after = of(&Compensated { machine, replay });
+        let after = of(&*written.effect.field(machine, &written.target));
         let state = format!("after {}", written.target.manifest.target);
         for drawn in [Drawn::Colours, Drawn::Grid] {
             svgs.push(PlanePicture { plane: &after, drawn, state: &state, like: Some(&bare), ..picture }.svg());

@@ -29,13 +29,15 @@ pub const NAMES: [&str; 19] = [
 ];
 
 /// Files in the binary, as in `templates/`.
-const EMBEDDED: [(&str, &str); 52] = [
+const EMBEDDED: [(&str, &str); 54] = [
     ("linuxcnc/compensation.inc.j2", include_str!("../../templates/linuxcnc/compensation.inc.j2")),
     ("linuxcnc/table.j2", include_str!("../../templates/linuxcnc/table.j2")),
     ("linuxcnc/target.yaml", include_str!("../../templates/linuxcnc/target.yaml")),
     ("linuxcnc-kins/target.yaml", include_str!("../../templates/linuxcnc-kins/target.yaml")),
     ("linuxcnc-kins/data.h.j2", include_str!("../../templates/linuxcnc-kins/data.h.j2")),
     ("linuxcnc-kins/model.h.j2", include_str!("../../templates/linuxcnc-kins/model.h.j2")),
+    ("linuxcnc-kins/hold.h.j2", include_str!("../../templates/linuxcnc-kins/hold.h.j2")),
+    ("linuxcnc-kins/solve.h.j2", include_str!("../../templates/linuxcnc-kins/solve.h.j2")),
     ("linuxcnc-kins/abbekins.comp.j2", include_str!("../../templates/linuxcnc-kins/abbekins.comp.j2")),
     ("linuxcnc-kins/abbekins.hal.j2", include_str!("../../templates/linuxcnc-kins/abbekins.hal.j2")),
     ("linuxcnc-kins/sim.ini.j2", include_str!("../../templates/linuxcnc-kins/sim.ini.j2")),

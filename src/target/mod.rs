@@ -11,6 +11,7 @@
 
 mod certificate;
 mod context;
+mod effect;
 mod fill;
 mod installed;
 mod kinematics;
@@ -24,7 +25,8 @@ mod replay;
 mod stored;
 
 pub use certificate::{Certificate, ErrorLeft, Figures, Handled, Judged, Shifted, certify};
-pub use kinematics::{Carried, Depth, Driven, Model, Setting, World, certify_kinematics};
+pub use effect::Effect;
+pub use kinematics::{Carried, Depth, Driven, Model, Setting, Words, World, certify_kinematics};
 pub use library::{NAMES, Target, is_plain_name};
 pub use limits::Limits;
 pub use lock::{Hashed, LOCK_NAME, Lock, sha256};

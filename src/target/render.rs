@@ -73,7 +73,6 @@ impl Target {
         own: &Value,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
-        let _ = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let environment = environment();
         let file = |(spec, template): (&FileSpec, &String)| {
             let context = context! { machine => machine.name(), version => env!("CARGO_PKG_VERSION"), ..own.clone() };

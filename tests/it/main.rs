@@ -25,6 +25,7 @@ mod identify;
 mod import;
 mod instrument;
 mod interactions;
+mod kinematics_views;
 mod language;
 mod linuxcnc_constants;
 mod linuxcnc_kinematics;

@@ -1,13 +1,17 @@
 /* Calls the generated kinematics for every line of standard input: enable, share, orientation, tool
-   (3 numbers), pose (X Y Z A B C U V W). Prints, for each, a line of nine joints, the nine coordinates
-   that the forward kinematics find for them, steps and failures so far. With an argument N it calls the
-   inverse N times over all lines instead and prints the nanoseconds of processor time of a call, then of a forward call. */
+   (3 numbers), pose (X Y Z A B C U V W), nine joints where the machine is before. Prints, for each, a line of
+   nine joints, the nine coordinates that the forward kinematics find for them (the first is NaN where they
+   find none), steps and failures so far.
+   With an argument N it calls the inverse N times instead, at the poses that the joints of the lines are, and
+   prints the nanoseconds of processor time of a call, then of a forward call. */
 #include <stdlib.h>
 #include <time.h>
 
 #define MOST 4096
 
-static double line[MOST][15];
+#define NUMBERS 24
+
+static double line[MOST][NUMBERS];
 
 static void apply(const double *in)
 {
@@ -35,13 +39,22 @@ static double seconds(void)
 static void timed(int count, long calls)
 {
     static double joint[MOST][16];
+    static struct EmcPose at[MOST];
     double start, inverse, forward;
-    struct EmcPose world;
+    struct EmcPose world = { { 0, 0, 0 }, 0, 0, 0, 0, 0, 0 };
     long k;
+    int i;
+    for (k = 0; k < count; k++) {
+        for (i = 0; i < 9; i++) joint[k][i] = line[k][15 + i];
+        if (kinematicsForward(joint[k], &at[k], NULL, NULL)) exit(1);
+        /* About as far away as one cycle moves. */
+        for (i = 0; i < 9; i++) joint[k][i] += 0.05;
+    }
     start = seconds();
     for (k = 0; k < calls; k++) {
-        world = pose(line[k % count]);
-        if (kinematicsInverse(&world, joint[k % count], NULL, NULL)) exit(1);
+        double from[16];
+        for (i = 0; i < 16; i++) from[i] = joint[k % count][i];
+        if (kinematicsInverse(&at[k % count], from, NULL, NULL)) exit(1);
     }
     inverse = seconds() - start;
     start = seconds();
@@ -57,9 +70,9 @@ int main(int argc, char **argv)
     int count = 0, k, i;
     if (extra_setup(&shim_state, prefix, 0) || kinematicsType() != KINEMATICS_BOTH) return 1;
     for (;; count++) {
-        for (i = 0; i < 15 && count < MOST; i++)
+        for (i = 0; i < NUMBERS && count < MOST; i++)
             if (scanf("%lf", &line[count][i]) != 1) break;
-        if (i < 15) break;
+        if (i < NUMBERS) break;
     }
     if (argc > 1) {
         apply(line[0]);
@@ -70,7 +83,13 @@ int main(int argc, char **argv)
         double joint[16] = { 0.0 };
         struct EmcPose world = pose(line[k]), back = { { 0, 0, 0 }, 0, 0, 0, 0, 0, 0 };
         apply(line[k]);
-        if (kinematicsInverse(&world, joint, NULL, NULL) == 0 && kinematicsForward(joint, &back, NULL, NULL)) return 1;
+        for (i = 0; i < 9; i++) joint[i] = line[k][15 + i];
+        /* Angles are found next to those of before. */
+        back.a = world.a + 10.0;
+        back.b = world.b + 10.0;
+        back.c = world.c + 10.0;
+        if (kinematicsInverse(&world, joint, NULL, NULL) == 0 && kinematicsForward(joint, &back, NULL, NULL))
+            back.tran.x = NAN;
         for (i = 0; i < 9; i++) printf("%.17g ", joint[i]);
         printf("%.17g %.17g %.17g %.17g %.17g %.17g ", back.tran.x, back.tran.y, back.tran.z, back.a, back.b, back.c);
         printf("%.17g %.17g %.17g %d %d\n", back.u, back.v, back.w, shim_state.iterations_pin, shim_state.failures_pin);

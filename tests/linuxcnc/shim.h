@@ -18,7 +18,7 @@ int kinematicsInverse(const struct EmcPose *, double *, const KINEMATICS_INVERSE
 #define KINS_NOT_SWITCHABLE struct shim_nothing;
 #define EXPORT_SYMBOL(name) struct shim_nothing
 
-#include "abbekins_model.h"
+#include "abbekins_solve.h"
 
 struct __comp_state {
     int enable_pin, orientation_pin, iterations_pin, failures_pin;

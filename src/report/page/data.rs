@@ -4,10 +4,9 @@
 use super::comparison::ComparisonData;
 use super::field::FieldData;
 use crate::analysis::{LocationSet, Map, Source, Status, body_diagonals, levers, rest, sources};
-use crate::compensation::Tables;
 use crate::evaluate::{Bare, Order, Poses, Random, Summary, worst};
 use crate::machine::{Approach, Axis, ErrorTerm, Machine, Pose, Travel};
-use crate::target::{Certificate, Handled, Target};
+use crate::target::{Certificate, Effect, Handled, Target};
 use serde::Serialize;
 use serde_json::{Map as Object, Value, json};
 
@@ -30,13 +29,13 @@ pub struct Given<'a> {
     pub warnings: &'a [String],
 }
 
-/// Compensation for one target: its tables as the controller reads them, and what they leave.
+/// Compensation for one target: what it does as the controller reads it, and what that leaves.
 #[derive(Debug, Clone)]
 pub struct Written {
     /// The controller.
     pub target: Target,
-    /// Its tables.
-    pub tables: Tables,
+    /// Its tables, or its kinematics.
+    pub effect: Effect,
     /// What is left.
     pub certificate: Certificate,
 }

@@ -6,10 +6,9 @@
 
 use super::data::{Given, pose_words, positions};
 use crate::analysis::{View, deviation_in, frame_rotation, rest, space_axes};
-use crate::evaluate::{Bare, Deviation, Field, Frame, error_by_error, evaluate};
+use crate::evaluate::{Bare, Deviation, Frame, error_by_error, evaluate};
 use crate::machine::{Axis, ErrorId, ErrorTerm, Machine, Pose};
 use crate::report::scale::round_step;
-use crate::target::{Compensated, Replay};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -234,9 +233,8 @@ impl Lattice<'_> {
         let mut row = vec![total];
         row.extend(groups.iter().map(together));
         for one in written {
-            let replay = Replay::new(machine, &one.target, &one.tables);
-            let field = Compensated { machine, replay };
-            let left = deviation_in(&field as &dyn Field, pose, view).position;
+            let field = one.effect.field(machine, &one.target);
+            let left = deviation_in(&*field, pose, view).position;
             row.extend([left, total - left]);
         }
         (evaluate(machine, pose, order, approach, Frame::Machine).nominal, row)

@@ -2,9 +2,9 @@
 
 use super::constants::{Centres, LinearMap};
 use super::data::{Model, WORLD};
-use super::{Carries, KinematicsMechanism};
+use super::{Carries, KinematicsMechanism, topology};
 use crate::diagnostic::Diagnostic;
-use crate::machine::{AxisKind, Machine};
+use crate::machine::Machine;
 use crate::target::{Target, assigned_letters};
 
 /// The numbers of a module.
@@ -19,16 +19,16 @@ pub enum Carried {
 }
 
 impl Carried {
-    /// Takes from a machine what the target's module carries. Refusals: E0601, E0750, E0751.
+    /// Takes from a machine what the target's module carries. Refusals: E0601, E0750, E0751, E0752.
     pub fn of(machine: &Machine, target: &Target, orientation: bool) -> Result<Self, Diagnostic> {
         let Some(mechanism) = target.manifest.kinematics() else {
             return Err(Diagnostic::new("E0703", "this target does not replace the kinematics"));
         };
-        let letters = letters(machine, target)?;
+        let letters = || letters(machine, target);
         let carried = match mechanism.carries {
-            Carries::FullModel => Self::FullModel(full_model(machine, &letters, mechanism, orientation)?),
-            Carries::LinearMap => Self::LinearMap(LinearMap::fitted(machine, &letters)?),
-            Carries::RotaryCentres => Self::RotaryCentres(Centres::fitted(machine, &letters)?),
+            Carries::FullModel => Self::FullModel(Model::of(machine, mechanism.damping, orientation)?),
+            Carries::LinearMap => Self::LinearMap(LinearMap::fitted(machine, &letters()?)?),
+            Carries::RotaryCentres => Self::RotaryCentres(Centres::fitted(machine, &letters()?)?),
         };
         Ok(carried.quantised(mechanism))
     }
@@ -36,6 +36,14 @@ impl Carried {
     /// Is the direction of the tool corrected? A full model says so itself, the others cannot.
     pub fn orientation(&self) -> bool {
         matches!(self, Self::FullModel(model) if model.orientation)
+    }
+
+    /// What a programmer has to know. Warnings: W0601, W0760, W0761.
+    pub fn warnings(&self, machine: &Machine) -> Vec<Diagnostic> {
+        match self {
+            Self::FullModel(model) => topology::warnings(machine, model),
+            Self::LinearMap(_) | Self::RotaryCentres(_) => Vec::new(),
+        }
     }
 
     /// As the files can hold it.
@@ -63,26 +71,4 @@ fn letters(machine: &Machine, target: &Target) -> Result<Vec<(usize, usize)>, Di
         Diagnostic::new("E0750", "an axis has a letter that is no coordinate of the world")
             .help("the target's `axis_letters` must be among X Y Z A B C U V W")
     })
-}
-
-/// The tip is held by the linear axes X, Y and Z.
-fn full_model(
-    machine: &Machine,
-    letters: &[(usize, usize)],
-    mechanism: &KinematicsMechanism,
-    orientation: bool,
-) -> Result<Model, Diagnostic> {
-    let model = Model::of(machine, letters, mechanism.damping, orientation);
-    let linear = machine.axes().iter().zip(letters);
-    let main = linear.filter(|(axis, (letter, _))| axis.kind == AxisKind::Linear && *letter < 3).count();
-    let refused = |why: &str| Diagnostic::new("E0750", format!("{why}: this kinematics module cannot hold the tip"));
-    if main < 3 {
-        return Err(refused("the machine has not the three linear axes X, Y and Z")
-            .help("the tip is brought to its place by X, Y and Z; robots and lathes without Y need another target"));
-    }
-    if model.command(&model.setting(), &[0.0; 9]).is_none() {
-        return Err(refused("with all axes at 0 the linear axes X, Y and Z do not span the room")
-            .help("check the directions of X, Y and Z"));
-    }
-    Ok(model)
 }

@@ -1,9 +1,9 @@
 //! The resolved machine as data for templates. Numbers arrive as text that reads back as the same
 //! double; constants as plain decimals.
 
-use super::data::{CurveData, Joint, Model, WORLD};
+use super::data::{CurveData, Joint, Model, WORLD, Words};
 use super::{Carried, KinematicsMechanism};
-use crate::machine::{Axis, Machine, Travel};
+use crate::machine::{Axis, Grid, Machine, Travel};
 use crate::target::render::fixed;
 use minijinja::{Value, context};
 
@@ -35,7 +35,8 @@ fn constants(values: &[f64], mechanism: &KinematicsMechanism, tilt: &str) -> Val
 }
 
 fn full_model(machine: &Machine, model: &Model, mechanism: &KinematicsMechanism) -> Value {
-    let joints = model.joints.iter().zip(machine.axes()).map(|(joint, axis)| joint_context(joint, axis, mechanism));
+    let axes = machine.axes().iter().zip(machine.volume());
+    let joints = model.joints.iter().zip(axes).map(|(joint, of)| joint_context(model.words, joint, of, mechanism));
     let mut start = 0;
     let curves = model.curves.iter().map(|curve| {
         let entry = curve_context(curve, start);
@@ -44,9 +45,6 @@ fn full_model(machine: &Machine, model: &Model, mechanism: &KinematicsMechanism)
     });
     let mut in_order: Vec<usize> = (0..model.joints.len()).collect();
     in_order.sort_by_key(|i| model.joints[*i].number);
-    let place = |from: [f64; 3]| -> Vec<String> {
-        (0..3).map(|i| fixed(model.workpiece[i] - from[i], mechanism.increment.position_decimals)).collect()
-    };
     let decimals = |x: &f64| fixed(*x, mechanism.increment.position_decimals);
     context! {
         joints => joints.collect::<Vec<_>>(),
@@ -61,14 +59,56 @@ fn full_model(machine: &Machine, model: &Model, mechanism: &KinematicsMechanism)
         spindle => list(&model.spindle),
         workpiece => list(&model.workpiece),
         clamping => list(&model.clamping),
+        words => model.words as usize,
+        coordinates => coordinates(machine, model),
         damping => exact(model.damping),
+        arm => exact(model.arm),
         orientation => u8::from(model.orientation),
         // Where the program's zero must be for programs to count from the workpiece origin.
-        program_zero => place(model.gauge),
+        program_zero => (0..3).map(|k| decimals(&program_zero(model, k))).collect::<Vec<_>>(),
     }
 }
 
-fn joint_context(joint: &Joint, axis: &Axis, mechanism: &KinematicsMechanism) -> Value {
+/// The letters of the program's words, with what each of them moves.
+fn coordinates(machine: &Machine, model: &Model) -> Vec<Value> {
+    let held = match model.words {
+        Words::Tip => "XYZ",
+        Words::Pose => "XYZABC",
+        Words::Axes => "",
+    };
+    let coordinate = |(index, letter): (usize, char)| {
+        let own = model.joints.iter().position(|joint| joint.letter == Some(index));
+        let name = match own {
+            Some(axis) => machine.axes()[axis].name.as_str().to_owned(),
+            None if !held.contains(letter) => return None,
+            None if index < 3 => "tip of the tool".to_owned(),
+            None => ["roll", "pitch", "yaw"][index - 3].to_owned(),
+        };
+        let rotary = own.map_or((3..6).contains(&index), |axis| model.joints[axis].rotary);
+        Some(context! { letter => letter.to_string(), name, rotary => u8::from(rotary) })
+    };
+    WORLD.chars().enumerate().filter_map(coordinate).collect()
+}
+
+/// Where the program's zero is in machine coordinates: the workpiece origin, where a word is a place.
+fn program_zero(model: &Model, k: usize) -> f64 {
+    let along = |joint: &Joint| joint.letter == Some(k) && !joint.rotary && joint.direction[k] > 0.5;
+    let placed = model.words != Words::Axes || model.joints.iter().any(along);
+    if placed { model.workpiece[k] - model.gauge[k] } else { 0.0 }
+}
+
+/// Where a joint stands after homing: at 0, or in the middle of the volume where 0 may be a singular pose.
+fn home(words: Words, volume: &Grid, (min, max): (f64, f64)) -> f64 {
+    let middle = 0.5 * (volume.min + volume.max);
+    (if words == Words::Pose { middle } else { 0.0 }).clamp(min, max)
+}
+
+fn joint_context(
+    words: Words,
+    joint: &Joint,
+    (axis, volume): (&Axis, &Grid),
+    mechanism: &KinematicsMechanism,
+) -> Value {
     let (min, max) = match axis.travel {
         Travel::Range(min, max) => (min, max),
         // As far as a controller's position stays exact enough.
@@ -78,8 +118,7 @@ fn joint_context(joint: &Joint, axis: &Axis, mechanism: &KinematicsMechanism) ->
     let position = |x: f64| fixed(x, mechanism.increment.position_decimals);
     context! {
         name => axis.name.as_str(),
-        letter => WORLD.get(joint.letter..=joint.letter),
-        coordinate => joint.letter,
+        coordinate => joint.letter.map_or(-1, |letter| letter as i64),
         joint => joint.number,
         rotary => u8::from(joint.rotary),
         solved => u8::from(joint.solved),
@@ -97,7 +136,7 @@ fn joint_context(joint: &Joint, axis: &Axis, mechanism: &KinematicsMechanism) ->
         // Corrections may leave the travel by a little.
         limit_min => position(min - MARGIN),
         limit_max => position(max + MARGIN),
-        home => position(0.0_f64.clamp(min, max)),
+        home => position(home(words, volume, (min, max))),
     }
 }
 

@@ -1,6 +1,8 @@
 //! The machine as a kinematics module carries it: numbers in the order of the walk, conventions resolved
 //! to flags of each joint.
 
+use super::topology::Topology;
+use crate::diagnostic::Diagnostic;
 use crate::machine::{
     Approach, Axis, AxisKind, Branch, ComponentError, Conventions, Curve, Direction, ErrorTerm, ErrorsAre, JointErrors,
     Joints, LinearOrder, Location, Machine, RotaryOrder,
@@ -9,9 +11,27 @@ use crate::machine::{
 /// Letters of the world's nine coordinates, in the controller's order.
 pub const WORLD: &str = "XYZABCUVW";
 
+/// What the words of a program mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Words {
+    /// X Y Z are the tip of the tool, the others axes.
+    Tip = 0,
+    /// X Y Z are the tip of the tool and A B C its roll, pitch and yaw, the others axes.
+    Pose = 1,
+    /// Every word is an axis.
+    Axes = 2,
+}
+
+impl Words {
+    /// All, by their number.
+    pub const ALL: [Self; 3] = [Self::Tip, Self::Pose, Self::Axes];
+}
+
 /// A machine as numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
+    /// What the words of its programs mean.
+    pub words: Words,
     /// Its axes on the walk from workpiece to tool.
     pub joints: Vec<Joint>,
     /// Error curves; never empty.
@@ -34,6 +54,8 @@ pub struct Model {
     pub clamping: [f64; 6],
     /// Sine of the angle from a singular pose below which rotary corrections are bounded.
     pub damping: f64,
+    /// The length (mm) at which turns and ways are weighed against each other.
+    pub arm: f64,
     /// Is the direction of the tool corrected, or only the position of its tip?
     pub orientation: bool,
 }
@@ -41,13 +63,13 @@ pub struct Model {
 /// A joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// Index of its coordinate in [`WORLD`].
-    pub letter: usize,
+    /// Index in [`WORLD`] of the coordinate that is its position; none if the tip's place says where it is.
+    pub letter: Option<usize>,
     /// Number of the controller's joint.
     pub number: usize,
     /// Rotary rather than linear.
     pub rotary: bool,
-    /// Found from the position of the tip; otherwise as programmed.
+    /// One of the axes that hold the tip: found from it or, where words are axes, corrected for it.
     pub solved: bool,
     /// On the workpiece side of the bed.
     pub workpiece_side: bool,
@@ -106,16 +128,28 @@ pub struct CurveData {
 }
 
 impl Model {
-    /// The numbers of a machine. `letters` says for each axis of the walk which coordinate of the world
-    /// and which joint it is.
-    pub fn of(machine: &Machine, letters: &[(usize, usize)], damping: f64, orientation: bool) -> Self {
+    /// The numbers of a machine. Refusals: E0752.
+    pub fn of(machine: &Machine, damping: f64, orientation: bool) -> Result<Self, Diagnostic> {
+        let mut model = Self::geometry(machine, damping, orientation);
+        let topology = Topology::of(machine, &model)?;
+        (model.words, model.arm) = (topology.words, topology.arm);
+        for (index, joint) in model.joints.iter_mut().enumerate() {
+            joint.letter = topology.letters[index];
+            joint.number = topology.numbers[index];
+            joint.solved = topology.solved[index];
+        }
+        Ok(model)
+    }
+
+    /// Everything but what [`Topology`] says.
+    fn geometry(machine: &Machine, damping: f64, orientation: bool) -> Self {
         let mut curves = Vec::new();
         let conventions = machine.conventions();
         let joint = |(index, axis): (usize, &Axis)| Joint {
-            letter: letters[index].0,
-            number: letters[index].1,
+            letter: None,
+            number: index,
             rotary: axis.kind == AxisKind::Rotary,
-            solved: letters[index].0 < 3,
+            solved: false,
             workpiece_side: axis.branch == Branch::Workpiece,
             outside: outside(axis, conventions),
             inverted: inverted(axis, conventions),
@@ -131,6 +165,7 @@ impl Model {
         }
         let tool = machine.tool();
         Self {
+            words: Words::Axes,
             joints,
             curves,
             carried_body: conventions.location == Location::CarriedBody,
@@ -142,6 +177,7 @@ impl Model {
             workpiece: machine.workpiece(),
             clamping: machine.setup().workpiece,
             damping,
+            arm: 1.0,
             orientation,
         }
     }

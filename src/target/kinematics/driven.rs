@@ -1,9 +1,11 @@
 //! A machine whose controller has a kinematics module loaded: mapped like a bare one.
 
-use super::{Carried, Model, World};
+use super::ideal::to_roll_pitch_yaw;
+use super::{Carried, Model, Words, World};
+use crate::algebra::rotation_about;
 use crate::evaluate::{Bare, Deviation, Field, Frame, Order, commanded_deviation, evaluate};
-use crate::machine::{Approach, Machine};
-use nalgebra::Vector3;
+use crate::machine::{Approach, AxisKind, Machine, sin_cos_degrees};
+use nalgebra::{Matrix3, Vector3};
 
 /// A machine driven through a module.
 #[derive(Debug, Clone, Copy)]
@@ -22,7 +24,7 @@ impl<'a> Driven<'a> {
     pub fn command(&self, pose: &[f64]) -> Option<Vec<f64>> {
         let tip = ideal_tip(self.machine, pose);
         match self.carried {
-            Carried::FullModel(model) => model.command(&model.setting(), &world(model, &tip, pose)),
+            Carried::FullModel(model) => model.command(&model.setting(), &world(self.machine, model, &tip, pose), pose),
             Carried::LinearMap(map) => Some(map.command(pose)),
             Carried::RotaryCentres(centres) => Some(centres.command(&tip, pose)),
         }
@@ -41,12 +43,29 @@ fn ideal_tip(machine: &Machine, pose: &[f64]) -> Vector3<f64> {
     nominal + Vector3::from(machine.workpiece()) - Vector3::from(machine.tool().tip)
 }
 
-/// A pose as a program says it: where the tip shall be, and the other axes.
-fn world(model: &Model, tip: &Vector3<f64>, pose: &[f64]) -> World {
+/// A pose as a program says it.
+fn world(machine: &Machine, model: &Model, tip: &Vector3<f64>, pose: &[f64]) -> World {
     let mut world = [0.0; 9];
-    model.joints.iter().zip(pose).filter(|(joint, _)| !joint.solved).for_each(|(j, q)| world[j.letter] = *q);
-    world[..3].copy_from_slice(tip.as_slice());
+    if model.words != Words::Axes {
+        world[..3].copy_from_slice(tip.as_slice());
+    }
+    if model.words == Words::Pose {
+        world[3..6].copy_from_slice(&to_roll_pitch_yaw(&ideal_rotation(machine, pose)));
+    }
+    for (joint, q) in model.joints.iter().zip(pose) {
+        if let Some(letter) = joint.letter {
+            world[letter] = *q;
+        }
+    }
     world
+}
+
+/// How the ideal machine has turned its tool.
+fn ideal_rotation(machine: &Machine, pose: &[f64]) -> Matrix3<f64> {
+    let rotary = machine.axes().iter().zip(pose).filter(|(axis, _)| axis.kind == AxisKind::Rotary);
+    rotary.fold(Matrix3::identity(), |turned, (axis, q)| {
+        turned * rotation_about(&axis.direction.map(|u| u * axis.sign()), sin_cos_degrees(*q))
+    })
 }
 
 impl Field for Driven<'_> {

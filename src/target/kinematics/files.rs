@@ -2,17 +2,17 @@
 
 use super::arrays::{Arrays, Fault};
 use super::context::context;
-use super::data::{CurveData, Form, Joint, Model};
+use super::data::{CurveData, Form, Joint, Model, Words};
 use super::{Carried, Carries};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::machine::Machine;
 use crate::target::manifest::Layout;
 use crate::target::read::{ReadBack, at_line};
-use crate::target::{Manifest, RenderedFile, Target};
+use crate::target::{Manifest, RenderedFile, Target, assigned_letters};
 use crate::units;
 
-/// More axes than the controller has coordinates.
-const MOST_AXES: usize = 9;
+/// The controller has so many joints at the most.
+const MOST_AXES: usize = 16;
 
 impl Manifest {
     /// The mechanism, if it replaces the kinematics.
@@ -29,6 +29,10 @@ impl Target {
         carried: &Carried,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
+        // The words of a full model are its own.
+        if !matches!(carried, Carried::FullModel(_)) {
+            let _ = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
+        }
         let context = context(machine, carried, self.manifest.kinematics()?);
         self.render_once(machine, &context, diagnostics)
     }
@@ -120,7 +124,8 @@ fn model(arrays: &Arrays, machine: &Machine, meant: &Model) -> Result<Model, Fau
     let axes = machine.axes().len().min(MOST_AXES);
     let curves = curves(arrays)?;
     let flags = |name: &str| Ok(arrays.whole(name, axes, 2)?.into_iter().map(|x| x == 1).collect::<Vec<_>>());
-    let (letters, numbers) = (arrays.whole("abbe_coordinate", axes, 9)?, arrays.whole("abbe_joint", axes, axes)?);
+    let (letters, numbers) =
+        (arrays.indices("abbe_coordinate", axes, true, 9)?, arrays.whole("abbe_joint", axes, axes)?);
     let (rotary, solved) = (flags("abbe_rotary")?, flags("abbe_solved")?);
     let (workpiece_side, outside) = (flags("abbe_workpiece_side")?, flags("abbe_outside")?);
     let (inverted, location_inverted) = (flags("abbe_inverted")?, flags("abbe_location_inverted")?);
@@ -143,14 +148,20 @@ fn model(arrays: &Arrays, machine: &Machine, meant: &Model) -> Result<Model, Fau
         curves: std::array::from_fn(|k| [of_curves[12 * i + 2 * k], of_curves[12 * i + 2 * k + 1]]),
     };
     let joints: Vec<Joint> = (0..axes).map(joint).collect();
-    let same = |a: &Joint, b: &Joint| (a.letter, a.number, a.rotary) == (b.letter, b.number, b.rotary);
+    let part = |j: &Joint| (j.letter, j.number, j.rotary, j.solved);
+    let same = |a: &Joint, b: &Joint| part(a) == part(b);
     if joints.len() != meant.joints.len() || !joints.iter().zip(&meant.joints).all(|(a, b)| same(a, b)) {
         return Err(
             arrays.fault("abbe_coordinate", "these are not the axes of this machine, in the order of its chain")
         );
     }
     let options = arrays.whole("abbe_options", 3, 2)?;
+    let words = Words::ALL[arrays.whole("abbe_words", 1, Words::ALL.len())?[0]];
+    if words != meant.words {
+        return Err(arrays.fault("abbe_words", "the words of the program mean something else on this machine"));
+    }
     let model = Model {
+        words,
         joints,
         curves,
         carried_body: options[0] == 1,
@@ -163,8 +174,13 @@ fn model(arrays: &Arrays, machine: &Machine, meant: &Model) -> Result<Model, Fau
         spindle: six(arrays, "abbe_spindle")?,
         clamping: six(arrays, "abbe_clamping")?,
         damping: arrays.take("abbe_damping", 1)?[0],
+        arm: arrays.take("abbe_arm", 1)?[0],
     };
-    if model.damping > 0.0 { Ok(model) } else { Err(arrays.fault("abbe_damping", "the damping must be above 0")) }
+    match (model.damping > 0.0, model.arm > 0.0) {
+        (true, true) => Ok(model),
+        (false, _) => Err(arrays.fault("abbe_damping", "the damping must be above 0")),
+        (_, false) => Err(arrays.fault("abbe_arm", "the arm must be above 0")),
+    }
 }
 
 fn three(arrays: &Arrays, name: &str) -> Result<[f64; 3], Fault> {

@@ -20,15 +20,20 @@ mod context;
 mod data;
 mod driven;
 mod files;
+mod hold;
+mod ideal;
+mod real;
 mod solve;
+mod topology;
 
 pub(super) use files::layout_fits;
 
 pub use carry::Carried;
 pub use certificate::{Depth, certify_kinematics};
-pub use data::Model;
+pub use data::{Model, Words};
 pub use driven::Driven;
-pub use solve::{Setting, World};
+pub use ideal::Setting;
+pub use solve::World;
 
 pub use crate::compensation::{Carries, KinematicsMechanism};
 

@@ -1,18 +1,17 @@
-//! What the generated module does, in own arithmetic: the real machine from the numbers of the files,
-//! ideal inverse kinematics, and the chord form of Newton's iteration for the erroneous machine.
+//! What the generated module does, in own arithmetic: ideal inverse kinematics, and the chord form of
+//! Newton's iteration for the erroneous machine.
 //!
-//! For a programmed pose q the command q + c satisfies tip(q + c) = ideal tip and, where the axes can,
-//! the same for the direction of the tool axis. Rotary corrections x are damped least squares
-//! `x = J^T (J J^T + l^2)^-1 (J x - tilt)`: exact while the weakest direction of J is above the damping,
-//! bounded and smooth below it, so that nothing jumps at a singular pose.
+//! For an ideal command q the command q + c has the tip, and as far as the axes can the orientation, that
+//! the ideal machine has at q. The total x of the corrections solves `x = S (J x + missing)`, with J of the
+//! ideal machine at q and S its bounded inverse ([`Hold`](super::hold::Hold)).
 
-use super::data::{CurveData, Form, Joint, Model};
-use crate::algebra::{Htm, exp_hat, hat, rotation_about};
-use crate::machine::sin_cos_degrees;
-use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use super::data::{Model, WORLD, Words};
+use super::ideal::{Place, Setting, from_roll_pitch_yaw, rotation_vector};
+use crate::algebra::Htm;
+use nalgebra::{DVector, Vector3, Vector6};
 
 /// Coordinates X Y Z A B C U V W, mm and deg.
-pub type World = [f64; 9];
+pub type World = [f64; WORLD.len()];
 
 /// Steps after which the iteration has failed; it contracts by the size of the errors.
 const MOST_STEPS: usize = 16;
@@ -20,74 +19,40 @@ const MOST_STEPS: usize = 16;
 /// A linear step (mm) and a rotary step (rad) that are rounding.
 const SMALL: (f64, f64) = (1e-9, 1e-12);
 
-/// Below this determinant the three linear axes do not span the room.
-const FLAT: f64 = 1e-6;
+/// Steps, and the longest of them (arms, rad), of the way to a pose of the tool.
+const MOST_WAY: (usize, f64) = (48, 0.3);
 
-/// What can be changed while the module runs.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Setting {
-    /// From the tip of the tool to the gauge point, mm.
-    pub tool: [f64; 3],
-    /// Is the direction of the tool corrected too?
-    pub orientation: bool,
-}
-
-/// The ideal machine at a pose.
-struct Place {
-    tip: Vector3<f64>,
-    axis: Vector3<f64>,
-    across: [Vector3<f64>; 2],
-    /// Displacement of the tip per mm or rad of each joint.
-    lever: Vec<Vector3<f64>>,
-    /// Rotation per rad in the two directions across the tool axis; zero for linear joints.
-    tilt: Vec<Vector2<f64>>,
-    /// Inverse of the columns of the solved joints, and which they are.
-    inverse: Matrix3<f64>,
-    solved: [usize; 3],
-}
+/// How far the ideal tool may be from its pose, mm and rad.
+const THERE: (f64, f64) = (1e-10, 1e-12);
 
 impl Model {
-    /// The setting with which the module starts.
-    pub fn setting(&self) -> Setting {
-        Setting { tool: self.tool, orientation: self.orientation }
+    /// The command that the module gives for a pose, from the joints where they are; `None` if it reports
+    /// a failure.
+    pub fn command(&self, setting: &Setting, world: &World, joints: &[f64]) -> Option<Vec<f64>> {
+        let ideal = self.ideal(setting, world, joints)?;
+        self.corrected(setting, &ideal)
     }
 
-    /// The tip with all axes at 0.
-    fn tip(&self, setting: &Setting) -> Vector3<f64> {
-        Vector3::from(self.gauge) - Vector3::from(setting.tool)
-    }
-
-    /// The world's coordinates of an ideal machine at a command.
-    pub fn ideal_world(&self, setting: &Setting, command: &[f64]) -> World {
-        let walk = self.joints.iter().zip(command).fold(Htm::identity(), |walk, (j, q)| walk.compose(&nominal(j, *q)));
-        let tip = self.tip(setting);
-        let mut world = [0.0; 9];
-        world[..3].copy_from_slice((walk.apply(&tip.into()) - tip).as_slice());
-        self.joints.iter().zip(command).filter(|(j, _)| !j.solved).for_each(|(j, q)| world[j.letter] = *q);
-        world
-    }
-
-    /// The command that the module gives for a pose; `None` if it reports a failure.
-    pub fn command(&self, setting: &Setting, world: &World) -> Option<Vec<f64>> {
-        let mut command = self.ideal(setting, world)?;
-        let place = self.place(setting, &command)?;
-        let mut turned = vec![0.0; command.len()];
+    /// The ideal command with all of its correction.
+    pub fn corrected(&self, setting: &Setting, ideal: &[f64]) -> Option<Vec<f64>> {
+        let place = self.place(setting, ideal);
+        let hold = self.hold(&place, setting)?;
+        let (mut command, mut made) = (ideal.to_vec(), DVector::zeros(ideal.len()));
         for _ in 0..MOST_STEPS {
             let real = self.real(setting, &command);
-            let turns = self.turns(&place, &real.linear.column(2).into_owned(), &turned, setting);
-            let mut missing = place.tip - real.translation;
+            let total = hold.total(&made, &self.missing(&place, &real), setting);
             let (mut largest, mut widest) = (0.0_f64, 0.0_f64);
-            for (i, turn) in turns {
-                missing -= place.lever[i] * turn;
-                turned[i] += turn;
-                command[i] += turn.to_degrees();
-                widest = widest.max(turn.abs());
+            for (i, joint) in self.joints.iter().enumerate() {
+                let step = total[i] - made[i];
+                if joint.rotary {
+                    command[i] += step.to_degrees();
+                    widest = widest.max(step.abs());
+                } else {
+                    command[i] += step;
+                    largest = largest.max(step.abs());
+                }
             }
-            let ways = place.inverse * missing;
-            for (i, way) in place.solved.iter().zip(ways.iter()) {
-                command[*i] += way;
-                largest = largest.max(way.abs());
-            }
+            made = total;
             if largest < SMALL.0 && widest < SMALL.1 {
                 return Some(command);
             }
@@ -95,192 +60,71 @@ impl Model {
         None
     }
 
-    /// Ideal inverse kinematics: the solved joints from the tip, the others as programmed.
-    fn ideal(&self, setting: &Setting, world: &World) -> Option<Vec<f64>> {
-        let mut command: Vec<f64> = self.joints.iter().map(|j| if j.solved { 0.0 } else { world[j.letter] }).collect();
-        let place = self.place(setting, &command)?;
-        let wanted = Vector3::new(world[0], world[1], world[2]) + self.tip(setting);
-        let ways = place.inverse * (wanted - place.tip);
-        place.solved.iter().zip(ways.iter()).for_each(|(i, way)| command[*i] = *way);
-        Some(command)
+    /// From where the real tool is to where the ideal one is: the tip, and the rotation that this machine
+    /// can make.
+    fn missing(&self, place: &Place, real: &Htm<f64>) -> Vector6<f64> {
+        let p = place.tip - real.translation;
+        let t = match self.words {
+            Words::Pose => skew(place, real),
+            Words::Tip | Words::Axes => real.linear.column(2).cross(&place.axis()),
+        };
+        Vector6::new(p[0], p[1], p[2], t[0], t[1], t[2])
     }
 
-    fn place(&self, setting: &Setting, command: &[f64]) -> Option<Place> {
-        let mut walks = vec![Htm::identity()];
-        for (joint, q) in self.joints.iter().zip(command) {
-            let next = walks[walks.len() - 1].compose(&nominal(joint, *q));
-            walks.push(next);
-        }
-        let end = walks.pop()?;
-        let tip = end.apply(&self.tip(setting).into());
-        let axis = end.linear.column(2).into_owned();
-        let across = across(&axis);
-        let directions = self.joints.iter().zip(&walks).map(|(j, walk)| walk.linear * Vector3::from(j.direction));
-        let (mut lever, mut tilt) = (Vec::new(), Vec::new());
-        for ((joint, walk), direction) in self.joints.iter().zip(&walks).zip(directions) {
-            if joint.rotary {
-                lever.push(direction.cross(&(tip - walk.apply(&joint.origin))));
-                tilt.push(Vector2::new(direction.dot(&across[0]), direction.dot(&across[1])));
-            } else {
-                lever.push(direction);
-                tilt.push(Vector2::zeros());
+    /// Ideal inverse kinematics.
+    fn ideal(&self, setting: &Setting, world: &World, joints: &[f64]) -> Option<Vec<f64>> {
+        let start = self.joints.iter().zip(joints).map(|(joint, q)| joint.letter.map_or(*q, |letter| world[letter]));
+        let mut command: Vec<f64> = start.collect();
+        let wanted = Vector3::new(world[0], world[1], world[2]) + self.tip(setting);
+        match self.words {
+            Words::Axes => Some(command),
+            Words::Pose => {
+                let linear = from_roll_pitch_yaw(&[world[3], world[4], world[5]]);
+                self.reached(setting, &Htm { linear, translation: wanted }, command)
+            }
+            Words::Tip => {
+                let solved = |i: &usize| self.joints[*i].letter.is_none();
+                (0..command.len()).filter(solved).for_each(|i| command[i] = 0.0);
+                let place = self.place(setting, &command);
+                let hold = self.hold(&place, &Setting { orientation: false, ..*setting })?;
+                let p = wanted - place.tip;
+                let missing = Vector6::new(p[0], p[1], p[2], 0.0, 0.0, 0.0);
+                let ways =
+                    hold.total(&DVector::zeros(command.len()), &missing, &Setting { orientation: false, ..*setting });
+                (0..command.len()).filter(solved).for_each(|i| command[i] = ways[i]);
+                Some(command)
             }
         }
-        let found: Vec<usize> = (0..lever.len()).filter(|i| self.joints[*i].solved).collect();
-        let solved: [usize; 3] = found.try_into().ok()?;
-        let columns = Matrix3::from_columns(&solved.map(|i| lever[i]));
-        let flat = columns.determinant().abs();
-        let inverse = if flat > FLAT { columns.try_inverse()? } else { return None };
-        Some(Place { tip, axis, across, lever, tilt, inverse, solved })
     }
 
-    /// Steps (rad) of the rotary joints against the tilt of the tool axis.
-    fn turns(&self, place: &Place, axis: &Vector3<f64>, turned: &[f64], setting: &Setting) -> Vec<(usize, f64)> {
-        let rotary: Vec<usize> =
-            (0..self.joints.len()).filter(|i| setting.orientation && self.joints[*i].rotary).collect();
-        let off = place.axis.cross(axis);
-        let made: Vector2<f64> = rotary.iter().map(|i| place.tilt[*i] * turned[*i]).sum();
-        let goal = made - Vector2::new(off.dot(&place.across[0]), off.dot(&place.across[1]));
-        let total = self.damped(place, &rotary, &goal);
-        rotary.iter().zip(total).map(|(i, x)| (*i, x - turned[*i])).collect()
-    }
-
-    /// `J^T (J J^T + l^2)^-1 goal`.
-    fn damped(&self, place: &Place, rotary: &[usize], goal: &Vector2<f64>) -> Vec<f64> {
-        if let [only] = rotary {
-            let tilt = place.tilt[*only];
-            let weakest = tilt.norm_squared();
-            let scale = weakest + self.square(weakest);
-            return vec![if scale > 0.0 { tilt.dot(goal) / scale } else { 0.0 }];
+    /// The joints at which the ideal tool has a pose, from near ones.
+    fn reached(&self, setting: &Setting, wanted: &Htm<f64>, start: Vec<f64>) -> Option<Vec<f64>> {
+        let (mut command, mut distance) = (start.clone(), None);
+        let unit: Vec<f64> = self.joints.iter().map(|j| if j.rotary { 1f64.to_degrees() } else { self.arm }).collect();
+        let whole = Setting { orientation: true, ..*setting };
+        for _ in 0..MOST_WAY.0 {
+            let place = self.place(setting, &command);
+            let p = wanted.translation - place.tip;
+            let t = rotation_vector(&(wanted.linear * place.rotation.transpose()));
+            let distance = *distance.get_or_insert(p.norm() / self.arm + t.norm());
+            if p.norm() < THERE.0 && t.norm() < THERE.1 {
+                // Joints that move this much further than the tool have passed a singular pose.
+                let moved = (0..command.len()).map(|i| (command[i] - start[i]).abs() / unit[i]).fold(0.0, f64::max);
+                return (moved * self.damping <= distance + SMALL.1).then_some(command);
+            }
+            let missing = Vector6::new(p[0], p[1], p[2], t[0], t[1], t[2]);
+            let step = self.hold(&place, &whole)?.total(&DVector::zeros(command.len()), &missing, &whole);
+            let turns = |i: usize| if self.joints[i].rotary { step[i] } else { step[i] / self.arm };
+            let longest = (0..command.len()).map(|i| turns(i).abs()).fold(0.0, f64::max);
+            let part = if longest > MOST_WAY.1 { MOST_WAY.1 / longest } else { 1.0 };
+            (0..command.len()).for_each(|i| command[i] += part * turns(i) * unit[i]);
         }
-        let gram: Matrix2<f64> = rotary.iter().map(|i| place.tilt[*i] * place.tilt[*i].transpose()).sum();
-        let half = 0.5 * gram.trace();
-        let spread = libm::hypot(0.5 * (gram[(0, 0)] - gram[(1, 1)]), gram[(0, 1)]);
-        let square = self.square(half - spread);
-        let (a, b, d) = (gram[(0, 0)] + square, gram[(0, 1)], gram[(1, 1)] + square);
-        let determinant = a * d - b * b;
-        let weights = if determinant > 0.0 {
-            Vector2::new(d * goal[0] - b * goal[1], a * goal[1] - b * goal[0]) / determinant
-        } else {
-            Vector2::zeros()
-        };
-        rotary.iter().map(|i| place.tilt[*i].dot(&weights)).collect()
-    }
-
-    /// l^2: 0 from the threshold on, and reaching it without a kink.
-    fn square(&self, weakest: f64) -> f64 {
-        let threshold = self.damping * self.damping;
-        let below = (1.0 - weakest.max(0.0) / threshold).max(0.0);
-        threshold * below * below
-    }
-
-    /// The real machine at a command: orientation of the tool, place of its tip.
-    fn real(&self, setting: &Setting, command: &[f64]) -> Htm<f64> {
-        let clamped = Htm::about(&self.workpiece, self.error(&self.clamping, true));
-        let walk = self.joints.iter().zip(command).fold(clamped, |walk, (j, q)| walk.compose(&self.joint(j, *q)));
-        let walk = walk.compose(&Htm::about(&self.gauge, self.error(&self.spindle, false)));
-        let tip = walk.apply(&(self.tip(setting) + Vector3::from(self.tool_clamping)).into());
-        Htm { linear: walk.linear, translation: tip }
-    }
-
-    /// A joint with its errors.
-    fn joint(&self, joint: &Joint, q: f64) -> Htm<f64> {
-        let location = self.error(&joint.location, joint.location_inverted);
-        let motion = motion(joint, q);
-        let motion = match (self.carried_body, joint.rotary) {
-            (true, _) => motion,
-            (false, false) => Htm::translation(location.linear * motion.translation),
-            (false, true) => location.compose(&motion).compose(&location.inverse().unwrap_or_else(Htm::identity)),
-        };
-        let six = joint.curves.map(|curves| self.mean(&curves, q));
-        let error = self.error(&six, joint.inverted);
-        let bracket = if joint.outside { error.compose(&motion) } else { motion.compose(&error) };
-        let bracket = match (self.carried_body, joint.workpiece_side) {
-            (false, _) => bracket,
-            (true, true) => bracket.compose(&location),
-            (true, false) => location.compose(&bracket),
-        };
-        Htm::about(&joint.origin, bracket)
-    }
-
-    fn error(&self, six: &[f64; 6], inverted: bool) -> Htm<f64> {
-        let [dx, dy, dz, ex, ey, ez] = *six;
-        let turn = [ex, ey, ez];
-        let linear = if self.linearised { Matrix3::identity() + hat(&turn) } else { exp_hat(&turn) };
-        let matrix = Htm { linear, translation: Vector3::new(dx, dy, dz) };
-        if inverted { matrix.inverse().unwrap_or(matrix) } else { matrix }
-    }
-
-    /// The mean of the curves of an error.
-    fn mean(&self, curves: &[Option<usize>; 2], q: f64) -> f64 {
-        let value = |index: &usize| self.curves[*index].value(q);
-        match curves {
-            [Some(one), Some(other)] => 0.5 * (value(one) + value(other)),
-            [Some(one), None] | [None, Some(one)] => value(one),
-            [None, None] => 0.0,
-        }
+        None
     }
 }
 
-/// The nominal motion about machine zero.
-fn nominal(joint: &Joint, q: f64) -> Htm<f64> {
-    Htm::about(&joint.origin, motion(joint, q))
-}
-
-fn motion(joint: &Joint, q: f64) -> Htm<f64> {
-    if joint.rotary {
-        Htm { linear: rotation_about(&joint.direction, sin_cos_degrees(q)), ..Htm::identity() }
-    } else {
-        Htm::translation(Vector3::from(joint.direction) * q)
-    }
-}
-
-/// Two unit vectors across a direction.
-fn across(axis: &Vector3<f64>) -> [Vector3<f64>; 2] {
-    // The coordinate least along the axis makes a first vector that is never short.
-    let least = axis.iamin();
-    let mut unit = Vector3::zeros();
-    unit[least] = 1.0;
-    let first = axis.cross(&unit).normalize();
-    [first, axis.cross(&first)]
-}
-
-impl CurveData {
-    /// Value (mm or rad) at a position (mm or deg).
-    fn value(&self, q: f64) -> f64 {
-        match self.form {
-            Form::Polynomial => self.numbers.iter().rev().fold(0.0, |sum, c| sum * q + c),
-            Form::Harmonics => self.numbers.chunks_exact(2).enumerate().map(|(k, term)| harmonic(k, term, q)).sum(),
-            Form::Linear | Form::Cubic => self.between(q),
-        }
-    }
-
-    /// Between points; the end values are held, or the argument wraps.
-    fn between(&self, q: f64) -> f64 {
-        let count = self.numbers.len() / self.form.width();
-        let (at, rest) = self.numbers.split_at(count);
-        let (values, second) = rest.split_at(count);
-        if count < 2 {
-            return values[0];
-        }
-        let x = if self.period > 0.0 {
-            q - self.period * libm::floor((q - at[0]) / self.period)
-        } else {
-            q.clamp(at[0], at[count - 1])
-        };
-        let i = at.iter().rposition(|p| *p <= x).unwrap_or(0).min(count - 2);
-        let width = at[i + 1] - at[i];
-        let (right, left) = ((x - at[i]) / width, (at[i + 1] - x) / width);
-        let straight = left * values[i] + right * values[i + 1];
-        if self.form == Form::Linear {
-            return straight;
-        }
-        let bend = |share: f64| share * (share * share - 1.0);
-        straight + (bend(left) * second[i] + bend(right) * second[i + 1]) * width * width / 6.0
-    }
-}
-
-fn harmonic(order: usize, term: &[f64], q: f64) -> f64 {
-    let (sine, cosine) = sin_cos_degrees(order as f64 * q);
-    term[0] * cosine + term[1] * sine
+/// The rotation from the real tool to the ideal one, as far as it is small; with linearised joints there is no other.
+fn skew(place: &Place, real: &Htm<f64>) -> Vector3<f64> {
+    let m = place.rotation * real.linear.transpose();
+    Vector3::new(m[(2, 1)] - m[(1, 2)], m[(0, 2)] - m[(2, 0)], m[(1, 0)] - m[(0, 1)]) * 0.5
 }

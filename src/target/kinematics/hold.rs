@@ -1,0 +1,141 @@
+//! How the axes hold the tool at a place: from what is missing of tip and orientation to corrections of
+//! the joints, linear in both.
+//!
+//! Gram matrices are inverted by `g(s) = 1 / (s + l^2(s))`, which is the inverse above a threshold and
+//! bounded and smooth below it: nothing jumps at a singular pose.
+
+use super::data::{Model, Words};
+use super::ideal::{Place, Setting};
+use super::topology::FLAT;
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Matrix6, Matrix6xX, MatrixXx3, Vector3, Vector6};
+
+/// Corrections of all joints (mm, rad) for a displacement and a rotation of the tool (mm, rad).
+pub struct Hold {
+    map: DMatrix<f64>,
+    motion: Matrix6xX<f64>,
+}
+
+impl Hold {
+    /// Corrections from what they come to and what is still missing.
+    pub fn total(&self, made: &DVector<f64>, missing: &Vector6<f64>, setting: &Setting) -> DVector<f64> {
+        let mut goal = &self.motion * made + missing;
+        if !setting.orientation {
+            goal.fixed_rows_mut::<3>(3).fill(0.0);
+        }
+        &self.map * goal
+    }
+}
+
+impl Model {
+    /// At a place; `None` where linear axes that must span the room do not.
+    pub fn hold(&self, place: &Place, setting: &Setting) -> Option<Hold> {
+        match self.words {
+            Words::Pose => Some(self.whole(place)),
+            Words::Tip | Words::Axes => self.by_turns(place, setting),
+        }
+    }
+
+    fn chosen(&self, which: impl Fn(usize) -> bool) -> Vec<usize> {
+        (0..self.joints.len()).filter(|i| which(*i)).collect()
+    }
+
+    /// Linear axes hold the tip. Rotary axes, if they are to correct at all, hold what of the tip these cannot,
+    /// then the tool axis with what is free for it.
+    fn by_turns(&self, place: &Place, setting: &Setting) -> Option<Hold> {
+        let linear = self.chosen(|i| self.joints[i].solved && !self.joints[i].rotary);
+        let rotary = self.chosen(|i| setting.orientation && self.joints[i].rotary);
+        let ways = columns(&linear, |i| place.lever[i]);
+        let (back, left) = match self.words {
+            Words::Tip => (self.spanned(&ways)?, Matrix3::zeros()),
+            _ => {
+                let gram = self.bounded(&(&ways * ways.transpose()));
+                let back = ways.transpose() * gram;
+                let left = Matrix3::identity() - &ways * &back;
+                (back, left)
+            }
+        };
+        let axis = place.axis();
+        let levers = columns(&rotary, |i| place.lever[i]);
+        let tilts = columns(&rotary, |i| place.turn[i] - axis * axis.dot(&place.turn[i]));
+        let reach = left * &levers / self.arm;
+        let by_place = reach.transpose() * self.bounded(&(&reach * reach.transpose()));
+        let free = &tilts - &tilts * &by_place * &reach;
+        let by_tilt = free.transpose() * self.bounded(&(&free * free.transpose()));
+        let by_place = by_place * left / self.arm;
+        let by_place = &by_place - &by_tilt * &tilts * &by_place;
+
+        let mut map = DMatrix::zeros(self.joints.len(), 6);
+        for (row, i) in rotary.iter().enumerate() {
+            map.view_mut((*i, 0), (1, 3)).copy_from(&by_place.row(row));
+            map.view_mut((*i, 3), (1, 3)).copy_from(&by_tilt.row(row));
+        }
+        let remains = [Matrix3::identity() - &levers * &by_place, -(&levers * &by_tilt)];
+        for (half, remains) in remains.iter().enumerate() {
+            let ways = &back * remains;
+            linear.iter().enumerate().for_each(|(row, i)| {
+                map.view_mut((*i, 3 * half), (1, 3)).copy_from(&ways.row(row));
+            });
+        }
+        let motion = Matrix6xX::from_fn(self.joints.len(), |r, i| match r {
+            0..3 => place.lever[i][r],
+            _ => (place.turn[i] - axis * axis.dot(&place.turn[i]))[r - 3],
+        });
+        Some(Hold { map, motion })
+    }
+
+    /// The inverse of three directions that span the room.
+    fn spanned(&self, ways: &Matrix3xX<f64>) -> Option<MatrixXx3<f64>> {
+        let square: Matrix3<f64> = (ways.ncols() == 3).then(|| ways.fixed_columns::<3>(0).into_owned())?;
+        let inverse = (square.determinant().abs() > FLAT).then(|| square.try_inverse())??;
+        Some(MatrixXx3::from_column_slice(inverse.as_slice()))
+    }
+
+    /// Six axes hold all of the tool.
+    fn whole(&self, place: &Place) -> Hold {
+        let solved = self.chosen(|i| self.joints[i].solved);
+        // In arms and rad.
+        let unit = |i: usize| if self.joints[i].rotary { 1.0 } else { self.arm };
+        let column = |i: &usize| {
+            let (p, t) = (place.lever[*i] * (unit(*i) / self.arm), place.turn[*i]);
+            Vector6::new(p[0], p[1], p[2], t[0], t[1], t[2])
+        };
+        let jacobian = Matrix6::from_columns(&solved.iter().map(column).collect::<Vec<_>>());
+        let inverse = jacobian.try_inverse();
+        let weakest = inverse.map_or(0.0, |inverse| inverse.norm_squared().recip());
+        let square = self.square(weakest);
+        let inverse = match inverse {
+            Some(inverse) if square == 0.0 => inverse,
+            _ => {
+                let gram = jacobian * jacobian.transpose() + Matrix6::identity() * square;
+                jacobian.transpose() * gram.try_inverse().unwrap_or_else(Matrix6::zeros)
+            }
+        };
+        let mut map = DMatrix::zeros(self.joints.len(), 6);
+        for (row, i) in solved.iter().enumerate() {
+            (0..6).for_each(|c| map[(*i, c)] = inverse[(row, c)] * unit(*i) / if c < 3 { self.arm } else { 1.0 });
+        }
+        let motion = Matrix6xX::from_fn(self.joints.len(), |r, i| match r {
+            0..3 => place.lever[i][r],
+            _ => place.turn[i][r - 3],
+        });
+        Hold { map, motion }
+    }
+
+    /// l^2: 0 from the threshold on, and reaching it without a kink.
+    fn square(&self, weakest: f64) -> f64 {
+        let threshold = self.damping * self.damping;
+        let below = (1.0 - weakest.max(0.0) / threshold).max(0.0);
+        threshold * below * below
+    }
+
+    /// g of a Gram matrix.
+    fn bounded(&self, gram: &Matrix3<f64>) -> Matrix3<f64> {
+        let parts = gram.symmetric_eigen();
+        let inverse = parts.eigenvalues.map(|s| (s.max(0.0) + self.square(s)).recip());
+        parts.eigenvectors * Matrix3::from_diagonal(&inverse) * parts.eigenvectors.transpose()
+    }
+}
+
+fn columns(which: &[usize], of: impl Fn(usize) -> Vector3<f64>) -> Matrix3xX<f64> {
+    Matrix3xX::from_fn(which.len(), |r, c| of(which[c])[r])
+}
