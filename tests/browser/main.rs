@@ -29,7 +29,7 @@ const CHECKS: [checks::Check; 8] = [
 ];
 
 fn main() -> ExitCode {
-    checks::run(&CHECKS, driver::available, "ABBE_REQUIRE_BROWSER")
+    checks::run(&CHECKS, driver::available, "ABBE_REQUIRE_BROWSER", 1)
 }
 
 /// A folder of its own, removed at the end.

@@ -6,7 +6,8 @@
 
 DIR is a compiled set; its abbekins.comp is built with halcompile and its simulation (sim.ini, sim.hal)
 is started, faster than it is and with wide limits. PROGRAM.json is {"lines": [{"mdi": "G0 X1", "record":
-true, "enable": true}, ...]}: each line is run to its end, in G54 with the tool T1 of the set (G43 H1).
+true, "enable": true}, ...]}: each line is run to its end, in G54 with the tool T1 of the set (G43 H1); with
+"refused": "words" the controller must refuse it with these words.
 Prints JSON: {"package", "joints": [[motor commands less the motor's offset] per recorded line],
 "pins": [{iterations, residual, failures, largest} per recorded line], "back": [[actual position of the
 status channel, machine coordinates] per recorded line]}; mm and deg.
@@ -48,6 +49,8 @@ setp cycles.in1 1
 PINS = ("iterations", "residual", "failures", "largest")
 # A motion of this length is none to the controller.
 ARRIVED = 1e-10
+# A joint that moves by less stands; the status channel is at its place.
+STILL, BACK = 1e-9, 1e-9
 # Servo cycles after which the interpolators between tip and joints stand still.
 QUIET = 10
 START = ["G21 G90 G94 G54 G49", "G43 H1"]
@@ -92,50 +95,82 @@ def worker():
     result = {"joints": [], "pins": [], "back": []}
     for line in lines:
         controller.hal.set_p("abbekins.enable", "1" if line["enable"] else "0")
+        if "refused" in line:
+            refused(controller, line, idle)
+            continue
         controller.mdi(line["mdi"], 20, idle)
         controller.wait(f"arrival of {line['mdi']}", lambda: arrived(controller.stat, zero, line["mdi"]), 20, idle)
         if line["record"]:
             result["joints"].append(settled(controller))
             result["pins"].append({name: controller.pin(f"abbekins.{name}") for name in PINS})
-            controller.stat.poll()
-            result["back"].append(list(controller.stat.actual_position))
+            result["back"].append(position(controller, zero, line["mdi"]))
     result["tool"] = [controller.pin(f"abbekins.tool-{letter}") for letter in "xyz"]
     with open("result.json", "w") as out:
         json.dump(result, out)
     return 0
 
 
+def refused(controller, line, idle):
+    """The controller must say why it does not move, and stand still."""
+    before = motors(controller)
+    try:
+        controller.mdi(line["mdi"], 2, idle)
+    except session.SessionFailed as failure:
+        moved = max(abs(a - b) for a, b in zip(motors(controller), before))
+        if line["refused"] in str(failure) and moved < STILL:
+            return
+        raise session.SessionFailed(f"{failure}; joints moved by {moved}") from failure
+    raise session.SessionFailed(f"{line['mdi']} was not refused")
+
+
+def motors(controller):
+    """Motor commands less the motor's offset."""
+    return [controller.pin(f"joint.{n}.motor-pos-cmd") - controller.pin(f"joint.{n}.motor-offset")
+            for n in range(controller.joints)]
+
+
 def arrived(stat, zero, mdi):
     """Is the commanded position the programmed one? The status may still be that of before."""
     stat.poll()
-    for word in mdi.split()[1:]:
-        k = "XYZABCUVW".index(word[0])
-        target = float(word[1:]) + zero[k] + stat.tool_offset[k]
-        if abs(stat.position[k] - target) > ARRIVED:
-            return False
-    return True
+    return far(stat, stat.position, zero, mdi) <= ARRIVED
+
+
+def far(stat, position, zero, mdi):
+    """How far a position of the status channel is from the programmed one."""
+    def target(word, k):
+        return float(word[1:]) + zero[k] + stat.tool_offset[k]
+    words = [(word, "XYZABCUVW".index(word[0])) for word in mdi.split()[1:]]
+    return max((abs(position[k] - target(word, k)) for word, k in words), default=0.0)
+
+
+def position(controller, zero, mdi):
+    """The actual position of the status channel, which lags behind on a busy computer: what it holds at the
+    programmed one, or at last."""
+    end = session.time.monotonic() + 3
+    while True:
+        controller.stat.poll()
+        actual = list(controller.stat.actual_position)
+        if far(controller.stat, actual, zero, mdi) < BACK or session.time.monotonic() > end:
+            return actual
+        session.time.sleep(0.002)
 
 
 class Launched(session.Controller):
     """A controller that the launcher has started."""
 
-    def motors(self):
-        return [self.pin(f"joint.{n}.motor-pos-cmd") - self.pin(f"joint.{n}.motor-offset")
-                for n in range(self.joints)]
-
     def fade(self, share, result):
         """Switches, and watches the joints until the ramp has arrived."""
         self.hal.set_p("abbe-switch.sel", str(share))
-        before = self.motors()
+        before = motors(self)
         while self.pin("abbe-ramp.out") != share:
             session.time.sleep(0.01)
-            now = self.motors()
+            now = motors(self)
             result["shares"].append(self.pin("abbe-ramp.out"))
             step = max(abs(a - b) for a, b in zip(now, before))
             result["largest_step"] = max(result["largest_step"], step)
             before = now
         session.time.sleep(0.1)
-        return self.motors()
+        return motors(self)
 
 
 def display():
@@ -148,7 +183,7 @@ def display():
     result = {"shares": [], "largest_step": 0.0}
     controller.wait("the correction", lambda: controller.pin("abbe-ramp.out") == 1)
     session.time.sleep(0.5)
-    result["on"] = controller.motors()
+    result["on"] = motors(controller)
     result["off"] = controller.fade(0, result)
     result["again"] = controller.fade(1, result)
     with open("result.json", "w") as out:
@@ -163,12 +198,9 @@ def joint_count():
 
 def settled(controller):
     """Motor commands less the motor's offset, some servo cycles after the arrival."""
-    def read():
-        return [controller.pin(f"joint.{n}.motor-pos-cmd") - controller.pin(f"joint.{n}.motor-offset")
-                for n in range(controller.joints)]
     start = controller.pin("cycles.out")
     controller.wait("standstill", lambda: controller.pin("cycles.out") > start + QUIET, 20)
-    return read()
+    return motors(controller)
 
 
 def run(directory, program, keep):

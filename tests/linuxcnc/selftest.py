@@ -4,6 +4,7 @@
 Writes tables by hand (periodic error with reversal, rotary over both turns, type 0,
 one row, a step inside the dead zone of LinuxCNC's ramp), runs the controller over
 them, then spoils tables and replays and expects every spoiled one to be refused.
+With --spoiled it leaves out what the live checks run themselves.
 """
 
 import json
@@ -202,8 +203,9 @@ def main():
         spoiled_tables(test, scratch, observed)
         spoiled_replays(test, five, observed)
         spoiled_observations(test, five, observed)
-    test.expect("malformed tables", "", "malformed.py", "show")
-    test.expect("kinematics modules", "", "kinematics.py")
+    if "--spoiled" not in sys.argv:
+        test.expect("malformed tables", "", "malformed.py", "show")
+        test.expect("kinematics modules", "", "kinematics.py")
     print(f"{test.failures} failures")
     return 1 if test.failures else 0
 

@@ -12,8 +12,8 @@ const POSES: usize = 200;
 /// Of them, this many are driven without correction too.
 const BARE: usize = 20;
 /// Tip and tool axis after correction: 0.05 um and 0.1 urad.
-const TIP: f64 = 0.05e-3;
-const AXIS: f64 = 0.1e-6;
+pub const TIP: f64 = 0.05e-3;
+pub const AXIS: f64 = 0.1e-6;
 /// Beyond this angle from a singular pose the tool axis is corrected exactly, deg.
 const SINGULAR: f64 = 1.0;
 
@@ -60,19 +60,21 @@ struct Seen {
 }
 
 /// A machine as the tests know it.
-struct Bench {
-    sample: Sample,
+pub struct Bench {
+    pub sample: Sample,
     /// Axes in the order of the controller's joints, by their place in the walk.
-    joints: Vec<usize>,
+    pub joints: Vec<usize>,
     /// The axis whose angle says how far the pose is from a singular one.
     tilting: Option<usize>,
 }
 
 impl Bench {
-    fn new(path: &str, tilting: Option<&str>) -> Self {
+    pub fn new(path: &str, tilting: Option<&str>) -> Self {
         let sample = config::sample(Path::new(path));
         let index = |name: &str| sample.rigid.walk.iter().position(|axis| axis.name == name);
-        let joints: Vec<usize> = "XYZABCUVW".chars().filter_map(|letter| index(&letter.to_string())).collect();
+        let robot = (1..=9).map(|k| format!("J{k}"));
+        let joints: Vec<usize> =
+            "XYZABCUVW".chars().map(String::from).chain(robot).filter_map(|name| index(&name)).collect();
         assert_eq!(joints.len(), sample.rigid.walk.len());
         let tilting = tilting.map(|name| index(name).unwrap());
         Self { joints, tilting, sample }
@@ -90,7 +92,7 @@ impl Bench {
         line
     }
 
-    fn command(&self, joints: &Value) -> Vec<f64> {
+    pub fn command(&self, joints: &Value) -> Vec<f64> {
         let mut command = vec![0.0; self.joints.len()];
         self.joints.iter().zip(joints.as_array().unwrap()).for_each(|(axis, q)| command[*axis] = q.as_f64().unwrap());
         command
@@ -189,7 +191,7 @@ fn steady(bench: &Bench, poses: &[Vec<f64>], commands: &[Vec<f64>]) {
 }
 
 /// The status channel's position, forward kinematics of the joints, is the programmed one.
-fn returns(bench: &Bench, result: &Value, lines: &[Value]) {
+pub fn returns(bench: &Bench, result: &Value, lines: &[Value]) {
     let mut largest = 0.0_f64;
     let zero: V3 = std::array::from_fn(|k| bench.sample.rigid.workpiece_origin[k] - bench.sample.rigid.gauge[k]);
     let recorded = lines.iter().filter(|line| line["record"] == true);
@@ -202,7 +204,7 @@ fn returns(bench: &Bench, result: &Value, lines: &[Value]) {
             largest = largest.max((back[k].as_f64().unwrap() - programmed).abs());
         }
     }
-    println!("  forward(inverse(pose)) in the controller: {largest:.1e} (mm, deg)");
+    println!("  forward(inverse(pose)) of {} axes in the controller: {largest:.1e} (mm, deg)", bench.joints.len());
     assert!(largest < 1e-9, "{largest:e}");
 }
 
@@ -227,12 +229,12 @@ fn report(
     let (tip_bare, axis_bare) = (largest(bare, 0), largest(bare, 1));
     println!("  {path}: {POSES} poses, tip {:.1e} um (without {:.1} um)", tip * 1e3, tip_bare * 1e3);
     println!(
-        "  tool axis {:.1e} urad (without {:.1} urad); about it at most {:.0} urad",
+        "  {path}: tool axis {:.1e} urad (without {:.1} urad); about it at most {:.0} urad",
         axis * 1e6,
         axis_bare * 1e6,
         largest(driven, 2) * 1e6
     );
-    println!("  at most {} steps; failures {}", pin("iterations"), pin("failures"));
+    println!("  {path}: at most {} steps; failures {}", pin("iterations"), pin("failures"));
     assert!(tip < TIP, "tip {tip:e} mm");
     assert!(tip_bare > 20e-3 || bench.tilting.is_some() && tip_bare > 10e-3, "without correction {tip_bare:e} mm");
     assert_eq!(pin("failures"), 0.0);

@@ -12,6 +12,7 @@ mod checks;
 mod config;
 mod kinematics;
 mod kins;
+mod kins_topologies;
 #[path = "../it/oracle/mod.rs"]
 #[allow(dead_code, reason = "shared with the tests that need no controller")]
 mod oracle;
@@ -19,8 +20,11 @@ mod tables;
 
 use std::path::PathBuf;
 use std::process::{Command, ExitCode, Output};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-const CHECKS: [checks::Check; 10] = [
+/// The longest first.
+const CHECKS: [checks::Check; 12] = [
+    ("the harness notices spoiled tables", tables::harness),
     ("three-axis tables in the running controller", tables::three_axis),
     ("five-axis tables in the running controller", tables::five_axis),
     ("malformed tables: what the controller swallows never comes out of compile", tables::malformed),
@@ -29,12 +33,14 @@ const CHECKS: [checks::Check; 10] = [
     ("error model in the kinematics, three axes", kins::three_axis),
     ("error model in the kinematics, tilting table", kins::table_table),
     ("error model in the kinematics, head and table", kins::head_table),
+    ("error model in the kinematics, lathe without Y", kins_topologies::lathe),
+    ("error model in the kinematics, robot", kins_topologies::robot),
     ("the simulation of the kinematics, with the stock launcher", kins::launcher),
-    ("the harness notices spoiled tables", tables::harness),
 ];
 
 fn main() -> ExitCode {
-    checks::run(&CHECKS, controller, "ABBE_REQUIRE_LIVE")
+    // Each has a controller in a sandbox of its own, and waits for it most of its time.
+    checks::run(&CHECKS, controller, "ABBE_REQUIRE_LIVE", 3)
 }
 
 /// Is there a controller, and may we start it?
@@ -53,7 +59,9 @@ pub struct Folder(pub PathBuf);
 impl Folder {
     /// Makes it, empty.
     pub fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("abbe-live-{name}-{}", std::process::id()));
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let path = std::env::temp_dir().join(format!("abbe-live-{name}-{}-{count}", std::process::id()));
         std::fs::create_dir_all(&path).unwrap();
         Self(path)
     }

@@ -17,7 +17,7 @@ fn in_the_controller(machine: &str, joints: usize) {
     let out = folder.0.join("out").display().to_string();
     let observed = folder.0.join("observed.csv").display().to_string();
     let replay = folder.0.join("replay.csv").display().to_string();
-    let _ = abbe(&["--quiet", "compile", machine, "--target", "linuxcnc", "--out", &out]);
+    let _ = abbe(&["--quiet", "compile", machine, "--target", "linuxcnc", "--out", &out, "--poses", "50"]);
     let seen = script_json("run_comp.py", &["observe", &out, "--out", &observed]);
     assert_eq!(seen["joints"].as_array().unwrap().len(), 2 * joints, "every joint in both directions");
     std::fs::write(&replay, abbe(&["--quiet", "verify", machine, &out, "--replay", &observed])).unwrap();
@@ -46,7 +46,17 @@ pub fn malformed() {
         }
         let folder = Folder::new("lint");
         let out = folder.0.join("out").display().to_string();
-        let _ = abbe(&["--quiet", "compile", &path.display().to_string(), "--target", "linuxcnc", "--out", &out]);
+        let _ = abbe(&[
+            "--quiet",
+            "compile",
+            &path.display().to_string(),
+            "--target",
+            "linuxcnc",
+            "--out",
+            &out,
+            "--poses",
+            "50",
+        ]);
         let lint = script("malformed.py", &["lint", &out]);
         assert!(lint.status.success(), "{}: {}", path.display(), String::from_utf8_lossy(&lint.stdout));
         compiled += 1;
@@ -56,6 +66,6 @@ pub fn malformed() {
 
 /// The comparisons can fail: tables, replays and observations spoiled on purpose are noticed.
 pub fn harness() {
-    let output = script("selftest.py", &[]);
+    let output = script("selftest.py", &["--spoiled"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
 }

@@ -2,13 +2,19 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Name and body of a check.
 pub type Check = (&'static str, fn());
 
 /// Runs the checks that the arguments name a part of (none: all). If what they need is not available they are left
-/// out and named, which is a failure if this variable of the environment is set.
-pub fn run(checks: &[Check], available: impl FnOnce() -> Result<(), String>, required: &str) -> ExitCode {
+/// out and named, which is a failure if this variable of the environment is set. So many run at once, in their order.
+pub fn run(
+    checks: &[Check],
+    available: impl FnOnce() -> Result<(), String>,
+    required: &str,
+    at_once: usize,
+) -> ExitCode {
     let names: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
     if std::env::args().any(|a| a == "--list") {
         checks.iter().for_each(|(name, _)| println!("{name}: test"));
@@ -21,7 +27,14 @@ pub fn run(checks: &[Check], available: impl FnOnce() -> Result<(), String>, req
         println!("{} tests left out: {why}; `tests/run` installs what they need", checks.len());
         return if std::env::var_os(required).is_some() { ExitCode::FAILURE } else { ExitCode::SUCCESS };
     }
-    let failed = checks.iter().filter(|check| !passes(check)).count();
+    let (next, failed) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let work = || {
+        while let Some(check) = checks.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let _ = failed.fetch_add(usize::from(!passes(check)), Ordering::Relaxed);
+        }
+    };
+    std::thread::scope(|scope| (0..at_once).for_each(|_| drop(scope.spawn(work))));
+    let failed = failed.into_inner();
     println!("{} passed, {failed} failed", checks.len() - failed);
     if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
