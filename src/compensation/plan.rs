@@ -190,18 +190,17 @@ impl Planner<'_> {
         };
         let mut filler = Filler::new(self.machine, Wanted { mean: &mean, half: &half });
         let mut sets = |layout: &[Table]| filler.fill(layout, &self.traits(layout)).pop().unwrap_or_default().tables;
-        let mut layout = self.chosen(sets(&self.curve_layout()));
+        let mut layout = self.chosen(sets(&self.curve_layout()), &own);
         if let Some(rules) = &self.mechanisms.plane {
             let trial = sets(&[layout.clone(), self.plane_layout(rules, true)].concat());
             let planes: Vec<Table> = trial.into_iter().filter(|t| t.axes.len() == 2).collect();
-            let chosen = self.limited(planes, rules);
+            let chosen = self.limited(planes, rules, self.room(&[&own, &layout]));
             layout.extend(chosen.iter().map(|t| self.plane(&t.axes, t.corrected.clone(), rules, false)));
         }
         if let Some(rules) = &self.mechanisms.product {
             let trial = [layout.clone(), self.plane_layout(rules, true)].concat();
             let planes = sets(&trial).into_iter().filter(|t| t.axes.len() == 2).collect();
-            let taken = layout.iter().chain(&own).map(|table| self.mechanisms.count(table)).sum();
-            layout.extend(self.products(planes, rules, taken));
+            layout.extend(self.products(planes, rules, self.room(&[&own, &layout])));
         }
         if let Some(rules) = &self.mechanisms.lattice {
             layout.extend(self.fixed_lattice(rules));
@@ -312,23 +311,36 @@ impl Planner<'_> {
             .positions(rules, &Columns { value: &values, stored: &|x| x })
     }
 
-    /// Those of the filled tables that do something, as many as the rules allow.
-    fn chosen(&self, tables: Vec<Table>) -> Vec<Table> {
+    /// How many of the controller's tables are left beside those that are taken.
+    fn room(&self, taken: &[&[Table]]) -> usize {
+        let count: usize =
+            taken.iter().flat_map(|tables| tables.iter()).map(|table| self.mechanisms.count(table)).sum();
+        self.mechanisms.tables.map_or(usize::MAX, |all| all.saturating_sub(count))
+    }
+
+    /// Those of the filled tables that do something, as many as the rules allow, beside tables that are there already.
+    fn chosen(&self, tables: Vec<Table>, there: &[Table]) -> Vec<Table> {
         let own = self.mechanisms.own_axis.is_some();
         let (own, cross): (Vec<_>, Vec<_>) = tables.into_iter().partition(|t| own && t.is_own_axis());
-        let mut all = self.mechanisms.own_axis.as_ref().map_or_else(Vec::new, |rules| self.limited(own, rules));
-        all.extend(self.mechanisms.cross_axis.as_ref().map_or_else(Vec::new, |rules| self.limited(cross, rules)));
+        let limit = |tables: Vec<Table>, rules: &Option<TableRules>, room: usize| {
+            rules.as_ref().map_or_else(Vec::new, |rules| self.limited(tables, rules, room))
+        };
+        let mut all = limit(own, &self.mechanisms.own_axis, self.room(&[there]));
+        let cross = limit(cross, &self.mechanisms.cross_axis, self.room(&[there, &all]));
+        all.extend(cross);
         all
     }
 
-    fn limited(&self, tables: Vec<Table>, rules: &TableRules) -> Vec<Table> {
+    fn limited(&self, tables: Vec<Table>, rules: &TableRules, mut room: usize) -> Vec<Table> {
         let mut ranked: Vec<(f64, Table)> =
             tables.into_iter().filter(|t| self.counts(t)).map(|t| (strength(&t), t)).collect();
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut taken: Vec<Table> = Vec::new();
         for (_, table) in ranked {
             let second = rules.one_per_output && taken.iter().any(|t| t.corrected == table.corrected);
-            if taken.len() < rules.max_tables && !second {
+            let count = self.mechanisms.count(&table);
+            if taken.len() < rules.max_tables && !second && count <= room {
+                room -= count;
                 taken.push(table);
             }
         }
@@ -336,20 +348,18 @@ impl Planner<'_> {
         taken
     }
 
-    /// Tables for the strongest products of the given planes, as many as the controller has room for beside the tables
-    /// that are taken.
-    fn products(&self, planes: Vec<Table>, rules: &TableRules, taken: usize) -> Vec<Table> {
+    /// Tables for the strongest products of the given planes, as many as there is room for.
+    fn products(&self, planes: Vec<Table>, rules: &TableRules, room: usize) -> Vec<Table> {
         // Below a tenth of a micrometre a product is not worth its tables.
         const WORTH: f64 = 1e-4;
         const MOST_PARTS: usize = 4;
-        let room = self.mechanisms.tables.map_or(usize::MAX, |all| all.saturating_sub(taken) / TABLES_OF_A_PRODUCT);
         let of = |(i, plane): (usize, &Table)| {
             let parts = product::parts(&plane.values, plane.nodes[1].len(), MOST_PARTS, WORTH);
             parts.into_iter().map(move |part| (product::strength(&part), i)).collect::<Vec<_>>()
         };
         let mut ranked: Vec<(f64, usize)> = planes.iter().enumerate().flat_map(of).collect();
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-        ranked.truncate(room.min(rules.max_tables));
+        ranked.truncate((room / TABLES_OF_A_PRODUCT).min(rules.max_tables));
         let table = |(i, plane): (usize, &Table)| {
             let count = ranked.iter().filter(|(_, plane)| *plane == i).count();
             let layout = (count > 0).then(|| self.plane(&plane.axes, plane.corrected.clone(), rules, false))?;
