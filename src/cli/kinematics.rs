@@ -3,9 +3,11 @@
 use super::certificate_output::{Shown, warnings};
 use super::session::Session;
 use super::{Outcome, Stop, compile, file_set, verify};
+use crate::compensation::Tables;
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
 use crate::target::{Carried, Depth, Hashed, Lock, RenderedFile, Target, certify_kinematics};
+use std::sync::Arc;
 
 pub(super) fn compile(
     session: &mut Session,
@@ -17,11 +19,15 @@ pub(super) fn compile(
     let orientation = args.options.how.orientation();
     let meant = carried(session, machine, target, orientation)?;
     session.checked()?;
-    let rendered = target.render_kinematics(machine, &meant, &mut session.diagnostics).ok_or(Stop::Refused)?;
-    session.checked()?;
-    let read = read_back(session, machine, target, &rendered, &meant)?;
-    let certificate = certify_kinematics(machine, target, &read, depth(&args.options));
+    let reversal = Arc::new(target.reversal_tables(machine));
     let limits = args.max_correction.unwrap_or_default();
+    limits.exceeded(machine, &reversal).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
+    session.checked()?;
+    let rendered = target.render_kinematics(machine, &meant, &reversal, &mut session.diagnostics);
+    let rendered = rendered.ok_or(Stop::Refused)?;
+    session.checked()?;
+    let (read, beside) = read_back(session, machine, target, &rendered, (&meant, &reversal))?;
+    let certificate = certify_kinematics(machine, target, (&read, &beside), depth(&args.options));
     limits.exceeded_by(&certificate).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
@@ -53,7 +59,8 @@ pub(super) fn verify(
     let Some(read) = target.read_kinematics(machine, &meant, texts, &mut session.diagnostics) else {
         return Err(Stop::Refused);
     };
-    let certificate = certify_kinematics(machine, target, &read, depth(&args.options));
+    let beside = beside(session, machine, target, texts)?;
+    let certificate = certify_kinematics(machine, target, (&read, &beside), depth(&args.options));
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
     let files = texts.iter().map(|(name, _)| name.clone()).collect();
@@ -72,20 +79,33 @@ fn carried(session: &mut Session, machine: &Machine, target: &Target, orientatio
     }
 }
 
+/// The tables of the files beside a module; none if there are no such files.
+fn beside(
+    session: &mut Session,
+    machine: &Machine,
+    target: &Target,
+    texts: &[(String, String)],
+) -> Result<Tables, Stop> {
+    let tables = target.read_beside(machine, texts, &mut session.diagnostics);
+    session.checked()?;
+    Ok(tables)
+}
+
 /// Reads the rendered bytes back as `verify` would, and insists that they are what was meant.
 fn read_back(
     session: &mut Session,
     machine: &Machine,
     target: &Target,
     files: &[RenderedFile],
-    meant: &Carried,
-) -> Result<Carried, Stop> {
+    (meant, reversal): (&Carried, &Tables),
+) -> Result<(Carried, Tables), Stop> {
     let text = |file: &RenderedFile| (file.name.clone(), String::from_utf8_lossy(&file.bytes).into_owned());
     let texts: Vec<_> = files.iter().map(text).collect();
     let read = target.read_kinematics(machine, meant, &texts, &mut session.diagnostics);
     session.checked()?;
+    let beside = beside(session, machine, target, &texts)?;
     match read {
-        Some(read) if read == *meant => Ok(read),
+        Some(read) if read == *meant && beside.same_effect(reversal) => Ok((read, beside)),
         _ => session.refuse(
             Diagnostic::new(
                 "E0707",

@@ -24,7 +24,8 @@ pub struct Mechanisms {
     /// Curves of the errors by their ISO names: the controller has the model.
     #[serde(default)]
     pub error_curves: Option<TableRules>,
-    /// No tables: the controller's kinematics are replaced.
+    /// The controller's kinematics are replaced. Own-axis tables beside them hold the reversal, which depends on the
+    /// direction of approach and is not the kinematics' to know.
     #[serde(default)]
     pub kinematics: Option<KinematicsMechanism>,
 }
@@ -111,6 +112,17 @@ pub enum Fit {
     FunctionalPoint,
 }
 
+/// Which part of the corrections tables hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Holds {
+    /// All of it.
+    #[default]
+    All,
+    /// What forward and reverse differ from their mean: the mean is held by something else.
+    Reversal,
+}
+
 /// The rules of one mechanism.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -147,6 +159,9 @@ pub struct TableRules {
     /// What they are made for.
     #[serde(default)]
     pub fit: Fit,
+    /// Which part of the corrections they hold.
+    #[serde(default)]
+    pub holds: Holds,
     /// At most one table for each corrected axis?
     #[serde(default)]
     pub one_per_output: bool,
@@ -287,8 +302,11 @@ impl Mechanisms {
         named.into_iter().filter_map(|(name, rules)| rules.as_ref().map(|rules| (name, rules)))
     }
 
-    /// Gives stored numbers another sign; commands stay commands.
+    /// Gives stored numbers another sign; commands stay commands, and what stands beside a module keeps its own.
     pub fn store(&mut self, stored: Stored) {
+        if self.kinematics.is_some() {
+            return;
+        }
         let all = [&mut self.own_axis, &mut self.cross_axis, &mut self.plane, &mut self.lattice];
         for rules in all.into_iter().flatten().filter(|rules| rules.stored != Stored::Command) {
             rules.stored = stored;

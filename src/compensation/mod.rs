@@ -22,12 +22,12 @@ mod tables;
 
 pub use batch::correct_all;
 pub use capability::{
-    Carries, Fit, Increment, KinematicsMechanism, Mechanisms, Reference, Scale, Spacing, Stored, TableRules,
+    Carries, Fit, Holds, Increment, KinematicsMechanism, Mechanisms, Reference, Scale, Spacing, Stored, TableRules,
 };
 pub use correct::{Corrected, Goal, Scope, correct, correct_from};
 pub use curves::model_correction;
 pub use jacobian::{Correction, Jacobian};
 pub use lattice::{LatticeRequest, lattice, lattice_nodes};
-pub use own_axis::{own_axis_error, own_axis_table, resampled};
+pub use own_axis::{own_axis_error, own_axis_table, resampled, reversal_tables};
 pub use plan::{lacking, single_error_tables, tables};
 pub use tables::{ErrorCurve, Strongest, Table, Tables};

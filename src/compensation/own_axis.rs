@@ -2,7 +2,7 @@
 
 use super::jacobian::against;
 use super::nodes::{Curves, interval};
-use super::{Table, TableRules};
+use super::{Holds, Table, TableRules, Tables};
 use crate::algebra::skew_vector;
 use crate::lower::{JointElements, Position, joint};
 use crate::machine::{Approach, AxisKind, Direction, Machine};
@@ -27,7 +27,11 @@ pub fn own_axis_error(machine: &Machine, axis: usize, command: f64, wanted: f64,
 
 /// The table of an axis, at given positions or where the rules have its points.
 pub fn own_axis_table(machine: &Machine, axis: usize, rules: &TableRules, positions: Option<Vec<f64>>) -> Table {
-    let at = |q: f64, approach| own_correction(machine, axis, q, approach);
+    let mean = |q: f64| match rules.holds {
+        Holds::All => 0.0,
+        Holds::Reversal => own_correction(machine, axis, q, Approach::Mean),
+    };
+    let at = |q: f64, approach| own_correction(machine, axis, q, approach) - mean(q);
     let row = |q: f64| match rules.bidirectional {
         true => vec![at(q, Approach::Forward), at(q, Approach::Reverse)],
         false => vec![at(q, Approach::Mean)],
@@ -39,6 +43,22 @@ pub fn own_axis_table(machine: &Machine, axis: usize, rules: &TableRules, positi
     let values = rows.iter().map(|row| row[0]).collect();
     let reverse = rules.bidirectional.then(|| rows.iter().map(|row| row[1]).collect());
     Table { reverse, ..Table::curve(axis, positions, axis, values) }
+}
+
+/// The tables of all axes whose own error depends on the direction of approach, rounded: for a controller that holds
+/// everything else by other means.
+pub fn reversal_tables(machine: &Machine, rules: &TableRules) -> Tables {
+    let two_sided = |axis: &usize| {
+        let name = &machine.axes()[*axis].name;
+        machine.filtered(|id| id.axis == *name).is_bidirectional()
+    };
+    let axes = (0..machine.axes().len()).filter(two_sided);
+    let mut all =
+        Tables { tables: axes.map(|axis| own_axis_table(machine, axis, rules, None)).collect(), errors: Vec::new() };
+    all.quantise(machine, |_| Some(&rules.increment));
+    let zero = |values: &Vec<f64>| values.iter().all(|c| *c == 0.0);
+    all.tables.retain(|table| !(zero(&table.values) && table.reverse.as_ref().is_none_or(zero)));
+    all.merged()
 }
 
 /// Solves error(q + c) = 0 for c: the controller looks its table up at the command q.

@@ -29,7 +29,7 @@ pub const NAMES: [&str; 19] = [
 ];
 
 /// Files in the binary, as in `templates/`.
-const EMBEDDED: [(&str, &str); 52] = [
+const EMBEDDED: [(&str, &str); 53] = [
     ("linuxcnc/compensation.inc.j2", include_str!("../../templates/linuxcnc/compensation.inc.j2")),
     ("linuxcnc/table.j2", include_str!("../../templates/linuxcnc/table.j2")),
     ("linuxcnc/target.yaml", include_str!("../../templates/linuxcnc/target.yaml")),
@@ -38,6 +38,7 @@ const EMBEDDED: [(&str, &str); 52] = [
     ("linuxcnc-kins/model.h.j2", include_str!("../../templates/linuxcnc-kins/model.h.j2")),
     ("linuxcnc-kins/abbekins.comp.j2", include_str!("../../templates/linuxcnc-kins/abbekins.comp.j2")),
     ("linuxcnc-kins/abbekins.hal.j2", include_str!("../../templates/linuxcnc-kins/abbekins.hal.j2")),
+    ("linuxcnc-kins/reversal.j2", include_str!("../../templates/linuxcnc-kins/reversal.j2")),
     ("linuxcnc-kins/sim.ini.j2", include_str!("../../templates/linuxcnc-kins/sim.ini.j2")),
     ("linuxcnc-kins/sim.hal.j2", include_str!("../../templates/linuxcnc-kins/sim.hal.j2")),
     ("linuxcnc-kins/sim.var.j2", include_str!("../../templates/linuxcnc-kins/sim.var.j2")),

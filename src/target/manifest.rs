@@ -1,7 +1,7 @@
 //! The manifest of a target (`target.yaml`): what the controller can hold and what it does with it.
 
 use super::kinematics::layout_fits;
-use crate::compensation::{Increment, KinematicsMechanism, Mechanisms, Spacing, TableRules};
+use crate::compensation::{Holds, Increment, KinematicsMechanism, Mechanisms, Spacing, TableRules};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -278,15 +278,33 @@ impl Manifest {
     pub fn fault(&self) -> Option<String> {
         let tables = self.mechanism.iter().count();
         match &self.mechanism.kinematics {
-            Some(kinematics) if tables == 0 => {
+            Some(kinematics) if tables == self.reversal().iter().count() => {
                 return decimals_fault(kinematics.increment)
                     .or_else(|| kinematics.fault())
-                    .or_else(|| self.unfit_files(kinematics));
+                    .or_else(|| self.unfit_files(kinematics))
+                    .or_else(|| self.table_fault());
             }
-            Some(_) => return Some("mechanism: kinematics stand alone".to_owned()),
+            Some(_) => {
+                return Some(
+                    "mechanism: kinematics stand alone, or beside own_axis tables that are bidirectional and hold the reversal".to_owned(),
+                );
+            }
+            None if self.mechanism.iter().any(|(_, rules)| rules.holds == Holds::Reversal) => {
+                return Some("holds: reversal is for own_axis tables beside kinematics".to_owned());
+            }
             None if tables == 0 => return Some("mechanism: there is none".to_owned()),
             None => {}
         }
+        self.table_fault()
+    }
+
+    /// Own-axis tables beside kinematics.
+    pub fn reversal(&self) -> Option<&TableRules> {
+        let rules = self.mechanism.own_axis.as_ref()?;
+        (self.mechanism.kinematics.is_some() && rules.holds == Holds::Reversal && rules.bidirectional).then_some(rules)
+    }
+
+    fn table_fault(&self) -> Option<String> {
         let layouts = || self.files.iter().filter_map(|f| f.layout.as_ref());
         let columns = || {
             let rules = self.mechanism.own_axis.as_ref()?;
@@ -328,15 +346,27 @@ fn fault(name: &str, rules: &TableRules) -> Option<String> {
 }
 
 impl Manifest {
-    /// A kinematics module is one set of files, and one of them is read back.
+    /// A kinematics module is one set of files, and one of them is read back; tables beside it have files of their own.
     fn unfit_files(&self, mechanism: &KinematicsMechanism) -> Option<String> {
-        let layouts: Vec<&Layout> = self.files.iter().filter_map(|file| file.layout.as_ref()).collect();
+        let module = || self.files.iter().filter(|file| !file.is_of_tables());
+        let layouts: Vec<&Layout> = module().filter_map(|file| file.layout.as_ref()).collect();
         let one = matches!(layouts[..], [layout] if layout_fits(mechanism.carries, layout));
-        let once = self.files.iter().all(|file| file.per == Per::Machine);
-        (!one || !once).then(|| {
-            "files: all `per: machine`, and one of them with the layout c_arrays (full_model) or hal_constants"
+        let once = module().all(|file| file.per == Per::Machine);
+        let tables = self.files.iter().filter(|file| file.is_of_tables());
+        let read =
+            tables.clone().all(|file| matches!(file.layout, Some(Layout::Columns { .. } | Layout::Lines { .. })));
+        let known = tables.clone().count() == 0 || self.reversal().is_some();
+        (!one || !once || !read || !known).then(|| {
+            "files: all `per: machine`, and one of them with the layout c_arrays (full_model) or hal_constants; besides, `of: own_axis` with a layout of tables"
                 .to_owned()
         })
+    }
+}
+
+impl FileSpec {
+    /// Does it hold the tables of a mechanism only? Beside a kinematics module all tables have such files.
+    pub fn is_of_tables(&self) -> bool {
+        self.of.is_some()
     }
 }
 

@@ -57,7 +57,7 @@ impl Target {
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let words = Words { target: self, machine, tables, letters: &letters };
         let writer = Writer { words, environment: environment() };
-        match writer.files() {
+        match writer.files(|_| true) {
             Ok(files) => Some(files),
             Err(message) => {
                 diagnostics.push(self.failed(&message));
@@ -66,21 +66,34 @@ impl Target {
         }
     }
 
-    /// Writes files that have no tables, once each, from a context of their own besides name and version.
+    /// Writes files that have no tables, once each, from a context of their own besides name and version, and the
+    /// files of the tables beside them.
     pub(super) fn render_once(
         &self,
         machine: &Machine,
         own: &Value,
+        beside: &Arc<Tables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
-        let _ = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
-        let environment = environment();
-        let file = |(spec, template): (&FileSpec, &String)| {
-            let context = context! { machine => machine.name(), version => env!("CARGO_PKG_VERSION"), ..own.clone() };
-            rendered(&environment, spec, template, context)
+        let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
+        let words = Words { target: self, machine, tables: beside, letters: &letters };
+        let writer = Writer { words, environment: environment() };
+        let files = || {
+            let tables = writer.files(FileSpec::is_of_tables)?;
+            let names = tables.iter().map(|file| (file.name.clone(), Value::from(&*file.name)));
+            let beside: Value = names.collect();
+            let file = |(spec, template): (&FileSpec, &String)| {
+                let context = context! {
+                    machine => machine.name(), version => env!("CARGO_PKG_VERSION"), beside => beside.clone(), ..own.clone()
+                };
+                rendered(&writer.environment, spec, template, context)
+            };
+            let once = self.manifest.files.iter().zip(&self.templates).filter(|(spec, _)| !spec.is_of_tables());
+            let mut files: Vec<RenderedFile> = once.map(file).collect::<Result<_, String>>()?;
+            files.extend(tables);
+            Ok::<_, String>(files)
         };
-        let files: Result<Vec<_>, String> = self.manifest.files.iter().zip(&self.templates).map(file).collect();
-        files.map_err(|message| diagnostics.push(self.failed(&message))).ok()
+        files().map_err(|message| diagnostics.push(self.failed(&message))).ok()
     }
 
     fn failed(&self, message: &str) -> Diagnostic {
@@ -188,10 +201,10 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    fn files(&self) -> Result<Vec<RenderedFile>, String> {
+    fn files(&self, keep: impl Fn(&FileSpec) -> bool) -> Result<Vec<RenderedFile>, String> {
         let mut files = Vec::new();
         let target = self.words.target;
-        for (spec, template) in target.manifest.files.iter().zip(&target.templates) {
+        for (spec, template) in target.manifest.files.iter().zip(&target.templates).filter(|(spec, _)| keep(spec)) {
             if spec.per == Per::Machine {
                 if spec.of.as_ref().is_none_or(|of| self.words.any(of)) {
                     files.push(self.file(spec, template, self.machine_context(spec)?)?);

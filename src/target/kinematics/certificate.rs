@@ -1,12 +1,12 @@
 //! The certificate of a kinematics module.
 
 use super::{Carried, Driven};
-use crate::compensation::{Correction, Jacobian, Scope, Strongest};
+use crate::compensation::{Correction, Jacobian, Scope, Strongest, Tables};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Bare, Field, Order, random_poses};
 use crate::machine::{Approach, AxisKind, ErrorId, ErrorTerm, Machine, Pose};
 use crate::target::certificate::{MOST_SINGLE_POSES, approaches, deviations, figures, verdict, worse_p95};
-use crate::target::{Certificate, ErrorLeft, Limits, Target};
+use crate::target::{Certificate, ErrorLeft, Limits, Replay, Target};
 use crate::units::significant;
 use rayon::prelude::*;
 
@@ -19,23 +19,29 @@ pub struct Depth {
     pub seed: u64,
 }
 
-/// What a module leaves, over the volume and error by error. The module holds the mean of forward and
-/// reverse; the direction of approach that is worse counts.
-pub fn certify_kinematics(machine: &Machine, target: &Target, carried: &Carried, depth: Depth) -> Certificate {
+/// What a module and the tables beside it leave, over the volume and error by error. The module holds the mean of
+/// forward and reverse; the direction of approach that is worse counts.
+pub fn certify_kinematics(
+    machine: &Machine,
+    target: &Target,
+    (carried, beside): (&Carried, &Tables),
+    depth: Depth,
+) -> Certificate {
     let poses: Vec<Pose> = random_poses(machine, depth.poses, depth.seed);
-    let driven = Driven::new(machine, carried);
+    let replay = Replay::new(machine, target, beside);
+    let driven = Driven::new(machine, carried).beside(&replay);
     let both = approaches(machine).iter().map(|approach| (*approach, figures(&driven, &poses, *approach)));
     let worse = both.reduce(|a, b| if b.1.all.position_um.p95 > a.1.all.position_um.p95 { b } else { a });
     let (approach, compensated) = worse.unwrap_or_else(|| (Approach::Mean, figures(&driven, &poses, Approach::Mean)));
     let bare = Bare { machine, order: Order::Exact };
-    let at_reference = driven.added(&vec![0.0; machine.axes().len()]);
+    let zero = vec![0.0; machine.axes().len()];
     Certificate {
         poses: depth.poses,
         approach,
         uncompensated: figures(&bare, &poses, approach),
         compensated,
         errors: singles(machine, target, carried.orientation(), &poses[..poses.len().min(MOST_SINGLE_POSES)]),
-        at_reference: [at_reference.clone(), at_reference],
+        at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.added(&zero, approach)),
         shifted: None,
         strongest: strongest(machine, &poses),
     }
@@ -49,7 +55,10 @@ fn singles(machine: &Machine, target: &Target, orientation: bool, poses: &[Pose]
         let machine = machine.filtered(|id| id == error);
         let p95 = |field: &dyn Field| worse_p95(&machine, |approach| deviations(field, poses, approach));
         let before = p95(&Bare { machine: &machine, order: Order::Exact });
-        let after = Carried::of(&machine, target, orientation).map(|own| p95(&Driven::new(&machine, &own)));
+        let tables = target.reversal_tables(&machine);
+        let replay = Replay::new(&machine, target, &tables);
+        let after =
+            Carried::of(&machine, target, orientation).map(|own| p95(&Driven::new(&machine, &own).beside(&replay)));
         verdict(error.clone(), before, after.unwrap_or(before))
     };
     ids.par_iter().map(alone).collect()

@@ -3,6 +3,7 @@
 use super::{Carried, Model, World};
 use crate::evaluate::{Bare, Deviation, Field, Frame, Order, commanded_deviation, evaluate};
 use crate::machine::{Approach, Machine};
+use crate::target::Replay;
 use nalgebra::Vector3;
 
 /// A machine driven through a module.
@@ -10,12 +11,19 @@ use nalgebra::Vector3;
 pub struct Driven<'a> {
     machine: &'a Machine,
     carried: &'a Carried,
+    /// Tables beside the module, looked up at its joint commands.
+    beside: Option<&'a Replay<'a>>,
 }
 
 impl<'a> Driven<'a> {
     /// Loads what a module carries.
     pub fn new(machine: &'a Machine, carried: &'a Carried) -> Self {
-        Self { machine, carried }
+        Self { machine, carried, beside: None }
+    }
+
+    /// With tables that the controller adds to the joints behind the module.
+    pub fn beside(self, tables: &'a Replay<'a>) -> Self {
+        Self { beside: Some(tables), ..self }
     }
 
     /// What the module sends to the joints for a pose (mm, deg, order of the walk); `None` if it stops.
@@ -28,9 +36,16 @@ impl<'a> Driven<'a> {
         }
     }
 
-    /// What the module adds to a pose; nothing where it stops.
-    pub fn added(&self, pose: &[f64]) -> Vec<f64> {
-        let command = self.command(pose).unwrap_or_else(|| pose.to_vec());
+    /// What the motors are sent, approached from one side; `None` if the module stops.
+    fn sent(&self, pose: &[f64], approach: Approach) -> Option<Vec<f64>> {
+        let command = self.command(pose)?;
+        let trims = self.beside.map_or_else(|| vec![0.0; command.len()], |tables| tables.added(&command, approach));
+        Some(command.iter().zip(trims).map(|(c, trim)| c + trim).collect())
+    }
+
+    /// What is added to a pose approached from one side; nothing where the module stops.
+    pub fn added(&self, pose: &[f64], approach: Approach) -> Vec<f64> {
+        let command = self.sent(pose, approach).unwrap_or_else(|| pose.to_vec());
         command.iter().zip(pose).map(|(c, q)| c - q).collect()
     }
 }
@@ -56,7 +71,7 @@ impl Field for Driven<'_> {
 
     /// Where the module stops, the machine is as bad as without it.
     fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation {
-        match self.command(pose) {
+        match self.sent(pose, approach) {
             Some(command) => commanded_deviation(self.machine, pose, &command, approach),
             None => Bare { machine: self.machine, order: Order::Exact }.deviation(pose, approach),
         }

@@ -4,12 +4,14 @@ use super::arrays::{Arrays, Fault};
 use super::context::context;
 use super::data::{CurveData, Form, Joint, Model};
 use super::{Carried, Carries};
+use crate::compensation::{Tables, reversal_tables};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::machine::Machine;
 use crate::target::manifest::Layout;
 use crate::target::read::{ReadBack, at_line};
 use crate::target::{Manifest, RenderedFile, Target};
 use crate::units;
+use std::sync::Arc;
 
 /// More axes than the controller has coordinates.
 const MOST_AXES: usize = 9;
@@ -27,10 +29,16 @@ impl Target {
         &self,
         machine: &Machine,
         carried: &Carried,
+        reversal: &Arc<Tables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
         let context = context(machine, carried, self.manifest.kinematics()?);
-        self.render_once(machine, &context, diagnostics)
+        self.render_once(machine, &context, reversal, diagnostics)
+    }
+
+    /// The tables beside a module: what its joints need added when they are approached from one side.
+    pub fn reversal_tables(&self, machine: &Machine) -> Tables {
+        self.manifest.reversal().map_or_else(Tables::default, |rules| reversal_tables(machine, rules))
     }
 
     /// Reads the numbers of a module back. `meant` says which axes of the machine they are for.

@@ -68,11 +68,26 @@ impl Target {
 
     /// Reads the tables out of files with these names. Diagnostics: E0704 and its place.
     pub fn read(&self, machine: &Machine, files: &[ReadBack], diagnostics: &mut Diagnostics) -> Option<Tables> {
+        self.read_of(machine, files, |_| true, diagnostics)
+    }
+
+    /// Reads the tables that stand beside a kinematics module: those of files that are there.
+    pub fn read_beside(&self, machine: &Machine, files: &[ReadBack], diagnostics: &mut Diagnostics) -> Tables {
+        self.read_of(machine, files, FileSpec::is_of_tables, diagnostics).unwrap_or_default()
+    }
+
+    fn read_of(
+        &self,
+        machine: &Machine,
+        files: &[ReadBack],
+        keep: impl Fn(&FileSpec) -> bool,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Tables> {
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
         let mut reading = Reading { target: self, machine, letters, axis: None };
         let mut all = Tables::default();
         let mut any = false;
-        for spec in &self.manifest.files {
+        for spec in self.manifest.files.iter().filter(|spec| keep(spec)) {
             let Some(layout) = &spec.layout else { continue };
             for (axis, name) in self.names(machine, spec) {
                 let Some((_, text)) = files.iter().find(|(known, _)| *known == name) else {
