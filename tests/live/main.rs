@@ -20,7 +20,7 @@ mod tables;
 use std::path::PathBuf;
 use std::process::{Command, ExitCode, Output};
 
-const CHECKS: [checks::Check; 10] = [
+const CHECKS: [checks::Check; 11] = [
     ("three-axis tables in the running controller", tables::three_axis),
     ("five-axis tables in the running controller", tables::five_axis),
     ("malformed tables: what the controller swallows never comes out of compile", tables::malformed),
@@ -30,6 +30,7 @@ const CHECKS: [checks::Check; 10] = [
     ("error model in the kinematics, tilting table", kins::table_table),
     ("error model in the kinematics, head and table", kins::head_table),
     ("the simulation of the kinematics, with the stock launcher", kins::launcher),
+    ("the harness notices a spoiled module", kins::spoiled),
     ("the harness notices spoiled tables", tables::harness),
 ];
 
