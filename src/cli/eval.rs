@@ -3,9 +3,9 @@
 use super::effects::{Effects, inverse};
 use super::poses::{PoseArgs, poses};
 use super::session::Session;
-use super::view::order_text;
+use super::view::{FrameArg, ViewArgs, axes_json, frame_text, numbers, order_text, plain, table};
 use super::{Format, Outcome, algebra, load};
-use crate::evaluate::{Evaluation, Frame, MAX_DUAL_ORDER, Order, evaluate, evaluate_over};
+use crate::evaluate::{Evaluation, Frame, evaluate, evaluate_over};
 use crate::machine::{Approach, Machine, Pose};
 use crate::units::significant;
 use nalgebra::Vector3;
@@ -18,9 +18,8 @@ pub(super) struct Args {
     machine: PathBuf,
     #[command(flatten)]
     poses: PoseArgs,
-    /// 1 to 6, or `exact` (the default, unless the conventions' preset names an order).
-    #[arg(long, value_parser = order)]
-    order: Option<Order>,
+    #[command(flatten)]
+    view: ViewArgs,
     /// Follow errors over a Weil algebra: the machine file's, or one in the words of its section
     /// `algebra`, such as `degree: 3, generators: per-axis, vanish: [x1^2, x3*x4]`.
     #[arg(long, value_name = "ALGEBRA", num_args = 0..=1, default_missing_value = "", conflicts_with = "order")]
@@ -37,60 +36,13 @@ pub(super) struct Args {
     /// Frame of the vectors.
     #[arg(long, value_enum, default_value = "workpiece")]
     frame: FrameArg,
-    /// Direction of approach where forward and reverse curves were given.
-    #[arg(long, value_enum, default_value = "mean")]
-    direction: ApproachArg,
-    /// Which of the machine's tools.
-    #[arg(long)]
-    tool: Option<String>,
-}
-
-/// Frame of vectors.
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-pub(super) enum FrameArg {
-    Workpiece,
-    Machine,
-    Tool,
-}
-
-/// Direction of approach.
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-pub(super) enum ApproachArg {
-    Mean,
-    Forward,
-    Reverse,
-}
-
-impl From<ApproachArg> for Approach {
-    fn from(arg: ApproachArg) -> Self {
-        match arg {
-            ApproachArg::Mean => Self::Mean,
-            ApproachArg::Forward => Self::Forward,
-            ApproachArg::Reverse => Self::Reverse,
-        }
-    }
-}
-
-/// `exact` or a number of 1..=6.
-pub(super) fn order(text: &str) -> Result<Order, String> {
-    match text.parse::<u8>() {
-        Ok(n) if (1..=MAX_DUAL_ORDER).contains(&n) => Ok(Order::Degree(n)),
-        _ if text == "exact" => Ok(Order::Exact),
-        _ => Err(format!("an order is 1 to {MAX_DUAL_ORDER}, or `exact`")),
-    }
 }
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let machine = load::machine(session, &args.machine, args.tool.as_deref())?;
+    let machine = load::machine(session, &args.machine, args.view.tool.as_deref())?;
     let poses = poses(session, &machine, &args.poses)?;
-    let order = args.order.unwrap_or_else(|| default_order(&machine));
-    let frame = match args.frame {
-        FrameArg::Workpiece => Frame::Workpiece,
-        FrameArg::Machine => Frame::Machine,
-        FrameArg::Tool => Frame::Tool,
-    };
+    let (order, approach, frame) = (args.view.order(&machine), args.view.approach(), args.frame.into());
     let lift = args.algebra.as_deref().map(|text| algebra::lift(session, &machine, text)).transpose()?;
-    let approach = args.direction.into();
     let result = |pose: &Pose| match &lift {
         Some(lift) => evaluate_over(&machine, pose, lift, approach, frame),
         None => evaluate(&machine, pose, order, approach, frame),
@@ -114,10 +66,6 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     Ok(())
 }
 
-fn default_order(machine: &Machine) -> Order {
-    machine.conventions().default_order.map_or(Order::Exact, Order::Degree)
-}
-
 /// What is printed.
 struct Report<'a> {
     machine: &'a Machine,
@@ -131,24 +79,11 @@ struct Report<'a> {
     displacements: Vec<Vec<(String, f64)>>,
 }
 
-/// `-0` is nobody's result.
-fn plain(value: f64) -> f64 {
-    value + 0.0
-}
-
 fn row(vector: &Vector3<f64>) -> [f64; 3] {
     [plain(vector.x), plain(vector.y), plain(vector.z)]
 }
 
 impl Report<'_> {
-    fn frame(&self) -> &'static str {
-        match self.frame {
-            Frame::Workpiece => "workpiece",
-            Frame::Machine => "machine",
-            Frame::Tool => "tool",
-        }
-    }
-
     fn rows(&self) -> impl Iterator<Item = (&Pose, &Evaluation)> {
         self.poses.iter().zip(self.results)
     }
@@ -156,7 +91,7 @@ impl Report<'_> {
     fn json(&self) -> serde_json::Value {
         let poses: Vec<_> = (0..self.poses.len()).map(|i| self.pose_json(i)).collect();
         json!({
-            "machine": self.machine.name(), "order": self.order, "frame": self.frame(),
+            "machine": self.machine.name(), "order": self.order, "frame": frame_text(self.frame),
             "direction": self.approach, "tool": self.machine.tool().name,
             "units": {"position": "mm", "rotation": "rad", "linear_axis": "mm", "rotary_axis": "deg"},
             "poses": poses,
@@ -165,11 +100,9 @@ impl Report<'_> {
 
     fn pose_json(&self, index: usize) -> serde_json::Value {
         let (pose, result) = (&self.poses[index], &self.results[index]);
-        let axes: serde_json::Map<_, _> =
-            self.axes().zip(pose).map(|(name, q)| (name.to_owned(), json!(plain(*q)))).collect();
         let e_ve: Vec<[f64; 4]> = (0..4).map(|i| std::array::from_fn(|j| plain(result.e_ve[(i, j)]))).collect();
         let mut fields = json!({
-            "axes": axes, "nominal": row(&result.nominal), "deviation": row(&result.deviation.position),
+            "axes": axes_json(self.machine, pose), "nominal": row(&result.nominal), "deviation": row(&result.deviation.position),
             "rotation": row(&result.deviation.rotation), "e_ve": e_ve,
         });
         for (name, value) in self.effects.iter().flat_map(|e| e.json(index)) {
@@ -194,17 +127,15 @@ impl Report<'_> {
             let deviation = &result.deviation;
             let vectors = [&result.nominal, &deviation.position, &deviation.rotation];
             let cells = pose.iter().copied().chain(vectors.into_iter().flat_map(row));
-            cells.map(|x| plain(x).to_string()).collect::<Vec<_>>().join(",")
+            numbers(cells)
         };
         let lines: Vec<String> = std::iter::once(header.join(",")).chain(self.rows().map(line)).collect();
         lines.join("\n")
     }
 
     fn text(&self) -> String {
-        let mut table = comfy_table::Table::new();
-        let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN);
         let units = ["dx um", "dy um", "dz um", "|d| um", "wx urad", "wy urad", "wz urad"];
-        let _ = table.set_header(self.axes().map(str::to_owned).chain(units.map(str::to_owned)).collect::<Vec<_>>());
+        let mut table = table(&self.axes().chain(units).collect::<Vec<_>>());
         for (pose, result) in self.rows() {
             let micro = |v: &Vector3<f64>| row(v).map(|x| significant(x * 1e6, 5));
             let position = result.deviation.position * 1e-3;
@@ -216,7 +147,7 @@ impl Report<'_> {
         format!(
             "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}\n{table}\n{}{effects}",
             self.machine.name(),
-            self.frame(),
+            frame_text(self.frame),
             self.order,
             match self.approach {
                 Approach::Mean => "",

@@ -35,7 +35,7 @@ pub(super) struct Args {
     out: Option<PathBuf>,
     /// Frame in which the deviations were measured.
     #[arg(long, value_enum, default_value = "workpiece")]
-    frame: super::eval::FrameArg,
+    frame: super::view::FrameArg,
     /// The model: `exact`, or of order 1 or 2 of the dual numbers.
     #[arg(long, value_name = "N|exact", default_value = "exact", value_parser = order)]
     order: Order,

@@ -2,13 +2,14 @@
 
 use super::certificate_output::warnings;
 use super::compile::{How, made};
-use super::eval::FrameArg;
 use super::map_output::Outputs;
 use super::map_picture::{Pictures, Subject};
 use super::map_survey::surveyed;
 use super::progress::Progress;
 use super::session::Session;
-use super::view::{STATISTICS, ViewArgs, axes_json, axes_text, frame_text, order_text, statistics_rows, table};
+use super::view::{
+    FrameArg, STATISTICS, ViewArgs, axes_json, axes_text, frame_text, order_text, statistics_rows, table,
+};
 use super::{Format, Outcome, Stop, load};
 use crate::analysis::{Diagonal, MOST_POSES, MOST_SURVEYED, SurveyTask, View, body_diagonals, map, rest};
 use crate::compensation::Tables;

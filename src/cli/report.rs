@@ -2,10 +2,10 @@
 
 use super::certificate_output::warnings;
 use super::compile::{Made, Options, made};
-use super::eval::{ApproachArg, order};
 use super::files::Disk;
 use super::progress::Progress;
 use super::session::Session;
+use super::view::{ApproachArg, order};
 use super::write::{refuse_input, write_whole};
 use super::{Format, Outcome, Stop, load, watch};
 use crate::analysis::{Plane, View, map, rest, space_axes};

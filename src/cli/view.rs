@@ -1,7 +1,6 @@
 //! Options that the verbs about whole volumes share, and how their numbers are printed.
 
-use super::eval::{ApproachArg, FrameArg, order};
-use crate::evaluate::{Frame, Order, Statistics, Summary};
+use crate::evaluate::{Frame, MAX_DUAL_ORDER, Order, Statistics, Summary};
 use crate::machine::{Approach, Machine};
 use crate::units::significant;
 use serde_json::json;
@@ -31,6 +30,51 @@ impl ViewArgs {
     }
 }
 
+/// Frame of vectors.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+pub(super) enum FrameArg {
+    Workpiece,
+    Machine,
+    Tool,
+}
+
+impl From<FrameArg> for Frame {
+    fn from(arg: FrameArg) -> Self {
+        match arg {
+            FrameArg::Workpiece => Self::Workpiece,
+            FrameArg::Machine => Self::Machine,
+            FrameArg::Tool => Self::Tool,
+        }
+    }
+}
+
+/// Direction of approach.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+pub(super) enum ApproachArg {
+    Mean,
+    Forward,
+    Reverse,
+}
+
+impl From<ApproachArg> for Approach {
+    fn from(arg: ApproachArg) -> Self {
+        match arg {
+            ApproachArg::Mean => Self::Mean,
+            ApproachArg::Forward => Self::Forward,
+            ApproachArg::Reverse => Self::Reverse,
+        }
+    }
+}
+
+/// `exact` or a number of 1..=6.
+pub(super) fn order(text: &str) -> Result<Order, String> {
+    match text.parse::<u8>() {
+        Ok(n) if (1..=MAX_DUAL_ORDER).contains(&n) => Ok(Order::Degree(n)),
+        _ if text == "exact" => Ok(Order::Exact),
+        _ => Err(format!("an order is 1 to {MAX_DUAL_ORDER}, or `exact`")),
+    }
+}
+
 /// As printed.
 pub(super) fn order_text(order: Order) -> String {
     match order {
@@ -48,20 +92,14 @@ pub(super) fn frame_text(frame: Frame) -> &'static str {
     }
 }
 
-impl From<FrameArg> for Frame {
-    fn from(arg: FrameArg) -> Self {
-        match arg {
-            FrameArg::Workpiece => Self::Workpiece,
-            FrameArg::Machine => Self::Machine,
-            FrameArg::Tool => Self::Tool,
-        }
-    }
+/// `-0` is nobody's result: adding zero turns it into 0.
+pub(super) fn plain(value: f64) -> f64 {
+    value + 0.0
 }
 
 /// An object of axis names and positions (mm, deg).
 pub(super) fn axes_json(machine: &Machine, pose: &[f64]) -> serde_json::Value {
-    // Adding zero turns -0 into 0.
-    let entry = |(axis, q): (&crate::machine::Axis, &f64)| (axis.name.to_string(), json!(q + 0.0));
+    let entry = |(axis, q): (&crate::machine::Axis, &f64)| (axis.name.to_string(), json!(plain(*q)));
     machine.axes().iter().zip(pose).map(entry).collect::<serde_json::Map<_, _>>().into()
 }
 
@@ -98,6 +136,5 @@ pub(super) fn cell(text: &str) -> String {
 
 /// Numbers of a CSV line.
 pub(super) fn numbers(values: impl IntoIterator<Item = f64>) -> String {
-    // Adding zero turns -0 into 0.
-    values.into_iter().map(|x| (x + 0.0).to_string()).collect::<Vec<_>>().join(",")
+    values.into_iter().map(|x| plain(x).to_string()).collect::<Vec<_>>().join(",")
 }
