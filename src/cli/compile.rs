@@ -8,8 +8,8 @@ use crate::compensation::{Fit, Goal, LatticeRequest, Scope, Stored, Tables, resa
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{AxisKind, Machine};
 use crate::target::{
-    Certificate, Depth, Effect, Hashed, Judged, Limits, Lock, NAMES, RenderedFile, Target, certify, certify_kinematics,
-    is_plain_name,
+    Certificate, Depth, Effect, Hashed, Judged, Limits, Lock, NAMES, ReadBack, RenderedFile, Target, certify,
+    certify_kinematics, is_plain_name,
 };
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -164,6 +164,16 @@ impl How {
             FitArg::FunctionalPoint => "fit functional-point".to_owned(),
         }));
         words
+    }
+
+    /// Names of the folders of targets of one's own.
+    pub(super) fn own_targets(&self) -> Vec<String> {
+        let entries = self.templates.iter().filter_map(|folder| std::fs::read_dir(folder).ok()).flatten().flatten();
+        let with_manifest = entries.filter(|entry| entry.path().join("target.yaml").is_file());
+        let mut names: Vec<String> = with_manifest.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+        names.retain(|name| is_plain_name(name));
+        names.sort();
+        names
     }
 
     /// The target of a name, its stored numbers meaning what is asked for.
@@ -392,8 +402,8 @@ fn read_back(
     files: &[RenderedFile],
     meant: &Tables,
 ) -> Result<Tables, Stop> {
-    let text = |file: &RenderedFile| (file.name.clone(), String::from_utf8_lossy(&file.bytes).into_owned());
-    let wanted = target.table_files(machine);
+    let text = |file: &RenderedFile| ReadBack::new(&*file.name, String::from_utf8_lossy(&file.bytes));
+    let wanted = [target.table_files(machine), target.index_files()].concat();
     let texts: Vec<_> = files.iter().filter(|file| wanted.contains(&file.name)).map(text).collect();
     let read = target.read(machine, &texts, &mut session.diagnostics);
     session.checked()?;

@@ -26,8 +26,8 @@ pub(super) struct Args {
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.options.tool.as_deref())?;
     let [old, new] = [
-        verify::found(session, &machine, &args.old, None, &args.options)?,
-        verify::found(session, &machine, &args.new, None, &args.options)?,
+        verify::found(session, &machine, &args.old, &args.options)?,
+        verify::found(session, &machine, &args.new, &args.options)?,
     ];
     session.checked()?;
     let replays = [&old, &new].map(|set| Replay::new(&machine, &set.target, &set.tables));

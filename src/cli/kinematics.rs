@@ -2,11 +2,11 @@
 
 use super::certificate_output::{Shown, warnings};
 use super::session::Session;
-use super::{Outcome, Stop, compile, file_set, verify};
+use super::{Outcome, Stop, compile, detect, file_set, verify};
 use crate::compensation::Tables;
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
-use crate::target::{Carried, Depth, Hashed, Limits, Lock, RenderedFile, Target, certify_kinematics};
+use crate::target::{Carried, Depth, Hashed, Limits, Lock, ReadBack, RenderedFile, Target, certify_kinematics};
 use std::sync::Arc;
 
 pub(super) fn compile(
@@ -68,13 +68,13 @@ pub(super) fn verify(
     args: &verify::Args,
     machine: &Machine,
     target: &Target,
-    texts: &[(String, String)],
+    texts: &[ReadBack],
 ) -> Outcome {
     if args.replay.is_some() {
         return session.usage("--replay: a kinematics module has no tables that hold for a joint alone");
     }
     if texts.is_empty() {
-        return session.refuse(verify::nothing_found(&args.folder));
+        return session.refuse(detect::nothing_found(&args.folder));
     }
     let meant = carried(session, machine, target, args.options.how.orientation())?;
     let Some(read) = target.read_kinematics(machine, &meant, texts, &mut session.diagnostics) else {
@@ -84,7 +84,7 @@ pub(super) fn verify(
     let certificate = certify_kinematics(machine, target, (&read, &beside), depth(&args.options));
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
-    let files = texts.iter().map(|(name, _)| name.clone()).collect();
+    let files = texts.iter().map(|file| file.found.clone()).collect();
     Shown { machine, target, certificate: &certificate, files, folder: &args.folder }.print(session);
     Ok(())
 }
@@ -104,12 +104,7 @@ fn carried(session: &mut Session, machine: &Machine, target: &Target, orientatio
 }
 
 /// The tables of the files beside a module; none if there are no such files.
-fn beside(
-    session: &mut Session,
-    machine: &Machine,
-    target: &Target,
-    texts: &[(String, String)],
-) -> Result<Tables, Stop> {
+fn beside(session: &mut Session, machine: &Machine, target: &Target, texts: &[ReadBack]) -> Result<Tables, Stop> {
     let tables = target.read_beside(machine, texts, &mut session.diagnostics);
     session.checked()?;
     Ok(tables)
@@ -123,7 +118,7 @@ fn read_back(
     files: &[RenderedFile],
     (meant, reversal): (&Carried, &Tables),
 ) -> Result<(Carried, Tables), Stop> {
-    let text = |file: &RenderedFile| (file.name.clone(), String::from_utf8_lossy(&file.bytes).into_owned());
+    let text = |file: &RenderedFile| ReadBack::new(&*file.name, String::from_utf8_lossy(&file.bytes));
     let texts: Vec<_> = files.iter().map(text).collect();
     let read = target.read_kinematics(machine, meant, &texts, &mut session.diagnostics);
     session.checked()?;

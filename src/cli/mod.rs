@@ -8,9 +8,12 @@ mod budgets;
 mod certificate_output;
 mod check;
 mod classify;
+mod commit;
 mod compare;
 mod compile;
+mod confined;
 mod convert;
+mod detect;
 mod diff;
 mod effects;
 mod enumerate;
@@ -79,6 +82,9 @@ struct Global {
     /// Refuse the input on any of these (only `warnings`).
     #[arg(long, global = true, value_name = "WHAT", value_parser = ["warnings"])]
     deny: Option<String>,
+    /// Under limits: how the program calls itself for templates that are not its own.
+    #[arg(long, global = true, hide = true)]
+    confined: bool,
 }
 
 /// Form of the output.
@@ -167,10 +173,19 @@ type Outcome = Result<(), Stop>;
 
 /// Runs the program on its arguments.
 pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
-    let cli = match Cli::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.collect();
+    let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
         Err(message) => return usage(&message),
     };
+    if cli.global.confined {
+        confined::limit();
+    } else if confined::wanted(&arguments) {
+        let done = confined::run(&arguments, Session::new(cli.global.clone()));
+        if let Some(code) = done {
+            return code;
+        }
+    }
     let mut session = Session::new(cli.global);
     let outcome = dispatch(&mut session, cli.verb);
     session.finish(outcome)

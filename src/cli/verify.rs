@@ -1,14 +1,14 @@
 //! `abbe verify`: replay files as the controller would and certify what they leave.
 
 use super::certificate_output::{Shown, warnings};
-use super::compile::{Options, StoredArg};
+use super::compile::Options;
 use super::files::{Disk, SET_LIMIT, read_at_most};
 use super::session::Session;
-use super::{Outcome, Stop, file_set, kinematics, load};
+use super::{Outcome, Stop, commit, detect, file_set, kinematics, load};
 use crate::compensation::Tables;
 use crate::diagnostic::Diagnostic;
 use crate::machine::{Approach, Machine};
-use crate::target::{Judged, LOCK_NAME, Lock, NAMES, Recognised, Replay, Target, is_plain_name, recognise};
+use crate::target::{Judged, LOCK_NAME, Lock, Replay, Target, is_plain_name};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -39,21 +39,19 @@ pub(super) struct Found {
 }
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
+    settle(session, &args.folder)?;
     let lock = file_set::existing_lock(&args.folder);
     // The tables hold for the tool they were made for.
     let made_for = lock.as_ref().map(|lock| lock.tool.clone()).filter(|name| !name.is_empty());
     let machine = load::machine(session, &args.machine, args.options.tool.clone().or(made_for).as_deref())?;
     warn_other_inputs(session, lock.as_ref());
-    let known = known(session, &machine, &args.folder, args.target.as_deref(), &args.options)?;
-    if let Some((target, present)) = known.as_ref().filter(|(target, _)| target.manifest.kinematics().is_some()) {
-        let texts = file_set::read(&args.folder, present, &mut session.diagnostics);
-        session.checked()?;
-        warn_edited(session, &args.folder, lock.as_ref());
-        return kinematics::verify(session, args, &machine, target, &texts);
-    }
-    let Found { target, tables, files } = tables_of(session, &machine, &args.folder, known)?;
+    let set = detect::set(session, &machine, &args.folder, args.target.as_deref(), &args.options.how)?;
     session.checked()?;
     warn_edited(session, &args.folder, lock.as_ref());
+    if set.target.manifest.kinematics().is_some() {
+        return kinematics::verify(session, args, &machine, &set.target, &set.files);
+    }
+    let Found { target, tables, files } = tables_of(session, &machine, &args.folder, set)?;
     let installed = installed(session, &machine, &target, &args.options, args.installed.as_deref())?;
     session.checked()?;
     if let Some(path) = &args.replay {
@@ -68,81 +66,37 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     Ok(())
 }
 
-/// The target of the files in a folder, and which of its files are there: the target named, else the
-/// manifest's, else the first whose files are there by name.
-fn known(
-    session: &mut Session,
-    machine: &Machine,
-    folder: &Path,
-    named: Option<&str>,
-    options: &Options,
-) -> Result<Option<(Target, Vec<String>)>, Stop> {
-    let lock = file_set::existing_lock(folder);
-    let named = named.map(str::to_owned).or_else(|| lock.as_ref().map(|lock| lock.target.clone()));
-    let there = |target: &Target| target.table_files(machine).iter().any(|name| folder.join(name).exists());
-    let by_name = || NAMES.iter().filter_map(|name| Target::embedded(name)).find(there).map(|t| t.manifest.target);
-    let Some(name) = named.or_else(by_name) else { return Ok(None) };
-    let stored = lock.and_then(|lock| options.how.stored.or_else(|| StoredArg::of(&lock.options)));
-    let target = options.how.target(session, &name, stored)?;
-    let mut present = target.table_files(machine);
-    present.retain(|name| folder.join(name).symlink_metadata().is_ok());
-    Ok(Some((target, present)))
+/// Finishes what a killed run left in a folder.
+fn settle(session: &mut Session, folder: &Path) -> Outcome {
+    match commit::settle(folder, &mut session.diagnostics) {
+        Ok(()) => Ok(()),
+        Err(refusal) => session.refuse(refusal),
+    }
 }
 
-/// The tables in a folder: of the target that is known by names, else of the one that their content tells.
-pub(super) fn found(
-    session: &mut Session,
-    machine: &Machine,
-    folder: &Path,
-    named: Option<&str>,
-    options: &Options,
-) -> Result<Found, Stop> {
-    let known = known(session, machine, folder, named, options)?;
-    tables_of(session, machine, folder, known)
+/// The tables in a folder, of whatever target they are.
+pub(super) fn found(session: &mut Session, machine: &Machine, folder: &Path, options: &Options) -> Result<Found, Stop> {
+    settle(session, folder)?;
+    let set = detect::set(session, machine, folder, None, &options.how)?;
+    session.checked()?;
+    tables_of(session, machine, folder, set)
 }
 
-/// The tables in a folder of which this target is known by names.
-fn tables_of(
-    session: &mut Session,
-    machine: &Machine,
-    folder: &Path,
-    known: Option<(Target, Vec<String>)>,
-) -> Result<Found, Stop> {
-    let Some((target, present)) = known else { return by_content(session, machine, folder) };
+/// The tables of a set.
+fn tables_of(session: &mut Session, machine: &Machine, folder: &Path, set: detect::Set) -> Result<Found, Stop> {
+    let detect::Set { target, files } = set;
     if target.manifest.kinematics().is_some() {
         let message = format!("`{}` holds a kinematics module, which has no tables", folder.display());
         let help = "a module is written anew from the machine file, not on top of another one";
         return session.refuse(Diagnostic::new("E0711", message).help(help));
     }
-    let texts = file_set::read(folder, &present, &mut session.diagnostics);
+    let read = target.read(machine, &files, &mut session.diagnostics);
     session.checked()?;
-    let read = target.read(machine, &texts, &mut session.diagnostics);
-    session.checked()?;
+    let indices = target.index_files();
+    let names = files.into_iter().filter(|file| !indices.contains(&file.name)).map(|file| file.found).collect();
     match read {
-        Some(tables) => Ok(Found { target, tables, files: present }),
-        None => session.refuse(nothing_found(folder)),
-    }
-}
-
-/// Files of any name.
-fn by_content(session: &mut Session, machine: &Machine, folder: &Path) -> Result<Found, Stop> {
-    const MOST_FILES: usize = 100;
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let regular = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()));
-    let mut names: Vec<String> = regular.filter_map(|entry| entry.file_name().into_string().ok()).collect();
-    names.sort();
-    names.truncate(MOST_FILES);
-    let text = |name: String| {
-        let bytes = read_at_most(&folder.join(&name), SET_LIMIT).ok()?;
-        String::from_utf8(bytes).ok().map(|text| (name, text))
-    };
-    let texts: Vec<(String, String)> = names.into_iter().filter_map(text).collect();
-    match recognise(machine, &texts, &mut session.diagnostics) {
-        Some(Recognised { target, tables, files }) => Ok(Found { target, tables, files }),
-        None => {
-            session.checked()?;
-            session.refuse(nothing_found(folder))
-        }
+        Some(tables) => Ok(Found { target, tables, files: names }),
+        None => session.refuse(detect::nothing_found(folder)),
     }
 }
 
@@ -155,7 +109,7 @@ pub(super) fn installed(
     folder: Option<&Path>,
 ) -> Result<Option<Tables>, Stop> {
     let Some(folder) = folder else { return Ok(None) };
-    let set = found(session, machine, folder, None, options)?;
+    let set = found(session, machine, folder, options)?;
     session.checked()?;
     if set.target.manifest.target == target.manifest.target {
         return Ok(Some(set.tables));
@@ -164,11 +118,6 @@ pub(super) fn installed(
     let message = format!("the files in `{}` are of target `{old}`, not of `{new}`", folder.display());
     let help = "only tables of the same target can be written on top of each other";
     session.refuse(Diagnostic::new("E0711", message).help(help))
-}
-
-pub(super) fn nothing_found(folder: &Path) -> Diagnostic {
-    Diagnostic::new("E0705", format!("there are no compensation files of a known target in `{}`", folder.display()))
-        .help("name the folder that `compile --out` was given, and the target with --target")
 }
 
 /// Tables made from other files than those just read are judged all the same, and that is said.
@@ -193,7 +142,7 @@ fn warn_edited(session: &mut Session, folder: &Path, lock: Option<&Lock>) {
         return;
     };
     for file in lock.files.iter().filter(|file| is_plain_name(&file.name)) {
-        // A missing file is the reader's to say.
+        // A missing file has been said.
         let Ok(bytes) = read_at_most(&folder.join(&file.name), SET_LIMIT) else { continue };
         if !lock.wrote(&file.name, &bytes) {
             session

@@ -250,6 +250,30 @@ pub struct FileSpec {
     /// How to read it back; absent for files without tables.
     #[serde(default)]
     pub layout: Option<Layout>,
+    /// How it says which file belongs to which axis, if it does.
+    #[serde(default)]
+    pub index: Option<Index>,
+}
+
+/// How a file says which file belongs to which axis.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(tag = "form", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Index {
+    /// Sections of an INI: `[PREFIXn]`, n the number of the axis from 0, then `KEY = FILE`.
+    Sections {
+        /// What stands before the number.
+        prefix: String,
+        /// Of the line that names the file.
+        key: String,
+        /// What else the section must say for the file to be read as it is read here.
+        #[serde(default)]
+        with: BTreeMap<String, String>,
+    },
+    /// A line of words, then letters of axes; below it a file, or `-`, under each letter.
+    Columns {
+        /// The words before the letters.
+        header: String,
+    },
 }
 
 impl Manifest {

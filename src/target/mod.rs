@@ -31,6 +31,6 @@ pub use library::{NAMES, Target, is_plain_name};
 pub use limits::Limits;
 pub use lock::{Hashed, LOCK_NAME, Lock, sha256};
 pub use manifest::{Certainty, Controller, FileSpec, Layout, Level, Manifest};
-pub use read::{ReadBack, Recognised, recognise};
+pub use read::{Found, ReadBack, Recognised, recognise};
 pub use render::{LARGEST_FILE, RenderedFile, assigned_letters};
 pub use replay::{Compensated, Replay};

@@ -3,7 +3,7 @@
 
 use super::Target;
 use super::manifest::{Arithmetic, Controller, Lookup, OutsideTable};
-use crate::compensation::{Table, Tables, model_correction};
+use crate::compensation::{Spacing, Table, Tables, model_correction};
 use crate::evaluate::{Batch, Deviation, Field, Order, Output, Plan, PoseColumns, commanded_deviation};
 use crate::machine::{Approach, Machine};
 
@@ -15,6 +15,8 @@ pub struct Replay<'a> {
     controller: Controller,
     /// Which tables are looked up modulo 360 deg on continuous axes.
     modulo: Vec<bool>,
+    /// Which tables are a factor: a line has no end.
+    factors: Vec<bool>,
     /// What was in force when the machine was measured: its errors are those that were left then.
     installed: Option<Box<Replay<'a>>>,
 }
@@ -24,7 +26,9 @@ impl<'a> Replay<'a> {
     pub fn new(machine: &'a Machine, target: &Target, tables: &'a Tables) -> Self {
         let mechanisms = &target.manifest.mechanism;
         let modulo = tables.tables.iter().map(|t| mechanisms.rules(t).is_some_and(|rules| rules.modulo)).collect();
-        Self { machine, tables, controller: target.manifest.controller, modulo, installed: None }
+        let line = |t| mechanisms.rules(t).is_some_and(|rules| rules.spacing == Spacing::Line);
+        let factors = tables.tables.iter().map(line).collect();
+        Self { machine, tables, controller: target.manifest.controller, modulo, factors, installed: None }
     }
 
     /// The same on a machine whose errors were measured with other tables in force.
@@ -59,9 +63,12 @@ impl<'a> Replay<'a> {
     }
 
     fn add_tables(&self, at: &[f64], approach: Approach, added: &mut [f64], keep: impl Fn(&Table) -> bool) {
-        for (table, modulo) in self.tables.tables.iter().zip(&self.modulo).filter(|(table, _)| keep(table)) {
+        let looked_up = self.modulo.iter().zip(&self.factors);
+        for (table, (modulo, factor)) in self.tables.tables.iter().zip(looked_up).filter(|(table, _)| keep(table)) {
             if let ([axis], [corrected]) = (&table.axes[..], &table.corrected[..]) {
-                added[*corrected] += self.curve(table, self.turned(table, 0, *axis, at[*axis], *modulo), approach);
+                let position = self.turned(table, 0, *axis, at[*axis], *modulo);
+                let outside = if *factor { OutsideTable::Extrapolate } else { self.controller.outside };
+                added[*corrected] += self.curve(table, position, approach, outside);
                 continue;
             }
             for (node, weight) in self.corners(table, at, *modulo) {
@@ -72,8 +79,8 @@ impl<'a> Replay<'a> {
     }
 
     /// A table over one axis at a position.
-    fn curve(&self, table: &Table, position: f64, approach: Approach) -> f64 {
-        let column = |values: &[f64]| match (self.controller.arithmetic, self.controller.outside) {
+    fn curve(&self, table: &Table, position: f64, approach: Approach, outside: OutsideTable) -> f64 {
+        let column = |values: &[f64]| match (self.controller.arithmetic, outside) {
             (Arithmetic::Float32TrimAndSlope, _) => single_precision(&table.nodes[0], values, position),
             (Arithmetic::Float64, outside) => double_precision(&table.nodes[0], values, position, outside),
         };

@@ -32,6 +32,62 @@ pub fn head_table() {
     assert!(seen.axis < AXIS && seen.axis_bare > 5e-6);
 }
 
+/// The comparison can fail: a module with one sign turned, in its numbers and in its code, is noticed.
+pub fn spoiled() {
+    let bench = Bench::new("configs/trunnion.yaml", Some("A"));
+    let poses = &poses(&bench)[..6];
+    let lines = poses.iter().map(|pose| json!({"mdi": bench.line(pose), "record": true, "enable": true}));
+    let program = json!({ "lines": lines.collect::<Vec<Value>>() }).to_string();
+    type Spoil = (&'static str, fn(&str) -> String);
+    let spoils: [(&str, Spoil); 2] = [
+        (
+            "a location error",
+            ("abbekins_data.h", |text| {
+                let array = text.find("abbe_location[").unwrap();
+                let start = array + text[array..].find('{').unwrap();
+                let number = start + text[start..].find(|c: char| ('1'..='9').contains(&c)).unwrap();
+                let word = text[..number].rfind(' ').unwrap() + 1;
+                match text[word..].strip_prefix('-') {
+                    Some(rest) => format!("{}{rest}", &text[..word]),
+                    None => format!("{}-{}", &text[..word], &text[word..]),
+                }
+            }),
+        ),
+        (
+            "the curves between two points",
+            ("abbekins_model.h", |text| {
+                text.replacen("y = left * value[low] + right", "y = left * value[low] - right", 1)
+            }),
+        ),
+    ];
+    for (what, (file, spoil)) in spoils {
+        let folder = Folder::new("spoiled");
+        let out = folder.0.join("out");
+        let _ = abbe(&[
+            "--quiet",
+            "compile",
+            "configs/trunnion.yaml",
+            "--target",
+            "linuxcnc-kins",
+            "--out",
+            &out.display().to_string(),
+            "--poses",
+            "5",
+        ]);
+        let sound = std::fs::read_to_string(out.join(file)).unwrap();
+        let spoiled = spoil(&sound);
+        assert_ne!(spoiled, sound);
+        std::fs::write(out.join(file), spoiled).unwrap();
+        let path = folder.0.join("program.json");
+        std::fs::write(&path, &program).unwrap();
+        let result = script_json("kins.py", &[&out.display().to_string(), &path.display().to_string()]);
+        let commands = result["joints"].as_array().unwrap().iter().map(|row| bench.command(row));
+        let tip = poses.iter().zip(commands).map(|(pose, command)| bench.missed(pose, &command)[0]).fold(0.0, f64::max);
+        println!("  {what} turned: tip {:.1e} um off, {:.0} times what is allowed", tip * 1e3, tip / TIP);
+        assert!(tip > 4.0 * TIP, "{what}: {tip:e} mm");
+    }
+}
+
 /// The simulation as it is written; and switching off and on moves no joint in a step.
 pub fn launcher() {
     let bench = Bench::new("configs/trunnion.yaml", Some("A"));

@@ -23,7 +23,7 @@ use std::process::{Command, ExitCode, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The longest first.
-const CHECKS: [checks::Check; 12] = [
+const CHECKS: [checks::Check; 13] = [
     ("the harness notices spoiled tables", tables::harness),
     ("three-axis tables in the running controller", tables::three_axis),
     ("five-axis tables in the running controller", tables::five_axis),
@@ -36,6 +36,7 @@ const CHECKS: [checks::Check; 12] = [
     ("error model in the kinematics, lathe without Y", kins_topologies::lathe),
     ("error model in the kinematics, robot", kins_topologies::robot),
     ("the simulation of the kinematics, with the stock launcher", kins::launcher),
+    ("the harness notices a spoiled module", kins::spoiled),
 ];
 
 fn main() -> ExitCode {

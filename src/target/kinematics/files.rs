@@ -55,7 +55,7 @@ impl Target {
         diagnostics: &mut Diagnostics,
     ) -> Option<Carried> {
         let spec = self.manifest.files.iter().find(|spec| spec.layout.is_some())?;
-        let Some((name, text)) = files.iter().find(|(name, _)| *name == spec.path) else {
+        let Some(ReadBack { found: name, text, .. }) = files.iter().find(|file| file.name == spec.path) else {
             diagnostics.push(
                 Diagnostic::new("E0705", format!("the file `{}` is missing", spec.path))
                     .help("a set of compensation files is only whole with all of them"),
@@ -86,6 +86,18 @@ impl Target {
                 diagnostics.push(at_line(fault.line, &fault.message, name, text, source));
                 None
             }
+        }
+    }
+}
+
+impl Target {
+    /// Is a text the numbers of this module, whatever the machine?
+    pub(in crate::target) fn tells_kinematics(&self, text: &str) -> Result<(), Fault> {
+        let Some(mechanism) = self.manifest.kinematics() else { return Ok(()) };
+        match mechanism.carries {
+            Carries::FullModel => Arrays::read(text)?.take("abbe_options", 3).map(|_| ()),
+            Carries::LinearMap => set_constants::<9>(text, &mechanism.constants).map(|_| ()),
+            Carries::RotaryCentres => set_constants::<7>(text, &mechanism.constants).map(|_| ()),
         }
     }
 }

@@ -4,18 +4,19 @@
 //!
 //! A manifest says how a file is laid out: lines of known patterns ([`lines`]), columns, or one of the
 //! formats that have a reader of their own ([`named`], [`lattice`]). What is read becomes tables in
-//! [`assemble`]. Files without a known name are told apart by their content ([`recognise()`]).
+//! [`assemble`]. Files without a known name are told apart by their content ([`recognise()`]), their axes in [`place`].
 
 mod assemble;
 mod columns;
 mod lattice;
 mod lines;
 mod named;
+mod place;
 mod products;
 mod recognise;
 mod rolled;
 
-pub use recognise::{Recognised, recognise};
+pub use recognise::{Found, Recognised, recognise};
 
 use super::Target;
 use super::manifest::{FileSpec, Layout, Per};
@@ -25,8 +26,24 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 use crate::machine::Machine;
 use crate::units;
 
-/// A file found on disk: its plain name and its text.
-pub type ReadBack = (String, String);
+/// A file of a set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadBack {
+    /// Its name in the set, by which its place is known.
+    pub name: String,
+    /// The name under which it was found.
+    pub found: String,
+    /// Its text.
+    pub text: String,
+}
+
+impl ReadBack {
+    /// A file found under the name that it has in the set.
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        let name = name.into();
+        Self { found: name.clone(), name, text: text.into() }
+    }
+}
 
 /// What is known while a file is read.
 pub(super) struct Reading<'a> {
@@ -58,6 +75,11 @@ impl Target {
         with_layout.flat_map(|spec| self.names(machine, spec).into_iter().map(|(_, name)| name)).collect()
     }
 
+    /// Names of the files that say which table belongs to which axis.
+    pub fn index_files(&self) -> Vec<String> {
+        self.manifest.files.iter().filter(|spec| spec.index.is_some()).map(|spec| spec.path.clone()).collect()
+    }
+
     fn names(&self, machine: &Machine, spec: &FileSpec) -> Vec<(Option<usize>, String)> {
         match spec.per {
             Per::Machine => vec![(None, spec.path.clone())],
@@ -86,13 +108,16 @@ impl Target {
         diagnostics: &mut Diagnostics,
     ) -> Option<Tables> {
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
+        if let Some((at, fault)) = place::index_fault(self, &letters, files) {
+            fault.said_of(&files[at], diagnostics);
+        }
         let mut reading = Reading { target: self, machine, letters, axis: None };
         let mut all = Tables::default();
         let mut any = false;
         for spec in self.manifest.files.iter().filter(|spec| keep(spec)) {
             let Some(layout) = &spec.layout else { continue };
             for (axis, name) in self.names(machine, spec) {
-                let Some((_, text)) = files.iter().find(|(known, _)| *known == name) else {
+                let Some(file) = files.iter().find(|file| file.name == name) else {
                     // Which axes have tables is for a set to say, if it has files of some only.
                     if matches!(spec.per, Per::Axis | Per::Machine) && spec.of.is_none() {
                         diagnostics.push(missing(&name));
@@ -101,15 +126,12 @@ impl Target {
                 };
                 reading.axis = axis;
                 any = true;
-                match reading.file(layout, text) {
+                match reading.file(layout, &file.text) {
                     Ok(read) => {
                         all.tables.extend(read.tables);
                         all.errors.extend(read.errors);
                     }
-                    Err(fault) => {
-                        let source = diagnostics.sources.add(&*name, &**text);
-                        diagnostics.push(fault.diagnostic(&name, text, source));
-                    }
+                    Err(fault) => fault.said_of(file, diagnostics),
                 }
             }
         }
@@ -143,6 +165,22 @@ impl Reading<'_> {
     }
 }
 
+impl Reading<'_> {
+    /// Does a text without tables say by itself that it is of this layout?
+    fn speaks(&self, layout: &Layout, text: &str) -> Result<bool, Fault> {
+        match layout {
+            Layout::Lines { comment, lines } => {
+                let told = !lines::records(comment.as_deref(), lines, text)?.is_empty();
+                Ok(told || lines.iter().any(|line| line.required))
+            }
+            Layout::ErrorColumns => {
+                Ok(text.lines().any(|line| !line.trim_start().starts_with("//") && !line.trim().is_empty()))
+            }
+            _ => Ok(false),
+        }
+    }
+}
+
 /// A number of a compensation file, no larger than anything there is (a kilometre in nanometres).
 fn number(cell: &str) -> Result<f64, String> {
     const LARGEST: f64 = 1e12;
@@ -164,6 +202,11 @@ pub(super) struct Fault {
 impl Fault {
     fn new(line: usize, message: impl Into<String>) -> Self {
         Self { line, message: message.into() }
+    }
+
+    fn said_of(&self, file: &ReadBack, diagnostics: &mut Diagnostics) {
+        let source = diagnostics.sources.add(&*file.found, &*file.text);
+        diagnostics.push(self.diagnostic(&file.found, &file.text, source));
     }
 
     fn diagnostic(&self, name: &str, text: &str, source: crate::diagnostic::SourceId) -> Diagnostic {

@@ -9,9 +9,11 @@ use serde_json::Value;
 
 pub mod comp;
 pub mod config;
+pub mod controllers;
 pub mod lattice;
 pub mod left;
 pub mod sha256;
+pub mod stacking;
 
 /// The program, to be given arguments.
 pub fn abbe() -> Command {

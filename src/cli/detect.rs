@@ -1,0 +1,123 @@
+//! Which target's files a folder holds: the one that is named, or that the set's manifest names; else the one whose
+//! files are there by name; else the one that their content tells.
+
+use super::compile::{How, StoredArg};
+use super::files::{SET_LIMIT, read_at_most};
+use super::session::Session;
+use super::{Stop, file_set};
+use crate::diagnostic::Diagnostic;
+use crate::machine::Machine;
+use crate::target::{LOCK_NAME, Lock, NAMES, ReadBack, Recognised, Target, recognise};
+use std::path::Path;
+
+/// A set's files, in their places.
+pub(super) struct Set {
+    pub target: Target,
+    pub files: Vec<ReadBack>,
+}
+
+/// More files than any set has are not looked at, nor more bytes.
+const MOST_FILES: usize = 200;
+const MOST_BYTES: u64 = 4 * SET_LIMIT;
+
+/// The set in a folder.
+pub(super) fn set(
+    session: &mut Session,
+    machine: &Machine,
+    folder: &Path,
+    named: Option<&str>,
+    how: &How,
+) -> Result<Set, Stop> {
+    let lock = file_set::existing_lock(folder);
+    let stored = lock.as_ref().and_then(|lock| how.stored.or_else(|| StoredArg::of(&lock.options)));
+    let named = named.map(str::to_owned).or_else(|| lock.as_ref().map(|lock| lock.target.clone()));
+    let candidates = match named {
+        Some(name) => vec![how.target(session, &name, stored)?],
+        None => all_targets(session, how)?,
+    };
+    if let ([target], Some(lock)) = (&candidates[..], &lock) {
+        refuse_incomplete(session, folder, lock, &target.table_files(machine))?;
+    }
+    let there = |target: &&Target| target.table_files(machine).iter().any(|name| is_there(folder, name));
+    let by_name: Vec<&Target> = candidates.iter().filter(there).collect();
+    if let [target] = by_name[..] {
+        let mut wanted = target.table_files(machine);
+        wanted.extend(target.index_files());
+        wanted.retain(|name| is_there(folder, name));
+        let files = file_set::read(folder, &wanted, &mut session.diagnostics);
+        return Ok(Set { target: target.clone(), files });
+    }
+    // Several targets by their names: those are the ones to choose from.
+    let candidates = if by_name.is_empty() { candidates } else { by_name.into_iter().cloned().collect() };
+    by_content(session, machine, folder, candidates)
+}
+
+fn is_there(folder: &Path, name: &str) -> bool {
+    folder.join(name).symlink_metadata().is_ok()
+}
+
+/// Those of the binary, then those of the user's folder.
+fn all_targets(session: &mut Session, how: &How) -> Result<Vec<Target>, Stop> {
+    let mut names: Vec<String> = NAMES.iter().map(|name| (*name).to_owned()).collect();
+    names.extend(how.own_targets().into_iter().filter(|own| !NAMES.contains(&&**own)));
+    names.into_iter().map(|name| how.target(session, &name, None)).collect()
+}
+
+/// A table that the set's manifest lists is part of it, whether or not its target could do without.
+fn refuse_incomplete(session: &mut Session, folder: &Path, lock: &Lock, wanted: &[String]) -> Result<(), Stop> {
+    let listed = lock.files.iter().filter(|file| wanted.contains(&file.name));
+    let missing: Vec<&str> = listed.map(|file| &*file.name).filter(|name| !is_there(folder, name)).collect();
+    for name in &missing {
+        let message = format!("the file `{name}` is missing");
+        let help = format!("{LOCK_NAME} lists it: a set of compensation files is only whole with all of them");
+        session.diagnostics.push(Diagnostic::new("E0705", message).help(help));
+    }
+    session.checked()
+}
+
+/// Files of any name.
+fn by_content(session: &mut Session, machine: &Machine, folder: &Path, targets: Vec<Target>) -> Result<Set, Stop> {
+    let only = match &targets[..] {
+        [target] => Some((target.manifest.target.clone(), target.table_files(machine).join(", "))),
+        _ => None,
+    };
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let regular = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()));
+    let mut names: Vec<String> = regular.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.retain(|name| name != LOCK_NAME && !name.starts_with('.'));
+    names.sort();
+    let (mut texts, mut bytes) = (Vec::new(), 0);
+    for (number, name) in names.into_iter().enumerate() {
+        let size = folder.join(&name).metadata().map_or(0, |metadata| metadata.len());
+        if number >= MOST_FILES || bytes + size > MOST_BYTES {
+            session.diagnostics.push(left_alone(&name, "the files before it are more than any set has"));
+            break;
+        }
+        bytes += size;
+        let text = read_at_most(&folder.join(&name), SET_LIMIT).ok().and_then(|bytes| String::from_utf8(bytes).ok());
+        match text {
+            Some(text) => texts.push((name, text)),
+            None => session.diagnostics.push(left_alone(&name, "it is no text that can be read")),
+        }
+    }
+    match recognise(machine, targets, &texts, &mut session.diagnostics) {
+        Some(Recognised { target, files }) => Ok(Set { target, files }),
+        None => {
+            session.checked()?;
+            let Some((target, files)) = only else { return session.refuse(nothing_found(folder)) };
+            let message =
+                format!("there are no files of target `{target}` in `{}`, by name or by content", folder.display());
+            session.refuse(Diagnostic::new("E0705", message).help(format!("its tables are in {files}")))
+        }
+    }
+}
+
+fn left_alone(name: &str, why: &str) -> Diagnostic {
+    let message = format!("`{}` is left alone: {why}", crate::diagnostic::shown(name));
+    Diagnostic::new("W0711", message).help("what is certified is the set without this file")
+}
+
+pub(super) fn nothing_found(folder: &Path) -> Diagnostic {
+    Diagnostic::new("E0705", format!("there are no compensation files of a known target in `{}`", folder.display()))
+        .help("name the folder that `compile --out` was given, and the target with --target")
+}
