@@ -257,7 +257,8 @@ fn pmac_plane_by_hand() {
     let mut diagnostics = abbe::diagnostic::Diagnostics::default();
     let machine = crate::loaded::machine(&path);
     let target = abbe::target::Target::embedded("pmac").unwrap();
-    let tables = target.read(&machine, &[ReadBack::new("compensation.pmc", list)], &mut diagnostics).unwrap();
+    let tables =
+        target.read(&machine, &[abbe::target::ReadBack::new("compensation.pmc", list)], &mut diagnostics).unwrap();
     let replay = abbe::target::Replay::new(&machine, &target, &tables);
     let added = |x: f64, y: f64| replay.added(&[x, y, 0.0], abbe::machine::Approach::Forward)[0];
     // 160 sixteenths of a ten-thousandth of a millimetre are a micrometre.
