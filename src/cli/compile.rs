@@ -71,6 +71,19 @@ pub(super) struct How {
     /// What stored numbers mean, where the manual does not say it; by default what `abbe targets` says.
     #[arg(long, value_enum)]
     pub stored: Option<StoredArg>,
+    /// Leave out tables of one kind that the controller would have: product, plane, cross_axis, own_axis.
+    #[arg(long, value_name = "KIND")]
+    without: Vec<String>,
+    /// What own-axis tables are made for: the axis's own error at its origin, or the deviation of the functional point.
+    #[arg(long, value_enum)]
+    fit: Option<FitArg>,
+}
+
+/// What own-axis tables are made for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum FitArg {
+    Axis,
+    FunctionalPoint,
 }
 
 /// The meaning of stored numbers.
@@ -142,6 +155,11 @@ impl How {
         let mut words =
             vec![format!("correct {goal}"), format!("with {} axes", if scope.rotary { "all" } else { "linear" })];
         words.extend(self.stored.map(|stored| stored.word().to_owned()));
+        words.extend(self.without.iter().map(|kind| format!("without {kind}")));
+        words.extend(self.fit.map(|fit| match fit {
+            FitArg::Axis => "fit axis".to_owned(),
+            FitArg::FunctionalPoint => "fit functional-point".to_owned(),
+        }));
         words
     }
 
@@ -155,6 +173,19 @@ impl How {
         match stored.or(self.stored) {
             Some(StoredArg::Correction) => target.manifest.mechanism.store(Stored::Correction),
             Some(StoredArg::Error) => target.manifest.mechanism.store(Stored::Error),
+            None => {}
+        }
+        for kind in &self.without {
+            if !target.manifest.mechanism.leave_out(kind) {
+                return session.usage(&format!(
+                    "--without: the target `{name}` has no tables `{}`, or none besides",
+                    kind.escape_debug()
+                ));
+            }
+        }
+        match self.fit {
+            Some(FitArg::Axis) => target.manifest.mechanism.fit(Fit::Axis),
+            Some(FitArg::FunctionalPoint) => target.manifest.mechanism.fit(Fit::FunctionalPoint),
             None => {}
         }
         Ok(target)
@@ -247,6 +278,8 @@ pub(super) fn made(
         None => target.tables(machine, &request),
     });
     warn_left_out(session, machine, target, &tables);
+    let losses = installed.map(|old| target.resampling_losses(machine, &tables, old)).unwrap_or_default();
+    losses.into_iter().for_each(|warning| session.diagnostics.push(warning));
     limits.exceeded(machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
     target.violations(machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
     session.checked()?;

@@ -17,16 +17,27 @@ struct Open {
 /// takes. What is left is computed without a difference of positions, and so better than there by the rounding of those.
 /// `None` unless the plan is exact.
 pub fn correct_all(plan: &Plan, poses: &[Pose], scope: Scope) -> Option<Vec<Corrected>> {
+    let none = Correction::none(plan.machine());
+    correct_all_from(plan, poses, vec![none; poses.len()], scope)
+}
+
+/// The same when something is added to the commands already: one correction for each pose.
+pub(super) fn correct_all_from(
+    plan: &Plan,
+    poses: &[Pose],
+    starts: Vec<Correction>,
+    scope: Scope,
+) -> Option<Vec<Corrected>> {
     let machine = plan.machine();
     let axes = machine.axes().len();
     let at = PoseColumns::of(axes, poses.iter().map(Vec::as_slice));
     let mut left = Columns::new(poses.len());
-    let start = |pose: &Pose| Open {
+    let start = |(pose, correction): (&Pose, Correction)| Open {
         jacobian: Jacobian::at(machine, pose),
-        correction: Correction::none(machine),
+        correction,
         closed: false,
     };
-    let mut open: Vec<Open> = poses.iter().map(start).collect();
+    let mut open: Vec<Open> = poses.iter().zip(starts).map(start).collect();
     let evaluate = |open: &[Open], left: &mut Columns| {
         let added = PoseColumns::of(axes, open.iter().map(|pose| pose.correction.0.as_slice()));
         plan.commanded(&at.batch(), &added.batch(), left.output(poses.len()))

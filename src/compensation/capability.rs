@@ -1,7 +1,7 @@
 //! What a controller's compensation can hold: the `mechanism:` of a target's manifest.
 
-use super::Table;
-use crate::machine::{AxisKind, Direction};
+use super::{Table, Tables};
+use crate::machine::{AxisKind, Direction, Machine};
 use serde::Deserialize;
 
 /// The mechanisms of a target. What several of them could hold goes into one only: rotary axes into
@@ -18,6 +18,9 @@ pub struct Mechanisms {
     /// Tables that correct an axis as a function of two positions.
     #[serde(default)]
     pub plane: Option<TableRules>,
+    /// Tables that correct an axis by the product of a function of one position and one of another.
+    #[serde(default)]
+    pub product: Option<TableRules>,
     /// One lattice, correcting several axes.
     #[serde(default)]
     pub lattice: Option<TableRules>,
@@ -28,6 +31,9 @@ pub struct Mechanisms {
     /// direction of approach and is not the kinematics' to know.
     #[serde(default)]
     pub kinematics: Option<KinematicsMechanism>,
+    /// So many tables of all mechanisms together.
+    #[serde(default)]
+    pub tables: Option<usize>,
 }
 
 /// The kinematics are replaced.
@@ -159,6 +165,15 @@ pub struct TableRules {
     /// What they are made for.
     #[serde(default)]
     pub fit: Fit,
+    /// Own-axis tables: one for every axis, of zeros where there is nothing?
+    #[serde(default)]
+    pub every_axis: bool,
+    /// Are forward and reverse two of the controller's tables?
+    #[serde(default)]
+    pub apart: bool,
+    /// Is the lost motion at the reference position a number of its own that cannot be negative?
+    #[serde(default)]
+    pub positive_backlash: bool,
     /// Which part of the corrections they hold.
     #[serde(default)]
     pub holds: Holds,
@@ -180,6 +195,9 @@ pub struct TableRules {
     /// Planes: one step for both axes?
     #[serde(default)]
     pub square: bool,
+    /// Planes: as many points over the one axis as over the other?
+    #[serde(default)]
+    pub as_many: bool,
     /// Names of the axes that span the lattice; all axes, or those asked for, if there are none.
     #[serde(default)]
     pub inputs: Vec<String>,
@@ -296,6 +314,7 @@ impl Mechanisms {
             ("own_axis", &self.own_axis),
             ("cross_axis", &self.cross_axis),
             ("plane", &self.plane),
+            ("product", &self.product),
             ("lattice", &self.lattice),
             ("error_curves", &self.error_curves),
         ];
@@ -307,10 +326,27 @@ impl Mechanisms {
         if self.kinematics.is_some() {
             return;
         }
-        let all = [&mut self.own_axis, &mut self.cross_axis, &mut self.plane, &mut self.lattice];
+        let all = [&mut self.own_axis, &mut self.cross_axis, &mut self.plane, &mut self.product, &mut self.lattice];
         for rules in all.into_iter().flatten().filter(|rules| rules.stored != Stored::Command) {
             rules.stored = stored;
         }
+    }
+
+    /// Does without tables of one kind. False if there are none of this name, or nothing would be left.
+    pub fn leave_out(&mut self, name: &str) -> bool {
+        let slot = match name {
+            "own_axis" => &mut self.own_axis,
+            "cross_axis" => &mut self.cross_axis,
+            "plane" => &mut self.plane,
+            "product" => &mut self.product,
+            _ => return false,
+        };
+        slot.take().is_some() && (self.iter().next().is_some() || self.kinematics.is_some())
+    }
+
+    /// Makes own-axis tables for another purpose.
+    pub fn fit(&mut self, fit: Fit) {
+        self.own_axis.iter_mut().chain(&mut self.cross_axis).for_each(|rules| rules.fit = fit);
     }
 
     /// The rules under which a table stands.
@@ -318,9 +354,41 @@ impl Mechanisms {
         let narrow = match (table.axes.len(), table.corrected.len()) {
             (1, 1) if table.is_own_axis() => self.own_axis.as_ref().or(self.cross_axis.as_ref().filter(|c| c.own)),
             (1, 1) => self.cross_axis.as_ref(),
-            (2, 1) => self.plane.as_ref(),
+            (2, 1) => self.plane.as_ref().or(self.product.as_ref()),
             _ => None,
         };
         narrow.or(self.lattice.as_ref())
+    }
+
+    /// Is a table written as products?
+    pub fn is_product(&self, table: &Table) -> bool {
+        self.plane.is_none() && self.product.is_some() && (table.axes.len(), table.corrected.len()) == (2, 1)
+    }
+
+    /// How many of the controller's tables a table takes.
+    pub fn count(&self, table: &Table) -> usize {
+        table.count(self.rules(table).is_some_and(|rules| rules.apart))
+    }
+
+    /// Rounds every stored number. Where the controller multiplies tables these are the factors.
+    pub fn round(&self, machine: &Machine, tables: &mut Tables) {
+        self.round_sums(machine, tables);
+        for table in tables.tables.iter_mut().filter(|table| self.is_product(table)) {
+            let Some(rules) = &self.product else { continue };
+            let closed = [0, 1].map(|place| rules.modulo && machine.is_continuous(table.axes[place]));
+            table.factorise(rules.increment, machine.axes()[table.corrected[0]].kind, closed);
+        }
+    }
+
+    /// Rounds every stored number but those of products, whose factors are stored.
+    pub fn round_sums(&self, machine: &Machine, tables: &mut Tables) {
+        tables.quantise(machine, |table| {
+            self.rules(table).filter(|_| !self.is_product(table)).map(|rules| &rules.increment)
+        });
+        let Some(rules) = &self.error_curves else { return };
+        for curve in &mut tables.errors {
+            let direction = curve.error.direction;
+            curve.values.iter_mut().for_each(|value| *value = rules.increment.error(*value, direction));
+        }
     }
 }

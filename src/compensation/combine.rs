@@ -1,5 +1,6 @@
 //! Tables on top of tables: a machine measured with tables in force needs the old ones plus the new.
 
+use super::curves::straight;
 use super::{ErrorCurve, Table, Tables};
 
 /// What a table adds at a position of each of its axes, and whether approached in reverse.
@@ -23,6 +24,7 @@ impl Tables {
             let reverse = (table.reverse.is_some() || other.reverse.is_some()).then(|| sum(table, true));
             table.values = sum(table, false);
             table.reverse = reverse;
+            table.factors.extend(other.factors.clone());
         }
         for other in &others.errors {
             match self.errors.iter_mut().find(|curve| curve.error == other.error) {
@@ -37,4 +39,35 @@ impl Tables {
 
 fn add(curve: &mut ErrorCurve, other: &ErrorCurve) {
     curve.values.iter_mut().zip(&curve.positions).for_each(|(value, q)| *value += other.value(*q, false));
+}
+
+/// Positions and more of them, rising; none if that makes too many.
+fn united(positions: &[f64], more: &[f64], most: usize) -> Option<Vec<f64>> {
+    let mut all = [positions, more].concat();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    (all.len() > positions.len() && all.len() <= most).then_some(all)
+}
+
+impl Table {
+    /// Puts points into a table over one axis without changing what it adds, if it then has no more than `most`.
+    pub fn add_points(&mut self, more: &[f64], most: usize) {
+        let Some(nodes) = united(&self.nodes[0], more, most) else { return };
+        for values in std::iter::once(&mut self.values).chain(&mut self.reverse) {
+            *values = nodes.iter().map(|q| straight(&self.nodes[0], values, *q)).collect();
+        }
+        self.nodes = vec![nodes];
+    }
+}
+
+impl ErrorCurve {
+    /// The same for a curve; a constant has no points.
+    pub fn add_points(&mut self, more: &[f64], most: usize) {
+        if self.positions.is_empty() {
+            return;
+        }
+        let Some(positions) = united(&self.positions, more, most) else { return };
+        self.values = positions.iter().map(|q| straight(&self.positions, &self.values, *q)).collect();
+        self.positions = positions;
+    }
 }

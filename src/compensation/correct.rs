@@ -50,17 +50,7 @@ pub(super) const SMALL_STEP: f64 = 1e-11;
 /// the ideal machine at q: the chord form of Newton's iteration, whose contraction is the size of the
 /// errors. Least squares where the axes are too few; then, and near singular poses, something is left.
 pub fn correct(machine: &Machine, pose: &[f64], approach: Approach, scope: Scope) -> Corrected {
-    correct_from(machine, pose, Correction::none(machine), approach, scope)
-}
-
-/// The same when something is added to the command already.
-pub fn correct_from(
-    machine: &Machine,
-    pose: &[f64],
-    mut correction: Correction,
-    approach: Approach,
-    scope: Scope,
-) -> Corrected {
+    let mut correction = Correction::none(machine);
     let ideal = Ideal::at(machine, pose).pose;
     let jacobian = Jacobian::at(machine, pose);
     let mut left = command_deviation(machine, &ideal, &correction.applied(pose), approach);

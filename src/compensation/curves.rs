@@ -1,6 +1,6 @@
 //! Error curves for controllers that have the ISO 230-1 model, and what such a controller makes of them.
 
-use super::nodes::Curves;
+use super::nodes::{Columns, Curves};
 use super::{Correction, ErrorCurve, Jacobian, Scope, TableRules};
 use crate::evaluate::Deviation;
 use crate::lower::sensitivities_to;
@@ -33,7 +33,8 @@ fn axis_curves(machine: &Machine, axis: usize, rules: &TableRules) -> Vec<ErrorC
         return curves;
     }
     let counts = |direction: Direction| wanted.contains(&direction);
-    let positions = Curves { machine, axis, counts: &counts, sines: false }.positions(rules, &weighed);
+    let positions = Curves { machine, axis, counts: &counts, sines: false }
+        .positions(rules, &Columns { value: &weighed, stored: &|x| x });
     curves.extend(wanted.iter().map(|direction| {
         let values = positions.iter().map(|q| stored(*direction, at(*q)[direction.index()])).collect();
         ErrorCurve { error: id(false, *direction), positions: positions.clone(), values }
@@ -44,18 +45,22 @@ fn axis_curves(machine: &Machine, axis: usize, rules: &TableRules) -> Vec<ErrorC
 impl ErrorCurve {
     /// The error (mm or rad) at a position: straight lines, held at the ends; by whole turns on a
     /// continuous axis.
-    pub(super) fn value(&self, position: f64, continuous: bool) -> f64 {
-        let (Some(first), Some(last)) = (self.positions.first(), self.positions.last()) else {
-            return self.values.first().copied().unwrap_or(0.0);
-        };
+    pub fn value(&self, position: f64, continuous: bool) -> f64 {
+        let Some(first) = self.positions.first() else { return self.values.first().copied().unwrap_or(0.0) };
         let q = if continuous { first + (position - first).rem_euclid(360.0) } else { position };
-        let q = q.clamp(*first, *last);
-        let high = self.positions.partition_point(|p| *p <= q).min(self.positions.len() - 1);
-        let low = high.saturating_sub(1);
-        let way = self.positions[high] - self.positions[low];
-        let share = if way > 0.0 { (q - self.positions[low]) / way } else { 0.0 };
-        self.values[low] * (1.0 - share) + self.values[high] * share
+        straight(&self.positions, &self.values, q)
     }
+}
+
+/// Straight lines between rising positions, held at the ends.
+pub(super) fn straight(positions: &[f64], values: &[f64], position: f64) -> f64 {
+    let last = positions.len() - 1;
+    let q = position.clamp(positions[0], positions[last]);
+    let high = positions.partition_point(|p| *p <= q).min(last);
+    let low = high.saturating_sub(1);
+    let way = positions[high] - positions[low];
+    let share = if way > 0.0 { (q - positions[low]) / way } else { 0.0 };
+    values[low] * (1.0 - share) + values[high] * share
 }
 
 /// What a controller with the model adds to the linear axes: against the deviation of the functional

@@ -32,6 +32,7 @@ pub fn lattice(machine: &Machine, rules: &TableRules, request: &LatticeRequest) 
         corrected: (0..machine.axes().len()).filter(kept).collect(),
         values: Vec::new(),
         reverse: None,
+        factors: Vec::new(),
     };
     let plan = Plan::new(machine, Order::Exact, Approach::Mean);
     let blocks: Vec<usize> = (0..lattice.len()).step_by(BLOCK).collect();

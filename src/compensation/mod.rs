@@ -17,6 +17,7 @@ mod lattice;
 mod nodes;
 mod own_axis;
 mod plan;
+mod product;
 mod sum;
 mod tables;
 
@@ -24,10 +25,11 @@ pub use batch::correct_all;
 pub use capability::{
     Carries, Fit, Holds, Increment, KinematicsMechanism, Mechanisms, Reference, Scale, Spacing, Stored, TableRules,
 };
-pub use correct::{Corrected, Goal, Scope, correct, correct_from};
+pub use correct::{Corrected, Goal, Scope, correct};
 pub use curves::model_correction;
 pub use jacobian::{Correction, Jacobian};
 pub use lattice::{LatticeRequest, lattice, lattice_nodes};
 pub use own_axis::{own_axis_error, own_axis_table, resampled, reversal_tables};
 pub use plan::{lacking, single_error_tables, tables};
+pub use product::{Factors, TABLES_OF_A_PRODUCT};
 pub use tables::{ErrorCurve, Strongest, Table, Tables};

@@ -1,7 +1,7 @@
 //! Own-axis tables: each axis corrects its own positioning error.
 
 use super::jacobian::against;
-use super::nodes::{Curves, interval};
+use super::nodes::{Columns, Curves, interval};
 use super::{Holds, Table, TableRules, Tables};
 use crate::algebra::skew_vector;
 use crate::lower::{JointElements, Position, joint};
@@ -38,7 +38,11 @@ pub fn own_axis_table(machine: &Machine, axis: usize, rules: &TableRules, positi
     };
     let counts = own(machine, axis);
     let curves = Curves { machine, axis, counts: &counts, sines: false };
-    let positions = positions.unwrap_or_else(|| curves.positions(rules, &row));
+    let positions = positions.unwrap_or_else(|| {
+        let kind = machine.axes()[axis].kind;
+        let stored = |c: f64| rules.increment.correction(c, kind);
+        curves.positions(rules, &Columns { value: &row, stored: &stored })
+    });
     let rows: Vec<Vec<f64>> = positions.iter().map(|q| row(*q)).collect();
     let values = rows.iter().map(|row| row[0]).collect();
     let reverse = rules.bidirectional.then(|| rows.iter().map(|row| row[1]).collect());

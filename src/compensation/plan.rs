@@ -6,31 +6,33 @@
 //!    of the functional point goes to the linear axes: own and cross tables, then planes or a lattice
 //!    over fixed axes for what those leave ([`super::sum`]). What changes nothing is not written.
 
+use super::batch::correct_all_from;
 use super::curves::error_curves;
-use super::nodes::{Curves, interval};
+use super::nodes::{Columns, Curves, interval, rolling};
+use super::product::{self, Factors, TABLES_OF_A_PRODUCT};
 use super::sum::{Filler, Traits, Wanted};
 use super::{
     Correction, Fit, Jacobian, LatticeRequest, Mechanisms, Reference, Scope, Spacing, Table, TableRules, Tables,
-    correct_from, lattice, own_axis_table,
+    lattice, own_axis_table,
 };
-use crate::evaluate::error_by_error;
-use crate::machine::{Approach, AxisKind, Direction, ErrorId, ErrorTerm, Machine};
+use crate::evaluate::{Order, Plan, error_by_error};
+use crate::machine::{Approach, AxisKind, Direction, ErrorId, ErrorTerm, Machine, Pose};
 
 /// Fills what the mechanisms can hold and rounds it to their increments.
 pub fn tables(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) -> Tables {
     let mut tables = filled(machine, mechanisms, request);
     for table in &mut tables.tables {
-        if mechanisms.rules(table).is_some_and(|rules| rules.reference == Reference::Zero) {
-            vanish_at_reference(table);
+        if let Some(rules) = mechanisms.rules(table).filter(|rules| rules.reference == Reference::Zero) {
+            vanish_at_reference(table, rules.positive_backlash);
         }
     }
-    tables.quantise(machine, |table| mechanisms.rules(table).map(|rules| &rules.increment));
-    for table in &mut tables.tables {
-        if mechanisms.rules(table).is_some_and(|rules| rules.modulo)
-            && table.axes.len() == 1
-            && machine.is_continuous(table.axes[0])
-        {
-            close(table);
+    mechanisms.round(machine, &mut tables);
+    for table in tables.tables.iter_mut().filter(|table| !mechanisms.is_product(table)) {
+        let modulo = mechanisms.rules(table).is_some_and(|rules| rules.modulo);
+        for place in (0..table.axes.len().min(2)).filter(|_| modulo) {
+            if machine.is_continuous(table.axes[place]) {
+                close(table, place);
+            }
         }
     }
     tables.merged()
@@ -46,8 +48,9 @@ fn filled(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) 
     Planner { machine, mechanisms }.tables()
 }
 
-/// Zero at position 0, or at the end of the table nearest to it.
-fn vanish_at_reference(table: &mut Table) {
+/// Zero at position 0, or at the end of the table nearest to it. What reverse differs from forward stays, unless the
+/// controller has a number for it there that cannot be negative.
+fn vanish_at_reference(table: &mut Table, positive_backlash: bool) {
     let width = table.corrected.len();
     let nearest = |nodes: &Vec<f64>| {
         nodes.iter().enumerate().min_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map_or(0, |(i, _)| i)
@@ -57,13 +60,20 @@ fn vanish_at_reference(table: &mut Table) {
     for values in std::iter::once(&mut table.values).chain(&mut table.reverse) {
         values.iter_mut().enumerate().for_each(|(i, c)| *c -= at[i % width]);
     }
+    if let Some(reverse) = table.reverse.as_mut().filter(|_| positive_backlash) {
+        reverse[node] = reverse[node].min(0.0);
+    }
 }
 
-/// A table over a turn ends with the value with which it begins.
-fn close(table: &mut Table) {
+/// A table over a turn ends with the values with which it begins.
+fn close(table: &mut Table, place: usize) {
+    let stride: usize = table.nodes[place + 1..].iter().map(Vec::len).product();
+    let (count, width) = (table.nodes[place].len(), table.corrected.len());
+    let last = (0..table.len()).filter(|node| node / stride % count == count - 1);
+    let pairs: Vec<(usize, usize)> = last.map(|node| (node, node - stride * (count - 1))).collect();
     for values in std::iter::once(&mut table.values).chain(&mut table.reverse) {
-        if let [first, .., last] = &mut values[..] {
-            *last = *first;
+        for (last, first) in &pairs {
+            (0..width).for_each(|i| values[last * width + i] = values[first * width + i]);
         }
     }
 }
@@ -99,10 +109,10 @@ pub fn single_error_tables(machine: &Machine, mechanisms: &Mechanisms, tables: &
         })
         .collect()
     };
-    let mean = |pose: &[f64]| linear(pose, Approach::Mean).concat();
+    let mean = |poses: &[Pose]| poses.iter().map(|pose| linear(pose, Approach::Mean).concat()).collect();
     let two_sided: Vec<bool> =
         machine.axes().iter().map(|axis| machine.filtered(|id| id.axis == axis.name).is_bidirectional()).collect();
-    let half = |pose: &[f64], axis: usize| {
+    let half_at = |pose: &Pose, axis: usize| {
         let name = &machine.axes()[axis].name;
         if !two_sided[axis] {
             return vec![0.0; pose.len() * ids.len()];
@@ -115,11 +125,12 @@ pub fn single_error_tables(machine: &Machine, mechanisms: &Mechanisms, tables: &
         })
         .collect()
     };
+    let half = |poses: &[Pose], axis: usize| poses.iter().map(|pose| half_at(pose, axis)).collect();
     let mut sets = Filler::new(machine, Wanted { mean: &mean, half: &half }).fill(&sums, &planner.traits(&sums));
     sets.resize_with(ids.len(), Tables::default);
     for table in sets.iter_mut().flat_map(|set| &mut set.tables) {
-        if mechanisms.rules(table).is_some_and(|rules| rules.reference == Reference::Zero) {
-            vanish_at_reference(table);
+        if let Some(rules) = mechanisms.rules(table).filter(|rules| rules.reference == Reference::Zero) {
+            vanish_at_reference(table, rules.positive_backlash);
         }
     }
     sets.iter_mut().zip(alone).for_each(|(set, own)| set.tables.extend(own));
@@ -146,6 +157,14 @@ fn own_added(tables: &[Table], pose: &[f64], approach: Approach) -> Vec<f64> {
     added
 }
 
+/// Corrections of all axes at poses with the own-error tables in force: what they leave, by the linear axes.
+fn wanted(plan: &Plan, own: &[Table], poses: &[Pose]) -> Vec<Vec<f64>> {
+    let start = |pose: &Pose| Correction(own_added(own, pose, plan.approach()));
+    let all = correct_all_from(plan, poses, poses.iter().map(start).collect(), Scope::POSITION);
+    // The plan is exact: there is always an answer.
+    all.unwrap_or_default().into_iter().map(|corrected| corrected.correction.0).collect()
+}
+
 struct Planner<'a> {
     machine: &'a Machine,
     mechanisms: &'a Mechanisms,
@@ -156,29 +175,39 @@ impl Planner<'_> {
         let own = self.own_error_tables();
         let alone: Vec<Machine> =
             self.machine.axes().iter().map(|axis| self.machine.filtered(|id| id.axis == axis.name)).collect();
-        let mean = |pose: &[f64]| self.wanted(self.machine, &own, pose, Approach::Mean);
-        let half = |pose: &[f64], axis: usize| {
-            if !alone[axis].is_bidirectional() {
-                return vec![0.0; pose.len()];
-            }
-            let [f, r] = [Approach::Forward, Approach::Reverse].map(|way| self.wanted(&alone[axis], &[], pose, way));
-            f.iter().zip(&r).map(|(f, r)| 0.5 * (f - r)).collect()
+        let exact = |machine: &Machine, way| Plan::new(machine, Order::Exact, way);
+        let plan = exact(self.machine, Approach::Mean);
+        let mean = |poses: &[Pose]| wanted(&plan, &own, poses);
+        let ways = |machine: &Machine| {
+            machine.is_bidirectional().then(|| [Approach::Forward, Approach::Reverse].map(|way| exact(machine, way)))
+        };
+        let both: Vec<Option<[Plan; 2]>> = alone.iter().map(ways).collect();
+        let half = |poses: &[Pose], axis: usize| {
+            let Some([forward, reverse]) = &both[axis] else { return vec![vec![0.0; both.len()]; poses.len()] };
+            let (forward, reverse) = (wanted(forward, &[], poses), wanted(reverse, &[], poses));
+            let half = |(f, r): (Vec<f64>, Vec<f64>)| f.iter().zip(&r).map(|(f, r)| 0.5 * (f - r)).collect();
+            forward.into_iter().zip(reverse).map(half).collect()
         };
         let mut filler = Filler::new(self.machine, Wanted { mean: &mean, half: &half });
         let mut sets = |layout: &[Table]| filler.fill(layout, &self.traits(layout)).pop().unwrap_or_default().tables;
-        let curves = self.chosen(sets(&self.curve_layout()));
-        let mut layout = curves;
+        let mut layout = self.chosen(sets(&self.curve_layout()), &own);
         if let Some(rules) = &self.mechanisms.plane {
             let trial = sets(&[layout.clone(), self.plane_layout(rules, true)].concat());
             let planes: Vec<Table> = trial.into_iter().filter(|t| t.axes.len() == 2).collect();
-            let chosen = self.limited(planes, rules);
+            let chosen = self.limited(planes, rules, self.room(&[&own, &layout]));
             layout.extend(chosen.iter().map(|t| self.plane(&t.axes, t.corrected.clone(), rules, false)));
+        }
+        if let Some(rules) = &self.mechanisms.product {
+            let trial = [layout.clone(), self.plane_layout(rules, true)].concat();
+            let planes = sets(&trial).into_iter().filter(|t| t.axes.len() == 2).collect();
+            layout.extend(self.products(planes, rules, self.room(&[&own, &layout])));
         }
         if let Some(rules) = &self.mechanisms.lattice {
             layout.extend(self.fixed_lattice(rules));
         }
         let mut tables = sets(&layout);
         tables.extend(own.iter().cloned());
+        self.complete(&mut tables);
         Tables { tables, errors: Vec::new() }
     }
 
@@ -186,15 +215,18 @@ impl Planner<'_> {
         let of = |table: &Table| {
             let rules = self.mechanisms.rules(table);
             let straight = rules.is_some_and(|rules| rules.spacing == Spacing::Line);
-            Traits { straight, constant: !straight && rules.is_some_and(|rules| rules.reference == Reference::Any) }
+            // A trial of products has no factors yet: it holds all of the plane.
+            let products = self.mechanisms.is_product(table).then(|| match table.factors.len() {
+                0 => usize::MAX,
+                count => count,
+            });
+            Traits {
+                straight,
+                products,
+                constant: !straight && rules.is_some_and(|rules| rules.reference == Reference::Any),
+            }
         };
         layout.iter().map(of).collect()
-    }
-
-    /// Corrections of all axes with the own-error tables in force: what they leave, by the linear axes.
-    fn wanted(&self, machine: &Machine, own: &[Table], pose: &[f64], approach: Approach) -> Vec<f64> {
-        let start = Correction(own_added(own, pose, approach));
-        correct_from(machine, pose, start, approach, Scope::POSITION).correction.0
     }
 
     /// Rules of the own-axis tables: those of cross tables where an axis may correct itself.
@@ -221,6 +253,17 @@ impl Planner<'_> {
         let tables = axes.map(|axis| own_axis_table(self.machine, axis, rules, shared(axis)));
         // A controller with own-axis tables alone has one for every axis.
         tables.filter(|table| (alone && rules.fit == Fit::Axis) || self.counts(table)).collect()
+    }
+
+    /// Tables of zeros for axes without any where the controller wants one for each.
+    fn complete(&self, tables: &mut Vec<Table>) {
+        let Some(rules) = self.mechanisms.own_axis.as_ref().filter(|rules| rules.every_axis) else { return };
+        for axis in 0..self.machine.axes().len() {
+            if !tables.iter().any(|table| table.is_own_axis() && table.axes[0] == axis) {
+                let (min, max) = interval(self.machine, axis, rules);
+                tables.push(Table::curve(axis, vec![min, max], axis, vec![0.0; 2]));
+            }
+        }
     }
 
     /// Is anything stored but zeros?
@@ -264,31 +307,65 @@ impl Planner<'_> {
         let any = |_: Direction| true;
         let values = |q: f64| self.machine.component_values(axis, q, Approach::Mean).to_vec();
         let sines = self.machine.axes()[axis].kind == AxisKind::Rotary;
-        Curves { machine: self.machine, axis, counts: &any, sines }.positions(rules, &values)
+        Curves { machine: self.machine, axis, counts: &any, sines }
+            .positions(rules, &Columns { value: &values, stored: &|x| x })
     }
 
-    /// Those of the filled tables that do something, as many as the rules allow.
-    fn chosen(&self, tables: Vec<Table>) -> Vec<Table> {
+    /// How many of the controller's tables are left beside those that are taken.
+    fn room(&self, taken: &[&[Table]]) -> usize {
+        let count: usize =
+            taken.iter().flat_map(|tables| tables.iter()).map(|table| self.mechanisms.count(table)).sum();
+        self.mechanisms.tables.map_or(usize::MAX, |all| all.saturating_sub(count))
+    }
+
+    /// Those of the filled tables that do something, as many as the rules allow, beside tables that are there already.
+    fn chosen(&self, tables: Vec<Table>, there: &[Table]) -> Vec<Table> {
         let own = self.mechanisms.own_axis.is_some();
         let (own, cross): (Vec<_>, Vec<_>) = tables.into_iter().partition(|t| own && t.is_own_axis());
-        let mut all = self.mechanisms.own_axis.as_ref().map_or_else(Vec::new, |rules| self.limited(own, rules));
-        all.extend(self.mechanisms.cross_axis.as_ref().map_or_else(Vec::new, |rules| self.limited(cross, rules)));
+        let limit = |tables: Vec<Table>, rules: &Option<TableRules>, room: usize| {
+            rules.as_ref().map_or_else(Vec::new, |rules| self.limited(tables, rules, room))
+        };
+        let mut all = limit(own, &self.mechanisms.own_axis, self.room(&[there]));
+        let cross = limit(cross, &self.mechanisms.cross_axis, self.room(&[there, &all]));
+        all.extend(cross);
         all
     }
 
-    fn limited(&self, tables: Vec<Table>, rules: &TableRules) -> Vec<Table> {
+    fn limited(&self, tables: Vec<Table>, rules: &TableRules, mut room: usize) -> Vec<Table> {
         let mut ranked: Vec<(f64, Table)> =
             tables.into_iter().filter(|t| self.counts(t)).map(|t| (strength(&t), t)).collect();
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut taken: Vec<Table> = Vec::new();
         for (_, table) in ranked {
             let second = rules.one_per_output && taken.iter().any(|t| t.corrected == table.corrected);
-            if taken.len() < rules.max_tables && !second {
+            let count = self.mechanisms.count(&table);
+            if taken.len() < rules.max_tables && !second && count <= room {
+                room -= count;
                 taken.push(table);
             }
         }
         taken.sort_by(|a, b| (&a.corrected, &a.axes).cmp(&(&b.corrected, &b.axes)));
         taken
+    }
+
+    /// Tables for the strongest products of the given planes, as many as there is room for.
+    fn products(&self, planes: Vec<Table>, rules: &TableRules, room: usize) -> Vec<Table> {
+        // Below a tenth of a micrometre a product is not worth its tables.
+        const WORTH: f64 = 1e-4;
+        const MOST_PARTS: usize = 4;
+        let of = |(i, plane): (usize, &Table)| {
+            let parts = product::parts(&plane.values, plane.nodes[1].len(), MOST_PARTS, WORTH);
+            parts.into_iter().map(move |part| (product::strength(&part), i)).collect::<Vec<_>>()
+        };
+        let mut ranked: Vec<(f64, usize)> = planes.iter().enumerate().flat_map(of).collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        ranked.truncate((room / TABLES_OF_A_PRODUCT).min(rules.max_tables));
+        let table = |(i, plane): (usize, &Table)| {
+            let count = ranked.iter().filter(|(_, plane)| *plane == i).count();
+            let layout = (count > 0).then(|| self.plane(&plane.axes, plane.corrected.clone(), rules, false))?;
+            Some(Table { factors: vec![Factors::default(); count], ..layout })
+        };
+        planes.iter().enumerate().filter_map(table).collect()
     }
 
     /// A plane over every two axes for every linear axis.
@@ -312,23 +389,46 @@ impl Planner<'_> {
     }
 
     fn plane(&self, axes: &[usize], corrected: Vec<usize>, rules: &TableRules, coarse: bool) -> Table {
-        const COARSE: usize = 5;
-        let fine = if axes.len() > 2 { 11 } else { 21 };
+        // Products and tables that roll over do with 15 deg, and with 60 deg for a trial.
+        let product = self.mechanisms.product.as_ref() == Some(rules);
+        let turning = rules.as_many || product;
+        let (coarse_count, fine) = match (axes.len() > 2, turning) {
+            (true, _) => (5, 11),
+            (false, false) => (5, 21),
+            (false, true) => (7, 25),
+        };
         let most = libm::floor(libm::pow(rules.max_points as f64, 1.0 / axes.len() as f64) + 1e-9) as usize;
-        let most = most.min(if coarse { COARSE } else { fine });
+        let most = most.min(if coarse { coarse_count } else { fine });
         let few = TableRules { max_points: most.min(rules.max_points_per_axis), ..rules.clone() };
         let ranges: Vec<(f64, f64)> = axes.iter().map(|axis| interval(self.machine, *axis, rules)).collect();
         let step = ranges.iter().map(|(min, max)| (max - min) / (few.max_points - 1) as f64).fold(0.0, f64::max);
         let nodes = axes.iter().zip(ranges).map(|(axis, (min, max))| {
             let kind = self.machine.axes()[*axis].kind;
+            if rules.as_many {
+                let turns = self.machine.is_continuous(*axis);
+                return rules.increment.distinct(rolling((min, max), few.max_points - 1, turns, rules, kind), kind);
+            }
             let least = rules.increment.least_position(kind);
-            let step = if rules.square { step } else { (max - min) / (few.max_points - 1) as f64 };
+            let intervals = match (product && !coarse, kind) {
+                (true, AxisKind::Linear) => PRODUCT_INTERVALS,
+                (true, AxisKind::Rotary) => libm::ceil((max - min) / PRODUCT_ANGLE - 1e-9).max(2.0) as usize,
+                (false, _) => usize::MAX,
+            };
+            let intervals = intervals.min(few.max_points - 1) as f64;
+            let step = if rules.square { step } else { (max - min) / intervals };
             let step = least * libm::ceil(step / least - 1e-6);
             let count = (libm::ceil((max - min) / step - 1e-9).max(1.0) as usize + 1).min(few.max_points);
             let start = rules.increment.position(min, kind);
             rules.increment.distinct((0..count).map(|i| start + i as f64 * step), kind)
         });
-        Table { axes: axes.to_vec(), nodes: nodes.collect(), corrected, values: Vec::new(), reverse: None }
+        Table {
+            axes: axes.to_vec(),
+            nodes: nodes.collect(),
+            corrected,
+            values: Vec::new(),
+            reverse: None,
+            factors: Vec::new(),
+        }
     }
 
     /// A lattice over the axes that the rules name.
@@ -341,6 +441,12 @@ impl Planner<'_> {
         Some(self.plane(&axes?, corrected, rules, false)).filter(|table| !table.corrected.is_empty())
     }
 }
+
+/// Intervals of a factor over a linear axis: it is an angle or a lever arm, smoother than what tables over one axis hold.
+const PRODUCT_INTERVALS: usize = 12;
+
+/// Step of a factor over a rotary axis, deg: the straight line leaves a hundredth of a sine.
+const PRODUCT_ANGLE: f64 = 15.0;
 
 /// Mean square of a table's values about their mean.
 fn strength(table: &Table) -> f64 {

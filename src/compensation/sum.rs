@@ -8,19 +8,19 @@
 //! the mean square most. The volume is sampled by one list of poses for all nodes: differences
 //! between nodes do not depend on its choice where they do not depend on the other axes.
 
-use super::{Table, Tables};
+use super::{Table, Tables, product};
 use crate::evaluate::node_positions;
 use crate::machine::{Machine, Pose};
 use rayon::prelude::*;
 
-/// Corrections at a pose: those of all axes, for one channel after another (one for the whole machine,
-/// or one for every error).
+/// Corrections at poses: for each those of all axes, for one channel after another (one for the whole
+/// machine, or one for every error).
 #[derive(Clone, Copy)]
 pub(super) struct Wanted<'a> {
     /// The mean of forward and reverse.
-    pub mean: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
+    pub mean: &'a (dyn Fn(&[Pose]) -> Vec<Vec<f64>> + Sync),
     /// Half of forward less reverse, from the errors of one axis.
-    pub half: &'a (dyn Fn(&[f64], usize) -> Vec<f64> + Sync),
+    pub half: &'a (dyn Fn(&[Pose], usize) -> Vec<Vec<f64>> + Sync),
 }
 
 /// Poses over which means are taken.
@@ -47,19 +47,26 @@ struct Filled<'a> {
     layout: &'a [Table],
     /// Values of each table filled so far: by node, then channel.
     values: Vec<Vec<Vec<f64>>>,
-    axes: usize,
 }
 
 impl Filled<'_> {
-    fn subtract(&self, pose: &[f64], wanted: &mut [f64]) {
-        for (table, rows) in self.layout.iter().zip(&self.values) {
-            for (node, weight) in corners(table, pose) {
-                for (channel, value) in rows[node].iter().enumerate() {
-                    let (group, column) = (channel / table.corrected.len(), channel % table.corrected.len());
-                    wanted[group * self.axes + table.corrected[column]] -= weight * value;
+    /// The mean over poses around a node of what is filled for the axes that a table corrects: channel by channel.
+    fn mean(&self, table: &Table, around: &[Pose], channels: usize) -> Vec<f64> {
+        let width = table.corrected.len();
+        let mut sum = vec![0.0; channels * width];
+        for (other, rows) in self.layout.iter().zip(&self.values) {
+            let shared = other.corrected.iter().enumerate();
+            let shared =
+                shared.filter_map(|(column, axis)| Some((column, table.corrected.iter().position(|a| a == axis)?)));
+            for (column, place) in shared {
+                for (node, weight) in around.iter().flat_map(|pose| corners(other, pose)) {
+                    let own = rows[node].iter().skip(column).step_by(other.corrected.len());
+                    sum.iter_mut().skip(place).step_by(width).zip(own).for_each(|(s, value)| *s += weight * value);
                 }
             }
         }
+        sum.iter_mut().for_each(|s| *s /= around.len() as f64);
+        sum
     }
 }
 
@@ -86,10 +93,12 @@ pub(super) struct Traits {
     pub straight: bool,
     /// May it hold a constant? The first table of an axis that may holds the mean.
     pub constant: bool,
+    /// Over two axes: only as much as so many products can hold.
+    pub products: Option<usize>,
 }
 
-/// Rows of means by the axis and the nodes that they are over.
-type Known = Vec<((usize, Vec<f64>), Vec<Vec<f64>>)>;
+/// Rows of means by the axes and the nodes that they are over.
+type Known = Vec<((Vec<usize>, Vec<Vec<f64>>), Vec<Vec<f64>>)>;
 
 /// Fills tables; one look at the machine serves the tables of all corrected axes over the same nodes.
 pub(super) struct Filler<'a> {
@@ -107,14 +116,14 @@ const PLACES: usize = 33;
 impl<'a> Filler<'a> {
     pub fn new(machine: &'a Machine, wanted: Wanted<'a>) -> Self {
         let background = background(machine);
-        let mean = mean(background.iter().map(|pose| (wanted.mean)(pose)));
+        let mean = mean(&(wanted.mean)(&background));
         Self { machine, wanted, background, mean, means: Vec::new(), halves: Vec::new() }
     }
 
     /// Fills tables of a given layout (axes, nodes, corrected axes): one set for every channel.
     pub fn fill(&mut self, layout: &[Table], traits: &[Traits]) -> Vec<Tables> {
         let axes = self.machine.axes().len();
-        let mut filled = Filled { layout, values: Vec::new(), axes };
+        let mut filled = Filled { layout, values: Vec::new() };
         let mut halves: Vec<Option<Vec<Vec<f64>>>> = Vec::new();
         let mut with_constant: Vec<usize> = Vec::new();
         for (table, traits) in layout.iter().zip(traits) {
@@ -132,14 +141,23 @@ impl<'a> Filler<'a> {
                 }
                 if traits.straight { line(&places, table, &rows) } else { rows }
             } else {
-                let left = |pose: &[f64]| {
-                    let mut all = (self.wanted.mean)(pose);
-                    filled.subtract(pose, &mut all);
-                    pick(&all)
+                // Axes that span the table need no background, and few others a small one; products the one of the
+                // tables before, or what these differ in would be taken for one.
+                let count = match (table.axes.len() == axes, traits.products) {
+                    (true, _) => 1,
+                    (false, None) => BACKGROUND / 2,
+                    (false, Some(_)) => BACKGROUND,
                 };
-                // Axes that span the table need no background, and few others a small one.
-                let spanned = table.axes.len() == axes;
-                effect(table, &self.background[..if spanned { 1 } else { BACKGROUND / 2 }], &left)
+                let wanted = self.means(table, count);
+                let left = |(node, row): (usize, &Vec<f64>)| {
+                    let taken = filled.mean(table, &moved(table, node, &self.background[..count]), row.len() / axes);
+                    pick(row).iter().zip(taken).map(|(wanted, taken)| wanted - taken).collect()
+                };
+                let rows: Vec<Vec<f64>> = wanted.par_iter().enumerate().map(left).collect();
+                match traits.products.filter(|most| *most < usize::MAX) {
+                    Some(most) => by_products(table, &rows, most),
+                    None => rows,
+                }
             };
             halves.push(table.reverse.is_some().then(|| self.half(table).iter().map(|row| pick(row)).collect()));
             filled.values.push(rows);
@@ -152,28 +170,36 @@ impl<'a> Filler<'a> {
     }
 
     fn main(&mut self, axis: usize, nodes: &[f64]) -> Vec<Vec<f64>> {
-        known(&mut self.means, (axis, nodes), || over(axis, nodes, &self.background, self.wanted.mean))
+        self.means(&over(axis, nodes), BACKGROUND)
+    }
+
+    /// The mean of what is wanted over some of the background at each node of a table.
+    fn means(&mut self, table: &Table, count: usize) -> Vec<Vec<f64>> {
+        let background = &self.background[..count];
+        known(&mut self.means, table, || effect(table, background, self.wanted.mean))
     }
 
     fn half(&mut self, table: &Table) -> Vec<Vec<f64>> {
         let (axis, nodes) = (table.axes[0], &table.nodes[0]);
-        let half = |pose: &[f64]| (self.wanted.half)(pose, axis);
-        known(&mut self.halves, (axis, nodes), || over(axis, nodes, &self.background, &half))
+        let half = |poses: &[Pose]| (self.wanted.half)(poses, axis);
+        let line = over(axis, nodes);
+        known(&mut self.halves, &line, || effect(&line, &self.background, &half))
     }
 }
 
-fn known(all: &mut Known, (axis, nodes): (usize, &[f64]), fresh: impl FnOnce() -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    if let Some((_, rows)) = all.iter().find(|((a, n), _)| *a == axis && n == nodes) {
+fn known(all: &mut Known, table: &Table, fresh: impl FnOnce() -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let key = (&table.axes, &table.nodes);
+    if let Some((_, rows)) = all.iter().find(|((axes, nodes), _)| (axes, nodes) == key) {
         return rows.clone();
     }
     let rows = fresh();
-    all.push(((axis, nodes.to_vec()), rows.clone()));
+    all.push(((table.axes.clone(), table.nodes.clone()), rows.clone()));
     rows
 }
 
-/// The mean over the background at each node over one axis.
-fn over(axis: usize, nodes: &[f64], background: &[Pose], at: &(dyn Fn(&[f64]) -> Vec<f64> + Sync)) -> Vec<Vec<f64>> {
-    effect(&Table::curve(axis, nodes.to_vec(), axis, Vec::new()), background, at)
+/// A table over one axis, to be asked about its nodes.
+fn over(axis: usize, nodes: &[f64]) -> Table {
+    Table::curve(axis, nodes.to_vec(), axis, Vec::new())
 }
 
 /// The least-squares slope over the places, as values at the two nodes of a line through position 0.
@@ -188,29 +214,52 @@ fn line(places: &[f64], table: &Table, rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     table.nodes[0].iter().map(|q| (0..width).map(|column| q * slope(column)).collect()).collect()
 }
 
+/// A row of numbers at each of many poses.
+type Rows<'a> = dyn Fn(&[Pose]) -> Vec<Vec<f64>> + Sync + 'a;
+
+/// Poses that are solved at once, or a few more.
+const BLOCK: usize = 256;
+
 /// The mean over the background at each node of a table.
-fn effect(table: &Table, background: &[Pose], at: &(dyn Fn(&[f64]) -> Vec<f64> + Sync)) -> Vec<Vec<f64>> {
-    let node = |number: usize| {
-        let positions = table.node(number);
-        mean(background.iter().map(|pose| {
-            let mut pose = pose.clone();
-            table.axes.iter().zip(&positions).for_each(|(axis, q)| pose[*axis] = *q);
-            at(&pose)
-        }))
+fn effect(table: &Table, background: &[Pose], at: &Rows) -> Vec<Vec<f64>> {
+    let block = |numbers: &[usize]| {
+        let rows = at(&numbers.iter().flat_map(|number| moved(table, *number, background)).collect::<Vec<Pose>>());
+        rows.chunks(background.len()).map(mean).collect::<Vec<_>>()
     };
-    (0..table.len()).into_par_iter().map(node).collect()
+    let numbers: Vec<usize> = (0..table.len()).collect();
+    numbers.par_chunks(BLOCK.div_ceil(background.len())).flat_map_iter(block).collect()
 }
 
-fn mean(rows: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
+/// The background with the axes of a table at one of its nodes.
+fn moved(table: &Table, number: usize, background: &[Pose]) -> Vec<Pose> {
+    let positions = table.node(number);
+    let at_node = |pose: &Pose| {
+        let mut pose = pose.clone();
+        table.axes.iter().zip(&positions).for_each(|(axis, q)| pose[*axis] = *q);
+        pose
+    };
+    background.iter().map(at_node).collect()
+}
+
+fn mean(rows: &[Vec<f64>]) -> Vec<f64> {
     let mut sum: Vec<f64> = Vec::new();
-    let mut count = 0.0;
     for row in rows {
         sum.resize(row.len(), 0.0);
         sum.iter_mut().zip(row).for_each(|(s, x)| *s += x);
-        count += 1.0;
     }
-    sum.iter_mut().for_each(|s| *s /= f64::max(count, 1.0));
+    sum.iter_mut().for_each(|s| *s /= rows.len().max(1) as f64);
     sum
+}
+
+/// What so many products hold of a table over two axes, channel by channel.
+fn by_products(table: &Table, rows: &[Vec<f64>], most: usize) -> Vec<Vec<f64>> {
+    let columns = table.nodes[1].len();
+    let channel = |c: usize| {
+        let values: Vec<f64> = rows.iter().map(|row| row[c]).collect();
+        product::sum(&product::parts(&values, columns, most, 0.0), values.len())
+    };
+    let channels: Vec<Vec<f64>> = (0..rows.first().map_or(0, Vec::len)).map(channel).collect();
+    (0..rows.len()).map(|node| channels.iter().map(|values| values[node]).collect()).collect()
 }
 
 /// One set of tables for every channel.

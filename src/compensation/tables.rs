@@ -1,7 +1,7 @@
 //! Compensation tables: corrections in mm (linear axes) and deg (rotary axes), as programmed, and
 //! error curves for controllers that compute the correction themselves.
 
-use super::Increment;
+use super::{Factors, Increment};
 use crate::machine::{AxisKind, ErrorId, Machine};
 
 /// Corrections on a lattice of positions: of one axis a curve, of two a plane, of any number a lattice.
@@ -18,6 +18,9 @@ pub struct Table {
     /// The same approached with falling position; absent if the direction makes no difference. `values`
     /// then hold for rising position. Only tables over one axis have it.
     pub reverse: Option<Vec<f64>>,
+    /// The products as which the controller is given a table over two axes, if it multiplies tables: then the values
+    /// are twice their sum.
+    pub factors: Vec<Factors>,
 }
 
 /// An error as a function of its axis's position, for a controller with the ISO 230-1 model.
@@ -55,7 +58,14 @@ pub struct Tables {
 impl Table {
     /// A table over one axis that corrects another, or the same.
     pub fn curve(axis: usize, positions: Vec<f64>, corrected: usize, values: Vec<f64>) -> Self {
-        Self { axes: vec![axis], nodes: vec![positions], corrected: vec![corrected], values, reverse: None }
+        Self {
+            axes: vec![axis],
+            nodes: vec![positions],
+            corrected: vec![corrected],
+            values,
+            reverse: None,
+            factors: Vec::new(),
+        }
     }
 
     /// Number of nodes.
@@ -136,6 +146,7 @@ impl Tables {
                 known.reverse = Some(reverse);
             }
             add(&mut known.values, &table.values);
+            known.factors.extend(table.factors);
         }
         tables.iter_mut().for_each(|t| t.reverse = t.reverse.take().filter(|reverse| *reverse != t.values));
         tables.sort_by(|a, b| (&a.corrected, &a.axes).cmp(&(&b.corrected, &b.axes)));
@@ -148,8 +159,12 @@ impl Tables {
     pub fn same_effect(&self, other: &Self) -> bool {
         let zero = |t: &Table| t.values.iter().chain(t.reverse.iter().flatten()).all(|c| *c == 0.0);
         let some = |all: &Self| {
-            let kept = all.tables.iter().filter(|t| !zero(t)).cloned().collect();
-            Self { tables: kept, errors: all.errors.clone() }.merged()
+            let kept = all.tables.iter().filter(|t| !zero(t)).cloned();
+            Self {
+                tables: kept.map(|table| Table { factors: Vec::new(), ..table }).collect(),
+                errors: all.errors.clone(),
+            }
+            .merged()
         };
         some(self) == some(other)
     }

@@ -142,6 +142,7 @@ pub const CODES: &[CodeInfo] = &[
     code!("W0701", "a file has been edited"),
     code!("W0702", "tables of another machine file"),
     code!("W0703", "no manifest to compare with"),
+    code!("W0704", "points of installed tables are lost"),
     code!("E0801", "the machine has no such tool"),
     code!("E0802", "poses are not understood"),
     code!("E0803", "an error is not known at a pose"),

@@ -1,10 +1,10 @@
 //! What templates see of a set of tables: everything rounded and as text.
 
 use super::Target;
-use super::manifest::Layout;
+use super::manifest::{Layout, OutsideTable};
 use super::render::{fixed, push_fixed};
 use super::stored::{Column, Place, differences};
-use crate::compensation::{ErrorCurve, Spacing, Table, TableRules, Tables};
+use crate::compensation::{ErrorCurve, Spacing, TABLES_OF_A_PRODUCT, Table, TableRules, Tables};
 use crate::machine::{AxisKind, Branch, ErrorId, Location, Machine};
 use minijinja::{Value, context};
 use std::sync::Arc;
@@ -88,8 +88,9 @@ impl Words<'_> {
         let mut number = 0;
         let mut seen = Vec::new();
         for table in &self.tables.tables {
-            let ways = ways(table, number);
-            number += ways.len();
+            let apart = self.rules(table).is_some_and(|rules| rules.apart);
+            let ways = ways(table, number, apart);
+            number += table.count(apart);
             if keep(table)
                 && let Some(rules) = self.rules(table)
             {
@@ -104,6 +105,7 @@ impl Words<'_> {
         let kind = match (table.axes.len(), table.is_own_axis()) {
             (1, true) => "own",
             (1, false) => "cross",
+            _ if !table.factors.is_empty() => "product",
             (2, _) if table.corrected.len() == 1 => "plane",
             _ => "lattice",
         };
@@ -114,7 +116,8 @@ impl Words<'_> {
         let directed: Vec<Value> = ways
             .iter()
             .map(|way| {
-                context! { direction => way.direction, number => way.number, points => self.points(table, rules, way.direction) }
+                let points = self.points(table, rules, way.direction);
+                context! { direction => way.direction, number => way.number, points }
             })
             .collect();
         context! {
@@ -126,7 +129,8 @@ impl Words<'_> {
             cells => if table.axes.len() > 1 { self.cells(table, rules) } else { Value::UNDEFINED },
             rows => if table.axes.len() == 2 { self.matrix(table, rules) } else { Value::UNDEFINED },
             slope => self.slope(table, rules),
-            rolled => if rules.spacing == Spacing::Anchored { self.rolled(table, rules) } else { Value::UNDEFINED },
+            rolled => if self.rolls(rules) { self.rolled(table, rules) } else { Value::UNDEFINED },
+            factors => self.factors(table, rules, ways[0].number),
             ..first
         }
     }
@@ -163,13 +167,14 @@ impl Words<'_> {
             values.iter().enumerate().map(|(i, c)| column.stored(*c, own(i))).collect()
         };
         let (forward, reverse) = (stored(&table.values), stored(reverse));
-        let steps = if rules.incremental { [vec![0.0], differences(&forward)].concat() } else { Vec::new() };
+        let told = if direction < 0 { &reverse } else { &forward };
+        let steps = if rules.incremental { [vec![0.0], differences(told)].concat() } else { Vec::new() };
         let number = |x: f64| fixed(x, column.decimals());
         let point = |i: usize| {
             context! {
                 index => i,
                 position => fixed(place.stored(table.nodes[0][i]), place.decimals()),
-                value => number(if direction < 0 { reverse[i] } else { forward[i] }),
+                value => number(told[i]),
                 forward => number(forward[i]), reverse => number(reverse[i]),
                 reversal => number(reverse[i] - forward[i]),
                 step => steps.get(i).map(|x| number(*x)),
@@ -214,19 +219,77 @@ impl Words<'_> {
         (0..rows).map(|j| Value::from(row(j))).collect()
     }
 
-    /// Values from one step behind 0 on, those of negative positions after the last, that of 0 at the end: a
-    /// table over whole turns does without its last node.
+    /// The factors of products, with numbers from one on and the number (from 1) of the table by which each is multiplied,
+    /// 0 for none: f times g, then -f times -g. The sense of what is stored goes with the first.
+    fn factors(&self, table: &Table, rules: &TableRules, number: usize) -> Value {
+        let column = Column { rules, kind: self.kind(table.corrected[0]) };
+        let factor = |k: usize, place: usize, sign: f64| {
+            let number = number + TABLES_OF_A_PRODUCT * k + place + if sign < 0.0 { 2 } else { 0 };
+            let stored = |c: f64| sign * if place == 0 { column.stored(c, None) } else { column.weight(c) };
+            let point = |(index, c): (usize, &f64)| {
+                context! { index, value => fixed(stored(*c), column.decimals()) }
+            };
+            let points: Vec<Value> = table.factors[k][place].iter().enumerate().map(point).collect();
+            let times = if place == 0 { number + 2 } else { 0 };
+            let input = table.axes[place];
+            context! {
+                number, times, points,
+                input => self.letter(input), input_number => self.joint(input) + 1,
+                output => self.letter(table.corrected[0]), output_number => self.joint(table.corrected[0]) + 1,
+                ..self.input(table, rules, place)
+            }
+        };
+        let product = |k: usize| [(0, 1.0), (1, 1.0), (0, -1.0), (1, -1.0)].map(|(place, sign)| factor(k, place, sign));
+        (0..table.factors.len()).flat_map(product).collect()
+    }
+
+    fn rolls(&self, rules: &TableRules) -> bool {
+        rules.spacing == Spacing::Anchored || self.target.manifest.controller.outside == OutsideTable::RollOver
+    }
+
+    /// Values from position 0 on, those of negative positions after the last, and again that of 0; of a plane line
+    /// by line. The entries begin one step behind 0, so that the first value is left out. A table over whole turns
+    /// does without its last node.
     fn rolled(&self, table: &Table, rules: &TableRules) -> Value {
-        let (nodes, column) = (&table.nodes[0], Column { rules, kind: self.kind(table.corrected[0]) });
-        let place = Place { rules, kind: self.kind(table.axes[0]) };
-        let turns = self.machine.is_continuous(table.axes[0]);
-        let count = nodes.len() - usize::from(turns);
+        let column = Column { rules, kind: self.kind(table.corrected[0]) };
+        let number = |x: f64| fixed(x, column.decimals());
+        let around: Vec<Vec<usize>> = (0..table.axes.len()).map(|place| self.around(table, place)).collect();
+        let node = |indices: &[usize]| indices.iter().zip(&table.nodes).fold(0, |n, (i, nodes)| n * nodes.len() + i);
+        let order: Vec<usize> = match &around[..] {
+            [line] => line.clone(),
+            [line, rows, ..] => {
+                rows.iter().flat_map(|j| line.iter().map(|i| node(&[*i, *j])).collect::<Vec<_>>()).collect()
+            }
+            [] => Vec::new(),
+        };
+        let stored = |node: usize| column.stored(table.values[node], None);
+        let entries: Vec<String> = order.iter().skip(1).map(|node| number(stored(*node))).collect();
+        let lengths: Vec<String> = (0..table.axes.len())
+            .map(|place| {
+                let cell = Place { rules, kind: self.kind(table.axes[place]) };
+                let step = cell.stored(table.nodes[place][1] - table.nodes[place][0]);
+                fixed(step * (around[place].len() - 1) as f64, cell.decimals())
+            })
+            .collect();
+        // What is taken away approaching in reverse: a constant at 0, and what it differs elsewhere.
+        let lost = |node: usize| {
+            table.reverse.as_ref().map_or(0.0, |reverse| stored(node) - column.stored(reverse[node], None))
+        };
+        let constant = order.first().map_or(0.0, |node| lost(*node));
+        let lost_entries: Vec<String> = order.iter().skip(1).map(|node| number(lost(*node) - constant)).collect();
+        context! {
+            count => around[0].len() - 1, count_2 => around.get(1).map(|rows| rows.len() - 1),
+            length => lengths[0].clone(), length_2 => lengths.get(1),
+            entries, lost => number(constant), lost_entries,
+        }
+    }
+
+    /// Indices of the nodes over one axis in the order of a table that rolls over, from position 0 to it again.
+    fn around(&self, table: &Table, place: usize) -> Vec<usize> {
+        let nodes = &table.nodes[place];
+        let count = nodes.len() - usize::from(self.machine.is_continuous(table.axes[place]));
         let zero = nodes.iter().position(|q| *q >= 0.0).unwrap_or(0);
-        let order = (zero + 1..count).chain(0..=zero);
-        let entries: Vec<String> =
-            order.map(|i| fixed(column.stored(table.values[i], None), column.decimals())).collect();
-        let length = place.stored(nodes[1] - nodes[0]) * count as f64;
-        context! { count, entries, length => fixed(length, place.decimals()) }
+        (zero..count).chain(0..=zero).collect()
     }
 
     /// The value of a line through position 0 at its far node.
@@ -300,12 +363,12 @@ impl Words<'_> {
     }
 }
 
-/// One way for both directions, or one for each.
-fn ways(table: &Table, number: usize) -> Vec<Ways> {
+/// One way for both directions, or one for each: with a number of its own if they stand apart.
+fn ways(table: &Table, number: usize, apart: bool) -> Vec<Ways> {
     if table.reverse.is_none() {
         return vec![Ways { direction: 0, number }];
     }
-    vec![Ways { direction: 1, number }, Ways { direction: -1, number: number + 1 }]
+    vec![Ways { direction: 1, number }, Ways { direction: -1, number: number + usize::from(apart) }]
 }
 
 /// A location error without its first letter: `C0Y`.

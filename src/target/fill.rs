@@ -35,6 +35,10 @@ impl Target {
                 all.push(refusal(format!("{name}: {count} tables, the controller has {}", rules.max_tables)));
             }
         }
+        let count = tables.tables.iter().map(|table| self.manifest.mechanism.count(table)).sum::<usize>();
+        if let Some(most) = self.manifest.mechanism.tables.filter(|most| count > *most) {
+            all.push(refusal(format!("{count} tables in all, the controller has {most}")));
+        }
         all
     }
 }

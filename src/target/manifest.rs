@@ -305,6 +305,9 @@ impl Manifest {
     }
 
     fn table_fault(&self) -> Option<String> {
+        if self.mechanism.plane.is_some() && self.mechanism.product.is_some() {
+            return Some("mechanism: planes or products, not both".to_owned());
+        }
         let layouts = || self.files.iter().filter_map(|f| f.layout.as_ref());
         let columns = || {
             let rules = self.mechanism.own_axis.as_ref()?;

@@ -75,9 +75,6 @@ impl<'a> Replay<'a> {
     fn curve(&self, table: &Table, position: f64, approach: Approach) -> f64 {
         let column = |values: &[f64]| match (self.controller.arithmetic, self.controller.outside) {
             (Arithmetic::Float32TrimAndSlope, _) => single_precision(&table.nodes[0], values, position),
-            (_, OutsideTable::RollOver) if position > table.nodes[0][table.nodes[0].len() - 1] => {
-                closing(&table.nodes[0], values, position)
-            }
             (Arithmetic::Float64, outside) => double_precision(&table.nodes[0], values, position, outside),
         };
         let Some(reverse) = &table.reverse else { return column(&table.values) };
@@ -106,12 +103,12 @@ impl<'a> Replay<'a> {
         let mut corners = vec![(0, 1.0)];
         for (place, (axis, nodes)) in lattice.axes.iter().zip(&lattice.nodes).enumerate() {
             let position = self.turned(lattice, place, *axis, command[*axis], modulo);
-            let Some((low, share)) = cell(nodes, position, self.controller.outside) else { return Vec::new() };
+            let Some((low, high, share)) = cell(nodes, position, self.controller.outside) else { return Vec::new() };
             corners = corners
                 .iter()
                 .flat_map(|(node, weight)| {
-                    let base = node * nodes.len() + low;
-                    [(base, weight * (1.0 - share)), (base + 1, weight * share)]
+                    let base = node * nodes.len();
+                    [(base + low, weight * (1.0 - share)), (base + high, weight * share)]
                 })
                 .filter(|(_, weight)| *weight != 0.0)
                 .collect();
@@ -132,39 +129,37 @@ fn period(nodes: &[f64]) -> f64 {
     2.0 * nodes[last] - nodes[last - 1] - nodes[0]
 }
 
-/// Between the last point and the first one of the next round.
-fn closing(nodes: &[f64], values: &[f64], position: f64) -> f64 {
-    let last = nodes.len() - 1;
-    let share = (position - nodes[last]) / (nodes[0] + period(nodes) - nodes[last]);
-    values[last] * (1.0 - share) + values[0] * share
-}
-
-/// Lower node of the cell and the share of the upper one; none where nothing is added.
-fn cell(nodes: &[f64], position: f64, outside: OutsideTable) -> Option<(usize, f64)> {
+/// Nodes at both ends of the cell and the share of the upper one; none where nothing is added. Behind the last point of
+/// a table that rolls over comes the first one of the next round.
+fn cell(nodes: &[f64], position: f64, outside: OutsideTable) -> Option<(usize, usize, f64)> {
     let last = nodes.len() - 1;
     let beyond = position < nodes[0] || position > nodes[last];
     if last == 0 {
-        return (!(beyond && outside == OutsideTable::Nothing)).then_some((0, 0.0));
+        return (!(beyond && outside == OutsideTable::Nothing)).then_some((0, 0, 0.0));
     }
     match outside {
         OutsideTable::Nothing if beyond => return None,
         OutsideTable::Extrapolate => {}
-        _ if position <= nodes[0] => return Some((0, 0.0)),
-        _ if position >= nodes[last] => return Some((last, 0.0)),
+        OutsideTable::RollOver if position > nodes[last] => {
+            let way = nodes[0] + period(nodes) - nodes[last];
+            return Some((last, 0, (position - nodes[last]) / way));
+        }
+        _ if position <= nodes[0] => return Some((0, 0, 0.0)),
+        _ if position >= nodes[last] => return Some((last, last, 0.0)),
         _ => {}
     }
     let mut low = 0;
     while low + 2 <= last && nodes[low + 1] <= position {
         low += 1;
     }
-    Some((low, (position - nodes[low]) / (nodes[low + 1] - nodes[low])))
+    Some((low, low + 1, (position - nodes[low]) / (nodes[low + 1] - nodes[low])))
 }
 
 fn double_precision(positions: &[f64], values: &[f64], position: f64, outside: OutsideTable) -> f64 {
     match cell(positions, position, outside) {
         None => 0.0,
-        Some((low, 0.0)) => values[low],
-        Some((low, share)) => values[low] * (1.0 - share) + values[low + 1] * share,
+        Some((low, _, 0.0)) => values[low],
+        Some((low, high, share)) => values[low] * (1.0 - share) + values[high] * share,
     }
 }
 

@@ -37,6 +37,16 @@ impl Column<'_> {
         self.rules.increment.correction(correction, self.kind)
     }
 
+    /// The number stored for a factor without the sense of a correction.
+    pub fn weight(self, factor: f64) -> f64 {
+        factor * self.scale()
+    }
+
+    /// The factor that a number means which was read as a correction.
+    pub fn as_weight(self, correction: f64) -> f64 {
+        if self.rules.stored == Stored::Error { -correction } else { correction }
+    }
+
     /// Decimals of stored numbers.
     pub fn decimals(self) -> u8 {
         self.rules.increment.correction_decimals

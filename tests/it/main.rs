@@ -33,6 +33,7 @@ mod loaded;
 mod map;
 mod map_files;
 mod measurements;
+mod mechanisms;
 mod oracle;
 mod paper_2015;
 mod papers_way;

@@ -1,6 +1,7 @@
 //! From what the lines of a file say to tables, as the controller would build them.
 
 use super::lines::{Fields, Record};
+use super::products::{Numbered, multiplied};
 use super::{Fault, Reading, number};
 use crate::compensation::{ErrorCurve, Table, TableRules, Tables};
 use crate::machine::{AxisKind, Direction, parse_error_name};
@@ -11,49 +12,55 @@ pub(super) fn tables(reading: &Reading, records: &[Record]) -> Result<Tables, Fa
     let named = records.iter().any(|record| !record.name.is_empty());
     let common = records.iter().find(|record| named && record.name.is_empty());
     let mut all = Tables::default();
+    let mut read: Vec<Numbered> = Vec::new();
     for record in records.iter().filter(|record| !named || !record.name.is_empty()) {
         let assembly = Assembly { reading, record, common: common.map(|c| &c.fields) };
         if assembly.number("slope")? == Some(0.0) {
             // A line without a slope adds nothing, whether the machine has its axes or not.
         } else if reading.target.manifest.mechanism.error_curves.is_some() {
             all.errors.push(assembly.error()?);
+        } else if assembly.said("reversal").is_some() {
+            read.extend(assembly.reversal()?.map(|table| Numbered { table, times: 0, record }));
         } else {
-            all.tables.push(assembly.table()?);
+            let times = assembly.whole("times")?.unwrap_or(0);
+            read.push(Numbered { table: assembly.table()?, times, record });
         }
     }
+    all.tables = multiplied(reading, read)?;
     Ok(all)
 }
 
 /// Endings of the names of fields, dimension by dimension.
 const SUFFIXES: [&str; 3] = ["", "_2", "_3"];
 
-struct Assembly<'a> {
-    reading: &'a Reading<'a>,
-    record: &'a Record,
-    common: Option<&'a Fields>,
+/// A record that becomes a table.
+pub(super) struct Assembly<'a> {
+    pub reading: &'a Reading<'a>,
+    pub record: &'a Record,
+    pub common: Option<&'a Fields>,
 }
 
 impl Assembly<'_> {
-    fn said(&self, name: &str) -> Option<&(String, usize)> {
+    pub fn said(&self, name: &str) -> Option<&(String, usize)> {
         self.record.fields.get(name).or_else(|| self.common?.get(name))
     }
 
-    fn fault(&self, message: impl Into<String>) -> Fault {
+    pub fn fault(&self, message: impl Into<String>) -> Fault {
         Fault::new(self.record.line, message)
     }
 
     /// A number that is said once.
-    fn number(&self, name: &str) -> Result<Option<f64>, Fault> {
+    pub fn number(&self, name: &str) -> Result<Option<f64>, Fault> {
         let Some((text, line)) = self.said(name) else { return Ok(None) };
         number(text).map(Some).map_err(|message| Fault::new(*line, message))
     }
 
-    fn needed(&self, name: &str) -> Result<f64, Fault> {
+    pub fn needed(&self, name: &str) -> Result<f64, Fault> {
         self.number(name)?.ok_or_else(|| self.fault(format!("there is no `{name}` for this table")))
     }
 
     /// A whole number that is said once.
-    fn whole(&self, name: &str) -> Result<Option<usize>, Fault> {
+    pub fn whole(&self, name: &str) -> Result<Option<usize>, Fault> {
         let Some(value) = self.number(name)? else { return Ok(None) };
         let (_, line) = self.said(name).map_or((String::new(), 0), Clone::clone);
         if (0.0..1e7).contains(&value) && libm::trunc(value) == value {
@@ -85,7 +92,7 @@ impl Assembly<'_> {
     }
 
     /// The axis to which the file belongs, by what it says or by its name.
-    fn own(&self) -> Result<Option<usize>, Fault> {
+    pub fn own(&self) -> Result<Option<usize>, Fault> {
         let said = self.said("axis_number").map(|(word, line)| (self.reading.by_number(word), word, *line));
         match (said, self.reading.axis) {
             (Some((Some(said), word, line)), Some(named)) if said != named => {
@@ -98,7 +105,8 @@ impl Assembly<'_> {
 
     fn table(&self) -> Result<Table, Fault> {
         let (axes, corrected) = (self.axes("input")?, self.axes("output")?);
-        let mut table = Table { axes, nodes: Vec::new(), corrected, values: Vec::new(), reverse: None };
+        let mut table =
+            Table { axes, nodes: Vec::new(), corrected, values: Vec::new(), reverse: None, factors: Vec::new() };
         let rules = self.reading.target.manifest.mechanism.rules(&table);
         let rules = rules.ok_or_else(|| self.fault("the controller has no table of this kind"))?;
         if let Some((_, line)) = self.said("slope") {
@@ -134,7 +142,7 @@ impl Assembly<'_> {
         Ok(table)
     }
 
-    fn kind(&self, axis: usize) -> AxisKind {
+    pub fn kind(&self, axis: usize) -> AxisKind {
         self.reading.machine.axes()[axis].kind
     }
 
@@ -186,7 +194,7 @@ impl Assembly<'_> {
     }
 
     /// Rising nodes, no more than the controller takes.
-    fn check(&self, table: &Table, rules: &TableRules) -> Result<(), Fault> {
+    pub fn check(&self, table: &Table, rules: &TableRules) -> Result<(), Fault> {
         if table.nodes.iter().any(|nodes| nodes.is_empty()) {
             return Err(self.fault("the table is empty"));
         }
@@ -310,84 +318,6 @@ impl Assembly<'_> {
             "1" => Ok(()),
             _ => Err(Fault::new(*line, "a table repeats itself (1) or does not (0)")),
         }
-    }
-
-    /// Differences between neighbours, numbered through: zero at the reference number.
-    fn incremental(&self, mut table: Table, rules: &TableRules) -> Result<Table, Fault> {
-        let (kind, axis) = (self.kind(table.corrected[0]), table.axes[0]);
-        let whole = |name: &str| self.whole(name)?.ok_or_else(|| self.fault(format!("there is no `{name}`")));
-        let (reference, first, last) = (whole("reference")?, whole("first")?, whole("last_number")?);
-        let (step, times) = (self.needed("step")?, self.number("magnification")?.unwrap_or(1.0));
-        if first > last || last - first + 2 > rules.max_points || first == 0 {
-            return Err(self.fault(format!("the points {first} to {last} are none that the controller has")));
-        }
-        let mut sum = 0.0;
-        let mut sums = vec![0.0];
-        for n in first..=last {
-            let missing = || self.fault(format!("point {n} is missing: the controller would keep what it had there"));
-            let (text, line) =
-                self.record.points.get(&[n, 0, 0]).and_then(|fields| fields.get("increment")).ok_or_else(missing)?;
-            let stored = number(text).map_err(|message| Fault::new(*line, message))?;
-            if libm::trunc(stored) != stored || rules.largest.is_some_and(|most| stored.abs() > most) {
-                return Err(Fault::new(*line, format!("`{stored}` is no increment that the controller stores")));
-            }
-            sum += stored * times;
-            sums.push(sum);
-        }
-        if let Some((index, _)) = self.record.points.iter().find(|(index, _)| !(first..=last).contains(&index[0])) {
-            return Err(self.fault(format!("point {} is outside {first} to {last}", index[0])));
-        }
-        let zero = (first - 1..=last).position(|n| n == reference);
-        let zero = zero.ok_or_else(|| self.fault("the reference point is none of the points"))?;
-        if self.reading.machine.is_continuous(axis) && sums.first() != sums.last() {
-            return Err(
-                self.fault("the increments of a turn do not sum to zero: the axis would drift away with every turn")
-            );
-        }
-        let (place, column) = (Place { rules, kind: self.kind(axis) }, Column { rules, kind });
-        let position = |n: usize| place.position((n as f64 - reference as f64) * step);
-        table.nodes = vec![(first - 1..=last).map(position).collect()];
-        table.values = sums.iter().map(|s| column.correction(s - sums[zero], None)).collect();
-        Ok(table)
-    }
-
-    /// Entries from one step behind 0 on; what lies beyond the travel stands for negative positions.
-    fn rolled(&self, mut table: Table, rules: &TableRules) -> Result<Table, Fault> {
-        let axis = table.axes[0];
-        let (place, column) =
-            (Place { rules, kind: self.kind(axis) }, Column { rules, kind: self.kind(table.corrected[0]) });
-        let entries: Vec<(f64, usize)> =
-            self.record.rows.iter().flat_map(|(row, line)| row.iter().map(|e| (*e, *line))).collect();
-        let count = self.whole("count")?.unwrap_or(entries.len());
-        if entries.len() != count || count < 2 || count > rules.max_points {
-            return Err(self.fault(format!("{} entries, and the file says {count}", entries.len())));
-        }
-        if entries.last().is_some_and(|(e, _)| *e != 0.0) {
-            return Err(self.fault("the last entry is not 0, the value at position 0: the controller would jump there"));
-        }
-        let length = self.needed("length")?;
-        let step = length / count as f64;
-        let continuous = self.reading.machine.is_continuous(axis);
-        let (_, max) = self.reading.machine.axes()[axis].travel.interval();
-        let mut points: Vec<(f64, f64)> = Vec::new();
-        for (i, (entry, line)) in entries.iter().enumerate() {
-            if libm::trunc(*entry) != *entry {
-                return Err(Fault::new(*line, format!("`{entry}` is no whole number")));
-            }
-            let stored = (i + 1) as f64 * step;
-            let beyond = !continuous && place.position(stored) > max.max(0.0) + 0.999 * place.position(step);
-            let position = place.position(if beyond || i + 1 == count { stored - length } else { stored });
-            points.push((position, column.correction(*entry, None)));
-        }
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if continuous {
-            points.push((place.position(length), points[0].1));
-        }
-        let (nodes, values) = points.into_iter().unzip();
-        table.nodes = vec![nodes];
-        table.values = values;
-        self.check(&table, rules)?;
-        Ok(table)
     }
 
     /// A curve or constant of an error by its ISO name.

@@ -34,7 +34,7 @@ pub(super) fn csv(machine: &Machine, text: &str) -> Result<Table, Fault> {
     if rows == 0 {
         return Err(Fault { line: 0, message: "there are no rows under the header".to_owned() });
     }
-    let lattice = Table { axes, nodes: positions, corrected, values, reverse: None };
+    let lattice = Table { axes, nodes: positions, corrected, values, reverse: None, factors: Vec::new() };
     if rows == lattice.len() {
         Ok(lattice)
     } else {

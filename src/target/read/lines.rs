@@ -3,7 +3,8 @@
 //!
 //! A blank in a pattern stands for any blanks, at its ends for none too; letters are as written.
 //! `<row>` takes the rest of the line as numbers, `<any>` and what is said of it is left alone. Fields
-//! `table` and `error` begin a record, or go on with the one of that name; lines without go to the last.
+//! `table`, `error` and `reversal` begin a record, or go on with the one of that name; lines without go to the one
+//! spoken of last.
 
 use super::{Fault, number};
 use crate::target::manifest::LineSpec;
@@ -42,6 +43,7 @@ pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> 
     let patterns: Vec<(Vec<Piece>, &LineSpec)> = specs.iter().map(|spec| (pieces(&spec.line), spec)).collect();
     let mut met = vec![false; specs.len()];
     let mut records: Vec<Record> = Vec::new();
+    let mut current = 0;
     for (number, line) in text.lines().enumerate() {
         let bare = comment.map_or(line, |mark| line.split(mark).next().unwrap_or_default()).trim();
         if bare.is_empty() && comment.is_some() {
@@ -55,7 +57,7 @@ pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> 
         };
         met[which] = true;
         let set = specs[which].set.iter().map(|(name, value)| (name.clone(), value.clone()));
-        take(&mut records, set.chain(fields), number)?;
+        take(&mut records, &mut current, set.chain(fields), number)?;
     }
     if let Some((spec, _)) = specs.iter().zip(&met).find(|(spec, met)| spec.required && !**met) {
         let end = text.lines().count().saturating_sub(1);
@@ -64,21 +66,28 @@ pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> 
     Ok(records)
 }
 
-/// Puts what a line says where it belongs.
-fn take(records: &mut Vec<Record>, said: impl Iterator<Item = (String, String)>, line: usize) -> Result<(), Fault> {
+/// Puts what a line says where it belongs: to the record that it names, else to the one that was spoken of last.
+fn take(
+    records: &mut Vec<Record>,
+    current: &mut usize,
+    said: impl Iterator<Item = (String, String)>,
+    line: usize,
+) -> Result<(), Fault> {
     let mut said: BTreeMap<String, String> = said.filter(|(name, _)| name != "any").collect();
     if said.is_empty() {
         return Ok(());
     }
-    let name = ["table", "error"].into_iter().find_map(|key| said.remove(key));
+    let reversal = said.get("reversal").map(|axis| format!("reversal of {axis}"));
+    let name = ["table", "error"].into_iter().find_map(|key| said.remove(key)).or(reversal);
     let known = match &name {
         Some(name) => records.iter().position(|record| record.name == *name),
-        None => records.len().checked_sub(1),
+        None => (*current < records.len()).then_some(*current),
     };
     let at = known.unwrap_or(records.len());
     if known.is_none() {
         records.push(Record { name: name.unwrap_or_default(), line, ..Record::default() });
     }
+    *current = at;
     let record = &mut records[at];
     if let Some(row) = said.remove("row") {
         let cells = row.split([',', ' ', '\t']).filter(|cell| !cell.is_empty());

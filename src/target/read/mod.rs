@@ -11,7 +11,9 @@ mod columns;
 mod lattice;
 mod lines;
 mod named;
+mod products;
 mod recognise;
+mod rolled;
 
 pub use recognise::{Recognised, recognise};
 
@@ -111,7 +113,12 @@ impl Target {
                 }
             }
         }
-        (!diagnostics.refused() && any).then(|| all.merged())
+        (!diagnostics.refused() && any).then(|| {
+            let mut all = all.merged();
+            // A sum of rounded numbers is one of them again.
+            self.manifest.mechanism.round_sums(machine, &mut all);
+            all
+        })
     }
 }
 
