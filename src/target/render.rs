@@ -80,8 +80,7 @@ impl Target {
         let writer = Writer { words, environment: environment() };
         let files = || {
             let tables = writer.files(FileSpec::is_of_tables)?;
-            let names = tables.iter().map(|file| (file.name.clone(), Value::from(&*file.name)));
-            let beside: Value = names.collect();
+            let beside: Vec<String> = tables.iter().map(|file| file.name.clone()).collect();
             let file = |(spec, template): (&FileSpec, &String)| {
                 let context = context! {
                     machine => machine.name(), version => env!("CARGO_PKG_VERSION"), beside => beside.clone(), ..own.clone()

@@ -356,7 +356,7 @@ fn what_resampling_loses_is_said() {
         "left.yaml",
         &std::fs::read_to_string(&first)
             .unwrap()
-            .replace(peak, "EXX: { points: [[-200 mm, 1 um], [120 mm, 0 um], [200 mm, 2 um]] }"),
+            .replace(peak, "EXX: { points: [[-200 mm, 1 um], [0 mm, 0 um], [200 mm, 2 um]] }"),
     );
     for (target, loses) in [("linuxcnc", false), ("isg-volcomp", false), ("sinumerik-enc", true)] {
         let old = folder.path(&format!("{target}-old"));
