@@ -286,8 +286,10 @@ impl<'a> Bench<'a> {
             let world = self.ask(pose, 1.0).world;
             for answer in [on, off, half] {
                 if answer.back[0].is_nan() {
-                    // Bounded corrections may change faster than the axes that they correct.
-                    assert!(missed[0].is_none() && self.words != TIP, "{pose:?}");
+                    // Next to a singular pose corrections may change faster than the axes that they correct; a part
+                    // of them is found back by a plainer iteration than all of them.
+                    let part = std::ptr::eq(answer, half);
+                    assert!((part || missed[0].is_none()) && self.words != TIP, "{pose:?}");
                     continue;
                 }
                 let gap = |i: usize| (answer.back[i] - world[i]).abs();
