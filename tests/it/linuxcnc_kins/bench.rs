@@ -267,13 +267,16 @@ impl<'a> Bench<'a> {
     pub fn promises(&self, module: &Module, poses: &[Pose]) -> ([f64; 3], usize) {
         let asked = |share: f64| poses.iter().map(move |pose| self.ask(pose, share));
         let all = module.answers(&asked(1.0).chain(asked(0.0)).chain(asked(0.5)).collect::<Vec<_>>());
-        let (mut worst, mut held, mut failures) = ([0.0_f64; 3], 0, 0);
+        let (mut worst, mut held, mut failures, mut refused) = ([0.0_f64; 3], 0, 0, 0);
         for (k, pose) in poses.iter().enumerate() {
             let [on, off, half] = [0, 1, 2].map(|part| &all[part * poses.len() + k]);
             let failed = on.failures > failures;
             failures = on.failures;
             if failed {
-                assert!(self.words == POSE && self.whole(&self.motions(pose)) < 2.0 * DAMPED, "{pose:?}");
+                // Near a singular pose the iteration may not settle; then the controller stops with a message.
+                refused += 1;
+                let weak = self.words == POSE && self.whole(&self.motions(pose)) < 2.0 * DAMPED;
+                assert!(weak || self.words == AXES, "{pose:?}");
                 continue;
             }
             let command = self.command(on);
@@ -286,8 +289,10 @@ impl<'a> Bench<'a> {
             let world = self.ask(pose, 1.0).world;
             for answer in [on, off, half] {
                 if answer.back[0].is_nan() {
-                    // Bounded corrections may change faster than the axes that they correct.
-                    assert!(missed[0].is_none() && self.words != TIP, "{pose:?}");
+                    // Next to a singular pose corrections may change faster than the axes that they correct; a part
+                    // of them is found back by a plainer iteration than all of them.
+                    let part = std::ptr::eq(answer, half);
+                    assert!((part || missed[0].is_none()) && self.words != TIP, "{pose:?}");
                     continue;
                 }
                 let gap = |i: usize| (answer.back[i] - world[i]).abs();
@@ -299,6 +304,7 @@ impl<'a> Bench<'a> {
                 assert!((middle[axis] - 0.5 * (pose[axis] + command[axis])).abs() < self.rounded());
             }
         }
+        assert!(self.words == POSE || refused * 10 <= poses.len(), "{refused} of {}", poses.len());
         (worst, held)
     }
 }
