@@ -88,7 +88,8 @@ impl ToolPoses {
         let at_rest = rest(machine);
         let found: Vec<Result<Pose, Unreachable>> =
             self.rows.par_iter().map(|row| pose_at(machine, row, &at_rest)).collect();
-        let missed = found.iter().enumerate().filter_map(|(i, pose)| Some((i, *pose.as_ref().err()?))).collect();
+        let missed: Vec<_> =
+            found.iter().enumerate().filter_map(|(i, pose)| Some((i, *pose.as_ref().err()?))).collect();
         self.say(session, machine, &missed)?;
         let poses: Vec<Pose> = found.into_iter().filter_map(Result::ok).collect();
         check(session, machine, &poses)?;
@@ -102,7 +103,7 @@ impl ToolPoses {
     }
 
     /// Names the rows that a machine does not reach; all of them are refused.
-    pub(super) fn say(&self, session: &mut Session, machine: &Machine, missed: &Vec<(usize, Unreachable)>) -> Outcome {
+    pub(super) fn say(&self, session: &mut Session, machine: &Machine, missed: &[(usize, Unreachable)]) -> Outcome {
         let name = shown(machine.name());
         if !self.rows.is_empty() && missed.len() == self.rows.len() {
             let reasons = reasons(missed.iter().map(|(_, why)| why));

@@ -216,7 +216,7 @@ impl Planner<'_> {
             let rules = self.mechanisms.rules(table);
             let straight = rules.is_some_and(|rules| rules.spacing == Spacing::Line);
             // A trial of products has no factors yet: it holds all of the plane.
-            let products = self.mechanisms.is_product(table).then(|| match table.factors.len() {
+            let products = self.mechanisms.is_product(table).then_some(match table.factors.len() {
                 0 => usize::MAX,
                 count => count,
             });

@@ -25,7 +25,7 @@ pub(super) fn parts(values: &[f64], columns: usize, most: usize, least: f64) -> 
     let mut found = Vec::new();
     while found.len() < most.min(columns).min(values.len() / columns.max(1)) {
         let [u, v] = largest(&left, columns);
-        if !(peak(&u) * peak(&v) > least) {
+        if peak(&u) * peak(&v) <= least {
             break;
         }
         for (row, a) in left.chunks_mut(columns).zip(&u) {

@@ -13,6 +13,9 @@ use crate::evaluate::node_positions;
 use crate::machine::{Machine, Pose};
 use rayon::prelude::*;
 
+/// Corrections at poses from the errors of one axis.
+type OfAxis<'a> = dyn Fn(&[Pose], usize) -> Vec<Vec<f64>> + Sync + 'a;
+
 /// Corrections at poses: for each those of all axes, for one channel after another (one for the whole
 /// machine, or one for every error).
 #[derive(Clone, Copy)]
@@ -20,7 +23,7 @@ pub(super) struct Wanted<'a> {
     /// The mean of forward and reverse.
     pub mean: &'a (dyn Fn(&[Pose]) -> Vec<Vec<f64>> + Sync),
     /// Half of forward less reverse, from the errors of one axis.
-    pub half: &'a (dyn Fn(&[Pose], usize) -> Vec<Vec<f64>> + Sync),
+    pub half: &'a OfAxis<'a>,
 }
 
 /// Poses over which means are taken.

@@ -245,9 +245,9 @@ fn signed(curve: &Curve, sign: f64, sense: f64) -> Option<Curve> {
     Some(match curve {
         Curve::Linear(knots) => Curve::Linear(turned(knots)?),
         Curve::Cubic(knots, _) => Curve::cubic(turned(knots)?),
-        Curve::BSpline(spline) if sense < 0.0 => Curve::BSpline(spline.mirrored(sign)?),
+        Curve::BSpline(spline) if sense < 0.0 => Curve::BSpline(Box::new(spline.mirrored(sign)?)),
         Curve::BSpline(spline) => {
-            Curve::BSpline(spline.with_coefficients(spline.coefficients().iter().map(|c| sign * c)))
+            Curve::BSpline(Box::new(spline.with_coefficients(spline.coefficients().iter().map(|c| sign * c))))
         }
         Curve::Polynomial(c) => {
             let mut power = sign;

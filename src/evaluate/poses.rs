@@ -160,12 +160,12 @@ pub fn node_positions(grid: &Grid, count: usize) -> Vec<f64> {
     (0..count).map(|node| position(grid, count, node)).collect()
 }
 
-/// The ends are exact.
+/// The ends are exact; so is what a division of whole numbers leaves whole.
 fn position(grid: &Grid, count: usize, node: usize) -> f64 {
     if node + 1 == count && count > 1 {
         return grid.max;
     }
-    grid.min + (grid.max - grid.min) * (node as f64 / (count.max(2) - 1) as f64)
+    grid.min + (grid.max - grid.min) * node as f64 / (count.max(2) - 1) as f64
 }
 
 /// Random poses, evenly distributed over intervals.

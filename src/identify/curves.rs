@@ -205,7 +205,7 @@ impl Of<'_> {
         let one = |(k, function): (usize, BSpline)| {
             let label = format!("b@{}{unit}", units::significant(sites[k], 6));
             let start = start.as_ref().map_or(0.0, |start| start[k]);
-            self.parameter(&label, Basis::Spline(Curve::BSpline(function)), start)
+            self.parameter(&label, Basis::Spline(Curve::BSpline(Box::new(function))), start)
         };
         Ok(functions.into_iter().enumerate().map(one).collect())
     }

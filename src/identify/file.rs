@@ -109,7 +109,7 @@ fn spline(known: Option<Curve>, one: &Curve, amount: f64) -> Curve {
     if let Curve::BSpline(one) = one {
         let before = if let Some(Curve::BSpline(known)) = &known { known.coefficients() } else { &[] };
         let sum = |(i, c): (usize, &f64)| before.get(i).unwrap_or(&0.0) + amount * c;
-        return Curve::BSpline(one.with_coefficients(one.coefficients().iter().enumerate().map(sum)));
+        return Curve::BSpline(Box::new(one.with_coefficients(one.coefficients().iter().enumerate().map(sum))));
     }
     let Some(knots) = one.knots() else { return one.clone() };
     let before = known.as_ref().and_then(Curve::knots);

@@ -14,7 +14,7 @@ pub enum Curve {
     /// Natural cubic spline (periodic on continuous axes); second derivatives at the knots.
     Cubic(Knots, Vec<f64>),
     /// A sum of B-splines.
-    BSpline(BSpline),
+    BSpline(Box<BSpline>),
     /// Coefficients by rising power of the position (mm or deg).
     Polynomial(Vec<f64>),
     /// (cosine, sine) by rising order; order 0 is the constant. Argument in degrees.

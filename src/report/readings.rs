@@ -163,7 +163,7 @@ mod tests {
     #[test]
     fn what_was_not_read_is_not_joined() {
         assert_eq!(stretches(&[0.0, 10.0, 20.0, 340.0, 350.0, 360.0]), [0..3, 3..6]);
-        assert_eq!(stretches(&[30.0, 20.0, 10.0]), [0..3]);
-        assert_eq!(stretches(&[5.0]), [0..1]);
+        assert_eq!(stretches(&[30.0, 20.0, 10.0]), vec![0..3]);
+        assert_eq!(stretches(&[5.0]), vec![0..1]);
     }
 }

@@ -2,7 +2,7 @@
 //! its place and a remedy, or read; what is read otherwise than before is what the controller would make of it, by the readers
 //! of `support::controllers` where they take the file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use abbe::diagnostic::Diagnostics;
 use abbe::machine::Machine;
@@ -235,7 +235,7 @@ fn the_program_says_what_became_of_a_damaged_file() {
     });
 }
 
-fn damaged_set(folder: &Folder, name: &str, machine: &PathBuf, seed: u64) {
+fn damaged_set(folder: &Folder, name: &str, machine: &Path, seed: u64) {
     let out = folder.path(&format!("set-{name}"));
     compile(machine, name, &out, &["--accept-unverified", "--poses", "1", "--nodes", "100"]).json();
     let loaded = loaded::machine(machine);

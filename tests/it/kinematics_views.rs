@@ -7,7 +7,7 @@ fn max(value: &Value) -> f64 {
     value["position_um"]["max"].as_f64().unwrap()
 }
 
-/// In mean direction the module leaves nothing of the tip; from one side it leaves what the certificate says.
+/// The module leaves nothing of the tip but what its files round; from one side it leaves what the certificate says.
 #[test]
 fn maps_show_what_a_module_leaves() {
     let map = |direction: &str, seed: &str| {
@@ -15,7 +15,7 @@ fn maps_show_what_a_module_leaves() {
         json(&[&["map", "trunnion.yaml", "--target", "linuxcnc-kins"], &poses[..]].concat())
     };
     let mean = map("mean", "3");
-    assert!(max(&mean) < 1e-6 && max(&mean["uncompensated"]) > 40.0, "{mean}");
+    assert!(max(&mean) < 2e-5 && max(&mean["uncompensated"]) > 40.0, "{mean}");
     assert_eq!(mean["target"], "linuxcnc-kins");
     let folder = Folder::new("kinematics-views");
     let out = folder.file("out");
@@ -37,7 +37,7 @@ fn maps_show_what_a_module_leaves() {
     let side = map(certificate["direction"].as_str().unwrap(), "3");
     for figure in ["max", "mean", "rms", "p95"] {
         let [a, b] = [&side, &certificate["compensated"]].map(|v| v["position_um"][figure].as_f64().unwrap());
-        assert!((a - b).abs() < 1e-9 && a > 0.5, "{figure}: {a} {b}");
+        assert!((a - b).abs() < 1e-9 && a < 1e-3, "{figure}: {a} {b}");
     }
 }
 

@@ -15,7 +15,7 @@ use crate::support::controllers::Files;
 /// Where a target's vectors are: the file's text, and what is added.
 const VECTORS: [(&str, &str, &str); 19] = [
     ("linuxcnc", "compile_linuxcnc", "compile_linuxcnc, tests/live"),
-    ("linuxcnc-kins", "linuxcnc_kins", "tests/live"),
+    ("linuxcnc-kins", "linuxcnc_kins/mod", "tests/live"),
     ("linuxcnc-matrixkins", "linuxcnc_constants", "linuxcnc_constants"),
     ("linuxcnc-trt", "linuxcnc_constants", "linuxcnc_constants"),
     ("isg-volcomp", "targets", "vectors"),

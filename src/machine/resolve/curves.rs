@@ -201,7 +201,7 @@ fn bspline(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &BSplineEntry, at
     match BSpline::new(degree, &breaks, &coefficients, of.continuous().then_some(360.0)) {
         Ok(spline) => {
             covers(context, of, spline.breaks(), place(&at_knots))?;
-            Some(Curve::BSpline(spline))
+            Some(Curve::BSpline(Box::new(spline)))
         }
         Err(failure) => {
             let (message, place, help) = match failure {

@@ -125,8 +125,9 @@ fn encoder_error(files: &Files, axes: Axes) -> Option<Controller> {
     }))
 }
 
-/// The same manual: tables on one output add up (p. 245), one with a direction acts in that direction (p. 249). The
-/// sign is that of the values stored as the error.
+/// The same manual: tables on one output add up (p. 245), one with a direction acts in that direction (p. 249), one that
+/// names another by its number and one is multiplied by it (p. 252). Whether factors count by themselves besides is not
+/// said: here they do. The sign is that of the values stored as the error.
 fn cross_error(files: &Files, axes: Axes) -> Option<Controller> {
     #[derive(Default)]
     struct Table {
@@ -157,15 +158,22 @@ fn cross_error(files: &Files, axes: Axes) -> Option<Controller> {
         let of = |name: &str| table.said.get(name).copied();
         let turn = (of("IS_MODULO")? == 1.0).then_some(360.0);
         let points = Points { start: of("MIN")?, step: of("STEP")?, values: numbered(&table.values)?, turn };
-        Some((table.axes.map(|number| number - 1), of("DIRECTION")?, points))
+        Some((table.axes.map(|number| number - 1), of("DIRECTION")?, points, of("MULT_BY_TABLE")? as usize))
     };
-    let tables: Vec<_> = tables.into_values().map(table).collect::<Option<_>>()?;
+    let known = |(number, one)| Some((number, table(one)?));
+    let tables: BTreeMap<usize, _> = tables.into_iter().map(known).collect::<Option<_>>()?;
+    tables.values().all(|(.., times)| *times == 0 || tables.contains_key(&(times - 1))).then_some(())?;
     let count = axes.len();
     Some(Box::new(move |q, reverse| {
         let mut added = vec![0.0; count];
         let acts = |direction: f64| direction == 0.0 || (direction < 0.0) == reverse;
-        for ([input, output], _, points) in tables.iter().filter(|(_, direction, _)| acts(*direction)) {
-            added[*output] -= points.read(q[*input]);
+        let read = |number: usize| {
+            let ([input, _], _, points, _) = &tables[&number];
+            points.read(q[*input])
+        };
+        for (number, ([_, output], _, _, times)) in tables.iter().filter(|(_, (_, direction, ..))| acts(*direction)) {
+            let factor = if *times > 0 { 1.0 + read(times - 1) } else { 1.0 };
+            added[*output] -= read(*number) * factor;
         }
         added
     }))
@@ -174,7 +182,9 @@ fn cross_error(files: &Files, axes: Axes) -> Option<Controller> {
 /// HEIDENHAIN, MANUALplus 620 pp. 716, 718: a column for every corrected axis over the positions of one; straight
 /// lines. Values are read as the error, the ends as held, an endless axis modulo: none of it is documented.
 fn com(files: &Files, axes: Axes) -> Option<Controller> {
-    let mut columns: Vec<(usize, usize, Vec<(f64, f64)>)> = Vec::new();
+    /// Input, output, points.
+    type Column = (usize, usize, Vec<(f64, f64)>);
+    let mut columns: Vec<Column> = Vec::new();
     for (name, text) in files.iter().filter(|(name, _)| name.ends_with("_AXIS.COM")) {
         let input = at(axes, name.chars().next()?)?;
         let framed = |line: &&str| !line.starts_with([';', 'B', '[']);
