@@ -209,11 +209,8 @@ impl Loss<'_> {
     }
 }
 
-/// Of so many candidates for each point the best are found by trying all.
-const TRIED: usize = 2;
-
-/// So few candidates are always tried.
-const FEW: usize = 64;
+/// Of so many candidates the best choice is found. Where more points than these are kept, a choice matters little.
+const TRIED: usize = 192;
 
 /// Rounds of improvement at most.
 const ROUNDS: usize = 20;
@@ -225,7 +222,7 @@ const ROUNDS: usize = 20;
 pub(super) fn place(positions: &[f64], rows: &[Vec<f64>], stored: &[Vec<f64>], most: usize) -> Vec<usize> {
     let loss = Loss { positions, rows, stored };
     let most = most.max(2);
-    let thinned = thin(&loss, (TRIED * most).max(FEW));
+    let thinned = thin(&loss, most.max(TRIED));
     let mut kept = if thinned.len() > most { choose(&loss, &thinned, most) } else { thinned };
     for _ in 0..ROUNDS {
         if !slide(&loss, &mut kept) {

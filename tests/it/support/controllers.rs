@@ -226,9 +226,10 @@ pub fn between(points: &[(f64, f64)], q: f64) -> f64 {
 }
 
 /// FANUC B-63980EN p. 100: whole increments between neighbouring points, zero at the reference point, summed up; lines
-/// between points ("interpolated pitch error compensation"). Detection unit 1 um and 0.001 deg.
+/// between points ("interpolated pitch error compensation"). Detection unit 1 um and 0.001 deg. With 3605#0 there are as
+/// many points again for travel in the negative direction, from 3626 on, 3627 at the reference point.
 fn pitch(files: &Files, axes: Axes) -> Option<Controller> {
-    let mut tables: BTreeMap<usize, Points> = BTreeMap::new();
+    let mut tables: BTreeMap<usize, [Points; 2]> = BTreeMap::new();
     for (name, text) in files.iter().filter(|(name, _)| name.starts_with("PITCH_")) {
         let axis = at(axes, name.chars().nth(6)?)?;
         let mut parameters: BTreeMap<i64, i64> = BTreeMap::new();
@@ -245,19 +246,23 @@ fn pitch(files: &Files, axes: Axes) -> Option<Controller> {
         }
         let of = |number: i64| parameters.get(&number).copied();
         let (reference, first, last, times) = (of(3620)?, of(3621)?, of(3622)?, of(3623)?);
-        let mut sums = vec![0_i64];
-        for n in first..=last {
-            sums.push(sums[sums.len() - 1] + increments.get(&n)? * times);
-        }
-        let zero = sums[usize::try_from(reference - first + 1).ok()?];
-        let values = sums.iter().map(|sum| (sum - zero) as f64 / 1000.0).collect();
-        let start = (first - 1 - reference) as f64 * interval;
-        tables.insert(axis, Points { start, step: interval, values, turn: axes[axis].1.then_some(360.0) });
+        let way = |number: i64, at_reference: i64| {
+            let mut sums = vec![0_i64];
+            for n in number..=number + last - first {
+                sums.push(sums[sums.len() - 1] + increments.get(&n)? * times);
+            }
+            let zero = sums[usize::try_from(reference - first + 1).ok()?];
+            let values = sums.iter().map(|sum| (sum - zero + at_reference) as f64 / 1000.0).collect();
+            let start = (first - 1 - reference) as f64 * interval;
+            Some(Points { start, step: interval, values, turn: axes[axis].1.then_some(360.0) })
+        };
+        let reverse = if of(3605)? == 1 { way(of(3626)?, of(3627)?)? } else { way(first, 0)? };
+        tables.insert(axis, [way(first, 0)?, reverse]);
     }
     let count = axes.len();
-    Some(Box::new(move |q, _| {
+    Some(Box::new(move |q, reverse| {
         let mut added = vec![0.0; count];
-        tables.iter().for_each(|(axis, points)| added[*axis] += points.read(q[*axis]));
+        tables.iter().for_each(|(axis, ways)| added[*axis] += ways[usize::from(reverse)].read(q[*axis]));
         added
     }))
 }
