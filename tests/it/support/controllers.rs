@@ -239,6 +239,7 @@ fn pitch(files: &Files, axes: Axes) -> Option<Controller> {
             let number: i64 = parts.first()?.parse().ok()?;
             match (number, &parts[..]) {
                 (3624, [_, _, _, value]) => interval = real(value)?,
+                (3625, [_, _, _, turn]) => (real(turn)? == 360.0).then_some(())?,
                 (3600..3700, [_, _, _, value]) => drop(parameters.insert(number, value.parse().ok()?)),
                 (10_000.., [_, "0", value]) => drop(increments.insert(number - 10_000, value.parse().ok()?)),
                 _ => return None,
@@ -372,32 +373,91 @@ fn value_lists(files: &Files, axes: Axes) -> Option<Controller> {
     }))
 }
 
+/// A buffer of PMAC: motors it is looked up over (index, spacings, length), entries with the origin's before them.
+struct Buffer {
+    over: Vec<(usize, usize, f64)>,
+    motor: usize,
+    entries: Vec<i64>,
+}
+
+impl Buffer {
+    const COUNTS: f64 = 10_000.0;
+
+    /// `SPACINGS,#MOTOR,LENGTH` or `ROWS.COLUMNS,#ALONG A ROW,#ALONG A COLUMN,#MOTOR,LENGTH OF A ROW,OF A COLUMN`.
+    fn defined(parts: &[&str]) -> Option<Self> {
+        let motor = |text: &str| Some(text.parse::<usize>().ok()? - 1);
+        let (over, corrected) = match *parts {
+            [count, source, target, length] => {
+                (vec![(motor(source)?, count.parse().ok()?, real(length)?)], motor(target)?)
+            }
+            [counts, along, across, target, length, width] => {
+                let (rows, columns) = counts.split_once('.')?;
+                let row = (motor(along)?, columns.parse().ok()?, real(length)?);
+                (vec![row, (motor(across)?, rows.parse().ok()?, real(width)?)], motor(target)?)
+            }
+            _ => return None,
+        };
+        Some(Self { over, motor: corrected, entries: vec![0] })
+    }
+
+    /// The last entry is that of the origin; lines and columns end as they begin.
+    fn is_whole(&self) -> bool {
+        let wide = self.over[0].1 + 1;
+        let high = self.over.get(1).map_or(1, |(_, rows, _)| rows + 1);
+        self.entries.len() == wide * high
+            && self.entries.chunks(wide).all(|row| row[0] == row[wide - 1])
+            && (high == 1 || self.entries[..wide] == self.entries[wide * (high - 1)..])
+    }
+
+    /// mm or deg: an entry is a sixteenth of a count.
+    fn read(&self, q: &[f64]) -> f64 {
+        let cell = |(motor, count, length): &(usize, usize, f64)| {
+            let spacings = (q[*motor] * Self::COUNTS).rem_euclid(*length) / (length / *count as f64);
+            let low = (spacings as usize).min(count - 1);
+            (low, spacings - low as f64)
+        };
+        let (i, along) = cell(&self.over[0]);
+        let (wide, (j, across)) = (self.over[0].1 + 1, self.over.get(1).map_or((0, 0.0), cell));
+        let row = |j: usize| {
+            let [a, b] = [i, i + 1].map(|i| self.entries[j * wide + i] as f64);
+            a + (b - a) * along
+        };
+        let value = if across > 0.0 { row(j) + (row(j + 1) - row(j)) * across } else { row(j) };
+        value / 16.0 / Self::COUNTS
+    }
+}
+
 /// Turbo PMAC Software Reference pp. 301-305: entries of 1/16 count from one spacing on, the last one that of zero; the source's
-/// position rolls over; first-order interpolation; all tables on a motor add up. 10000 counts per mm and deg.
+/// position rolls over; first-order interpolation; all tables on a motor add up. 10000 counts per mm and deg. Moving in
+/// the negative direction a motor is given its backlash table and Ixx86 less (p. 301).
 fn leadscrew(files: &Files, axes: Axes) -> Option<Controller> {
-    let mut tables: Vec<([usize; 2], usize, f64, Vec<i64>)> = Vec::new();
+    let [mut tables, mut backlash]: [Vec<Buffer>; 2] = Default::default();
+    let mut constants: BTreeMap<usize, f64> = BTreeMap::new();
+    let mut last_is_backlash = false;
     for line in files.get("compensation.pmc")?.lines().map(|line| line.split(';').next().unwrap_or("").trim()) {
         if let Some((_, rest)) = line.split_once(" DEFINE COMP ") {
-            let parts = pieces(rest, "#D,");
-            let [entries, source, target, length] = parts[..] else { return None };
-            let motors = [source.parse::<usize>().ok()? - 1, target.parse::<usize>().ok()? - 1];
-            tables.push((motors, entries.parse().ok()?, real(length)?, Vec::new()));
+            tables.push(Buffer::defined(&pieces(rest, "#D,"))?);
+            last_is_backlash = false;
+        } else if let Some((motor, rest)) = line.split_once(" DEFINE BLCOMP ") {
+            let (motor, (count, length)) = (motor.strip_prefix('#')?, rest.split_once(',')?);
+            backlash.push(Buffer::defined(&[count, motor, motor, length])?);
+            last_is_backlash = true;
         } else if line.starts_with(|c: char| c.is_ascii_digit() || c == '-') {
             let entries: Option<Vec<i64>> = line.split_whitespace().map(|entry| entry.parse().ok()).collect();
-            tables.last_mut()?.3.extend(entries?);
+            let list = if last_is_backlash { &mut backlash } else { &mut tables };
+            list.last_mut()?.entries.extend(entries?);
+        } else if let Some((motor, value)) = line.strip_prefix('I').and_then(|line| line.split_once("86=")) {
+            constants.insert(motor.parse::<usize>().ok()? - 1, real(value)? / 16.0 / Buffer::COUNTS);
         }
     }
-    tables.iter().all(|(_, count, _, entries)| entries.len() == *count && entries.last() == Some(&0)).then_some(())?;
+    tables.iter().chain(&backlash).all(Buffer::is_whole).then_some(())?;
     let count = axes.len();
-    Some(Box::new(move |q, _| {
-        const COUNTS: f64 = 10_000.0;
+    Some(Box::new(move |q, reverse| {
         let mut added = vec![0.0; count];
-        for ([source, target], count, length, entries) in &tables {
-            let spacings = (q[*source] * COUNTS).rem_euclid(*length) / (length / *count as f64);
-            let low = (spacings as usize).min(count - 1);
-            let entry = |i: usize| if i == 0 { entries[count - 1] } else { entries[i - 1] };
-            let (a, b) = (entry(low) as f64, entry(low + 1) as f64);
-            added[*target] += (a + (b - a) * (spacings - low as f64)) / 16.0 / COUNTS;
+        tables.iter().for_each(|table| added[table.motor] += table.read(q));
+        if reverse {
+            backlash.iter().for_each(|table| added[table.motor] -= table.read(q));
+            constants.iter().for_each(|(motor, lost)| added[*motor] -= lost);
         }
         added
     }))
