@@ -196,6 +196,9 @@ fn signed(value: f64) -> String {
     if text.starts_with('-') { text } else { format!("+{text}") }
 }
 
+/// What moves points by more than this (mm) is no error of a machine: less of it is named.
+const LARGE: f64 = 1.0;
+
 /// The directions within the rank whose uncertainty is beyond use, each with what it amounts to.
 fn drowned(
     unit: &Svd,
@@ -211,16 +214,21 @@ fn drowned(
         let direction = named(&DVector::from_fn(parameters.len(), |j, _| spread(j)));
         let mut direction: Direction = direction.into_iter().filter(|(j, _)| unit.v[(*j, k)].abs() > 0.1).collect();
         direction.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+        let most = direction.first().map_or(0.0, |(_, x)| x.abs());
+        let share = if most > LARGE { LARGE / most } else { 1.0 };
         let part = |(j, x): &(usize, f64)| {
             let p = &parameters[*j];
-            format!("{} {} {}", p.name, signed(p.shown(x / p.size)), p.unit)
+            format!("{} {} {}", p.name, signed(p.shown(x * share / p.size)), p.unit)
         };
-        let parts: Vec<String> = direction.iter().map(part).collect();
-        format!(
-            "{} are only known together: the noise (one standard deviation) cannot be told from {}",
-            list(&names(&direction, parameters)),
-            parts.join(", ")
-        )
+        let parts = direction.iter().map(part).collect::<Vec<_>>().join(", ");
+        let names = list(&names(&direction, parameters));
+        if share < 1.0 {
+            let share = significant(share, 2);
+            return format!(
+                "{names} are only known together: {parts} are {share} of what the noise (one standard deviation) hides"
+            );
+        }
+        format!("{names} are only known together: the noise (one standard deviation) cannot be told from {parts}")
     };
     which.map(describe).collect()
 }
