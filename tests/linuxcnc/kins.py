@@ -124,9 +124,9 @@ def refused(controller, line, idle):
 
 
 def motors(controller):
-    """Motor commands less the motor's offset."""
+    """Motor commands less the motor's offset and what the tables beside the module add for the direction of approach."""
     return [controller.pin(f"joint.{n}.motor-pos-cmd") - controller.pin(f"joint.{n}.motor-offset")
-            for n in range(controller.joints)]
+            - controller.pin(f"joint.{n}.backlash-filt") for n in range(controller.joints)]
 
 
 def arrived(stat, zero, mdi):
@@ -225,7 +225,8 @@ def launch(directory, keep):
 
 def in_sandbox(directory, files, argv, keep):
     """Builds, runs in the sandbox, and gives the result."""
-    with session.RunDir(files, [os.path.join(directory, name) for name in FILES], keep) as rundir:
+    beside = [name for name in sorted(os.listdir(directory)) if name.startswith("reversal_")]
+    with session.RunDir(files, [os.path.join(directory, name) for name in (*FILES, *beside)], keep) as rundir:
         module = build(directory, rundir.join("set"))
         os.mkdir(rundir.join("modules"))
         os.rename(module, rundir.join("modules", "abbekins.so"))
