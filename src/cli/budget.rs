@@ -62,10 +62,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     check(session, &machine, at.as_slice())?;
     let (bounds, source) = args.tolerances.bounds(session, &machine)?;
     let draws = args.tolerances.draws(args.seed);
-    let reached = match &args.tool_poses {
-        Some(path) => Some(tool_poses::read(session, &machine, path)?.reached(session, &machine)?),
-        None => None,
-    };
+    let reached = tool_poses::asked(session, &machine, args.tool_poses.as_deref())?;
     let poses = match &reached {
         Some(reached) => reached.poses.clone(),
         None => budget_poses(&machine, args.poses as usize, args.seed),

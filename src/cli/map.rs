@@ -68,10 +68,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     // What can be refused is refused before the work, not after it.
     args.outputs.check(session)?;
     let place = args.pictures.place(session, &machine, args.target.is_some())?;
-    let reached = match &args.tool_poses {
-        Some(path) => Some(tool_poses::read(session, &machine, path)?.reached(session, &machine)?),
-        None => None,
-    };
+    let reached = tool_poses::asked(session, &machine, args.tool_poses.as_deref())?;
     let compensation = compensation(session, args, &machine, order)?;
     let bare = Planned::new(&machine, order);
     let replayed = compensation.as_ref().map(|(target, effect)| effect.field(&machine, target));

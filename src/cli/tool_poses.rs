@@ -73,6 +73,11 @@ pub(super) fn read(session: &mut Session, machine: &Machine, path: &Path) -> Res
     }
 }
 
+/// The poses for the tool poses of a file, if there is one.
+pub(super) fn asked(session: &mut Session, machine: &Machine, path: Option<&Path>) -> Result<Option<Reached>, Stop> {
+    path.map(|path| read(session, machine, path)?.reached(session, machine)).transpose()
+}
+
 impl ToolPoses {
     /// As poses of the tool: where the ideal `machine`, whose rotary axes the file may give, holds it.
     pub(super) fn list(&self, machine: &Machine) -> Vec<ToolPose> {

@@ -57,8 +57,8 @@ pub fn reversal_tables(machine: &Machine, rules: &TableRules) -> Tables {
         machine.filtered(|id| id.axis == *name).is_bidirectional()
     };
     let axes = (0..machine.axes().len()).filter(two_sided);
-    let mut all =
-        Tables { tables: axes.map(|axis| own_axis_table(machine, axis, rules, None)).collect(), errors: Vec::new() };
+    let tables = axes.map(|axis| own_axis_table(machine, axis, rules, None)).collect();
+    let mut all = Tables { tables, ..Tables::default() };
     all.quantise(machine, |_| Some(&rules.increment));
     let zero = |values: &Vec<f64>| values.iter().all(|c| *c == 0.0);
     all.tables.retain(|table| !(zero(&table.values) && table.reverse.as_ref().is_none_or(zero)));

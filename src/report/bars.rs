@@ -57,8 +57,7 @@ fn column(i: usize, count: usize) -> (f64, f64) {
 
 fn begin(title: &str, subtitle: &str) -> Svg {
     let mut svg = Svg::new(WIDTH, HEIGHT);
-    svg.text((FRAME.left, 32.0), &fitted(title, 70), Font::bold(18.0), Anchor::Start, 0.0);
-    svg.text((FRAME.left, 54.0), &fitted(subtitle, 104), Font::faint(13.0), Anchor::Start, 0.0);
+    svg.heading(FRAME.left, (title, 70), (subtitle, 104));
     svg
 }
 

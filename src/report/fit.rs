@@ -2,7 +2,7 @@
 //! them, all displacements drawn larger by one factor.
 
 use super::scale::{round_step, tick_text, ticks};
-use super::svg::{Anchor, FAINT, FIRST, Font, INK, SECOND, Svg, fitted};
+use super::svg::{Anchor, FAINT, FIRST, Font, INK, SECOND, Svg};
 use crate::units::significant;
 
 /// One pose: nominal position (mm), and the in-plane deviations (mm).
@@ -54,9 +54,8 @@ impl FitPicture<'_> {
         let magnified = self.magnification(scale);
         let moved = |p: &FitPoint, d: (f64, f64)| at((p.nominal.0 + d.0 * magnified, p.nominal.1 + d.1 * magnified));
         let mut svg = Svg::new(WIDTH, TOP + size.1 + MARGIN + 100.0);
-        svg.text((LEFT - MARGIN, 32.0), &fitted(self.machine, 60), Font::bold(18.0), Anchor::Start, 0.0);
         let subtitle = format!("Prediction and data over {}-{}, {}", self.axes[0], self.axes[1], self.slice);
-        svg.text((LEFT - MARGIN, 54.0), &fitted(&subtitle, 84), Font::faint(13.0), Anchor::Start, 0.0);
+        svg.heading(LEFT - MARGIN, (self.machine, 60), (&subtitle, 84));
         self.grid(&mut svg, (across, up), size, &at);
         for p in &self.points {
             let (nominal, read, said) = (at(p.nominal), moved(p, p.measured), moved(p, p.predicted));

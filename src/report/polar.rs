@@ -2,7 +2,7 @@
 //! least-squares centre, one exaggeration for all planes.
 
 use super::scale::round_step;
-use super::svg::{Anchor, FIRST, Font, INK, LINE, Picture, SECOND, Svg, fitted, polygon, polyline};
+use super::svg::{Anchor, FIRST, Font, INK, LINE, Picture, SECOND, Svg, polygon, polyline};
 use crate::analysis::instrument::BallBar;
 use crate::machine::sin_cos_degrees;
 use crate::units::significant;
@@ -122,8 +122,7 @@ impl PolarPicture<'_> {
     pub fn picture(&self) -> Picture {
         let width = 2.0 * LEFT + PANEL * self.circles.len().max(2) as f64;
         let mut svg = Svg::new(width, TOP + PANEL + 100.0);
-        svg.text((LEFT, 32.0), &fitted(self.title, 60), Font::bold(18.0), Anchor::Start, 0.0);
-        svg.text((LEFT, 54.0), &fitted(self.subtitle, (width / 7.5) as usize), Font::faint(13.0), Anchor::Start, 0.0);
+        svg.heading(LEFT, (self.title, 60), (self.subtitle, (width / 7.5) as usize));
         let all = self.circles.iter().flat_map(|c| c.centred.iter().flatten());
         let largest = all.fold(0.0_f64, |max, x| max.max(x.abs()));
         let dial = |i: usize| Dial::new((LEFT + PANEL * (i as f64 + 0.5), TOP + PANEL * 0.5), largest);

@@ -3,7 +3,7 @@
 
 use super::frame::{Axis, Frame};
 use super::polar::{Dial, Stroke};
-use super::svg::{Anchor, FIRST, Font, Picture, SECOND, Svg, THIRD, fitted, polyline};
+use super::svg::{Anchor, FIRST, Font, Picture, SECOND, Svg, THIRD, polyline};
 use crate::analysis::instrument::{Diagonal, RTest};
 use crate::units::significant;
 
@@ -44,8 +44,7 @@ const WAYS: [(&str, Stroke); 2] =
 
 fn begin(title: &str, subtitle: &str, height: f64) -> Svg {
     let mut svg = Svg::new(WIDTH, height);
-    svg.text((LEFT, 32.0), &fitted(title, 70), Font::bold(18.0), Anchor::Start, 0.0);
-    svg.text((LEFT, 54.0), &fitted(subtitle, 120), Font::faint(13.0), Anchor::Start, 0.0);
+    svg.heading(LEFT, (title, 70), (subtitle, 120));
     svg
 }
 

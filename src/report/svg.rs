@@ -172,6 +172,12 @@ impl Svg {
         self.body.push(Piece::Text(Text { at, text: text.to_owned(), font, anchor, turned }));
     }
 
+    /// The lines at the top, what is shown and how, each cut to so many characters.
+    pub fn heading(&mut self, left: f64, (title, room): (&str, usize), (subtitle, more): (&str, usize)) {
+        self.text((left, 32.0), &fitted(title, room), Font::bold(18.0), Anchor::Start, 0.0);
+        self.text((left, 54.0), &fitted(subtitle, more), Font::faint(13.0), Anchor::Start, 0.0);
+    }
+
     /// The finished picture. `title` is what a screen reader says.
     pub fn picture(self, title: &str) -> Picture {
         Picture { drawing: self, title: title.to_owned() }
