@@ -73,12 +73,13 @@ fn apply<S: Algebra>(linear: &Matrix3<S>, point: &[f64; 3]) -> Vector3<S> {
     Vector3::from_fn(|i, _| (0..3).map(|j| linear[(i, j)].scaled(point[j])).fold(S::zero(), |a, b| a + b))
 }
 
-fn transform<S: Algebra>(linear: &Matrix3<S>, vector: &Vector3<S>) -> Vector3<S> {
+/// `linear * vector`, written out as [`product`] is.
+pub fn transform<S: Algebra>(linear: &Matrix3<S>, vector: &Vector3<S>) -> Vector3<S> {
     Vector3::from_fn(|i, _| row_by_column(linear, i, [&vector[0], &vector[1], &vector[2]]))
 }
 
-/// Written out: nalgebra's loops for numbers other than its own move them about more than they multiply.
-fn product<S: Algebra>(a: &Matrix3<S>, b: &Matrix3<S>) -> Matrix3<S> {
+/// `a * b`, written out: nalgebra's loops for such small matrices move numbers about more than they multiply.
+pub fn product<S: Algebra>(a: &Matrix3<S>, b: &Matrix3<S>) -> Matrix3<S> {
     Matrix3::from_fn(|i, j| row_by_column(a, i, [&b[(0, j)], &b[(1, j)], &b[(2, j)]]))
 }
 

@@ -5,7 +5,7 @@
 use super::chain::Chain;
 use super::joint::{Position, error_motion, error_outside, invert_if, nominal};
 use super::source::{ErrorLift, Exact, Place, Source, Values};
-use crate::algebra::{Algebra, Htm, left_jacobian};
+use crate::algebra::{Algebra, Htm, left_jacobian, product, transform};
 use crate::machine::{AxisKind, Branch, Direction, ErrorsAre, Joints, Location, LocationOrder, Machine};
 use nalgebra::{Matrix3, Vector3};
 
@@ -26,7 +26,8 @@ pub fn actual_point(machine: &Machine, pose: &[f64], values: &Values) -> Vector3
 /// The actual functional point from the workpiece origin (mm, workpiece frame) over an algebra.
 pub fn point<S: Algebra>(machine: &Machine, pose: &[f64], values: &Values, lift: &impl ErrorLift<S>) -> Vector3<S> {
     let chain = Chain::real(machine, pose, values, lift);
-    let image = chain.walk().rev().fold(chain.tip.clone(), |x, joint| &joint.linear * x + &joint.translation);
+    let image =
+        chain.walk().rev().fold(chain.tip.clone(), |x, joint| transform(&joint.linear, &x) + &joint.translation);
     minus(image, &machine.workpiece())
 }
 
@@ -109,12 +110,12 @@ impl<S: Algebra> Joint<S> {
     /// What the bracket makes of a point; every factor keeps what came to it.
     fn pass(&mut self, mut x: Vector3<S>) -> Vector3<S> {
         let Self { motions, factors, .. } = self;
-        let apply = |g: &Htm<S>, x: &Vector3<S>| &g.linear * x + &g.translation;
+        let apply = |g: &Htm<S>, x: &Vector3<S>| transform(&g.linear, x) + &g.translation;
         for factor in factors.iter_mut().rev() {
             let image = match &factor.kind {
                 Kind::Nominal(g) | Kind::Error(_, Some(g)) => apply(g, &x),
                 Kind::Error(which, None) => apply(&motions[*which].matrix, &x),
-                Kind::Displaced(way) => &motions[0].matrix.linear * way + &x,
+                Kind::Displaced(way) => transform(&motions[0].matrix.linear, way) + &x,
             };
             factor.input = std::mem::replace(&mut x, image);
         }
@@ -127,16 +128,16 @@ impl<S: Algebra> Joint<S> {
         let mut sum: [[Vector3<S>; 6]; 2] = [zero(), zero()];
         for factor in &self.factors {
             match &factor.kind {
-                Kind::Nominal(g) => *prefix = &*prefix * &g.linear,
+                Kind::Nominal(g) => *prefix = product(prefix, &g.linear),
                 Kind::Error(which, None) => {
                     let motion = &self.motions[*which];
                     motion.add(&mut sum[*which], prefix, true, &factor.input, joints);
-                    *prefix = &*prefix * &motion.matrix.linear;
+                    *prefix = product(prefix, &motion.matrix.linear);
                 }
                 Kind::Error(which, Some(inverse)) => {
                     // d(M^-1) x = -M^-1 dM (M^-1 x).
-                    let after = &*prefix * &inverse.linear;
-                    let image = &inverse.linear * &factor.input + &inverse.translation;
+                    let after = product(prefix, &inverse.linear);
+                    let image = transform(&inverse.linear, &factor.input) + &inverse.translation;
                     let back = after.map(|x| -x);
                     self.motions[*which].add(&mut sum[*which], &back, true, &image, joints);
                     *prefix = after;
@@ -162,7 +163,7 @@ impl<S: Algebra> Motion<S> {
     /// Adds prefix times the derivatives of the motion of a point (or of a direction only).
     fn add(&self, sum: &mut [Vector3<S>; 6], prefix: &Matrix3<S>, point: bool, x: &Vector3<S>, joints: Joints) {
         let turned = match joints {
-            Joints::Orthogonal => &self.matrix.linear * x,
+            Joints::Orthogonal => transform(&self.matrix.linear, x),
             Joints::Linearised => x.clone(),
         };
         for k in 0..3 {
@@ -177,7 +178,7 @@ impl<S: Algebra> Motion<S> {
                 let (a, b) = ((i + 1) % 3, (i + 2) % 3);
                 w[a].clone() * turned[b].clone() - w[b].clone() * turned[a].clone()
             };
-            sum[3 + k] += prefix * Vector3::new(at(0), at(1), at(2));
+            sum[3 + k] += transform(prefix, &Vector3::new(at(0), at(1), at(2)));
         }
     }
 }
