@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
-use abbe::algebra::linear::{Gram, Triangle};
+use abbe::algebra::linear::Triangle;
 use abbe::cli::files::Disk;
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::{Frame, Order, evaluate, random_poses};
@@ -95,19 +95,14 @@ fn compared(rows: usize, columns: usize) {
     let width = columns + 1;
     let values = matrix(rows, columns);
     println!("least squares on one matrix, {rows} x {columns}, streamed, one thread");
-    let normal = || {
-        let mut gram = Gram::new(columns);
-        values.chunks(width).for_each(|row| gram.extend(1).copy_from_slice(row));
-        gram.finish().unwrap()
-    };
     let triangle = || {
         let mut triangle = Triangle::new(columns);
-        values.chunks(width).for_each(|row| triangle.push(row[..columns].iter().copied(), row[columns]));
+        values.chunks(width).for_each(|row| triangle.extend(1).copy_from_slice(row));
         triangle.finish()
     };
-    said("  normal equations", timed(normal));
     said("  triangle (blockwise QR)", timed(triangle));
-    let x = normal().r.solve_upper_triangular(&normal().right).unwrap();
+    let reduced = triangle();
+    let x = reduced.r.solve_upper_triangular(&reduced.right).unwrap();
     let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("matrix.f64");
     std::fs::write(&path, values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>()).unwrap();
     let python = std::env::var("NUMPY").unwrap_or_else(|_| "python3".to_owned());

@@ -4,10 +4,7 @@
 //! Error parameters that the data do not tell apart make the matrices here short of rank as a rule, not as
 //! an exception. nalgebra's singular vectors are wrong there (nalgebra#1172): only its QR is used.
 
-mod gram;
 mod householder;
-
-pub use gram::Gram;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -228,15 +225,26 @@ impl Svd {
         damping: f64,
     ) -> DVector<f64> {
         let mut x = DVector::zeros(self.v.nrows());
-        for k in 0..self.v.ncols() {
-            let value = if k < rank { self.values[k] } else { 0.0 };
-            let stiffness = value * value + pull + damping;
-            if stiffness > 0.0 {
-                let force = value * self.u.column(k).dot(right) - pull * self.v.column(k).dot(away);
-                x.axpy(force / stiffness, &self.v.column(k), 1.0);
+        for (k, (force, stiffness)) in self.forces(right, rank, (away, pull)).enumerate() {
+            if stiffness + damping > 0.0 {
+                x.axpy(force / (stiffness + damping), &self.v.column(k), 1.0);
             }
         }
         x
+    }
+
+    /// The same, direction by direction: what draws along the right vector, and against what.
+    pub fn forces<'a>(
+        &'a self,
+        right: &'a DVector<f64>,
+        rank: usize,
+        (away, pull): (&'a DVector<f64>, f64),
+    ) -> impl Iterator<Item = (f64, f64)> + 'a {
+        (0..self.v.ncols()).map(move |k| {
+            let value = if k < rank { self.values[k] } else { 0.0 };
+            let force = value * self.u.column(k).dot(right) - pull * self.v.column(k).dot(away);
+            (force, value * value + pull)
+        })
     }
 
     /// Orthonormal basis of what A does not see, the columns of the result.

@@ -15,9 +15,10 @@ use nalgebra::{DMatrix, DVector, Vector3};
 /// Most accepted steps.
 const STEPS: usize = 200;
 /// Relative offset of Bates and Watts (1981): a step that moves the estimate by less than this share of the radius of its
-/// confidence region is the last. Where the data see all unknowns the next one would be smaller by orders; along what the
-/// noise drowns the iteration creeps for long, and gains nothing that could be told from noise.
+/// confidence region is the last.
 const OFFSET: f64 = 1e-3;
+/// The same within which the linear problem is trusted for the last step, if the steps before converged.
+const NEAR: f64 = 0.1;
 /// A step that promises less than this share of the sum of squares is none.
 const PROMISE: f64 = 1e-15;
 /// Or less than this per reading (mm^2): the rounding of positions.
@@ -28,9 +29,7 @@ const NOISE: f64 = 1e-12;
 const FIRST: f64 = 1e-12;
 const MOST: f64 = 1e6;
 
-/// Readings times unknowns squared from which on normal equations are worth a look.
-const LARGE: f64 = 1e8;
-/// Condition up to which the normal equations give the step.
+/// Condition up to which the normal equations of the triangle give the step.
 const EASY: f64 = 1e5;
 
 /// Standard deviation of the prior, as a displacement: so many times the root mean square of what was measured, and at
@@ -52,81 +51,116 @@ pub struct Fit {
     pub settled: bool,
 }
 
-/// The linear problem anywhere: by normal equations where there is much to reduce and the columns are well apart.
-struct Linear<'a> {
-    model: &'a Model<'a>,
-    data: &'a [Measurement],
-    weights: &'a [f64],
-    quick: bool,
-}
-
-impl<'a> Linear<'a> {
-    fn new(model: &'a Model<'_>, data: &'a [Measurement], weights: &'a [f64], theta: &[f64]) -> Self {
-        let readings: usize = data.iter().map(Measurement::readings).sum();
-        let unknowns = model.parameters().len() as f64;
-        let large = readings as f64 * unknowns * unknowns > LARGE;
-        Self { model, data, weights, quick: large && model.is_easy(data, weights, theta) }
-    }
-
-    fn at(&mut self, theta: &[f64]) -> Reduced {
-        let quick = if self.quick { self.model.quick(self.data, self.weights, theta) } else { None };
-        self.quick = quick.is_some();
-        quick.unwrap_or_else(|| self.model.triangle(self.data, self.weights, theta))
-    }
-}
-
 /// Fits the unknowns to the data, from their starts or from `theta`.
 pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>, theta: Option<Vec<f64>>) -> Fit {
     let home: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
-    let mut linear = Linear::new(model, data, &weights, &home);
-    let at_home = linear.at(&home);
+    let linear = |theta: &[f64]| model.triangle(data, &weights, theta);
+    let at_home = linear(&home);
     let heft: f64 = data.iter().zip(&weights).map(|(m, weight)| weight * m.readings() as f64).sum();
     let prior = Prior::new(model, at_home.right_norm() / libm::sqrt(heft));
-    let (mut theta, mut reduced) = match theta {
+    let (theta, reduced) = match theta {
         Some(theta) => {
-            let there = linear.at(&theta);
+            let there = linear(&theta);
             (theta, there)
         }
         None => (home, at_home),
     };
-    let (mut damping, mut steps, mut settled) = (FIRST, 0, false);
-    let mut small_before = false;
-    while steps < STEPS && !settled && damping <= MOST {
-        // The prior against the scatter of the readings as far as it is known by now.
-        let variance = reduced.right_norm() * reduced.right_norm() / reduced.rows.max(1) as f64;
-        let problem = Problem::new(&prior, &reduced, &theta, variance);
-        let before = prior.cost(&reduced, &theta, variance);
-        // The sum of squares is not known better than this. A step that promises less is taken on trust, and is the last.
-        let unseen = 2.0 * libm::sqrt(before * ROUNDING);
-        let small = unseen.max(OFFSET * OFFSET * theta.len() as f64 * variance);
-        let mut first = true;
-        while damping <= MOST {
-            let scaled = problem.step(damping);
+    let mut descent = Descent { linear: &linear, prior, theta, reduced, damping: FIRST, steps: 0, last: None };
+    let settled = descent.run();
+    let Descent { theta, reduced, steps, .. } = descent;
+    Fit { theta, reduced, weights, steps, settled }
+}
+
+/// The iteration, wherever it stands.
+struct Descent<'a> {
+    /// The linear problem anywhere.
+    linear: &'a dyn Fn(&[f64]) -> Reduced,
+    prior: Prior<'a>,
+    theta: Vec<f64>,
+    reduced: Reduced,
+    damping: f64,
+    steps: usize,
+    /// What the step that led here had promised along the directions that the data see, if it was a whole one.
+    last: Option<f64>,
+}
+
+impl Descent<'_> {
+    /// Goes down. False: there is no end to it, or no way.
+    fn run(&mut self) -> bool {
+        while self.steps < STEPS && self.damping <= MOST {
+            // What the prior is weighed against.
+            let variance = self.scatter();
+            let problem = Problem::new(&self.prior, &self.reduced, &self.theta, variance);
+            let before = self.prior.cost(&self.reduced, &self.theta, variance);
+            if self.arrives(&problem, before, variance) || self.stands(&problem, before, variance) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Variance of a reading, as far as the linear problem knows it.
+    fn scatter(&self) -> f64 {
+        let (rows, unknowns) = (self.reduced.rows, self.theta.len());
+        let left = if rows > unknowns { self.reduced.rest } else { self.reduced.right_norm() };
+        left * left / (if rows > unknowns { rows - unknowns } else { rows.max(1) }) as f64
+    }
+
+    /// Is the rest of the way so short that the linear problem will do for it? Then goes there.
+    fn arrives(&mut self, problem: &Problem, before: f64, variance: f64) -> bool {
+        let ahead = problem.ahead();
+        let radius = self.theta.len() as f64 * variance;
+        let small = (OFFSET * OFFSET * radius).max(unseen(before));
+        // A step leaves of the promise what the one before it left of its own.
+        let rest = self.last.map_or(f64::INFINITY, |last| ahead.gain * ahead.gain / last);
+        let near = ahead.gain <= small || (ahead.gain <= NEAR * NEAR * radius && rest <= small);
+        if !near || ahead.drowned > ahead.deaf as f64 * variance {
+            return false;
+        }
+        let step = ahead.step.component_div(&self.prior.scale);
+        self.reduced.right -= &self.reduced.r * &step;
+        self.theta.iter_mut().zip(step.iter()).for_each(|(t, s)| *t += s);
+        true
+    }
+
+    /// Takes a step, as long a one as keeps its promise. True: no step promises anything.
+    fn stands(&mut self, problem: &Problem, before: f64, variance: f64) -> bool {
+        let (mut first, unseen) = (true, unseen(before));
+        while self.damping <= MOST {
+            let scaled = problem.step(self.damping);
             let promise = before - problem.cost(&scaled);
-            if promise.is_nan() || promise <= PROMISE * before + ROUNDING * reduced.rows as f64 {
-                settled = true;
-                break;
+            if promise.is_nan() || promise <= PROMISE * before + ROUNDING * self.reduced.rows as f64 {
+                return true;
             }
-            let step = scaled.component_div(&prior.scale);
-            let trial: Vec<f64> = theta.iter().zip(step.iter()).map(|(t, s)| t + s).collect();
-            let then = linear.at(&trial);
-            let gain = before - prior.cost(&then, &trial, variance);
+            let step = scaled.component_div(&self.prior.scale);
+            let trial: Vec<f64> = self.theta.iter().zip(step.iter()).map(|(t, s)| t + s).collect();
+            let then = (self.linear)(&trial);
+            let gain = before - self.prior.cost(&then, &trial, variance);
             if gain > 0.0 || (promise <= unseen && gain >= -unseen) {
-                // A step that was cut short is small for that alone: then the next one decides.
-                let is_small = promise <= small && gain <= small;
-                settled = is_small && (first || small_before);
-                small_before = is_small;
                 // A step that kept its promise may be longer next time.
-                damping *= if gain > 0.5 * promise { 0.01 } else { 1.0 };
-                (theta, reduced) = (trial, then);
-                steps += 1;
-                break;
+                self.damping *= if gain > 0.5 * promise { 0.01 } else { 1.0 };
+                self.last = first.then_some(promise);
+                (self.theta, self.reduced) = (trial, then);
+                self.steps += 1;
+                return false;
             }
-            damping *= 10.0;
+            self.shorten(problem, &scaled);
             first = false;
         }
+        false
     }
-    Fit { theta, reduced, weights, steps, settled }
+
+    /// Damps until the step is half as long.
+    fn shorten(&mut self, problem: &Problem, scaled: &DVector<f64>) {
+        while self.damping <= MOST && problem.step(self.damping).norm() > 0.5 * scaled.norm() {
+            self.damping *= 10.0;
+        }
+    }
+}
+
+/// Sums of squares are not known better than this. A step that promises less is taken on trust.
+fn unseen(cost: f64) -> f64 {
+    2.0 * libm::sqrt(cost * ROUNDING)
 }
 
 /// What is known before the data: parameters are near their starts, and curves are not steep.
@@ -226,12 +260,47 @@ impl Problem {
         }
     }
 
+    /// What is left to gain, by the linear problem.
+    fn ahead(&self) -> Ahead {
+        let Solver::Singular(svd, rank) = &self.solver else {
+            let step = self.step(0.0);
+            let gain = self.cost(&DVector::zeros(step.len())) - self.cost(&step);
+            return Ahead { gain, step, drowned: 0.0, deaf: 0 };
+        };
+        let loudest = self.reduced.column_norms().component_div(&self.scale).max();
+        let limit = loudest / libm::sqrt(self.reduced.rows.max(1) as f64);
+        let mut ahead = Ahead { gain: 0.0, step: DVector::zeros(self.home.len()), drowned: 0.0, deaf: 0 };
+        for (k, (force, stiffness)) in svd.forces(&self.reduced.right, *rank, (&self.home, self.pull)).enumerate() {
+            let gain = if stiffness > 0.0 { force * force / stiffness } else { 0.0 };
+            if svd.values[k] > limit {
+                ahead.gain += gain;
+                ahead.step.axpy(force / stiffness, &svd.v.column(k), 1.0);
+            } else {
+                ahead.drowned += gain;
+                ahead.deaf += usize::from(k < *rank);
+            }
+        }
+        ahead
+    }
+
     /// What a step would leave.
     fn cost(&self, scaled: &DVector<f64>) -> f64 {
         let step = scaled.component_div(&self.scale);
         let left = (&self.reduced.right - &self.reduced.r * &step).norm_squared();
         left + self.reduced.rest * self.reduced.rest + self.pull * (&self.home + scaled).norm_squared()
     }
+}
+
+/// What is left to gain. Along directions in which all readings together hear less than one of them hears of a usual
+/// parameter, only what stands out of the noise counts: there the model bends before it gains, and would be followed for
+/// millimetres to save nanometres.
+struct Ahead {
+    /// Along the other directions: gain (mm^2) and step in units of displacement.
+    gain: f64,
+    step: DVector<f64>,
+    /// Gain along the directions that hear so little, and how many they are.
+    drowned: f64,
+    deaf: usize,
 }
 
 /// Huber's constant, in standard deviations of a component.

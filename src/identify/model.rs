@@ -3,18 +3,13 @@
 
 use super::measurement::{End, Measurement, Reading};
 use super::parameter::{Basis, Parameter, SlopeBound, Term, share};
-use crate::algebra::linear::{Gram, Reduced, Triangle};
+use crate::algebra::linear::{Reduced, Triangle};
 use crate::algebra::{Algebra, Dual};
 use crate::evaluate::{Frame, Order};
 use crate::lower::{ErrorLift, Exact, Ideal, OrderN, Place, Source, Values, point, tangents, values};
 use crate::machine::{Approach, LocationOrder, Machine};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rayon::prelude::*;
-
-/// Normal equations are trusted up to this condition.
-const CONDITION: f64 = 1e5;
-/// Rows per unknown, and rows at least, of a sample that shows whether they are.
-const SAMPLE: (usize, usize) = (4, 1000);
 
 /// Machine and unknowns: parameters of the machine first, then those of the instruments.
 pub struct Model<'a> {
@@ -157,21 +152,22 @@ impl<'a> Model<'a> {
     /// The errors at a pose: fitted sources by the parameters, the others as the machine file says.
     fn errors(&self, measurement: &Measurement, pose: &[f64], theta: &[f64], functions: &[f64]) -> Values {
         let mut errors = values(self.machine(measurement), pose, measurement.approach);
-        for source in &self.sources {
-            *slot(&mut errors, *source) = 0.0;
-        }
+        let mut sums = vec![0.0; self.sources.len()];
         for (links, value) in self.links[..self.own].iter().zip(theta) {
             for link in links {
-                let share = link.value(functions, measurement.approach);
-                *slot(&mut errors, self.sources[link.source]) += value * share;
+                sums[link.source] += value * link.value(functions, measurement.approach);
             }
+        }
+        for (source, sum) in self.sources.iter().zip(sums) {
+            *slot(&mut errors, *source) = sum;
         }
         errors
     }
 
     /// Derivatives by the parameters of the machine from those by the sources.
     fn by_parameter(&self, by_source: &[Vector3<f64>], functions: &[f64], approach: Approach) -> Vec<Vector3<f64>> {
-        let by = |links: &Vec<Link>| links.iter().map(|l| by_source[l.source] * l.value(functions, approach)).sum();
+        let of = |link: &Link| by_source[link.source] * link.value(functions, approach);
+        let by = |links: &Vec<Link>| links.iter().fold(Vector3::zeros(), |sum, link| sum + of(link));
         self.links[..self.own].iter().map(by).collect()
     }
 
@@ -278,52 +274,22 @@ impl<'a> Model<'a> {
         data.par_iter().map(|m| self.residual(m, theta)).collect()
     }
 
-    /// Are the columns of the Jacobian well apart? Judged by a part of the rows.
-    pub(super) fn is_easy(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> bool {
-        let (per_unknown, least) = SAMPLE;
-        let step = (data.len() / (per_unknown * self.parameters.len()).max(least)).max(1);
-        let some: Vec<Measurement> = data.iter().step_by(step).cloned().collect();
-        let weights: Vec<f64> = weights.iter().step_by(step).copied().collect();
-        self.triangle(&some, &weights, theta).condition() < CONDITION
-    }
-
-    /// The linear problem at these unknowns, `min |J step - residual|`, rows times the root of their weights, by
-    /// normal equations. `None`: they have not digits enough.
-    pub(super) fn quick(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Option<Reduced> {
-        let pieces = self.stream(data, weights, theta, Gram::new, Gram::extend);
-        let sum = pieces.into_iter().reduce(|mut sum, piece| {
-            sum.merge(piece);
-            sum
-        });
-        sum?.finish().filter(|reduced| reduced.condition() < CONDITION)
-    }
-
-    /// The same by the triangle of all rows: singular values are good to the last digits.
+    /// The linear problem at these unknowns, `min |J step - residual|`, rows times the root of their weights: the triangle
+    /// of all rows, whose singular values are good to the last digits. Rows are folded piece by piece; neither the pieces
+    /// nor their order depend on the number of threads.
     pub fn triangle(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Reduced {
-        let pieces = self.stream(data, weights, theta, Triangle::new, Triangle::extend);
-        let mut whole = Triangle::new(self.parameters.len());
-        pieces.into_iter().for_each(|piece| whole.merge(piece));
-        whole.finish()
-    }
-
-    /// All rows, piece by piece. The pieces do not depend on the number of threads, nor does their order.
-    fn stream<T: Send>(
-        &self,
-        data: &[Measurement],
-        weights: &[f64],
-        theta: &[f64],
-        new: impl Fn(usize) -> T + Sync,
-        extend: impl Fn(&mut T, usize) -> &mut [f64] + Sync,
-    ) -> Vec<T> {
         let piece = data.len().div_ceil(16).clamp(32, 4096);
         let one = |(data, weights): (&[Measurement], &[f64])| {
-            let mut sum = new(self.parameters.len());
+            let mut sum = Triangle::new(self.parameters.len());
             for (measurement, weight) in data.iter().zip(weights) {
-                self.fill(measurement, libm::sqrt(*weight), theta, extend(&mut sum, measurement.readings()));
+                self.fill(measurement, libm::sqrt(*weight), theta, sum.extend(measurement.readings()));
             }
             sum
         };
-        data.par_chunks(piece).zip(weights.par_chunks(piece)).map(one).collect()
+        let pieces: Vec<Triangle> = data.par_chunks(piece).zip(weights.par_chunks(piece)).map(one).collect();
+        let mut whole = Triangle::new(self.parameters.len());
+        pieces.into_iter().for_each(|piece| whole.merge(piece));
+        whole.finish()
     }
 
     /// The rows of a measurement, coefficients and residual each, times `root`.

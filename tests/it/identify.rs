@@ -207,6 +207,42 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
     assert!((0.93..0.97).contains(&share), "{share}");
 }
 
+/// Four combinations of the eighteen curves show only in products of errors: what six knots cannot follow of the measured
+/// curves would draw them out by millimetres.
+#[test]
+fn what_shows_only_in_products_of_errors_is_not_followed() {
+    let machine = crate::loaded::machine(std::path::Path::new("configs/vmc-cframe-754.yaml"));
+    let directions = ["X", "Y", "Z", "A", "B", "C"];
+    let words: Vec<String> =
+        ["X", "Y", "Z"].iter().flat_map(|a| directions.map(|d| format!("E{d}{a}:spline6"))).collect();
+    let parameters = wanted(&machine, &words.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut random = Random::new(65);
+    let mut draw = |count: usize| -> Vec<Measurement> {
+        let pose = |random: &mut Random| {
+            machine
+                .axes()
+                .iter()
+                .map(|axis| {
+                    let (low, high) = axis.travel.interval();
+                    random.between(low, high)
+                })
+                .collect::<Vec<f64>>()
+        };
+        let poses: Vec<Vec<f64>> = (0..count).map(|_| pose(&mut random)).collect();
+        poses.iter().map(|p| measured(p, deviation(&machine, p).map(|d| d + 1e-3 * normal(&mut random)))).collect()
+    };
+    let (data, fresh) = (draw(6000), draw(200));
+    let (found, solution) = solve(&machine, &parameters, &data);
+    assert!(found.settled && found.steps <= 3, "{} steps", found.steps);
+    assert!(solution.rank > solution.well_determined && !solution.drowned.is_empty());
+    let moved = |(p, theta): (&Parameter, &f64)| (theta - p.start).abs() * p.size;
+    let farthest = parameters.iter().zip(&found.theta).map(moved).fold(0.0, f64::max);
+    assert!(farthest < 0.1, "{farthest} mm");
+    // A reading scatters by 1 um, and splines of six knots miss the curves by about as much.
+    let left = rms(Model::new(&machine, &parameters).residuals(&fresh, &found.theta).into_iter());
+    assert!((1.7e-3..3.2e-3).contains(&left), "{left} mm");
+}
+
 #[test]
 fn every_kind_of_curve_is_found_again_and_the_fitted_file_says_it() {
     let text = "errors:\n  EC0Y: 12 urad\n  EXX: { polynomial: [0 um, 8 um/m, -20 um/m^2, 30 um/m^3] }\n  ECC: { harmonics: { 0: [3 urad, 0 urad], 1: [20 urad, -10 urad], 2: [4 urad, 5 urad] } }\n  EYX: { points: [[0 mm, 0 um], [125 mm, 3 um], [250 mm, -2 um], [375 mm, 1 um], [500 mm, 4 um]], interpolation: cubic }\n  EXA: { harmonics: { 0: [0 um, 0 um], 1: [2 um, 1 um] } }\n";
