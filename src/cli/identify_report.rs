@@ -23,6 +23,9 @@ pub(super) struct Report<'a> {
     pub fit: &'a Fit,
 }
 
+/// Lines of one kind in the text; JSON has all.
+const MOST_LINES: usize = 10;
+
 fn um(mm: f64) -> f64 {
     mm * 1e3
 }
@@ -153,14 +156,17 @@ impl Report<'_> {
                 &format!("repeated   {} um per reading where a pose was measured again ({freedom} times)\n", n(sigma));
         }
         s.null_space.iter().for_each(|words| text += &format!("free       {words}\n"));
-        s.drowned.iter().for_each(|words| text += &format!("drowned    {words}\n"));
-        for outlier in r.outliers.iter().take(10) {
+        s.drowned.iter().take(MOST_LINES).for_each(|words| text += &format!("drowned    {words}\n"));
+        if s.drowned.len() > MOST_LINES {
+            text += &format!("           and {} more combinations (--format json)\n", s.drowned.len() - MOST_LINES);
+        }
+        for outlier in r.outliers.iter().take(MOST_LINES) {
             let size = significant(outlier.deviations, 3);
             text +=
                 &format!("outlier    {}: {} um, {size} sigma\n", self.place(session, outlier.row), n(outlier.residual));
         }
-        if r.outliers.len() > 10 {
-            text += &format!("           and {} more\n", r.outliers.len() - 10);
+        if r.outliers.len() > MOST_LINES {
+            text += &format!("           and {} more\n", r.outliers.len() - MOST_LINES);
         }
         text
     }

@@ -131,6 +131,15 @@ impl Parameter {
         self.terms.is_empty()
     }
 
+    /// The curve that it is a knot of, and where: `EYX` and `125mm`. Otherwise its name.
+    pub(super) fn curve(&self) -> (&str, Option<&str>) {
+        let knot = matches!(&self.terms[..], [Term { basis: Basis::Spline(_), .. }]);
+        match self.name.split_once(':') {
+            Some((curve, place)) if knot => (curve, Some(place)),
+            _ => (&self.name, None),
+        }
+    }
+
     /// The value in `unit`.
     pub fn shown(&self, value: f64) -> f64 {
         value * self.factor

@@ -183,12 +183,43 @@ fn inseparable(direction: &Direction, parameters: &[Parameter]) -> String {
         return format!("{} has no effect on these data", parameters[j].name);
     }
     let first = direction.first().map_or(1.0, |(j, x)| parameters[*j].shown(x / parameters[*j].size));
-    let part = |(j, x): &(usize, f64)| {
-        let p = &parameters[*j];
-        format!("{} {} {}", p.name, signed(p.shown(x / p.size) / first), p.unit)
-    };
-    let parts: Vec<String> = direction.iter().map(part).collect();
-    format!("{} cannot be separated: together {} change nothing", list(&names(direction, parameters)), parts.join(", "))
+    let amount = |(j, x): &(usize, f64)| parameters[*j].shown(x / parameters[*j].size) / first;
+    let curves = direction.chunk_by(|(i, _), (j, _)| parameters[*i].curve().0 == parameters[*j].curve().0);
+    let (mut names, mut parts) = (Vec::new(), Vec::new());
+    for knots in curves {
+        match shape(knots, &amount, parameters) {
+            Some(part) => {
+                names.push(parameters[knots[0].0].curve().0);
+                parts.push(part);
+            }
+            None => {
+                let part = |k: &(usize, f64)| {
+                    format!("{} {} {}", parameters[k.0].name, signed(amount(k)), parameters[k.0].unit)
+                };
+                names.extend(knots.iter().map(|(j, _)| parameters[*j].name.as_str()));
+                parts.extend(knots.iter().map(part));
+            }
+        }
+    }
+    match &parts[..] {
+        [one] => format!("{one} changes nothing"),
+        _ => format!("{} cannot be separated: together {} change nothing", list(&names), parts.join(", ")),
+    }
+}
+
+/// Amounts of neighbouring knots of a curve as one: the same throughout, or from one to another. `None` of so few that they
+/// may as well be listed.
+fn shape(knots: &[(usize, f64)], amount: &impl Fn(&(usize, f64)) -> f64, parameters: &[Parameter]) -> Option<String> {
+    let ([(i, _), .., (j, _)], true) = (knots, knots.len() > 2) else { return None };
+    let (curve, from) = parameters[*i].curve();
+    let (from, to, unit) = (from?, parameters[*j].curve().1?, &parameters[*i].unit);
+    let (first, last) = (amount(&knots[0]), amount(&knots[knots.len() - 1]));
+    let all = parameters.iter().filter(|p| p.curve().0 == curve).count() == knots.len();
+    let even = knots.iter().all(|k| (amount(k) - first).abs() <= 0.01 * first.abs());
+    if all && even {
+        return Some(format!("{curve} {} {unit} throughout", signed(first)));
+    }
+    Some(format!("{curve} {} {unit} at {from} to {} {unit} at {to}", signed(first), signed(last)))
 }
 
 fn signed(value: f64) -> String {
@@ -196,6 +227,8 @@ fn signed(value: f64) -> String {
     if text.starts_with('-') { text } else { format!("+{text}") }
 }
 
+/// Parameters named of a direction that the noise drowns: those with the largest part.
+const MOST_NAMED: usize = 6;
 /// What moves points by more than this (mm) is no error of a machine: less of it is named.
 const LARGE: f64 = 1.0;
 
@@ -220,8 +253,15 @@ fn drowned(
             let p = &parameters[*j];
             format!("{} {} {}", p.name, signed(p.shown(x * share / p.size)), p.unit)
         };
-        let parts = direction.iter().map(part).collect::<Vec<_>>().join(", ");
-        let names = list(&names(&direction, parameters));
+        let others = direction.split_off(direction.len().min(MOST_NAMED)).len();
+        let mut parts: Vec<String> = direction.iter().map(part).collect();
+        let mut names = names(&direction, parameters);
+        let more = format!("{others} more");
+        if others > 0 {
+            names.push(&more);
+            parts.push("...".to_owned());
+        }
+        let (parts, names) = (parts.join(", "), list(&names));
         if share < 1.0 {
             let share = significant(share, 2);
             return format!(

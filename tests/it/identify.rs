@@ -307,6 +307,25 @@ fn what_cannot_be_separated_is_said_in_words() {
     assert!(free("EZ0C") && free("tool.Z") && free("workpiece.Z"));
 }
 
+/// Constant parts of EXX, EXY and EXZ are one, and the slope of EXZ is a squareness.
+#[test]
+fn knots_of_a_curve_that_cannot_be_separated_are_one_phrase() {
+    let three = "abbe: 1\nmachine: Three\nchain: \"w b X Y Z t\"\nconventions: { joints: linearised }\naxes:\n  X: { travel: [0 mm, 300 mm] }\n  Y: { travel: [0 mm, 200 mm] }\n  Z: { travel: [-100 mm, 0 mm] }\n";
+    let machine = silent(&[("machine.yaml", three)]);
+    let parameters = wanted(&machine, &["EB0Z", "EXX:blocks3", "EXY:blocks2", "EXZ:blocks4"]);
+    let grid = |i: i32| [f64::from(i % 7) * 50.0, f64::from(i / 7 % 5) * 50.0, f64::from(i / 35 % 5) * -25.0];
+    let data: Vec<Measurement> = (0..175).map(|i| measured(&grid(i), [1e-3, 0.0, 0.0])).collect();
+    let (_, solution) = solve(&machine, &parameters, &data);
+    assert_eq!(
+        solution.null_space,
+        [
+            "EB0Z and EXZ cannot be separated: together EB0Z +1 urad, EXZ +0.1 um at -100mm to +0.025 um at -25mm change nothing",
+            "EXY and EXZ cannot be separated: together EXY +1 um throughout, EXZ -1 um throughout change nothing",
+            "EXX and EXZ cannot be separated: together EXX +1 um throughout, EXZ -1 um throughout change nothing",
+        ]
+    );
+}
+
 #[test]
 fn robust_weights_resist_bumped_points_and_held_out_data_are_predicted() {
     let truth = five("errors: { EC0Y: 12 urad, EX0C: 6 um }\n");
