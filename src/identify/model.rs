@@ -21,8 +21,8 @@ pub struct Model<'a> {
     sources: Vec<Source>,
     /// The functions of the pose by which they do, with their axis, each once; the first is 1.
     functions: Vec<(usize, Basis)>,
-    /// The terms of each parameter.
-    links: Vec<Vec<Link>>,
+    /// The terms of the machine's parameters.
+    links: Vec<Link>,
     order: Order,
     /// Slopes of fitted curves over the standard deviations allowed: rows, one coefficient for each unknown.
     slopes: DMatrix<f64>,
@@ -33,17 +33,11 @@ pub struct Model<'a> {
 /// What a parameter does to a source: factor times function. Indices are those of the model's lists.
 #[derive(Debug, Clone, Copy)]
 struct Link {
+    parameter: usize,
     source: usize,
     function: usize,
     factor: f64,
     approach: Approach,
-}
-
-impl Link {
-    /// What a unit of the parameter adds to the source.
-    fn value(&self, functions: &[f64], approach: Approach) -> f64 {
-        share(self.approach, approach) * self.factor * functions[self.function]
-    }
 }
 
 /// What a reading would be, and how it moves; the first [`Measurement::seen`] components count.
@@ -88,16 +82,17 @@ impl<'a> Model<'a> {
     /// The exact model of a machine.
     pub fn new(machine: &Machine, parameters: &'a [Parameter]) -> Self {
         let (mut sources, mut functions) = (Vec::new(), vec![(0, Basis::Constant)]);
-        let mut link = |term: &Term| {
+        let mut link = |parameter: usize, term: &Term| {
             let axis = if let Place::Component(axis) = term.source.place { axis } else { 0 };
             let function = match &term.basis {
                 Basis::Constant => 0,
                 basis => index(&mut functions, (axis, basis.clone())),
             };
             let source = index(&mut sources, term.source);
-            Link { source, function, factor: term.factor, approach: term.approach }
+            Link { parameter, source, function, factor: term.factor, approach: term.approach }
         };
-        let links = parameters.iter().map(|p| p.terms.iter().map(&mut link).collect()).collect();
+        let terms = parameters.iter().enumerate().flat_map(|(j, p)| p.terms.iter().map(move |term| (j, term)));
+        let links = terms.map(|(j, term)| link(j, term)).collect();
         let with = |name: &str| machine.with_tool(name).unwrap_or_else(|| machine.clone());
         let machines = machine.tools().iter().map(|tool| with(&tool.name)).collect();
         let own = parameters.iter().position(Parameter::is_nuisance).unwrap_or(parameters.len());
@@ -144,19 +139,18 @@ impl<'a> Model<'a> {
         &self.machines[measurement.tool]
     }
 
-    /// The functions of the pose.
-    fn functions(&self, pose: &[f64]) -> Vec<f64> {
-        self.functions.iter().map(|(axis, basis)| basis.value(pose[*axis])).collect()
+    /// What a unit of its parameter adds to the source of each link.
+    fn shares(&self, pose: &[f64], approach: Approach) -> Vec<f64> {
+        let functions: Vec<f64> = self.functions.iter().map(|(axis, basis)| basis.value(pose[*axis])).collect();
+        self.links.iter().map(|l| share(l.approach, approach) * l.factor * functions[l.function]).collect()
     }
 
     /// The errors at a pose: fitted sources by the parameters, the others as the machine file says.
-    fn errors(&self, measurement: &Measurement, pose: &[f64], theta: &[f64], functions: &[f64]) -> Values {
+    fn errors(&self, measurement: &Measurement, pose: &[f64], theta: &[f64], shares: &[f64]) -> Values {
         let mut errors = values(self.machine(measurement), pose, measurement.approach);
         let mut sums = vec![0.0; self.sources.len()];
-        for (links, value) in self.links[..self.own].iter().zip(theta) {
-            for link in links {
-                sums[link.source] += value * link.value(functions, measurement.approach);
-            }
+        for (link, share) in self.links.iter().zip(shares) {
+            sums[link.source] += theta[link.parameter] * share;
         }
         for (source, sum) in self.sources.iter().zip(sums) {
             *slot(&mut errors, *source) = sum;
@@ -165,10 +159,12 @@ impl<'a> Model<'a> {
     }
 
     /// Derivatives by the parameters of the machine from those by the sources.
-    fn by_parameter(&self, by_source: &[Vector3<f64>], functions: &[f64], approach: Approach) -> Vec<Vector3<f64>> {
-        let of = |link: &Link| by_source[link.source] * link.value(functions, approach);
-        let by = |links: &Vec<Link>| links.iter().fold(Vector3::zeros(), |sum, link| sum + of(link));
-        self.links[..self.own].iter().map(by).collect()
+    fn by_parameter(&self, by_source: &[Vector3<f64>], shares: &[f64]) -> Vec<Vector3<f64>> {
+        let mut by = vec![Vector3::zeros(); self.own];
+        for (link, share) in self.links.iter().zip(shares) {
+            by[link.parameter] += by_source[link.source] * *share;
+        }
+        by
     }
 
     /// Rotation from the workpiece frame to that of the reading, and the nominal point from the workpiece origin.
@@ -192,7 +188,7 @@ impl<'a> Model<'a> {
 
     /// What would be read, as an element.
     fn reading<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Vector3<S> {
-        let errors = |pose: &[f64]| self.errors(m, pose, theta, &self.functions(pose));
+        let errors = |pose: &[f64]| self.errors(m, pose, theta, &self.shares(pose, m.approach));
         let at = |pose: &[f64]| point(self.machine(m), pose, &errors(pose), &S::LIFT);
         let constant = |zero: &Option<usize>| zero.map_or(0.0, |zero| self.nuisance(theta, zero));
         let single = |x: S| Vector3::new(x, S::zero(), S::zero());
@@ -332,12 +328,12 @@ impl<'a> Model<'a> {
 
     fn local<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Local {
         let machine = self.machine(m);
-        let functions = self.functions(&m.pose);
-        let tangents_at = |pose: &[f64], functions: &[f64]| {
-            tangents(machine, pose, &self.errors(m, pose, theta, functions), &S::LIFT, &self.sources)
+        let shares = self.shares(&m.pose, m.approach);
+        let tangents_at = |pose: &[f64], shares: &[f64]| {
+            tangents(machine, pose, &self.errors(m, pose, theta, shares), &S::LIFT, &self.sources)
         };
-        let by_parameter = |by_source: Vec<Vector3<f64>>| self.by_parameter(&by_source, &functions, m.approach);
-        let here = || tangents_at(&m.pose, &functions);
+        let by_parameter = |by_source: Vec<Vector3<f64>>| self.by_parameter(&by_source, &shares);
+        let here = || tangents_at(&m.pose, &shares);
         let unit = |k: usize, x: f64| Vector3::from_fn(|i, _| if i == k { x } else { 0.0 });
         match &m.reading {
             Reading::Deviation { frame, zero, .. } => {
@@ -364,14 +360,14 @@ impl<'a> Model<'a> {
                 }
             }
             Reading::Distance { from: End::Pose(to), zero, .. } => {
-                let other = self.functions(to);
+                let other = self.shares(to, m.approach);
                 let (here, there) = (here(), tangents_at(to, &other));
                 let (distance, towards) = normalised(here.point.clone() - there.point.clone());
                 let slope = |(s, d): (&Source, &Vector3<S>)| unit(0, self.slope(*s, &dot(&towards, d)));
                 let slopes = |derivatives: &[Vector3<S>]| self.sources.iter().zip(derivatives).map(slope).collect();
-                // The functions differ at the two ends.
+                // The functions of the pose differ at the two ends.
                 let near = by_parameter(slopes(&here.derivatives));
-                let far = self.by_parameter(&slopes(&there.derivatives), &other, m.approach);
+                let far = self.by_parameter(&slopes(&there.derivatives), &other);
                 Local {
                     predicted: unit(0, distance.total() - zero.map_or(0.0, |z| self.nuisance(theta, z))),
                     by_parameter: near.iter().zip(&far).map(|(near, far)| near - far).collect(),
@@ -390,7 +386,7 @@ impl<'a> Model<'a> {
                 }
             }
             Reading::Error { source, .. } => Local {
-                predicted: unit(0, self.errors(m, &m.pose, theta, &functions).of(*source)),
+                predicted: unit(0, self.errors(m, &m.pose, theta, &shares).of(*source)),
                 by_parameter: by_parameter(
                     self.sources.iter().map(|s| unit(0, f64::from(u8::from(s == source)))).collect(),
                 ),
