@@ -216,7 +216,7 @@ impl Svd {
     }
 
     /// The x that minimises `|A x - right|^2 + pull |x + away|^2 + damping |x|^2`: a step of somebody who
-    /// stands `away` from home, is drawn there, and takes care not to step too far.
+    /// stands `away` from home, is drawn there, and takes care not to step too far; the `rank` largest values in use.
     pub fn step(
         &self,
         right: &DVector<f64>,
@@ -225,26 +225,12 @@ impl Svd {
         damping: f64,
     ) -> DVector<f64> {
         let mut x = DVector::zeros(self.v.nrows());
-        for (k, (force, stiffness)) in self.forces(right, rank, (away, pull)).enumerate() {
-            if stiffness + damping > 0.0 {
-                x.axpy(force / (stiffness + damping), &self.v.column(k), 1.0);
-            }
+        for k in 0..rank {
+            let stiffness = self.values[k] * self.values[k] + pull + damping;
+            let force = self.values[k] * self.u.column(k).dot(right) - pull * self.v.column(k).dot(away);
+            x.axpy(force / stiffness, &self.v.column(k), 1.0);
         }
         x
-    }
-
-    /// The same, direction by direction: what draws along the right vector, and against what.
-    pub fn forces<'a>(
-        &'a self,
-        right: &'a DVector<f64>,
-        rank: usize,
-        (away, pull): (&'a DVector<f64>, f64),
-    ) -> impl Iterator<Item = (f64, f64)> + 'a {
-        (0..self.v.ncols()).map(move |k| {
-            let value = if k < rank { self.values[k] } else { 0.0 };
-            let force = value * self.u.column(k).dot(right) - pull * self.v.column(k).dot(away);
-            (force, value * value + pull)
-        })
     }
 
     /// Orthonormal basis of what A does not see, the columns of the result.

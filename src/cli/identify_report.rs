@@ -107,8 +107,11 @@ impl Report<'_> {
         let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN);
         let _ = table.set_header(["parameter", "value", "1 sigma", "unit"]);
         for (p, e) in self.estimates() {
-            let sigma = e.sigma.map_or_else(|| "free".to_owned(), |s| significant(p.shown(s), 2));
-            let _ = table.add_row([p.name.clone(), significant(p.shown(e.value), 5), sigma, p.unit.clone()]);
+            let none = if self.solution.freedom > 0 { "free" } else { "unknown" };
+            let sigma = e.sigma.map_or_else(|| none.to_owned(), |s| significant(p.shown(s), 2));
+            // What is left of a direction that was held is rounding.
+            let value = Some(p.shown(e.value)).filter(|v| v.abs() >= 1e-6).unwrap_or(0.0);
+            let _ = table.add_row([p.name.clone(), significant(value, 5), sigma, p.unit.clone()]);
         }
         format!("{}: fitted to {} points\n{table}\n{}", self.machine.name(), self.data.len(), self.summary(session))
     }

@@ -3,12 +3,11 @@
 //! Steps are the shortest ones in units of displacement, so that directions which the data do not see stay where
 //! they are. Damping is needed although the model is almost linear: where a direction is nearly invisible, the
 //! undamped step is a large turn, the model is not linear over it, and the iteration runs to and fro. For the
-//! same reason there is a weak prior: the displacement that a parameter makes is not beyond thirty times what was
-//! measured, or 3 mm (10 mrad). It costs a well determined parameter far less than its uncertainty, and what the noise
-//! drowns stays at home.
+//! same reason there is a weak prior.
 
 use super::measurement::Measurement;
 use super::model::Model;
+use super::prior::Prior;
 use crate::algebra::linear::{Reduced, Svd};
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -32,10 +31,6 @@ const MOST: f64 = 1e6;
 /// Condition up to which the normal equations of the triangle give the step.
 const EASY: f64 = 1e5;
 
-/// Standard deviation of the prior, as a displacement: so many times the root mean square of what was measured, and at
-/// most this (mm).
-const PRIOR: (f64, f64) = (30.0, 3.0);
-
 /// Where a fit has come to.
 #[derive(Debug, Clone)]
 pub struct Fit {
@@ -45,6 +40,8 @@ pub struct Fit {
     pub reduced: Reduced,
     /// Weight of each measurement.
     pub weights: Vec<f64>,
+    /// Is the unknown held by something else than readings (bounds on slopes)?
+    pub bounded: Vec<bool>,
     /// Accepted steps.
     pub steps: usize,
     /// Did it settle, rather than run out of steps?
@@ -56,8 +53,7 @@ pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>, theta: Op
     let home: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
     let linear = |theta: &[f64]| model.triangle(data, &weights, theta);
     let at_home = linear(&home);
-    let heft: f64 = data.iter().zip(&weights).map(|(m, weight)| weight * m.readings() as f64).sum();
-    let prior = Prior::new(model, at_home.right_norm() / libm::sqrt(heft));
+    let prior = Prior::new(model, data, &at_home);
     let (theta, reduced) = match theta {
         Some(theta) => {
             let there = linear(&theta);
@@ -68,19 +64,20 @@ pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>, theta: Op
     let mut descent = Descent { linear: &linear, prior, theta, reduced, damping: FIRST, steps: 0, last: None };
     let settled = descent.run();
     let Descent { theta, reduced, steps, .. } = descent;
-    Fit { theta, reduced, weights, steps, settled }
+    let bounded = model.slopes().column_iter().map(|column| column.iter().any(|x| *x != 0.0)).collect();
+    Fit { theta, reduced, weights, bounded, steps, settled }
 }
 
 /// The iteration, wherever it stands.
 struct Descent<'a> {
     /// The linear problem anywhere.
     linear: &'a dyn Fn(&[f64]) -> Reduced,
-    prior: Prior<'a>,
+    prior: Prior,
     theta: Vec<f64>,
     reduced: Reduced,
     damping: f64,
     steps: usize,
-    /// What the step that led here had promised along the directions that the data see, if it was a whole one.
+    /// What the step that led here had promised, if it was a whole one.
     last: Option<f64>,
 }
 
@@ -108,16 +105,16 @@ impl Descent<'_> {
 
     /// Is the rest of the way so short that the linear problem will do for it? Then goes there.
     fn arrives(&mut self, problem: &Problem, before: f64, variance: f64) -> bool {
-        let ahead = problem.ahead();
+        let whole = problem.step(FIRST);
+        let ahead = before - problem.cost(&whole);
         let radius = self.theta.len() as f64 * variance;
         let small = (OFFSET * OFFSET * radius).max(unseen(before));
         // A step leaves of the promise what the one before it left of its own.
-        let rest = self.last.map_or(f64::INFINITY, |last| ahead.gain * ahead.gain / last);
-        let near = ahead.gain <= small || (ahead.gain <= NEAR * NEAR * radius && rest <= small);
-        if !near || ahead.drowned > ahead.deaf as f64 * variance {
+        let rest = self.last.map_or(f64::INFINITY, |last| ahead * ahead / last);
+        if !(ahead <= small || (ahead <= NEAR * NEAR * radius && rest <= small)) {
             return false;
         }
-        let step = ahead.step.component_div(&self.prior.scale);
+        let step = self.prior.unknowns(&whole);
         self.reduced.right -= &self.reduced.r * &step;
         self.theta.iter_mut().zip(step.iter()).for_each(|(t, s)| *t += s);
         true
@@ -132,7 +129,7 @@ impl Descent<'_> {
             if promise.is_nan() || promise <= PROMISE * before + ROUNDING * self.reduced.rows as f64 {
                 return true;
             }
-            let step = scaled.component_div(&self.prior.scale);
+            let step = self.prior.unknowns(&scaled);
             let trial: Vec<f64> = self.theta.iter().zip(step.iter()).map(|(t, s)| t + s).collect();
             let then = (self.linear)(&trial);
             let gain = before - self.prior.cost(&then, &trial, variance);
@@ -163,55 +160,11 @@ fn unseen(cost: f64) -> f64 {
     2.0 * libm::sqrt(cost * ROUNDING)
 }
 
-/// What is known before the data: parameters are near their starts, and curves are not steep.
-struct Prior<'a> {
-    start: Vec<f64>,
-    /// Displacement that a unit of each unknown makes.
-    scale: DVector<f64>,
-    /// 1 for parameters of the machine, 0 for unknowns of instruments: nothing is known of those.
-    counts: DVector<f64>,
-    slopes: &'a DMatrix<f64>,
-    /// Standard deviation of a displacement (mm).
-    sigma: f64,
-}
-
-impl<'a> Prior<'a> {
-    /// `measured`: root mean square of the readings, as far as the start leaves them (mm).
-    fn new(model: &'a Model<'_>, measured: f64) -> Self {
-        let list = model.parameters();
-        let (times, most) = PRIOR;
-        Self {
-            sigma: (times * measured).min(most).max(f64::MIN_POSITIVE),
-            start: list.iter().map(|p| p.start).collect(),
-            scale: DVector::from_iterator(list.len(), list.iter().map(|p| p.size)),
-            counts: DVector::from_fn(list.len(), |j, _| f64::from(u8::from(j < model.own()))),
-            slopes: model.slopes(),
-        }
-    }
-
-    /// Weight of a displacement beside readings of this variance.
-    fn pull(&self, variance: f64) -> f64 {
-        if variance > 0.0 { variance / self.sigma / self.sigma } else { 0.0 }
-    }
-
-    /// How far from home, in units of displacement.
-    fn away(&self, theta: &[f64]) -> DVector<f64> {
-        DVector::from_fn(theta.len(), |j, _| (theta[j] - self.start[j]) * self.scale[j] * self.counts[j])
-    }
-
-    /// Weighted sum of squares (mm^2) of readings and prior, readings scattering with this variance.
-    fn cost(&self, reduced: &Reduced, theta: &[f64], variance: f64) -> f64 {
-        let slopes = self.slopes * DVector::from_column_slice(theta);
-        let pull = self.pull(variance);
-        let data = reduced.right_norm() * reduced.right_norm();
-        data + pull * self.away(theta).norm_squared() + variance * slopes.norm_squared()
-    }
-}
-
-/// The linear problem of one step.
+/// The linear problem of one step, its unknowns as displacements.
 struct Problem {
-    reduced: Reduced,
-    scale: DVector<f64>,
+    coefficients: DMatrix<f64>,
+    right: DVector<f64>,
+    rest: f64,
     home: DVector<f64>,
     pull: f64,
     solver: Solver,
@@ -224,83 +177,44 @@ enum Solver {
 }
 
 impl Problem {
-    fn new(prior: &Prior<'_>, reduced: &Reduced, theta: &[f64], variance: f64) -> Self {
-        let root = libm::sqrt(variance);
-        let slopes = prior.slopes * root;
-        let right = -&slopes * DVector::from_column_slice(theta);
-        let reduced = if slopes.nrows() > 0 { reduced.with_rows(&slopes, &right) } else { reduced.clone() };
+    fn new(prior: &Prior, reduced: &Reduced, theta: &[f64], variance: f64) -> Self {
+        let (rows, missing) = prior.rows(theta, variance);
+        let reduced = if rows.nrows() > 0 { reduced.with_rows(&rows, &missing) } else { reduced.clone() };
+        let coefficients = prior.by_displacement(&reduced.r);
         let solver = if reduced.condition() < EASY {
-            let scaled = DMatrix::from_fn(theta.len(), theta.len(), |i, j| reduced.r[(i, j)] / prior.scale[j]);
-            let normal = scaled.tr_mul(&scaled);
+            let normal = coefficients.tr_mul(&coefficients);
             let largest = normal.diagonal().max();
             Solver::Normal(normal, largest)
         } else {
-            let svd = reduced.scaled(&prior.scale);
+            let svd = Svd::new(&coefficients);
             let rank = svd.rank(NOISE);
             Solver::Singular(svd, rank)
         };
-        let (scale, home) = (prior.scale.clone(), prior.away(theta));
-        Self { reduced, scale, home, pull: prior.pull(variance), solver }
+        let (home, pull) = (prior.away(theta), prior.pull(variance));
+        Self { coefficients, right: reduced.right, rest: reduced.rest, home, pull, solver }
     }
 
-    /// The best step, in units of displacement.
+    /// The best step, as displacements.
     fn step(&self, damping: f64) -> DVector<f64> {
         match &self.solver {
             Solver::Singular(svd, rank) => {
                 let largest = svd.values.iter().copied().fold(0.0, f64::max);
-                svd.step(&self.reduced.right, *rank, (&self.home, self.pull), damping * largest * largest)
+                svd.step(&self.right, *rank, (&self.home, self.pull), damping * largest * largest)
             }
             Solver::Normal(normal, largest) => {
                 let n = normal.ncols();
-                let force =
-                    self.reduced.r.tr_mul(&self.reduced.right).component_div(&self.scale) - &self.home * self.pull;
+                let force = self.coefficients.tr_mul(&self.right) - &self.home * self.pull;
                 let stiff = normal + DMatrix::identity(n, n) * (self.pull + damping * largest);
                 stiff.cholesky().map_or_else(|| DVector::zeros(n), |factor| factor.solve(&force))
             }
         }
     }
 
-    /// What is left to gain, by the linear problem.
-    fn ahead(&self) -> Ahead {
-        let Solver::Singular(svd, rank) = &self.solver else {
-            let step = self.step(0.0);
-            let gain = self.cost(&DVector::zeros(step.len())) - self.cost(&step);
-            return Ahead { gain, step, drowned: 0.0, deaf: 0 };
-        };
-        let loudest = self.reduced.column_norms().component_div(&self.scale).max();
-        let limit = loudest / libm::sqrt(self.reduced.rows.max(1) as f64);
-        let mut ahead = Ahead { gain: 0.0, step: DVector::zeros(self.home.len()), drowned: 0.0, deaf: 0 };
-        for (k, (force, stiffness)) in svd.forces(&self.reduced.right, *rank, (&self.home, self.pull)).enumerate() {
-            let gain = if stiffness > 0.0 { force * force / stiffness } else { 0.0 };
-            if svd.values[k] > limit {
-                ahead.gain += gain;
-                ahead.step.axpy(force / stiffness, &svd.v.column(k), 1.0);
-            } else {
-                ahead.drowned += gain;
-                ahead.deaf += usize::from(k < *rank);
-            }
-        }
-        ahead
-    }
-
     /// What a step would leave.
-    fn cost(&self, scaled: &DVector<f64>) -> f64 {
-        let step = scaled.component_div(&self.scale);
-        let left = (&self.reduced.right - &self.reduced.r * &step).norm_squared();
-        left + self.reduced.rest * self.reduced.rest + self.pull * (&self.home + scaled).norm_squared()
+    fn cost(&self, step: &DVector<f64>) -> f64 {
+        let left = (&self.right - &self.coefficients * step).norm_squared();
+        left + self.rest * self.rest + self.pull * (&self.home + step).norm_squared()
     }
-}
-
-/// What is left to gain. Along directions in which all readings together hear less than one of them hears of a usual
-/// parameter, only what stands out of the noise counts: there the model bends before it gains, and would be followed for
-/// millimetres to save nanometres.
-struct Ahead {
-    /// Along the other directions: gain (mm^2) and step in units of displacement.
-    gain: f64,
-    step: DVector<f64>,
-    /// Gain along the directions that hear so little, and how many they are.
-    drowned: f64,
-    deaf: usize,
 }
 
 /// Huber's constant, in standard deviations of a component.

@@ -23,6 +23,7 @@ mod model;
 mod monomials;
 mod parameter;
 mod plan;
+mod prior;
 mod randomness;
 mod reader;
 mod request;

@@ -12,6 +12,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 use rayon::prelude::*;
 
 /// Machine and unknowns: parameters of the machine first, then those of the instruments.
+#[derive(Clone)]
 pub struct Model<'a> {
     machines: Vec<Machine>,
     parameters: &'a [Parameter],

@@ -1,10 +1,15 @@
 //! What is fitted: each parameter moves one or more error sources, each by a basis function of the axis position.
 
 use crate::lower::{Place, Source};
-use crate::machine::{Approach, AxisKind, Curve, Knots, Machine, sin_cos_degrees};
+use crate::machine::{Approach, AxisKind, Curve, Direction, Knots, Machine, sin_cos_degrees};
 
 /// Lever (mm) by which a rotation counts as a displacement where sizes of unlike parameters are compared.
 const LEVER: f64 = 300.0;
+
+/// Displacement (mm) that a unit of an error makes.
+pub(super) fn lever(direction: Direction) -> f64 {
+    if direction.is_rotation() { LEVER } else { 1.0 }
+}
 
 /// A function of the programmed position of an axis (mm or deg).
 #[derive(Debug, Clone, PartialEq)]
@@ -104,7 +109,7 @@ impl Parameter {
     ) -> Self {
         let rotation = main.direction.is_rotation();
         let (unit, mut factor) = if rotation { ("urad", 1e6) } else { ("um", 1e3) };
-        let mut size = if rotation { LEVER } else { 1.0 };
+        let mut size = lever(main.direction);
         let mut per = "";
         if let (Place::Component(i), 1..) = (main.place, power) {
             let axis = &machine.axes()[i];

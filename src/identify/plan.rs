@@ -86,7 +86,8 @@ fn update(covariance: &mut DMatrix<f64>, rows: &DMatrix<f64>) {
 fn expected(model: &Model<'_>, poses: &[Measurement], theta: &[f64], noise: f64) -> Solution {
     let weights = vec![1.0; poses.len()];
     let reduced = model.triangle(poses, &weights, theta);
-    let mut fit = Fit { theta: theta.to_vec(), reduced, weights, steps: 0, settled: true };
+    let bounded = vec![false; theta.len()];
+    let mut fit = Fit { theta: theta.to_vec(), reduced, weights, bounded, steps: 0, settled: true };
     // As if the readings scattered by the noise over as many degrees of freedom as there will be.
     let freedom = Solution::of(&fit, model.parameters()).freedom.max(1);
     fit.reduced.right.fill(0.0);

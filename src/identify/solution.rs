@@ -21,7 +21,8 @@ const NAMED: f64 = 0.02;
 pub struct Estimate {
     /// The value. Of parameters that the data do not tell apart, the shortest combination.
     pub value: f64,
-    /// Standard uncertainty from the scatter of the residuals; `None`: the data leave the value free.
+    /// Standard uncertainty from the scatter of the residuals; `None`: the data leave the value free, or have no reading
+    /// more than the rank, so that nothing scatters.
     pub sigma: Option<f64>,
     /// How many times better its effect on a usual reading is known than one reading is: root mean square of the
     /// effect of one standard uncertainty over the readings, inverted, in standard deviations of a reading. Depends on
@@ -77,15 +78,15 @@ impl Solution {
         // Standard uncertainties for readings of unit variance.
         let spread = |j: usize| libm::sqrt(covariance[(j, j)].max(0.0)) / units[j];
         let free = |j: usize| hidden.row(j).norm_squared() > LOST;
-        let theta = at_rest(&fit.theta, &null, parameters);
+        let theta = at_rest(fit, &null, parameters);
         let root = libm::sqrt(fit.reduced.rows.max(1) as f64);
         let estimate = |(j, value): (usize, f64)| Estimate {
             value,
-            sigma: (!free(j)).then(|| spread(j) * sigma),
+            sigma: (!free(j) && freedom > 0).then(|| spread(j) * sigma),
             valuation: if free(j) || norms[j] == 0.0 { 0.0 } else { root / (norms[j] * spread(j)) },
         };
         let estimates: Vec<Estimate> = theta.into_iter().enumerate().map(estimate).collect();
-        let values = estimates.iter().zip(parameters).filter(|(e, p)| e.sigma.is_some() && !p.is_nuisance());
+        let values = estimates.iter().zip(parameters).filter(|(e, p)| e.valuation > 0.0 && !p.is_nuisance());
         let valuation = values.map(|(e, _)| e.valuation).reduce(f64::min).unwrap_or(0.0);
         let well_determined = heard(&unit, rank, fit.reduced.rows);
         let smallest = if rank > 0 { unit.values[rank - 1] } else { 0.0 };
@@ -118,10 +119,13 @@ fn heard(unit: &Svd, rank: usize, readings: usize) -> usize {
 
 /// Puts parameters that have no effect back to where they started: what is left of them is the bend of
 /// the directions they hid in while the others moved.
-fn at_rest(theta: &[f64], null: &[DVector<f64>], parameters: &[Parameter]) -> Vec<f64> {
-    let mut theta = theta.to_vec();
+fn at_rest(fit: &Fit, null: &[DVector<f64>], parameters: &[Parameter]) -> Vec<f64> {
+    let mut theta = fit.theta.clone();
     for row in null {
         let [(alone, amount)] = named(row)[..] else { continue };
+        if fit.bounded[alone] {
+            continue;
+        }
         let away = (theta[alone] - parameters[alone].start) * parameters[alone].size / amount;
         for (j, parameter) in parameters.iter().enumerate().filter(|(j, _)| *j != alone) {
             theta[j] -= away * row[j] / parameter.size;

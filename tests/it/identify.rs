@@ -237,7 +237,7 @@ fn what_shows_only_in_products_of_errors_is_not_followed() {
     assert!(solution.rank > solution.well_determined && !solution.drowned.is_empty());
     let moved = |(p, theta): (&Parameter, &f64)| (theta - p.start).abs() * p.size;
     let farthest = parameters.iter().zip(&found.theta).map(moved).fold(0.0, f64::max);
-    assert!(farthest < 0.1, "{farthest} mm");
+    assert!(farthest < 0.2, "{farthest} mm");
     // A reading scatters by 1 um, and splines of six knots miss the curves by about as much.
     let left = rms(Model::new(&machine, &parameters).residuals(&fresh, &found.theta).into_iter());
     assert!((1.7e-3..3.2e-3).contains(&left), "{left} mm");

@@ -43,6 +43,7 @@ mod paper_2015;
 mod papers_way;
 mod parametrisation;
 mod plan;
+mod prior;
 mod program;
 mod published;
 mod readme;

@@ -203,8 +203,8 @@ fn a_bounded_slope_keeps_a_curve_flat_where_nothing_was_measured() {
     let loose = at_end(&bounded);
     bounded.slopes.insert("EXX".to_owned(), Scalar::Text("20 um/m".to_owned()));
     let tight = at_end(&bounded);
-    // Without a bound only the prior holds the end, and it is as wide as thirty times what was measured: 0.042 mm.
-    assert!(loose > 0.03 && tight < 0.001, "{loose} {tight}");
+    // Without a bound only the prior holds the end: within 3 mm.
+    assert!(loose > 0.05 && tight < 0.002, "{loose} {tight}");
 }
 
 #[test]
