@@ -10,7 +10,7 @@ use crate::oracle::yaml;
 use abbe::analysis::{SurveyTask, View, deviation_in, map, survey};
 use abbe::compensation::{Goal, Scope, correct, correct_all};
 use abbe::evaluate::{
-    Bare, Columns, Deviation, Frame, Nodes, Order, Plan, Planned, PoseColumns, Poses, Tally, Unknown, Width,
+    Bare, Batch, Columns, Deviation, Frame, Nodes, Order, Plan, Planned, PoseColumns, Poses, Tally, Unknown, Width,
     command_deviation, evaluate,
 };
 use abbe::lower::{Ideal, given, sensitivities};
@@ -124,6 +124,31 @@ fn the_bits_depend_on_no_width_and_no_batch() {
                     assert_eq!(planned(&plan, &poses[..count]), scalar[..count], "{order:?} {width:?} {count}");
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn large_batches_have_the_bits_of_small_ones() {
+    // Above 2^18 poses deviations are stored past the caches, and from where a cache line begins.
+    let count = (1 << 18) + 77;
+    let mut random = Random::new(83);
+    let (machine, few) = random_machine(&mut random, Conventions::default(), 1e-4);
+    let few = columns(&machine, &few);
+    let many: Vec<Vec<f64>> =
+        few.axes.iter().map(|column| column.iter().copied().cycle().take(count).collect()).collect();
+    let plan = Plan::new(&machine, Order::Degree(1), Approach::Mean);
+    let mut small = Columns::new(29);
+    plan.deviations(&few.batch(), small.output(29));
+    for width in widths() {
+        let plan = plan.clone().with_width(width);
+        let mut out = Columns::new(count);
+        // Columns that begin anywhere in a line.
+        for skipped in [0, 3] {
+            let axes = many.iter().map(|column| &column[skipped..]).collect();
+            let (_, room) = out.output(count).split_at(skipped);
+            plan.deviations(&Batch::new(axes, count - skipped).unwrap(), room);
+            assert!((skipped..count).all(|i| out.get(i) == small.get(i % 29)), "{width:?} {skipped}");
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Batches: many poses in columns, and where their deviations go.
 
-use super::ahead::{Ahead, CHUNK, Inputs, Scattered, Wanted};
+use super::ahead::{Ahead, CHUNK, Inputs, Part, Scattered, Wanted};
 use super::curves::Six;
-use super::lanes::{Kernel, Lanes, expect};
+use super::lanes::{Kernel, Lanes, expect, settle};
 use super::links::Vector;
 
 /// Poses by columns: one slice of positions (mm or deg) per axis, in the order of the machine's axes.
@@ -183,6 +183,15 @@ pub struct Slices<'a> {
 
 /// Something that has a deviation at a pose, lane by lane.
 pub trait Task {
+    /// Finds out what the walk wants to know.
+    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], part: Part<'_>);
+
+    /// Position, rotation, and a number that is above [`FARTHEST`] where they must not be trusted.
+    fn at<V: Lanes>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V);
+}
+
+/// A task whose walk does not ask where its inputs come from: from a batch, or from the nodes of a grid.
+pub trait Nodal: Task {
     /// What it makes of the six errors of an axis.
     type Node: Copy;
 
@@ -192,15 +201,33 @@ pub trait Task {
     /// Makes it.
     fn node(&self, axis: usize, six: &Six) -> Self::Node;
 
-    /// Position, rotation, and a number that is above [`FARTHEST`] where they must not be trusted.
-    fn at<V: Lanes, I: Inputs<V, Self::Node>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V);
+    /// As [`Task::at`].
+    fn walk<V: Lanes, I: Inputs<V, Self::Node>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V);
+
+    /// As [`Task::ahead`].
+    #[inline(always)]
+    fn every_axis<V: Lanes>(&self, axes: &mut [Ahead], part: Part<'_>) {
+        for axis in 0..axes.len() {
+            let wanted = self.wanted(axis);
+            axes[axis].look::<V>(wanted, axis, part);
+            if let Some(curves) = wanted.curves {
+                axes[axis].six::<V>(curves, axis, part);
+            }
+        }
+    }
 }
 
 /// Squared half angle (rad) up to which the series of the kernels are good to the last bit.
 pub const FARTHEST: f64 = 0.0225;
 
+/// Doubles of a cache line.
+const LINE: usize = 8;
+
 /// Poses of a batch that may be in the second cache with their deviations.
 const IN_CACHE: usize = 1 << 14;
+
+/// Poses of a batch whose deviations (12 MB) would drive everything else from the caches, and be driven out themselves.
+const PAST_CACHES: usize = 1 << 18;
 
 /// A task over a batch.
 pub struct Pass<'a, 'o, T> {
@@ -214,19 +241,40 @@ pub struct Pass<'a, 'o, T> {
     pub beyond: &'a mut Vec<usize>,
 }
 
+/// What memory is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Traffic {
+    /// Everything is in the caches.
+    Near,
+    /// Lines are asked for before they are read or written.
+    Expected,
+    /// Likewise those that are read; deviations are stored past the caches.
+    Past,
+}
+
 impl<T: Task> Kernel for Pass<'_, '_, T> {
     #[inline(always)]
     fn run<V: Lanes>(mut self) {
         let mut ahead = vec![Ahead::NONE; self.poses.axes.len()];
         let count = self.out.len();
-        let (whole, mut from) = (count / V::COUNT * V::COUNT, 0);
+        let traffic = match count {
+            0..=IN_CACHE => Traffic::Near,
+            _ if V::LINE && count > PAST_CACHES => Traffic::Past,
+            _ => Traffic::Expected,
+        };
+        // So that vectors are whole lines, what stands before the first line is done first.
+        let mut from = if traffic == Traffic::Near { 0 } else { before_line(self.out.position[0]) };
+        if from > 0 {
+            self.rest(&mut ahead, 0, from);
+        }
+        let whole = from + (count - from) / V::COUNT * V::COUNT;
         while from < whole {
             let next = whole.min(from + CHUNK);
-            if count > IN_CACHE {
-                self.expect(from + 3 * CHUNK);
-            }
-            self.chunk::<V>(&mut ahead, from, next);
+            self.chunk::<V>(&mut ahead, from, next, traffic);
             from = next;
+        }
+        if traffic == Traffic::Past {
+            settle();
         }
         if whole < count {
             self.rest(&mut ahead, whole, count);
@@ -234,16 +282,23 @@ impl<T: Task> Kernel for Pass<'_, '_, T> {
     }
 }
 
+/// Numbers before the first that begins a cache line.
+fn before_line(column: &[f64]) -> usize {
+    column.as_ptr().align_offset(64).min(LINE - 1)
+}
+
 impl<T: Task> Pass<'_, '_, T> {
-    /// The chunk from here on will be read and written: eleven columns are more than a processor foresees by itself.
+    /// A vector from here on will be read and written: eleven columns are more than a processor foresees by itself.
     #[inline(always)]
-    fn expect(&self, from: usize) {
-        for line in (from..from + CHUNK).step_by(8) {
+    fn expect(&self, at: usize, traffic: Traffic) {
+        if traffic != Traffic::Near {
             for column in self.poses.axes {
-                expect(column, line);
+                expect(column, at);
             }
+        }
+        if traffic == Traffic::Expected {
             for column in self.out.position.iter().chain(&self.out.rotation) {
-                expect(column, line);
+                expect(column, at);
             }
         }
     }
@@ -251,28 +306,37 @@ impl<T: Task> Pass<'_, '_, T> {
     /// What is less than a vector: compiled once, for its bits are the same at any width.
     #[inline(never)]
     fn rest(&mut self, ahead: &mut [Ahead], from: usize, to: usize) {
-        self.chunk::<f64>(ahead, from, to);
+        self.chunk::<f64>(ahead, from, to, Traffic::Near);
     }
 
     #[inline(always)]
-    fn chunk<V: Lanes>(&mut self, ahead: &mut [Ahead], from: usize, to: usize) {
-        for axis in 0..ahead.len() {
-            ahead[axis].look::<V>(self.task.wanted(axis), &self.poses, axis, from, to - from);
-        }
+    fn chunk<V: Lanes>(&mut self, ahead: &mut [Ahead], from: usize, to: usize, traffic: Traffic) {
+        self.task.ahead::<V>(ahead, Part { poses: self.poses, from, count: to - from });
         let mut at = from;
         while at < to {
-            self.step::<V>(Scattered { poses: self.poses, at, axes: ahead, i: at - from });
+            if (at - from).is_multiple_of(LINE) {
+                self.expect(at + 3 * CHUNK, traffic);
+            }
+            // The mask changes nothing, and shows the compiler that the vector lies within the chunk.
+            let i = (at - from) & (CHUNK - V::COUNT);
+            self.step::<V>(Scattered { poses: self.poses, at, axes: ahead, i }, traffic);
             at += V::COUNT;
         }
     }
 
     #[inline(always)]
-    fn step<V: Lanes>(&mut self, inputs: Scattered<'_>) {
+    fn step<V: Lanes>(&mut self, inputs: Scattered<'_>, traffic: Traffic) {
         let at = inputs.at;
-        let (d, w, far) = self.task.at::<V, _>(inputs);
+        let (d, w, far) = self.task.at::<V>(inputs);
         for k in 0..3 {
-            d[k].store(&mut self.out.position[k][at..]);
-            w[k].store(&mut self.out.rotation[k][at..]);
+            let (position, rotation) = (&mut self.out.position[k][at..], &mut self.out.rotation[k][at..]);
+            if traffic == Traffic::Past {
+                d[k].store_past(position);
+                w[k].store_past(rotation);
+            } else {
+                d[k].store(position);
+                w[k].store(rotation);
+            }
         }
         let far = far.spread();
         for (lane, far) in far.iter().enumerate().take(V::COUNT) {

@@ -11,7 +11,8 @@
 //!
 //! where of an inner linear axis `R p` is a constant and the position times a constant.
 
-use super::batch::Output;
+use super::ahead::{Ahead, Part, Scattered};
+use super::batch::{Output, Slices, Task};
 use super::curves::Six;
 use super::first::{FirstOrder, Joint};
 use super::grid::{advance, write};
@@ -128,14 +129,17 @@ impl Inner {
         };
         let mut inner =
             Self { count, position: padded(), slide, point: columns(), displacement: columns(), rotation: columns() };
-        for (node, q) in axis.positions.iter().enumerate() {
-            let mut state = plan.start::<f64>();
-            state.pass(joint, *q, axis.turns[node], axis.twists[node]);
-            inner.position[node] = *q;
+        inner.position[..count].copy_from_slice(&axis.positions);
+        let plan = plan.inner(joint);
+        let mut ahead = [Ahead::NONE];
+        let poses = Slices { axes: &[&axis.positions], added: &[] };
+        for at in 0..count {
+            plan.ahead::<f64>(&mut ahead, Part { poses, from: at, count: 1 });
+            let state = plan.walk::<f64>(Scattered { poses, at, axes: &ahead, i: 0 });
             for k in 0..3 {
-                inner.point[k][node] = state.point[k];
-                inner.displacement[k][node] = state.displacement[k];
-                inner.rotation[k][node] = state.rotation[k];
+                inner.point[k][at] = state.point[k];
+                inner.displacement[k][at] = state.displacement[k];
+                inner.rotation[k][at] = state.rotation[k];
             }
         }
         inner

@@ -2,11 +2,12 @@
 //!
 //! All tables of the axis are brought onto the union of their knots, which changes nothing: a piecewise linear
 //! function stays one, a cubic piece cut in two is two cubic pieces, and beyond its end a table is constant. A
-//! row holds the six values at a knot (two places are padding), for cubic tables followed by a row of the six second
+//! row holds the six values at a knot (two places are padding), of cubic tables another one the six second
 //! derivatives; a look-up reads neighbouring rows and no gathered numbers. Polynomials and harmonics are sums of
 //! rows too. Constants, means of two directions, and any linear map of the six are folded in.
 
-use super::lanes::{Lanes, MOST, Row};
+use super::lanes::{Lanes, MOST, Places};
+use super::rows::{Pieces, Row};
 use super::trigonometry::nearest;
 use crate::machine::{Approach, BSpline, ComponentError, Curve, ErrorTerm, JointErrors, Knots};
 
@@ -28,8 +29,8 @@ pub struct Curves {
 #[derive(Debug, Clone, PartialEq)]
 struct Table {
     rows: Vec<Row>,
-    /// With rows of second derivatives.
-    cubic: bool,
+    /// Second derivatives, if cubic.
+    seconds: Vec<Row>,
     first: f64,
     last: f64,
     period: Option<f64>,
@@ -40,7 +41,7 @@ struct Table {
 #[derive(Debug, Clone, PartialEq)]
 #[repr(C, align(64))]
 pub struct Spots<const N: usize> {
-    interval: [u32; N],
+    interval: Places<N>,
     /// Share of the interval's upper end.
     share: [f64; N],
     /// Weights of the second derivatives at both ends, of cubic tables.
@@ -49,7 +50,7 @@ pub struct Spots<const N: usize> {
 
 impl<const N: usize> Spots<N> {
     /// Before anything is located.
-    pub const NONE: Self = Self { interval: [0; N], share: [0.0; N], bends: [[0.0; N]; 2] };
+    pub const NONE: Self = Self { interval: Places::NONE, share: [0.0; N], bends: [[0.0; N]; 2] };
 }
 
 /// How the interval of a position is found.
@@ -120,7 +121,7 @@ impl Curves {
         self.constant = map(&self.constant);
         self.powers.iter_mut().for_each(|row| *row = map(row));
         self.waves.iter_mut().flatten().for_each(|row| *row = map(row));
-        for Row(row) in self.table.iter_mut().flat_map(|table| &mut table.rows) {
+        for Row(row) in self.table.iter_mut().flat_map(|table| table.rows.iter_mut().chain(&mut table.seconds)) {
             let [a, b, c, d, e, f, ..] = *row;
             row[..6].copy_from_slice(&map(&[a, b, c, d, e, f]));
         }
@@ -131,7 +132,7 @@ impl Curves {
     pub fn plus(mut self, constant: &Six) -> Self {
         self.constant.iter_mut().zip(constant).for_each(|(sum, c)| *sum += c);
         if let Some(table) = &mut self.table {
-            for Row(row) in table.rows.iter_mut().step_by(if table.cubic { 2 } else { 1 }) {
+            for Row(row) in &mut table.rows {
                 row.iter_mut().zip(&self.constant).for_each(|(value, c)| *value += c);
             }
             self.constant = [0.0; 6];
@@ -144,20 +145,21 @@ impl Curves {
         !self.waves.is_empty()
     }
 
-    /// Where positions (mm or deg) lie in the table, to place i and those after it.
+    /// Where positions (mm or deg), whole vectors, lie in the table.
     #[inline(always)]
-    pub fn locate<V: Lanes, const N: usize>(&self, position: V, spots: &mut Spots<N>, i: usize) {
+    pub fn locate<V: Lanes, const N: usize>(&self, positions: &[f64], spots: &mut Spots<N>) {
         if let Some(table) = &self.table {
-            table.locate(position, spots, i);
+            table.locate::<V, N>(positions, spots);
         }
     }
 
     /// The six errors at positions that have been located, whose sine and cosine are given where harmonics need them.
     #[inline(always)]
-    pub fn at<V: Lanes, const N: usize>(&self, position: V, turn: (V, V), (spots, i): (&Spots<N>, usize)) -> [V; 6] {
+    pub fn at<V: Lanes, const N: usize>(&self, position: V, turn: (V, V), spots: (&Spots<N>, usize)) -> [V; 6] {
         let mut six = match &self.table {
             Some(table) => {
-                let [a, b, c, d, e, f, ..] = if table.cubic { table.cubic(spots, i) } else { table.linear(spots, i) };
+                let rows = if table.is_cubic() { table.cubic::<V, N>(spots) } else { table.linear::<V, N>(spots) };
+                let [a, b, c, d, e, f, ..] = V::columns(&rows);
                 [a, b, c, d, e, f]
             }
             None => splat_six(&self.constant),
@@ -174,10 +176,40 @@ impl Curves {
         six
     }
 
+    /// Are they a table of straight pieces and nothing else?
+    pub fn are_rows(&self) -> bool {
+        let straight = self.table.as_ref().is_some_and(|table| !table.is_cubic());
+        straight && self.powers.is_empty() && self.waves.is_empty()
+    }
+
+    /// Two linear combinations of the six, in the columns that are otherwise padding.
+    pub fn set_asides(&mut self, asides: impl Fn(&Six) -> [f64; 2]) {
+        for Row([a, b, c, d, e, f, aside @ ..]) in self.table.iter_mut().flat_map(|table| &mut table.rows) {
+            *aside = asides(&[*a, *b, *c, *d, *e, *f]);
+        }
+    }
+
+    /// Rows at positions that have been located, of curves that [are rows](Self::are_rows): the six errors and two asides.
+    #[inline(always)]
+    pub fn rows<V: Lanes, const N: usize>(&self, spots: (&Spots<N>, usize)) -> [V::Eight; MOST] {
+        match &self.table {
+            Some(table) => table.linear::<V, N>(spots),
+            None => [V::Eight::of(&Row([0.0; 8])); MOST],
+        }
+    }
+
+    /// The same, added to those of another axis.
+    #[inline(always)]
+    pub fn add_rows<V: Lanes, const N: usize>(&self, rows: &mut [V::Eight; MOST], spots: (&Spots<N>, usize)) {
+        if let Some(table) = &self.table {
+            table.add_linear::<V, N>(rows, spots);
+        }
+    }
+
     /// The six errors at one position.
     pub fn alone(&self, position: f64, turn: (f64, f64)) -> Six {
         let mut spots = Spots::<1>::NONE;
-        self.locate(position, &mut spots, 0);
+        self.locate::<f64, 1>(&[position], &mut spots);
         self.at(position, turn, (&spots, 0))
     }
 
@@ -246,7 +278,7 @@ impl Table {
         let knots = union_of_knots(&all, period)?;
         let bends: Vec<Option<Curve>> = curves.iter().map(|(_, _, curve)| bend(curve)).collect();
         let cubic = bends.iter().any(Option::is_some);
-        let mut rows = Vec::new();
+        let (mut rows, mut seconds) = (Vec::new(), Vec::new());
         for knot in &knots {
             let (mut value, mut second) = ([0.0; 8], [0.0; 8]);
             for ((column, weight, curve), bend) in curves.iter().zip(&bends) {
@@ -255,15 +287,20 @@ impl Table {
             }
             rows.push(Row(value));
             if cubic {
-                rows.push(Row(second));
+                seconds.push(Row(second));
             }
         }
         let (first, last) = (knots[0], knots[knots.len() - 1]);
-        Some(Self { rows, cubic, first, last, period, intervals: Intervals::new(knots) })
+        Some(Self { rows, seconds, first, last, period, intervals: Intervals::new(knots) })
     }
 
+    fn is_cubic(&self) -> bool {
+        !self.seconds.is_empty()
+    }
+
+    /// A position in the table's range.
     #[inline(always)]
-    fn locate<V: Lanes, const N: usize>(&self, position: V, spots: &mut Spots<N>, i: usize) {
+    fn within<V: Lanes>(&self, position: V) -> V {
         let (first, last) = (V::splat(self.first), V::splat(self.last));
         let x = match self.period {
             Some(period) => {
@@ -272,22 +309,48 @@ impl Table {
             }
             None => position,
         };
-        let x = x.larger(first).smaller(last);
-        let (interval, share, width) = match &self.intervals {
+        x.larger(first).smaller(last)
+    }
+
+    #[inline(always)]
+    fn locate<V: Lanes, const N: usize>(&self, positions: &[f64], spots: &mut Spots<N>) {
+        spots.interval.reach(self.rows.len());
+        let (first, mut i) = (V::splat(self.first), 0);
+        match &self.intervals {
             Intervals::Even { per_unit, last, width } => {
-                let along = (x - first) * V::splat(*per_unit);
-                let (whole, interval) = along.smaller(V::splat(*last)).whole();
-                (interval, along - whole, V::splat(*width))
+                while i < positions.len() {
+                    let along = (self.within(V::load(&positions[i..])) - first) * V::splat(*per_unit);
+                    let (whole, interval) = along.smaller(V::splat(*last)).whole();
+                    self.put(spots, i, &interval, along - whole, V::splat(*width));
+                    i += V::COUNT;
+                }
             }
             Intervals::Uneven { per_unit, last, starts, knots } => {
-                let (_, cells) = ((x - first) * V::splat(*per_unit)).smaller(V::splat(*last)).whole();
-                let (interval, share, width) = search(starts, knots, &cells, &x.spread(), V::COUNT);
-                (interval, V::load(&share), V::load(&width))
+                while i < positions.len() {
+                    let x = self.within(V::load(&positions[i..]));
+                    let (_, cells) = ((x - first) * V::splat(*per_unit)).smaller(V::splat(*last)).whole();
+                    let (interval, share, width) = search(starts, knots, &cells, &x.spread(), V::COUNT);
+                    self.put(spots, i, &interval, V::load(&share), V::load(&width));
+                    i += V::COUNT;
+                }
             }
-        };
-        spots.interval[i..i + V::COUNT].copy_from_slice(&interval[..V::COUNT]);
+        }
+    }
+
+    #[inline(always)]
+    fn put<V: Lanes, const N: usize>(
+        &self,
+        spots: &mut Spots<N>,
+        i: usize,
+        interval: &[u32; MOST],
+        share: V,
+        width: V,
+    ) {
+        // The mask changes nothing, and shows the compiler that the vector lies within the room.
+        let i = i & (N - V::COUNT);
+        spots.interval.put::<V>(i, interval);
         share.store(&mut spots.share[i..]);
-        if self.cubic {
+        if self.is_cubic() {
             let (scale, rest) = (width * width * V::splat(1.0 / 6.0), V::splat(1.0) - share);
             ((rest * rest * rest - rest) * scale).store(&mut spots.bends[0][i..]);
             ((share * share * share - share) * scale).store(&mut spots.bends[1][i..]);
@@ -295,33 +358,43 @@ impl Table {
     }
 
     #[inline(always)]
-    fn linear<V: Lanes, const N: usize>(&self, spots: &Spots<N>, i: usize) -> [V; 8] {
-        let (interval, share) = (&spots.interval[i..i + V::COUNT], &spots.share[i..i + V::COUNT]);
-        let mut rows = [V::row(&self.rows[0]); MOST];
+    fn linear<V: Lanes, const N: usize>(&self, (spots, i): (&Spots<N>, usize)) -> [V::Eight; MOST] {
+        let share = &spots.share[i..i + V::COUNT];
+        let mut rows = [V::Eight::of(&self.rows[0]); MOST];
         for lane in 0..V::COUNT {
-            let at = interval[lane] as usize;
-            let pair = &self.rows[at..at + 2];
-            let (low, high) = (V::row(&pair[0]), V::row(&pair[1]));
-            rows[lane] = V::row_plus(low, V::row_minus(high, low), share[lane]);
+            let (low, high) = spots.interval.pair(&self.rows, i + lane);
+            let (low, high) = (V::Eight::of(low), V::Eight::of(high));
+            rows[lane] = low.plus_times(high.minus(low), share[lane]);
         }
-        V::columns(&rows)
+        rows
+    }
+
+    /// The same, added to rows.
+    #[inline(always)]
+    fn add_linear<V: Lanes, const N: usize>(&self, rows: &mut [V::Eight; MOST], (spots, i): (&Spots<N>, usize)) {
+        let share = &spots.share[i..i + V::COUNT];
+        for lane in 0..V::COUNT {
+            let (low, high) = spots.interval.pair(&self.rows, i + lane);
+            let (low, high) = (V::Eight::of(low), V::Eight::of(high));
+            rows[lane] = rows[lane].plus(low).plus_times(high.minus(low), share[lane]);
+        }
     }
 
     /// Natural form of a cubic piece: values and second derivatives at both ends.
     #[inline(always)]
-    fn cubic<V: Lanes, const N: usize>(&self, spots: &Spots<N>, i: usize) -> [V; 8] {
-        let (interval, share) = (&spots.interval[i..i + V::COUNT], &spots.share[i..i + V::COUNT]);
+    fn cubic<V: Lanes, const N: usize>(&self, (spots, i): (&Spots<N>, usize)) -> [V::Eight; MOST] {
+        let share = &spots.share[i..i + V::COUNT];
         let [low_bend, high_bend] = [&spots.bends[0][i..i + V::COUNT], &spots.bends[1][i..i + V::COUNT]];
-        let mut rows = [V::row(&self.rows[0]); MOST];
+        let mut rows = [V::Eight::of(&self.rows[0]); MOST];
         for lane in 0..V::COUNT {
-            let at = 2 * interval[lane] as usize;
-            let four = &self.rows[at..at + 4];
-            let (low, high) = (V::row(&four[0]), V::row(&four[2]));
-            let straight = V::row_plus(low, V::row_minus(high, low), share[lane]);
-            let bent = V::row_plus(straight, V::row(&four[1]), low_bend[lane]);
-            rows[lane] = V::row_plus(bent, V::row(&four[3]), high_bend[lane]);
+            let (low, high) = spots.interval.pair(&self.rows, i + lane);
+            let (low_second, high_second) = spots.interval.pair(&self.seconds, i + lane);
+            let (low, high) = (V::Eight::of(low), V::Eight::of(high));
+            let bent =
+                low.plus_times(high.minus(low), share[lane]).plus_times(V::Eight::of(low_second), low_bend[lane]);
+            rows[lane] = bent.plus_times(V::Eight::of(high_second), high_bend[lane]);
         }
-        V::columns(&rows)
+        rows
     }
 }
 

@@ -6,12 +6,12 @@
 //! (1 - cos t) / t^2, and the rotation is a quaternion; with linearised joints a and b are rational, and the
 //! rotation is a matrix, which need not be orthogonal.
 
-use super::ahead::{Inputs, Wanted};
-use super::batch::{FARTHEST, Task};
+use super::ahead::{Ahead, Inputs, Part, Scattered, Wanted};
+use super::batch::{FARTHEST, Nodal, Task};
 use super::curves::Six;
 use super::lanes::Lanes;
 use super::links::{About, Link, Links, Located, Motion, Placed, Vector, cross, dot, minus, plus, slid, splat, times};
-use super::trigonometry::{RADIAN, sin_cos};
+use super::trigonometry::RADIAN;
 
 /// Terms of the series: good to the last bit up to [`super::batch::FARTHEST`].
 const TERMS: usize = 10;
@@ -272,11 +272,10 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
             None => q,
         };
         let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
-        let wave = if added.is_some() && link.curves.has_waves() { sin_cos(there) } else { turn };
         let errors = match inputs.known(axis) {
             _ if !link.errors => None,
             Some(Node { small, far }) => Some((small.splat(), V::splat(*far))),
-            None => Some(R::small(inputs.six(axis, &link.curves, there, wave), link.inverse)),
+            None => Some(R::small(inputs.six(axis), link.inverse)),
         };
         if let (Some(location), Located::Innermost) = (location, link.located) {
             self.fixed(location);
@@ -353,7 +352,7 @@ impl Exact {
     }
 
     #[inline(always)]
-    fn walk<V: Lanes, R: Relative<V>, I: Inputs<V, Node>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V) {
+    fn chain<V: Lanes, R: Relative<V>, I: Inputs<V, Node>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V) {
         let links = &self.links;
         let mut state = State::<V, R> {
             point: splat(&links.tip),
@@ -383,6 +382,18 @@ pub struct Node {
 }
 
 impl Task for Exact {
+    #[inline(always)]
+    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], part: Part<'_>) {
+        self.every_axis::<V>(axes, part);
+    }
+
+    #[inline(always)]
+    fn at<V: Lanes>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+        self.walk(inputs)
+    }
+}
+
+impl Nodal for Exact {
     type Node = Node;
 
     #[inline(always)]
@@ -400,11 +411,11 @@ impl Task for Exact {
     }
 
     #[inline(always)]
-    fn at<V: Lanes, I: Inputs<V, Node>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V) {
+    fn walk<V: Lanes, I: Inputs<V, Node>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V) {
         if self.links.linearised {
-            self.walk::<V, Matrix<V>, I>(inputs)
+            self.chain::<V, Matrix<V>, I>(inputs)
         } else {
-            self.walk::<V, Quaternion<V>, I>(inputs)
+            self.chain::<V, Quaternion<V>, I>(inputs)
         }
     }
 }

@@ -5,17 +5,20 @@
 //! costs nothing but the way of the point. The errors (delta, eps) about a point o displace p by
 //! `eps x p + (delta - eps x o)`: the bracket is folded into the tables, and so are location errors.
 
-use super::ahead::{Inputs, Wanted};
+use super::ahead::{Ahead, CHUNK, Part, Scattered, Wanted};
 use super::batch::Task;
 use super::curves::{Curves, Six, splat_six};
 use super::lanes::Lanes;
-use super::links::{Link, Links, Located, Motion, Placed, Vector, cross, plus, slid, splat, times};
+use super::links::{Link, Links, Located, Motion, Placed, Vector, cross, plus, slid, splat};
+use super::steps::{self, Step, Sum};
 
 /// The plan of order 1.
 #[derive(Debug, Clone)]
 pub struct FirstOrder {
     /// From the workpiece to the tool.
     pub joints: Vec<Joint>,
+    /// From the tool to the workpiece, by the numbers of the joints.
+    steps: Vec<Step>,
     pub tip: [f64; 3],
     pub tool: [f64; 3],
     /// Constant twist at the tool.
@@ -91,52 +94,67 @@ impl FirstOrder {
             });
         }
         let end = sum(pending, links.spindle.as_ref().map(placed));
-        Some(Self { joints, tip: links.tip, tool: links.tool, end })
+        let steps = steps::of(&joints, end);
+        Some(Self { joints, steps, tip: links.tip, tool: links.tool, end })
     }
 }
 
 impl FirstOrder {
-    /// At the tool.
+    /// The same of the joint next to the tool alone.
+    pub fn inner(&self, joint: &Joint) -> Self {
+        let joints = vec![joint.clone()];
+        Self { steps: steps::of(&joints, self.end), joints, ..*self }
+    }
+
+    /// From the tool past all steps.
     #[inline(always)]
-    pub fn start<V: Lanes>(&self) -> State<V> {
-        let rotation = [V::splat(0.0); 3];
-        let mut state = State { point: splat(&self.tip), displacement: splat(&self.tool), rotation };
-        if let Some(constant) = &self.end {
-            state.add(splat_six(constant));
+    pub fn walk<V: Lanes>(&self, inputs: Scattered<'_>) -> State<V> {
+        let zero = V::splat(0.0);
+        let mut state = State { point: splat(&self.tip), displacement: splat(&self.tool), rotation: [zero; 3] };
+        for step in &self.steps {
+            if let Some(axis) = step.motion {
+                let joint = &self.joints[axis];
+                let turn = if joint.turns { inputs.turn(axis) } else { (zero, zero) };
+                state.moved(joint, inputs.position(axis), turn);
+            }
+            if let Some(sum) = &step.sum {
+                state.summed(sum, inputs);
+            }
+            if let Some(axis) = step.errors {
+                state.add(inputs.six(axis));
+            }
+            if let Some(constant) = &step.constant {
+                state.add(splat_six(constant));
+            }
         }
         state
     }
 }
 
 impl Task for FirstOrder {
-    type Node = ();
-
     #[inline(always)]
-    fn wanted(&self, axis: usize) -> Wanted<'_> {
-        let joint = &self.joints[axis];
-        Wanted { turns: joint.turns, curves: joint.curves.as_ref() }
+    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], part: Part<'_>) {
+        for axis in 0..axes.len() {
+            let joint = &self.joints[axis];
+            axes[axis].look::<V>(Wanted { turns: joint.turns, curves: joint.curves.as_ref() }, axis, part);
+        }
+        for step in &self.steps {
+            if let Some(axis) = step.errors
+                && let Some(curves) = &self.joints[axis].curves
+            {
+                axes[axis].six::<V>(curves, axis, part);
+            }
+        }
     }
 
-    fn node(&self, _: usize, _: &Six) {}
-
     #[inline(always)]
-    fn at<V: Lanes, I: Inputs<V, ()>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V) {
-        let zero = V::splat(0.0);
-        let mut state = self.start();
-        for (axis, joint) in self.joints.iter().enumerate().rev() {
-            let q = inputs.position(axis);
-            let turn = if joint.turns { inputs.turn(axis) } else { (zero, zero) };
-            let errors = match &joint.curves {
-                Some(curves) => Some(inputs.six(axis, curves, q, turn)),
-                None => None,
-            };
-            state.pass(joint, q, turn, errors);
-        }
-        (state.displacement, state.rotation, zero)
+    fn at<V: Lanes>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+        let State { displacement, rotation, .. } = self.walk(inputs);
+        (displacement, rotation, V::splat(0.0))
     }
 }
 
-/// What is carried from the tool to the workpiece.
+/// What is carried from the tool to the workpiece. Nothing here is indexed by a variable: it would not stay in registers.
 #[derive(Clone, Copy)]
 pub struct State<V> {
     pub point: Vector<V>,
@@ -145,17 +163,14 @@ pub struct State<V> {
 }
 
 impl<V: Lanes> State<V> {
-    /// To the other side of a joint, whose sine, cosine and errors at its position are given.
+    /// By a joint's own motion.
     #[inline(always)]
-    pub fn pass(&mut self, joint: &Joint, q: V, turn: (V, V), errors: Option<[V; 6]>) {
-        if let (Some(six), false) = (errors, joint.outside) {
-            self.add(six);
-        }
+    fn moved(&mut self, joint: &Joint, q: V, turn: (V, V)) {
         match &joint.motion {
             Motion::Slide(direction) => {
                 self.point = slid(direction, q, self.point);
                 if let Some(bend) = &joint.bend {
-                    self.displacement = plus(self.displacement, times(splat(bend), q));
+                    self.displacement = slid(bend, q, self.displacement);
                 }
             }
             Motion::Turn(about) => {
@@ -164,17 +179,31 @@ impl<V: Lanes> State<V> {
                 self.rotation = about.turned(turn, self.rotation);
             }
         }
-        if let (Some(six), true) = (errors, joint.outside) {
-            self.add(six);
+    }
+
+    /// The errors of several axes, transposed once.
+    #[inline(always)]
+    fn summed(&mut self, sum: &Sum, inputs: Scattered<'_>) {
+        let mut rows = sum.first.1.rows::<V, CHUNK>(inputs.spots(sum.first.0));
+        for (axis, curves) in &sum.others {
+            curves.add_rows::<V, CHUNK>(&mut rows, inputs.spots(*axis));
         }
-        if let Some(constant) = &joint.constant {
-            self.add(splat_six(constant));
+        let [x, y, z, ex, ey, ez, aside, other] = V::columns(&rows);
+        self.add([x, y, z, ex, ey, ez]);
+        if let Some(slide) = sum.slide {
+            let q: V = inputs.position(slide.axis);
+            let [x, y, z] = self.displacement;
+            self.displacement = match slide.along {
+                0 => [x, y + aside * q, z + other * q],
+                1 => [x + aside * q, y, z + other * q],
+                _ => [x + aside * q, y + other * q, z],
+            };
         }
     }
 
     /// A twist more.
     #[inline(always)]
-    pub fn add(&mut self, [x, y, z, ex, ey, ez]: [V; 6]) {
+    fn add(&mut self, [x, y, z, ex, ey, ez]: [V; 6]) {
         let lever = cross([ex, ey, ez], self.point);
         self.displacement = plus(self.displacement, plus([x, y, z], lever));
         self.rotation = plus(self.rotation, [ex, ey, ez]);

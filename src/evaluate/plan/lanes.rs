@@ -8,26 +8,72 @@
 //! - `x4`, `x8` and `neon` vectors exist only within a kernel, and [`run`] is the one way into it: it enters a
 //!   function compiled for a feature only with a [`Width`] that [`Width::is_supported`] admits on this processor.
 //!   The operations below are inlined there; without the feature no code of theirs is reached.
-//! - Loads and stores go through references to arrays of the vector's size: checked by slices, any alignment.
+//! - Loads and stores go through references to arrays of the vector's size: checked by slices, any alignment. Stores past the
+//!   caches ask for an aligned place first, and a fence follows them.
+//! - [`Places`] never holds one beyond its bound, and whoever looks there has the bound checked against the table.
 
 #![allow(unsafe_code)]
 
+use super::rows::{Pieces, Row};
+use super::width::Width;
 use std::ops::{Add, Mul, Sub};
 
 /// Lanes of the widest vector; smaller ones leave the rest of an array unused.
 pub const MOST: usize = 8;
 
-/// One row of a table: as long as a cache line and aligned with it, so that a row is one load.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The sign of a double.
+const SIGN: u64 = 1 << 63;
+
+/// Places of many poses in a table: to each a row that has another one behind it.
+#[derive(Debug, Clone, PartialEq)]
 #[repr(C, align(64))]
-pub struct Row(pub [f64; 8]);
+pub struct Places<const N: usize> {
+    /// In doubles from the beginning: the processor scales by 8 and no further.
+    at: [u32; N],
+    /// The largest that may stand there.
+    last: u32,
+}
+
+/// Doubles of a row.
+const ROW: u32 = 8;
+
+impl<const N: usize> Places<N> {
+    /// Before anything is placed.
+    pub const NONE: Self = Self { at: [0; N], last: 0 };
+
+    /// From now on places may be as far as a table of so many rows has them.
+    #[inline(always)]
+    pub fn reach(&mut self, rows: usize) {
+        self.last = self.last.max((rows as u32).saturating_sub(2).saturating_mul(ROW));
+    }
+
+    /// Places a vector of poses from pose `i` on, by the numbers of their rows.
+    #[inline(always)]
+    pub fn put<V: Lanes>(&mut self, i: usize, row: &[u32; MOST]) {
+        let (last, mut at) = (self.last, *row);
+        for at in &mut at {
+            *at = at.wrapping_mul(ROW).min(last);
+        }
+        self.at[i..i + V::COUNT].copy_from_slice(&at[..V::COUNT]);
+    }
+
+    /// The row of a pose, and the next one. What bounds them all is checked, not each one.
+    #[inline(always)]
+    pub fn pair<'r>(&self, rows: &'r [Row], i: usize) -> (&'r Row, &'r Row) {
+        let _ = &rows[(self.last / ROW) as usize + 1];
+        let at = (self.at[i] as usize) * size_of::<f64>();
+        let first = rows.as_ptr().cast::<u8>().wrapping_add(at);
+        // SAFETY: `at` is at most `last`, which with the row behind it lies in `rows`; both are multiples of a row.
+        unsafe { (&*first.cast::<Row>(), &*first.wrapping_add(size_of::<Row>()).cast::<Row>()) }
+    }
+}
 
 /// Some doubles that are worked on at once.
 pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
     /// How many.
     const COUNT: usize;
     /// Eight doubles in as many registers as they need.
-    type Eight: Copy;
+    type Eight: Pieces;
 
     /// The same number in all lanes.
     fn splat(x: f64) -> Self;
@@ -35,6 +81,13 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     fn load(from: &[f64]) -> Self;
     /// To the beginning of a slice (it must be long enough).
     fn store(self, to: &mut [f64]);
+    /// Is a vector a whole cache line, which can be stored past the caches?
+    const LINE: bool = false;
+    /// Likewise, past the caches if [`Self::LINE`] and the place is a line. [`settle`] must follow.
+    #[inline(always)]
+    fn store_past(self, to: &mut [f64]) {
+        self.store(to);
+    }
     /// Quotient.
     fn over(self, other: Self) -> Self;
     /// `yes` where `self < than`, else `no` (also where one is not a number).
@@ -43,13 +96,21 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     fn whole(self) -> (Self, [u32; MOST]);
     /// Lane by lane.
     fn spread(self) -> [f64; MOST];
+    /// Sine and cosine of an angle, some quarter turns further: as many as the last bits of `counted` say
+    /// (a whole number to which 1.5 * 2^52 has been added).
+    #[inline(always)]
+    fn quarters_further(counted: Self, sine: Self, cosine: Self) -> (Self, Self) {
+        let (counted, mut sine, mut cosine) = (counted.spread(), sine.spread(), cosine.spread());
+        for lane in 0..Self::COUNT {
+            let count = counted[lane].to_bits();
+            let (s, c) = (sine[lane], cosine[lane]);
+            let (s, c) = if count & 1 == 0 { (s, c) } else { (c, s) };
+            sine[lane] = f64::from_bits(s.to_bits() ^ (count << 62 & SIGN));
+            cosine[lane] = f64::from_bits(c.to_bits() ^ (count.wrapping_add(1) << 62 & SIGN));
+        }
+        (Self::load(&sine), Self::load(&cosine))
+    }
 
-    /// A row.
-    fn row(row: &Row) -> Self::Eight;
-    /// `row + other * factor`.
-    fn row_plus(row: Self::Eight, other: Self::Eight, factor: f64) -> Self::Eight;
-    /// `row - other`.
-    fn row_minus(row: Self::Eight, other: Self::Eight) -> Self::Eight;
     /// Column k of the result holds element k of each row: lane i is row i.
     fn columns(rows: &[Self::Eight; MOST]) -> [Self; 8];
 
@@ -62,43 +123,6 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     #[inline(always)]
     fn larger(self, other: Self) -> Self {
         other.if_less(self, self, other)
-    }
-}
-
-/// Which vectors are in use.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Width {
-    /// One number after the other.
-    Scalar,
-    /// Two doubles of an ARM processor.
-    Neon,
-    /// Four doubles.
-    Avx2,
-    /// Eight doubles.
-    Avx512,
-}
-
-impl Width {
-    /// From the narrowest to the widest.
-    pub const ALL: [Self; 4] = [Self::Scalar, Self::Neon, Self::Avx2, Self::Avx512];
-
-    /// Has this processor such vectors?
-    pub fn is_supported(self) -> bool {
-        match self {
-            Self::Scalar => true,
-            Self::Neon => cfg!(target_arch = "aarch64"),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => std::arch::is_x86_feature_detected!("avx2"),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => std::arch::is_x86_feature_detected!("avx512f"),
-            #[cfg(not(target_arch = "x86_64"))]
-            Self::Avx2 | Self::Avx512 => false,
-        }
-    }
-
-    /// The widest that this processor has.
-    pub fn widest() -> Self {
-        Self::ALL.into_iter().rev().find(|width| width.is_supported()).unwrap_or(Self::Scalar)
     }
 }
 
@@ -136,6 +160,15 @@ pub fn expect(column: &[f64], index: usize) {
     let _ = (column, index);
 }
 
+/// Ends a series of [`Lanes::store_past`]: other threads see them before anything stored later.
+pub fn settle() {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: every such processor has it.
+    unsafe {
+        std::arch::x86_64::_mm_sfence();
+    }
+}
+
 impl Lanes for f64 {
     const COUNT: usize = 1;
     type Eight = [f64; 8];
@@ -168,18 +201,6 @@ impl Lanes for f64 {
     #[inline(always)]
     fn spread(self) -> [f64; MOST] {
         [self, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
-    }
-    #[inline(always)]
-    fn row(row: &Row) -> [f64; 8] {
-        row.0
-    }
-    #[inline(always)]
-    fn row_plus(row: [f64; 8], other: [f64; 8], factor: f64) -> [f64; 8] {
-        std::array::from_fn(|k| row[k] + other[k] * factor)
-    }
-    #[inline(always)]
-    fn row_minus(row: [f64; 8], other: [f64; 8]) -> [f64; 8] {
-        std::array::from_fn(|k| row[k] - other[k])
     }
     #[inline(always)]
     fn columns(rows: &[[f64; 8]; MOST]) -> [Self; 8] {
@@ -268,7 +289,7 @@ macro_rules! common {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Add, Kernel, Lanes, MOST, Mul, Row, Sub};
+    use super::{Add, Kernel, Lanes, MOST, Mul, SIGN, Sub};
     use std::arch::x86_64::*;
 
     #[target_feature(enable = "avx2")]
@@ -287,7 +308,7 @@ mod x86 {
     operators!(Four, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd);
 
     impl Lanes for Four {
-        type Eight = [__m256d; 2];
+        type Eight = [Self; 2];
 
         common!(4, _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_div_pd);
         extremes!(_mm256_min_pd, _mm256_max_pd);
@@ -307,20 +328,17 @@ mod x86 {
             (Self(whole), indices)
         }
         #[inline(always)]
-        fn row(row: &Row) -> Self::Eight {
-            let p = row.0.as_ptr();
-            unsafe { [_mm256_load_pd(p), _mm256_load_pd(p.add(4))] }
-        }
-        #[inline(always)]
-        fn row_plus([a, b]: Self::Eight, [c, d]: Self::Eight, factor: f64) -> Self::Eight {
+        fn quarters_further(counted: Self, sine: Self, cosine: Self) -> (Self, Self) {
             unsafe {
-                let f = _mm256_set1_pd(factor);
-                [_mm256_add_pd(a, _mm256_mul_pd(c, f)), _mm256_add_pd(b, _mm256_mul_pd(d, f))]
+                let count = _mm256_castpd_si256(counted.0);
+                let (one, sign) = (_mm256_set1_epi64x(1), _mm256_castsi256_pd(_mm256_set1_epi64x(SIGN as i64)));
+                let odd = _mm256_castsi256_pd(_mm256_slli_epi64::<63>(count));
+                let s = _mm256_blendv_pd(sine.0, cosine.0, odd);
+                let c = _mm256_blendv_pd(cosine.0, sine.0, odd);
+                let twos = _mm256_castsi256_pd(_mm256_slli_epi64::<62>(count));
+                let next = _mm256_castsi256_pd(_mm256_slli_epi64::<62>(_mm256_add_epi64(count, one)));
+                (Self(_mm256_xor_pd(s, _mm256_and_pd(twos, sign))), Self(_mm256_xor_pd(c, _mm256_and_pd(next, sign))))
             }
-        }
-        #[inline(always)]
-        fn row_minus([a, b]: Self::Eight, [c, d]: Self::Eight) -> Self::Eight {
-            unsafe { [_mm256_sub_pd(a, c), _mm256_sub_pd(b, d)] }
         }
         #[inline(always)]
         fn columns(rows: &[Self::Eight; MOST]) -> [Self; 8] {
@@ -332,11 +350,10 @@ mod x86 {
     /// Four columns of four rows.
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn transposed(rows: &[[__m256d; 2]; MOST], half: usize) -> [Four; 4] {
-        let (a, b) =
-            (_mm256_unpacklo_pd(rows[0][half], rows[1][half]), _mm256_unpackhi_pd(rows[0][half], rows[1][half]));
-        let (c, d) =
-            (_mm256_unpacklo_pd(rows[2][half], rows[3][half]), _mm256_unpackhi_pd(rows[2][half], rows[3][half]));
+    fn transposed(rows: &[[Four; 2]; MOST], half: usize) -> [Four; 4] {
+        let [r, s, t, u] = [rows[0][half].0, rows[1][half].0, rows[2][half].0, rows[3][half].0];
+        let (a, b) = (_mm256_unpacklo_pd(r, s), _mm256_unpackhi_pd(r, s));
+        let (c, d) = (_mm256_unpacklo_pd(t, u), _mm256_unpackhi_pd(t, u));
         [
             Four(_mm256_permute2f128_pd::<0x20>(a, c)),
             Four(_mm256_permute2f128_pd::<0x20>(b, d)),
@@ -365,9 +382,20 @@ mod x86 {
     operators!(Eight, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd);
 
     impl Lanes for Eight {
-        type Eight = __m512d;
+        type Eight = [Self; 1];
 
         common!(8, _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_div_pd);
+
+        const LINE: bool = true;
+        #[inline(always)]
+        fn store_past(self, to: &mut [f64]) {
+            let to = &mut to[..8];
+            if to.as_ptr().align_offset(64) == 0 {
+                unsafe { _mm512_stream_pd(to.as_mut_ptr(), self.0) }
+            } else {
+                self.store(to);
+            }
+        }
         extremes!(_mm512_min_pd, _mm512_max_pd);
 
         #[inline(always)]
@@ -385,32 +413,36 @@ mod x86 {
             (Self(whole), indices)
         }
         #[inline(always)]
-        fn row(row: &Row) -> Self::Eight {
-            unsafe { _mm512_load_pd(row.0.as_ptr()) }
-        }
-        #[inline(always)]
-        fn row_plus(row: Self::Eight, other: Self::Eight, factor: f64) -> Self::Eight {
-            unsafe { _mm512_add_pd(row, _mm512_mul_pd(other, _mm512_set1_pd(factor))) }
-        }
-        #[inline(always)]
-        fn row_minus(row: Self::Eight, other: Self::Eight) -> Self::Eight {
-            unsafe { _mm512_sub_pd(row, other) }
+        fn quarters_further(counted: Self, sine: Self, cosine: Self) -> (Self, Self) {
+            unsafe {
+                let (count, one) = (_mm512_castpd_si512(counted.0), _mm512_set1_epi64(1));
+                let odd = _mm512_test_epi64_mask(count, one);
+                let s = _mm512_castpd_si512(_mm512_mask_blend_pd(odd, sine.0, cosine.0));
+                let c = _mm512_castpd_si512(_mm512_mask_blend_pd(odd, cosine.0, sine.0));
+                // x ^ (count << 62 & sign)
+                let (twos, sign) = (_mm512_slli_epi64::<62>(count), _mm512_set1_epi64(SIGN as i64));
+                let next = _mm512_slli_epi64::<62>(_mm512_add_epi64(count, one));
+                let s = _mm512_ternarylogic_epi64::<0x78>(s, twos, sign);
+                let c = _mm512_ternarylogic_epi64::<0x78>(c, next, sign);
+                (Self(_mm512_castsi512_pd(s)), Self(_mm512_castsi512_pd(c)))
+            }
         }
         #[inline(always)]
         fn columns(rows: &[Self::Eight; MOST]) -> [Self; 8] {
             // Quarter j of such a vector holds column 2j (even) or 2j+1 (odd) of two rows.
             unsafe {
+                let [[a], [b], [c], [d], [e], [f], [g], [h]] = *rows;
                 let even = quarters(
-                    _mm512_unpacklo_pd(rows[0], rows[1]),
-                    _mm512_unpacklo_pd(rows[2], rows[3]),
-                    _mm512_unpacklo_pd(rows[4], rows[5]),
-                    _mm512_unpacklo_pd(rows[6], rows[7]),
+                    _mm512_unpacklo_pd(a.0, b.0),
+                    _mm512_unpacklo_pd(c.0, d.0),
+                    _mm512_unpacklo_pd(e.0, f.0),
+                    _mm512_unpacklo_pd(g.0, h.0),
                 );
                 let odd = quarters(
-                    _mm512_unpackhi_pd(rows[0], rows[1]),
-                    _mm512_unpackhi_pd(rows[2], rows[3]),
-                    _mm512_unpackhi_pd(rows[4], rows[5]),
-                    _mm512_unpackhi_pd(rows[6], rows[7]),
+                    _mm512_unpackhi_pd(a.0, b.0),
+                    _mm512_unpackhi_pd(c.0, d.0),
+                    _mm512_unpackhi_pd(e.0, f.0),
+                    _mm512_unpackhi_pd(g.0, h.0),
                 );
                 [even[0], odd[0], even[1], odd[1], even[2], odd[2], even[3], odd[3]]
             }
@@ -420,7 +452,7 @@ mod x86 {
 
 #[cfg(target_arch = "aarch64")]
 mod arm {
-    use super::{Add, Lanes, MOST, Mul, Row, Sub};
+    use super::{Add, Lanes, MOST, Mul, Sub};
     use std::arch::aarch64::*;
 
     /// Every processor of this architecture has these vectors.
@@ -430,7 +462,7 @@ mod arm {
     operators!(Neon, vaddq_f64, vsubq_f64, vmulq_f64);
 
     impl Lanes for Neon {
-        type Eight = [f64; 8];
+        type Eight = [Self; 4];
 
         common!(2, vdupq_n_f64, vld1q_f64, vst1q_f64, vdivq_f64);
 
@@ -445,20 +477,8 @@ mod arm {
             (Self::load(&[f64::from(a), f64::from(b)]), [a as u32, b as u32, 0, 0, 0, 0, 0, 0])
         }
         #[inline(always)]
-        fn row(row: &Row) -> Self::Eight {
-            row.0
-        }
-        #[inline(always)]
-        fn row_plus(row: Self::Eight, other: Self::Eight, factor: f64) -> Self::Eight {
-            std::array::from_fn(|k| row[k] + other[k] * factor)
-        }
-        #[inline(always)]
-        fn row_minus(row: Self::Eight, other: Self::Eight) -> Self::Eight {
-            std::array::from_fn(|k| row[k] - other[k])
-        }
-        #[inline(always)]
         fn columns(rows: &[Self::Eight; MOST]) -> [Self; 8] {
-            std::array::from_fn(|k| Self::load(&[rows[0][k], rows[1][k]]))
+            std::array::from_fn(|k| Self::load(&[rows[0][k / 2].spread()[k % 2], rows[1][k / 2].spread()[k % 2]]))
         }
     }
 }

@@ -245,11 +245,14 @@ impl About {
 /// A point moved by the position times a direction; a machine axis costs one sum.
 #[inline(always)]
 pub fn slid<V: Lanes>(direction: &[f64; 3], position: V, point: Vector<V>) -> Vector<V> {
+    const ONE: u64 = 1.0_f64.to_bits();
     let mut moved = point;
     for k in 0..3 {
-        if direction[k] == 1.0 {
+        // Compared as bits: to the vectors in flight that is less in the way.
+        let bits = direction[k].to_bits();
+        if bits == ONE {
             moved[k] = point[k] + position;
-        } else if direction[k] != 0.0 {
+        } else if bits << 1 != 0 {
             moved[k] = point[k] + position * V::splat(direction[k]);
         }
     }

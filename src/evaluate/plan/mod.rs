@@ -5,7 +5,8 @@
 //!
 //! 1. `links`: geometry and conventions become joints with motions, and points about which errors turn;
 //! 2. `curves`: the six curves of an axis become one table that is read row by row;
-//! 3. `first`, `second`, `exact`: the joints become the walk of one order, constants folded.
+//! 3. `first`, `second`, `exact`: the joints become the walk of one order, constants folded, and at order 1 (`steps`) neighbouring
+//!    axes summed.
 //!
 //! Running is a walk from the tool to the workpiece, many poses abreast (`lanes`); what does not depend on the walk, such as the
 //! places of positions in the tables, is found out a chunk of poses ahead (`ahead`).
@@ -32,15 +33,18 @@ mod frame;
 mod grid;
 mod lanes;
 mod links;
+mod rows;
 mod second;
 mod sensitivity;
+mod steps;
 mod trigonometry;
 mod walked;
+mod width;
 
 pub use batch::{Batch, Columns, Output, PoseColumns};
 pub use grid::GridPlan;
-pub use lanes::Width;
 pub use sensitivity::{Normal, Unknown};
+pub use width::Width;
 
 use super::{Deviation, Frame, Order, command_deviation, evaluate};
 use crate::lower::Ideal;

@@ -4,8 +4,8 @@
 //! square and its product with everything summed so far, which are the joints on its tool side: all pairs,
 //! in one walk. With E^-1 in place of E (`errors_are: body`) the signs and the squares change as its series says.
 
-use super::ahead::{Inputs, Wanted};
-use super::batch::Task;
+use super::ahead::{Ahead, Inputs, Part, Scattered, Wanted};
+use super::batch::{Nodal, Task};
 use super::curves::{Six, splat_six};
 use super::lanes::Lanes;
 use super::links::{About, Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, slid, splat, times};
@@ -79,7 +79,7 @@ impl<V: Lanes> State<V> {
         let zero = V::splat(0.0);
         let q = inputs.position(axis);
         let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
-        let errors = if link.errors { Some(inputs.six(axis, &link.curves, q, turn)) } else { None };
+        let errors = if link.errors { Some(inputs.six(axis)) } else { None };
         let location = link.location.as_ref();
         if let (Some(location), Located::Innermost) = (location, link.located) {
             self.placed(location, false);
@@ -109,6 +109,18 @@ impl SecondOrder {
 }
 
 impl Task for SecondOrder {
+    #[inline(always)]
+    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], part: Part<'_>) {
+        self.every_axis::<V>(axes, part);
+    }
+
+    #[inline(always)]
+    fn at<V: Lanes>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+        self.walk(inputs)
+    }
+}
+
+impl Nodal for SecondOrder {
     type Node = ();
 
     #[inline(always)]
@@ -119,7 +131,7 @@ impl Task for SecondOrder {
     fn node(&self, _: usize, _: &Six) {}
 
     #[inline(always)]
-    fn at<V: Lanes, I: Inputs<V, ()>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V) {
+    fn walk<V: Lanes, I: Inputs<V, ()>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V) {
         let (links, zero) = (&self.links, [V::splat(0.0); 3]);
         // exp: 1/2 and 1/2; 1 + hat: none, and 1 in its inverse.
         let squares = if links.linearised { [0.0, 1.0] } else { [0.5, 0.5] };

@@ -5,7 +5,7 @@
 //! as in the crate libm: the results are libm's, to the bit, in scalar and in vector code alike.
 
 use super::lanes::Lanes;
-use super::links::splat;
+use std::ops::{Add, Mul, Sub};
 
 #[allow(clippy::excessive_precision, reason = "as published")]
 const SINE: [f64; 6] = [
@@ -30,53 +30,84 @@ const COSINE: [f64; 6] = [
 /// Degrees in radians.
 pub const RADIAN: f64 = std::f64::consts::PI / 180.0;
 
-/// The nearest whole number, ties to even, for numbers below 2^51: adding 1.5 * 2^52 leaves no bit for a fraction.
+/// 1.5 * 2^52: added to a number below 2^51 it leaves no bit for a fraction.
+const COUNTER: f64 = 6_755_399_441_055_744.0;
+
+/// The nearest whole number, ties to even, for numbers below 2^51.
 #[inline(always)]
 pub fn nearest<V: Lanes>(x: V) -> V {
-    let magic = V::splat(6_755_399_441_055_744.0);
-    (x + magic) - magic
+    (x + V::splat(COUNTER)) - V::splat(COUNTER)
 }
 
 /// Sine and cosine of an angle in degrees (below 1e9), exact at multiples of 90.
 #[inline(always)]
 pub fn sin_cos<V: Lanes>(degrees: V) -> (V, V) {
-    let quarter = nearest(degrees * V::splat(1.0 / 90.0));
-    let rest = (degrees - quarter * V::splat(90.0)) * V::splat(RADIAN);
-    let (s, c) = (sine(rest), cosine(rest));
-    // Which quarter, 0 to 3: a multiple of 1/4 less 3/8 is never a tie.
-    let turns = nearest(quarter * V::splat(0.25) - V::splat(0.375));
-    let which = quarter - turns * V::splat(4.0);
-    let (plus, minus) = (V::splat(1.0), V::splat(-1.0));
-    let upper = V::splat(1.5).if_less(which, V::splat(2.0), V::splat(0.0));
-    let odd = which - upper;
-    let half = V::splat(0.5);
-    let off = which - V::splat(1.5);
-    let sine_sign = V::splat(1.5).if_less(which, minus, plus);
-    let cosine_sign = (off * off).if_less(plus, minus, plus);
-    (half.if_less(odd, c, s) * sine_sign, half.if_less(odd, s, c) * cosine_sign)
+    let ([sine], [cosine]) = sines_cosines([degrees]);
+    (sine, cosine)
+}
+
+/// Of several vectors of angles, side by side: a polynomial alone would wait for itself.
+#[inline(always)]
+pub fn sines_cosines<V: Lanes, const N: usize>(degrees: [V; N]) -> ([V; N], [V; N]) {
+    let degrees = Several(degrees);
+    let counted = degrees * same(1.0 / 90.0) + same(COUNTER);
+    let quarter = counted - same(COUNTER);
+    let rest = (degrees - quarter * same(90.0)) * same(RADIAN);
+    let (Several(mut s), Several(mut c)) = (sine(rest), cosine(rest));
+    for k in 0..N {
+        (s[k], c[k]) = V::quarters_further(counted.0[k], s[k], c[k]);
+    }
+    (s, c)
+}
+
+/// Several vectors that are computed with in turn.
+#[derive(Clone, Copy)]
+struct Several<V, const N: usize>([V; N]);
+
+/// The same number everywhere.
+#[inline(always)]
+fn same<V: Lanes, const N: usize>(x: f64) -> Several<V, N> {
+    Several([V::splat(x); N])
+}
+
+macro_rules! one_by_one {
+    ($trait:ident, $name:ident, $operator:tt) => {
+        impl<V: Lanes, const N: usize> $trait for Several<V, N> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(mut self, other: Self) -> Self {
+                for k in 0..N {
+                    self.0[k] = self.0[k] $operator other.0[k];
+                }
+                self
+            }
+        }
+    };
+}
+
+one_by_one!(Add, add, +);
+one_by_one!(Sub, sub, -);
+one_by_one!(Mul, mul, *);
+
+/// Of an angle up to 45 deg, in rad.
+#[inline(always)]
+fn sine<V: Lanes, const N: usize>(x: Several<V, N>) -> Several<V, N> {
+    let [s1, s2, s3, s4, s5, s6] = SINE;
+    let z = x * x;
+    let w = z * z;
+    let r = same(s2) + z * (same(s3) + z * same(s4)) + z * w * (same(s5) + z * same(s6));
+    x + z * x * (same(s1) + z * r)
 }
 
 /// Of an angle up to 45 deg, in rad.
 #[inline(always)]
-fn sine<V: Lanes>(x: V) -> V {
-    let [s1, s2, s3] = splat::<V>(&[SINE[0], SINE[1], SINE[2]]);
-    let [s4, s5, s6] = splat::<V>(&[SINE[3], SINE[4], SINE[5]]);
+fn cosine<V: Lanes, const N: usize>(x: Several<V, N>) -> Several<V, N> {
+    let [c1, c2, c3, c4, c5, c6] = COSINE;
+    let one = same(1.0);
     let z = x * x;
     let w = z * z;
-    let r = s2 + z * (s3 + z * s4) + z * w * (s5 + z * s6);
-    x + z * x * (s1 + z * r)
-}
-
-/// Of an angle up to 45 deg, in rad.
-#[inline(always)]
-fn cosine<V: Lanes>(x: V) -> V {
-    let [c1, c2, c3] = splat::<V>(&[COSINE[0], COSINE[1], COSINE[2]]);
-    let [c4, c5, c6] = splat::<V>(&[COSINE[3], COSINE[4], COSINE[5]]);
-    let one = V::splat(1.0);
-    let z = x * x;
-    let w = z * z;
-    let r = z * (c1 + z * (c2 + z * c3)) + w * w * (c4 + z * (c5 + z * c6));
-    let half = V::splat(0.5) * z;
+    let r = z * (same(c1) + z * (same(c2) + z * same(c3))) + w * w * (same(c4) + z * (same(c5) + z * same(c6)));
+    let half = same(0.5) * z;
     let w = one - half;
     w + (((one - w) - half) + z * r)
 }

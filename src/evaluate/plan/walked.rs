@@ -5,15 +5,15 @@
 //! The walk itself is that of a batch, operation by operation: so the numbers are those of scattered poses, to the bit.
 
 use super::ahead::Inputs;
-use super::batch::{FARTHEST, Output, Task};
-use super::curves::{Curves, Six};
+use super::batch::{FARTHEST, Nodal, Output};
+use super::curves::Six;
 use super::grid::{advance, write};
 use super::lanes::{Kernel, Lanes, MOST};
 use super::trigonometry::sin_cos;
 
 /// A task with the nodes of a grid.
 #[derive(Debug, Clone)]
-pub struct Walked<T: Task> {
+pub struct Walked<T: Nodal> {
     task: T,
     outer: Vec<AxisNodes<T::Node>>,
     inner: Inner,
@@ -37,7 +37,7 @@ struct Inner {
     six: [Vec<f64>; 6],
 }
 
-impl<T: Task> Walked<T> {
+impl<T: Nodal> Walked<T> {
     /// On the nodes of a grid: their positions, axis by axis. `None` without axes.
     pub fn new(task: T, positions: Vec<Vec<f64>>) -> Option<Self> {
         let mut axes = Vec::new();
@@ -70,7 +70,7 @@ impl Inner {
 }
 
 /// A vector of nodes of a line.
-struct AtNodes<'a, T: Task> {
+struct AtNodes<'a, T: Nodal> {
     grid: &'a Walked<T>,
     /// Of the outer axes.
     nodes: &'a [usize],
@@ -78,15 +78,15 @@ struct AtNodes<'a, T: Task> {
     i: usize,
 }
 
-impl<T: Task> Clone for AtNodes<'_, T> {
+impl<T: Nodal> Clone for AtNodes<'_, T> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<T: Task> Copy for AtNodes<'_, T> {}
+impl<T: Nodal> Copy for AtNodes<'_, T> {}
 
-impl<V: Lanes, T: Task> Inputs<V, T::Node> for AtNodes<'_, T> {
+impl<V: Lanes, T: Nodal> Inputs<V, T::Node> for AtNodes<'_, T> {
     #[inline(always)]
     fn position(self, axis: usize) -> V {
         match self.grid.outer.get(axis) {
@@ -115,7 +115,7 @@ impl<V: Lanes, T: Task> Inputs<V, T::Node> for AtNodes<'_, T> {
     }
 
     #[inline(always)]
-    fn six(self, axis: usize, _: &Curves, _: V, _: (V, V)) -> [V; 6] {
+    fn six(self, axis: usize) -> [V; 6] {
         let mut six = [V::splat(0.0); 6];
         for k in 0..6 {
             six[k] = match self.grid.outer.get(axis) {
@@ -136,7 +136,7 @@ impl<V: Lanes, T: Task> Inputs<V, T::Node> for AtNodes<'_, T> {
 }
 
 /// Whole lines of a grid.
-pub struct Lines<'a, 'o, T: Task> {
+pub struct Lines<'a, 'o, T: Nodal> {
     /// The grid.
     pub grid: &'a Walked<T>,
     /// The first line, by the node of every outer axis.
@@ -147,7 +147,7 @@ pub struct Lines<'a, 'o, T: Task> {
     pub beyond: &'a mut Vec<usize>,
 }
 
-impl<T: Task> Kernel for Lines<'_, '_, T> {
+impl<T: Nodal> Kernel for Lines<'_, '_, T> {
     #[inline(always)]
     fn run<V: Lanes>(mut self) {
         let grid = self.grid;
@@ -156,7 +156,7 @@ impl<T: Task> Kernel for Lines<'_, '_, T> {
         for line in 0..self.out.len() / count {
             let mut i = 0;
             while i < count {
-                let (d, w, far) = grid.task.at::<V, _>(AtNodes { grid, nodes: &nodes, i });
+                let (d, w, far) = grid.task.walk::<V, _>(AtNodes { grid, nodes: &nodes, i });
                 write(&mut self.out, line * count + i, d, w);
                 let far = far.spread();
                 for lane in 0..V::COUNT.min(count - i) {

@@ -1,0 +1,38 @@
+//! Which vectors there are.
+
+/// Which vectors are in use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Width {
+    /// One number after the other.
+    Scalar,
+    /// Two doubles of an ARM processor.
+    Neon,
+    /// Four doubles.
+    Avx2,
+    /// Eight doubles.
+    Avx512,
+}
+
+impl Width {
+    /// From the narrowest to the widest.
+    pub const ALL: [Self; 4] = [Self::Scalar, Self::Neon, Self::Avx2, Self::Avx512];
+
+    /// Has this processor such vectors?
+    pub fn is_supported(self) -> bool {
+        match self {
+            Self::Scalar => true,
+            Self::Neon => cfg!(target_arch = "aarch64"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => std::arch::is_x86_feature_detected!("avx2"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => std::arch::is_x86_feature_detected!("avx512f"),
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx2 | Self::Avx512 => false,
+        }
+    }
+
+    /// The widest that this processor has.
+    pub fn widest() -> Self {
+        Self::ALL.into_iter().rev().find(|width| width.is_supported()).unwrap_or(Self::Scalar)
+    }
+}
