@@ -126,7 +126,7 @@ impl Curves<'_> {
     /// the ends are not met, what lies between the last multiple and the end would count for a whole step.
     fn anchored_step(&self, (min, max): (f64, f64), most: usize, least: f64) -> f64 {
         let whole = |ratio: f64| (ratio - libm::round(ratio)).abs() < 1e-6;
-        let fine = SMOOTH_INTERVALS.min(most);
+        let (fine, most) = (SMOOTH_INTERVALS.min(most), (2 * SMOOTH_INTERVALS).min(most));
         let wanted = match (self.straight(), self.sines && self.machine.axes()[self.axis].kind == AxisKind::Rotary) {
             (true, _) => 1,
             (false, true) => ROTARY_INTERVALS.min(most),
@@ -136,7 +136,8 @@ impl Curves<'_> {
         let knots = self.knots((min, max));
         let of = |intervals: usize| (max - min) / intervals as f64;
         let first = (wanted..=most).map(of).find(|step| meets(*step, &knots));
-        let ends = || (wanted.max(fine / 2)..=most).rev().map(of).find(|step| meets(*step, &[min, max]));
+        let ends =
+            || (fine..=most).chain((wanted.max(fine / 2)..fine).rev()).map(of).find(|step| meets(*step, &[min, max]));
         first.or_else(ends).unwrap_or(of(fine))
     }
 

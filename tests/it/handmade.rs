@@ -197,7 +197,7 @@ fn a_table_without_an_axis_is_said() {
     let sound = verify(&machine, &out, &["--poses", "1"]);
     assert!(!sound.err.contains("W0711"), "{}", sound.err);
     std::fs::copy(
-        out.join(&names(&out).into_iter().find(|n| n.starts_with("achskw")).unwrap()),
+        out.join(names(&out).into_iter().find(|n| n.starts_with("achskw")).unwrap()),
         out.join("achskw_B.lis"),
     )
     .unwrap();
