@@ -30,7 +30,8 @@ fn every_target_for_every_config() {
 }
 
 fn names() -> Vec<String> {
-    crate::configs::names().into_iter().chain(["robots/ur5.yaml".to_owned()]).collect()
+    let others = ["robots/ur5.yaml", "lathes/lathe-xzc.yaml"];
+    crate::configs::names().into_iter().chain(others.map(str::to_owned)).collect()
 }
 
 /// The same without turns.
