@@ -138,7 +138,7 @@ def strip_comment(line):
 
 
 def machine_files():
-    return sorted(CONFIGS.glob("*.yaml")) + sorted((CONFIGS / "papers").glob("*.yaml"))
+    return sorted(CONFIGS.glob("*.yaml")) + sorted((CONFIGS / "papers").glob("*.yaml")) + sorted((CONFIGS / "lathes").glob("*.yaml"))
 
 
 def settings(machine, axis):

@@ -4,8 +4,8 @@ use super::Format;
 use super::session::Session;
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::Summary;
-use crate::machine::{Approach, AxisKind, Machine};
-use crate::target::{Certificate, ErrorLeft, Figures, Handled, Shifted, Target};
+use crate::machine::{Approach, Axis, AxisKind, Machine};
+use crate::target::{Certificate, ErrorLeft, Figures, Handled, ROUNDING_UM, Raised, Shifted, Target};
 use crate::units::significant;
 use serde_json::json;
 use std::path::Path;
@@ -38,11 +38,15 @@ impl Shown<'_> {
             .collect();
         let shifted = certificate.shifted.as_ref();
         let shift = |s: &Shifted| {
-            let um: Vec<f64> = s.shift.iter().map(|mm| mm * 1000.0).collect();
-            json!({"shift_um": self.named(&um), "position_um": s.position_um})
+            let of = |kind: AxisKind| -> serde_json::Map<_, _> {
+                let axes = self.machine.axes().iter().zip(&s.shift).filter(|(axis, _)| axis.kind == kind);
+                axes.map(|(axis, shift)| (axis.name.to_string(), json!(shift * micro(kind).0))).collect()
+            };
+            json!({"shift_um": of(AxisKind::Linear), "shift_urad": of(AxisKind::Rotary), "position_um": s.position_um, "without_tables_um": s.alone_um})
         };
+        let raised = |r: &Raised| json!({"direction": r.approach, "figure": r.figure, "before_um": r.before, "after_um": r.after});
         json!({
-            "reference_shift": shifted.map(shift),
+            "reference_shift": shifted.map(shift), "raised": certificate.raised.iter().map(raised).collect::<Vec<_>>(),
             "target": self.target.manifest.target, "files": self.files, "poses": certificate.poses,
             "direction": certificate.approach, "tool": self.machine.tool().name,
             "uncompensated": summary(&certificate.uncompensated), "compensated": summary(&certificate.compensated),
@@ -64,14 +68,18 @@ impl Shown<'_> {
     /// What a new reference position does where tables must vanish at it.
     fn shifted(&self) -> String {
         let Some(shifted) = &self.certificate.shifted else { return String::new() };
-        let linear = self.machine.axes().iter().zip(&shifted.shift).filter(|(axis, _)| axis.kind == AxisKind::Linear);
-        let list: Vec<String> =
-            linear.map(|(axis, mm)| format!("{} {} um", axis.name, significant(mm * 1000.0, 4))).collect();
+        let one = |(axis, shift): (&Axis, &f64)| {
+            let (scale, unit) = micro(axis.kind);
+            format!("{} {} {unit}", axis.name, significant(shift * scale, 4))
+        };
+        let list: Vec<String> = self.machine.axes().iter().zip(&shifted.shift).map(one).collect();
         format!(
-            "The tables vanish at the reference position. With the machine zero moved besides by {} the position is at most {} um off, 95 % {}.\n",
+            "The tables vanish at the reference position. With the machine zero moved besides by {} the position is at most {} um off, 95 % {}; without tables and with the zero where it is best for that, {} and {}.\n",
             list.join(", "),
             significant(shifted.position_um.max, 4),
-            significant(shifted.position_um.p95, 4)
+            significant(shifted.position_um.p95, 4),
+            significant(shifted.alone_um.max, 4),
+            significant(shifted.alone_um.p95, 4)
         )
     }
 
@@ -123,7 +131,8 @@ impl Shown<'_> {
             let cells = [s.max, s.p95, s.rms, s.mean].map(|x| significant(x, 4));
             let _ = table.add_row(std::iter::once(name.to_owned()).chain(cells));
         }
-        format!("{table}\n{}{}", ratio(&before.all.position_um, &after.all.position_um), self.shifted())
+        let raised = raised(self.certificate).map_or_else(String::new, |words| format!("The files RAISE {words}.\n"));
+        format!("{table}\n{}{raised}{}", ratio(&before.all.position_um, &after.all.position_um), self.shifted())
     }
 
     /// Only what is left: a list of forty errors that are gone helps nobody.
@@ -201,19 +210,38 @@ impl Shown<'_> {
 /// Below this (um) an error does nothing at the functional point.
 const NO_EFFECT: f64 = 0.05;
 
-/// Below this (um) a deviation is rounding, and a factor says nothing.
-const ROUNDING: f64 = 1e-3;
+/// How many um in a mm, or urad in a deg, and their name.
+pub(super) fn micro(kind: AxisKind) -> (f64, &'static str) {
+    match kind {
+        AxisKind::Linear => (1e3, "um"),
+        AxisKind::Rotary => (1f64.to_radians() * 1e6, "urad"),
+    }
+}
+
+/// What the files raise, in words; none if nothing.
+fn raised(certificate: &Certificate) -> Option<String> {
+    let way = |approach| match approach {
+        Approach::Mean => "",
+        Approach::Forward => " forward",
+        Approach::Reverse => " in reverse",
+    };
+    let one = |r: &Raised| {
+        format!("{}{} to {} um from {}", r.figure, way(r.approach), significant(r.after, 4), significant(r.before, 4))
+    };
+    let all: Vec<String> = certificate.raised.iter().map(one).collect();
+    (!all.is_empty()).then(|| format!("the position deviation: {}", all.join(", ")))
+}
 
 fn ratio(before: &Summary, after: &Summary) -> String {
     let (before, after) = (before.p95, after.p95);
-    if before < ROUNDING {
+    if before < ROUNDING_UM {
         "There was nothing to compensate.\n".to_owned()
-    } else if after < ROUNDING {
+    } else if after < ROUNDING_UM {
         "The 95 % position deviation falls below a nanometre.\n".to_owned()
     } else if after <= before {
         format!("The 95 % position deviation falls by a factor of {}.\n", significant(before / after, 3))
     } else {
-        format!("The 95 % position deviation RISES from {} to {} um.\n", significant(before, 4), significant(after, 4))
+        String::new()
     }
 }
 
@@ -221,22 +249,14 @@ fn ratio(before: &Summary, after: &Summary) -> String {
 pub(super) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let (before, after) = (&certificate.uncompensated, &certificate.compensated);
-    let worse = |b: &Summary, a: &Summary| a.p95 > b.p95 * 1.001 + ROUNDING;
     if certificate.strongest.is_none() {
-        let message = "the tables correct nothing: no error of this machine is within the target's reach";
-        found.push(Diagnostic::new("W0602", message).help("compile for a target with a lattice, such as grid-csv"));
-    } else if worse(&before.all.position_um, &after.all.position_um) {
-        let message = format!(
-            "the tables make the 95 % position deviation worse: {} um instead of {}",
-            significant(after.all.position_um.p95, 4),
-            significant(before.all.position_um.p95, 4)
-        );
-        found.push(Diagnostic::new("W0602", message).help(
-            "they take away an error that happened to cancel another one, which this target cannot correct: do not load them for volumetric accuracy",
-        ));
+        let help = "no error of this machine is within the target's reach, or the files hold nothing: a target with a lattice, such as grid-csv, takes away what depends on several axes";
+        found.push(Diagnostic::new("W0602", "the tables correct nothing").help(help));
+    } else if let Some(words) = raised(certificate) {
+        found.push(Diagnostic::new("W0602", format!("the tables raise {words}")).help(why_raised(certificate)));
     }
     // A twentieth more is within what any table of angles changes here and there.
-    let turned = |b: &Summary, a: &Summary| a.p95 > b.p95 * 1.05 + ROUNDING;
+    let turned = |b: &Summary, a: &Summary| a.p95 > b.p95 * 1.05 + ROUNDING_UM;
     if turned(&before.tool_axis, &after.tool_axis) || turned(&before.all.rotation_urad, &after.all.rotation_urad) {
         let message = format!(
             "the orientation gets worse: 95 % {} urad instead of {} (tool axis {} instead of {})",
@@ -248,6 +268,18 @@ pub(super) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
         found.push(Diagnostic::new("W0603", message).help("rotation about the tool axis matters to tools that do not turn; `--correct position` leaves the rotary axes alone"));
     }
     found
+}
+
+/// Why tables can make it worse, and what to do.
+fn why_raised(certificate: &Certificate) -> &'static str {
+    match &certificate.shifted {
+        Some(shifted) if shifted.is_better() => {
+            "the tables vanish at the reference position and leave a constant: move the machine zero as the certificate says, or do not load them"
+        }
+        _ => {
+            "they take away an error that happened to cancel another one, which this target cannot correct: do not load them for volumetric accuracy"
+        }
+    }
 }
 
 /// The tool in words: a table holds for its length.

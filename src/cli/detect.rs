@@ -45,6 +45,9 @@ pub(super) fn set(
         wanted.extend(target.index_files());
         wanted.retain(|name| is_there(folder, name));
         let files = file_set::read(folder, &wanted, &mut session.diagnostics);
+        for name in target.foreign_files(machine).into_iter().filter(|name| is_there(folder, name)) {
+            session.diagnostics.push(left_alone(&name, "the machine has no axis for it"));
+        }
         return Ok(Set { target: target.clone(), files });
     }
     // Several targets by their names: those are the ones to choose from.

@@ -1,12 +1,12 @@
 //! `abbe diff`: how far two sets of compensation files are apart, in micrometres.
 
+use super::certificate_output::micro;
 use super::compile::Options;
 use super::session::Session;
 use super::{Format, Outcome, load, verify};
 use crate::compensation::{Correction, Jacobian};
 use crate::evaluate::{Summary, random_poses};
-use crate::machine::{Approach, AxisKind, Machine};
-use crate::target::Replay;
+use crate::machine::{Approach, Machine};
 use crate::units::significant;
 use serde_json::json;
 use std::path::PathBuf;
@@ -25,18 +25,16 @@ pub(super) struct Args {
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.options.tool.as_deref())?;
-    let [old, new] = [
-        verify::found(session, &machine, &args.old, &args.options)?,
-        verify::found(session, &machine, &args.new, &args.options)?,
-    ];
+    let (old, of_old) = verify::effect(session, &machine, &args.old, &args.options)?;
+    let (new, of_new) = verify::effect(session, &machine, &args.new, &args.options)?;
     session.checked()?;
-    let replays = [&old, &new].map(|set| Replay::new(&machine, &set.target, &set.tables));
+    let added = [of_old.added(&machine, &old), of_new.added(&machine, &new)];
     let mut axes: Vec<Vec<f64>> = vec![Vec::new(); machine.axes().len()];
     let mut moved = Vec::new();
     for pose in random_poses(&machine, args.options.poses as usize, args.options.seed) {
         let jacobian = Jacobian::at(&machine, &pose);
         for approach in [Approach::Forward, Approach::Reverse] {
-            let [a, b] = [0, 1].map(|i: usize| replays[i].added(&pose, approach));
+            let [a, b] = [0, 1].map(|i: usize| added[i](&pose, approach));
             let difference: Vec<f64> = a.iter().zip(&b).map(|(a, b)| b - a).collect();
             axes.iter_mut().zip(&difference).for_each(|(all, d)| all.push(*d));
             moved.push(jacobian.displacement(&Correction(difference)) * 1000.0);
@@ -53,17 +51,9 @@ fn figures(values: &[f64]) -> (f64, f64) {
     (largest, libm::sqrt(square))
 }
 
-/// um for linear axes, urad for rotary ones.
-fn micro(machine: &Machine, axis: usize) -> (f64, &'static str) {
-    match machine.axes()[axis].kind {
-        AxisKind::Linear => (1e3, "um"),
-        AxisKind::Rotary => (1f64.to_radians() * 1e6, "urad"),
-    }
-}
-
 fn print(session: &Session, machine: &Machine, axes: &[Vec<f64>], moved: &Summary) {
-    let rows = machine.axes().iter().zip(axes).enumerate().map(|(i, (axis, values))| {
-        let (scale, unit) = micro(machine, i);
+    let rows = machine.axes().iter().zip(axes).map(|(axis, values)| {
+        let (scale, unit) = micro(axis.kind);
         let (largest, rms) = figures(values);
         (axis.name.to_string(), largest * scale, rms * scale, unit)
     });

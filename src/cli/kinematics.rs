@@ -7,6 +7,7 @@ use crate::compensation::Tables;
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
 use crate::target::{Carried, Depth, Hashed, Limits, Lock, ReadBack, RenderedFile, Target, certify_kinematics};
+use std::path::Path;
 use std::sync::Arc;
 
 pub(super) fn compile(
@@ -73,20 +74,33 @@ pub(super) fn verify(
     if args.replay.is_some() {
         return session.usage("--replay: a kinematics module has no tables that hold for a joint alone");
     }
-    if texts.is_empty() {
-        return session.refuse(detect::nothing_found(&args.folder));
-    }
-    let meant = carried(session, machine, target, args.options.how.orientation())?;
-    let Some(read) = target.read_kinematics(machine, &meant, texts, &mut session.diagnostics) else {
-        return Err(Stop::Refused);
-    };
-    let beside = beside(session, machine, target, texts)?;
+    let (read, beside) = found(session, machine, target, &args.folder, &args.options.how, texts)?;
     let certificate = certify_kinematics(machine, target, (&read, &beside), depth(&args.options));
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
     let files = texts.iter().map(|file| file.found.clone()).collect();
     Shown { machine, target, certificate: &certificate, files, folder: &args.folder }.print(session);
     Ok(())
+}
+
+/// A module's numbers and the tables beside it, read from the files of a folder.
+pub(super) fn found(
+    session: &mut Session,
+    machine: &Machine,
+    target: &Target,
+    folder: &Path,
+    how: &compile::How,
+    texts: &[ReadBack],
+) -> Result<(Carried, Tables), Stop> {
+    if texts.is_empty() {
+        return session.refuse(detect::nothing_found(folder));
+    }
+    let meant = carried(session, machine, target, how.orientation())?;
+    let Some(read) = target.read_kinematics(machine, &meant, texts, &mut session.diagnostics) else {
+        return Err(Stop::Refused);
+    };
+    let beside = beside(session, machine, target, texts)?;
+    Ok((read, beside))
 }
 
 fn depth(options: &compile::Options) -> Depth {

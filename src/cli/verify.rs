@@ -8,7 +8,7 @@ use super::{Outcome, Stop, commit, detect, file_set, kinematics, load};
 use crate::compensation::Tables;
 use crate::diagnostic::Diagnostic;
 use crate::machine::{Approach, Machine};
-use crate::target::{Judged, LOCK_NAME, Lock, Replay, Target, is_plain_name};
+use crate::target::{Effect, Judged, LOCK_NAME, Lock, Replay, Target, is_plain_name};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -82,6 +82,24 @@ pub(super) fn found(session: &mut Session, machine: &Machine, folder: &Path, opt
     tables_of(session, machine, folder, set)
 }
 
+/// What the set in a folder does, of whatever target it is.
+pub(super) fn effect(
+    session: &mut Session,
+    machine: &Machine,
+    folder: &Path,
+    options: &Options,
+) -> Result<(Target, Effect), Stop> {
+    settle(session, folder)?;
+    let set = detect::set(session, machine, folder, None, &options.how)?;
+    session.checked()?;
+    if set.target.manifest.kinematics().is_none() {
+        let Found { target, tables, .. } = tables_of(session, machine, folder, set)?;
+        return Ok((target, Effect::Tables(tables)));
+    }
+    let (carried, beside) = kinematics::found(session, machine, &set.target, folder, &options.how, &set.files)?;
+    Ok((set.target, Effect::Module(Box::new(carried), beside)))
+}
+
 /// The tables of a set.
 fn tables_of(session: &mut Session, machine: &Machine, folder: &Path, set: detect::Set) -> Result<Found, Stop> {
     let detect::Set { target, files } = set;
@@ -95,7 +113,10 @@ fn tables_of(session: &mut Session, machine: &Machine, folder: &Path, set: detec
     let indices = target.index_files();
     let names = files.into_iter().filter(|file| !indices.contains(&file.name)).map(|file| file.found).collect();
     match read {
-        Some(tables) => Ok(Found { target, tables, files: names }),
+        Some(tables) => {
+            target.uncovered(machine, &tables).into_iter().for_each(|warning| session.diagnostics.push(warning));
+            Ok(Found { target, tables, files: names })
+        }
         None => session.refuse(detect::nothing_found(folder)),
     }
 }

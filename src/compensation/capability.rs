@@ -48,6 +48,9 @@ pub struct KinematicsMechanism {
     /// The controller's names of the constants, in the order of [`Carries`]; none for a full model.
     #[serde(default)]
     pub constants: Vec<String>,
+    /// The controller's names of the modules that have them: one, or of rotary centres that for A and that for B.
+    #[serde(default)]
+    pub components: Vec<String>,
     /// Decimals of constants; numbers of a full model are written exactly.
     pub increment: Increment,
 }

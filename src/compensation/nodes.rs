@@ -80,7 +80,8 @@ impl Curves<'_> {
             Spacing::Free => self.free(range, most, rules, columns),
             Spacing::Equal => equal(range, most),
             Spacing::Stepped => self.stepped(range, step(self.step(range, most - 1)), most),
-            Spacing::Anchored => anchored(range, step(self.step(range, most.saturating_sub(3).max(1)))),
+            Spacing::Anchored if turns => anchored(range, step(self.step(range, most.saturating_sub(3).max(1)))),
+            Spacing::Anchored => anchored(range, step(self.anchored_step(range, most.saturating_sub(3).max(1), least))),
             Spacing::PowerOfTwo(unit) => {
                 let wanted = (range.1 - range.0) / (most - 1) as f64 / unit;
                 self.stepped(range, unit * libm::exp2(libm::ceil(libm::log2(wanted) - 1e-9).max(0.0)), most)
@@ -119,6 +120,25 @@ impl Curves<'_> {
         };
         let intervals = if meets { (knots.len() - 1) * wanted.div_ceil(knots.len() - 1) } else { SMOOTH_INTERVALS };
         (max - min) / intervals.min(most).max(1) as f64
+    }
+
+    /// The largest step whose multiples from 0 meet the knots, or else the ends, in at most so many intervals. Where
+    /// the ends are not met, what lies between the last multiple and the end would count for a whole step.
+    fn anchored_step(&self, (min, max): (f64, f64), most: usize, least: f64) -> f64 {
+        let whole = |ratio: f64| (ratio - libm::round(ratio)).abs() < 1e-6;
+        let (fine, most) = (SMOOTH_INTERVALS.min(most), (2 * SMOOTH_INTERVALS).min(most));
+        let wanted = match (self.straight(), self.sines && self.machine.axes()[self.axis].kind == AxisKind::Rotary) {
+            (true, _) => 1,
+            (false, true) => ROTARY_INTERVALS.min(most),
+            (false, false) => fine,
+        };
+        let meets = |step: f64, points: &[f64]| whole(step / least) && points.iter().all(|q| whole(q / step));
+        let knots = self.knots((min, max));
+        let of = |intervals: usize| (max - min) / intervals as f64;
+        let first = (wanted..=most).map(of).find(|step| meets(*step, &knots));
+        let ends =
+            || (fine..=most).chain((wanted.max(fine / 2)..fine).rev()).map(of).find(|step| meets(*step, &[min, max]));
+        first.or_else(ends).unwrap_or(of(fine))
     }
 
     fn stepped(&self, (min, max): (f64, f64), step: f64, most: usize) -> Vec<f64> {

@@ -25,6 +25,11 @@ pub fn own_axis_error(machine: &Machine, axis: usize, command: f64, wanted: f64,
     }
 }
 
+/// What an axis would have to be moved by, commanded to one position and wanted at another (mm, deg), against its own error.
+pub fn own_axis_wanted(machine: &Machine, axis: usize, (command, wanted): (f64, f64), approach: Approach) -> f64 {
+    against(own_axis_error(machine, axis, command, wanted, approach))
+}
+
 /// The table of an axis, at given positions or where the rules have its points.
 pub fn own_axis_table(machine: &Machine, axis: usize, rules: &TableRules, positions: Option<Vec<f64>>) -> Table {
     let mean = |q: f64| match rules.holds {

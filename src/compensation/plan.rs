@@ -7,7 +7,7 @@
 //!    over fixed axes for what those leave ([`super::sum`]). What changes nothing is not written.
 
 use super::batch::correct_all_from;
-use super::curves::error_curves;
+use super::curves::{error_curves, straight};
 use super::nodes::{Columns, Curves, interval, rolling};
 use super::product::{self, Factors, TABLES_OF_A_PRODUCT};
 use super::sum::{Filler, Traits, Wanted};
@@ -48,7 +48,7 @@ fn filled(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) 
     Planner { machine, mechanisms }.tables()
 }
 
-/// Zero at position 0, or at the end of the table nearest to it. What reverse differs from forward stays, unless the
+/// Zero at position 0, between points too, or at the end of the table nearest to it. What reverse differs from forward stays, unless the
 /// controller has a number for it there that cannot be negative.
 fn vanish_at_reference(table: &mut Table, positive_backlash: bool) {
     let width = table.corrected.len();
@@ -56,7 +56,10 @@ fn vanish_at_reference(table: &mut Table, positive_backlash: bool) {
         nodes.iter().enumerate().min_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map_or(0, |(i, _)| i)
     };
     let node = table.nodes.iter().fold(0, |number, nodes| number * nodes.len() + nearest(nodes));
-    let at: Vec<f64> = table.values[node * width..(node + 1) * width].to_vec();
+    let at: Vec<f64> = match (&table.nodes[..], width) {
+        ([nodes], 1) => vec![straight(nodes, &table.values, 0.0)],
+        _ => table.values[node * width..(node + 1) * width].to_vec(),
+    };
     for values in std::iter::once(&mut table.values).chain(&mut table.reverse) {
         values.iter_mut().enumerate().for_each(|(i, c)| *c -= at[i % width]);
     }

@@ -152,6 +152,7 @@ pub const CODES: &[CodeInfo] = &[
     code!("W0702", "tables of another machine file"),
     code!("W0703", "no manifest to compare with"),
     code!("W0704", "points of installed tables are lost"),
+    code!("W0705", "a table that ends before the axis"),
     code!("W0710", "a file's axis told by its positions"),
     code!("W0711", "a file left alone"),
     code!("W0712", "a killed run was finished"),

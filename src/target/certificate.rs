@@ -7,7 +7,10 @@
 
 use super::Target;
 use super::replay::{Compensated, Replay};
-use crate::compensation::{Correction, Jacobian, Reference, Scope, Strongest, Table, Tables, single_error_tables};
+use crate::compensation::{
+    Correction, Jacobian, Reference, Scope, Spacing, Strongest, Table, TableRules, Tables, own_axis_wanted,
+    single_error_tables,
+};
 use crate::evaluate::{
     Bare, Columns, Deviation, Field, Order, PoseColumns, Statistics, Summary, error_by_error, random_poses,
     tool_axis_tilt,
@@ -67,35 +70,92 @@ pub struct Certificate {
     pub at_reference: [Vec<f64>; 2],
     /// What a new reference position would take away besides, where tables must vanish at it.
     pub shifted: Option<Shifted>,
+    /// What is larger with the files than without them.
+    pub raised: Vec<Raised>,
     /// The entry by which the sign is best tested; none if nothing is corrected.
     pub strongest: Option<Strongest>,
+}
+
+/// A figure of the position deviation that the files make worse.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raised {
+    /// Approaching from this side.
+    pub approach: Approach,
+    /// Which.
+    pub figure: &'static str,
+    /// Without the files, um.
+    pub before: f64,
+    /// With them, um.
+    pub after: f64,
+}
+
+/// Below this (um) a deviation is rounding, and a comparison says nothing.
+pub const ROUNDING_UM: f64 = 1e-3;
+
+/// Is a deviation (um) larger than another one by more than rounding?
+pub(super) fn is_worse(before: f64, after: f64) -> bool {
+    after > before * 1.001 + ROUNDING_UM
+}
+
+/// What a set raises of the position deviation, approaching from one side.
+pub(super) fn raised(approach: Approach, before: &Figures, after: &Figures) -> Vec<Raised> {
+    let (before, after) = (before.all.position_um, after.all.position_um);
+    let figures = [("95 %", before.p95, after.p95), ("rms", before.rms, after.rms), ("max", before.max, after.max)];
+    let worse = figures.into_iter().filter(|(_, before, after)| is_worse(*before, *after));
+    worse.map(|(figure, before, after)| Raised { approach, figure, before, after }).collect()
 }
 
 /// Tables that vanish at the reference position leave a constant part of the deviation: a shift of the
 /// machine zero takes it away.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shifted {
-    /// What to add to the zero of each axis (mm; 0 for rotary axes).
+    /// What to add to the zero of each axis (mm, deg).
     pub shift: Vec<f64>,
     /// What is then left of the position, um.
     pub position_um: Summary,
+    /// What the best shift alone would leave, without tables, um.
+    pub alone_um: Summary,
 }
 
-/// The mean of the corrections that are still wanted, and what they leave.
-fn shifted(field: &dyn Field, poses: &[Pose], approach: Approach) -> Shifted {
-    let machine = field.machine();
-    let left = deviations(field, poses, approach);
-    let jacobians: Vec<Jacobian> = poses.iter().map(|pose| Jacobian::at(machine, pose)).collect();
-    let none = Correction::none(machine);
-    let mut shift = none.0.clone();
-    for (jacobian, deviation) in jacobians.iter().zip(&left) {
-        let Correction(wanted) = jacobian.correction(deviation, &none, Scope::POSITION);
-        shift.iter_mut().zip(wanted).for_each(|(s, w)| *s += w / left.len() as f64);
+impl Shifted {
+    /// Are the tables worth having where the machine zero is set anew in any case?
+    pub fn is_better(&self) -> bool {
+        !is_worse(self.alone_um.rms, self.position_um.rms)
     }
-    let moved = Correction(shift.clone());
+}
+
+/// Shifts of the axes' zeros (mm, deg) and what they leave: of a rotary axis against the mean of its own error, of the
+/// linear ones the mean of the corrections that are wanted then. `added` is what the controller adds to a command.
+fn best_shift(
+    field: &dyn Field,
+    poses: &[Pose],
+    approach: Approach,
+    added: impl Fn(&Pose) -> Vec<f64>,
+) -> (Vec<f64>, Summary) {
+    let machine = field.machine();
+    let count = poses.len() as f64;
+    let mut shift = vec![0.0; machine.axes().len()];
+    for pose in poses {
+        for ((axis, q), c) in pose.iter().enumerate().zip(added(pose)) {
+            if machine.axes()[axis].kind == AxisKind::Rotary {
+                shift[axis] += own_axis_wanted(machine, axis, (q + c, *q), approach) / count;
+            }
+        }
+    }
+    let jacobians: Vec<Jacobian> = poses.iter().map(|pose| Jacobian::at(machine, pose)).collect();
+    let turned = Correction(shift.clone());
+    let left = deviations(field, poses, approach).into_iter().zip(&jacobians);
+    let left: Vec<Deviation> =
+        left.map(|(d, j)| Deviation { position: d.position + j.displacement(&turned), ..d }).collect();
+    let mut moved = Correction::none(machine);
+    for (jacobian, deviation) in jacobians.iter().zip(&left) {
+        let Correction(wanted) = jacobian.correction(deviation, &Correction::none(machine), Scope::POSITION);
+        moved.0.iter_mut().zip(wanted).for_each(|(s, w)| *s += w / count);
+    }
     let after: Vec<Vector3<f64>> =
         jacobians.iter().zip(&left).map(|(j, d)| (d.position + j.displacement(&moved)) * 1000.0).collect();
-    Shifted { shift, position_um: Summary::of(&after) }
+    shift.iter_mut().zip(&moved.0).for_each(|(s, m)| *s += m);
+    (shift, Summary::of(&after))
 }
 
 /// What is judged.
@@ -117,23 +177,75 @@ pub fn certify(machine: &Machine, judged: Judged, scope: Scope, count: usize, se
     let bare = Bare { machine, order: Order::Exact };
     let load = |tables| Replay::new(machine, target, tables);
     let compensated = Compensated { machine, replay: load(tables).over(installed.map(load)) };
-    let of = |field: &dyn Field, approach| figures(field, &poses, approach);
-    let both = approaches(machine).iter().map(|approach| (*approach, of(&compensated, *approach)));
-    let worse = both.reduce(|a, b| if b.1.all.position_um.p95 > a.1.all.position_um.p95 { b } else { a });
-    let (approach, left) = worse.unwrap_or_else(|| (Approach::Mean, of(&compensated, Approach::Mean)));
+    let Judgement { approach, uncompensated, compensated: left, raised } = judge(&bare, &compensated, &poses);
     let zero = vec![0.0; machine.axes().len()];
-    let vanishing = mechanisms.iter().any(|(_, rules)| rules.reference == Reference::Zero);
+    let fixed = |rules: &TableRules| rules.reference == Reference::Zero || rules.spacing == Spacing::Line;
+    let vanishing = mechanisms.iter().any(|(_, rules)| fixed(rules));
+    let shifted = || {
+        let (shift, position_um) =
+            best_shift(&compensated, &poses, approach, |pose| compensated.replay.added(pose, approach));
+        let nothing = |pose: &Pose| vec![0.0; pose.len()];
+        Shifted { shift, position_um, alone_um: best_shift(&bare, &poses, approach, nothing).1 }
+    };
+    let strongest = if tables.errors.is_empty() {
+        tables.strongest(machine)
+    } else {
+        let replay = load(tables);
+        strongest_at(machine, &poses, |pose| replay.added(pose, Approach::Mean))
+    };
     let single = Singles { machine, target, poses: &poses[..poses.len().min(MOST_SINGLE_POSES)], scope };
     Certificate {
         poses: count,
         approach,
-        uncompensated: of(&bare, approach),
+        uncompensated,
         compensated: left,
         errors: single.errors(tables),
         at_reference: [Approach::Forward, Approach::Reverse].map(|a| load(tables).added(&zero, a)),
-        shifted: vanishing.then(|| shifted(&compensated, &poses, approach)),
-        strongest: tables.strongest(machine),
+        shifted: vanishing.then(shifted),
+        raised,
+        strongest,
     }
+}
+
+/// Without and with a set of files, in the direction of approach that is worse with them, and what they raise in either.
+pub(super) struct Judgement {
+    pub approach: Approach,
+    pub uncompensated: Figures,
+    pub compensated: Figures,
+    pub raised: Vec<Raised>,
+}
+
+/// Compares a machine without and with files.
+pub(super) fn judge(bare: &dyn Field, with: &dyn Field, poses: &[Pose]) -> Judgement {
+    let one = |approach: Approach| {
+        let (uncompensated, compensated) = (figures(bare, poses, approach), figures(with, poses, approach));
+        Judgement { approach, raised: raised(approach, &uncompensated, &compensated), uncompensated, compensated }
+    };
+    let p95 = |judgement: &Judgement| judgement.compensated.all.position_um.p95;
+    let (mut worse, mut raised) = (None, Vec::new());
+    for mut judgement in approaches(bare.machine()).iter().map(|approach| one(*approach)) {
+        raised.append(&mut judgement.raised);
+        if worse.as_ref().is_none_or(|known| p95(&judgement) > p95(known)) {
+            worse = Some(judgement);
+        }
+    }
+    Judgement { raised, ..worse.unwrap_or_else(|| one(Approach::Mean)) }
+}
+
+/// Where the sign of what is not in tables is best tested: the largest motion of a linear axis with the rotary axes at 0,
+/// where an instrument along that axis reads it.
+pub(super) fn strongest_at(machine: &Machine, poses: &[Pose], added: impl Fn(&Pose) -> Vec<f64>) -> Option<Strongest> {
+    let kind = |axis: usize| machine.axes()[axis].kind;
+    let entry = |pose: &Pose| {
+        let at_zero = |(axis, q): (usize, &f64)| if kind(axis) == AxisKind::Rotary { 0.0 } else { *q };
+        let level: Pose = pose.iter().enumerate().map(at_zero).collect();
+        let within = machine.beyond_travel(&level).next().is_none();
+        let linear = added(&level).into_iter().enumerate().filter(|(axis, _)| kind(*axis) == AxisKind::Linear);
+        let largest = linear.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        let at = || level.iter().copied().enumerate().collect();
+        largest.filter(|(_, value)| within && *value != 0.0).map(|(axis, value)| Strongest { axis, at: at(), value })
+    };
+    poses.iter().filter_map(entry).max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))
 }
 
 /// The directions of approach that can differ.

@@ -93,6 +93,8 @@ pub enum Lookup {
     Command,
     /// At the position that the tables before have corrected; the axes are corrected from the last to the first.
     Corrected,
+    /// Tables over one axis at the commanded position, those over several at what the former have made of it.
+    LinesThenPlanes,
 }
 
 /// Between points.
@@ -196,13 +198,25 @@ pub enum Layout {
         position: String,
         /// Name of the column that is added approaching with falling position.
         reversal: String,
-        /// Lines that may stand before and after, beginning with one of these.
-        frame: Vec<String>,
+        /// What stands around them.
+        frame: Frame,
     },
     /// Constant arrays of C: the numbers of a full kinematics model.
     CArrays,
     /// Lines `setp COMPONENT.NAME VALUE`.
     HalConstants,
+}
+
+/// The lines around columns.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Frame {
+    /// What a comment begins with.
+    pub comment: String,
+    /// The first line: one of these patterns.
+    pub begin: Vec<String>,
+    /// The last line; nothing stands behind it.
+    pub end: String,
 }
 
 /// A line of a file: text with fields in angle brackets.
@@ -217,9 +231,22 @@ pub struct LineSpec {
     /// Must such a line be there?
     #[serde(default)]
     pub required: bool,
+    /// Does a block begin or end with it?
+    #[serde(default)]
+    pub block: Option<Edge>,
     /// What it says besides.
     #[serde(default)]
     pub set: BTreeMap<String, String>,
+}
+
+/// An end of a block of lines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Edge {
+    /// Its first line.
+    Begin,
+    /// Its last line.
+    End,
 }
 
 /// A column of a table of one axis.

@@ -24,7 +24,7 @@ mod render;
 mod replay;
 mod stored;
 
-pub use certificate::{Certificate, ErrorLeft, Figures, Handled, Judged, Shifted, certify};
+pub use certificate::{Certificate, ErrorLeft, Figures, Handled, Judged, ROUNDING_UM, Raised, Shifted, certify};
 pub use effect::Effect;
 pub use kinematics::{Carried, Depth, Driven, Model, Setting, Words, World, certify_kinematics};
 pub use library::{NAMES, Target, is_plain_name};

@@ -172,6 +172,23 @@ fn file_name(environment: &Environment, spec: &FileSpec, own: Value) -> Result<S
     if library::is_plain_name(&name) { Ok(name) } else { Err(format!("`{name}` is not a plain file name")) }
 }
 
+impl FileSpec {
+    /// The file's name for every letter and every place that an axis of it could have.
+    pub(super) fn names_of_letters(&self, letters: &str) -> Vec<String> {
+        let environment = environment();
+        let name = |(joint, letter): (usize, char)| {
+            file_name(&environment, self, context! { joint, letter => letter.to_string(), name => letter.to_string() })
+                .ok()
+        };
+        let places = 0..letters.len();
+        let mut names: Vec<String> =
+            places.flat_map(|joint| letters.chars().map(move |letter| (joint, letter))).filter_map(name).collect();
+        names.sort();
+        names.dedup();
+        names
+    }
+}
+
 fn describe(failure: &minijinja::Error) -> String {
     let line = failure.line().map_or_else(String::new, |line| format!(" (template line {line})"));
     format!("{failure}{line}")

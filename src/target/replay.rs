@@ -44,6 +44,12 @@ impl<'a> Replay<'a> {
         }
         match self.controller.lookup {
             Lookup::Command => self.add_tables(command, approach, &mut added, |_| true),
+            Lookup::LinesThenPlanes => {
+                let line = |table: &Table| table.axes.len() == 1;
+                self.add_tables(command, approach, &mut added, line);
+                let at: Vec<f64> = command.iter().zip(&added).map(|(q, c)| q + c).collect();
+                self.add_tables(&at, approach, &mut added, |table| !line(table));
+            }
             // Klipper and Marlin: y' = y - z*yz, then x' = x - y'*xy - z*xz.
             Lookup::Corrected => {
                 let mut order: Vec<usize> = self.tables.tables.iter().map(|t| t.corrected[0]).collect();

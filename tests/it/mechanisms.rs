@@ -1,14 +1,13 @@
 //! What controllers have besides one table for each axis: products of tables, planes, tables for both directions,
 //! tables beside kinematics. Vectors by hand from the manuals, and readers of the test's own.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::oracle::machines::{Sample, combinations};
 use crate::oracle::program::Folder;
 use crate::oracle::random::Random;
 use crate::oracle::yaml;
-use crate::support::{Run, abbe, compile, config, names, number, verify};
+use crate::support::{Run, abbe, cec, compile, config, names, number, verify};
 
 const FEW: [&str; 3] = ["--accept-unverified", "--poses", "60"];
 
@@ -113,65 +112,8 @@ fn fanuc_turn() {
     run.refused("E0704").says("60 and 68");
 }
 
-/// One `$AN_CEC` table, as the manual describes it.
-#[derive(Default, Clone)]
-struct Cec {
-    values: BTreeMap<usize, f64>,
-    input: usize,
-    output: usize,
-    step: f64,
-    min: f64,
-    direction: i32,
-    times: usize,
-}
-
-impl Cec {
-    fn at(&self, position: &[f64]) -> f64 {
-        let last = self.values.len() - 1;
-        let way = ((position[self.input - 1] - self.min) / self.step).clamp(0.0, last as f64);
-        let low = (way.floor() as usize).min(last - 1);
-        self.values[&low] + (self.values[&(low + 1)] - self.values[&low]) * (way - low as f64)
-    }
-}
-
-fn cec(text: &str) -> BTreeMap<usize, Cec> {
-    let mut tables: BTreeMap<usize, Cec> = BTreeMap::new();
-    for line in text.lines().filter(|line| line.starts_with("$AN_CEC")) {
-        let (name, rest) = line.split_once('[').unwrap();
-        let (index, value) = rest.split_once("]=").unwrap();
-        let (table, point) = index.split_once(',').unwrap_or((index, ""));
-        let entry = tables.entry(table.parse().unwrap()).or_default();
-        let axis = || value.trim_start_matches("(AX").trim_end_matches(')').parse().unwrap();
-        match name {
-            "$AN_CEC" => drop(entry.values.insert(point.parse().unwrap(), value.parse().unwrap())),
-            "$AN_CEC_INPUT_AXIS" => entry.input = axis(),
-            "$AN_CEC_OUTPUT_AXIS" => entry.output = axis(),
-            "$AN_CEC_STEP" => entry.step = value.parse().unwrap(),
-            "$AN_CEC_MIN" => entry.min = value.parse().unwrap(),
-            "$AN_CEC_DIRECTION" => entry.direction = value.parse().unwrap(),
-            "$AN_CEC_MULT_BY_TABLE" => entry.times = value.parse().unwrap(),
-            _ => {}
-        }
-    }
-    tables
-}
-
 /// Whose own values a controller may add where tables are multiplied: those of all, of the second factors, of none.
 const READINGS: [[bool; 2]; 3] = [[true, true], [false, true], [false, false]];
-
-fn cec_sum(tables: &BTreeMap<usize, Cec>, output: usize, position: &[f64], [first, second]: [bool; 2]) -> f64 {
-    let seconds: Vec<usize> = tables.values().filter(|t| t.times > 0).map(|t| t.times - 1).collect();
-    let of = |(index, table): (&usize, &Cec)| {
-        let own = match (table.times > 0, seconds.contains(index)) {
-            (true, _) => first,
-            (_, true) => second,
-            _ => true,
-        };
-        let product = if table.times > 0 { table.at(position) * tables[&(table.times - 1)].at(position) } else { 0.0 };
-        product + if own { table.at(position) } else { 0.0 }
-    };
-    tables.iter().filter(|(_, table)| table.output == output).map(of).sum()
-}
 
 /// Siemens, Extended Functions 03/2013 p. 252: dX = Z sin(tilt(X)). Here the tilt rises along X and Z is the lever, and the
 /// sum of the tables is that error, whatever the controller adds of the factors.
@@ -189,13 +131,13 @@ fn a_tilt_times_a_lever() {
     );
     let left = [&json, &without].map(|json| number(json, "/compensated/position_um/p95"));
     assert!(left[0] < 0.02 && left[1] > 0.5, "{left:?}");
-    let tables = cec(&std::fs::read_to_string(folder.path("with/_N_NC_CEC_INI")).unwrap());
-    assert_eq!(tables.values().filter(|table| table.times > 0).count() % 2, 0);
-    assert!(tables.values().any(|table| table.times > 0));
+    let tables = cec::Tables::read(&std::fs::read_to_string(folder.path("with/_N_NC_CEC_INI")).unwrap()).unwrap();
+    assert_eq!(tables.0.values().filter(|table| table.times > 0).count() % 2, 0);
+    assert!(tables.0.values().any(|table| table.times > 0));
     for [x, z] in [[-200.0, 100.0], [200.0, 100.0], [-120.0, 30.0], [37.0, 0.0], [150.0, 71.0]] {
         let error = (10.0 + 0.25 * x) * 1e-6 * z;
         for reading in READINGS {
-            let found = cec_sum(&tables, 1, &[x, 50.0, z], reading);
+            let found = tables.sum(1, &[x, 50.0, z], false, reading);
             assert!((found - error).abs() < 2e-5, "{reading:?} at {x} {z}: {found}, not {error}");
         }
     }
@@ -240,8 +182,8 @@ fn products_on_a_whole_machine() {
         number(&json.json(), "/compensated/position_um/p95")
     });
     assert!(left[0] * factor < left[1], "{name}: {left:?}");
-    let tables = cec(&std::fs::read_to_string(folder.path("with/_N_NC_CEC_INI")).unwrap());
-    assert!(tables.len() <= 62 && *tables.keys().last().unwrap() == tables.len() - 1);
+    let tables = cec::Tables::read(&std::fs::read_to_string(folder.path("with/_N_NC_CEC_INI")).unwrap()).unwrap();
+    assert!(tables.0.len() <= 62 && *tables.0.keys().last().unwrap() == tables.0.len() - 1);
     let again = verify(&config(name), &folder.path("with"), &["--poses", "200"]).json();
     assert_eq!(number(&again, "/compensated/position_um/p95"), left[0]);
 }
@@ -428,17 +370,18 @@ fn limits_hold_on_random_machines() {
 }
 
 fn cec_limits(texts: &[String]) {
-    let tables = cec(texts.iter().find(|text| text.starts_with("%_N_NC_CEC")).map_or("", |text| text));
-    assert!(tables.len() <= 62);
-    for table in tables.values() {
-        assert!(table.values.len() <= 2000 && table.values.keys().enumerate().all(|(i, key)| i == *key));
-        assert!(table.times == 0 || (table.direction == 0 && tables[&(table.times - 1)].output == table.output));
-        assert!(table.values.values().all(|value| value.abs() < 5.0));
+    let tables =
+        cec::Tables::read(texts.iter().find(|text| text.starts_with("%_N_NC_CEC")).map_or("", |text| text)).unwrap();
+    assert!(tables.0.len() <= 62);
+    for table in tables.0.values() {
+        assert!(table.values().len() <= 2000);
+        assert!(table.times == 0 || (table.direction == 0.0 && tables.0[&(table.times - 1)].output == table.output));
+        assert!(table.values().iter().all(|value| value.abs() < 5.0));
     }
     // Whatever is added of the factors, the sum is the same.
     for position in [[0.0; 9], [7.0; 9], [-31.0; 9]] {
         for output in 1..=9 {
-            let sums = READINGS.map(|reading| cec_sum(&tables, output, &position, reading));
+            let sums = READINGS.map(|reading| tables.sum(output, &position, false, reading));
             assert!(sums.iter().all(|sum| (sum - sums[0]).abs() < 1e-12), "{sums:?}");
         }
     }

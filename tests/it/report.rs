@@ -210,6 +210,7 @@ fn every_kind_of_machine_has_a_page() {
         "millturn-bc.yaml",
         "boring-w.yaml",
         "robots/ur5.yaml",
+        "lathes/lathe-xzc.yaml",
         "papers/hrdina-vasik-2014.yaml",
         "hh-bd-ram.yaml",
     ] {

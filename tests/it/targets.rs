@@ -291,44 +291,6 @@ fn what_rests_on_memory_is_not_written_by_accident() {
     }
 }
 
-/// Every configuration, and every target at least once: files that read back, or words why not.
-#[test]
-fn every_config_compiles_for_some_target_and_every_target_for_some_config() {
-    let mut configs: Vec<String> =
-        std::fs::read_dir(config("")).unwrap().map(|f| f.unwrap().file_name().into_string().unwrap()).collect();
-    configs.retain(|name| name.ends_with(".yaml"));
-    configs.sort();
-    let mut written = Vec::new();
-    for (i, name) in configs.iter().enumerate() {
-        let folder = Folder::new();
-        let target = targets()[i % targets().len()];
-        let run = compile(
-            &config(name),
-            target,
-            &folder.path("out"),
-            &["--accept-unverified", "--poses", "20", "--max-correction", "20 mm, 50 mrad, 0.5"],
-        );
-        match run.code {
-            Some(0) => {
-                written.push(target);
-                let again = verify(&config(name), &folder.path("out"), &["--poses", "20"]);
-                assert_eq!(again.code, Some(0), "{name} {target}: {}", again.err);
-            }
-            _ => {
-                let words = ["E0708", "E0709", "E0601", "E0602"];
-                assert!(
-                    run.code == Some(1) && words.iter().any(|code| run.err.contains(code)),
-                    "{name} {target}: {}",
-                    run.err
-                );
-            }
-        }
-    }
-    written.sort_unstable();
-    written.dedup();
-    assert!(written.len() >= 10, "{written:?}");
-}
-
 /// Machines nobody chose, small errors and absurd ones: what is written reads back (compile insists on it), and
 /// nothing worse than a refusal in words happens.
 #[test]

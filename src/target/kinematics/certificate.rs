@@ -4,8 +4,8 @@ use super::{Carried, Driven};
 use crate::compensation::{Correction, Jacobian, Scope, Strongest, Tables};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Bare, Field, Order, random_poses};
-use crate::machine::{Approach, AxisKind, ErrorId, ErrorTerm, Machine, Pose};
-use crate::target::certificate::{MOST_SINGLE_POSES, approaches, deviations, figures, verdict, worse_p95};
+use crate::machine::{Approach, ErrorId, ErrorTerm, Machine, Pose};
+use crate::target::certificate::{Judgement, MOST_SINGLE_POSES, deviations, judge, strongest_at, verdict, worse_p95};
 use crate::target::{Certificate, ErrorLeft, Limits, Replay, Target};
 use crate::units::significant;
 use rayon::prelude::*;
@@ -29,19 +29,18 @@ pub fn certify_kinematics(
 ) -> Certificate {
     let poses: Vec<Pose> = random_poses(machine, depth.poses, depth.seed);
     let driven = Driven::new(machine, carried).beside(Replay::new(machine, target, beside));
-    let both = approaches(machine).iter().map(|approach| (*approach, figures(&driven, &poses, *approach)));
-    let worse = both.reduce(|a, b| if b.1.all.position_um.p95 > a.1.all.position_um.p95 { b } else { a });
-    let (approach, compensated) = worse.unwrap_or_else(|| (Approach::Mean, figures(&driven, &poses, Approach::Mean)));
     let bare = Bare { machine, order: Order::Exact };
+    let Judgement { approach, uncompensated, compensated, raised } = judge(&bare, &driven, &poses);
     let zero = vec![0.0; machine.axes().len()];
     Certificate {
         poses: depth.poses,
         approach,
-        uncompensated: figures(&bare, &poses, approach),
+        uncompensated,
         compensated,
         errors: singles(machine, target, carried.orientation(), &poses[..poses.len().min(MOST_SINGLE_POSES)]),
         at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.added(&zero, approach)),
         shifted: None,
+        raised,
         strongest: strongest(machine, &poses),
     }
 }
@@ -62,28 +61,14 @@ fn singles(machine: &Machine, target: &Target, orientation: bool, poses: &[Pose]
     ids.par_iter().map(alone).collect()
 }
 
-/// Where the sign is best tested: the largest deviation along an axis with the rotary axes at 0, where
-/// an instrument along that axis reads it.
+/// Where the sign is best tested: the largest correction that is wanted.
 fn strongest(machine: &Machine, poses: &[Pose]) -> Option<Strongest> {
     let bare = Bare { machine, order: Order::Exact };
-    let entry = |pose: &Pose| {
-        let level: Pose = machine
-            .axes()
-            .iter()
-            .zip(pose)
-            .map(|(axis, q)| if axis.kind == AxisKind::Rotary { 0.0 } else { *q })
-            .collect();
-        let within = machine.beyond_travel(&level).next().is_none();
-        let Correction(all) = Jacobian::at(machine, &level).correction(
-            &bare.deviation(&level, Approach::Mean),
-            &Correction::none(machine),
-            Scope::POSITION,
-        );
-        let largest = all.iter().copied().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-        let at = || level.iter().copied().enumerate().collect();
-        largest.filter(|(_, value)| within && *value != 0.0).map(|(axis, value)| Strongest { axis, at: at(), value })
+    let wanted = |pose: &Pose| {
+        let (deviation, none) = (bare.deviation(pose, Approach::Mean), Correction::none(machine));
+        Jacobian::at(machine, pose).correction(&deviation, &none, Scope::POSITION).0
     };
-    poses.iter().filter_map(entry).max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))
+    strongest_at(machine, poses, wanted)
 }
 
 impl Limits {

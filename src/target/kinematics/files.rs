@@ -62,19 +62,23 @@ impl Target {
             );
             return None;
         };
-        let names = self.manifest.kinematics().map_or(&[][..], |mechanism| &mechanism.constants);
+        let mechanism = self.manifest.kinematics()?;
+        let pins = |module: usize| Pins {
+            modules: mechanism.components.get(module..=module).unwrap_or_default(),
+            names: &mechanism.constants,
+        };
         let read = match (&spec.layout, meant) {
             (Some(Layout::CArrays), Carried::FullModel(meant)) => {
                 Arrays::read(text).and_then(|arrays| model(&arrays, machine, meant)).map(Carried::FullModel)
             }
-            (Some(Layout::HalConstants), Carried::LinearMap(meant)) => set_constants(text, names).map(|matrix| {
+            (Some(Layout::HalConstants), Carried::LinearMap(meant)) => pins(0).set(text).map(|matrix| {
                 let mut map = meant.clone();
                 map.matrix = matrix;
                 Carried::LinearMap(map)
             }),
-            (Some(Layout::HalConstants), Carried::RotaryCentres(meant)) => set_constants(text, names).map(|pins| {
+            (Some(Layout::HalConstants), Carried::RotaryCentres(meant)) => pins(meant.tilt).set(text).map(|lines| {
                 let mut centres = meant.clone();
-                centres.lines = pins;
+                centres.lines = lines;
                 Carried::RotaryCentres(centres)
             }),
             _ => Err(Fault { line: 0, message: "the manifest's layout is none of its mechanism".to_owned() }),
@@ -94,10 +98,11 @@ impl Target {
     /// Is a text the numbers of this module, whatever the machine?
     pub(in crate::target) fn tells_kinematics(&self, text: &str) -> Result<(), Fault> {
         let Some(mechanism) = self.manifest.kinematics() else { return Ok(()) };
+        let pins = Pins { modules: &mechanism.components, names: &mechanism.constants };
         match mechanism.carries {
             Carries::FullModel => Arrays::read(text)?.take("abbe_options", 3).map(|_| ()),
-            Carries::LinearMap => set_constants::<9>(text, &mechanism.constants).map(|_| ()),
-            Carries::RotaryCentres => set_constants::<7>(text, &mechanism.constants).map(|_| ()),
+            Carries::LinearMap => pins.set::<9>(text).map(|_| ()),
+            Carries::RotaryCentres => pins.set::<7>(text).map(|_| ()),
         }
     }
 }
@@ -110,33 +115,56 @@ pub fn layout_fits(carries: Carries, layout: &Layout) -> bool {
     }
 }
 
-/// `setp COMPONENT.NAME VALUE` lines, each name once; comments and blank lines are left alone.
-fn set_constants<const N: usize>(text: &str, names: &[String]) -> Result<[f64; N], Fault> {
-    let mut found = [None; N];
-    for (line, words) in text.lines().enumerate().map(|(n, line)| (n, line.split('#').next().unwrap_or(""))) {
-        let fault = |message: String| Fault { line, message };
-        let words: Vec<&str> = words.split_ascii_whitespace().collect();
-        let (name, value) = match words[..] {
-            [] => continue,
-            ["setp", pin, value] => (pin.rsplit('.').next().unwrap_or(pin), value),
-            _ => return Err(fault("this is no `setp PIN VALUE`".to_owned())),
-        };
-        let slot = names.iter().position(|known| *known == name);
-        let slot = slot.ok_or_else(|| fault(format!("the module has no `{name}`")))?;
-        let number = units::number(value).map_err(|why| fault(why.to_string()))?;
-        if number.abs() > 1e6 {
-            return Err(fault(format!("{value} is no constant of a machine")));
+/// The pins of a module of the controller's own.
+struct Pins<'a> {
+    /// Names of the modules that it can be.
+    modules: &'a [String],
+    /// Names of the constants.
+    names: &'a [String],
+}
+
+impl Pins<'_> {
+    /// `setp MODULE.NAME VALUE` lines, each name once; comments and blank lines are left alone.
+    fn set<const N: usize>(&self, text: &str) -> Result<[f64; N], Fault> {
+        let mut found = [None; N];
+        for (line, words) in text.lines().enumerate().map(|(n, line)| (n, line.split('#').next().unwrap_or(""))) {
+            let fault = |message: String| Fault { line, message };
+            let words: Vec<&str> = words.split_ascii_whitespace().collect();
+            let (pin, value) = match words[..] {
+                [] => continue,
+                ["setp", pin, value] => (pin, value),
+                _ => return Err(fault("this is no `setp PIN VALUE`".to_owned())),
+            };
+            let slot = self.slot(pin).map_err(fault)?;
+            let number = units::number(value).map_err(|why| fault(why.to_string()))?;
+            if number.abs() > 1e6 {
+                return Err(fault(format!("{value} is no constant of a machine")));
+            }
+            let free = found.get_mut(slot).ok_or_else(|| fault(format!("the module has no `{pin}`")))?;
+            if free.replace(number).is_some() {
+                return Err(fault(format!("`{pin}` is set twice: the controller takes the last")));
+            }
         }
-        if found[slot].replace(number).is_some() {
-            return Err(fault(format!("`{name}` is set twice: the controller takes the last")));
+        for (name, value) in self.names.iter().zip(&found) {
+            if value.is_none() {
+                return Err(Fault {
+                    line: 0,
+                    message: format!("`{name}` is not set: the controller keeps its default"),
+                });
+            }
         }
+        Ok(found.map(Option::unwrap_or_default))
     }
-    for (name, value) in names.iter().zip(&found) {
-        if value.is_none() {
-            return Err(Fault { line: 0, message: format!("`{name}` is not set: the controller keeps its default") });
+
+    /// Which constant a pin is.
+    fn slot(&self, pin: &str) -> Result<usize, String> {
+        let (module, name) = pin.rsplit_once('.').unwrap_or(("", pin));
+        if !self.modules.iter().any(|known| known == module) {
+            let known = self.modules.join("`, `");
+            return Err(format!("`{pin}` is no pin of `{known}`: the controller would not start"));
         }
+        self.names.iter().position(|known| known == name).ok_or_else(|| format!("the module has no `{name}`"))
     }
-    Ok(found.map(Option::unwrap_or_default))
 }
 
 /// A full model for the same axes as `meant`.

@@ -50,11 +50,25 @@ impl KinematicsMechanism {
         };
         let twice = (1..self.constants.len()).any(|i| self.constants[..i].contains(&self.constants[i]));
         let fits = self.constants.len() == wanted && self.constants.iter().all(plain) && !twice;
-        (!fits).then(|| format!("constants: {wanted} different names of letters, digits, - and _"))
+        let modules = self.carries.components();
+        let named = self.components.len() == modules && self.components.iter().all(plain);
+        if !fits {
+            return Some(format!("constants: {wanted} different names of letters, digits, - and _"));
+        }
+        (!named).then(|| format!("components: {modules} names of modules, of letters, digits, - and _"))
     }
 }
 
 impl Carries {
+    /// How many modules of the controller have them.
+    fn components(self) -> usize {
+        match self {
+            Self::FullModel => 0,
+            Self::LinearMap => 1,
+            Self::RotaryCentres => 2,
+        }
+    }
+
     /// How many constants it has.
     fn constants(self) -> usize {
         match self {

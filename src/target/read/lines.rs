@@ -7,7 +7,7 @@
 //! spoken of last.
 
 use super::{Fault, number};
-use crate::target::manifest::LineSpec;
+use crate::target::manifest::{Edge, LineSpec};
 use std::collections::BTreeMap;
 
 /// What was said, and on which line (from 0).
@@ -44,6 +44,7 @@ pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> 
     let mut met = vec![false; specs.len()];
     let mut records: Vec<Record> = Vec::new();
     let mut current = 0;
+    let mut open: Option<usize> = None;
     for (number, line) in text.lines().enumerate() {
         let bare = comment.map_or(line, |mark| line.split(mark).next().unwrap_or_default()).trim();
         if bare.is_empty() && comment.is_some() {
@@ -56,8 +57,18 @@ pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> 
             return Err(Fault::new(number, "the controller would not understand this line"));
         };
         met[which] = true;
+        open = match (specs[which].block, open) {
+            (Some(Edge::Begin), Some(_)) => return Err(Fault::new(number, "the block before is not closed")),
+            (Some(Edge::Begin), None) => Some(number),
+            (Some(Edge::End), None) => return Err(Fault::new(number, "there is no block to close")),
+            (Some(Edge::End), Some(_)) => None,
+            (None, open) => open,
+        };
         let set = specs[which].set.iter().map(|(name, value)| (name.clone(), value.clone()));
         take(&mut records, &mut current, set.chain(fields), number)?;
+    }
+    if let Some(line) = open {
+        return Err(Fault::new(line, "the block that begins here is not closed: the file was cut off"));
     }
     if let Some((spec, _)) = specs.iter().zip(&met).find(|(spec, met)| spec.required && !**met) {
         let end = text.lines().count().saturating_sub(1);
@@ -119,6 +130,11 @@ fn index(said: &mut BTreeMap<String, String>, next: usize) -> Result<[usize; 3],
         *slot = parsed.ok_or_else(|| format!("`{text}` is no number of a point"))?;
     }
     Ok(if given { index } else { [next, 0, 0] })
+}
+
+/// Does a line fit a pattern from end to end?
+pub(super) fn fits(pattern: &str, line: &str) -> bool {
+    matched(&pieces(pattern), line).is_some()
 }
 
 /// A piece of a pattern.

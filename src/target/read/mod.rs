@@ -8,6 +8,7 @@
 
 mod assemble;
 mod columns;
+mod coverage;
 mod lattice;
 mod lines;
 mod named;
@@ -75,6 +76,16 @@ impl Target {
         with_layout.flat_map(|spec| self.names(machine, spec).into_iter().map(|(_, name)| name)).collect()
     }
 
+    /// Names that files of axes would have which the machine does not have.
+    pub fn foreign_files(&self, machine: &Machine) -> Vec<String> {
+        let own = self.table_files(machine);
+        let Some(letters) = self.manifest.axis_letters.as_ref() else { return Vec::new() };
+        let per_axis = self.manifest.files.iter().filter(|spec| spec.layout.is_some() && spec.per != Per::Machine);
+        let mut names: Vec<String> = per_axis.flat_map(|spec| spec.names_of_letters(&letters.order)).collect();
+        names.retain(|name| !own.contains(name));
+        names
+    }
+
     /// Names of the files that say which table belongs to which axis.
     pub fn index_files(&self) -> Vec<String> {
         self.manifest.files.iter().filter(|spec| spec.index.is_some()).map(|spec| spec.path.clone()).collect()
@@ -116,7 +127,8 @@ impl Target {
         let mut any = false;
         for spec in self.manifest.files.iter().filter(|spec| keep(spec)) {
             let Some(layout) = &spec.layout else { continue };
-            for (axis, name) in self.names(machine, spec) {
+            let names = self.names(machine, spec);
+            for (axis, name) in names.iter().cloned() {
                 let Some(file) = files.iter().find(|file| file.name == name) else {
                     // Which axes have tables is for a set to say, if it has files of some only.
                     if matches!(spec.per, Per::Axis | Per::Machine) && spec.of.is_none() {
@@ -124,6 +136,14 @@ impl Target {
                     }
                     continue;
                 };
+                if let Some((line, told)) = place::by_frame(layout, &names, &file.text)
+                    && Some(told) != axis
+                    && file.found == file.name
+                {
+                    let fault = "the first line names the table of another axis than the file's name does";
+                    Fault::new(line, fault).said_of(file, diagnostics);
+                    continue;
+                }
                 reading.axis = axis;
                 any = true;
                 match reading.file(layout, &file.text) {
@@ -146,6 +166,12 @@ impl Target {
 
 impl Reading<'_> {
     fn file(&self, layout: &Layout, text: &str) -> Result<Tables, Fault> {
+        if text.trim().is_empty() {
+            return Err(Fault::new(
+                0,
+                "the file is empty: it was cut off, and the controller would have nothing of it",
+            ));
+        }
         let one = |table| Tables { tables: vec![table], errors: Vec::new() };
         match layout {
             Layout::Columns { columns } => columns::own_axis(self, columns, text).map(one),

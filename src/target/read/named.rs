@@ -1,9 +1,10 @@
 //! Formats whose columns are named in the file: blocks of ISO errors, and tables over one axis.
 
 use super::assemble::error_value;
-use super::{Fault, Reading, number};
+use super::{Fault, Reading, lines, number};
 use crate::compensation::{ErrorCurve, Table, Tables};
 use crate::machine::parse_error_name;
+use crate::target::manifest::Frame;
 use crate::target::stored::{Column, Place};
 
 /// Names under which the machine's geometry stands in the same files; it is the machine file's to say.
@@ -89,7 +90,29 @@ fn block(
 pub(super) struct Header<'a> {
     pub position: &'a str,
     pub reversal: &'a str,
-    pub frame: &'a [String],
+    pub frame: &'a Frame,
+}
+
+/// The lines between the first and the last one of a frame, comments and blank lines left out.
+fn framed<'a>(frame: &Frame, text: &'a str) -> Result<Vec<(usize, &'a str)>, Fault> {
+    let said = text.lines().map(str::trim).enumerate();
+    let mut said = said.filter(|(_, line)| !line.is_empty() && !line.starts_with(&*frame.comment));
+    let (line, first) = said.next().ok_or_else(|| Fault::new(0, "there is nothing but comments"))?;
+    if !frame.begin.iter().any(|pattern| lines::fits(pattern, first)) {
+        return Err(Fault::new(line, format!("the first line is none like `{}`", frame.begin.join("`, `"))));
+    }
+    let mut inner: Vec<(usize, &str)> = Vec::new();
+    while let Some((line, bare)) = said.next() {
+        if bare != frame.end {
+            inner.push((line, bare));
+        } else if let Some((line, _)) = said.next() {
+            return Err(Fault::new(line, format!("text behind `{}`", frame.end)));
+        } else {
+            return Ok(inner);
+        }
+    }
+    let end = text.lines().count().saturating_sub(1);
+    Err(Fault::new(end, format!("the file does not end with `{}`: it was cut off", frame.end)))
 }
 
 /// A line of names, then rows: number, position, and a column for every corrected axis. The file's axis is
@@ -98,11 +121,7 @@ pub(super) fn axis_columns(reading: &Reading, header: &Header, text: &str) -> Re
     let input = reading.axis.unwrap_or(0);
     let mut names: Option<Vec<&str>> = None;
     let mut rows: Vec<(usize, Vec<Option<f64>>)> = Vec::new();
-    for (line, words) in text.lines().enumerate() {
-        let bare = words.trim();
-        if bare.is_empty() || header.frame.iter().any(|start| bare.starts_with(&**start)) {
-            continue;
-        }
+    for (line, bare) in framed(header.frame, text)? {
         let cells: Vec<&str> = bare.split_whitespace().collect();
         let Some(names) = &names else {
             names = Some(cells);

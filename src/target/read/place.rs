@@ -74,15 +74,16 @@ fn base(path: &str) -> &str {
     path.trim_matches('"').rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
-/// The axis whose file, as the target names it, is named in a line of the frame around the columns.
-pub(super) fn by_frame(layout: &Layout, names: &[(Option<usize>, String)], text: &str) -> Option<usize> {
+/// The axis whose file, as the target names it, is named in the first line around the columns, and which line that is.
+pub(super) fn by_frame(layout: &Layout, names: &[(Option<usize>, String)], text: &str) -> Option<(usize, usize)> {
     let Layout::AxisColumns { frame, .. } = layout else { return None };
-    let framed = text.lines().filter(|line| frame.iter().any(|start| line.trim_start().starts_with(&**start)));
-    let words: Vec<&str> = framed.flat_map(|line| line.split([' ', '.', '\t'])).collect();
+    let said = |line: &str| !line.trim().is_empty() && !line.trim_start().starts_with(&*frame.comment);
+    let (line, first) = text.lines().enumerate().find(|(_, line)| said(line))?;
+    let words: Vec<&str> = first.split([' ', '.', '\t']).collect();
     let stem = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
     let mut named = names.iter().filter(|(_, name)| words.contains(&&*stem(name)));
     match (named.next(), named.next()) {
-        (Some((axis, _)), None) => *axis,
+        (Some((axis, _)), None) => axis.map(|axis| (line, axis)),
         _ => None,
     }
 }

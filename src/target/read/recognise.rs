@@ -218,7 +218,8 @@ impl Fitted {
         }
         let spec = &self.target.manifest.files[placed.spec];
         let layout = spec.layout.as_ref();
-        let framed = layout.and_then(|layout| by_frame(layout, &self.target.names(machine, spec), text));
+        let framed =
+            layout.and_then(|layout| by_frame(layout, &self.target.names(machine, spec), text)).map(|(_, axis)| axis);
         Some(framed.filter(|axis| placed.axes.contains(axis)))
     }
 

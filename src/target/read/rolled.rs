@@ -28,6 +28,12 @@ impl Assembly<'_> {
         }
         let zero = reference - lowest;
         let forward = self.sums(rules, (first, last), repeated, turns)?;
+        let told = ["two_sided", "first_reverse", "reverse_at_reference"].map(|name| self.said(name).is_some());
+        if told[0] != told[1] || told[1] != told[2] {
+            return Err(self.fault(
+                "points for the negative direction, their value at the reference point, and the switch that makes the controller use them: some of these are there and some are not",
+            ));
+        }
         let reverse = match self.whole("first_reverse")? {
             None => None,
             Some(start) => Some(self.sums(rules, (start, start + (last - first)), repeated, turns)?),

@@ -81,14 +81,22 @@ fn geometry(file: &Mapping) -> Sample {
 }
 
 fn axis(word: &str, own: &Mapping) -> Axis {
-    known(own, &["travel", "origin", "direction", "kind"]);
+    known(own, &["travel", "origin", "direction", "kind", "sense"]);
     let name = word.trim_end_matches('\'').to_owned();
     let letter = "XYZUVWABC".find(&name);
     let rotary = own.get("kind").map_or_else(|| letter.unwrap() >= 6, |kind| kind == "rotary");
     let along = |k| f64::from(u8::from(letter.unwrap() % 3 == k));
     let direction = own.get("direction").map_or_else(|| std::array::from_fn(along), vector);
     let origin = own.get("origin").map_or([0.0; 3], vector);
-    Axis { name, rotary, workpiece: word.ends_with('\''), direct: None, direction, origin, location: [0.0; 6] }
+    Axis {
+        name,
+        rotary,
+        workpiece: word.ends_with('\''),
+        direct: own.get("sense").map(|sense| text(sense) == "direct"),
+        direction,
+        origin,
+        location: [0.0; 6],
+    }
 }
 
 fn tool(file: &Mapping) -> (V3, V3) {

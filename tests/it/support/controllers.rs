@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{comp, stacking};
+use super::{cec, comp, stacking};
 use crate::oracle::machines::Sample;
 
 /// Files of a set by name.
@@ -38,7 +38,7 @@ pub fn loaded(target: &str, files: &Files, axes: Axes, machine: &Sample) -> Opti
     }
 }
 
-fn real(text: &str) -> Option<f64> {
+pub(super) fn real(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|value: &f64| value.is_finite())
 }
 
@@ -47,22 +47,22 @@ fn at(axes: Axes, letter: char) -> Option<usize> {
 }
 
 /// `NAME[...]=VALUE` and the like: the pieces of a line between any of these letters.
-fn pieces<'a>(line: &'a str, marks: &str) -> Vec<&'a str> {
+pub(super) fn pieces<'a>(line: &'a str, marks: &str) -> Vec<&'a str> {
     line.split(|c| marks.contains(c)).filter(|piece| !piece.is_empty()).collect()
 }
 
 /// Equidistant points from a start, in whatever unit; the end values hold.
 #[derive(Clone, Debug)]
-struct Points {
-    start: f64,
-    step: f64,
-    values: Vec<f64>,
+pub(super) struct Points {
+    pub start: f64,
+    pub step: f64,
+    pub values: Vec<f64>,
     /// A turn, if the axis is looked up modulo.
-    turn: Option<f64>,
+    pub turn: Option<f64>,
 }
 
 impl Points {
-    fn read(&self, position: f64) -> f64 {
+    pub fn read(&self, position: f64) -> f64 {
         let mut way = position - self.start;
         if let Some(turn) = self.turn {
             way -= (way / turn).floor() * turn;
@@ -81,7 +81,7 @@ impl Points {
 }
 
 /// Values numbered from 0 without a gap.
-fn numbered(values: &BTreeMap<usize, f64>) -> Option<Vec<f64>> {
+pub(super) fn numbered(values: &BTreeMap<usize, f64>) -> Option<Vec<f64>> {
     values.keys().enumerate().all(|(i, key)| i == *key).then(|| values.values().copied().collect())
 }
 
@@ -125,58 +125,11 @@ fn encoder_error(files: &Files, axes: Axes) -> Option<Controller> {
     }))
 }
 
-/// The same manual: tables on one output add up (p. 245), one with a direction acts in that direction (p. 249), one that
-/// names another by its number and one is multiplied by it (p. 252). Whether factors count by themselves besides is not
-/// said: here they do. The sign is that of the values stored as the error.
+/// The same with tables over other axes ([`cec`]); both factors of a product count by themselves besides.
 fn cross_error(files: &Files, axes: Axes) -> Option<Controller> {
-    #[derive(Default)]
-    struct Table {
-        values: BTreeMap<usize, f64>,
-        said: BTreeMap<String, f64>,
-        axes: [usize; 2],
-    }
-    let mut tables: BTreeMap<usize, Table> = BTreeMap::new();
-    for line in files.get("_N_NC_CEC_INI")?.lines().filter(|line| line.starts_with("$AN_CEC")) {
-        let parts = pieces(line, "[],=()");
-        match parts[..] {
-            ["$AN_CEC", table, index, value] => {
-                let table = tables.entry(table.parse().ok()?).or_default();
-                table.values.insert(index.parse().ok()?, real(value)?);
-            }
-            [name, table, value] => {
-                let table = tables.entry(table.parse().ok()?).or_default();
-                match (name, value.strip_prefix("AX")) {
-                    ("$AN_CEC_INPUT_AXIS", Some(number)) => table.axes[0] = number.parse().ok()?,
-                    ("$AN_CEC_OUTPUT_AXIS", Some(number)) => table.axes[1] = number.parse().ok()?,
-                    _ => drop(table.said.insert(name.trim_start_matches("$AN_CEC_").to_owned(), real(value)?)),
-                }
-            }
-            _ => return None,
-        }
-    }
-    let table = |table: Table| {
-        let of = |name: &str| table.said.get(name).copied();
-        let turn = (of("IS_MODULO")? == 1.0).then_some(360.0);
-        let points = Points { start: of("MIN")?, step: of("STEP")?, values: numbered(&table.values)?, turn };
-        Some((table.axes.map(|number| number - 1), of("DIRECTION")?, points, of("MULT_BY_TABLE")? as usize))
-    };
-    let known = |(number, one)| Some((number, table(one)?));
-    let tables: BTreeMap<usize, _> = tables.into_iter().map(known).collect::<Option<_>>()?;
-    tables.values().all(|(.., times)| *times == 0 || tables.contains_key(&(times - 1))).then_some(())?;
+    let tables = cec::Tables::read(files.get("_N_NC_CEC_INI")?)?;
     let count = axes.len();
-    Some(Box::new(move |q, reverse| {
-        let mut added = vec![0.0; count];
-        let acts = |direction: f64| direction == 0.0 || (direction < 0.0) == reverse;
-        let read = |number: usize| {
-            let ([input, _], _, points, _) = &tables[&number];
-            points.read(q[*input])
-        };
-        for (number, ([_, output], _, _, times)) in tables.iter().filter(|(_, (_, direction, ..))| acts(*direction)) {
-            let factor = if *times > 0 { 1.0 + read(times - 1) } else { 1.0 };
-            added[*output] -= read(*number) * factor;
-        }
-        added
-    }))
+    Some(Box::new(move |q, reverse| (0..count).map(|axis| -tables.sum(axis + 1, q, reverse, [true, true])).collect()))
 }
 
 /// HEIDENHAIN, MANUALplus 620 pp. 716, 718: a column for every corrected axis over the positions of one; straight
@@ -525,6 +478,7 @@ fn duet(files: &Files, axes: Axes) -> Option<Controller> {
     };
     let [x, y, z] = [at(axes, 'X')?, at(axes, 'Y')?, at(axes, 'Z')?];
     let count = axes.len();
+    // Move.cpp, AxisAndBedTransform: the bed is looked up where the axes have been moved to.
     Some(Box::new(move |q, _| {
         let mut added = vec![0.0; count];
         added[x] = xy * q[y] + xz * q[z];
@@ -532,8 +486,9 @@ fn duet(files: &Files, axes: Axes) -> Option<Controller> {
         if let Some((start, step, heights)) = &map {
             let line =
                 |start: f64, step: f64, values: Vec<f64>, q: f64| Points { start, step, values, turn: None }.read(q);
-            let column: Vec<f64> = heights.iter().map(|row| line(start[0], step[0], row.clone(), q[x])).collect();
-            added[z] = line(start[1], step[1], column, q[y]);
+            let column: Vec<f64> =
+                heights.iter().map(|row| line(start[0], step[0], row.clone(), q[x] + added[x])).collect();
+            added[z] = line(start[1], step[1], column, q[y] + added[y]);
         }
         added
     }))

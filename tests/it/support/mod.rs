@@ -7,6 +7,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
+pub mod cec;
 pub mod comp;
 pub mod config;
 pub mod controllers;
