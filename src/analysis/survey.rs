@@ -5,6 +5,7 @@ use crate::evaluate::{Batch, Columns, Deviation, Field, Frame, GridPlan, Plan, P
 use crate::machine::Pose;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Mutex;
 
 /// More poses than this take hours.
 pub const MOST_SURVEYED: usize = 1_000_000_000;
@@ -59,7 +60,7 @@ pub fn survey(task: Task<'_>, progress: &(dyn Fn(usize) + Sync)) -> Survey {
         run.block(&mut worker, block);
         worker
     };
-    let tallies = (0..run.blocks()).into_par_iter().fold(|| run.worker(), one).map(|worker| worker.tally);
+    let tallies = (0..run.blocks()).into_par_iter().fold(|| run.worker(), one).map(|worker| run.dismissed(worker));
     finished(tallies.reduce_with(Tally::merged).unwrap_or_else(|| Tally::new(task.worst)))
 }
 
@@ -80,8 +81,8 @@ pub fn survey_with_rows<T: Send>(
             let mut worker = run.worker();
             let range = run.block(&mut worker, block);
             let (first, len) = (range.start, range.len());
-            let made = make(Block { first, poses: &worker.poses.batch(), columns: &worker.columns, len });
-            (worker.tally, made)
+            let made = make(Block { first, poses: &worker.room.poses.batch(), columns: &worker.room.columns, len });
+            (run.dismissed(worker), made)
         };
         let done: Vec<(Tally, T)> = blocks.into_par_iter().map(one).collect();
         for (tally, made) in done {
@@ -109,11 +110,18 @@ struct Run<'a> {
     /// Are the positions of the poses needed? A grid knows its own.
     positions: bool,
     progress: &'a (dyn Fn(usize) + Sync),
+    /// Room of workers that are done: a new one for every piece of the work would cost as much as a block.
+    rooms: Mutex<Vec<Room>>,
 }
 
-/// What a thread uses for one block after the other.
+/// What is done with one block after the other.
 struct Worker {
     tally: Tally,
+    room: Room,
+}
+
+/// Poses and deviations of a block.
+struct Room {
     poses: PoseColumns,
     columns: Columns,
 }
@@ -128,7 +136,7 @@ impl<'a> Run<'a> {
         let block = grid.as_ref().map_or(BLOCK, |grid| (BLOCK / grid.line()).max(1) * grid.line());
         let frames = (task.view.frame != Frame::Workpiece).then(|| super::map::frames(task.field));
         let positions = rows || grid.is_none() || frames.is_some();
-        Self { task, count: task.poses.len(), block, grid, frames, positions, progress }
+        Self { task, count: task.poses.len(), block, grid, frames, positions, progress, rooms: Mutex::default() }
     }
 
     fn blocks(&self) -> usize {
@@ -136,16 +144,25 @@ impl<'a> Run<'a> {
     }
 
     fn worker(&self) -> Worker {
-        Worker {
-            tally: Tally::new(self.task.worst),
+        let empty = || Room {
             poses: PoseColumns::new(self.task.field.machine().axes().len()),
             columns: Columns::new(self.block.min(self.count)),
+        };
+        let room = self.rooms.lock().ok().and_then(|mut rooms| rooms.pop()).unwrap_or_else(empty);
+        Worker { tally: Tally::new(self.task.worst), room }
+    }
+
+    /// What a worker has counted; its room is for the next.
+    fn dismissed(&self, worker: Worker) -> Tally {
+        if let Ok(mut rooms) = self.rooms.lock() {
+            rooms.push(worker.room);
         }
+        worker.tally
     }
 
     /// One block more; returns which poses it has.
     fn block(&self, worker: &mut Worker, block: usize) -> Range<usize> {
-        let Worker { tally, poses, columns } = worker;
+        let Worker { tally, room: Room { poses, columns } } = worker;
         let range = block * self.block..((block + 1) * self.block).min(self.count);
         let len = range.len();
         if self.positions {
