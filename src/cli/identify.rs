@@ -91,6 +91,10 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         return plan::run(session, &model, usize::from(count), args.noise, args.seed);
     }
     let Data { rows: data, nuisances } = measurements(session, &machine, args)?;
+    // Before the work, not after it.
+    if let Some(out) = &args.out {
+        write::refuse_input(out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
+    }
     let unknowns: Vec<Parameter> = own.into_iter().chain(nuisances).collect();
     if args.method == Method::Joint {
         enough(session, &data, &unknowns)?;

@@ -166,3 +166,14 @@ fn hostile_exports_are_refused_in_words() {
     assert!(said(&[0xff, 0xfe, 0x00], &[]).contains("E0104"));
     assert!(said(b"X,\xb5\n", &[]).contains("E0104"));
 }
+
+#[test]
+fn the_table_is_not_written_over_the_export() {
+    let folder = Folder::new();
+    let text = "X [mm],EXX [um]\n0,1\n100,2\n";
+    let file = folder.write("laser.csv", text);
+    let output = run(&["import", file.to_str().unwrap(), "--out", file.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && said.contains("E0630"), "{said}");
+    assert_eq!(std::fs::read_to_string(file).unwrap(), text);
+}

@@ -308,6 +308,30 @@ fn hostile_files_of_other_kinds_are_refused_in_words() {
     assert!(said("X,length [mm],dx [um],station\n1,2,3,S\n").contains("mixes kinds"));
 }
 
+/// The output of `identify` of the five-axis machine, and the bytes of its data.
+fn identified(data: &[u8], options: &[&str]) -> (std::process::Output, Folder) {
+    let folder = Folder::new();
+    let (machine, file) = (folder.write("machine.yaml", FIVE), folder.path("data.csv"));
+    std::fs::write(&file, data).unwrap();
+    let named = |name: &&str| if name.contains('.') { folder.path(name) } else { name.into() };
+    let options: Vec<std::path::PathBuf> = options.iter().map(named).collect();
+    let mut arguments = vec!["identify", machine.to_str().unwrap(), "--data", file.to_str().unwrap()];
+    arguments.extend(options.iter().map(|o| o.to_str().unwrap()));
+    (run(&arguments), folder)
+}
+
+#[test]
+fn the_fitted_machine_is_not_written_over_what_was_read() {
+    let data = "X,EXX [um]\n0,1\n100,2\n200,3\n";
+    for name in ["machine.yaml", "data.csv"] {
+        let (output, folder) = identified(data.as_bytes(), &["--fit", "EXX:poly1", "--out", name]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(1) && said.contains("E0630"), "{name}: {said}");
+        assert_eq!(std::fs::read_to_string(folder.path("machine.yaml")).unwrap(), FIVE);
+        assert_eq!(std::fs::read_to_string(folder.path("data.csv")).unwrap(), data);
+    }
+}
+
 #[test]
 fn one_report_of_several_kinds_names_what_belongs_to_the_instruments() {
     let folder = Folder::new();
