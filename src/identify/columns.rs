@@ -125,7 +125,20 @@ pub fn columns(machine: &Machine, header: &str, separator: char) -> Result<(Vec<
         return Err("the header mixes kinds of readings: give every kind a file of its own".to_owned());
     }
     belongs(&columns, form)?;
+    positions(machine, &columns)?;
     Ok((columns, form))
+}
+
+/// A component error is nothing without the position of its own axis.
+fn positions(machine: &Machine, columns: &[Column]) -> Result<(), String> {
+    for column in columns {
+        let Column::Error(Source { place: Place::Component(axis), .. }, ..) = *column else { continue };
+        if !columns.iter().any(|known| matches!(known, Column::Axis(known, _) if *known == axis)) {
+            let axis = &machine.axes()[axis].name;
+            return Err(format!("errors of `{axis}` are read at positions of `{axis}`: there is no column `{axis}`"));
+        }
+    }
+    Ok(())
 }
 
 /// Columns that make sense with this kind of rows only.

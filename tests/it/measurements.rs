@@ -292,6 +292,9 @@ fn hostile_files_of_other_kinds_are_refused_in_words() {
         ("E0501", "X,dx [um],u [um]\n1,2,0\n".to_owned()),
         ("E0501", "X,dx [um],u [um],weight\n1,2,1,1\n".to_owned()),
         ("E0501", "X,rel.dx [um]\n1,\n".to_owned()),
+        // Which X the readings belong to, nobody says.
+        ("E0501", "Y,EXX [um]\n0,1\n100,2\n".to_owned()),
+        ("E0501", "X,EXX [um],EYY [um]\n0,1,2\n".to_owned()),
         ("E0505", "X,Y,length [mm],station\n1,1,500,S\n2,7,501,S\n3,2,502,S\n4,9,503,S\n5,1,504,S\n".to_owned()),
         ("E0505", "X,displacement [mm],station\n1,500,S\n2,501,S\n".to_owned()),
         ("E0505", format!("X,length [mm],{at}\n1,5,100,0,0\n2,5,200,0,0\n")),
@@ -306,6 +309,7 @@ fn hostile_files_of_other_kinds_are_refused_in_words() {
         assert!(said(&data).contains(code), "{code}: {data}\n{}", said(&data));
     }
     assert!(said("X,length [mm],dx [um],station\n1,2,3,S\n").contains("mixes kinds"));
+    assert!(said("Y,EXX [um]\n0,1\n100,2\n").contains("no column `X`"));
 }
 
 /// The output of `identify` of the five-axis machine, and the bytes of its data.
