@@ -186,7 +186,9 @@ impl Reader<'_> {
                     draft.errors.push((source, approach.unwrap_or_default(), number(cell)? * factor));
                 }
                 Column::Ball => draft.ball = cell.clone(),
-                Column::Length(factor) => draft.length = Some((Length::Whole, number(cell)? * factor)),
+                Column::Length(factor) => {
+                    draft.length = Some((Length::Whole, positive(number(cell)?, cell, "length")? * factor));
+                }
                 Column::LengthError(factor) => draft.length = Some((Length::FromNominal, number(cell)? * factor)),
                 Column::Displacement(factor) => draft.length = Some((Length::Displacement, number(cell)? * factor)),
                 Column::Along(factor) => draft.along = number(cell)? * factor,

@@ -295,6 +295,8 @@ fn hostile_files_of_other_kinds_are_refused_in_words() {
         // Which X the readings belong to, nobody says.
         ("E0501", "Y,EXX [um]\n0,1\n100,2\n".to_owned()),
         ("E0501", "X,EXX [um],EYY [um]\n0,1,2\n".to_owned()),
+        ("E0501", "X,length [mm],station\n1,0,S\n".to_owned()),
+        ("E0501", "X,length [mm],to.X\n1,-5,100\n".to_owned()),
         ("E0505", "X,Y,length [mm],station\n1,1,500,S\n2,7,501,S\n3,2,502,S\n4,9,503,S\n5,1,504,S\n".to_owned()),
         ("E0505", "X,displacement [mm],station\n1,500,S\n2,501,S\n".to_owned()),
         ("E0505", format!("X,length [mm],{at}\n1,5,100,0,0\n2,5,200,0,0\n")),
