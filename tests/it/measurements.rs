@@ -339,6 +339,18 @@ fn the_fitted_machine_is_not_written_over_what_was_read() {
 }
 
 #[test]
+fn curves_of_any_power_of_the_language_are_written_and_read_again() {
+    let rows: String = (0..40).map(|i| format!("{},{}\n", i * 10, f64::from(i % 7))).collect();
+    let data = format!("X,EXX [um]\n{rows}");
+    for form in ["EXX:poly10", "EXX:poly14"] {
+        let (output, folder) = identified(data.as_bytes(), &["--fit", form, "--out", "fitted.yaml"]);
+        assert!(output.status.success(), "{form}: {}", String::from_utf8_lossy(&output.stderr));
+        let again = run(&["check", folder.path("fitted.yaml").to_str().unwrap()]);
+        assert!(again.status.success(), "{form}: {}", String::from_utf8_lossy(&again.stderr));
+    }
+}
+
+#[test]
 fn one_report_of_several_kinds_names_what_belongs_to_the_instruments() {
     let folder = Folder::new();
     let machine = folder.write("machine.yaml", FIVE);
