@@ -218,9 +218,19 @@ fn enough(session: &mut Session, data: &[Measurement], unknowns: &[Parameter]) -
     if readings >= unknowns.len() {
         return Ok(());
     }
-    let also = if instruments > 0 { format!(" and {instruments} unknowns of the instruments") } else { String::new() };
-    let message = format!("{readings} readings cannot determine {} parameters{also}", unknowns.len() - instruments);
+    let also = if instruments > 0 {
+        format!(" and {} of the instruments", counted(instruments, "unknown"))
+    } else {
+        String::new()
+    };
+    let own = counted(unknowns.len() - instruments, "parameter");
+    let message = format!("{} cannot determine {own}{also}", counted(readings, "reading"));
     session.refuse(Diagnostic::new("E0503", message).help("measure more poses, or fit less"))
+}
+
+/// `1 reading`, `2 readings`.
+fn counted(count: usize, word: &str) -> String {
+    format!("{count} {word}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Less likely than this, residuals are not noise.

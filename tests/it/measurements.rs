@@ -351,6 +351,13 @@ fn curves_of_any_power_of_the_language_are_written_and_read_again() {
 }
 
 #[test]
+fn one_reading_and_one_parameter_are_singular() {
+    let (output, _) = identified(b"X,EXX [um]\n0,1\n", &["--fit", "EXX:poly1"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("1 reading cannot determine 2 parameters"), "{said}");
+}
+
+#[test]
 fn one_report_of_several_kinds_names_what_belongs_to_the_instruments() {
     let folder = Folder::new();
     let machine = folder.write("machine.yaml", FIVE);
