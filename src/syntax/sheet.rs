@@ -107,6 +107,41 @@ pub fn number(cell: &str, separator: char) -> Result<f64, Failure> {
     }
 }
 
+/// The decimal mark of a file: comma and point in one leave open what `1.000` is.
+#[derive(Debug, Clone, Default)]
+pub struct Decimals {
+    first: Option<(char, String)>,
+}
+
+impl Decimals {
+    /// Takes note of a cell that is to be a number; says so if its mark is not that of the cells before. Cells that
+    /// are none are for others to refuse; a comma that separates cells is no decimal comma.
+    pub fn note(&mut self, cell: &str, separator: char) -> Result<(), String> {
+        if separator == ',' || !cell.chars().all(|c| c.is_ascii_digit() || "+-.,eE".contains(c)) {
+            return Ok(());
+        }
+        let mark = match (cell.contains(','), cell.contains('.')) {
+            (false, false) => return Ok(()),
+            (true, true) => return Err(mixed(&format!("`{}`", shown(cell)))),
+            (comma, _) => [',', '.'][usize::from(!comma)],
+        };
+        match &self.first {
+            Some((known, first)) if *known != mark => Err(mixed(&format!("`{}`, `{}`", shown(first), shown(cell)))),
+            Some(_) => Ok(()),
+            None => {
+                self.first = Some((mark, cell.to_owned()));
+                Ok(())
+            }
+        }
+    }
+}
+
+fn mixed(cells: &str) -> String {
+    format!(
+        "decimal comma and decimal point in one file ({cells}): write all numbers with the same, and digits ungrouped"
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -167,6 +167,18 @@ fn hostile_exports_are_refused_in_words() {
     assert!(said(b"X,\xb5\n", &[]).contains("E0104"));
 }
 
+/// The refusal of an export; nothing is written.
+fn refused(text: &str, options: &[&str]) -> String {
+    let folder = Folder::new();
+    let (file, out) = (folder.write("laser.csv", text), folder.path("x.csv"));
+    let mut arguments = vec!["import", file.to_str().unwrap(), "--out", out.to_str().unwrap()];
+    arguments.extend(options);
+    let output = run(&arguments);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(1) && !out.exists(), "{text}\n{said}");
+    said
+}
+
 #[test]
 fn the_table_is_not_written_over_the_export() {
     let folder = Folder::new();
@@ -176,4 +188,17 @@ fn the_table_is_not_written_over_the_export() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.code() == Some(1) && said.contains("E0630"), "{said}");
     assert_eq!(std::fs::read_to_string(file).unwrap(), text);
+}
+
+#[test]
+fn decimal_comma_and_point_in_one_file_are_refused() {
+    for text in
+        ["X [mm];EXX [um]\n0;1,5\n1.000;2,5\n", "X [mm];EXX [um]\n0,0;1\n1.5;2\n", "X [mm];EXX [um]\n0;1\n2.000,5;2\n"]
+    {
+        let said = refused(text, &[]);
+        assert!(said.contains("E0509") && said.contains("laser.csv:3") && said.contains("decimal"), "{said}");
+    }
+    // Dates and words are no numbers.
+    let (_, table) = imported(b"time;X [mm];EXX [um]\n1.5;0;1,5\n2.5;100;2,5\n", &[]);
+    assert_eq!(table, "X [mm], EXX [um]\n0, 1.5\n100, 2.5\n");
 }

@@ -297,6 +297,8 @@ fn hostile_files_of_other_kinds_are_refused_in_words() {
         ("E0501", "X,EXX [um],EYY [um]\n0,1,2\n".to_owned()),
         ("E0501", "X,length [mm],station\n1,0,S\n".to_owned()),
         ("E0501", "X,length [mm],to.X\n1,-5,100\n".to_owned()),
+        ("E0501", "X;dx [um]\n0;1,5\n1.000;2\n".to_owned()),
+        ("E0501", "X;dx [um]\n0;1.5\n1000;2,5\n".to_owned()),
         ("E0505", "X,Y,length [mm],station\n1,1,500,S\n2,7,501,S\n3,2,502,S\n4,9,503,S\n5,1,504,S\n".to_owned()),
         ("E0505", "X,displacement [mm],station\n1,500,S\n2,501,S\n".to_owned()),
         ("E0505", format!("X,length [mm],{at}\n1,5,100,0,0\n2,5,200,0,0\n")),
@@ -312,6 +314,8 @@ fn hostile_files_of_other_kinds_are_refused_in_words() {
     }
     assert!(said("X,length [mm],dx [um],station\n1,2,3,S\n").contains("mixes kinds"));
     assert!(said("Y,EXX [um]\n0,1\n100,2\n").contains("no column `X`"));
+    let mixed = said("X;dx [um]\n0;1,5\n1.000;2\n");
+    assert!(mixed.contains("decimal") && mixed.contains("data.csv:3"), "{mixed}");
 }
 
 /// The output of `identify` of the five-axis machine, and the bytes of its data.

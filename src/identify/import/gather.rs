@@ -5,7 +5,7 @@ use super::{Import, LeftOut, Sample, Wanted, error_name, refusal};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::ErrorId;
 use crate::syntax::ColumnDirection;
-use crate::syntax::sheet::{self, Line};
+use crate::syntax::sheet::{self, Decimals, Line};
 
 /// Farthest position (mm or deg) that is believed.
 const FARTHEST: f64 = 1e6;
@@ -16,8 +16,13 @@ pub(super) fn gather(lines: &[Line], header: Header, wanted: &Wanted) -> Result<
     let Header { form, axis, rotary, errors, roles, separator, body, metadata } = header;
     let mut import =
         Import { form, axis, rotary, errors, samples: Vec::new(), metadata, left_out: Vec::new(), inferred: false };
+    let mut decimals = Decimals::default();
     for line in &lines[body..] {
         let cells = sheet::cells(&line.text, separator);
+        for (cell, _) in cells.iter().zip(&roles).filter(|(_, role)| role.is_number()) {
+            let noted = decimals.note(cell, separator);
+            noted.map_err(|words| Box::new(refusal(words, Some(line.place.clone()))))?;
+        }
         match row(&cells, &roles, separator, wanted, &mut import.errors, &import.axis) {
             Ok(samples) => import.samples.extend(samples),
             Err(reason) => import.left_out.push(LeftOut { place: line.place.clone(), reason }),

@@ -51,6 +51,13 @@ pub(super) enum Role {
     Ignored,
 }
 
+impl Role {
+    /// Do its cells hold numbers?
+    pub(super) fn is_number(&self) -> bool {
+        matches!(self, Self::Position(_) | Self::Value { .. } | Self::Reading(_))
+    }
+}
+
 /// A header that was understood.
 #[derive(Debug, Clone)]
 pub(super) struct Header {
