@@ -170,7 +170,9 @@ fn belongs(columns: &[Column], form: Form) -> Result<(), String> {
 }
 
 fn column(machine: &Machine, cell: &str) -> Result<Column, String> {
-    let (name, unit) = units::header(cell);
+    // An axis may be called as it likes.
+    let (name, unit) = if machine.axis_index(cell).is_some() { (cell.to_owned(), None) } else { sheet::title(cell) };
+    let (name, unit) = (name.as_str(), unit.as_deref());
     let position = |axis| unit.map_or(Ok(1.0), |unit| position_factor(machine, axis, unit));
     if let Some(axis) = machine.axis_index(name) {
         return Ok(Column::Axis(axis, position(axis)?));

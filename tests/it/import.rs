@@ -164,7 +164,9 @@ fn hostile_exports_are_refused_in_words() {
     assert!(said(b"X [mm],1\n0,1\n", &["--error", "EXX", "--unit", "furlong"]).contains("E0509"));
     assert!(said(b"X [mm],1\n0,1\n", &["--error", "EC0Y", "--unit", "um"]).contains("E0509"));
     assert!(said(&[0xff, 0xfe, 0x00], &[]).contains("E0104"));
-    assert!(said(b"X,\xb5\n", &[]).contains("E0104"));
+    // What is not text stays refused: a control character, and a byte that Windows-1252 does not have.
+    assert!(said(b"X,\xb5\x01\n", &[]).contains("E0104"));
+    assert!(said(b"X,\x81\n", &[]).contains("E0104"));
 }
 
 /// The refusal of an export; nothing is written.
@@ -201,4 +203,10 @@ fn decimal_comma_and_point_in_one_file_are_refused() {
     // Dates and words are no numbers.
     let (_, table) = imported(b"time;X [mm];EXX [um]\n1.5;0;1,5\n2.5;100;2,5\n", &[]);
     assert_eq!(table, "X [mm], EXX [um]\n0, 1.5\n100, 2.5\n");
+}
+
+#[test]
+fn what_german_instruments_write_is_read() {
+    let (_, table) = imported(b"Pr\xfcfer: M\xfcller\nX [mm];EXX [\xb5m]\n0;1,5\n100;2,5\n", &[]);
+    assert_eq!(table, "# Pr\u{fc}fer: M\u{fc}ller\nX [mm], EXX [um]\n0, 1.5\n100, 2.5\n");
 }

@@ -343,6 +343,24 @@ fn the_fitted_machine_is_not_written_over_what_was_read() {
 }
 
 #[test]
+fn units_stand_in_the_header_as_instruments_write_them() {
+    let fitted = |data: &[u8]| {
+        let (output, _) = identified(data, &["--fit", "EXX:poly1", "--format", "csv"]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let plain = fitted(b"X [mm],EXX [um]\n0,1\n100,2\n200,4\n");
+    for data in [
+        b"X (mm),EXX (um)\n0,1\n100,2\n200,4\n".as_slice(),
+        b"X,EXX/um\n0,1\n100,2\n200,4\n",
+        b"X_cm,EXX_um\n0,1\n10,2\n20,4\n",
+        b"X [mm];EXX [\xb5m]\n0;1,0\n100;2,0\n200;4,0\n",
+    ] {
+        assert_eq!(fitted(data), plain, "{}", String::from_utf8_lossy(data));
+    }
+}
+
+#[test]
 fn curves_of_any_power_of_the_language_are_written_and_read_again() {
     let rows: String = (0..40).map(|i| format!("{},{}\n", i * 10, f64::from(i % 7))).collect();
     let data = format!("X,EXX [um]\n{rows}");

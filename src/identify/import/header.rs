@@ -77,22 +77,6 @@ const POSITIONS: [&str; 5] = ["position", "target", "pos", "nominal", "target po
 /// Lines before the table, at most.
 const PREAMBLE: usize = 500;
 
-/// A title and its unit: `EXX [um]`, `EXX (um)`, `EXX/um`, `EXX_um`.
-fn title(cell: &str) -> (String, Option<String>) {
-    let (name, unit) = units::header(cell);
-    if let Some(unit) = unit {
-        return (name.to_owned(), Some(unit.to_owned()));
-    }
-    let bracketed = cell.strip_suffix(')').and_then(|open| open.split_once('('));
-    let split = bracketed.or_else(|| cell.rsplit_once('/')).or_else(|| cell.rsplit_once('_'));
-    match split {
-        Some((name, unit)) if units::unit(unit.trim()).is_ok() => {
-            (name.trim().to_owned(), Some(unit.trim().to_owned()))
-        }
-        _ => (cell.to_owned(), None),
-    }
-}
-
 /// `Run 1 +`, `2 reverse`, `R3`, `up`, `<-`: the direction, and what is left as the run's name.
 pub(super) fn direction(label: &str) -> (Option<ColumnDirection>, String) {
     let lower = label.trim().to_lowercase();
@@ -140,7 +124,7 @@ fn metadata(line: &str, separator: char) -> Option<(String, String)> {
 /// Does a line begin a table? It has two cells or more, and one of them is a position.
 fn begins(cells: &[String], axis: Option<&str>) -> bool {
     let position = |cell: &String| {
-        let (name, _) = title(cell);
+        let (name, _) = sheet::title(cell);
         POSITIONS.contains(&name.to_lowercase().as_str())
             || axis.is_some_and(|axis| name.eq_ignore_ascii_case(axis))
             || (axis.is_none() && name.len() <= 2 && crate::machine::AxisName::new(&name).is_some())
@@ -183,7 +167,7 @@ impl Reading<'_> {
     fn header(&self, at: usize, cells: &[String]) -> Result<Header, Box<Diagnostic>> {
         let place = Some(self.lines[at].place.clone());
         let refuse = |message: String| Box::new(refusal(message, place.clone()));
-        let mut titles: Vec<(String, Option<String>)> = cells.iter().map(|cell| title(cell)).collect();
+        let mut titles: Vec<(String, Option<String>)> = cells.iter().map(|cell| sheet::title(cell)).collect();
         let below = self.lines.get(at + 1).map(|line| sheet::cells(&line.text, self.separator)).unwrap_or_default();
         let row_of_units = below.len() == titles.len()
             && below.iter().any(|c| units::unit(c.trim_matches(['[', ']', '(', ')'])).is_ok())
