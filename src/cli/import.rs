@@ -51,17 +51,23 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     if let Some(out) = &args.out {
         write::refuse_input(out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     }
-    let (table, missing) = found.table(args.continuous);
-    remarks(session, &found, &missing);
+    let table = found.table(args.continuous);
+    remarks(session, &found, &table.missing);
     session.checked()?;
+    if table.rows == 0 && (args.out.is_some() || session.format() == Format::Csv) {
+        let message = "the table has no row: at no position were all errors measured, from all sides";
+        let help =
+            "measure the same targets in both directions; without --out the figures of what there is are printed";
+        return session.refuse(Diagnostic::new("E0509", message).help(help));
+    }
     if let Some(out) = &args.out
-        && let Err(refusal) = write::write_whole(out, table.as_bytes())
+        && let Err(refusal) = write::write_whole(out, table.text.as_bytes())
     {
         return session.refuse(refusal);
     }
     match session.format() {
         Format::Json => session.print_json(json(session, &found)),
-        Format::Csv => session.print(&table),
+        Format::Csv => session.print(&table.text),
         Format::Text => session.print(&text(&found)),
     }
     session.checked()

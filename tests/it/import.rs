@@ -193,6 +193,55 @@ fn the_table_is_not_written_over_the_export() {
 }
 
 #[test]
+fn a_turning_axis_has_its_seam_read_at_both_ends_of_a_pass() {
+    let column = |rows: &[(i32, f64)]| {
+        let rows: String = rows.iter().map(|(at, value)| format!("{at},{value}\n")).collect();
+        imported(format!("C [deg],ECC [urad]\n{rows}").as_bytes(), &["--continuous"])
+    };
+    // 0 and 360 are one place read twice in one pass: its mean, no second run and no direction.
+    let (report, table) = column(&[(0, 1.0), (90, 5.0), (180, 6.0), (270, 7.0), (360, 3.0)]);
+    assert_eq!(table, "C [deg], ECC [urad]\n0, 2\n90, 5\n180, 6\n270, 7\n360, 2\n");
+    assert_eq!(report["directions_inferred"], false);
+    assert!(report["errors"][0]["R"].is_null() && report["errors"][0]["runs"] == 1, "{report}");
+    let (_, table) = column(&[(-180, 1.0), (-90, 5.0), (0, 6.0), (90, 7.0), (180, 3.0)]);
+    assert_eq!(table, "C [deg], ECC [urad]\n0, 6\n90, 7\n180, 2\n270, 5\n360, 6\n");
+    let there = [(0, 1.0), (120, 5.0), (240, 6.0), (360, 3.0)];
+    let back = [(360, 4.0), (240, 8.0), (120, 9.0), (0, 8.0)];
+    let (report, table) = column(&[there, back].concat());
+    assert_eq!(table, "C [deg], ECC+ [urad], ECC- [urad]\n0, 2, 6\n120, 5, 9\n240, 6, 8\n360, 2, 6\n");
+    assert!(report["directions_inferred"] == true && report["errors"][0]["R"].is_null(), "{report}");
+}
+
+#[test]
+fn a_jump_back_begins_a_run_and_is_no_approach() {
+    let value = |target: usize, run: usize| [1.0, 3.0, 5.0][target] + [0.5, 0.0, -0.5][run];
+    let rows = |named: bool, down: bool| -> String {
+        let order: Vec<usize> = if down { vec![2, 1, 0] } else { vec![0, 1, 2] };
+        let row = |run: usize, i: &usize| match named {
+            true => format!("{},{},{}\n", run + 1, i * 100, value(*i, run)),
+            false => format!("{},{}\n", i * 100, value(*i, run)),
+        };
+        (0..3).flat_map(|run| order.iter().map(move |i| row(run, i))).collect()
+    };
+    for (text, name) in [
+        (format!("X [mm],EXX [um]\n{}", rows(false, false)), "one column"),
+        (format!("X [mm],EXX [um]\n{}", rows(false, true)), "falling"),
+        (format!("run,X [mm],EXX [um]\n{}", rows(true, false)), "named"),
+    ] {
+        let (report, table) = imported(text.as_bytes(), &[]);
+        assert_eq!(table, "X [mm], EXX [um]\n0, 1\n100, 3\n200, 5\n", "{name}");
+        assert_eq!(
+            (&report["errors"][0]["runs"], &report["directions_inferred"]),
+            (&3.into(), &false.into()),
+            "{name}: {report}"
+        );
+    }
+    // Two runs that each go one way: their directions are those within each.
+    let (_, table) = imported(b"run,X [mm],EXX [um]\n1,0,1\n1,100,2\n1,200,3\n2,200,6\n2,100,5\n2,0,4\n", &[]);
+    assert_eq!(table, "X [mm], EXX+ [um], EXX- [um]\n0, 1, 4\n100, 2, 5\n200, 3, 6\n");
+}
+
+#[test]
 fn decimal_comma_and_point_in_one_file_are_refused() {
     for text in
         ["X [mm];EXX [um]\n0;1,5\n1.000;2,5\n", "X [mm];EXX [um]\n0,0;1\n1.5;2\n", "X [mm];EXX [um]\n0;1\n2.000,5;2\n"]
@@ -203,6 +252,28 @@ fn decimal_comma_and_point_in_one_file_are_refused() {
     // Dates and words are no numbers.
     let (_, table) = imported(b"time;X [mm];EXX [um]\n1.5;0;1,5\n2.5;100;2,5\n", &[]);
     assert_eq!(table, "X [mm], EXX [um]\n0, 1.5\n100, 2.5\n");
+}
+
+#[test]
+fn positions_that_scatter_about_a_target_are_one_target() {
+    let off = [1e-4, -1e-4, 3e-4, -2e-4];
+    let turn = std::cell::Cell::new(0);
+    let rows = zigzag(|target, v| {
+        turn.set((turn.get() + 1) % 4);
+        format!("{},{v}\n", 100.0 * f64::from(u8::try_from(target).unwrap()) + off[turn.get()])
+    });
+    let (report, table) = imported(format!("X [mm],EXX [um]\n{rows}").as_bytes(), &[]);
+    check(&report, 2);
+    assert_eq!(table, TABLE);
+    // Targets a micrometre apart are targets: nothing tells scatter from steps.
+    let rows: String = (0..5).map(|i| format!("0.00{i},{i}\n")).collect();
+    let (report, _) = imported(format!("X [mm],EXX [um]\n{rows}").as_bytes(), &[]);
+    assert_eq!(report["errors"][0]["targets"], 5, "{report}");
+    // And ten micrometres apart beside steps that are not much larger.
+    let (report, _) = imported(b"X [mm],EXX [um]\n0,1\n0.01,2\n0.11,3\n0.21,4\n", &[]);
+    assert_eq!(report["errors"][0]["targets"], 4, "{report}");
+    let said = refused("X [mm],EXX+ [um],EXX- [um]\n0,1,\n100,,2\n", &[]);
+    assert!(said.contains("E0509") && said.contains("no row"), "{said}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Rows to samples; what is left out, and why.
 
 use super::header::{Header, Role, direction, fits, index, reading_unit};
-use super::{Import, LeftOut, Sample, Wanted, error_name, refusal};
+use super::{Import, LeftOut, Sample, Wanted, error_name, order, refusal};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::ErrorId;
 use crate::syntax::ColumnDirection;
@@ -33,8 +33,11 @@ pub(super) fn gather(lines: &[Line], header: Header, wanted: &Wanted) -> Result<
         let why = import.left_out.first().map(|first| format!("; the first row: {}", first.reason));
         return Err(Box::new(refusal(format!("the table has no row to use{}", why.unwrap_or_default()), place)));
     }
-    if import.samples.iter().all(|sample| sample.direction.is_none()) {
-        infer(&mut import);
+    // Targets and directions are those of the positions as programmed: a turn ends where it began only afterwards.
+    let near = order::merge(&mut import.samples);
+    order::passes(&mut import);
+    if wanted.continuous {
+        order::wrap(&mut import.samples, near);
     }
     Ok(import)
 }
@@ -72,9 +75,6 @@ fn row(
     }
     if common.position.abs() > FARTHEST {
         return Err(format!("the position {} is beyond 1000000 mm or deg", common.position));
-    }
-    if wanted.continuous {
-        common.position = common.position.rem_euclid(360.0);
     }
     let sign = if wanted.correction { -1.0 } else { 1.0 };
     let sample = |error: usize, value: f64| match value * sign {
@@ -114,64 +114,5 @@ fn way(cell: &str) -> Result<Option<ColumnDirection>, String> {
         ("", _) => Ok(None),
         (_, Some(way)) => Ok(Some(way)),
         _ => Err(format!("`{}` is no direction", shown(cell))),
-    }
-}
-
-/// Directions from the order of the rows, where positions rise and fall: there and back, as lasers measure. At a
-/// turning point the target is measured twice, or once: then it belongs to the way that ends there.
-fn infer(import: &mut Import) {
-    let count = import.errors.len();
-    for error in 0..count {
-        let of: Vec<usize> = (0..import.samples.len()).filter(|i| import.samples[*i].error == error).collect();
-        let at = |k: usize| import.samples[of[k]].position;
-        let step = |k: usize| (at(k) - at(k - 1)).partial_cmp(&0.0).unwrap_or(std::cmp::Ordering::Equal);
-        let steps: Vec<std::cmp::Ordering> = (1..of.len()).map(step).collect();
-        let falls = steps.iter().any(|s| s.is_lt());
-        let rises = steps.iter().any(|s| s.is_gt());
-        if !(falls && rises) {
-            continue;
-        }
-        // A jump back to the start of the next run in one direction is not a way that was measured.
-        if steps.iter().filter(|s| s.is_lt()).count() * 4 < steps.len()
-            && !steps.windows(2).any(|w| w[0].is_lt() && w[1].is_lt())
-        {
-            continue;
-        }
-        let next = |k: usize| steps[k..].iter().find(|s| s.is_ne()).copied();
-        let mut ways: Vec<Option<ColumnDirection>> = Vec::with_capacity(of.len());
-        for k in 0..of.len() {
-            let came = if k == 0 || steps[k - 1].is_eq() {
-                next(k.min(steps.len().saturating_sub(1)))
-            } else {
-                Some(steps[k - 1])
-            };
-            let came = came.or_else(|| steps.iter().rev().find(|s| s.is_ne()).copied());
-            ways.push(came.map(|s| if s.is_gt() { ColumnDirection::Forward } else { ColumnDirection::Reverse }));
-        }
-        number_runs(import, &of, &ways);
-        import.inferred = true;
-    }
-}
-
-/// Every way back and forth is a run of its own, if the file names none.
-fn number_runs(import: &mut Import, of: &[usize], ways: &[Option<ColumnDirection>]) {
-    let mut run = 1;
-    let mut seen: Vec<ColumnDirection> = Vec::new();
-    let mut last = None;
-    for (i, way) in of.iter().zip(ways) {
-        let Some(way) = *way else { continue };
-        if last != Some(way) {
-            if seen.contains(&way) {
-                run += 1;
-                seen.clear();
-            }
-            seen.push(way);
-            last = Some(way);
-        }
-        let sample = &mut import.samples[*i];
-        sample.direction = Some(way);
-        if sample.run.is_empty() {
-            sample.run = run.to_string();
-        }
     }
 }
