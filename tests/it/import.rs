@@ -242,6 +242,26 @@ fn a_jump_back_begins_a_run_and_is_no_approach() {
 }
 
 #[test]
+fn directions_are_known_of_all_readings_or_of_none() {
+    let options = ["--error", "EXX", "--unit", "um"];
+    for pair in ["V1;R1", "v 1;r 1", "vor;zurück", "Vorwärts 1;RÜCKWÄRTS 1", "1→;1←", "→;←", "hin;zurueck"]
+    {
+        let text = format!("X [mm];{pair}\n0;1;2\n100;3;4\n");
+        let (_, table) = imported(text.as_bytes(), &options);
+        assert_eq!(table, "X [mm], EXX+ [um], EXX- [um]\n0, 1, 2\n100, 3, 4\n", "{pair}");
+    }
+    // Without the other letter of the pair `R1` is a run.
+    let (_, table) = imported(b"X [mm];R1;R2\n0;1;2\n100;3;4\n", &options);
+    assert_eq!(table, "X [mm], EXX [um]\n0, 1.5\n100, 3.5\n");
+    let said = refused("X [mm];1+;2\n0;1;2\n100;3;4\n", &options);
+    assert!(said.contains("E0509") && said.contains("laser.csv:1") && said.contains("EXX"), "{said}");
+    let said = refused("X [mm],EXX+ [um],EXX [um]\n0,1,2\n100,3,4\n", &[]);
+    assert!(said.contains("E0509") && said.contains("laser.csv:1"), "{said}");
+    let said = refused("X [mm],direction,EXX [um]\n0,+,1\n100,,2\n", &[]);
+    assert!(said.contains("E0509") && said.contains("laser.csv:3"), "{said}");
+}
+
+#[test]
 fn decimal_comma_and_point_in_one_file_are_refused() {
     for text in
         ["X [mm];EXX [um]\n0;1,5\n1.000;2,5\n", "X [mm];EXX [um]\n0,0;1\n1.5;2\n", "X [mm];EXX [um]\n0;1\n2.000,5;2\n"]

@@ -2,7 +2,7 @@
 
 use super::header::{Header, Role, direction, fits, index, reading_unit};
 use super::{Import, LeftOut, Sample, Wanted, error_name, order, refusal};
-use crate::diagnostic::{Diagnostic, shown};
+use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::machine::ErrorId;
 use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{self, Decimals, Line};
@@ -13,10 +13,12 @@ const FARTHEST: f64 = 1e6;
 const LARGEST: f64 = 10.0;
 
 pub(super) fn gather(lines: &[Line], header: Header, wanted: &Wanted) -> Result<Import, Box<Diagnostic>> {
-    let Header { form, axis, rotary, errors, roles, separator, body, metadata } = header;
+    let Header { form, axis, rotary, errors, roles, separator, paired: _, place, body, metadata } = header;
     let mut import =
         Import { form, axis, rotary, errors, samples: Vec::new(), metadata, left_out: Vec::new(), inferred: false };
     let mut decimals = Decimals::default();
+    let by_row = roles.contains(&Role::Direction);
+    let mut marked: Vec<Option<bool>> = Vec::new();
     for line in &lines[body..] {
         let cells = sheet::cells(&line.text, separator);
         for (cell, _) in cells.iter().zip(&roles).filter(|(_, role)| role.is_number()) {
@@ -24,7 +26,11 @@ pub(super) fn gather(lines: &[Line], header: Header, wanted: &Wanted) -> Result<
             noted.map_err(|words| Box::new(refusal(words, Some(line.place.clone()))))?;
         }
         match row(&cells, &roles, separator, wanted, &mut import.errors, &import.axis) {
-            Ok(samples) => import.samples.extend(samples),
+            Ok(samples) => {
+                let at = if by_row { &line.place } else { &place };
+                agree(&samples, &mut marked).map_err(|error| Box::new(half_marked(&import.errors[error], at)))?;
+                import.samples.extend(samples);
+            }
             Err(reason) => import.left_out.push(LeftOut { place: line.place.clone(), reason }),
         }
     }
@@ -40,6 +46,23 @@ pub(super) fn gather(lines: &[Line], header: Header, wanted: &Wanted) -> Result<
         order::wrap(&mut import.samples, near);
     }
     Ok(import)
+}
+
+/// Directions are known of all readings of an error or of none; gives the error of which they are not.
+fn agree(samples: &[Sample], marked: &mut Vec<Option<bool>>) -> Result<(), usize> {
+    for sample in samples {
+        marked.resize(marked.len().max(sample.error + 1), None);
+        if *marked[sample.error].get_or_insert(sample.direction.is_some()) != sample.direction.is_some() {
+            return Err(sample.error);
+        }
+    }
+    Ok(())
+}
+
+fn half_marked(error: &ErrorId, place: &Place) -> Diagnostic {
+    let message = format!("some readings of `{error}` have a direction and others have none");
+    let help = "mark all runs (`1+`, `1-`, `2+` ...; `V1`, `R1` ...) or none: then the order of the rows says it";
+    refusal(message, Some(place.clone())).help(help)
 }
 
 /// The samples of one row, or why it is left out.
@@ -110,7 +133,7 @@ fn row(
 }
 
 fn way(cell: &str) -> Result<Option<ColumnDirection>, String> {
-    match (cell, direction(cell).0) {
+    match (cell, direction(cell, true).0) {
         ("", _) => Ok(None),
         (_, Some(way)) => Ok(Some(way)),
         _ => Err(format!("`{}` is no direction", shown(cell))),

@@ -1,7 +1,7 @@
 //! Where the table begins, what its columns are, and what stands before it.
 
 use super::{Wanted, error_name, refusal};
-use crate::diagnostic::{Diagnostic, shown};
+use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::machine::ErrorId;
 use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{self, Line};
@@ -67,6 +67,10 @@ pub(super) struct Header {
     pub errors: Vec<ErrorId>,
     pub roles: Vec<Role>,
     pub separator: char,
+    /// Are `F1` or `V1`, and `R1`, directions?
+    pub paired: bool,
+    /// Where it stands.
+    pub place: Place,
     /// Index of the first line after it.
     pub body: usize,
     pub metadata: Vec<(String, String)>,
@@ -77,39 +81,61 @@ const POSITIONS: [&str; 5] = ["position", "target", "pos", "nominal", "target po
 /// Lines before the table, at most.
 const PREAMBLE: usize = 500;
 
-/// `Run 1 +`, `2 reverse`, `R3`, `up`, `<-`: the direction, and what is left as the run's name.
-pub(super) fn direction(label: &str) -> (Option<ColumnDirection>, String) {
+/// Words that say a direction, and which; longer ones before those they begin with.
+const WAYS: [(&str, ColumnDirection); 23] = [
+    ("forward", ColumnDirection::Forward),
+    ("reverse", ColumnDirection::Reverse),
+    ("backward", ColumnDirection::Reverse),
+    ("vorwärts", ColumnDirection::Forward),
+    ("vorwaerts", ColumnDirection::Forward),
+    ("rückwärts", ColumnDirection::Reverse),
+    ("rueckwaerts", ColumnDirection::Reverse),
+    ("zurück", ColumnDirection::Reverse),
+    ("zurueck", ColumnDirection::Reverse),
+    ("rück", ColumnDirection::Reverse),
+    ("vor", ColumnDirection::Forward),
+    ("hin", ColumnDirection::Forward),
+    ("fwd", ColumnDirection::Forward),
+    ("bwd", ColumnDirection::Reverse),
+    ("rev", ColumnDirection::Reverse),
+    ("down", ColumnDirection::Reverse),
+    ("up", ColumnDirection::Forward),
+    ("->", ColumnDirection::Forward),
+    ("<-", ColumnDirection::Reverse),
+    ("→", ColumnDirection::Forward),
+    ("←", ColumnDirection::Reverse),
+    ("+", ColumnDirection::Forward),
+    ("-", ColumnDirection::Reverse),
+];
+
+/// `Run 1 +`, `2 reverse`, `up`, `<-`: the direction, and what is left as the run's name. `F1`, `V1` (vorwärts) and
+/// `R1` are directions where both of a pair are there, and runs otherwise.
+pub(super) fn direction(label: &str, paired: bool) -> (Option<ColumnDirection>, String) {
     let lower = label.trim().to_lowercase();
-    let words: [(&str, ColumnDirection); 12] = [
-        ("forward", ColumnDirection::Forward),
-        ("reverse", ColumnDirection::Reverse),
-        ("backward", ColumnDirection::Reverse),
-        ("fwd", ColumnDirection::Forward),
-        ("rev", ColumnDirection::Reverse),
-        ("down", ColumnDirection::Reverse),
-        ("up", ColumnDirection::Forward),
-        ("->", ColumnDirection::Forward),
-        ("<-", ColumnDirection::Reverse),
-        ("+", ColumnDirection::Forward),
-        ("-", ColumnDirection::Reverse),
-        ("bwd", ColumnDirection::Reverse),
-    ];
-    let found = words.iter().find_map(|(word, way)| {
+    let found = WAYS.iter().find_map(|(word, way)| {
         let rest = lower.strip_suffix(word).or_else(|| lower.strip_prefix(word))?;
         Some((Some(*way), rest.trim().to_owned()))
     });
-    let letter = || {
-        let rest = lower.get(1..)?;
-        let way = match lower.chars().next()? {
-            'f' => ColumnDirection::Forward,
-            'r' => ColumnDirection::Reverse,
-            _ => return None,
-        };
-        rest.chars().all(|c| c.is_ascii_digit()).then(|| (Some(way), rest.to_owned()))
-    };
+    let letter = || letter(&lower).filter(|_| paired).map(|(way, rest)| (Some(way), rest.to_owned()));
     let (way, rest) = found.or_else(letter).unwrap_or((None, lower.clone()));
     let run = rest.strip_prefix("run").unwrap_or(&rest).trim_matches(|c: char| c.is_whitespace() || c == '_');
     (way, run.to_owned())
+}
+
+/// `f1`, `v 2`, `r`: a letter and the number of a run.
+fn letter(lower: &str) -> Option<(ColumnDirection, &str)> {
+    let (way, rest) = match lower.strip_prefix(['f', 'v']) {
+        Some(rest) => (ColumnDirection::Forward, rest.trim()),
+        None => (ColumnDirection::Reverse, lower.strip_prefix('r')?.trim()),
+    };
+    rest.chars().all(|c| c.is_ascii_digit()).then_some((way, rest))
+}
+
+/// Are there titles `F1` or `V1` as well as `R1`?
+fn paired(titles: &[String]) -> bool {
+    let ways: Vec<ColumnDirection> =
+        titles.iter().filter_map(|title| letter(title.trim())).map(|(way, _)| way).collect();
+    ways.contains(&ColumnDirection::Forward) && ways.contains(&ColumnDirection::Reverse)
 }
 
 /// `key: value` or `key = value` before the table; with a separator in between as spreadsheets write it.
@@ -202,6 +228,8 @@ impl Reading<'_> {
             errors: Vec::new(),
             roles: Vec::new(),
             separator: self.separator,
+            paired: paired(&lower),
+            place: self.lines[at].place.clone(),
             body: at + 1 + usize::from(row_of_units),
             metadata: self.metadata.to_vec(),
         };
@@ -274,7 +302,7 @@ impl Reading<'_> {
             format!("nothing says which error the runs are of (`{}`): give `--error EXX`", shown(name))
         })?;
         let error = error_name(error).ok_or_else(|| format!("`{}` is not a component error", shown(error)))?;
-        let (way, run) = direction(name);
+        let (way, run) = direction(name, header.paired);
         self.value(header, error, way, run, name, unit)
     }
 
