@@ -301,3 +301,22 @@ fn what_german_instruments_write_is_read() {
     let (_, table) = imported(b"Pr\xfcfer: M\xfcller\nX [mm];EXX [\xb5m]\n0;1,5\n100;2,5\n", &[]);
     assert_eq!(table, "# Pr\u{fc}fer: M\u{fc}ller\nX [mm], EXX [um]\n0, 1.5\n100, 2.5\n");
 }
+
+#[test]
+fn a_column_says_the_axis() {
+    let text = "axis,error,position [mm],value,unit\nY,EYY,0,1,um\nY,EYY,100,2,um\n";
+    let (report, table) = imported(text.as_bytes(), &[]);
+    assert_eq!((table.as_str(), &report["axis"]), ("Y [mm], EYY [um]\n0, 1\n100, 2\n", &"Y".into()));
+    let both = format!("{text}X,EXX,0,1,um\n");
+    let said = refused(&both, &[]);
+    assert!(said.contains("E0509") && said.contains("`Y` and `X`") && said.contains("--axis"), "{said}");
+    let (report, _) = imported(both.as_bytes(), &["--axis", "Y"]);
+    let left = report["left_out"].as_array().unwrap();
+    assert_eq!((left.len(), left[0]["reason"].as_str()), (1, Some("a row of axis X")), "{report}");
+}
+
+#[test]
+fn an_axis_that_the_header_does_not_have_is_said() {
+    let said = refused("Axis: Y\nX [mm],EXX [um]\n0,1\n", &[]);
+    assert!(said.contains("laser.csv:2") && said.contains("axis Y") && said.contains("`X`"), "{said}");
+}

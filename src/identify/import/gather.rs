@@ -3,7 +3,7 @@
 use super::header::{Header, Role, direction, fits, index, reading_unit};
 use super::{Import, LeftOut, Sample, Wanted, error_name, order, refusal};
 use crate::diagnostic::{Diagnostic, Place, shown};
-use crate::machine::ErrorId;
+use crate::machine::{AxisName, ErrorId};
 use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{self, Decimals, Line};
 
@@ -88,6 +88,9 @@ fn row(
             Role::Excluded if !at(k).is_empty() && at(k) != "0" => return Err(format!("marked `{}`", shown(at(k)))),
             Role::Position(_) if at(k).is_empty() => return Err("no position".to_owned()),
             Role::Position(factor) => common.position = number(at(k))? * factor,
+            Role::Axis if !at(k).eq_ignore_ascii_case(axis) && AxisName::new(&at(k).to_uppercase()).is_some() => {
+                return Err(format!("a row of axis {}", shown(at(k))));
+            }
             Role::Run => common.run = at(k).to_owned(),
             Role::Direction => common.direction = way(at(k))?,
             Role::ErrorName => name = Some(at(k)),

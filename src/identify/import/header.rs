@@ -48,6 +48,8 @@ pub(super) enum Role {
     Direction,
     /// Not empty: the row is not to be used.
     Excluded,
+    /// The axis that moved.
+    Axis,
     Ignored,
 }
 
@@ -147,30 +149,40 @@ fn metadata(line: &str, separator: char) -> Option<(String, String)> {
     (!key.is_empty() && !value.is_empty()).then(|| (key.chars().take(80).collect(), value.chars().take(200).collect()))
 }
 
-/// Does a line begin a table? It has two cells or more, and one of them is a position.
-fn begins(cells: &[String], axis: Option<&str>) -> bool {
-    let position = |cell: &String| {
-        let (name, _) = sheet::title(cell);
+/// Does a line begin a table? It has two cells or more, and one of them is a position: its title and unit.
+fn begins(cells: &[String], axis: Option<&str>) -> Option<(String, Option<String>)> {
+    let position = |(name, _): &(String, Option<String>)| {
         POSITIONS.contains(&name.to_lowercase().as_str())
             || axis.is_some_and(|axis| name.eq_ignore_ascii_case(axis))
-            || (axis.is_none() && name.len() <= 2 && crate::machine::AxisName::new(&name).is_some())
+            || (axis.is_none() && name.len() <= 2 && crate::machine::AxisName::new(name).is_some())
     };
     // `axis; X` before the table is no header. Runs may be named by numbers, positions are words.
     let said = cells.len() == 2 && cells[0].eq_ignore_ascii_case("axis");
-    cells.len() >= 2 && !said && cells.iter().any(position)
+    if cells.len() < 2 || said { None } else { cells.iter().map(|cell| sheet::title(cell)).find(position) }
 }
 
 pub(super) fn find(lines: &[Line], wanted: &Wanted) -> Result<Header, Box<Diagnostic>> {
     let mut known: Vec<(String, String)> = Vec::new();
+    let mut other = None;
     for (i, line) in lines.iter().enumerate().take(PREAMBLE) {
         let separator = sheet::separator(&line.text);
         let cells = sheet::cells(&line.text, separator);
         let named = known.iter().find(|(key, _)| key.eq_ignore_ascii_case("axis")).map(|(_, value)| value.as_str());
         let axis = wanted.axis.as_deref().or(named);
-        if begins(&cells, axis) && !line.text.contains(": ") {
+        if begins(&cells, axis).is_some() && !line.text.contains(": ") {
             return Reading { lines, wanted, metadata: &known, separator }.header(i, &cells);
         }
+        if let (None, Some(axis), Some((title, Some(_)))) = (&other, axis, begins(&cells, None)) {
+            other = Some((axis.to_owned(), title, line.place.clone()));
+        }
         known.extend(metadata(&line.text, separator));
+    }
+    if let Some((axis, title, place)) = other {
+        let (axis, title) = (shown(&axis), shown(&title));
+        let message =
+            format!("axis {axis} is said to have moved, but the positions of this header are those of `{title}`");
+        let help = "correct the axis in the file, or say with `--axis` which one moved";
+        return Err(Box::new(refusal(message, Some(place)).help(help)));
     }
     Err(Box::new(refusal(
         "there is no header with a position column".to_owned(),
@@ -208,8 +220,10 @@ impl Reading<'_> {
         }
         let lower: Vec<String> = titles.iter().map(|(name, _)| name.to_lowercase()).collect();
         let (error, value) = (lower.iter().position(|n| n == "error"), lower.iter().position(|n| n == "value"));
-        let axis =
-            self.axis(&titles).ok_or_else(|| refuse("nothing says which axis moved: give `--axis X`".to_owned()))?;
+        let column = lower.iter().position(|n| n == "axis");
+        let body = at + 1 + usize::from(row_of_units);
+        let column = column.map(|k| self.axes_of_rows(body, k, titles.len())).unwrap_or_default();
+        let axis = self.axis(&titles, &column).map_err(&refuse)?;
         let letter = axis.chars().next().unwrap_or('X');
         let position = titles.iter().position(|(name, _)| self.is_position(name, &axis));
         let Some(position) = position else { return Err(refuse("there is no position column".to_owned())) };
@@ -230,7 +244,7 @@ impl Reading<'_> {
             separator: self.separator,
             paired: paired(&lower),
             place: self.lines[at].place.clone(),
-            body: at + 1 + usize::from(row_of_units),
+            body,
             metadata: self.metadata.to_vec(),
         };
         let has_error = |(name, _): &(String, Option<String>)| {
@@ -258,20 +272,40 @@ impl Reading<'_> {
         name.eq_ignore_ascii_case(axis) || POSITIONS.contains(&name.to_lowercase().as_str())
     }
 
-    /// As asked for, as the metadata say, or the only column that is named like one.
-    fn axis(&self, titles: &[(String, Option<String>)]) -> Option<String> {
+    /// The axes that a column names, each once.
+    fn axes_of_rows(&self, body: usize, column: usize, width: usize) -> Vec<String> {
+        let mut axes: Vec<String> = Vec::new();
+        for line in &self.lines[body.min(self.lines.len())..] {
+            let cells = sheet::cells(&line.text, self.separator);
+            // Not a line of words below the table.
+            let axis = cells.get(column).filter(|_| cells.len() == width).map(|cell| cell.to_uppercase());
+            let named = axis.filter(|axis| crate::machine::AxisName::new(axis).is_some());
+            axes.extend(named.filter(|axis| !axes.contains(axis) && axes.len() < 2));
+        }
+        axes
+    }
+
+    /// As asked for, as the metadata or a column say, or the only column that is named like one.
+    fn axis(&self, titles: &[(String, Option<String>)], column: &[String]) -> Result<String, String> {
         let own = |(name, _): &(String, Option<String>)| {
             let short = name.len() <= 2 && error_name(name).is_none();
             short.then(|| crate::machine::AxisName::new(name)).flatten().map(|n| n.to_string())
         };
         let given = self.wanted.axis.clone().or_else(|| self.said("axis").map(str::to_owned));
-        given.or_else(|| titles.iter().find_map(own)).map(|name| name.trim().to_uppercase())
+        if let ([one, other], None) = (column, &given) {
+            let (one, other) = (shown(one), shown(other));
+            return Err(format!("the column `axis` names `{one}` and `{other}`: say with `--axis` which to take"));
+        }
+        let given = given.or_else(|| column.first().cloned()).or_else(|| titles.iter().find_map(own));
+        let axis = given.map(|name| name.trim().to_uppercase());
+        axis.ok_or_else(|| "nothing says which axis moved: give `--axis X`".to_owned())
     }
 
     fn role(&self, header: &mut Header, name: &str, unit: Option<&str>) -> Result<Role, String> {
         let lower = name.to_lowercase();
         match lower.as_str() {
             "run" => return Ok(Role::Run),
+            "axis" => return Ok(Role::Axis),
             "direction" | "dir" | "approach" => return Ok(Role::Direction),
             "exclude" | "excluded" | "reason" | "rejected" => return Ok(Role::Excluded),
             "error" if header.form == Form::Tidy => return Ok(Role::ErrorName),
@@ -281,7 +315,7 @@ impl Reading<'_> {
                 return unit
                     .map_or(Ok(Role::Reading(None)), |u| reading_unit(&u).map(|known| Role::Reading(Some(known))));
             }
-            "" | "axis" | "temp" | "temperature" | "time" | "comment" | "point" | "no" | "index" => {
+            "" | "temp" | "temperature" | "time" | "comment" | "point" | "no" | "index" => {
                 return Ok(Role::Ignored);
             }
             _ => {}
