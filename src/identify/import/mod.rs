@@ -185,7 +185,8 @@ impl Import {
         let mut cells = Vec::new();
         for (error, figures) in self.errors.iter().zip(figures) {
             let factor = if error.direction.is_rotation() { 1e6 } else { 1e3 };
-            let target = figures.targets.iter().find(|t| t.position == position)?;
+            let at = figures.targets.binary_search_by(|t| t.position.total_cmp(&position)).ok()?;
+            let target = &figures.targets[at];
             let means = if figures.bidirectional() {
                 vec![target.forward?.mean, target.reverse?.mean]
             } else {
