@@ -229,7 +229,7 @@ fn enough(session: &mut Session, data: &[Measurement], unknowns: &[Parameter]) -
 }
 
 /// `1 reading`, `2 readings`.
-fn counted(count: usize, word: &str) -> String {
+pub(super) fn counted(count: usize, word: &str) -> String {
     format!("{count} {word}{}", if count == 1 { "" } else { "s" })
 }
 

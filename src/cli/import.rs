@@ -1,6 +1,7 @@
 //! `abbe import`: a single-axis measurement as an instrument exports it, to a table of error curves.
 
 use super::files::Disk;
+use super::identify::counted;
 use super::session::Session;
 use super::{Format, Outcome, write};
 use crate::diagnostic::Diagnostic;
@@ -123,7 +124,8 @@ fn json(session: &Session, found: &Import) -> serde_json::Value {
 }
 
 fn text(found: &Import) -> String {
-    let mut text = format!("axis {}: {}, {} readings", found.axis, found.form.word(), found.samples.len());
+    let readings = counted(found.samples.len(), "reading");
+    let mut text = format!("axis {}: {}, {readings}", found.axis, found.form.word());
     text += if found.inferred { "; directions from the order of the rows\n" } else { "\n" };
     for (key, value) in &found.metadata {
         text += &format!("{key}: {value}\n");

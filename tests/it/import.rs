@@ -250,6 +250,9 @@ fn directions_are_known_of_all_readings_or_of_none() {
         let (_, table) = imported(text.as_bytes(), &options);
         assert_eq!(table, "X [mm], EXX+ [um], EXX- [um]\n0, 1, 2\n100, 3, 4\n", "{pair}");
     }
+    // The runs are no axes: the axis is that of the error.
+    let (_, table) = imported(b"position [mm];V1;R1\n0;1;2\n100;3;4\n", &options);
+    assert_eq!(table, "X [mm], EXX+ [um], EXX- [um]\n0, 1, 2\n100, 3, 4\n");
     // Without the other letter of the pair `R1` is a run.
     let (_, table) = imported(b"X [mm];R1;R2\n0;1;2\n100;3;4\n", &options);
     assert_eq!(table, "X [mm], EXX [um]\n0, 1.5\n100, 3.5\n");

@@ -285,10 +285,13 @@ impl Reading<'_> {
         axes
     }
 
-    /// As asked for, as the metadata or a column say, or the only column that is named like one.
+    /// As asked for, as the metadata or a column say, the only column that is named like one, or that of the error.
     fn axis(&self, titles: &[(String, Option<String>)], column: &[String]) -> Result<String, String> {
+        let lower: Vec<String> = titles.iter().map(|(name, _)| name.to_lowercase()).collect();
+        let paired = paired(&lower);
         let own = |(name, _): &(String, Option<String>)| {
-            let short = name.len() <= 2 && error_name(name).is_none();
+            let run = paired && letter(&name.to_lowercase()).is_some();
+            let short = name.len() <= 2 && error_name(name).is_none() && !run;
             short.then(|| crate::machine::AxisName::new(name)).flatten().map(|n| n.to_string())
         };
         let given = self.wanted.axis.clone().or_else(|| self.said("axis").map(str::to_owned));
@@ -297,6 +300,8 @@ impl Reading<'_> {
             return Err(format!("the column `axis` names `{one}` and `{other}`: say with `--axis` which to take"));
         }
         let given = given.or_else(|| column.first().cloned()).or_else(|| titles.iter().find_map(own));
+        let error = || self.wanted.error.as_deref().or(self.said("error")).and_then(error_name);
+        let given = given.or_else(|| error().map(|error| error.axis.to_string()));
         let axis = given.map(|name| name.trim().to_uppercase());
         axis.ok_or_else(|| "nothing says which axis moved: give `--axis X`".to_owned())
     }
