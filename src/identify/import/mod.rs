@@ -156,10 +156,11 @@ impl Import {
         let mut positions: Vec<f64> = figures.iter().flat_map(|f| f.targets.iter().map(|t| t.position)).collect();
         positions.sort_by(f64::total_cmp);
         positions.dedup();
+        let both: Vec<bool> = figures.iter().map(Figures::bidirectional).collect();
         let mut missing = Vec::new();
         let mut rows: Vec<(f64, Vec<f64>)> = Vec::new();
         for position in positions {
-            match self.row(&figures, position) {
+            match self.row(&figures, &both, position) {
                 Some(values) => rows.push((position, values)),
                 None => missing.push(format!("{}", position + 0.0)),
             }
@@ -181,17 +182,13 @@ impl Import {
     }
 
     /// The cells of one position, um and urad.
-    fn row(&self, figures: &[Figures], position: f64) -> Option<Vec<f64>> {
+    fn row(&self, figures: &[Figures], both: &[bool], position: f64) -> Option<Vec<f64>> {
         let mut cells = Vec::new();
-        for (error, figures) in self.errors.iter().zip(figures) {
+        for ((error, figures), both) in self.errors.iter().zip(figures).zip(both) {
             let factor = if error.direction.is_rotation() { 1e6 } else { 1e3 };
             let at = figures.targets.binary_search_by(|t| t.position.total_cmp(&position)).ok()?;
             let target = &figures.targets[at];
-            let means = if figures.bidirectional() {
-                vec![target.forward?.mean, target.reverse?.mean]
-            } else {
-                vec![target.any()?.mean]
-            };
+            let means = if *both { vec![target.forward?.mean, target.reverse?.mean] } else { vec![target.any()?.mean] };
             cells.extend(means.into_iter().map(|mean| mean * factor));
         }
         Some(cells)
