@@ -91,6 +91,10 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         return plan::run(session, &model, usize::from(count), args.noise, args.seed);
     }
     let Data { rows: data, nuisances } = measurements(session, &machine, args)?;
+    // Before the work, not after it.
+    if let Some(out) = &args.out {
+        write::refuse_input(out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
+    }
     let unknowns: Vec<Parameter> = own.into_iter().chain(nuisances).collect();
     if args.method == Method::Joint {
         enough(session, &data, &unknowns)?;
@@ -214,9 +218,19 @@ fn enough(session: &mut Session, data: &[Measurement], unknowns: &[Parameter]) -
     if readings >= unknowns.len() {
         return Ok(());
     }
-    let also = if instruments > 0 { format!(" and {instruments} unknowns of the instruments") } else { String::new() };
-    let message = format!("{readings} readings cannot determine {} parameters{also}", unknowns.len() - instruments);
+    let also = if instruments > 0 {
+        format!(" and {} of the instruments", counted(instruments, "unknown"))
+    } else {
+        String::new()
+    };
+    let own = counted(unknowns.len() - instruments, "parameter");
+    let message = format!("{} cannot determine {own}{also}", counted(readings, "reading"));
     session.refuse(Diagnostic::new("E0503", message).help("measure more poses, or fit less"))
+}
+
+/// `1 reading`, `2 readings`.
+pub(super) fn counted(count: usize, word: &str) -> String {
+    format!("{count} {word}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Less likely than this, residuals are not noise.

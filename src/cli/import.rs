@@ -1,6 +1,7 @@
 //! `abbe import`: a single-axis measurement as an instrument exports it, to a table of error curves.
 
 use super::files::Disk;
+use super::identify::counted;
 use super::session::Session;
 use super::{Format, Outcome, write};
 use crate::diagnostic::Diagnostic;
@@ -48,17 +49,26 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let found = import(&args.file, &wanted, &Disk, &mut session.diagnostics);
     session.checked()?;
     let Some(found) = found else { return Err(super::Stop::Refused) };
-    let (table, missing) = found.table(args.continuous);
-    remarks(session, &found, &missing);
+    if let Some(out) = &args.out {
+        write::refuse_input(out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
+    }
+    let table = found.table(args.continuous);
+    remarks(session, &found, &table.missing);
     session.checked()?;
+    if table.rows == 0 && (args.out.is_some() || session.format() == Format::Csv) {
+        let message = "the table has no row: at no position were all errors measured, from all sides";
+        let help =
+            "measure the same targets in both directions; without --out the figures of what there is are printed";
+        return session.refuse(Diagnostic::new("E0509", message).help(help));
+    }
     if let Some(out) = &args.out
-        && let Err(refusal) = write::write_whole(out, table.as_bytes())
+        && let Err(refusal) = write::write_whole(out, table.text.as_bytes())
     {
         return session.refuse(refusal);
     }
     match session.format() {
         Format::Json => session.print_json(json(session, &found)),
-        Format::Csv => session.print(&table),
+        Format::Csv => session.print(&table.text),
         Format::Text => session.print(&text(&found)),
     }
     session.checked()
@@ -114,7 +124,8 @@ fn json(session: &Session, found: &Import) -> serde_json::Value {
 }
 
 fn text(found: &Import) -> String {
-    let mut text = format!("axis {}: {}, {} readings", found.axis, found.form.word(), found.samples.len());
+    let readings = counted(found.samples.len(), "reading");
+    let mut text = format!("axis {}: {}, {readings}", found.axis, found.form.word());
     text += if found.inferred { "; directions from the order of the rows\n" } else { "\n" };
     for (key, value) in &found.metadata {
         text += &format!("{key}: {value}\n");

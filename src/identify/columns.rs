@@ -125,7 +125,20 @@ pub fn columns(machine: &Machine, header: &str, separator: char) -> Result<(Vec<
         return Err("the header mixes kinds of readings: give every kind a file of its own".to_owned());
     }
     belongs(&columns, form)?;
+    positions(machine, &columns)?;
     Ok((columns, form))
+}
+
+/// A component error is nothing without the position of its own axis.
+fn positions(machine: &Machine, columns: &[Column]) -> Result<(), String> {
+    for column in columns {
+        let Column::Error(Source { place: Place::Component(axis), .. }, ..) = *column else { continue };
+        if !columns.iter().any(|known| matches!(known, Column::Axis(known, _) if *known == axis)) {
+            let axis = &machine.axes()[axis].name;
+            return Err(format!("errors of `{axis}` are read at positions of `{axis}`: there is no column `{axis}`"));
+        }
+    }
+    Ok(())
 }
 
 /// Columns that make sense with this kind of rows only.
@@ -157,7 +170,9 @@ fn belongs(columns: &[Column], form: Form) -> Result<(), String> {
 }
 
 fn column(machine: &Machine, cell: &str) -> Result<Column, String> {
-    let (name, unit) = units::header(cell);
+    // An axis may be called as it likes.
+    let (name, unit) = if machine.axis_index(cell).is_some() { (cell.to_owned(), None) } else { sheet::title(cell) };
+    let (name, unit) = (name.as_str(), unit.as_deref());
     let position = |axis| unit.map_or(Ok(1.0), |unit| position_factor(machine, axis, unit));
     if let Some(axis) = machine.axis_index(name) {
         return Ok(Column::Axis(axis, position(axis)?));

@@ -8,7 +8,7 @@ use crate::evaluate::Frame;
 use crate::lower::{Ideal, Source};
 use crate::machine::{Approach, Machine, Pose};
 use crate::syntax::Files;
-use crate::syntax::sheet::{self, Line, read_sheet};
+use crate::syntax::sheet::{self, Decimals, Line, read_sheet};
 use nalgebra::Vector3;
 use std::path::Path;
 
@@ -125,9 +125,9 @@ impl Reader<'_> {
         separator: char,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<Draft>> {
-        let (mut drafts, mut mistakes) = (Vec::new(), 0);
+        let (mut drafts, mut mistakes, mut decimals) = (Vec::new(), 0, Decimals::default());
         for line in body {
-            match self.draft(columns, line, separator) {
+            match self.draft(columns, line, separator, &mut decimals) {
                 Ok(draft) => drafts.push(draft),
                 Err(message) if mistakes < MISTAKES => {
                     mistakes += 1;
@@ -162,12 +162,19 @@ impl Reader<'_> {
         }
     }
 
-    fn draft(&self, columns: &[Column], line: &Line, separator: char) -> Result<Draft, String> {
+    fn draft(
+        &self,
+        columns: &[Column],
+        line: &Line,
+        separator: char,
+        decimals: &mut Decimals,
+    ) -> Result<Draft, String> {
         let cells = sheet::cells(&line.text, separator);
         if cells.len() != columns.len() {
             return Err(format!("this row has {} cells, the header has {}", cells.len(), columns.len()));
         }
-        let number = |cell: &str| {
+        let mut number = |cell: &str| {
+            decimals.note(cell, separator)?;
             let said = |failure: crate::units::Failure| failure.to_string();
             sheet::number(cell, separator)
                 .map_err(|f| if cell.is_empty() { "a cell is empty".to_owned() } else { said(f) })
@@ -186,7 +193,9 @@ impl Reader<'_> {
                     draft.errors.push((source, approach.unwrap_or_default(), number(cell)? * factor));
                 }
                 Column::Ball => draft.ball = cell.clone(),
-                Column::Length(factor) => draft.length = Some((Length::Whole, number(cell)? * factor)),
+                Column::Length(factor) => {
+                    draft.length = Some((Length::Whole, positive(number(cell)?, cell, "length")? * factor));
+                }
                 Column::LengthError(factor) => draft.length = Some((Length::FromNominal, number(cell)? * factor)),
                 Column::Displacement(factor) => draft.length = Some((Length::Displacement, number(cell)? * factor)),
                 Column::Along(factor) => draft.along = number(cell)? * factor,

@@ -1,4 +1,4 @@
-//! Tables as instruments and spreadsheets write them: UTF-8 or UTF-16 with or without byte order mark, CRLF,
+//! Tables as instruments and spreadsheets write them: UTF-8, UTF-16 with or without byte order mark, or Windows-1252, CRLF,
 //! comma, semicolon or tab, decimal commas where the comma does not separate, quotes, `#` and `//` comments.
 //! Machine files and their own tables are read strictly ([`super::read_table`]); this is for what comes from outside.
 
@@ -24,7 +24,7 @@ pub struct Line {
     pub text: String,
 }
 
-/// Reads a file that may be UTF-16; anything else that is not text is refused.
+/// Reads a file that may be UTF-16 or Windows-1252; anything else that is not text is refused.
 pub fn read_sheet(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Sheet> {
     let bytes = match files.read(path) {
         Ok(bytes) => bytes,
@@ -34,8 +34,8 @@ pub fn read_sheet(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics)
         }
     };
     let Some(text) = decoded(&bytes) else {
-        let message = format!("`{}` is neither UTF-8 nor UTF-16 text", shown(&path.display().to_string()));
-        let help = "export it as text; for example: iconv -f ISO-8859-1 -t UTF-8 old > new";
+        let message = format!("`{}` is no text in UTF-8, UTF-16 or Windows-1252", shown(&path.display().to_string()));
+        let help = "export it as text; for example: iconv -f IBM850 -t UTF-8 old > new";
         diagnostics.push(Diagnostic::new("E0104", message).help(help));
         return None;
     };
@@ -43,7 +43,7 @@ pub fn read_sheet(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics)
     Some(Sheet { source, text })
 }
 
-/// UTF-8, or UTF-16 with a byte order mark or with every other byte of its beginning zero.
+/// UTF-8, or UTF-16 with a byte order mark or with every other byte of its beginning zero, or else Windows-1252.
 fn decoded(bytes: &[u8]) -> Option<String> {
     let wide = |little: bool, bytes: &[u8]| {
         let pair = |p: &[u8]| if little { u16::from_le_bytes([p[0], p[1]]) } else { u16::from_be_bytes([p[0], p[1]]) };
@@ -55,8 +55,23 @@ fn decoded(bytes: &[u8]) -> Option<String> {
         [0xfe, 0xff, rest @ ..] => wide(false, rest),
         [first, 0, ..] if *first != 0 => wide(true, bytes),
         [0, first, ..] if *first != 0 => wide(false, bytes),
-        _ => String::from_utf8(bytes.to_vec()).ok(),
+        _ => String::from_utf8(bytes.to_vec()).ok().or_else(|| windows(bytes)),
     }
+}
+
+/// Windows-1252, in which instruments write `µ` and `°`; `None` where a byte is no character of it, or a control
+/// character: that is no text.
+fn windows(bytes: &[u8]) -> Option<String> {
+    /// 0x80 to 0x9f; `\0` where there is none. All other bytes are those of Latin-1.
+    const MIDDLE: [char; 32] = [
+        '€', '\0', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\0', 'Ž', '\0', '\0', '‘', '’', '“', '”',
+        '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\0', 'ž', 'Ÿ',
+    ];
+    let one = |byte: &u8| {
+        let c = MIDDLE.get(usize::from(byte.wrapping_sub(0x80))).copied().unwrap_or(char::from(*byte));
+        (!c.is_control() || ['\t', '\n', '\r', '\x0c'].contains(&c)).then_some(c)
+    };
+    bytes.iter().map(one).collect()
 }
 
 impl Sheet {
@@ -99,12 +114,63 @@ pub fn cells(line: &str, separator: char) -> Vec<String> {
     cells.into_iter().map(|cell| cell.trim().to_owned()).collect()
 }
 
+/// The title of a column and its unit: `EXX [um]`, `EXX (um)`, `EXX/um`, `EXX_um`.
+pub fn title(cell: &str) -> (String, Option<String>) {
+    let (name, unit) = units::header(cell);
+    if let Some(unit) = unit {
+        return (name.to_owned(), Some(unit.to_owned()));
+    }
+    let bracketed = cell.strip_suffix(')').and_then(|open| open.split_once('('));
+    let split = bracketed.or_else(|| cell.rsplit_once('/')).or_else(|| cell.rsplit_once('_'));
+    match split {
+        Some((name, unit)) if units::unit(unit.trim()).is_ok() => {
+            (name.trim().to_owned(), Some(unit.trim().to_owned()))
+        }
+        _ => (cell.to_owned(), None),
+    }
+}
+
 /// A number; with a decimal comma where the comma does not separate cells.
 pub fn number(cell: &str, separator: char) -> Result<f64, Failure> {
     match units::number(cell) {
         Err(Failure::DecimalComma(_)) if separator != ',' => units::number(&cell.replacen(',', ".", 1)),
         other => other,
     }
+}
+
+/// The decimal mark of a file: comma and point in one leave open what `1.000` is.
+#[derive(Debug, Clone, Default)]
+pub struct Decimals {
+    first: Option<(char, String)>,
+}
+
+impl Decimals {
+    /// Takes note of a cell that is to be a number; says so if its mark is not that of the cells before. Cells that
+    /// are none are for others to refuse; a comma that separates cells is no decimal comma.
+    pub fn note(&mut self, cell: &str, separator: char) -> Result<(), String> {
+        if separator == ',' || !cell.chars().all(|c| c.is_ascii_digit() || "+-.,eE".contains(c)) {
+            return Ok(());
+        }
+        let mark = match (cell.contains(','), cell.contains('.')) {
+            (false, false) => return Ok(()),
+            (true, true) => return Err(mixed(&format!("`{}`", shown(cell)))),
+            (comma, _) => [',', '.'][usize::from(!comma)],
+        };
+        match &self.first {
+            Some((known, first)) if *known != mark => Err(mixed(&format!("`{}`, `{}`", shown(first), shown(cell)))),
+            Some(_) => Ok(()),
+            None => {
+                self.first = Some((mark, cell.to_owned()));
+                Ok(())
+            }
+        }
+    }
+}
+
+fn mixed(cells: &str) -> String {
+    format!(
+        "decimal comma and decimal point in one file ({cells}): write all numbers with the same, and digits ungrouped"
+    )
 }
 
 #[cfg(test)]
@@ -119,7 +185,8 @@ mod tests {
             assert_eq!(decoded(&bytes).as_deref(), Some("a;µ\n"));
         }
         assert_eq!(decoded(&[0xff, 0xfe, 0]), None);
-        assert_eq!(decoded(&[b'a', 0xb5]), None);
+        assert_eq!(decoded(&[b'a', 0xb5, b'\n', 0x80]).as_deref(), Some("aµ\n€"));
+        assert_eq!((decoded(&[b'a', 0xb5, 1]), decoded(&[b'a', 0x81])), (None, None));
     }
 
     #[test]

@@ -91,21 +91,23 @@ fn number_end(text: &str) -> usize {
     if end > exponent { end } else { mantissa }
 }
 
+/// Highest power in a unit: that of the longest polynomial of the machine language.
+const POWER: i8 = 20;
+
 /// Parses a unit to its factor (to mm and rad) and dimension: `um`, `arcsec`, `urad/m^2`.
 pub fn unit(text: &str) -> Result<(f64, Dimension), Failure> {
+    let unknown = || Failure::UnknownUnit(text.trim().to_owned());
     let mut factor = 1.0;
     let mut dimension = Dimension::RATIO;
     for (place, part) in text.trim().split('/').enumerate() {
         let (name, power) = part.trim().split_once('^').unwrap_or((part.trim(), "1"));
-        let power: i8 = power.trim().parse().map_err(|_| Failure::UnknownUnit(text.to_owned()))?;
-        if !(1..=9).contains(&power) {
-            return Err(Failure::UnknownUnit(text.to_owned()));
-        }
-        let (scale, length, angle) = atom(name).ok_or_else(|| Failure::UnknownUnit(text.trim().to_owned()))?;
+        let power = power.trim().parse::<i8>().ok().filter(|power| (1..=POWER).contains(power)).ok_or_else(unknown)?;
+        let (scale, length, angle) = atom(name).ok_or_else(unknown)?;
         let power = if place == 0 { power } else { -power };
         factor *= libm::pow(scale, f64::from(power));
-        dimension.length += length * power;
-        dimension.angle += angle * power;
+        // A unit of many parts may leave the range of the powers.
+        dimension.length = dimension.length.checked_add(length * power).ok_or_else(unknown)?;
+        dimension.angle = dimension.angle.checked_add(angle * power).ok_or_else(unknown)?;
     }
     Ok((factor, dimension))
 }
@@ -171,6 +173,15 @@ mod tests {
         assert!(matches!(quantity("12 furlong"), Err(Failure::UnknownUnit(_))));
         assert!(matches!(quantity("um"), Err(Failure::NotANumber(_))));
         assert!(matches!(quantity("1/0"), Err(Failure::NotFinite(_))));
+    }
+
+    #[test]
+    fn powers_go_as_far_as_polynomials() {
+        assert_eq!(quantity("3 um/m^20").unwrap().dimension, Dimension { length: -19, angle: 0 });
+        assert!((value("3 um/m^12") / 3e-39 - 1.0).abs() < 1e-12);
+        for text in ["um/m^21", "um/m^-1", "um/m^0", "um/m^1.5", "um/m^", &format!("um{}", "/m^20".repeat(8))] {
+            assert!(matches!(unit(text), Err(Failure::UnknownUnit(_))), "{text}");
+        }
     }
 
     #[test]

@@ -164,5 +164,162 @@ fn hostile_exports_are_refused_in_words() {
     assert!(said(b"X [mm],1\n0,1\n", &["--error", "EXX", "--unit", "furlong"]).contains("E0509"));
     assert!(said(b"X [mm],1\n0,1\n", &["--error", "EC0Y", "--unit", "um"]).contains("E0509"));
     assert!(said(&[0xff, 0xfe, 0x00], &[]).contains("E0104"));
-    assert!(said(b"X,\xb5\n", &[]).contains("E0104"));
+    // What is not text stays refused: a control character, and a byte that Windows-1252 does not have.
+    assert!(said(b"X,\xb5\x01\n", &[]).contains("E0104"));
+    assert!(said(b"X,\x81\n", &[]).contains("E0104"));
+}
+
+/// The refusal of an export; nothing is written.
+fn refused(text: &str, options: &[&str]) -> String {
+    let folder = Folder::new();
+    let (file, out) = (folder.write("laser.csv", text), folder.path("x.csv"));
+    let mut arguments = vec!["import", file.to_str().unwrap(), "--out", out.to_str().unwrap()];
+    arguments.extend(options);
+    let output = run(&arguments);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(1) && !out.exists(), "{text}\n{said}");
+    said
+}
+
+#[test]
+fn the_table_is_not_written_over_the_export() {
+    let folder = Folder::new();
+    let text = "X [mm],EXX [um]\n0,1\n100,2\n";
+    let file = folder.write("laser.csv", text);
+    let output = run(&["import", file.to_str().unwrap(), "--out", file.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && said.contains("E0630"), "{said}");
+    assert_eq!(std::fs::read_to_string(file).unwrap(), text);
+}
+
+#[test]
+fn a_turning_axis_has_its_seam_read_at_both_ends_of_a_pass() {
+    let column = |rows: &[(i32, f64)]| {
+        let rows: String = rows.iter().map(|(at, value)| format!("{at},{value}\n")).collect();
+        imported(format!("C [deg],ECC [urad]\n{rows}").as_bytes(), &["--continuous"])
+    };
+    // 0 and 360 are one place read twice in one pass: its mean, no second run and no direction.
+    let (report, table) = column(&[(0, 1.0), (90, 5.0), (180, 6.0), (270, 7.0), (360, 3.0)]);
+    assert_eq!(table, "C [deg], ECC [urad]\n0, 2\n90, 5\n180, 6\n270, 7\n360, 2\n");
+    assert_eq!(report["directions_inferred"], false);
+    assert!(report["errors"][0]["R"].is_null() && report["errors"][0]["runs"] == 1, "{report}");
+    let (_, table) = column(&[(-180, 1.0), (-90, 5.0), (0, 6.0), (90, 7.0), (180, 3.0)]);
+    assert_eq!(table, "C [deg], ECC [urad]\n0, 6\n90, 7\n180, 2\n270, 5\n360, 6\n");
+    let there = [(0, 1.0), (120, 5.0), (240, 6.0), (360, 3.0)];
+    let back = [(360, 4.0), (240, 8.0), (120, 9.0), (0, 8.0)];
+    let (report, table) = column(&[there, back].concat());
+    assert_eq!(table, "C [deg], ECC+ [urad], ECC- [urad]\n0, 2, 6\n120, 5, 9\n240, 6, 8\n360, 2, 6\n");
+    assert!(report["directions_inferred"] == true && report["errors"][0]["R"].is_null(), "{report}");
+}
+
+#[test]
+fn a_jump_back_begins_a_run_and_is_no_approach() {
+    let value = |target: usize, run: usize| [1.0, 3.0, 5.0][target] + [0.5, 0.0, -0.5][run];
+    let rows = |named: bool, down: bool| -> String {
+        let order: Vec<usize> = if down { vec![2, 1, 0] } else { vec![0, 1, 2] };
+        let row = |run: usize, i: &usize| match named {
+            true => format!("{},{},{}\n", run + 1, i * 100, value(*i, run)),
+            false => format!("{},{}\n", i * 100, value(*i, run)),
+        };
+        (0..3).flat_map(|run| order.iter().map(move |i| row(run, i))).collect()
+    };
+    for (text, name) in [
+        (format!("X [mm],EXX [um]\n{}", rows(false, false)), "one column"),
+        (format!("X [mm],EXX [um]\n{}", rows(false, true)), "falling"),
+        (format!("run,X [mm],EXX [um]\n{}", rows(true, false)), "named"),
+    ] {
+        let (report, table) = imported(text.as_bytes(), &[]);
+        assert_eq!(table, "X [mm], EXX [um]\n0, 1\n100, 3\n200, 5\n", "{name}");
+        assert_eq!(
+            (&report["errors"][0]["runs"], &report["directions_inferred"]),
+            (&3.into(), &false.into()),
+            "{name}: {report}"
+        );
+    }
+    // Two runs that each go one way: their directions are those within each.
+    let (_, table) = imported(b"run,X [mm],EXX [um]\n1,0,1\n1,100,2\n1,200,3\n2,200,6\n2,100,5\n2,0,4\n", &[]);
+    assert_eq!(table, "X [mm], EXX+ [um], EXX- [um]\n0, 1, 4\n100, 2, 5\n200, 3, 6\n");
+}
+
+#[test]
+fn directions_are_known_of_all_readings_or_of_none() {
+    let options = ["--error", "EXX", "--unit", "um"];
+    for pair in ["V1;R1", "v 1;r 1", "vor;zurück", "Vorwärts 1;RÜCKWÄRTS 1", "1→;1←", "→;←", "hin;zurueck"]
+    {
+        let text = format!("X [mm];{pair}\n0;1;2\n100;3;4\n");
+        let (_, table) = imported(text.as_bytes(), &options);
+        assert_eq!(table, "X [mm], EXX+ [um], EXX- [um]\n0, 1, 2\n100, 3, 4\n", "{pair}");
+    }
+    // The runs are no axes: the axis is that of the error.
+    let (_, table) = imported(b"position [mm];V1;R1\n0;1;2\n100;3;4\n", &options);
+    assert_eq!(table, "X [mm], EXX+ [um], EXX- [um]\n0, 1, 2\n100, 3, 4\n");
+    // Without the other letter of the pair `R1` is a run.
+    let (_, table) = imported(b"X [mm];R1;R2\n0;1;2\n100;3;4\n", &options);
+    assert_eq!(table, "X [mm], EXX [um]\n0, 1.5\n100, 3.5\n");
+    let said = refused("X [mm];1+;2\n0;1;2\n100;3;4\n", &options);
+    assert!(said.contains("E0509") && said.contains("laser.csv:1") && said.contains("EXX"), "{said}");
+    let said = refused("X [mm],EXX+ [um],EXX [um]\n0,1,2\n100,3,4\n", &[]);
+    assert!(said.contains("E0509") && said.contains("laser.csv:1"), "{said}");
+    let said = refused("X [mm],direction,EXX [um]\n0,+,1\n100,,2\n", &[]);
+    assert!(said.contains("E0509") && said.contains("laser.csv:3"), "{said}");
+}
+
+#[test]
+fn decimal_comma_and_point_in_one_file_are_refused() {
+    for text in
+        ["X [mm];EXX [um]\n0;1,5\n1.000;2,5\n", "X [mm];EXX [um]\n0,0;1\n1.5;2\n", "X [mm];EXX [um]\n0;1\n2.000,5;2\n"]
+    {
+        let said = refused(text, &[]);
+        assert!(said.contains("E0509") && said.contains("laser.csv:3") && said.contains("decimal"), "{said}");
+    }
+    // Dates and words are no numbers.
+    let (_, table) = imported(b"time;X [mm];EXX [um]\n1.5;0;1,5\n2.5;100;2,5\n", &[]);
+    assert_eq!(table, "X [mm], EXX [um]\n0, 1.5\n100, 2.5\n");
+}
+
+#[test]
+fn positions_that_scatter_about_a_target_are_one_target() {
+    let off = [1e-4, -1e-4, 3e-4, -2e-4];
+    let turn = std::cell::Cell::new(0);
+    let rows = zigzag(|target, v| {
+        turn.set((turn.get() + 1) % 4);
+        format!("{},{v}\n", 100.0 * f64::from(u8::try_from(target).unwrap()) + off[turn.get()])
+    });
+    let (report, table) = imported(format!("X [mm],EXX [um]\n{rows}").as_bytes(), &[]);
+    check(&report, 2);
+    assert_eq!(table, TABLE);
+    // Targets a micrometre apart are targets: nothing tells scatter from steps.
+    let rows: String = (0..5).map(|i| format!("0.00{i},{i}\n")).collect();
+    let (report, _) = imported(format!("X [mm],EXX [um]\n{rows}").as_bytes(), &[]);
+    assert_eq!(report["errors"][0]["targets"], 5, "{report}");
+    // And ten micrometres apart beside steps that are not much larger.
+    let (report, _) = imported(b"X [mm],EXX [um]\n0,1\n0.01,2\n0.11,3\n0.21,4\n", &[]);
+    assert_eq!(report["errors"][0]["targets"], 4, "{report}");
+    let said = refused("X [mm],EXX+ [um],EXX- [um]\n0,1,\n100,,2\n", &[]);
+    assert!(said.contains("E0509") && said.contains("no row"), "{said}");
+}
+
+#[test]
+fn what_german_instruments_write_is_read() {
+    let (_, table) = imported(b"Pr\xfcfer: M\xfcller\nX [mm];EXX [\xb5m]\n0;1,5\n100;2,5\n", &[]);
+    assert_eq!(table, "# Pr\u{fc}fer: M\u{fc}ller\nX [mm], EXX [um]\n0, 1.5\n100, 2.5\n");
+}
+
+#[test]
+fn a_column_says_the_axis() {
+    let text = "axis,error,position [mm],value,unit\nY,EYY,0,1,um\nY,EYY,100,2,um\n";
+    let (report, table) = imported(text.as_bytes(), &[]);
+    assert_eq!((table.as_str(), &report["axis"]), ("Y [mm], EYY [um]\n0, 1\n100, 2\n", &"Y".into()));
+    let both = format!("{text}X,EXX,0,1,um\n");
+    let said = refused(&both, &[]);
+    assert!(said.contains("E0509") && said.contains("`Y` and `X`") && said.contains("--axis"), "{said}");
+    let (report, _) = imported(both.as_bytes(), &["--axis", "Y"]);
+    let left = report["left_out"].as_array().unwrap();
+    assert_eq!((left.len(), left[0]["reason"].as_str()), (1, Some("a row of axis X")), "{report}");
+}
+
+#[test]
+fn an_axis_that_the_header_does_not_have_is_said() {
+    let said = refused("Axis: Y\nX [mm],EXX [um]\n0,1\n", &[]);
+    assert!(said.contains("laser.csv:2") && said.contains("axis Y") && said.contains("`X`"), "{said}");
 }

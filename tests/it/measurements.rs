@@ -292,6 +292,13 @@ fn hostile_files_of_other_kinds_are_refused_in_words() {
         ("E0501", "X,dx [um],u [um]\n1,2,0\n".to_owned()),
         ("E0501", "X,dx [um],u [um],weight\n1,2,1,1\n".to_owned()),
         ("E0501", "X,rel.dx [um]\n1,\n".to_owned()),
+        // Which X the readings belong to, nobody says.
+        ("E0501", "Y,EXX [um]\n0,1\n100,2\n".to_owned()),
+        ("E0501", "X,EXX [um],EYY [um]\n0,1,2\n".to_owned()),
+        ("E0501", "X,length [mm],station\n1,0,S\n".to_owned()),
+        ("E0501", "X,length [mm],to.X\n1,-5,100\n".to_owned()),
+        ("E0501", "X;dx [um]\n0;1,5\n1.000;2\n".to_owned()),
+        ("E0501", "X;dx [um]\n0;1.5\n1000;2,5\n".to_owned()),
         ("E0505", "X,Y,length [mm],station\n1,1,500,S\n2,7,501,S\n3,2,502,S\n4,9,503,S\n5,1,504,S\n".to_owned()),
         ("E0505", "X,displacement [mm],station\n1,500,S\n2,501,S\n".to_owned()),
         ("E0505", format!("X,length [mm],{at}\n1,5,100,0,0\n2,5,200,0,0\n")),
@@ -306,6 +313,70 @@ fn hostile_files_of_other_kinds_are_refused_in_words() {
         assert!(said(&data).contains(code), "{code}: {data}\n{}", said(&data));
     }
     assert!(said("X,length [mm],dx [um],station\n1,2,3,S\n").contains("mixes kinds"));
+    assert!(said("Y,EXX [um]\n0,1\n100,2\n").contains("no column `X`"));
+    let mixed = said("X;dx [um]\n0;1,5\n1.000;2\n");
+    assert!(mixed.contains("decimal") && mixed.contains("data.csv:3"), "{mixed}");
+}
+
+/// The output of `identify` of the five-axis machine, and the bytes of its data.
+fn identified(data: &[u8], options: &[&str]) -> (std::process::Output, Folder) {
+    let folder = Folder::new();
+    let (machine, file) = (folder.write("machine.yaml", FIVE), folder.path("data.csv"));
+    std::fs::write(&file, data).unwrap();
+    let named = |name: &&str| if name.contains('.') { folder.path(name) } else { name.into() };
+    let options: Vec<std::path::PathBuf> = options.iter().map(named).collect();
+    let mut arguments = vec!["identify", machine.to_str().unwrap(), "--data", file.to_str().unwrap()];
+    arguments.extend(options.iter().map(|o| o.to_str().unwrap()));
+    (run(&arguments), folder)
+}
+
+#[test]
+fn the_fitted_machine_is_not_written_over_what_was_read() {
+    let data = "X,EXX [um]\n0,1\n100,2\n200,3\n";
+    for name in ["machine.yaml", "data.csv"] {
+        let (output, folder) = identified(data.as_bytes(), &["--fit", "EXX:poly1", "--out", name]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(1) && said.contains("E0630"), "{name}: {said}");
+        assert_eq!(std::fs::read_to_string(folder.path("machine.yaml")).unwrap(), FIVE);
+        assert_eq!(std::fs::read_to_string(folder.path("data.csv")).unwrap(), data);
+    }
+}
+
+#[test]
+fn units_stand_in_the_header_as_instruments_write_them() {
+    let fitted = |data: &[u8]| {
+        let (output, _) = identified(data, &["--fit", "EXX:poly1", "--format", "csv"]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let plain = fitted(b"X [mm],EXX [um]\n0,1\n100,2\n200,4\n");
+    for data in [
+        b"X (mm),EXX (um)\n0,1\n100,2\n200,4\n".as_slice(),
+        b"X,EXX/um\n0,1\n100,2\n200,4\n",
+        b"X_cm,EXX_um\n0,1\n10,2\n20,4\n",
+        b"X [mm];EXX [\xb5m]\n0;1,0\n100;2,0\n200;4,0\n",
+    ] {
+        assert_eq!(fitted(data), plain, "{}", String::from_utf8_lossy(data));
+    }
+}
+
+#[test]
+fn curves_of_any_power_of_the_language_are_written_and_read_again() {
+    let rows: String = (0..40).map(|i| format!("{},{}\n", i * 10, f64::from(i % 7))).collect();
+    let data = format!("X,EXX [um]\n{rows}");
+    for form in ["EXX:poly10", "EXX:poly14"] {
+        let (output, folder) = identified(data.as_bytes(), &["--fit", form, "--out", "fitted.yaml"]);
+        assert!(output.status.success(), "{form}: {}", String::from_utf8_lossy(&output.stderr));
+        let again = run(&["check", folder.path("fitted.yaml").to_str().unwrap()]);
+        assert!(again.status.success(), "{form}: {}", String::from_utf8_lossy(&again.stderr));
+    }
+}
+
+#[test]
+fn one_reading_and_one_parameter_are_singular() {
+    let (output, _) = identified(b"X,EXX [um]\n0,1\n", &["--fit", "EXX:poly1"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("1 reading cannot determine 2 parameters"), "{said}");
 }
 
 #[test]

@@ -75,9 +75,6 @@ pub struct Figures {
     pub slope: f64,
 }
 
-/// Positions this close are one target (mm or deg).
-const SAME: f64 = 1e-6;
-
 impl Figures {
     pub(super) fn of(samples: &[&Sample]) -> Option<Self> {
         let targets = targets(samples);
@@ -122,7 +119,7 @@ fn range(values: impl Iterator<Item = f64>) -> f64 {
 fn targets(samples: &[&Sample]) -> Vec<Target> {
     let mut sorted: Vec<&Sample> = samples.to_vec();
     sorted.sort_by(|a, b| a.position.total_cmp(&b.position));
-    let groups = sorted.chunk_by(|a, b| b.position - a.position <= SAME);
+    let groups = sorted.chunk_by(|a, b| a.position == b.position);
     let of = |group: &[&Sample], way: Option<ColumnDirection>| {
         repeated(group.iter().filter(|s| s.direction == way).map(|s| s.value).collect())
     };

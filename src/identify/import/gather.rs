@@ -1,11 +1,11 @@
 //! Rows to samples; what is left out, and why.
 
 use super::header::{Header, Role, direction, fits, index, reading_unit};
-use super::{Import, LeftOut, Sample, Wanted, error_name, refusal};
-use crate::diagnostic::{Diagnostic, shown};
-use crate::machine::ErrorId;
+use super::{Import, LeftOut, Sample, Wanted, error_name, order, refusal};
+use crate::diagnostic::{Diagnostic, Place, shown};
+use crate::machine::{AxisName, ErrorId};
 use crate::syntax::ColumnDirection;
-use crate::syntax::sheet::{self, Line};
+use crate::syntax::sheet::{self, Decimals, Line};
 
 /// Farthest position (mm or deg) that is believed.
 const FARTHEST: f64 = 1e6;
@@ -13,13 +13,24 @@ const FARTHEST: f64 = 1e6;
 const LARGEST: f64 = 10.0;
 
 pub(super) fn gather(lines: &[Line], header: Header, wanted: &Wanted) -> Result<Import, Box<Diagnostic>> {
-    let Header { form, axis, rotary, errors, roles, separator, body, metadata } = header;
+    let Header { form, axis, rotary, errors, roles, separator, paired: _, place, body, metadata } = header;
     let mut import =
         Import { form, axis, rotary, errors, samples: Vec::new(), metadata, left_out: Vec::new(), inferred: false };
+    let mut decimals = Decimals::default();
+    let by_row = roles.contains(&Role::Direction);
+    let mut marked: Vec<Option<bool>> = Vec::new();
     for line in &lines[body..] {
         let cells = sheet::cells(&line.text, separator);
+        for (cell, _) in cells.iter().zip(&roles).filter(|(_, role)| role.is_number()) {
+            let noted = decimals.note(cell, separator);
+            noted.map_err(|words| Box::new(refusal(words, Some(line.place.clone()))))?;
+        }
         match row(&cells, &roles, separator, wanted, &mut import.errors, &import.axis) {
-            Ok(samples) => import.samples.extend(samples),
+            Ok(samples) => {
+                let at = if by_row { &line.place } else { &place };
+                agree(&samples, &mut marked).map_err(|error| Box::new(half_marked(&import.errors[error], at)))?;
+                import.samples.extend(samples);
+            }
             Err(reason) => import.left_out.push(LeftOut { place: line.place.clone(), reason }),
         }
     }
@@ -28,10 +39,30 @@ pub(super) fn gather(lines: &[Line], header: Header, wanted: &Wanted) -> Result<
         let why = import.left_out.first().map(|first| format!("; the first row: {}", first.reason));
         return Err(Box::new(refusal(format!("the table has no row to use{}", why.unwrap_or_default()), place)));
     }
-    if import.samples.iter().all(|sample| sample.direction.is_none()) {
-        infer(&mut import);
+    // Targets and directions are those of the positions as programmed: a turn ends where it began only afterwards.
+    let near = order::merge(&mut import.samples);
+    order::passes(&mut import);
+    if wanted.continuous {
+        order::wrap(&mut import.samples, near);
     }
     Ok(import)
+}
+
+/// Directions are known of all readings of an error or of none; gives the error of which they are not.
+fn agree(samples: &[Sample], marked: &mut Vec<Option<bool>>) -> Result<(), usize> {
+    for sample in samples {
+        marked.resize(marked.len().max(sample.error + 1), None);
+        if *marked[sample.error].get_or_insert(sample.direction.is_some()) != sample.direction.is_some() {
+            return Err(sample.error);
+        }
+    }
+    Ok(())
+}
+
+fn half_marked(error: &ErrorId, place: &Place) -> Diagnostic {
+    let message = format!("some readings of `{error}` have a direction and others have none");
+    let help = "mark all runs (`1+`, `1-`, `2+` ...; `V1`, `R1` ...) or none: then the order of the rows says it";
+    refusal(message, Some(place.clone())).help(help)
 }
 
 /// The samples of one row, or why it is left out.
@@ -57,6 +88,9 @@ fn row(
             Role::Excluded if !at(k).is_empty() && at(k) != "0" => return Err(format!("marked `{}`", shown(at(k)))),
             Role::Position(_) if at(k).is_empty() => return Err("no position".to_owned()),
             Role::Position(factor) => common.position = number(at(k))? * factor,
+            Role::Axis if !at(k).eq_ignore_ascii_case(axis) && AxisName::new(&at(k).to_uppercase()).is_some() => {
+                return Err(format!("a row of axis {}", shown(at(k))));
+            }
             Role::Run => common.run = at(k).to_owned(),
             Role::Direction => common.direction = way(at(k))?,
             Role::ErrorName => name = Some(at(k)),
@@ -67,9 +101,6 @@ fn row(
     }
     if common.position.abs() > FARTHEST {
         return Err(format!("the position {} is beyond 1000000 mm or deg", common.position));
-    }
-    if wanted.continuous {
-        common.position = common.position.rem_euclid(360.0);
     }
     let sign = if wanted.correction { -1.0 } else { 1.0 };
     let sample = |error: usize, value: f64| match value * sign {
@@ -105,68 +136,9 @@ fn row(
 }
 
 fn way(cell: &str) -> Result<Option<ColumnDirection>, String> {
-    match (cell, direction(cell).0) {
+    match (cell, direction(cell, true).0) {
         ("", _) => Ok(None),
         (_, Some(way)) => Ok(Some(way)),
         _ => Err(format!("`{}` is no direction", shown(cell))),
-    }
-}
-
-/// Directions from the order of the rows, where positions rise and fall: there and back, as lasers measure. At a
-/// turning point the target is measured twice, or once: then it belongs to the way that ends there.
-fn infer(import: &mut Import) {
-    let count = import.errors.len();
-    for error in 0..count {
-        let of: Vec<usize> = (0..import.samples.len()).filter(|i| import.samples[*i].error == error).collect();
-        let at = |k: usize| import.samples[of[k]].position;
-        let step = |k: usize| (at(k) - at(k - 1)).partial_cmp(&0.0).unwrap_or(std::cmp::Ordering::Equal);
-        let steps: Vec<std::cmp::Ordering> = (1..of.len()).map(step).collect();
-        let falls = steps.iter().any(|s| s.is_lt());
-        let rises = steps.iter().any(|s| s.is_gt());
-        if !(falls && rises) {
-            continue;
-        }
-        // A jump back to the start of the next run in one direction is not a way that was measured.
-        if steps.iter().filter(|s| s.is_lt()).count() * 4 < steps.len()
-            && !steps.windows(2).any(|w| w[0].is_lt() && w[1].is_lt())
-        {
-            continue;
-        }
-        let next = |k: usize| steps[k..].iter().find(|s| s.is_ne()).copied();
-        let mut ways: Vec<Option<ColumnDirection>> = Vec::with_capacity(of.len());
-        for k in 0..of.len() {
-            let came = if k == 0 || steps[k - 1].is_eq() {
-                next(k.min(steps.len().saturating_sub(1)))
-            } else {
-                Some(steps[k - 1])
-            };
-            let came = came.or_else(|| steps.iter().rev().find(|s| s.is_ne()).copied());
-            ways.push(came.map(|s| if s.is_gt() { ColumnDirection::Forward } else { ColumnDirection::Reverse }));
-        }
-        number_runs(import, &of, &ways);
-        import.inferred = true;
-    }
-}
-
-/// Every way back and forth is a run of its own, if the file names none.
-fn number_runs(import: &mut Import, of: &[usize], ways: &[Option<ColumnDirection>]) {
-    let mut run = 1;
-    let mut seen: Vec<ColumnDirection> = Vec::new();
-    let mut last = None;
-    for (i, way) in of.iter().zip(ways) {
-        let Some(way) = *way else { continue };
-        if last != Some(way) {
-            if seen.contains(&way) {
-                run += 1;
-                seen.clear();
-            }
-            seen.push(way);
-            last = Some(way);
-        }
-        let sample = &mut import.samples[*i];
-        sample.direction = Some(way);
-        if sample.run.is_empty() {
-            sample.run = run.to_string();
-        }
     }
 }

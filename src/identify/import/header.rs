@@ -1,7 +1,7 @@
 //! Where the table begins, what its columns are, and what stands before it.
 
 use super::{Wanted, error_name, refusal};
-use crate::diagnostic::{Diagnostic, shown};
+use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::machine::ErrorId;
 use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{self, Line};
@@ -48,7 +48,16 @@ pub(super) enum Role {
     Direction,
     /// Not empty: the row is not to be used.
     Excluded,
+    /// The axis that moved.
+    Axis,
     Ignored,
+}
+
+impl Role {
+    /// Do its cells hold numbers?
+    pub(super) fn is_number(&self) -> bool {
+        matches!(self, Self::Position(_) | Self::Value { .. } | Self::Reading(_))
+    }
 }
 
 /// A header that was understood.
@@ -60,6 +69,10 @@ pub(super) struct Header {
     pub errors: Vec<ErrorId>,
     pub roles: Vec<Role>,
     pub separator: char,
+    /// Are `F1` or `V1`, and `R1`, directions?
+    pub paired: bool,
+    /// Where it stands.
+    pub place: Place,
     /// Index of the first line after it.
     pub body: usize,
     pub metadata: Vec<(String, String)>,
@@ -70,55 +83,61 @@ const POSITIONS: [&str; 5] = ["position", "target", "pos", "nominal", "target po
 /// Lines before the table, at most.
 const PREAMBLE: usize = 500;
 
-/// A title and its unit: `EXX [um]`, `EXX (um)`, `EXX/um`, `EXX_um`.
-fn title(cell: &str) -> (String, Option<String>) {
-    let (name, unit) = units::header(cell);
-    if let Some(unit) = unit {
-        return (name.to_owned(), Some(unit.to_owned()));
-    }
-    let bracketed = cell.strip_suffix(')').and_then(|open| open.split_once('('));
-    let split = bracketed.or_else(|| cell.rsplit_once('/')).or_else(|| cell.rsplit_once('_'));
-    match split {
-        Some((name, unit)) if units::unit(unit.trim()).is_ok() => {
-            (name.trim().to_owned(), Some(unit.trim().to_owned()))
-        }
-        _ => (cell.to_owned(), None),
-    }
-}
+/// Words that say a direction, and which; longer ones before those they begin with.
+const WAYS: [(&str, ColumnDirection); 23] = [
+    ("forward", ColumnDirection::Forward),
+    ("reverse", ColumnDirection::Reverse),
+    ("backward", ColumnDirection::Reverse),
+    ("vorwärts", ColumnDirection::Forward),
+    ("vorwaerts", ColumnDirection::Forward),
+    ("rückwärts", ColumnDirection::Reverse),
+    ("rueckwaerts", ColumnDirection::Reverse),
+    ("zurück", ColumnDirection::Reverse),
+    ("zurueck", ColumnDirection::Reverse),
+    ("rück", ColumnDirection::Reverse),
+    ("vor", ColumnDirection::Forward),
+    ("hin", ColumnDirection::Forward),
+    ("fwd", ColumnDirection::Forward),
+    ("bwd", ColumnDirection::Reverse),
+    ("rev", ColumnDirection::Reverse),
+    ("down", ColumnDirection::Reverse),
+    ("up", ColumnDirection::Forward),
+    ("->", ColumnDirection::Forward),
+    ("<-", ColumnDirection::Reverse),
+    ("→", ColumnDirection::Forward),
+    ("←", ColumnDirection::Reverse),
+    ("+", ColumnDirection::Forward),
+    ("-", ColumnDirection::Reverse),
+];
 
-/// `Run 1 +`, `2 reverse`, `R3`, `up`, `<-`: the direction, and what is left as the run's name.
-pub(super) fn direction(label: &str) -> (Option<ColumnDirection>, String) {
+/// `Run 1 +`, `2 reverse`, `up`, `<-`: the direction, and what is left as the run's name. `F1`, `V1` (vorwärts) and
+/// `R1` are directions where both of a pair are there, and runs otherwise.
+pub(super) fn direction(label: &str, paired: bool) -> (Option<ColumnDirection>, String) {
     let lower = label.trim().to_lowercase();
-    let words: [(&str, ColumnDirection); 12] = [
-        ("forward", ColumnDirection::Forward),
-        ("reverse", ColumnDirection::Reverse),
-        ("backward", ColumnDirection::Reverse),
-        ("fwd", ColumnDirection::Forward),
-        ("rev", ColumnDirection::Reverse),
-        ("down", ColumnDirection::Reverse),
-        ("up", ColumnDirection::Forward),
-        ("->", ColumnDirection::Forward),
-        ("<-", ColumnDirection::Reverse),
-        ("+", ColumnDirection::Forward),
-        ("-", ColumnDirection::Reverse),
-        ("bwd", ColumnDirection::Reverse),
-    ];
-    let found = words.iter().find_map(|(word, way)| {
+    let found = WAYS.iter().find_map(|(word, way)| {
         let rest = lower.strip_suffix(word).or_else(|| lower.strip_prefix(word))?;
         Some((Some(*way), rest.trim().to_owned()))
     });
-    let letter = || {
-        let rest = lower.get(1..)?;
-        let way = match lower.chars().next()? {
-            'f' => ColumnDirection::Forward,
-            'r' => ColumnDirection::Reverse,
-            _ => return None,
-        };
-        rest.chars().all(|c| c.is_ascii_digit()).then(|| (Some(way), rest.to_owned()))
-    };
+    let letter = || letter(&lower).filter(|_| paired).map(|(way, rest)| (Some(way), rest.to_owned()));
     let (way, rest) = found.or_else(letter).unwrap_or((None, lower.clone()));
     let run = rest.strip_prefix("run").unwrap_or(&rest).trim_matches(|c: char| c.is_whitespace() || c == '_');
     (way, run.to_owned())
+}
+
+/// `f1`, `v 2`, `r`: a letter and the number of a run.
+fn letter(lower: &str) -> Option<(ColumnDirection, &str)> {
+    let (way, rest) = match lower.strip_prefix(['f', 'v']) {
+        Some(rest) => (ColumnDirection::Forward, rest.trim()),
+        None => (ColumnDirection::Reverse, lower.strip_prefix('r')?.trim()),
+    };
+    rest.chars().all(|c| c.is_ascii_digit()).then_some((way, rest))
+}
+
+/// Are there titles `F1` or `V1` as well as `R1`?
+fn paired(titles: &[String]) -> bool {
+    let ways: Vec<ColumnDirection> =
+        titles.iter().filter_map(|title| letter(title.trim())).map(|(way, _)| way).collect();
+    ways.contains(&ColumnDirection::Forward) && ways.contains(&ColumnDirection::Reverse)
 }
 
 /// `key: value` or `key = value` before the table; with a separator in between as spreadsheets write it.
@@ -130,30 +149,40 @@ fn metadata(line: &str, separator: char) -> Option<(String, String)> {
     (!key.is_empty() && !value.is_empty()).then(|| (key.chars().take(80).collect(), value.chars().take(200).collect()))
 }
 
-/// Does a line begin a table? It has two cells or more, and one of them is a position.
-fn begins(cells: &[String], axis: Option<&str>) -> bool {
-    let position = |cell: &String| {
-        let (name, _) = title(cell);
+/// Does a line begin a table? It has two cells or more, and one of them is a position: its title and unit.
+fn begins(cells: &[String], axis: Option<&str>) -> Option<(String, Option<String>)> {
+    let position = |(name, _): &(String, Option<String>)| {
         POSITIONS.contains(&name.to_lowercase().as_str())
             || axis.is_some_and(|axis| name.eq_ignore_ascii_case(axis))
-            || (axis.is_none() && name.len() <= 2 && crate::machine::AxisName::new(&name).is_some())
+            || (axis.is_none() && name.len() <= 2 && crate::machine::AxisName::new(name).is_some())
     };
     // `axis; X` before the table is no header. Runs may be named by numbers, positions are words.
     let said = cells.len() == 2 && cells[0].eq_ignore_ascii_case("axis");
-    cells.len() >= 2 && !said && cells.iter().any(position)
+    if cells.len() < 2 || said { None } else { cells.iter().map(|cell| sheet::title(cell)).find(position) }
 }
 
 pub(super) fn find(lines: &[Line], wanted: &Wanted) -> Result<Header, Box<Diagnostic>> {
     let mut known: Vec<(String, String)> = Vec::new();
+    let mut other = None;
     for (i, line) in lines.iter().enumerate().take(PREAMBLE) {
         let separator = sheet::separator(&line.text);
         let cells = sheet::cells(&line.text, separator);
         let named = known.iter().find(|(key, _)| key.eq_ignore_ascii_case("axis")).map(|(_, value)| value.as_str());
         let axis = wanted.axis.as_deref().or(named);
-        if begins(&cells, axis) && !line.text.contains(": ") {
+        if begins(&cells, axis).is_some() && !line.text.contains(": ") {
             return Reading { lines, wanted, metadata: &known, separator }.header(i, &cells);
         }
+        if let (None, Some(axis), Some((title, Some(_)))) = (&other, axis, begins(&cells, None)) {
+            other = Some((axis.to_owned(), title, line.place.clone()));
+        }
         known.extend(metadata(&line.text, separator));
+    }
+    if let Some((axis, title, place)) = other {
+        let (axis, title) = (shown(&axis), shown(&title));
+        let message =
+            format!("axis {axis} is said to have moved, but the positions of this header are those of `{title}`");
+        let help = "correct the axis in the file, or say with `--axis` which one moved";
+        return Err(Box::new(refusal(message, Some(place)).help(help)));
     }
     Err(Box::new(refusal(
         "there is no header with a position column".to_owned(),
@@ -176,7 +205,7 @@ impl Reading<'_> {
     fn header(&self, at: usize, cells: &[String]) -> Result<Header, Box<Diagnostic>> {
         let place = Some(self.lines[at].place.clone());
         let refuse = |message: String| Box::new(refusal(message, place.clone()));
-        let mut titles: Vec<(String, Option<String>)> = cells.iter().map(|cell| title(cell)).collect();
+        let mut titles: Vec<(String, Option<String>)> = cells.iter().map(|cell| sheet::title(cell)).collect();
         let below = self.lines.get(at + 1).map(|line| sheet::cells(&line.text, self.separator)).unwrap_or_default();
         let row_of_units = below.len() == titles.len()
             && below.iter().any(|c| units::unit(c.trim_matches(['[', ']', '(', ')'])).is_ok())
@@ -191,8 +220,10 @@ impl Reading<'_> {
         }
         let lower: Vec<String> = titles.iter().map(|(name, _)| name.to_lowercase()).collect();
         let (error, value) = (lower.iter().position(|n| n == "error"), lower.iter().position(|n| n == "value"));
-        let axis =
-            self.axis(&titles).ok_or_else(|| refuse("nothing says which axis moved: give `--axis X`".to_owned()))?;
+        let column = lower.iter().position(|n| n == "axis");
+        let body = at + 1 + usize::from(row_of_units);
+        let column = column.map(|k| self.axes_of_rows(body, k, titles.len())).unwrap_or_default();
+        let axis = self.axis(&titles, &column).map_err(&refuse)?;
         let letter = axis.chars().next().unwrap_or('X');
         let position = titles.iter().position(|(name, _)| self.is_position(name, &axis));
         let Some(position) = position else { return Err(refuse("there is no position column".to_owned())) };
@@ -211,7 +242,9 @@ impl Reading<'_> {
             errors: Vec::new(),
             roles: Vec::new(),
             separator: self.separator,
-            body: at + 1 + usize::from(row_of_units),
+            paired: paired(&lower),
+            place: self.lines[at].place.clone(),
+            body,
             metadata: self.metadata.to_vec(),
         };
         let has_error = |(name, _): &(String, Option<String>)| {
@@ -239,20 +272,45 @@ impl Reading<'_> {
         name.eq_ignore_ascii_case(axis) || POSITIONS.contains(&name.to_lowercase().as_str())
     }
 
-    /// As asked for, as the metadata say, or the only column that is named like one.
-    fn axis(&self, titles: &[(String, Option<String>)]) -> Option<String> {
+    /// The axes that a column names, each once.
+    fn axes_of_rows(&self, body: usize, column: usize, width: usize) -> Vec<String> {
+        let mut axes: Vec<String> = Vec::new();
+        for line in &self.lines[body.min(self.lines.len())..] {
+            let cells = sheet::cells(&line.text, self.separator);
+            // Not a line of words below the table.
+            let axis = cells.get(column).filter(|_| cells.len() == width).map(|cell| cell.to_uppercase());
+            let named = axis.filter(|axis| crate::machine::AxisName::new(axis).is_some());
+            axes.extend(named.filter(|axis| !axes.contains(axis) && axes.len() < 2));
+        }
+        axes
+    }
+
+    /// As asked for, as the metadata or a column say, the only column that is named like one, or that of the error.
+    fn axis(&self, titles: &[(String, Option<String>)], column: &[String]) -> Result<String, String> {
+        let lower: Vec<String> = titles.iter().map(|(name, _)| name.to_lowercase()).collect();
+        let paired = paired(&lower);
         let own = |(name, _): &(String, Option<String>)| {
-            let short = name.len() <= 2 && error_name(name).is_none();
+            let run = paired && letter(&name.to_lowercase()).is_some();
+            let short = name.len() <= 2 && error_name(name).is_none() && !run;
             short.then(|| crate::machine::AxisName::new(name)).flatten().map(|n| n.to_string())
         };
         let given = self.wanted.axis.clone().or_else(|| self.said("axis").map(str::to_owned));
-        given.or_else(|| titles.iter().find_map(own)).map(|name| name.trim().to_uppercase())
+        if let ([one, other], None) = (column, &given) {
+            let (one, other) = (shown(one), shown(other));
+            return Err(format!("the column `axis` names `{one}` and `{other}`: say with `--axis` which to take"));
+        }
+        let given = given.or_else(|| column.first().cloned()).or_else(|| titles.iter().find_map(own));
+        let error = || self.wanted.error.as_deref().or(self.said("error")).and_then(error_name);
+        let given = given.or_else(|| error().map(|error| error.axis.to_string()));
+        let axis = given.map(|name| name.trim().to_uppercase());
+        axis.ok_or_else(|| "nothing says which axis moved: give `--axis X`".to_owned())
     }
 
     fn role(&self, header: &mut Header, name: &str, unit: Option<&str>) -> Result<Role, String> {
         let lower = name.to_lowercase();
         match lower.as_str() {
             "run" => return Ok(Role::Run),
+            "axis" => return Ok(Role::Axis),
             "direction" | "dir" | "approach" => return Ok(Role::Direction),
             "exclude" | "excluded" | "reason" | "rejected" => return Ok(Role::Excluded),
             "error" if header.form == Form::Tidy => return Ok(Role::ErrorName),
@@ -262,7 +320,7 @@ impl Reading<'_> {
                 return unit
                     .map_or(Ok(Role::Reading(None)), |u| reading_unit(&u).map(|known| Role::Reading(Some(known))));
             }
-            "" | "axis" | "temp" | "temperature" | "time" | "comment" | "point" | "no" | "index" => {
+            "" | "temp" | "temperature" | "time" | "comment" | "point" | "no" | "index" => {
                 return Ok(Role::Ignored);
             }
             _ => {}
@@ -283,7 +341,7 @@ impl Reading<'_> {
             format!("nothing says which error the runs are of (`{}`): give `--error EXX`", shown(name))
         })?;
         let error = error_name(error).ok_or_else(|| format!("`{}` is not a component error", shown(error)))?;
-        let (way, run) = direction(name);
+        let (way, run) = direction(name, header.paired);
         self.value(header, error, way, run, name, unit)
     }
 

@@ -2,12 +2,14 @@
 //!
 //! 1. `header`: where the table begins, what its columns are, what stands before it.
 //! 2. `gather`: rows to samples (error, position, direction, run); what is left out, and why.
-//! 3. `figures`: means by target and direction, reversal, repeatability, accuracy.
-//! 4. [`Import::table`]: the table that a machine file takes.
+//! 3. `order`: positions to targets, the order of the rows to passes and directions.
+//! 4. `figures`: means by target and direction, reversal, repeatability, accuracy.
+//! 5. [`Import::table`]: the table that a machine file takes.
 
 mod figures;
 mod gather;
 mod header;
+mod order;
 
 pub use figures::Figures;
 pub use header::Form;
@@ -38,7 +40,7 @@ pub struct Wanted {
 pub struct Sample {
     /// Which error, as an index in [`Import::errors`].
     pub error: usize,
-    /// As programmed.
+    /// The target; modulo 360 deg on an axis that turns without end.
     pub position: f64,
     /// From which side, if the file says or shows it.
     pub direction: Option<ColumnDirection>,
@@ -76,6 +78,17 @@ pub struct Import {
     pub left_out: Vec<LeftOut>,
     /// Were directions read off the order of the rows?
     pub inferred: bool,
+}
+
+/// A table of error curves.
+#[derive(Debug, Clone)]
+pub struct Table {
+    /// As it is written.
+    pub text: String,
+    /// How many positions it has.
+    pub rows: usize,
+    /// At which positions it has no row because something is missing there.
+    pub missing: Vec<String>,
 }
 
 /// Most rows of a file.
@@ -130,9 +143,8 @@ impl Import {
         Figures::of(&samples)
     }
 
-    /// The table as a machine file takes it, means over the runs; and at which positions it has no row because
-    /// something is missing there.
-    pub fn table(&self, continuous: bool) -> (String, Vec<String>) {
+    /// The table as a machine file takes it, means over the runs.
+    pub fn table(&self, continuous: bool) -> Table {
         let figures: Vec<Figures> = (0..self.errors.len()).filter_map(|k| self.figures(k)).collect();
         let unit = if self.rotary { "deg" } else { "mm" };
         let mut header = vec![format!("{} [{unit}]", self.axis)];
@@ -144,10 +156,11 @@ impl Import {
         let mut positions: Vec<f64> = figures.iter().flat_map(|f| f.targets.iter().map(|t| t.position)).collect();
         positions.sort_by(f64::total_cmp);
         positions.dedup();
+        let both: Vec<bool> = figures.iter().map(Figures::bidirectional).collect();
         let mut missing = Vec::new();
         let mut rows: Vec<(f64, Vec<f64>)> = Vec::new();
         for position in positions {
-            match self.row(&figures, position) {
+            match self.row(&figures, &both, position) {
                 Some(values) => rows.push((position, values)),
                 None => missing.push(format!("{}", position + 0.0)),
             }
@@ -165,20 +178,17 @@ impl Import {
             let cells: Vec<String> = values.iter().map(|v| format!("{}", rounded(*v))).collect();
             text += &format!("{}, {}\n", position + 0.0, cells.join(", "));
         }
-        (text, missing)
+        Table { text, rows: rows.len(), missing }
     }
 
     /// The cells of one position, um and urad.
-    fn row(&self, figures: &[Figures], position: f64) -> Option<Vec<f64>> {
+    fn row(&self, figures: &[Figures], both: &[bool], position: f64) -> Option<Vec<f64>> {
         let mut cells = Vec::new();
-        for (error, figures) in self.errors.iter().zip(figures) {
+        for ((error, figures), both) in self.errors.iter().zip(figures).zip(both) {
             let factor = if error.direction.is_rotation() { 1e6 } else { 1e3 };
-            let target = figures.targets.iter().find(|t| t.position == position)?;
-            let means = if figures.bidirectional() {
-                vec![target.forward?.mean, target.reverse?.mean]
-            } else {
-                vec![target.any()?.mean]
-            };
+            let at = figures.targets.binary_search_by(|t| t.position.total_cmp(&position)).ok()?;
+            let target = &figures.targets[at];
+            let means = if *both { vec![target.forward?.mean, target.reverse?.mean] } else { vec![target.any()?.mean] };
             cells.extend(means.into_iter().map(|mean| mean * factor));
         }
         Some(cells)
