@@ -37,6 +37,9 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         return session.usage("`convert` has no csv form: it prints text or json");
     }
     let old = load::machine(session, &args.machine, args.tool.as_deref())?;
+    if let Some(out) = &args.out {
+        write::refuse_input(out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
+    }
     let wish = wish(session, &old, args)?;
     let conversion = convert(&old, &wish).or_else(|refusal| session.refuse(refusal))?;
     let new = read_back(session, &written(&conversion.parts, &[]))?;

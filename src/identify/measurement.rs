@@ -59,7 +59,7 @@ pub enum Reading {
     },
     /// A component error itself, as a single-axis measurement gives it.
     Error {
-        /// mm or rad.
+        /// mm; of an angle the displacement that it makes over 300 mm, so that unlike errors can be summed.
         value: f64,
         /// Which.
         source: Source,

@@ -2,7 +2,7 @@
 //! of the dual numbers, and the derivatives by the unknowns. Rows are streamed; the Jacobian as a whole never exists.
 
 use super::measurement::{End, Measurement, Reading};
-use super::parameter::{Basis, Parameter, SlopeBound, Term, share};
+use super::parameter::{Basis, Parameter, SlopeBound, Term, lever, share};
 use crate::algebra::linear::{Reduced, Triangle};
 use crate::algebra::{Algebra, Dual};
 use crate::evaluate::{Frame, Order};
@@ -211,7 +211,10 @@ impl<'a> Model<'a> {
                 let along = along(direction, &minus(&at(&m.pose), &nominal));
                 single(along - S::from_real(self.nuisance(theta, *zero)))
             }
-            Reading::Error { source, .. } => single(S::LIFT.lift(*source, errors(&m.pose).of(*source))),
+            Reading::Error { source, .. } => {
+                let error = S::LIFT.lift(*source, errors(&m.pose).of(*source));
+                single(error.scaled(lever(source.direction)))
+            }
         }
     }
 
@@ -386,13 +389,15 @@ impl<'a> Model<'a> {
                     by_nuisance: vec![(*zero, unit(0, -1.0))],
                 }
             }
-            Reading::Error { source, .. } => Local {
-                predicted: unit(0, self.errors(m, &m.pose, theta, &shares).of(*source)),
-                by_parameter: by_parameter(
-                    self.sources.iter().map(|s| unit(0, f64::from(u8::from(s == source)))).collect(),
-                ),
-                by_nuisance: Vec::new(),
-            },
+            Reading::Error { source, .. } => {
+                let lever = lever(source.direction);
+                let slope = |s: &Source| unit(0, if s == source { lever } else { 0.0 });
+                Local {
+                    predicted: unit(0, self.errors(m, &m.pose, theta, &shares).of(*source) * lever),
+                    by_parameter: by_parameter(self.sources.iter().map(slope).collect()),
+                    by_nuisance: Vec::new(),
+                }
+            }
         }
     }
 }

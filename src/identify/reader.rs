@@ -2,6 +2,7 @@
 
 use super::columns::{Column, Form, columns};
 use super::measurement::{Data, End, Measurement, Reading};
+use super::parameter::lever;
 use super::station;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, did_you_mean, shown};
 use crate::evaluate::Frame;
@@ -247,7 +248,7 @@ impl Reader<'_> {
         for draft in drafts {
             for (source, approach, value) in draft.errors {
                 let approach = if approach == Approach::Mean { draft.row.approach } else { approach };
-                let reading = Reading::Error { value, source };
+                let reading = Reading::Error { value: value * lever(source.direction), source };
                 self.data.rows.push(Measurement { reading, approach, ..draft.row.clone() });
             }
         }
