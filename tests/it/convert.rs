@@ -274,6 +274,15 @@ fn what_bends_between_points_is_refused_with_its_size() {
     run(&["--within", "0.001 nm"]).refused("E0526");
 }
 
+#[test]
+fn the_new_file_is_not_written_over_the_old() {
+    let folder = Folder::new();
+    let text = "abbe: 1\nmachine: M\nchain: \"w b X t\"\naxes: { X: { travel: [0, 500] } }\nerrors: { EXX: 3 um }\n";
+    let path = folder.write("machine.yaml", text);
+    Run::of(abbe().arg("convert").arg(&path).args(["--to", "linearised", "--out"]).arg(&path)).refused("E0630");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+}
+
 /// A linearised joint is no rotation: the difference is half the square of the angle, times the lever.
 #[test]
 fn linearised_joints_cannot_be_made_orthogonal() {
