@@ -23,6 +23,8 @@ const FAINT: f64 = 1e-7;
 /// Standard deviation (mm) of what only products of errors show: 0.1 mrad of a rotation. Noise that is no noise, but
 /// what the chosen curves miss, would otherwise draw it out by millimetres.
 const HELD: f64 = 0.03;
+/// Readings from which on it is held the tighter the more there are: what is no noise does not average out.
+const MANY: f64 = 1000.0;
 /// First-order singular values below this share of the largest are zero.
 const NULL: f64 = 1e-10;
 /// What the exact model sees by more than this share of the largest is there without products of small errors.
@@ -50,14 +52,15 @@ impl Prior {
         let slopes = model.slopes();
         let values = DVector::zeros(slopes.nrows());
         let mut prior = Self { start, metric: metric(model), own: model.own(), rows: slopes.clone(), values };
-        prior.hold(&bilinear(model, data, &prior, home));
+        let many = libm::sqrt((home.rows as f64 / MANY).max(1.0));
+        prior.hold(&bilinear(model, data, &prior, home), HELD / many);
         prior
     }
 
-    /// Directions (of displacements, columns) that stay at the start.
-    fn hold(&mut self, directions: &DMatrix<f64>) {
+    /// Directions (of displacements, columns) that stay at the start within `sigma` (mm).
+    fn hold(&mut self, directions: &DMatrix<f64>, sigma: f64) {
         let (known, held) = (self.rows.nrows(), directions.ncols());
-        let held_rows = directions.tr_mul(&self.metric) / HELD;
+        let held_rows = directions.tr_mul(&self.metric) / sigma;
         let held_values = &held_rows * &self.start;
         let rows = std::mem::replace(&mut self.rows, DMatrix::zeros(0, 0));
         self.rows = rows.insert_rows(known, held, 0.0);
