@@ -191,7 +191,7 @@ pub trait Task {
 }
 
 /// A task whose walk does not ask where its inputs come from: from a batch, or from the nodes of a grid.
-pub trait Nodal: Task {
+pub trait Nodal {
     /// What it makes of the six errors of an axis.
     type Node: Copy;
 
@@ -203,10 +203,11 @@ pub trait Nodal: Task {
 
     /// As [`Task::at`].
     fn walk<V: Lanes, I: Inputs<V, Self::Node>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V);
+}
 
-    /// As [`Task::ahead`].
+impl<T: Nodal> Task for T {
     #[inline(always)]
-    fn every_axis<V: Lanes>(&self, axes: &mut [Ahead], part: Part<'_>) {
+    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], part: Part<'_>) {
         for axis in 0..axes.len() {
             let wanted = self.wanted(axis);
             axes[axis].look::<V>(wanted, axis, part);
@@ -214,6 +215,11 @@ pub trait Nodal: Task {
                 axes[axis].six::<V>(curves, axis, part);
             }
         }
+    }
+
+    #[inline(always)]
+    fn at<V: Lanes>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+        self.walk(inputs)
     }
 }
 

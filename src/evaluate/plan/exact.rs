@@ -6,8 +6,8 @@
 //! (1 - cos t) / t^2, and the rotation is a quaternion; with linearised joints a and b are rational, and the
 //! rotation is a matrix, which need not be orthogonal.
 
-use super::ahead::{Ahead, Inputs, Part, Scattered, Wanted};
-use super::batch::{FARTHEST, Nodal, Task};
+use super::ahead::{Inputs, Wanted};
+use super::batch::{FARTHEST, Nodal};
 use super::curves::Six;
 use super::lanes::Lanes;
 use super::links::{About, Link, Links, Located, Motion, Placed, Vector, cross, dot, minus, plus, slid, splat, times};
@@ -379,18 +379,6 @@ impl Exact {
 pub struct Node {
     small: Small<f64>,
     far: f64,
-}
-
-impl Task for Exact {
-    #[inline(always)]
-    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], part: Part<'_>) {
-        self.every_axis::<V>(axes, part);
-    }
-
-    #[inline(always)]
-    fn at<V: Lanes>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
-        self.walk(inputs)
-    }
 }
 
 impl Nodal for Exact {

@@ -4,8 +4,8 @@
 //! square and its product with everything summed so far, which are the joints on its tool side: all pairs,
 //! in one walk. With E^-1 in place of E (`errors_are: body`) the signs and the squares change as its series says.
 
-use super::ahead::{Ahead, Inputs, Part, Scattered, Wanted};
-use super::batch::{Nodal, Task};
+use super::ahead::{Inputs, Wanted};
+use super::batch::Nodal;
 use super::curves::{Six, splat_six};
 use super::lanes::Lanes;
 use super::links::{About, Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, slid, splat, times};
@@ -105,18 +105,6 @@ impl SecondOrder {
     /// `None` where location errors count in the real part.
     pub fn new(links: Links) -> Option<Self> {
         (!links.real_locations).then_some(Self { links })
-    }
-}
-
-impl Task for SecondOrder {
-    #[inline(always)]
-    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], part: Part<'_>) {
-        self.every_axis::<V>(axes, part);
-    }
-
-    #[inline(always)]
-    fn at<V: Lanes>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
-        self.walk(inputs)
     }
 }
 
