@@ -51,23 +51,20 @@ impl Prior {
         let start = DVector::from_iterator(list.len(), list.iter().map(|p| p.start));
         let slopes = model.slopes();
         let values = DVector::zeros(slopes.nrows());
-        let mut prior = Self { start, metric: metric(model), own: model.own(), rows: slopes.clone(), values };
+        let prior = Self { start, metric: metric(model), own: model.own(), rows: slopes.clone(), values };
         let many = libm::sqrt((home.rows as f64 / MANY).max(1.0));
-        prior.hold(&bilinear(model, data, &prior, home), HELD / many);
-        prior
+        let hidden = bilinear(model, data, &prior, home);
+        prior.holding(&hidden, HELD / many)
     }
 
-    /// Directions (of displacements, columns) that stay at the start within `sigma` (mm).
-    fn hold(&mut self, directions: &DMatrix<f64>, sigma: f64) {
-        let (known, held) = (self.rows.nrows(), directions.ncols());
-        let held_rows = directions.tr_mul(&self.metric) / sigma;
-        let held_values = &held_rows * &self.start;
-        let rows = std::mem::replace(&mut self.rows, DMatrix::zeros(0, 0));
-        self.rows = rows.insert_rows(known, held, 0.0);
-        self.rows.rows_mut(known, held).copy_from(&held_rows);
-        let values = std::mem::replace(&mut self.values, DVector::zeros(0));
-        self.values = values.insert_rows(known, held, 0.0);
-        self.values.rows_mut(known, held).copy_from(&held_values);
+    /// With directions (of displacements, columns) that stay at the start within `sigma` (mm).
+    fn holding(self, directions: &DMatrix<f64>, sigma: f64) -> Self {
+        let (known, held) = (self.rows.nrows(), directions.tr_mul(&self.metric) / sigma);
+        let mut rows = self.rows.insert_rows(known, held.nrows(), 0.0);
+        let mut values = self.values.insert_rows(known, held.nrows(), 0.0);
+        rows.rows_mut(known, held.nrows()).copy_from(&held);
+        values.rows_mut(known, held.nrows()).copy_from(&(&held * &self.start));
+        Self { rows, values, ..self }
     }
 
     /// Weight of a displacement beside readings of this variance.
