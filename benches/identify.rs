@@ -65,7 +65,7 @@ fn fits(name: &str, machine: &Machine, words: &[&str], poses: usize) {
     let model = Model::new(machine, &unknowns);
     let weights = vec![1.0; rows.len()];
     let whole = || {
-        let found = fit(&model, &rows, weights.clone(), None);
+        let found = fit(&model, &rows, weights.clone());
         (Solution::of(&found, &unknowns), found.steps)
     };
     let (solution, steps) = whole();

@@ -106,7 +106,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let found = if args.robust {
         robust_fit(&model, &data)
     } else {
-        fit(&model, &data, data.iter().map(|m| m.weight).collect(), None)
+        fit(&model, &data, data.iter().map(|m| m.weight).collect())
     };
     let folds = args.folds.map(usize::from);
     let solution = Solution::of(&found, &unknowns);

@@ -95,7 +95,7 @@ pub fn held_out(model: &Model<'_>, data: &[Measurement], folds: usize, robust: b
         let (held, used): (Vec<_>, Vec<_>) = data.iter().cloned().enumerate().partition(|(i, _)| i % folds == fold);
         let bare = |list: Vec<(usize, Measurement)>| list.into_iter().map(|(_, m)| m).collect::<Vec<_>>();
         let (held, used) = (bare(held), bare(used));
-        let Fit { theta, .. } = if robust { robust_fit(model, &used) } else { fit(model, &used, weights(&used), None) };
+        let Fit { theta, .. } = if robust { robust_fit(model, &used) } else { fit(model, &used, weights(&used)) };
         model.residuals(&held, &theta)
     };
     let left: Vec<Vector3<f64>> = (0..folds).flat_map(part).collect();

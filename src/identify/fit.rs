@@ -48,19 +48,29 @@ pub struct Fit {
     pub settled: bool,
 }
 
-/// Fits the unknowns to the data, from their starts or from `theta`.
-pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>, theta: Option<Vec<f64>>) -> Fit {
+/// Fits the unknowns to the data, from their starts.
+pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>) -> Fit {
+    let (home, there, prior) = start(model, data, &weights);
+    descend(model, data, weights, &prior, (home, there))
+}
+
+/// The starts of the unknowns, the linear problem there, and what is known before the data.
+fn start(model: &Model<'_>, data: &[Measurement], weights: &[f64]) -> (Vec<f64>, Reduced, Prior) {
     let home: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+    let there = model.triangle(data, weights, &home);
+    let prior = Prior::new(model, data, &there);
+    (home, there, prior)
+}
+
+/// Goes down from somewhere, given with the linear problem there.
+fn descend(
+    model: &Model<'_>,
+    data: &[Measurement],
+    weights: Vec<f64>,
+    prior: &Prior,
+    (theta, reduced): (Vec<f64>, Reduced),
+) -> Fit {
     let linear = |theta: &[f64]| model.triangle(data, &weights, theta);
-    let at_home = linear(&home);
-    let prior = Prior::new(model, data, &at_home);
-    let (theta, reduced) = match theta {
-        Some(theta) => {
-            let there = linear(&theta);
-            (theta, there)
-        }
-        None => (home, at_home),
-    };
     let mut descent = Descent { linear: &linear, prior, theta, reduced, damping: FIRST, steps: 0, last: None };
     let settled = descent.run();
     let Descent { theta, reduced, steps, .. } = descent;
@@ -72,7 +82,7 @@ pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>, theta: Op
 struct Descent<'a> {
     /// The linear problem anywhere.
     linear: &'a dyn Fn(&[f64]) -> Reduced,
-    prior: Prior,
+    prior: &'a Prior,
     theta: Vec<f64>,
     reduced: Reduced,
     damping: f64,
@@ -87,7 +97,7 @@ impl Descent<'_> {
         while self.steps < STEPS && self.damping <= MOST {
             // What the prior is weighed against.
             let variance = self.scatter();
-            let problem = Problem::new(&self.prior, &self.reduced, &self.theta, variance);
+            let problem = Problem::new(self.prior, &self.reduced, &self.theta, variance);
             let before = self.prior.cost(&self.reduced, &self.theta, variance);
             if self.arrives(&problem, before, variance) || self.stands(&problem, before, variance) {
                 return true;
@@ -226,7 +236,8 @@ const ROUNDS: usize = 30;
 /// component counts less, so that a bumped set-up does not bend the machine.
 pub fn robust_fit(model: &Model<'_>, data: &[Measurement]) -> Fit {
     let given: Vec<f64> = data.iter().map(|m| m.weight).collect();
-    let mut found = fit(model, data, given.clone(), None);
+    let (home, there, prior) = start(model, data, &given);
+    let mut found = descend(model, data, given.clone(), &prior, (home, there));
     for _ in 0..ROUNDS {
         let residuals = model.residuals(data, &found.theta);
         let weights: Vec<f64> = standardised(data, &residuals)
@@ -235,7 +246,8 @@ pub fn robust_fit(model: &Model<'_>, data: &[Measurement]) -> Fit {
             .map(|(size, weight)| weight * if size > HUBER { HUBER / size } else { 1.0 })
             .collect();
         let change = weights.iter().zip(&found.weights).map(|(a, b)| (a - b).abs() / b).fold(0.0, f64::max);
-        found = fit(model, data, weights, Some(found.theta));
+        let there = model.triangle(data, &weights, &found.theta);
+        found = descend(model, data, weights, &prior, (found.theta, there));
         if change < 1e-3 {
             break;
         }

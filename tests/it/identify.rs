@@ -33,7 +33,7 @@ pub fn measured(pose: &[f64], d: [f64; 3]) -> Measurement {
 
 pub fn solve(machine: &Machine, parameters: &[Parameter], data: &[Measurement]) -> (Fit, Solution) {
     let model = Model::new(machine, parameters);
-    let found = fit(&model, data, vec![1.0; data.len()], None);
+    let found = fit(&model, data, vec![1.0; data.len()]);
     let solution = Solution::of(&found, parameters);
     (found, solution)
 }

@@ -48,7 +48,7 @@ fn read(machine: &Machine, files: &[std::path::PathBuf]) -> Data {
 fn solved(machine: &Machine, words: &[&str], data: &Data) -> (Vec<Parameter>, Fit, Solution) {
     let unknowns: Vec<Parameter> = wanted(machine, words).into_iter().chain(data.nuisances.clone()).collect();
     let model = Model::new(machine, &unknowns);
-    let found = fit(&model, &data.rows, data.rows.iter().map(|m| m.weight).collect(), None);
+    let found = fit(&model, &data.rows, data.rows.iter().map(|m| m.weight).collect());
     let solution = Solution::of(&found, &unknowns);
     (unknowns, found, solution)
 }
@@ -247,7 +247,7 @@ fn intervals_of_a_joint_fit_of_several_kinds_cover_the_truth() {
                 _ => unreachable!(),
             }
         }
-        let found = fit(&model, &rows, vec![1.0; rows.len()], None);
+        let found = fit(&model, &rows, vec![1.0; rows.len()]);
         let solution = Solution::of(&found, &unknowns);
         assert_eq!(solution.rank, 11);
         for ((estimate, parameter), known) in solution.estimates.iter().zip(&unknowns).zip(known) {

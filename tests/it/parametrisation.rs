@@ -25,7 +25,7 @@ fn solved(machine: &Machine, request: &IdentifyEntry, data: &[Measurement]) -> (
     let unknowns = list(machine, request);
     let bounds = slope_bounds(machine, request, &unknowns).unwrap();
     let model = Model::new(machine, &unknowns).bounded(&bounds);
-    let found = fit(&model, data, vec![1.0; data.len()], None);
+    let found = fit(&model, data, vec![1.0; data.len()]);
     (unknowns, found)
 }
 
@@ -223,7 +223,7 @@ fn the_model_of_order_two_is_fitted_with_its_own_derivatives() {
         let gap = gap.fold(0.0, f64::max);
         assert!(gap > 0.0 && gap < bound, "{gap:e}");
         // Newton's last steps are quadratic only with the derivatives of this very model.
-        let found = fit(&model, &data, vec![1.0; data.len()], None);
+        let found = fit(&model, &data, vec![1.0; data.len()]);
         let left = model.residuals(&data, &found.theta).iter().map(|r| r.norm()).fold(0.0, f64::max);
         assert!(found.settled && found.steps <= 4 && left < 1e-10, "{} steps, {left:e}", found.steps);
         // The derivatives against differences of the model itself.

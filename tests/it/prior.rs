@@ -129,7 +129,7 @@ fn a_bound_on_the_slope_carries_blocks_and_b_splines_over_what_was_not_measured(
         let model = Model::new(&machine, &parameters).bounded(&bounds);
         let reading = |x: f64| measured(&[0.0, 0.0, 0.0, x, 0.0], [4e-3 + 1e-3 * (x / 40.0).sin(), 0.0, 0.0]);
         let data: Vec<Measurement> = (0..41).map(|i| reading(100.0 + 5.0 * f64::from(i))).collect();
-        let found = fit(&model, &data, vec![1.0; data.len()], None);
+        let found = fit(&model, &data, vec![1.0; data.len()]);
         let solution = abbe::identify::Solution::of(&found, &parameters);
         let curve = |x: f64| {
             let one = |(p, theta): (&abbe::identify::Parameter, f64)| p.terms[0].basis.value(x) * theta;
