@@ -3,16 +3,17 @@
 use super::files::Disk;
 use super::identify_report::Report;
 use super::session::Session;
-use super::{Format, Outcome, Stop, load, monomials, pictures, plan, poses, write};
-use crate::diagnostic::Diagnostic;
+use super::{Format, Outcome, Stop, identify_remarks as remarks, load, monomials, pictures, plan, poses, write};
+use crate::diagnostic::{Diagnostic, shown};
 use crate::evaluate::Order;
 use crate::identify::{
-    Data, End, Measurement, Model, Parameter, Reading, Residuals, Solution, fit, fitted_file, held_out, moore_penrose,
-    parameters, randomness, read_measurements, repeatability, robust_fit, slope_bounds,
+    Data, End, Measurement, Model, Parameter, Reading, Residuals, Solution, fitted_file, held_out, moore_penrose,
+    overruled, parameters, randomness, read_measurements, repeats, slope_bounds, solve, unused,
 };
 use crate::machine::{self, Machine};
-use crate::syntax::IdentifyEntry;
-use crate::units::{self, significant};
+use crate::syntax::{Files, IdentifyEntry};
+use crate::target::sha256;
+use crate::units;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -77,7 +78,7 @@ enum Method {
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let (machine, section) = load::with_identify(session, &args.machine, args.tool.as_deref())?;
-    let wanted = request(args, section);
+    let wanted = overruled(section.unwrap_or_default(), &args.fit, &args.fixed);
     let own = match parameters(&machine, &wanted) {
         Ok(parameters) => parameters,
         Err(refusal) => return session.refuse(*refusal),
@@ -86,11 +87,17 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         Ok(bounds) => bounds,
         Err(refusal) => return session.refuse(*refusal),
     };
+    // A list on the command line takes what it needs of the section.
+    if args.fit.is_empty() {
+        remarks::unused(session, &unused(&machine, &wanted, &own));
+    }
     if let Some(count) = args.plan {
         let model = Model::new(&machine, &own);
         return plan::run(session, &model, usize::from(count), args.noise, args.seed);
     }
-    let Data { rows: data, nuisances } = measurements(session, &machine, args)?;
+    let mut data = measurements(session, &machine, args)?;
+    remarks::left_out(session, &machine, &data.leave_out(&own));
+    let Data { rows: data, nuisances } = data;
     // Before the work, not after it.
     if let Some(out) = &args.out {
         write::refuse_input(out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
@@ -103,11 +110,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     if args.method == Method::MoorePenrose {
         return papers_way(session, args, &model, &data);
     }
-    let found = if args.robust {
-        robust_fit(&model, &data)
-    } else {
-        fit(&model, &data, data.iter().map(|m| m.weight).collect())
-    };
+    let found = solve(&model, &data, args.robust);
     let folds = args.folds.map(usize::from);
     let solution = Solution::of(&found, &unknowns);
     let theta = solution.theta();
@@ -120,12 +123,12 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         randomness: randomness(&data, &model.residuals(&data, &theta), &found.weights),
         solution,
         held_out: folds.and_then(|folds| held_out(&model, &data, folds, args.robust)),
-        repeatability: repeatability(&data),
+        repeats: repeats(&data),
         fit: &found,
     };
-    remarks(session, &report);
+    remarks::all(session, &report);
     if let Some(out) = &args.out {
-        write_machine(session, &report, args, out)?;
+        write_machine(session, &report, &wanted, args, out)?;
     }
     if let Some(folder) = &args.svg {
         pictures::write(session, &model, &data, &theta, folder)?;
@@ -181,16 +184,6 @@ fn noise(text: &str) -> Result<f64, String> {
     length.filter(|mm| *mm > 0.0).ok_or_else(|| "write a length above zero, such as `2 um`".to_owned())
 }
 
-/// The command line goes before the machine file.
-fn request(args: &Args, section: Option<IdentifyEntry>) -> IdentifyEntry {
-    let mut request = section.unwrap_or_default();
-    if !args.fit.is_empty() {
-        request.fit = args.fit.clone();
-    }
-    request.fixed.extend(args.fixed.iter().cloned());
-    request
-}
-
 fn measurements(session: &mut Session, machine: &Machine, args: &Args) -> Result<Data, Stop> {
     let data = read_measurements(&args.data, machine, args.frame.into(), &Disk, &mut session.diagnostics);
     session.checked()?;
@@ -233,44 +226,17 @@ pub(super) fn counted(count: usize, word: &str) -> String {
     format!("{count} {word}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Less likely than this, residuals are not noise.
-const UNLIKELY: f64 = 1e-4;
-
-/// What the numbers alone do not say.
-fn remarks(session: &mut Session, report: &Report<'_>) {
-    if !report.fit.settled {
-        let message = format!("the fit has not settled after {} steps", report.fit.steps);
-        let help = "fix what the data hardly see, or fit less at once";
-        session.diagnostics.push(Diagnostic::new("W0501", message).help(help));
-    }
-    // Beyond the 99.9 % point of the ratio for all but the fewest repeats.
-    if let Some((sigma, _)) = report.repeatability.filter(|(s, f)| *f >= 5 && report.solution.sigma > 2.0 * s) {
-        let message = format!(
-            "what is left ({} um per reading) is far above the scatter of repeated poses ({} um)",
-            significant(report.solution.sigma * 1e3, 3),
-            significant(sigma * 1e3, 3)
-        );
-        let help = "the fitted errors do not explain the data: fit more of them, or look at the outliers";
-        session.diagnostics.push(Diagnostic::new("W0502", message).help(help));
-    }
-    let drifting = report.randomness.iter().filter(|r| r.runs < UNLIKELY && r.lag1 > 0.2);
-    let names: Vec<String> = drifting.map(|r| r.name()).collect();
-    if !names.is_empty() {
-        let message = format!("what is left of {} is not noise: neighbours in the file are alike", names.join(", "));
-        let help =
-            "drift of machine or instrument while measuring, or a shape that was not fitted; sigmas are too small then";
-        session.diagnostics.push(Diagnostic::new("W0503", message).help(help));
-    }
-}
-
 /// Writes the fitted machine, if it is one that the program itself would take.
-fn write_machine(session: &mut Session, report: &Report<'_>, args: &Args, out: &Path) -> Outcome {
-    let text = fitted_file(
-        report.machine,
-        &report.unknowns[..report.own],
-        &report.solution.theta(),
-        &report.provenance(&args.data),
-    );
+fn write_machine(
+    session: &mut Session,
+    report: &Report<'_>,
+    wanted: &IdentifyEntry,
+    args: &Args,
+    out: &Path,
+) -> Outcome {
+    let provenance = provenance(report, wanted, args);
+    let own = &report.unknowns[..report.own];
+    let text = fitted_file(report.machine, own, &report.solution, &provenance, wanted);
     if let Err(why) = load::own(&text) {
         let message = format!("the fitted machine is refused: {why}");
         let help = "some parameters ran away because the data hardly see them: fix those, or fit less";
@@ -280,4 +246,34 @@ fn write_machine(session: &mut Session, report: &Report<'_>, args: &Args, out: &
         Ok(()) => Ok(()),
         Err(refusal) => session.refuse(refusal),
     }
+}
+
+/// Where the numbers of the fitted file come from. No date: the same input gives the same bytes.
+fn provenance(report: &Report<'_>, wanted: &IdentifyEntry, args: &Args) -> Vec<(String, String)> {
+    let tame = |text: String| shown(&text).chars().take(180).collect::<String>();
+    let hashed = |path: &PathBuf| {
+        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let hash = Disk.read(path).map_or_else(|_| String::new(), |bytes| sha256(&bytes).chars().take(16).collect());
+        format!("{name} (sha256 {hash}...)")
+    };
+    let data: Vec<String> = args.data.iter().map(hashed).collect();
+    let order = match args.order {
+        Order::Degree(n) => format!("order {n}"),
+        Order::Exact => "exact".to_owned(),
+    };
+    let robust = if args.robust { "robust " } else { "" };
+    let fixed = if wanted.fixed.is_empty() { String::new() } else { format!("; fixed {}", wanted.fixed.join(", ")) };
+    let how = format!("{robust}least squares on the {order} model; fit {}{fixed}", wanted.fit.join(", "));
+    let entries = [
+        ("by", format!("abbe {}", env!("CARGO_PKG_VERSION"))),
+        ("machine", tame(hashed(&args.machine))),
+        ("from", tame(data.join(", "))),
+        ("how", tame(how)),
+        ("fit", report.in_short()),
+    ];
+    // A machine that was fitted before keeps what was said then.
+    let known = |key: &str| report.machine.provenance().entries.iter().any(|(known, _)| known == key);
+    let ending = |n: usize| if n > 1 { format!("-{n}") } else { String::new() };
+    let time = (1..).find(|n| !known(&format!("identified-by{}", ending(*n)))).map_or_else(String::new, ending);
+    entries.map(|(key, value)| (format!("identified-{key}{time}"), value)).into()
 }

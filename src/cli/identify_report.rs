@@ -1,11 +1,11 @@
 //! What `abbe identify` prints.
 
+use super::identify::counted;
 use super::session::Session;
-use crate::identify::{Estimate, Fit, Measurement, Parameter, Randomness, Residuals, Solution};
+use crate::identify::{Estimate, Fit, Kind, Measurement, Parameter, Randomness, Repeats, Residuals, Scatter, Solution};
 use crate::machine::Machine;
 use crate::units::significant;
 use serde_json::json;
-use std::path::PathBuf;
 
 /// What is printed.
 pub(super) struct Report<'a> {
@@ -19,12 +19,20 @@ pub(super) struct Report<'a> {
     pub residuals: Residuals,
     pub randomness: Vec<Randomness>,
     pub held_out: Option<f64>,
-    pub repeatability: Option<(f64, usize)>,
+    pub repeats: Option<Repeats>,
     pub fit: &'a Fit,
 }
 
+/// With less degrees of freedom 95 % is not two sigma.
+const FEW: usize = 30;
 /// Lines of one kind in the text; JSON has all.
 const MOST_LINES: usize = 10;
+
+/// A size (mm) in the unit of a kind of reading.
+fn shown(kind: Kind, mm: f64) -> String {
+    let (unit, factor) = kind.unit();
+    format!("{} {unit}", significant(mm * factor, 5))
+}
 
 fn um(mm: f64) -> f64 {
     mm * 1e3
@@ -39,27 +47,11 @@ impl Report<'_> {
         self.unknowns.iter().zip(&self.solution.estimates)
     }
 
-    /// Where the numbers of the fitted file come from. No date: the same input gives the same bytes.
-    pub fn provenance(&self, data: &[PathBuf]) -> Vec<(String, String)> {
-        let name = |path: &PathBuf| path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let tame = |text: String| crate::diagnostic::shown(&text).chars().take(180).collect::<String>();
-        let files: Vec<String> = data.iter().map(name).collect();
-        let fit = format!(
-            "rank {} of {} parameters from {} readings; rms {} um before, {} um after",
-            self.solution.rank,
-            self.unknowns.len(),
-            self.rows(),
-            significant(um(self.residuals.before), 5),
-            significant(um(self.residuals.after), 5)
-        );
-        vec![
-            ("identified-by".to_owned(), format!("abbe {}", env!("CARGO_PKG_VERSION"))),
-            ("identified-from".to_owned(), tame(files.join(", "))),
-            ("identified-fit".to_owned(), fit),
-        ]
-        .into_iter()
-        .filter(|(key, _)| !self.machine.provenance().entries.iter().any(|(known, _)| known == key))
-        .collect()
+    /// The fit in a line.
+    pub fn in_short(&self) -> String {
+        let (rank, unknowns, rows) = (self.solution.rank, self.unknowns.len(), self.rows());
+        let [before, after] = [self.residuals.before, self.residuals.after].map(|rms| significant(um(rms), 5));
+        format!("rank {rank} of {unknowns} parameters from {rows} readings; rms {before} um before, {after} um after")
     }
 
     pub fn json(&self, session: &Session) -> serde_json::Value {
@@ -74,8 +66,10 @@ impl Report<'_> {
             "null_space": s.null_space, "drowned": s.drowned, "condition": s.condition, "valuation": s.valuation,
             "singular_values": s.singular_values,
             "rms_um": {"before": um(r.before), "after": um(r.after), "held_out": self.held_out.map(um)},
-            "sigma_um": um(s.sigma), "degrees_of_freedom": s.freedom,
-            "repeatability_um": self.repeatability.map(|(s, _)| um(s)),
+            "sigma_um": self.fit.scatter.is_empty().then(|| um(s.sigma)), "degrees_of_freedom": s.freedom,
+            "coverage_factor_95": s.coverage(),
+            "scatter": self.fit.scatter.iter().map(|s| json!({"of": s.of.map_or("uncertainties given", Kind::word), "sigma_um": um(s.sigma)})).collect::<Vec<_>>(),
+            "repeatability_um": self.repeats.map(|r| um(r.sigma)),
             "orders_um": {"first": um(r.parts[0]), "second": um(r.parts[1]), "higher": um(r.parts[2]),
                           "left_by_first": um(r.left[0]), "left_by_second": um(r.left[1])},
             "kinds": r.kinds.iter().map(|(kind, rows, rms)| json!({"kind": kind.word(), "rows": rows, "rms_um": um(*rms)})).collect::<Vec<_>>(),
@@ -85,7 +79,7 @@ impl Report<'_> {
         })
     }
 
-    fn place(&self, session: &Session, row: usize) -> String {
+    pub fn place(&self, session: &Session, row: usize) -> String {
         let place = &self.data[row].place;
         let sources = &session.diagnostics.sources;
         format!("{}:{}", sources.name(place.source), sources.line_column(place).0)
@@ -116,12 +110,30 @@ impl Report<'_> {
         format!("{}: fitted to {} points\n{table}\n{}", self.machine.name(), self.data.len(), self.summary(session))
     }
 
+    /// What a reading scatters by, on its line or on one of its own.
+    fn scatter(&self) -> String {
+        let given = |sigma: f64| format!("{} times the uncertainty given", significant(um(sigma), 4));
+        let one = |s: &Scatter| match s.of {
+            Some(kind) => format!("{} of {}", shown(kind, s.sigma), kind.word()),
+            None => given(s.sigma),
+        };
+        let kind = match &self.residuals.kinds[..] {
+            [(kind, ..)] => *kind,
+            _ => Kind::Deviation,
+        };
+        match &self.fit.scatter[..] {
+            [] if self.data.iter().all(|m| m.known) => format!("; {} per reading", given(self.solution.sigma)),
+            [] => format!("; {} per reading", shown(kind, self.solution.sigma)),
+            list => format!("\nscatter    {} per reading", list.iter().map(one).collect::<Vec<_>>().join(", ")),
+        }
+    }
+
     fn summary(&self, session: &Session) -> String {
         let (s, r) = (&self.solution, &self.residuals);
         let n = |mm: f64| significant(um(mm), 5);
         let mut text = format!(
             "rank       {} of {} unknowns from {} readings, {} well determined, condition {}, valuation {}\n\
-             rms        {} um before, {} um after; {} um per reading\n\
+             rms        {} um before, {} um after{}\n\
              orders     first {} um, second {} um, higher {} um; first alone leaves {} um, with the second {} um\n",
             s.rank,
             self.unknowns.len(),
@@ -131,7 +143,7 @@ impl Report<'_> {
             significant(s.valuation, 3),
             n(r.before),
             n(r.after),
-            n(s.sigma),
+            self.scatter(),
             n(r.parts[0]),
             n(r.parts[1]),
             n(r.parts[2]),
@@ -139,7 +151,8 @@ impl Report<'_> {
             n(r.left[1]),
         );
         if r.kinds.len() > 1 {
-            let parts = r.kinds.iter().map(|(kind, rows, rms)| format!("{} um of {rows} {}", n(*rms), kind.word()));
+            let parts =
+                r.kinds.iter().map(|(kind, rows, rms)| format!("{} of {rows} {}", shown(*kind, *rms), kind.word()));
             text += &format!("kinds      {}\n", parts.collect::<Vec<_>>().join(", "));
         }
         for t in &self.randomness {
@@ -151,14 +164,18 @@ impl Report<'_> {
                 significant(t.lag1, 2)
             );
         }
+        if let Some(coverage) = s.coverage().filter(|_| s.freedom < FEW) {
+            let freedom = counted(s.freedom, "degree");
+            text += &format!("intervals  95 % reach {} sigma with {freedom} of freedom\n", significant(coverage, 4));
+        }
         if let Some(held_out) = self.held_out {
             text += &format!("held out   {} um on points that were not used\n", n(held_out));
         }
-        if let Some((sigma, freedom)) = self.repeatability {
+        if let Some(Repeats { sigma, freedom, .. }) = self.repeats {
             text +=
                 &format!("repeated   {} um per reading where a pose was measured again ({freedom} times)\n", n(sigma));
         }
-        s.null_space.iter().for_each(|words| text += &format!("free       {words}\n"));
+        s.free().iter().for_each(|words| text += &format!("free       {words}\n"));
         s.drowned.iter().take(MOST_LINES).for_each(|words| text += &format!("drowned    {words}\n"));
         if s.drowned.len() > MOST_LINES {
             text += &format!("           and {} more combinations (--format json)\n", s.drowned.len() - MOST_LINES);

@@ -23,6 +23,7 @@ mod explain;
 mod file_set;
 pub mod files;
 mod identify;
+mod identify_remarks;
 mod identify_report;
 mod import;
 mod init;

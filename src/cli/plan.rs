@@ -88,7 +88,7 @@ impl Report<'_> {
             self.model.parameters().len(),
             s.well_determined
         );
-        s.null_space.iter().for_each(|words| text += &format!("free       {words}\n"));
+        s.free().iter().for_each(|words| text += &format!("free       {words}\n"));
         s.drowned.iter().for_each(|words| text += &format!("drowned    {words}\n"));
         text
     }

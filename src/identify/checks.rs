@@ -1,8 +1,8 @@
 //! What is left after the fit: residuals, outliers, orders apart, and the prediction of data not used.
 
-use super::fit::{Fit, fit, robust_fit, standardised};
-use super::measurement::{Kind, Measurement, Reading};
+use super::measurement::{Kind, Measurement};
 use super::model::{Model, masked};
+use super::weighing::{median, solve, standardised};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -27,6 +27,10 @@ pub struct Residuals {
     pub before: f64,
     /// With the fitted machine.
     pub after: f64,
+    /// Median of the lengths with the machine as the file says, of readings that it predicts by itself.
+    pub typical: f64,
+    /// Weighted root mean square of a component of the deviations (absolute or relative) with the machine as the file says.
+    pub per_deviation: f64,
     /// With the fitted machine, for each kind of rows: how many, and their RMS.
     pub kinds: Vec<(Kind, usize, f64)>,
     /// Measurements that stand out, the worst first.
@@ -46,7 +50,7 @@ impl Residuals {
     /// Compares the measurements with the machine before and after a fit.
     pub fn of(model: &Model<'_>, data: &[Measurement], theta: &[f64]) -> Self {
         let start: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
-        let after = model.residuals(data, theta);
+        let (before, after) = (model.residuals(data, &start), model.residuals(data, theta));
         let orders: Vec<[Vector3<f64>; 3]> =
             data.par_iter().zip(&after).map(|(m, residual)| orders(model, m, theta, residual)).collect();
         let part = |k: usize| rms(&orders.iter().map(|o| o[k]).collect::<Vec<_>>());
@@ -54,7 +58,9 @@ impl Residuals {
             after.iter().zip(&orders).map(|(r, o)| r + o[k..].iter().sum::<Vector3<f64>>()).collect()
         };
         Self {
-            before: rms(&model.residuals(data, &start)),
+            before: rms(&before),
+            typical: typical(data, &before),
+            per_deviation: per_deviation(data, &before),
             after: rms(&after),
             kinds: kinds(data, &after),
             outliers: outliers(data, &after),
@@ -62,6 +68,23 @@ impl Residuals {
             left: [rms(&sum(1)), rms(&sum(2))],
         }
     }
+}
+
+/// The median length of what does not hang on instruments.
+fn typical(data: &[Measurement], before: &[Vector3<f64>]) -> f64 {
+    let plain = |kind| !matches!(kind, Kind::Length | Kind::Line);
+    let sizes = data.iter().zip(before).filter(|(m, _)| plain(m.kind())).map(|(_, r)| r.norm());
+    median(sizes.collect()).0
+}
+
+fn per_deviation(data: &[Measurement], before: &[Vector3<f64>]) -> f64 {
+    let of = |m: &Measurement| matches!(m.kind(), Kind::Deviation | Kind::Relative);
+    let (mut sum, mut count) = (0.0, 0);
+    for (m, r) in data.iter().zip(before).filter(|(m, _)| of(m)) {
+        sum += m.weight * r.norm_squared();
+        count += m.readings();
+    }
+    libm::sqrt(sum / count.max(1) as f64)
 }
 
 /// First-order, second-order and higher part of a fitted deviation, where it was measured.
@@ -95,37 +118,8 @@ pub fn held_out(model: &Model<'_>, data: &[Measurement], folds: usize, robust: b
         let (held, used): (Vec<_>, Vec<_>) = data.iter().cloned().enumerate().partition(|(i, _)| i % folds == fold);
         let bare = |list: Vec<(usize, Measurement)>| list.into_iter().map(|(_, m)| m).collect::<Vec<_>>();
         let (held, used) = (bare(held), bare(used));
-        let Fit { theta, .. } = if robust { robust_fit(model, &used) } else { fit(model, &used, weights(&used)) };
-        model.residuals(&held, &theta)
+        model.residuals(&held, &solve(model, &used, robust).theta)
     };
     let left: Vec<Vector3<f64>> = (0..folds).flat_map(part).collect();
     Some(rms(&left))
-}
-
-/// The weights that stand in the data.
-pub(super) fn weights(data: &[Measurement]) -> Vec<f64> {
-    data.iter().map(|m| m.weight).collect()
-}
-
-/// Standard deviation of a reading (mm) from poses that were measured more than once, and how many
-/// degrees of freedom that rests on; `None` without repeats.
-pub fn repeatability(data: &[Measurement]) -> Option<(f64, usize)> {
-    let key = |m: &Measurement| -> Vec<u64> {
-        // -0 and 0 are the same position.
-        m.pose.iter().map(|q| (q + 0.0).to_bits()).chain([m.tool as u64, m.approach as u64]).collect()
-    };
-    let mut groups: std::collections::BTreeMap<(Vec<u64>, usize), Vec<f64>> = std::collections::BTreeMap::new();
-    for m in data {
-        let Reading::Deviation { values, zero: None, .. } = &m.reading else { continue };
-        for (i, value) in values.iter().enumerate() {
-            value.iter().for_each(|v| groups.entry((key(m), i)).or_default().push(*v));
-        }
-    }
-    let (mut squares, mut freedom) = (0.0, 0);
-    for values in groups.values().filter(|values| values.len() > 1) {
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        squares += values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>();
-        freedom += values.len() - 1;
-    }
-    (freedom > 0).then(|| ((squares / freedom as f64).sqrt(), freedom))
 }

@@ -35,10 +35,17 @@ pub enum Column {
     Tool,
     /// How many rows this one counts for.
     Weight,
-    /// Standard uncertainty.
-    Uncertainty(f64),
+    /// Standard uncertainty of readings of this quantity.
+    Uncertainty(Quantity, f64),
     Run,
     Approach,
+}
+
+/// Lengths, or angles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    Length,
+    Angle,
 }
 
 /// What the rows of a file are.
@@ -77,7 +84,7 @@ impl Column {
             Self::Error(source, approach, _) => Self::Error(source, approach, 1.0),
             Self::Length(_) | Self::LengthError(_) | Self::Displacement(_) => Self::Length(1.0),
             Self::Along(_) => Self::Along(1.0),
-            Self::Uncertainty(_) | Self::Weight => Self::Weight,
+            Self::Uncertainty(quantity, _) => Self::Uncertainty(quantity, 1.0),
             other => other,
         };
         bare(self) == bare(other)
@@ -125,6 +132,7 @@ pub fn columns(machine: &Machine, header: &str, separator: char) -> Result<(Vec<
         return Err("the header mixes kinds of readings: give every kind a file of its own".to_owned());
     }
     belongs(&columns, form)?;
+    weighed(&columns, form)?;
     positions(machine, &columns)?;
     Ok((columns, form))
 }
@@ -139,6 +147,26 @@ fn positions(machine: &Machine, columns: &[Column]) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// A weight or uncertainties, and then of every quantity that is read.
+fn weighed(columns: &[Column], form: Form) -> Result<(), String> {
+    let angle = |c: &Column| matches!(c, Column::Error(source, ..) if source.direction.is_rotation());
+    let length = |c: &Column| form != Form::Error || (matches!(c, Column::Error(..)) && !angle(c));
+    let given = |wanted| columns.iter().any(|c| matches!(c, Column::Uncertainty(quantity, _) if *quantity == wanted));
+    let (lengths, angles) = (given(Quantity::Length), given(Quantity::Angle));
+    if !(lengths || angles) {
+        return Ok(());
+    }
+    if columns.contains(&Column::Weight) {
+        return Err("`weight` and `u` say the same: leave one out".to_owned());
+    }
+    match (columns.iter().any(length), columns.iter().any(angle)) {
+        read if read == (lengths, angles) => Ok(()),
+        (true, true) => Err("lengths and angles are read: give `u [um]` and `u [urad]`, or neither".to_owned()),
+        (true, false) => Err("lengths are read: give `u [um]`".to_owned()),
+        _ => Err("angles are read: give `u [urad]`".to_owned()),
+    }
 }
 
 /// Columns that make sense with this kind of rows only.
@@ -198,7 +226,7 @@ fn column(machine: &Machine, cell: &str) -> Result<Column, String> {
         "dl" => Ok(Column::LengthError(length()?)),
         "displacement" => Ok(Column::Displacement(length()?)),
         "along" => Ok(Column::Along(length()?)),
-        "u" => Ok(Column::Uncertainty(length()?)),
+        "u" => uncertainty(name, unit),
         "ball" => Ok(Column::Ball),
         "station" => Ok(Column::Station),
         "tool" => Ok(Column::Tool),
@@ -228,6 +256,14 @@ fn error(machine: &Machine, name: &str, unit: Option<&str>) -> Result<Column, St
             Ok(Column::Error(Source { place: Place::Component(axis), direction: error.direction }, approach, factor))
         }
         _ => Err(format!("`{}` is not a unit of `{error}`", shown(unit))),
+    }
+}
+
+/// `u [um]` or `u [urad]`.
+fn uncertainty(name: &str, unit: Option<&str>) -> Result<Column, String> {
+    match unit.map(units::unit) {
+        Some(Ok((factor, Dimension::ANGLE))) => Ok(Column::Uncertainty(Quantity::Angle, factor)),
+        _ => Ok(Column::Uncertainty(Quantity::Length, length_factor(name, unit)?)),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Error curves as parameters: a basis of functions of the axis position, one parameter each.
 
 use super::parameter::{Basis, Parameter};
-use super::request::{Refused, refusal, source};
+use super::request::{POWERS, Refused, refusal, source};
 use crate::diagnostic::shown;
 use crate::machine::{
     Approach, AxisKind, BSpline, BSplineFailure, ComponentError, Curve, ErrorId, ErrorTerm, Knots, Machine, Travel,
@@ -35,9 +35,13 @@ pub(super) fn parameters(
         _ => (form, 3),
     };
     let cut = form.find(|c: char| c.is_ascii_digit()).unwrap_or(form.len());
+    if knots.is_some() && cut < form.len() && ["spline", "bspline", "blocks"].contains(&&form[..cut]) {
+        let message = format!("`{error}:{}` has even knots, and `knots` are given", shown(form));
+        return Err(refusal(message, format!("write `{error}:{}` for the knots given", &form[..cut])));
+    }
     let (family, order) = (&form[..cut], form[cut..].parse::<u8>().ok().filter(|n| (1..=50).contains(n)));
     match (family, order) {
-        ("poly", Some(order)) => of.polynomial(order),
+        ("poly", Some(order)) if order <= POWERS => of.polynomial(order),
         ("fourier", Some(order)) => of.fourier(order),
         ("spline", Some(count)) => of.at_knots(&of.even(usize::from(count.max(2)))?, true),
         ("bspline", Some(count)) => of.bspline(&of.even(usize::from(count.max(2)))?, degree),
@@ -52,7 +56,7 @@ pub(super) fn parameters(
         },
         _ => {
             let message = format!("`{}` is not a basis", shown(form));
-            let help = "write poly3 (powers 0 to 3), fourier2 (orders 0 to 2), spline8 or bspline8 (8 knots), or blocks4 \
+            let help = "write poly3 (powers 0 to 3; at most 20), fourier2 (orders 0 to 2), spline8 or bspline8 (8 knots), or blocks4 \
                         (4 blocks)";
             Err(refusal(message, help))
         }
@@ -105,7 +109,7 @@ impl Of<'_> {
             _ => Vec::new(),
         };
         let start = |k: u8| known.get(usize::from(k)).copied().unwrap_or(0.0);
-        Ok((0..=order.min(20)).map(|k| self.parameter(&format!("x^{k}"), Basis::Power(k), start(k))).collect())
+        Ok((0..=order).map(|k| self.parameter(&format!("x^{k}"), Basis::Power(k), start(k))).collect())
     }
 
     fn fourier(&self, order: u8) -> Result<Vec<Parameter>, Refused> {

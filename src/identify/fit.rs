@@ -8,8 +8,9 @@
 use super::measurement::Measurement;
 use super::model::Model;
 use super::prior::Prior;
+use super::weighing::Scatter;
 use crate::algebra::linear::{Reduced, Svd};
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 
 /// Most accepted steps.
 const STEPS: usize = 200;
@@ -38,8 +39,12 @@ pub struct Fit {
     pub theta: Vec<f64>,
     /// The linear problem there.
     pub reduced: Reduced,
+    /// Weighted sum of squares (mm^2) that the readings scatter by, as far as the uncertainty of the estimate goes.
+    pub squares: f64,
     /// Weight of each measurement.
     pub weights: Vec<f64>,
+    /// Where unlike quantities were weighed against each other: how each scatters.
+    pub scatter: Vec<Scatter>,
     /// Is the unknown held by something else than readings (bounds on slopes)?
     pub bounded: Vec<bool>,
     /// Accepted steps.
@@ -48,34 +53,56 @@ pub struct Fit {
     pub settled: bool,
 }
 
-/// Fits the unknowns to the data, from their starts.
+/// Fits the unknowns to the data with these weights, from their starts.
 pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>) -> Fit {
-    let (home, there, prior) = start(model, data, &weights);
-    descend(model, data, weights, &prior, (home, there))
+    Search::weighed(model, data, weights).fit()
 }
 
-/// The starts of the unknowns, the linear problem there, and what is known before the data.
-fn start(model: &Model<'_>, data: &[Measurement], weights: &[f64]) -> (Vec<f64>, Reduced, Prior) {
-    let home: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
-    let there = model.triangle(data, weights, &home);
-    let prior = Prior::new(model, data, &there);
-    (home, there, prior)
-}
-
-/// Goes down from somewhere, given with the linear problem there.
-fn descend(
-    model: &Model<'_>,
-    data: &[Measurement],
+/// A search for the unknowns; what is known before the data is looked up once.
+pub(super) struct Search<'a> {
+    model: &'a Model<'a>,
+    data: &'a [Measurement],
+    prior: Prior,
     weights: Vec<f64>,
-    prior: &Prior,
-    (theta, reduced): (Vec<f64>, Reduced),
-) -> Fit {
-    let linear = |theta: &[f64]| model.triangle(data, &weights, theta);
-    let mut descent = Descent { linear: &linear, prior, theta, reduced, damping: FIRST, steps: 0, last: None };
-    let settled = descent.run();
-    let Descent { theta, reduced, steps, .. } = descent;
-    let bounded = model.slopes().column_iter().map(|column| column.iter().any(|x| *x != 0.0)).collect();
-    Fit { theta, reduced, weights, bounded, steps, settled }
+    home: Vec<f64>,
+    /// The linear problem at home, with the weights of the data.
+    there: Reduced,
+}
+
+impl<'a> Search<'a> {
+    /// Of what stands in the data.
+    pub fn new(model: &'a Model<'a>, data: &'a [Measurement]) -> Self {
+        Self::weighed(model, data, data.iter().map(|m| m.weight).collect())
+    }
+
+    fn weighed(model: &'a Model<'a>, data: &'a [Measurement], weights: Vec<f64>) -> Self {
+        let home: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+        let there = model.triangle(data, &weights, &home);
+        let prior = Prior::new(model, data, &there);
+        Self { model, data, prior, weights, home, there }
+    }
+
+    /// From home.
+    pub fn fit(&self) -> Fit {
+        self.descend(self.weights.clone(), self.home.clone(), self.there.clone())
+    }
+
+    /// From somewhere, with other weights.
+    pub fn again(&self, weights: Vec<f64>, theta: Vec<f64>) -> Fit {
+        let there = self.model.triangle(self.data, &weights, &theta);
+        self.descend(weights, theta, there)
+    }
+
+    fn descend(&self, weights: Vec<f64>, theta: Vec<f64>, reduced: Reduced) -> Fit {
+        let linear = |theta: &[f64]| self.model.triangle(self.data, &weights, theta);
+        let prior = &self.prior;
+        let mut descent = Descent { linear: &linear, prior, theta, reduced, damping: FIRST, steps: 0, last: None };
+        let settled = descent.run();
+        let Descent { theta, reduced, steps, .. } = descent;
+        let bounded = self.model.slopes().column_iter().map(|column| column.iter().any(|x| *x != 0.0)).collect();
+        let squares = reduced.right_norm() * reduced.right_norm();
+        Fit { theta, reduced, squares, weights, scatter: Vec::new(), bounded, steps, settled }
+    }
 }
 
 /// The iteration, wherever it stands.
@@ -225,48 +252,4 @@ impl Problem {
         let left = (&self.right - &self.coefficients * step).norm_squared();
         left + self.rest * self.rest + self.pull * (&self.home + step).norm_squared()
     }
-}
-
-/// Huber's constant, in standard deviations of a component.
-const HUBER: f64 = 1.5;
-/// Rounds of reweighting.
-const ROUNDS: usize = 30;
-
-/// The same with robust weights (Huber): a measurement further off than 1.5 standard deviations per
-/// component counts less, so that a bumped set-up does not bend the machine.
-pub fn robust_fit(model: &Model<'_>, data: &[Measurement]) -> Fit {
-    let given: Vec<f64> = data.iter().map(|m| m.weight).collect();
-    let (home, there, prior) = start(model, data, &given);
-    let mut found = descend(model, data, given.clone(), &prior, (home, there));
-    for _ in 0..ROUNDS {
-        let residuals = model.residuals(data, &found.theta);
-        let weights: Vec<f64> = standardised(data, &residuals)
-            .into_iter()
-            .zip(&given)
-            .map(|(size, weight)| weight * if size > HUBER { HUBER / size } else { 1.0 })
-            .collect();
-        let change = weights.iter().zip(&found.weights).map(|(a, b)| (a - b).abs() / b).fold(0.0, f64::max);
-        let there = model.triangle(data, &weights, &found.theta);
-        found = descend(model, data, weights, &prior, (found.theta, there));
-        if change < 1e-3 {
-            break;
-        }
-    }
-    found
-}
-
-/// Root mean square component of each residual in robust standard deviations.
-pub fn standardised(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<f64> {
-    let component = |(m, r): (&Measurement, &Vector3<f64>)| r.norm() * (m.weight / m.readings().max(1) as f64).sqrt();
-    let sizes: Vec<f64> = data.iter().zip(residuals).map(component).collect();
-    let mut components: Vec<f64> = data
-        .iter()
-        .zip(residuals)
-        .flat_map(|(m, r)| (0..3).filter(|i| m.seen()[*i]).map(|i| r[i].abs() * m.weight.sqrt()))
-        .collect();
-    components.sort_by(f64::total_cmp);
-    // The median of the absolute value of a normal deviate is 0.6745 standard deviations.
-    let median = components.get(components.len() / 2).copied().unwrap_or_default();
-    let sigma = (median / 0.6745).max(f64::MIN_POSITIVE);
-    sizes.into_iter().map(|size| size / sigma).collect()
 }

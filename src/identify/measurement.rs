@@ -1,10 +1,10 @@
 //! Measurements: what was read at a pose, and the unknowns that belong to the instrument rather than the machine.
 
-use super::parameter::Parameter;
+use super::parameter::{Parameter, lever};
 use crate::diagnostic::Place;
 use crate::evaluate::Frame;
 use crate::lower::Source;
-use crate::machine::{Approach, Pose};
+use crate::machine::{Approach, Direction, Pose};
 use nalgebra::Vector3;
 
 /// One row of a measurement.
@@ -20,6 +20,8 @@ pub struct Measurement {
     pub reading: Reading,
     /// Counts as so many rows.
     pub weight: f64,
+    /// Is that 1/u^2 (um) of a standard uncertainty? Then readings of unlike quantities can be compared by it.
+    pub known: bool,
     /// Its run, if runs were named.
     pub run: Option<String>,
     /// Where it stands.
@@ -36,8 +38,8 @@ pub enum Reading {
         values: [Option<f64>; 3],
         /// In which they are given.
         frame: Frame,
-        /// Index of the first of three unknowns which were subtracted: the deviation at the first reading of the run.
-        zero: Option<usize>,
+        /// Index of the unknown that was subtracted from each: the deviation at the first reading of the run.
+        zero: [Option<usize>; 3],
     },
     /// Distance of the functional point from something else.
     Distance {
@@ -86,11 +88,18 @@ pub enum Kind {
     Length,
     /// Along a line.
     Line,
-    /// Component errors.
+    /// Component errors that are lengths.
     Error,
+    /// Component errors that are angles.
+    Angle,
 }
 
 impl Kind {
+    /// The unit in which people read it, and how many of it a mm of [`Reading`] is.
+    pub fn unit(self) -> (&'static str, f64) {
+        if self == Self::Angle { ("urad", 1e6 / lever(Direction::A)) } else { ("um", 1e3) }
+    }
+
     /// `deviations`, `relative deviations` ...
     pub fn word(self) -> &'static str {
         match self {
@@ -99,6 +108,7 @@ impl Kind {
             Self::Length => "lengths",
             Self::Line => "lines",
             Self::Error => "single errors",
+            Self::Angle => "single angles",
         }
     }
 }
@@ -130,14 +140,17 @@ impl Measurement {
     /// What kind of row it is.
     pub fn kind(&self) -> Kind {
         match &self.reading {
-            Reading::Deviation { zero: None, .. } => Kind::Deviation,
+            Reading::Deviation { zero: [None, None, None], .. } => Kind::Deviation,
             Reading::Deviation { .. } => Kind::Relative,
             Reading::Distance { .. } => Kind::Length,
             Reading::Along { .. } => Kind::Line,
+            Reading::Error { source, .. } if source.direction.is_rotation() => Kind::Angle,
             Reading::Error { .. } => Kind::Error,
         }
     }
 }
+
+const LETTERS: [&str; 3] = ["x", "y", "z"];
 
 /// Measurements of all files, and the unknowns of instruments and set-ups: places of stations, dead paths, first readings.
 #[derive(Debug, Clone, Default)]
@@ -158,14 +171,35 @@ impl Data {
     /// Adds three unknowns, `.x`, `.y` and `.z`; gives the index of the first.
     pub(super) fn unknown_point(&mut self, name: &str, start: Vector3<f64>) -> usize {
         let first = self.nuisances.len();
-        for (letter, start) in ["x", "y", "z"].into_iter().zip(start.iter()) {
+        for (letter, start) in LETTERS.into_iter().zip(start.iter()) {
             self.unknown(format!("{name}.{letter}"), *start);
         }
         first
     }
+
+    /// Adds an unknown for each component that was read, 0 to begin with; gives their indices.
+    pub(super) fn unknown_components(&mut self, name: &str, read: [bool; 3]) -> [Option<usize>; 3] {
+        std::array::from_fn(|k| read[k].then(|| self.unknown(format!("{name}.{}", LETTERS[k]), 0.0)))
+    }
 }
 
 impl Data {
+    /// Takes out readings of single errors that nothing fitted moves; says how many of which.
+    pub fn leave_out(&mut self, fitted: &[Parameter]) -> Vec<(Source, usize)> {
+        let mut list: Vec<(Source, usize)> = Vec::new();
+        self.rows.retain(|m| {
+            let Reading::Error { source, .. } = m.reading else { return true };
+            let told = fitted.iter().any(|p| p.terms.iter().any(|t| t.source == source));
+            match list.iter_mut().find(|(known, _)| *known == source) {
+                _ if told => {}
+                Some((_, count)) => *count += 1,
+                None => list.push((source, 1)),
+            }
+            told
+        });
+        list
+    }
+
     /// How much there is, to go back to.
     pub(super) fn extent(&self) -> (usize, usize) {
         (self.rows.len(), self.nuisances.len())

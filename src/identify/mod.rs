@@ -1,9 +1,9 @@
 //! Identification: from measured deviations to error parameters.
 //!
 //! 1. [`read_measurements`]: CSV files to [`Measurement`]s, and the unknowns of the instruments.
-//! 2. [`parameters`], [`slope_bounds`]: the words of `--fit` or of the section `identify` to [`Parameter`]s.
+//! 2. [`overruled`], [`parameters`], [`slope_bounds`], [`unused`]: the words of `--fit` or of the section `identify` to [`Parameter`]s.
 //! 3. [`Model`]: what the machine with these parameters would be measured as, exactly or to an order, and its derivatives.
-//! 4. [`fit()`], [`robust_fit`]: weighted least squares by Levenberg-Marquardt.
+//! 4. [`solve`]: what readings weigh, and with that [`fit()`]: weighted least squares by Levenberg-Marquardt.
 //! 5. [`Solution`]: rank, null space in words, uncertainty; what the noise drowns.
 //! 6. [`Residuals`], [`randomness()`], [`held_out`]: what is left, outliers, orders apart, is it noise, prediction of data
 //!    not used.
@@ -26,13 +26,17 @@ mod plan;
 mod prior;
 mod randomness;
 mod reader;
+mod repeats;
 mod request;
 mod solution;
 mod station;
+mod student;
+mod weighing;
+mod words;
 
-pub use checks::{Outlier, Residuals, held_out, repeatability};
+pub use checks::{Outlier, Residuals, held_out};
 pub use file::fitted_file;
-pub use fit::{Fit, fit, robust_fit};
+pub use fit::{Fit, fit};
 pub use measurement::{Data, End, Kind, Measurement, Reading};
 pub use model::Model;
 pub use monomials::{Coefficient, Component, Monomial, moore_penrose};
@@ -40,5 +44,7 @@ pub use parameter::{Basis, Parameter, SlopeBound, Term};
 pub use plan::{Plan, plan};
 pub use randomness::{Randomness, randomness};
 pub use reader::read_measurements;
-pub use request::{parameters, slope_bounds};
+pub use repeats::{Repeats, repeats};
+pub use request::{overruled, parameters, slope_bounds, unused};
 pub use solution::{Estimate, Solution};
+pub use weighing::{Scatter, solve};

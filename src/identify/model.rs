@@ -183,6 +183,11 @@ impl<'a> Model<'a> {
         theta[self.own + index]
     }
 
+    /// What was subtracted from a deviation.
+    fn first(&self, theta: &[f64], zero: &[Option<usize>; 3]) -> Vector3<f64> {
+        Vector3::from(zero.map(|zero| zero.map_or(0.0, |zero| self.nuisance(theta, zero))))
+    }
+
     fn nuisance_point(&self, theta: &[f64], index: usize) -> Vector3<f64> {
         Vector3::from_fn(|k, _| self.nuisance(theta, index + k))
     }
@@ -196,7 +201,7 @@ impl<'a> Model<'a> {
         match &m.reading {
             Reading::Deviation { frame, zero, .. } => {
                 let (rotation, nominal) = self.nominal(m, *frame);
-                let first = zero.map_or_else(Vector3::zeros, |zero| self.nuisance_point(theta, zero));
+                let first = self.first(theta, zero);
                 turned(&rotation, &minus(&at(&m.pose), &nominal)).zip_map(&first, |x, c| x - S::from_real(c))
             }
             Reading::Distance { from, zero, .. } => {
@@ -249,9 +254,7 @@ impl<'a> Model<'a> {
         let at = |pose: &[f64]| Ideal::at(self.machine(m), pose).pose.translation;
         let single = |x| Vector3::new(x, 0.0, 0.0);
         match &m.reading {
-            Reading::Deviation { zero, .. } => {
-                zero.map_or_else(Vector3::zeros, |zero| -self.nuisance_point(theta, zero))
-            }
+            Reading::Deviation { zero, .. } => -self.first(theta, zero),
             Reading::Distance { from, zero, .. } => {
                 let way = match from {
                     End::Station(first) => at(&m.pose) - self.nuisance_point(theta, *first),
@@ -343,12 +346,12 @@ impl<'a> Model<'a> {
             Reading::Deviation { frame, zero, .. } => {
                 let (rotation, nominal) = self.nominal(m, *frame);
                 let here = here();
-                let first = zero.map_or_else(Vector3::zeros, |zero| self.nuisance_point(theta, zero));
+                let first = self.first(theta, zero);
                 let slope = |(s, d): (&Source, &Vector3<S>)| rotation * d.map(|x| self.slope(*s, &x));
                 Local {
                     predicted: rotation * minus(&here.point, &nominal).map(|x| x.total()) - first,
                     by_parameter: by_parameter(self.sources.iter().zip(&here.derivatives).map(slope).collect()),
-                    by_nuisance: zero.map_or_else(Vec::new, |z| (0..3).map(|k| (z + k, unit(k, -1.0))).collect()),
+                    by_nuisance: (0..3).filter_map(|k| Some((zero[k]?, unit(k, -1.0)))).collect(),
                 }
             }
             Reading::Distance { from: End::Station(first), zero, .. } => {
@@ -438,7 +441,7 @@ fn normalised<S: Algebra>(way: Vector3<S>) -> (S, Vector3<S>) {
 }
 
 /// Where something stands in a list; at its end if it was not there.
-fn index<T: PartialEq>(list: &mut Vec<T>, wanted: T) -> usize {
+pub(super) fn index<T: PartialEq>(list: &mut Vec<T>, wanted: T) -> usize {
     list.iter().position(|known| *known == wanted).unwrap_or_else(|| {
         list.push(wanted);
         list.len() - 1

@@ -2,7 +2,7 @@
 //! taken for an unknown of its own, solved for each component by the Moore-Penrose inverse. Linear, without a start,
 //! and blind to what it throws away: that a product is the product of its factors, and that the components share them.
 
-use super::measurement::{Measurement, Reading};
+use super::measurement::{Kind, Measurement};
 use super::model::{Model, masked};
 use crate::algebra::linear::{Svd, Triangle};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -65,7 +65,7 @@ fn monomials(count: usize) -> Vec<Monomial> {
 
 /// The fit of each component that was measured. Rows other than deviations are not in the papers: `None`.
 pub fn moore_penrose(model: &Model<'_>, data: &[Measurement]) -> Option<Vec<Component>> {
-    if !data.iter().all(|m| matches!(m.reading, Reading::Deviation { zero: None, .. })) {
+    if !data.iter().all(|m| m.kind() == Kind::Deviation) {
         return None;
     }
     let list = monomials(model.own());

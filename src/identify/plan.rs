@@ -52,8 +52,9 @@ fn candidates(model: &Model<'_>, seed: u64) -> Vec<Measurement> {
             pose,
             tool,
             approach: Approach::Mean,
-            reading: Reading::Deviation { values: [Some(0.0); 3], frame: Frame::Workpiece, zero: None },
+            reading: Reading::Deviation { values: [Some(0.0); 3], frame: Frame::Workpiece, zero: [None; 3] },
             weight: 1.0,
+            known: false,
             run: None,
             place: place.clone(),
         };
@@ -87,10 +88,10 @@ fn expected(model: &Model<'_>, poses: &[Measurement], theta: &[f64], noise: f64)
     let weights = vec![1.0; poses.len()];
     let reduced = model.triangle(poses, &weights, theta);
     let bounded = vec![false; theta.len()];
-    let mut fit = Fit { theta: theta.to_vec(), reduced, weights, bounded, steps: 0, settled: true };
+    let (theta, scatter) = (theta.to_vec(), Vec::new());
+    let mut fit = Fit { theta, reduced, squares: 0.0, weights, scatter, bounded, steps: 0, settled: true };
     // As if the readings scattered by the noise over as many degrees of freedom as there will be.
     let freedom = Solution::of(&fit, model.parameters()).freedom.max(1);
-    fit.reduced.right.fill(0.0);
-    fit.reduced.rest = noise * (freedom as f64).sqrt();
+    fit.squares = noise * noise * freedom as f64;
     Solution::of(&fit, model.parameters())
 }

@@ -1,13 +1,13 @@
 //! From a file of measurements to rows: cells to numbers, then what needs the other rows of a run.
 
-use super::columns::{Column, Form, columns};
+use super::columns::{Column, Form, Quantity, columns};
 use super::measurement::{Data, End, Measurement, Reading};
 use super::parameter::lever;
 use super::station;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, did_you_mean, shown};
 use crate::evaluate::Frame;
 use crate::lower::{Ideal, Source};
-use crate::machine::{Approach, Machine, Pose};
+use crate::machine::{Approach, Direction, Machine, Pose};
 use crate::syntax::Files;
 use crate::syntax::sheet::{self, Decimals, Line, read_sheet};
 use nalgebra::Vector3;
@@ -27,6 +27,8 @@ struct Draft {
     length: Option<(Length, f64)>,
     along: f64,
     errors: Vec<(Source, Approach, f64)>,
+    /// Weight of angles, where their uncertainty is given.
+    angles: Option<f64>,
     station: Option<String>,
     at: [Option<f64>; 3],
     ball: String,
@@ -37,6 +39,18 @@ enum Length {
     Whole,
     FromNominal,
     Displacement,
+}
+
+impl Draft {
+    /// Takes a standard uncertainty (mm or rad) for the weight.
+    fn uncertain(&mut self, quantity: Quantity, value: f64, cell: &str) -> Result<(), String> {
+        let angle = quantity == Quantity::Angle;
+        let um = value * 1e3 * if angle { lever(Direction::A) } else { 1.0 };
+        let weight = positive(1.0 / (um * um), cell, "uncertainty")?;
+        self.row.known = true;
+        *(if angle { self.angles.get_or_insert(weight) } else { &mut self.row.weight }) = weight;
+        Ok(())
+    }
 }
 
 /// Reads files of measurements of one machine, and collects rows and unknowns.
@@ -146,8 +160,9 @@ impl Reader<'_> {
             pose: vec![0.0; self.machine.axes().len()],
             tool: tool.unwrap_or_default(),
             approach: Approach::Mean,
-            reading: Reading::Deviation { values: [None; 3], frame: self.frame, zero: None },
+            reading: Reading::Deviation { values: [None; 3], frame: self.frame, zero: [None; 3] },
             weight: 1.0,
+            known: false,
             run: None,
             place,
         };
@@ -157,6 +172,7 @@ impl Reader<'_> {
             length: None,
             along: 0.0,
             errors: Vec::new(),
+            angles: None,
             station: None,
             at: [None; 3],
             ball: String::new(),
@@ -204,15 +220,14 @@ impl Reader<'_> {
                 Column::StationAt(k, factor) => draft.at[k] = Some(number(cell)? * factor),
                 Column::Tool => draft.row.tool = tool_index(self.machine, cell)?,
                 Column::Weight => draft.row.weight = positive(number(cell)?, cell, "weight")?,
-                Column::Uncertainty(factor) => {
-                    let um = positive(number(cell)?, cell, "uncertainty")? * factor * 1e3;
-                    draft.row.weight = positive(1.0 / (um * um), cell, "uncertainty")?;
+                Column::Uncertainty(quantity, factor) => {
+                    draft.uncertain(quantity, positive(number(cell)?, cell, "uncertainty")? * factor, cell)?;
                 }
                 Column::Run => draft.row.run = Some(cell.clone()),
                 Column::Approach => draft.row.approach = approach(cell)?,
             }
         }
-        draft.row.reading = Reading::Deviation { values, frame: self.frame, zero: None };
+        draft.row.reading = Reading::Deviation { values, frame: self.frame, zero: [None; 3] };
         if !to.is_empty() {
             let mut pose = draft.row.pose.clone();
             to.into_iter().for_each(|(axis, q)| pose[axis] = q);
@@ -249,7 +264,9 @@ impl Reader<'_> {
             for (source, approach, value) in draft.errors {
                 let approach = if approach == Approach::Mean { draft.row.approach } else { approach };
                 let reading = Reading::Error { value: value * lever(source.direction), source };
-                self.data.rows.push(Measurement { reading, approach, ..draft.row.clone() });
+                let own = if source.direction.is_rotation() { draft.angles } else { None };
+                let weight = own.unwrap_or(draft.row.weight);
+                self.data.rows.push(Measurement { reading, approach, weight, ..draft.row.clone() });
             }
         }
     }
@@ -258,10 +275,11 @@ impl Reader<'_> {
     fn relative(&mut self, drafts: Vec<Draft>) {
         for (run, drafts) in runs(drafts, |_| String::new()) {
             let name = format!("{}first{}", self.file, run);
-            let first = self.data.unknown_point(&name, Vector3::zeros());
+            let read = std::array::from_fn(|k| drafts.iter().any(|draft| draft.row.seen()[k]));
+            let first = self.data.unknown_components(&name, read);
             for mut draft in drafts {
                 if let Reading::Deviation { zero, .. } = &mut draft.row.reading {
-                    *zero = Some(first);
+                    *zero = first;
                 }
                 self.data.rows.push(draft.row);
             }
@@ -271,7 +289,7 @@ impl Reader<'_> {
     /// A ball on the workpiece that the functional point was brought to: the actual point is the same in all poses.
     fn balls(&mut self, drafts: Vec<Draft>) {
         for (run, drafts) in runs(drafts, |draft| draft.ball.clone()) {
-            let zero = Some(self.data.unknown_point(&format!("{}ball{run}", self.file), Vector3::zeros()));
+            let zero = self.data.unknown_components(&format!("{}ball{run}", self.file), [true; 3]);
             let Some(first) = drafts.first().map(|draft| self.nominal(&draft.row, &draft.row.pose)) else { continue };
             for mut draft in drafts {
                 let off = first - self.nominal(&draft.row, &draft.row.pose);

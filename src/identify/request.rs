@@ -9,6 +9,9 @@ use crate::lower::{Place, Source};
 use crate::machine::{Approach, AxisKind, Curve, Direction, ErrorId, Machine, parse_error_name};
 use crate::syntax::{IdentifyEntry, Scalar};
 
+/// Highest power of a polynomial.
+pub(super) const POWERS: u8 = 20;
+
 /// Groups by name.
 const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
 
@@ -39,6 +42,45 @@ pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Para
         return Err(Box::new(Diagnostic::new("E0502", "there is nothing to fit").help(help)));
     }
     Ok(list)
+}
+
+/// The error whose form a word of `fit` says, and that form: `EXX+-:poly3`.
+fn formed(word: &str) -> Option<(ErrorId, &str)> {
+    let (name, form) = word.split_once(':')?;
+    let name = name.trim();
+    let bare = name.strip_suffix("+-").map_or_else(|| directed(name).0, str::trim);
+    Some((parse_error_name(bare)?, form.trim()))
+}
+
+/// What the command line fits goes before what the machine file says: list, and forms of curves.
+pub fn overruled(mut request: IdentifyEntry, fit: &[String], fixed: &[String]) -> IdentifyEntry {
+    request.fixed.extend(fixed.iter().cloned());
+    if fit.is_empty() {
+        return request;
+    }
+    request.fit = fit.to_vec();
+    for (error, form) in fit.iter().filter_map(|word| formed(word.trim())) {
+        let other = |key: &String| parse_error_name(key).as_ref() != Some(&error);
+        request.basis.retain(|key, _| other(key));
+        if form.contains(|c: char| c.is_ascii_digit()) {
+            request.knots.retain(|key, _| other(key));
+        }
+    }
+    request
+}
+
+/// What the section says of curves and parameters that are not fitted, or not in that way: `knots of EXX`.
+pub fn unused(machine: &Machine, request: &IdentifyEntry, list: &[Parameter]) -> Vec<String> {
+    let fitted = |key: &String, knots: bool| {
+        let Some(source) = parse_error_name(key).map(|error| source(machine, &error)) else { return false };
+        let mut terms = list.iter().flat_map(|p| &p.terms);
+        terms.any(|t| t.source == source && (!knots || t.basis.knots().is_some()))
+    };
+    let idle = |word: &str, key: &String| format!("{word} of {}", shown(key));
+    let basis = request.basis.keys().filter(|key| !fitted(key, false)).map(|key| idle("basis", key));
+    let knots = request.knots.keys().filter(|key| !fitted(key, true)).map(|key| idle("knots", key));
+    let own = request.parameters.keys().filter(|name| !list.iter().any(|p| p.name == **name));
+    basis.chain(knots).chain(own.map(|name| format!("parameter {}", shown(name)))).collect()
 }
 
 /// The bounds on slopes of fitted curves.
@@ -239,6 +281,10 @@ fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<
     let (bare, approach) = both.map_or_else(|| directed(name), |bare| (bare, None));
     let error = error(machine, bare)?;
     let listed = request.basis.iter().find(|(key, _)| parse_error_name(key).as_ref() == Some(&error));
+    if let Some((said, (_, listed))) = form.zip(listed).filter(|(said, (_, listed))| said != listed) {
+        let message = format!("`{error}` is fitted as `{}`, and its basis is `{}`", shown(said), shown(listed));
+        return Err(refusal(message, "say it once: in `fit`, or in `basis`"));
+    }
     let form = form.or(listed.map(|(_, form)| form.as_str()));
     if error.location {
         return match form {
@@ -280,7 +326,8 @@ fn own_parameter(
         for (k, factor) in powers.iter().enumerate() {
             let said = || refusal(format!("`{}`: `{factor}` is not a coefficient of `{error}`", shown(name)), help);
             let factor = curves::plain(factor).ok_or_else(said)?;
-            let power = u8::try_from(k).ok().filter(|k| *k < 10 && (*k == 0 || !error.location)).ok_or_else(said)?;
+            let power =
+                u8::try_from(k).ok().filter(|k| *k <= POWERS && (*k == 0 || !error.location)).ok_or_else(said)?;
             if factor != 0.0 {
                 terms.push(Term::new(
                     source,

@@ -2,8 +2,9 @@
 
 use super::fit::Fit;
 use super::parameter::Parameter;
+use super::student;
+use super::words::{drowned, echelon, inseparable, list, named};
 use crate::algebra::linear::Svd;
-use crate::units::significant;
 use nalgebra::{DMatrix, DVector};
 
 /// Singular values of the column-scaled Jacobian below this share of the largest are zero.
@@ -13,8 +14,6 @@ const RANK: f64 = 1e-10;
 const FAINT: f64 = 1e-2;
 /// A parameter with more than this squared share in the null space has no value of its own.
 const LOST: f64 = 1e-3;
-/// Parameters below this share of the largest in a direction are not named.
-const NAMED: f64 = 0.02;
 
 /// A parameter's value and what it is worth; in the parameter's kept unit (mm, rad, degrees of position).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,7 +40,9 @@ pub struct Solution {
     pub rank: usize,
     /// How many independent directions the noise does not drown.
     pub well_determined: usize,
-    /// What cannot be told apart, in words.
+    /// Parameters without any effect.
+    pub idle: Vec<String>,
+    /// What cannot be told apart, in words: a sentence for each rank that is missing, first those on `idle`.
     pub null_space: Vec<String>,
     /// What can in principle, but not with this noise, in words.
     pub drowned: Vec<String>,
@@ -53,6 +54,11 @@ pub struct Solution {
     pub sigma: f64,
     /// Readings minus rank.
     pub freedom: usize,
+    /// Covariance of the parameters as displacements over `units`, for readings of unit variance.
+    covariance: DMatrix<f64>,
+    /// Directions (columns) in which these are free.
+    hidden: DMatrix<f64>,
+    units: DVector<f64>,
 }
 
 impl Solution {
@@ -68,7 +74,7 @@ impl Solution {
         let full = rank == parameters.len();
         let sized = if full { None } else { Some(fit.reduced.scaled(&sizes)) };
         let freedom = fit.reduced.rows.saturating_sub(rank);
-        let sigma = fit.reduced.right_norm() / (freedom.max(1) as f64).sqrt();
+        let sigma = libm::sqrt(fit.squares / freedom.max(1) as f64);
         let null = sized.as_ref().map_or_else(Vec::new, |sized| echelon(&sized.null_space(rank)));
         let (covariance, hidden) = match &sized {
             Some(sized) => (sized.covariance(rank), sized.null_space(rank)),
@@ -89,19 +95,48 @@ impl Solution {
         let values = estimates.iter().zip(parameters).filter(|(e, p)| e.valuation > 0.0 && !p.is_nuisance());
         let valuation = values.map(|(e, _)| e.valuation).reduce(f64::min).unwrap_or(0.0);
         let well_determined = heard(&unit, rank, fit.reduced.rows);
+        // One standard deviation along a direction, in units of displacement.
+        let along = |k: usize| unit.v.column(k).component_mul(&sizes).component_div(&scale) * (sigma / unit.values[k]);
+        let spreads: Vec<DVector<f64>> = (well_determined..rank).map(along).collect();
         let smallest = if rank > 0 { unit.values[rank - 1] } else { 0.0 };
         Self {
             estimates,
             valuation,
             rank,
             well_determined,
+            idle: null.iter().map_while(|row| alone(row).map(|(j, _)| parameters[j].name.clone())).collect(),
             null_space: null.iter().map(|row| inseparable(&named(row), parameters)).collect(),
-            drowned: drowned(&unit, &scale, well_determined..rank, sigma, parameters),
+            drowned: drowned(&spreads, &scale.component_div(&sizes), &null, parameters),
             condition: if smallest > 0.0 { unit.values[0] / smallest } else { f64::INFINITY },
             singular_values: unit.values.iter().copied().collect(),
             sigma,
             freedom,
+            units: units.clone(),
+            covariance,
+            hidden,
         }
+    }
+
+    /// Standard uncertainty of a sum of so much of each parameter; `None` if the data leave it free, or nothing scatters.
+    pub fn uncertainty(&self, sum: &[(usize, f64)]) -> Option<f64> {
+        let mut row = DVector::zeros(self.units.len());
+        sum.iter().for_each(|(j, factor)| row[*j] += factor / self.units[*j]);
+        let told = self.hidden.tr_mul(&row).norm_squared() <= LOST * row.norm_squared();
+        let variance = row.dot(&(&self.covariance * &row));
+        (told && self.freedom > 0).then(|| libm::sqrt(variance.max(0.0)) * self.sigma)
+    }
+
+    /// How many standard uncertainties a 95 % interval reaches to either side (Student); `None` without scatter.
+    pub fn coverage(&self) -> Option<f64> {
+        (self.freedom > 0).then(|| student::coverage_95(self.freedom))
+    }
+
+    /// What cannot be told apart, in as few sentences as can be read.
+    pub fn free(&self) -> Vec<String> {
+        let idle: Vec<&str> = self.idle.iter().map(String::as_str).collect();
+        let all = if idle.len() < 2 { None } else { Some(format!("{} have no effect on these data", list(&idle))) };
+        let rest = self.null_space.iter().skip(if all.is_some() { idle.len() } else { 0 }).cloned();
+        all.into_iter().chain(rest).collect()
     }
 
     /// Values of the parameters (mm, rad, degrees of position).
@@ -117,12 +152,17 @@ fn heard(unit: &Svd, rank: usize, readings: usize) -> usize {
     (0..rank).filter(|k| unit.values[*k] > limit).count()
 }
 
+/// The only parameter of a direction, and how much of it.
+fn alone(row: &DVector<f64>) -> Option<(usize, f64)> {
+    if let [only] = named(row)[..] { Some(only) } else { None }
+}
+
 /// Puts parameters that have no effect back to where they started: what is left of them is the bend of
 /// the directions they hid in while the others moved.
 fn at_rest(fit: &Fit, null: &[DVector<f64>], parameters: &[Parameter]) -> Vec<f64> {
     let mut theta = fit.theta.clone();
     for row in null {
-        let [(alone, amount)] = named(row)[..] else { continue };
+        let Some((alone, amount)) = alone(row) else { continue };
         if fit.bounded[alone] {
             continue;
         }
@@ -133,146 +173,4 @@ fn at_rest(fit: &Fit, null: &[DVector<f64>], parameters: &[Parameter]) -> Vec<f6
         theta[alone] = parameters[alone].start;
     }
     theta
-}
-
-/// A direction: parameters and how much of each (unit size 1).
-type Direction = Vec<(usize, f64)>;
-
-/// A basis of a subspace in which few parameters take part in each direction: reduced echelon form.
-fn echelon(basis: &DMatrix<f64>) -> Vec<DVector<f64>> {
-    let mut rows: Vec<DVector<f64>> = basis.column_iter().map(|column| column.into_owned()).collect();
-    // Among equals the first: which of two equal parts is larger must not depend on rounding.
-    let largest =
-        |row: &DVector<f64>| (0..row.len()).fold(0, |p, j| if row[j].abs() > 1.0001 * row[p].abs() { j } else { p });
-    for k in 0..rows.len() {
-        let size = |row: &DVector<f64>| row[largest(row)].abs();
-        let best =
-            (k..rows.len()).fold(k, |best, i| if size(&rows[i]) > 1.0001 * size(&rows[best]) { i } else { best });
-        rows.swap(k, best);
-        let pivot = largest(&rows[k]);
-        if rows[k][pivot] == 0.0 {
-            continue;
-        }
-        let row = &rows[k] / rows[k][pivot];
-        for (i, other) in rows.iter_mut().enumerate() {
-            let factor = other[pivot];
-            if i == k { other.copy_from(&row) } else { *other -= &row * factor }
-        }
-    }
-    rows.sort_by_key(|row| (named(row).len(), largest(row)));
-    rows
-}
-
-/// The parameters that matter in a direction.
-fn named(row: &DVector<f64>) -> Direction {
-    let largest = row.iter().map(|x| x.abs()).fold(0.0, f64::max);
-    row.iter().copied().enumerate().filter(|(_, x)| x.abs() > NAMED * largest && *x != 0.0).collect()
-}
-
-/// `EX0C, tool.X and workpiece.X`.
-fn list(names: &[&str]) -> String {
-    match names {
-        [] => String::new(),
-        [one] => (*one).to_owned(),
-        [init @ .., last] => format!("{} and {last}", init.join(", ")),
-    }
-}
-
-fn names<'a>(direction: &Direction, parameters: &'a [Parameter]) -> Vec<&'a str> {
-    direction.iter().map(|(j, _)| parameters[*j].name.as_str()).collect()
-}
-
-fn inseparable(direction: &Direction, parameters: &[Parameter]) -> String {
-    if let [(j, _)] = direction[..] {
-        return format!("{} has no effect on these data", parameters[j].name);
-    }
-    let first = direction.first().map_or(1.0, |(j, x)| parameters[*j].shown(x / parameters[*j].size));
-    let amount = |(j, x): &(usize, f64)| parameters[*j].shown(x / parameters[*j].size) / first;
-    let curves = direction.chunk_by(|(i, _), (j, _)| parameters[*i].curve().0 == parameters[*j].curve().0);
-    let (mut names, mut parts) = (Vec::new(), Vec::new());
-    for knots in curves {
-        match shape(knots, &amount, parameters) {
-            Some(part) => {
-                names.push(parameters[knots[0].0].curve().0);
-                parts.push(part);
-            }
-            None => {
-                let part = |k: &(usize, f64)| {
-                    format!("{} {} {}", parameters[k.0].name, signed(amount(k)), parameters[k.0].unit)
-                };
-                names.extend(knots.iter().map(|(j, _)| parameters[*j].name.as_str()));
-                parts.extend(knots.iter().map(part));
-            }
-        }
-    }
-    match &parts[..] {
-        [one] => format!("{one} changes nothing"),
-        _ => format!("{} cannot be separated: together {} change nothing", list(&names), parts.join(", ")),
-    }
-}
-
-/// Amounts of neighbouring knots of a curve as one: the same throughout, or from one to another. `None` of so few that they
-/// may as well be listed.
-fn shape(knots: &[(usize, f64)], amount: &impl Fn(&(usize, f64)) -> f64, parameters: &[Parameter]) -> Option<String> {
-    let ([(i, _), .., (j, _)], true) = (knots, knots.len() > 2) else { return None };
-    let (curve, from) = parameters[*i].curve();
-    let (from, to, unit) = (from?, parameters[*j].curve().1?, &parameters[*i].unit);
-    let (first, last) = (amount(&knots[0]), amount(&knots[knots.len() - 1]));
-    let all = parameters.iter().filter(|p| p.curve().0 == curve).count() == knots.len();
-    let even = knots.iter().all(|k| (amount(k) - first).abs() <= 0.01 * first.abs());
-    if all && even {
-        return Some(format!("{curve} {} {unit} throughout", signed(first)));
-    }
-    Some(format!("{curve} {} {unit} at {from} to {} {unit} at {to}", signed(first), signed(last)))
-}
-
-fn signed(value: f64) -> String {
-    let text = significant(value, 3);
-    if text.starts_with('-') { text } else { format!("+{text}") }
-}
-
-/// Parameters named of a direction that the noise drowns: those with the largest part.
-const MOST_NAMED: usize = 6;
-/// What moves points by more than this (mm) is no error of a machine: less of it is named.
-const LARGE: f64 = 1.0;
-
-/// The directions within the rank whose uncertainty is beyond use, each with what it amounts to.
-fn drowned(
-    unit: &Svd,
-    scale: &DVector<f64>,
-    which: std::ops::Range<usize>,
-    sigma: f64,
-    parameters: &[Parameter],
-) -> Vec<String> {
-    let describe = |k: usize| {
-        let value = unit.values[k];
-        // One standard deviation along this direction, in units of displacement.
-        let spread = |j: usize| unit.v[(j, k)] / scale[j] * sigma / value * parameters[j].size;
-        let direction = named(&DVector::from_fn(parameters.len(), |j, _| spread(j)));
-        let mut direction: Direction = direction.into_iter().filter(|(j, _)| unit.v[(*j, k)].abs() > 0.1).collect();
-        direction.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
-        let most = direction.first().map_or(0.0, |(_, x)| x.abs());
-        let share = if most > LARGE { LARGE / most } else { 1.0 };
-        let part = |(j, x): &(usize, f64)| {
-            let p = &parameters[*j];
-            format!("{} {} {}", p.name, signed(p.shown(x * share / p.size)), p.unit)
-        };
-        let others = direction.split_off(direction.len().min(MOST_NAMED)).len();
-        let mut parts: Vec<String> = direction.iter().map(part).collect();
-        let mut names = names(&direction, parameters);
-        let more = format!("{others} more");
-        if others > 0 {
-            names.push(&more);
-            parts.push("...".to_owned());
-        }
-        let (parts, names) = (parts.join(", "), list(&names));
-        if share < 1.0 {
-            let share = significant(share, 2);
-            return format!(
-                "{names} are only known together: {parts} are {share} of what the noise (one standard deviation) hides"
-            );
-        }
-        format!("{names} are only known together: the noise (one standard deviation) cannot be told from {parts}")
-    };
-    which.map(describe).collect()
 }

@@ -25,5 +25,5 @@ pub use curve::{Curve, Knots, KnotsFailure, sin_cos_degrees};
 pub use errors::{Approach, ComponentError, ErrorTerm, JointErrors};
 pub use model::{Grid, Machine, MachineParts, Outside, Pose, Provenance, SetUp, Tool};
 pub use name::{AxisName, Direction, ErrorId};
-pub use resolve::{parse_error_name, resolve};
+pub use resolve::{largest, parse_error_name, resolve};
 pub use written::written;

@@ -199,27 +199,34 @@ pub enum GeneratorsEntry {
 }
 
 /// What `identify` fits.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, serde::Serialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IdentifyEntry {
     /// Error names and groups.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub fit: Vec<String>,
     /// Names that keep their value.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub fixed: Vec<String>,
     /// Basis by error name: `poly3`, `fourier2`, `spline8`, `bspline8`, `blocks4`; `spline`, `bspline` and `blocks` with given knots.
+    #[serde(skip_serializing_if = "IndexMap::is_empty")]
     #[schemars(schema_with = "super::schema::bases")]
     pub basis: IndexMap<String, String>,
     /// Positions of knots by error name, for `spline`, `bspline` and `blocks`; the ends of the travel are added.
+    #[serde(skip_serializing_if = "IndexMap::is_empty")]
     #[schemars(schema_with = "super::schema::knots")]
     pub knots: IndexMap<String, Vec<Scalar>>,
     /// Parameters of one's own: for every error that moves with it, the coefficients by rising power of its axis's
     /// position (mm, rad; mm or deg).
+    #[serde(skip_serializing_if = "IndexMap::is_empty")]
     #[schemars(schema_with = "super::schema::own_parameters")]
     pub parameters: IndexMap<String, IndexMap<String, Vec<Scalar>>>,
     /// Errors that follow others: `EBY: { EBX: -1 }` is EBY = -EBX.
+    #[serde(skip_serializing_if = "IndexMap::is_empty")]
     #[schemars(schema_with = "super::schema::tied")]
     pub tied: IndexMap<String, IndexMap<String, Scalar>>,
     /// How steep a fitted curve is at most, about (standard deviation): `EXX: 20 um/m`.
+    #[serde(skip_serializing_if = "IndexMap::is_empty")]
     #[schemars(schema_with = "super::schema::slopes")]
     pub slopes: IndexMap<String, Scalar>,
 }

@@ -12,10 +12,10 @@ use abbe::diagnostic::{Diagnostics, Place as InFile};
 use abbe::evaluate::{Frame, Order, evaluate};
 use abbe::identify::{
     Fit, Measurement, Model, Parameter, Reading, Solution, fit, fitted_file, held_out, parameters, read_measurements,
-    robust_fit,
+    solve as weigh,
 };
 use abbe::lower::{Exact, Place, Source, actual_point, tangents, values};
-use abbe::machine::{Approach, Direction, Machine};
+use abbe::machine::{Approach, Direction, Machine, written};
 use abbe::syntax::IdentifyEntry;
 use nalgebra::{DMatrix, Vector3};
 
@@ -27,8 +27,17 @@ pub fn wanted(machine: &Machine, words: &[&str]) -> Vec<Parameter> {
 pub fn measured(pose: &[f64], d: [f64; 3]) -> Measurement {
     let source = Diagnostics::default().sources.add("data.csv", "");
     let place = InFile { source, range: 0..0 };
-    let reading = Reading::Deviation { values: d.map(Some), frame: Frame::Workpiece, zero: None };
-    Measurement { pose: pose.to_vec(), tool: 0, approach: Approach::Mean, reading, weight: 1.0, run: None, place }
+    let reading = Reading::Deviation { values: d.map(Some), frame: Frame::Workpiece, zero: [None; 3] };
+    Measurement {
+        pose: pose.to_vec(),
+        tool: 0,
+        approach: Approach::Mean,
+        reading,
+        weight: 1.0,
+        known: false,
+        run: None,
+        place,
+    }
 }
 
 pub fn solve(machine: &Machine, parameters: &[Parameter], data: &[Measurement]) -> (Fit, Solution) {
@@ -43,6 +52,12 @@ pub fn of_sample(sample: &Sample) -> Machine {
     let folder = Folder::new();
     yaml::write(sample, &folder);
     crate::loaded::machine(&folder.path("machine.yaml"))
+}
+
+/// The fitted machine file.
+pub fn fitted_text(machine: &Machine, parameters: &[Parameter], found: &Fit) -> String {
+    let note = [("fit".to_owned(), "by a test".to_owned())];
+    fitted_file(machine, parameters, &Solution::of(found, parameters), &note, &IdentifyEntry::default())
 }
 
 fn rms(vectors: impl Iterator<Item = Vector3<f64>>) -> f64 {
@@ -265,7 +280,7 @@ fn every_kind_of_curve_is_found_again_and_the_fitted_file_says_it() {
     for (name, known) in expected {
         assert!((value(name) - known).abs() < 1e-4, "{name}: {}", value(name));
     }
-    let text = fitted_file(&blank, &parameters, &found.theta, &[("fit".to_owned(), "by a test".to_owned())]);
+    let text = fitted_text(&blank, &parameters, &found);
     let fitted = silent(&[("machine.yaml", &text)]);
     for pose in five_poses(&mut random, 30) {
         let gap = Vector3::from(deviation(&fitted, &pose)) - Vector3::from(deviation(&truth, &pose));
@@ -280,7 +295,7 @@ fn a_fitted_file_of_any_machine_says_the_same_as_the_machine() {
     for conventions in combinations().step_by(7) {
         let sample = Sample::random(&mut random, conventions, 1e-4);
         let before = of_sample(&sample);
-        let text = fitted_file(&before, &[], &[], &[]);
+        let text = written(&before.to_parts(), &[]);
         let (after, diagnostics) = super::language::read(&[("machine.yaml", &text)]);
         let after = after.unwrap_or_else(|| panic!("{text}\n{:?}", diagnostics.iter().next()));
         for pose in sample.poses(&mut random, 10) {
@@ -338,7 +353,7 @@ fn robust_weights_resist_bumped_points_and_held_out_data_are_predicted() {
         .collect();
     data[10] = measured(&data[10].pose, [0.3, -0.2, 0.1]);
     let model = Model::new(&blank, &parameters);
-    let robust = robust_fit(&model, &data);
+    let robust = weigh(&model, &data, true);
     assert!((robust.theta[0] - 12e-6).abs() < 2e-6 && (robust.theta[1] - 6e-3).abs() < 6e-4, "{:?}", robust.theta);
     let report = abbe::identify::Residuals::of(&model, &data, &robust.theta);
     assert_eq!(report.outliers.first().map(|o| o.row), Some(10));

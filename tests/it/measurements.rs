@@ -308,7 +308,7 @@ fn hostile_files_of_other_kinds_are_refused_in_words() {
         ("E0507", "X,along [um]\n10,5\n10,6\n10.5,6\n".to_owned()),
         ("E0802", "X,length [mm],to.X\n10,5,1e9\n".to_owned()),
         ("E0503", format!("X,length [mm],{at}\n0,500,500,0,0\n100,400,500,0,0\n")),
-        ("E0508", format!("X,run,rel.dx [um]\n{}", (0..200).map(|i| format!("{i},r{i},1\n")).collect::<String>())),
+        ("E0508", format!("X,run,rel.dx [um]\n{}", (0..600).map(|i| format!("{i},r{i},1\n")).collect::<String>())),
     ] {
         assert!(said(&data).contains(code), "{code}: {data}\n{}", said(&data));
     }
@@ -319,7 +319,7 @@ fn hostile_files_of_other_kinds_are_refused_in_words() {
 }
 
 /// The output of `identify` of the five-axis machine, and the bytes of its data.
-fn identified(data: &[u8], options: &[&str]) -> (std::process::Output, Folder) {
+pub fn identified(data: &[u8], options: &[&str]) -> (std::process::Output, Folder) {
     let folder = Folder::new();
     let (machine, file) = (folder.write("machine.yaml", FIVE), folder.path("data.csv"));
     std::fs::write(&file, data).unwrap();

@@ -1,11 +1,11 @@
 //! What can be fitted beside plain curves: blocks, knots, both directions, tied errors, own parameters, bounded slopes.
 
-use super::identify::{FIVE, deviation, five, five_poses, json, measured, normal, run};
+use super::identify::{FIVE, deviation, fitted_text, five, five_poses, json, measured, normal, run};
 use super::language::{read, silent};
 use super::oracle::program::Folder;
 use super::oracle::random::Random;
 use abbe::evaluate::Order;
-use abbe::identify::{Fit, Measurement, Model, Parameter, fit, fitted_file, parameters, slope_bounds};
+use abbe::identify::{Fit, Measurement, Model, Parameter, fit, parameters, slope_bounds};
 use abbe::machine::{Approach, Machine};
 use abbe::syntax::{IdentifyEntry, Scalar};
 
@@ -54,7 +54,7 @@ fn blocks_are_linear_within_and_continuous_across_and_the_file_says_them() {
         assert!((value(&unknowns, &found, &format!("{name}:120mm")) - 4.0).abs() < 1e-5);
         assert!((value(&unknowns, &found, &format!("{name}:500mm")) + 2.0).abs() < 1e-5);
     }
-    let text = fitted_file(&blank, &unknowns, &found.theta, &[]);
+    let text = fitted_text(&blank, &unknowns, &found);
     assert!(text.contains("interpolation: linear") && text.contains("interpolation: cubic"), "{text}");
     let fitted = silent(&[("machine.yaml", &text)]);
     for pose in five_poses(&mut Random::new(92), 20) {
@@ -119,7 +119,7 @@ fn b_splines_are_found_and_the_file_says_them() {
         .map(|(p, t)| p.shown(*t))
         .collect();
     assert!(ecc.iter().zip([3.0, 20.0, -10.0, 5.0]).all(|(a, b)| (a - b).abs() < 1e-5), "{ecc:?}");
-    let text = fitted_file(&blank, &unknowns, &found.theta, &[]);
+    let text = fitted_text(&blank, &unknowns, &found);
     assert!(text.contains("bspline: { degree: 3") && text.contains("bspline: { degree: 2"), "{text}");
     let fitted = silent(&[("machine.yaml", &text)]);
     for pose in five_poses(&mut Random::new(192), 50).into_iter().map(whole) {
@@ -151,7 +151,7 @@ fn both_directions_are_found_and_written() {
     for (name, known) in expected {
         assert!((value(&unknowns, &found, name) - known).abs() < 1e-5, "{name}");
     }
-    let fitted = silent(&[("machine.yaml", &fitted_file(&blank, &unknowns, &found.theta, &[]))]);
+    let fitted = silent(&[("machine.yaml", &fitted_text(&blank, &unknowns, &found))]);
     for approach in [Approach::Forward, Approach::Reverse, Approach::Mean] {
         let at = |machine: &Machine| machine.component_values(machine.axis_index("X").unwrap(), 300.0, approach)[0];
         assert!((at(&fitted) - at(&truth)).abs() < 1e-9);
@@ -175,7 +175,7 @@ fn tied_errors_and_own_parameters_move_together() {
         (value(&unknowns, &found, "EX0C") - 6.0).abs() < 1e-6 && (value(&unknowns, &found, "f1") - 20.0).abs() < 1e-5
     );
     assert_eq!(unknowns[1].unit, "urad/m");
-    let fitted = silent(&[("machine.yaml", &fitted_file(&blank, &unknowns, &found.theta, &[]))]);
+    let fitted = silent(&[("machine.yaml", &fitted_text(&blank, &unknowns, &found))]);
     for pose in five_poses(&mut Random::new(95), 10) {
         let (a, b) = (deviation(&fitted, &pose), deviation(&truth, &pose));
         assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-8));
@@ -196,7 +196,7 @@ fn a_bounded_slope_keeps_a_curve_flat_where_nothing_was_measured() {
     }
     let at_end = |wanted: &IdentifyEntry| {
         let (unknowns, found) = solved(&blank, wanted, &data);
-        let fitted = silent(&[("machine.yaml", &fitted_file(&blank, &unknowns, &found.theta, &[]))]);
+        let fitted = silent(&[("machine.yaml", &fitted_text(&blank, &unknowns, &found))]);
         (fitted.component_values(3, 500.0, Approach::Mean)[0] - 5e-3).abs()
     };
     let mut bounded = request(&["EXX:poly5"]);

@@ -92,7 +92,7 @@ fn what_one_component_shows_only_in_products_stays_at_home() {
     let seen = |pose: &Vec<f64>| {
         let mut one = measured(pose, deviation(&truth, pose));
         let [_, _, z] = deviation(&truth, pose);
-        one.reading = Reading::Deviation { values: [None, None, Some(z)], frame: Frame::Workpiece, zero: None };
+        one.reading = Reading::Deviation { values: [None, None, Some(z)], frame: Frame::Workpiece, zero: [None; 3] };
         one
     };
     let mut data: Vec<Measurement> = poses.iter().map(seen).collect();
@@ -112,7 +112,7 @@ fn as_many_readings_as_unknowns_leave_no_uncertainty_to_state() {
     let machine = five("");
     let parameters = wanted(&machine, &["EC0Y"]);
     let mut one = measured(&[0.0, 0.0, 300.0, 100.0, 0.0], [0.0; 3]);
-    one.reading = Reading::Deviation { values: [Some(3e-3), None, None], frame: Frame::Workpiece, zero: None };
+    one.reading = Reading::Deviation { values: [Some(3e-3), None, None], frame: Frame::Workpiece, zero: [None; 3] };
     let (_, solution) = solve(&machine, &parameters, &[one]);
     assert_eq!((solution.rank, solution.freedom), (1, 0));
     assert!(solution.estimates[0].sigma.is_none() && solution.estimates[0].value < -5e-6);

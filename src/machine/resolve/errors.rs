@@ -296,17 +296,22 @@ fn peak(of: &CurveOf<'_>, curve: &crate::machine::Curve) -> f64 {
     at.chain(knots).map(size).fold(0.0, f64::max)
 }
 
+/// The size (mm or rad) beyond which an error can only be a mistake of unit.
+pub fn largest(direction: Direction) -> f64 {
+    if direction.is_rotation() { LARGEST_ROTATION } else { LARGEST_TRANSLATION }
+}
+
 impl Context<'_> {
     /// Refuses what can only be a mistake of unit.
     pub fn plausible(&mut self, value: f64, direction: Direction, at: &Keys) -> bool {
-        let (limit, shown) = if direction.is_rotation() {
-            (LARGEST_ROTATION, format!("{} mrad", crate::units::significant(value * 1e3, 4)))
-        } else {
-            (LARGEST_TRANSLATION, format!("{} mm", crate::units::significant(value, 4)))
-        };
-        if value.abs() <= limit {
+        if value.abs() <= largest(direction) {
             return true;
         }
+        let shown = if direction.is_rotation() {
+            format!("{} mrad", crate::units::significant(value * 1e3, 4))
+        } else {
+            format!("{} mm", crate::units::significant(value, 4))
+        };
         let limit = if direction.is_rotation() { "100 mrad" } else { "10 mm" };
         let message = format!("`{}` reaches {shown}, which no machine has", dotted(at));
         self.at_value("E0412", at, message, format!("check the unit; the limit of plausibility is {limit}"));

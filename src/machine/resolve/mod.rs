@@ -14,6 +14,7 @@ mod quantities;
 mod uses;
 mod volume;
 
+pub use errors::largest;
 pub use names::parse_error_name;
 
 use super::{Axis, Conventions, KinematicChain, Machine, MachineParts};

@@ -1,0 +1,140 @@
+//! What `abbe identify` has to say beside its numbers: warnings on data, fit and what is left.
+
+use super::identify::counted;
+use super::identify_report::Report;
+use super::session::Session;
+use crate::diagnostic::Diagnostic;
+use crate::identify::{Kind, Repeats};
+use crate::lower::{Place, Source};
+use crate::machine::{Approach, Machine};
+use crate::units::significant;
+
+/// Less likely than this, residuals are not noise.
+const UNLIKELY: f64 = 1e-4;
+/// Half of the readings further off than this (mm) are no errors of a machine.
+const HUGE: f64 = 5.0;
+/// Half of them nearer than this (mm) are finer than instruments read.
+const TINY: f64 = 1e-5;
+/// Repeats scatter by more than this share of all that the readings are off by: there is nothing else in them.
+const MOSTLY: f64 = 0.7;
+
+/// All that is to be said of a fit.
+pub(super) fn all(session: &mut Session, report: &Report<'_>) {
+    let unsettled = || {
+        let message = format!("the fit has not settled after {} steps", report.fit.steps);
+        warning("W0501", message, "fix what the data hardly see, or fit less at once")
+    };
+    let found = [
+        (!report.fit.settled).then(unsettled),
+        unexplained(report),
+        drifting(report),
+        sizes(report),
+        one_sided(report),
+        contradiction(session, report),
+        silent(report),
+    ];
+    found.into_iter().flatten().for_each(|warning| session.diagnostics.push(warning));
+}
+
+fn warning(code: &'static str, message: String, help: &'static str) -> Diagnostic {
+    Diagnostic::new(code, message).help(help)
+}
+
+/// Readings that were left out because they are of errors that are not fitted.
+pub(super) fn left_out(session: &mut Session, machine: &Machine, list: &[(Source, usize)]) {
+    for (source, count) in list {
+        let Place::Component(axis) = source.place else { continue };
+        let error = format!("E{:?}{}", source.direction, machine.axes()[axis].name);
+        let message = format!("{} of {error} left out: it is not fitted", counted(*count, "reading"));
+        session.diagnostics.push(warning("W0504", message, "fit it, too, or leave its column out"));
+    }
+}
+
+/// What the section `identify` says for nothing.
+pub(super) fn unused(session: &mut Session, list: &[String]) {
+    if !list.is_empty() {
+        let message = format!("the section `identify` says what nothing takes up: {}", list.join(", "));
+        let help = "name the error in `fit`, without a basis of its own, or with one that has knots";
+        session.diagnostics.push(warning("W0509", message, help));
+    }
+}
+
+fn um(mm: f64) -> String {
+    significant(mm * 1e3, 3)
+}
+
+/// Standard deviation of the readings that repeats are compared with, as far as the fit leaves it.
+fn scatter(report: &Report<'_>) -> f64 {
+    let wanted = |of: Option<Kind>| matches!(of, None | Some(Kind::Deviation | Kind::Relative));
+    let own = report.fit.scatter.iter().find(|s| wanted(s.of));
+    own.map_or(report.solution.sigma, |s| s.sigma)
+}
+
+fn unexplained(report: &Report<'_>) -> Option<Diagnostic> {
+    let left = scatter(report);
+    // Beyond the 99.9 % point of the ratio for all but the fewest repeats.
+    let repeats = report.repeats.filter(|r| r.freedom >= 5 && left > 2.0 * r.sigma)?;
+    let (left, sigma) = (um(left), um(repeats.sigma));
+    let message =
+        format!("what is left ({left} um per reading) is far above the scatter of repeated poses ({sigma} um)");
+    let help = "the fitted errors do not explain the data: fit more of them, or look at the outliers";
+    Some(warning("W0502", message, help))
+}
+
+fn drifting(report: &Report<'_>) -> Option<Diagnostic> {
+    let drifting = report.randomness.iter().filter(|r| r.runs < UNLIKELY && r.lag1 > 0.2);
+    let names: Vec<String> = drifting.map(|r| r.name()).collect();
+    let message = format!("what is left of {} is not noise: neighbours in the file are alike", names.join(", "));
+    let help =
+        "drift of machine or instrument while measuring, or a shape that was not fitted; sigmas are too small then";
+    (!names.is_empty()).then(|| warning("W0503", message, help))
+}
+
+/// Sizes that speak of a wrong unit.
+fn sizes(report: &Report<'_>) -> Option<Diagnostic> {
+    let typical = report.residuals.typical;
+    let unlikely = typical > HUGE || (0.0 < typical && typical < TINY);
+    let message = format!("half of the readings are {} um or more off the machine as the file says it", um(typical));
+    let help = "compare the units in the header, the signs and zeros of the axes, and the frame (--frame)";
+    unlikely.then(|| warning("W0505", message, help))
+}
+
+/// Curves for a direction of approach in which nothing was read.
+fn one_sided(report: &Report<'_>) -> Option<Diagnostic> {
+    let read = |from| report.data.iter().any(|m| m.approach == from || m.approach == Approach::Mean);
+    let unread = |from: &Approach| !read(*from);
+    let from = [Approach::Forward, Approach::Reverse].into_iter().find(unread)?;
+    let of_it = report.unknowns.iter().filter(|p| p.terms.iter().any(|t| t.approach == from));
+    let mut names: Vec<&str> = of_it.map(|p| p.name.split(':').next().unwrap_or_default()).collect();
+    names.dedup();
+    let word = if from == Approach::Forward { "forward" } else { "reverse" };
+    let message = format!("no reading was taken in {word}: {} keeps what the file says", names.join(", "));
+    let help = "measure in both directions, or fit the curve without `+-`: it is then the same in both";
+    (!names.is_empty()).then(|| warning("W0506", message, help))
+}
+
+/// Readings of one pose that differ more than they may.
+fn contradiction(session: &Session, report: &Report<'_>) -> Option<Diagnostic> {
+    let Repeats { sigma, freedom, worst: (a, b, apart), contradict } = report.repeats?;
+    let nothing = freedom >= 3 && sigma > MOSTLY * report.residuals.per_deviation;
+    let places = format!("{} and {}", report.place(session, a), report.place(session, b));
+    let message = match (contradict, nothing) {
+        (true, _) => format!("readings of one pose contradict each other by {} um: {places}", um(apart)),
+        (_, true) => format!(
+            "readings of one pose differ by {} um ({places}) and more or less as much as all readings are off",
+            um(apart)
+        ),
+        _ => return None,
+    };
+    let help =
+        "one of them may have another sign (actual minus nominal), unit, tool or set-up: correct it, or name a `run`";
+    Some(warning("W0507", message, help))
+}
+
+/// Nothing of what is fitted is told by the data.
+fn silent(report: &Report<'_>) -> Option<Diagnostic> {
+    let told = report.solution.estimates.iter().take(report.own).any(|e| e.valuation > 0.0);
+    let message = "these data say nothing about what is fitted: the values are those of the file".to_owned();
+    let help = "measure where the errors act (`--plan 20` proposes poses), or fit others";
+    (!told).then(|| warning("W0508", message, help))
+}

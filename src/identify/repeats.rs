@@ -1,0 +1,81 @@
+//! Poses that were measured more than once: how well they repeat, and whether they contradict each other.
+
+use super::measurement::{Kind, Measurement, Reading};
+use std::collections::BTreeMap;
+
+/// A difference beyond so many standard deviations of what the other repeats differ by is a contradiction.
+const APART: f64 = 6.0;
+/// Other repeats that it takes to say so.
+const OTHERS: usize = 3;
+
+/// What was read again.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Repeats {
+    /// Standard deviation of a reading of weight 1 (mm).
+    pub sigma: f64,
+    /// Degrees of freedom that it rests on.
+    pub freedom: usize,
+    /// The two rows of one pose whose readings differ most, and by how much (mm).
+    pub worst: (usize, usize, f64),
+    /// Is that far beyond what the others differ by?
+    pub contradict: bool,
+}
+
+/// A reading: its row, its value (mm) and the root of its weight.
+type One = (usize, f64, f64);
+
+/// Readings of one component (absolute, or of one run) in one pose, from one side, with one tool.
+fn groups(data: &[Measurement]) -> Vec<Vec<One>> {
+    let mut groups: BTreeMap<(Vec<u64>, usize, Option<usize>), Vec<One>> = BTreeMap::new();
+    for (row, m) in data.iter().enumerate() {
+        let (Kind::Deviation | Kind::Relative, Reading::Deviation { values, zero, .. }) = (m.kind(), &m.reading) else {
+            continue;
+        };
+        // -0 and 0 are the same position.
+        let pose = m.pose.iter().map(|q| (q + 0.0).to_bits());
+        let key: Vec<u64> = pose.chain([m.tool as u64, m.approach as u64]).collect();
+        for k in 0..3 {
+            let one = values[k].map(|value| (row, value, libm::sqrt(m.weight)));
+            one.into_iter().for_each(|one| groups.entry((key.clone(), k, zero[k])).or_default().push(one));
+        }
+    }
+    groups.into_values().filter(|group| group.len() > 1).collect()
+}
+
+/// Weighted sum of squares about the mean (mm^2).
+fn squares(group: &[One]) -> f64 {
+    let weight: f64 = group.iter().map(|(_, _, w)| w * w).sum();
+    let mean = group.iter().map(|(_, value, w)| value * w * w).sum::<f64>() / weight;
+    group.iter().map(|(_, value, w)| (value - mean) * (value - mean) * w * w).sum()
+}
+
+/// The least and the greatest of a group, and how far they are apart in standard deviations of weight 1.
+fn apart(group: &[One]) -> (One, One, f64) {
+    let by_value = |a: &&One, b: &&One| a.1.total_cmp(&b.1);
+    let least = group.iter().min_by(by_value).copied().unwrap_or_default();
+    let most = group.iter().max_by(by_value).copied().unwrap_or_default();
+    (least, most, (most.1 - least.1) / libm::hypot(1.0 / least.2, 1.0 / most.2))
+}
+
+/// How poses repeat that were measured more than once; `None` if none was.
+pub fn repeats(data: &[Measurement]) -> Option<Repeats> {
+    let groups = groups(data);
+    let (mut sum, mut freedom) = (0.0, 0);
+    for group in &groups {
+        sum += squares(group);
+        freedom += group.len() - 1;
+    }
+    let farther = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 { b } else { a };
+    let sizes = groups.iter().map(|group| apart(group).2).enumerate();
+    let (widest, size) = sizes.reduce(farther)?;
+    let (least, most, _) = apart(&groups[widest]);
+    let left = freedom + 1 - groups[widest].len();
+    let others = libm::sqrt((sum - squares(&groups[widest])).max(0.0) / left.max(1) as f64);
+    let rows = (least.0.min(most.0), least.0.max(most.0));
+    Some(Repeats {
+        sigma: libm::sqrt(sum / freedom as f64),
+        freedom,
+        worst: (rows.0, rows.1, most.1 - least.1),
+        contradict: left >= OTHERS && others > 0.0 && size > APART * others,
+    })
+}

@@ -1,0 +1,188 @@
+//! What readings weigh. Readings of one quantity scatter alike; those of another have a variance of their own, found with
+//! the fit (Helmert's variance components), unless the files give uncertainties. With robust weights (Huber) readings
+//! that stand out count less, and the uncertainty is that of Huber's estimate.
+
+use super::fit::{Fit, Search};
+use super::measurement::{Kind, Measurement};
+use super::model::Model;
+use nalgebra::{DVector, Vector3};
+
+/// Huber's constant, in standard deviations of a component.
+const HUBER: f64 = 1.5;
+/// Rounds of reweighting.
+const ROUNDS: usize = 30;
+/// Weights that change by less than this share have settled.
+const SETTLED: f64 = 1e-3;
+/// The median of the absolute value of a normal deviate, in standard deviations.
+const MEDIAN: f64 = 0.6745;
+/// A quantity with less redundancy than this has no variance of its own.
+const REDUNDANT: f64 = 3.0;
+/// Least standard deviation (mm), and as a share of the largest: less is rounding.
+const LEAST: (f64, f64) = (1e-9, 1e-3);
+/// Singular values below this share of the largest are zero.
+const RANK: f64 = 1e-10;
+
+/// How readings of one quantity scatter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scatter {
+    /// Which; `None`: those whose uncertainty the files give.
+    pub of: Option<Kind>,
+    /// Standard deviation of a reading of weight 1 (mm); in units of 1 um of the uncertainty where that is given.
+    pub sigma: f64,
+}
+
+/// Fits the unknowns to the data, readings weighed by how they scatter; `robust`: what stands out counts less, so that a
+/// bumped set-up does not bend the machine.
+pub fn solve(model: &Model<'_>, data: &[Measurement], robust: bool) -> Fit {
+    let search = Search::new(model, data);
+    let mut found = search.fit();
+    let groups = Groups::of(data);
+    if groups.kinds.len() < 2 && !robust {
+        return found;
+    }
+    let mut sigmas = Vec::new();
+    for _ in 0..ROUNDS {
+        let residuals = model.residuals(data, &found.theta);
+        sigmas = groups.sigmas(model, data, &found, &residuals, robust);
+        let weights = groups.weights(data, &sigmas, &shares(data, &residuals, robust));
+        let change = weights.iter().zip(&found.weights).map(|(a, b)| (a - b).abs() / b).fold(0.0, f64::max);
+        found = search.again(weights, found.theta);
+        if change < SETTLED {
+            break;
+        }
+    }
+    if robust {
+        huber(model, data, &groups, &sigmas, &mut found);
+    }
+    if groups.kinds.len() > 1 {
+        found.scatter = groups.kinds.iter().zip(sigmas).map(|(of, sigma)| Scatter { of: *of, sigma }).collect();
+    }
+    found
+}
+
+/// Which readings are of one quantity.
+struct Groups {
+    kinds: Vec<Option<Kind>>,
+    /// Of each measurement, index in `kinds`.
+    of: Vec<usize>,
+}
+
+impl Groups {
+    fn of(data: &[Measurement]) -> Self {
+        let mut kinds = Vec::new();
+        let index = |m: &Measurement| super::model::index(&mut kinds, (!m.known).then(|| m.kind()));
+        let of = data.iter().map(index).collect();
+        Self { kinds, of }
+    }
+
+    fn members(&self, group: usize) -> impl Iterator<Item = usize> {
+        (0..self.of.len()).filter(move |i| self.of[*i] == group)
+    }
+
+    /// Standard deviation of a reading of each quantity (mm).
+    fn sigmas(
+        &self,
+        model: &Model<'_>,
+        data: &[Measurement],
+        found: &Fit,
+        residuals: &[Vector3<f64>],
+        robust: bool,
+    ) -> Vec<f64> {
+        if self.kinds.len() < 2 {
+            return vec![1e-3];
+        }
+        let redundant = self.redundancies(model, data, found);
+        let squares = |g: usize| -> f64 {
+            if robust {
+                let components = self.members(g).flat_map(|i| components(&data[i], &residuals[i]));
+                let (median, count) = median(components.collect());
+                return count as f64 * (median / MEDIAN) * (median / MEDIAN);
+            }
+            self.members(g).map(|i| data[i].weight * residuals[i].norm_squared()).sum()
+        };
+        let squares: Vec<f64> = (0..self.kinds.len()).map(squares).collect();
+        let common = squares.iter().sum::<f64>() / redundant.iter().sum::<f64>().max(1.0);
+        let variance = |(s, r): (&f64, &f64)| if *r < REDUNDANT { common } else { s / r };
+        let sigmas: Vec<f64> = squares.iter().zip(&redundant).map(|pair| libm::sqrt(variance(pair))).collect();
+        let least = sigmas.iter().fold(LEAST.0, |least: f64, sigma| least.max(sigma * LEAST.1));
+        sigmas.into_iter().map(|sigma| sigma.max(least)).collect()
+    }
+
+    /// Readings of each quantity, less those that the unknowns use up.
+    fn redundancies(&self, model: &Model<'_>, data: &[Measurement], found: &Fit) -> Vec<f64> {
+        let list = model.parameters();
+        let sizes = DVector::from_iterator(list.len(), list.iter().map(|p| p.size));
+        let covariance = found.reduced.scaled(&sizes).covariance(found.reduced.rank(RANK));
+        let one = |g: usize| {
+            let (data, weights): (Vec<_>, Vec<_>) =
+                self.members(g).map(|i| (data[i].clone(), found.weights[i])).unzip();
+            let mut own = model.triangle(&data, &weights, &found.theta);
+            own.r.column_iter_mut().zip(sizes.iter()).for_each(|(mut column, size)| column /= *size);
+            own.rows as f64 - (&own.r * &covariance).dot(&own.r)
+        };
+        (0..self.kinds.len()).map(one).collect()
+    }
+
+    /// Weights, by the standard deviation (mm) of the quantity as if it was given (in um), and by what counts of each.
+    fn weights(&self, data: &[Measurement], sigmas: &[f64], shares: &[f64]) -> Vec<f64> {
+        let one = |i: usize| {
+            let um = sigmas[self.of[i]] * 1e3;
+            data[i].weight * shares[i] / (um * um)
+        };
+        (0..data.len()).map(one).collect()
+    }
+}
+
+/// What counts of each reading.
+fn shares(data: &[Measurement], residuals: &[Vector3<f64>], robust: bool) -> Vec<f64> {
+    if !robust {
+        return vec![1.0; data.len()];
+    }
+    let sizes = standardised(data, residuals);
+    sizes.into_iter().map(|size| if size > HUBER { HUBER / size } else { 1.0 }).collect()
+}
+
+/// Turns the last of the linear problems, whose readings count in part, into that of all readings, with what they scatter
+/// by as far as the estimate goes: `K^2 sum psi^2 / mean(psi')^2` (Huber 1981, section 7.6). `psi` of a reading of d
+/// components is that of their length.
+fn huber(model: &Model<'_>, data: &[Measurement], groups: &Groups, sigmas: &[f64], found: &mut Fit) {
+    let residuals = model.residuals(data, &found.theta);
+    let shares = shares(data, &residuals, true);
+    let whole = groups.weights(data, sigmas, &vec![1.0; data.len()]);
+    let slope = |(m, share): (&Measurement, &f64)| {
+        let d = m.readings() as f64;
+        (d, if *share < 1.0 { share * (d - 1.0) / d } else { 1.0 })
+    };
+    let slopes: Vec<(f64, f64)> = data.iter().zip(&shares).map(slope).collect();
+    let count: f64 = slopes.iter().map(|(d, _)| d).sum();
+    let mean = slopes.iter().map(|(d, slope)| d * slope).sum::<f64>() / count;
+    let variance = slopes.iter().map(|(d, slope)| d * (slope - mean) * (slope - mean)).sum::<f64>() / count;
+    let k = 1.0 + found.theta.len() as f64 / count * variance / (mean * mean);
+    let psi = |i: usize| whole[i] * (shares[i] * shares[i]) * residuals[i].norm_squared();
+    found.squares = k * k * (0..data.len()).map(psi).sum::<f64>() / (mean * mean);
+    found.reduced = model.triangle(data, &whole, &found.theta);
+}
+
+/// Components of a residual over their uncertainty.
+fn components(m: &Measurement, residual: &Vector3<f64>) -> Vec<f64> {
+    let seen = m.seen();
+    (0..3).filter(|k| seen[*k]).map(|k| residual[k].abs() * libm::sqrt(m.weight)).collect()
+}
+
+/// The (upper) median, and how many there are.
+pub(super) fn median(mut list: Vec<f64>) -> (f64, usize) {
+    list.sort_by(f64::total_cmp);
+    (list.get(list.len() / 2).copied().unwrap_or_default(), list.len())
+}
+
+/// Root mean square component of each residual in robust standard deviations of its quantity.
+pub(super) fn standardised(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<f64> {
+    let groups = Groups::of(data);
+    let sigma = |g: usize| {
+        let list = groups.members(g).flat_map(|i| components(&data[i], &residuals[i])).collect();
+        (median(list).0 / MEDIAN).max(f64::MIN_POSITIVE)
+    };
+    let sigmas: Vec<f64> = (0..groups.kinds.len()).map(sigma).collect();
+    let component = |m: &Measurement, r: &Vector3<f64>| r.norm() * libm::sqrt(m.weight / m.readings().max(1) as f64);
+    (0..data.len()).map(|i| component(&data[i], &residuals[i]) / sigmas[groups.of[i]]).collect()
+}
