@@ -41,7 +41,9 @@ pub(super) fn write(
         let (slice, points) = slice(model, &whole, theta, plane);
         let picture = FitPicture { machine: machine.name(), axes: [&axes[0], &axes[1]], slice, points };
         let path = folder.join(format!("fit-{}{}.svg", axes[0].to_lowercase(), axes[1].to_lowercase()));
-        if let Err(refusal) = write::write_whole(&path, picture.svg().as_bytes()) {
+        let written = write::refuse_input(&path, &session.diagnostics.sources)
+            .and_then(|()| write::write_whole(&path, picture.svg().as_bytes()));
+        if let Err(refusal) = written {
             return session.refuse(refusal);
         }
     }

@@ -15,6 +15,8 @@ use std::path::Path;
 
 /// Mistakes after which the rest of a file is of the same kind.
 const MISTAKES: usize = 5;
+/// Longest distance (mm) of anything: 1 km.
+const FARTHEST: f64 = 1e6;
 /// Least distance (mm) that has a direction.
 const NEAREST: f64 = 1.0;
 
@@ -84,6 +86,14 @@ pub fn read_measurements(
     reader.data
 }
 
+/// Columns of a file.
+const COLUMNS: &str = "a measurement file has a column for each axis (mm, deg), and `dx [um]`, `dy [um]`, `dz [um]`, or another kind \
+    of reading: `rel.dx [um]`, `ball`, `length [mm]`, `displacement [mm]`, `dl [um]`, `along [um]`, `EXX [um]`; \
+    optionally `tool`, `run`, `approach`, `weight` or `u [um]`";
+/// Rows of a file.
+const ROWS: &str =
+    "correct the row, or leave it out; of several readings in a row those that were not taken stay empty";
+
 fn refusal(code: &'static str, message: String, place: Option<Place>) -> Diagnostic {
     let help = match code {
         "E0505" => {
@@ -93,11 +103,7 @@ fn refusal(code: &'static str, message: String, place: Option<Place>) -> Diagnos
         "E0507" => {
             "a line needs at least two poses in different places, and every run of a laser is a `run` of its own"
         }
-        _ => {
-            "a measurement file has a column for each axis (mm, deg), and `dx [um]`, `dy [um]`, `dz [um]`, or another kind \
-                of reading: `rel.dx [um]`, `ball`, `length [mm]`, `displacement [mm]`, `dl [um]`, `along [um]`, `EXX [um]`; \
-                optionally `tool`, `run`, `approach`, `weight` or `u [um]`"
-        }
+        _ => COLUMNS,
     };
     Diagnostic::new(code, message).at(place, "").help(help)
 }
@@ -146,7 +152,7 @@ impl Reader<'_> {
                 Ok(draft) => drafts.push(draft),
                 Err(message) if mistakes < MISTAKES => {
                     mistakes += 1;
-                    diagnostics.push(refusal("E0501", message, Some(line.place.clone())));
+                    diagnostics.push(Diagnostic::new("E0501", message).at(Some(line.place.clone()), "").help(ROWS));
                 }
                 Err(_) => break,
             }
@@ -211,13 +217,16 @@ impl Reader<'_> {
                 }
                 Column::Ball => draft.ball = cell.clone(),
                 Column::Length(factor) => {
-                    draft.length = Some((Length::Whole, positive(number(cell)?, cell, "length")? * factor));
+                    let length = positive(number(cell)?, cell, "length")? * factor;
+                    draft.length = Some((Length::Whole, near(length, cell)?));
                 }
                 Column::LengthError(factor) => draft.length = Some((Length::FromNominal, number(cell)? * factor)),
-                Column::Displacement(factor) => draft.length = Some((Length::Displacement, number(cell)? * factor)),
+                Column::Displacement(factor) => {
+                    draft.length = Some((Length::Displacement, near(number(cell)? * factor, cell)?));
+                }
                 Column::Along(factor) => draft.along = number(cell)? * factor,
                 Column::Station => draft.station = Some(cell.clone()),
-                Column::StationAt(k, factor) => draft.at[k] = Some(number(cell)? * factor),
+                Column::StationAt(k, factor) => draft.at[k] = Some(near(number(cell)? * factor, cell)?),
                 Column::Tool => draft.row.tool = tool_index(self.machine, cell)?,
                 Column::Weight => draft.row.weight = positive(number(cell)?, cell, "weight")?,
                 Column::Uncertainty(quantity, factor) => {
@@ -430,6 +439,14 @@ fn long_enough(length: f64, row: &Measurement) -> Result<f64, Box<Diagnostic>> {
     }
     let message = format!("the two ends of this length are {} mm apart", crate::units::significant(length, 3));
     Err(Box::new(refusal("E0506", message, Some(row.place.clone()))))
+}
+
+/// A length (mm) or coordinate that can be measured.
+fn near(value: f64, cell: &str) -> Result<f64, String> {
+    if value.abs() <= FARTHEST {
+        return Ok(value);
+    }
+    Err(format!("`{}` is more than 1 km: compare the unit in the header", shown(cell)))
 }
 
 fn positive(value: f64, cell: &str, word: &str) -> Result<f64, String> {

@@ -305,6 +305,8 @@ fn hostile_files_of_other_kinds_are_refused_in_words() {
         // The functional point at the zero pose is 250, 225, -120; the workpiece origin 250, 225, -380.
         ("E0506", format!("X,length [mm],{at}\n0,5,0,0,260\n1,5,0,0,260\n")),
         ("E0506", "X,length [mm],to.X\n10,5,10.1\n".to_owned()),
+        ("more than 1 km", format!("X,length [mm],{at}\n0,5,1e12,0,260\n1,5,1e12,0,260\n")),
+        ("more than 1 km", format!("X,length [m],{at}\n0,5000,0,0,260\n1,5,0,0,260\n")),
         ("E0507", "X,along [um]\n10,5\n10,6\n10.5,6\n".to_owned()),
         ("E0802", "X,length [mm],to.X\n10,5,1e9\n".to_owned()),
         ("E0503", format!("X,length [mm],{at}\n0,500,500,0,0\n100,400,500,0,0\n")),

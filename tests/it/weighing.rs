@@ -32,8 +32,11 @@ const TRUTH: &str = "errors: { EC0Y: 12 urad, EX0C: 6 um, EYX: { polynomial: [0 
 const WORDS: [&str; 4] = ["EC0Y", "EX0C", "EYX:poly2", "EAX:poly1"];
 const KNOWN: [f64; 7] = [12.0, 6.0, 0.0, 8.0, -20.0, 0.0, 10.0];
 
+/// A pose and the deviation there.
+type Clean = (Vec<f64>, [f64; 3]);
+
 /// Machine without errors, parameters, poses with the deviations of the true machine.
-fn setting(random: &mut Random, count: usize) -> (Machine, Vec<Parameter>, Vec<(Vec<f64>, [f64; 3])>) {
+fn setting(random: &mut Random, count: usize) -> (Machine, Vec<Parameter>, Vec<Clean>) {
     let (truth, blank) = (five(TRUTH), five(""));
     let parameters = wanted(&blank, &WORDS);
     let poses = five_poses(random, count);
@@ -55,7 +58,7 @@ fn robust_intervals_cover_the_truth_with_and_without_bumped_points() {
     for bumped in [0, 6] {
         let mut coverage = Coverage::default();
         for _ in 0..300 {
-            let noisy = |(i, (p, d)): (usize, &(Vec<f64>, [f64; 3]))| {
+            let noisy = |(i, (p, d)): (usize, &Clean)| {
                 let size = if i < bumped { 0.1 } else { 2e-3 };
                 measured(p, d.map(|d| d + size * normal(&mut random)))
             };
@@ -86,7 +89,7 @@ fn unlike_quantities_have_variances_of_their_own() {
     let (mut coverage, mut sigmas) = (Coverage::default(), [0.0; 3]);
     for robust in [false, true] {
         for _ in 0..200 {
-            let noisy = |(p, d): &(Vec<f64>, [f64; 3])| measured(p, d.map(|d| d + 5e-3 * normal(&mut random)));
+            let noisy = |(p, d): &Clean| measured(p, d.map(|d| d + 5e-3 * normal(&mut random)));
             let mut data: Vec<Measurement> = clean.iter().map(noisy).collect();
             for i in 0..20 {
                 let x = 25.0 * f64::from(i);
