@@ -5,12 +5,15 @@
 use super::fit::{Fit, Search};
 use super::measurement::{Kind, Measurement};
 use super::model::Model;
+use crate::algebra::linear::{Reduced, Triangle};
 use nalgebra::{DVector, Vector3};
 
 /// Huber's constant, in standard deviations of a component.
 const HUBER: f64 = 1.5;
 /// Rounds of reweighting.
 const ROUNDS: usize = 30;
+/// Rounds on the linear problem, between two of the model.
+const BALANCING: usize = 100;
 /// Weights that change by less than this share have settled.
 const SETTLED: f64 = 1e-3;
 /// The median of the absolute value of a normal deviate, in standard deviations.
@@ -40,11 +43,11 @@ pub fn solve(model: &Model<'_>, data: &[Measurement], robust: bool) -> Fit {
     if groups.kinds.len() < 2 && !robust {
         return found;
     }
-    let mut sigmas = Vec::new();
+    let mut sigmas = vec![1e-3; groups.kinds.len()];
     for _ in 0..ROUNDS {
-        let residuals = model.residuals(data, &found.theta);
-        sigmas = groups.sigmas(model, data, &found, &residuals, robust);
-        let weights = groups.weights(data, &sigmas, &shares(data, &residuals, robust));
+        sigmas = groups.sigmas(model, data, &found, sigmas, robust);
+        let shares = if robust { shares(data, &model.residuals(data, &found.theta)) } else { vec![1.0; data.len()] };
+        let weights = groups.weights(data, &sigmas, &shares);
         let change = weights.iter().zip(&found.weights).map(|(a, b)| (a - b).abs() / b).fold(0.0, f64::max);
         found = search.again(weights, found.theta);
         if change < SETTLED {
@@ -79,46 +82,41 @@ impl Groups {
         (0..self.of.len()).filter(move |i| self.of[*i] == group)
     }
 
-    /// Standard deviation of a reading of each quantity (mm).
-    fn sigmas(
-        &self,
-        model: &Model<'_>,
-        data: &[Measurement],
-        found: &Fit,
-        residuals: &[Vector3<f64>],
-        robust: bool,
-    ) -> Vec<f64> {
+    /// Standard deviation of a reading of each quantity (mm), where it was `before`.
+    fn sigmas(&self, model: &Model<'_>, data: &[Measurement], found: &Fit, before: Vec<f64>, robust: bool) -> Vec<f64> {
         if self.kinds.len() < 2 {
-            return vec![1e-3];
+            return before;
         }
-        let redundant = self.redundancies(model, data, found);
-        let squares = |g: usize| -> f64 {
-            if robust {
-                let components = self.members(g).flat_map(|i| components(&data[i], &residuals[i]));
-                let (median, count) = median(components.collect());
-                return count as f64 * (median / MEDIAN) * (median / MEDIAN);
-            }
-            self.members(g).map(|i| data[i].weight * residuals[i].norm_squared()).sum()
+        if !robust {
+            return balanced(
+                &self.linear(model, data, &data.iter().map(|m| m.weight).collect::<Vec<_>>(), found),
+                before,
+            );
+        }
+        let residuals = model.residuals(data, &found.theta);
+        let squares = |g: usize| {
+            let (median, count) = median(self.members(g).flat_map(|i| components(&data[i], &residuals[i])).collect());
+            count as f64 * (median / MEDIAN) * (median / MEDIAN)
         };
-        let squares: Vec<f64> = (0..self.kinds.len()).map(squares).collect();
-        let common = squares.iter().sum::<f64>() / redundant.iter().sum::<f64>().max(1.0);
-        let variance = |(s, r): (&f64, &f64)| if *r < REDUNDANT { common } else { s / r };
-        let sigmas: Vec<f64> = squares.iter().zip(&redundant).map(|pair| libm::sqrt(variance(pair))).collect();
-        let least = sigmas.iter().fold(LEAST.0, |least: f64, sigma| least.max(sigma * LEAST.1));
-        sigmas.into_iter().map(|sigma| sigma.max(least)).collect()
+        let linear = self.linear(model, data, &found.weights, found);
+        let used = used(&linear, &vec![1.0; linear.len()]);
+        let parts =
+            linear.iter().zip(used).enumerate().map(|(g, (own, (used, _)))| (squares(g), own.rows as f64 - used));
+        shared(&parts.collect::<Vec<_>>())
     }
 
-    /// Readings of each quantity, less those that the unknowns use up.
-    fn redundancies(&self, model: &Model<'_>, data: &[Measurement], found: &Fit) -> Vec<f64> {
+    /// The linear problem of each quantity at what was found, in the directions that the data see.
+    fn linear(&self, model: &Model<'_>, data: &[Measurement], weights: &[f64], found: &Fit) -> Vec<Reduced> {
         let list = model.parameters();
         let sizes = DVector::from_iterator(list.len(), list.iter().map(|p| p.size));
-        let covariance = found.reduced.scaled(&sizes).covariance(found.reduced.rank(RANK));
+        let svd = found.reduced.scaled(&sizes);
+        let rank = svd.rank(RANK);
+        let mut seen = svd.v.columns(0, rank).into_owned();
+        seen.row_iter_mut().zip(sizes.iter()).for_each(|(mut row, size)| row /= *size);
         let one = |g: usize| {
-            let (data, weights): (Vec<_>, Vec<_>) =
-                self.members(g).map(|i| (data[i].clone(), found.weights[i])).unzip();
-            let mut own = model.triangle(&data, &weights, &found.theta);
-            own.r.column_iter_mut().zip(sizes.iter()).for_each(|(mut column, size)| column /= *size);
-            own.rows as f64 - (&own.r * &covariance).dot(&own.r)
+            let (data, weights): (Vec<_>, Vec<_>) = self.members(g).map(|i| (data[i].clone(), weights[i])).unzip();
+            let own = model.triangle(&data, &weights, &found.theta);
+            Reduced { r: own.r * &seen, ..own }
         };
         (0..self.kinds.len()).map(one).collect()
     }
@@ -133,11 +131,53 @@ impl Groups {
     }
 }
 
-/// What counts of each reading.
-fn shares(data: &[Measurement], residuals: &[Vector3<f64>], robust: bool) -> Vec<f64> {
-    if !robust {
-        return vec![1.0; data.len()];
+/// What all quantities together use up of each one's readings, and what they leave of it (mm^2, weighted), each over its
+/// standard deviation.
+fn used(linear: &[Reduced], sigmas: &[f64]) -> Vec<(f64, f64)> {
+    let mut triangle = Triangle::new(linear.first().map_or(0, |own| own.r.ncols()));
+    for (own, sigma) in linear.iter().zip(sigmas) {
+        let rows = own.r.row_iter().zip(own.right.iter());
+        rows.for_each(|(row, right)| triangle.push(row.iter().map(|x| x / sigma), right / sigma));
     }
+    let whole = triangle.finish();
+    let step = whole.r.solve_upper_triangular(&whole.right);
+    let one = |(own, sigma): (&Reduced, &f64)| {
+        // The data see all of these directions: the triangle has an inverse.
+        let share = whole.r.tr_solve_upper_triangular(&(own.r.transpose() / *sigma));
+        let left = step.as_ref().map_or_else(|| own.right.clone(), |step| &own.right - &own.r * step);
+        (share.map_or(0.0, |share| share.norm_squared()), left.norm_squared() + own.rest * own.rest)
+    };
+    linear.iter().zip(sigmas).map(one).collect()
+}
+
+/// Standard deviations that agree with what the linear problem leaves when it is weighed by them.
+fn balanced(linear: &[Reduced], mut sigmas: Vec<f64>) -> Vec<f64> {
+    for _ in 0..BALANCING {
+        let used = used(linear, &sigmas);
+        let parts: Vec<_> = linear.iter().zip(used).map(|(own, (used, left))| (left, own.rows as f64 - used)).collect();
+        let next = shared(&parts);
+        let change = next.iter().zip(&sigmas).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+        sigmas = next;
+        if change < 0.1 * SETTLED {
+            break;
+        }
+    }
+    sigmas
+}
+
+/// Standard deviations from sums of squares and redundancies; quantities with hardly any have the common one.
+fn shared(parts: &[(f64, f64)]) -> Vec<f64> {
+    let sum = |of: fn(&(f64, f64)) -> f64| parts.iter().map(of).sum::<f64>();
+    let common = sum(|(squares, _)| *squares) / sum(|(_, redundant)| *redundant).max(1.0);
+    let variance =
+        |(squares, redundant): &(f64, f64)| if *redundant < REDUNDANT { common } else { squares / redundant };
+    let sigmas: Vec<f64> = parts.iter().map(|part| libm::sqrt(variance(part))).collect();
+    let least = sigmas.iter().fold(LEAST.0, |least: f64, sigma| least.max(sigma * LEAST.1));
+    sigmas.into_iter().map(|sigma| sigma.max(least)).collect()
+}
+
+/// What counts of each reading.
+fn shares(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<f64> {
     let sizes = standardised(data, residuals);
     sizes.into_iter().map(|size| if size > HUBER { HUBER / size } else { 1.0 }).collect()
 }
@@ -147,7 +187,7 @@ fn shares(data: &[Measurement], residuals: &[Vector3<f64>], robust: bool) -> Vec
 /// components is that of their length.
 fn huber(model: &Model<'_>, data: &[Measurement], groups: &Groups, sigmas: &[f64], found: &mut Fit) {
     let residuals = model.residuals(data, &found.theta);
-    let shares = shares(data, &residuals, true);
+    let shares = shares(data, &residuals);
     let whole = groups.weights(data, sigmas, &vec![1.0; data.len()]);
     let slope = |(m, share): (&Measurement, &f64)| {
         let d = m.readings() as f64;
