@@ -13,7 +13,7 @@ use crate::identify::{
 use crate::machine::{self, Machine};
 use crate::syntax::{Files, IdentifyEntry};
 use crate::target::sha256;
-use crate::units;
+use crate::units::{self, counted};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -219,11 +219,6 @@ fn enough(session: &mut Session, data: &[Measurement], unknowns: &[Parameter]) -
     let own = counted(unknowns.len() - instruments, "parameter");
     let message = format!("{} cannot determine {own}{also}", counted(readings, "reading"));
     session.refuse(Diagnostic::new("E0503", message).help("measure more poses, or fit less"))
-}
-
-/// `1 reading`, `2 readings`.
-pub(super) fn counted(count: usize, word: &str) -> String {
-    format!("{count} {word}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Writes the fitted machine, if it is one that the program itself would take.

@@ -1,13 +1,12 @@
 //! What `abbe identify` has to say beside its numbers: warnings on data, fit and what is left.
 
-use super::identify::counted;
 use super::identify_report::Report;
 use super::session::Session;
 use crate::diagnostic::Diagnostic;
 use crate::identify::{Kind, Repeats};
 use crate::lower::{Place, Source};
 use crate::machine::{Approach, Machine};
-use crate::units::significant;
+use crate::units::{counted, significant};
 
 /// Less likely than this, residuals are not noise.
 const UNLIKELY: f64 = 1e-4;

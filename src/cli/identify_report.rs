@@ -1,10 +1,9 @@
 //! What `abbe identify` prints.
 
-use super::identify::counted;
 use super::session::Session;
 use crate::identify::{Estimate, Fit, Kind, Measurement, Parameter, Randomness, Repeats, Residuals, Scatter, Solution};
 use crate::machine::Machine;
-use crate::units::significant;
+use crate::units::{counted, significant};
 use serde_json::json;
 
 /// What is printed.

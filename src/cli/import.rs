@@ -1,13 +1,12 @@
 //! `abbe import`: a single-axis measurement as an instrument exports it, to a table of error curves.
 
 use super::files::Disk;
-use super::identify::counted;
 use super::session::Session;
 use super::{Format, Outcome, write};
 use crate::diagnostic::Diagnostic;
 use crate::identify::import::{Figures, Import, Wanted, import};
 use crate::machine::ErrorId;
-use crate::units::significant;
+use crate::units::{counted, significant};
 use serde_json::json;
 use std::path::PathBuf;
 

@@ -9,7 +9,7 @@ mod parse;
 mod print;
 
 pub use parse::{Failure, header, number, quantity, unit};
-pub use print::{angle, length, significant};
+pub use print::{angle, counted, length, significant};
 
 /// The powers of length and angle in a unit: `um` is (1, 0), `urad/mm` is (-1, 1).
 ///
