@@ -319,6 +319,20 @@ fn a_column_says_the_axis() {
 }
 
 #[test]
+fn errors_that_have_columns_say_the_axis() {
+    let (report, table) = imported(b"position [deg],ECC [urad],EXC [um]\n0,1,2\n90,2,3\n", &[]);
+    assert_eq!((table.as_str(), &report["axis"]), ("C [deg], ECC [urad], EXC [um]\n0, 1, 2\n90, 2, 3\n", &"C".into()));
+    let said = refused("position [mm],EXX [um],EYY [um]\n0,1,2\n", &[]);
+    assert!(said.contains("nothing says which axis moved"), "{said}");
+}
+
+#[test]
+fn two_targets_in_turns_are_read_in_one_direction() {
+    let (report, table) = imported(b"X [mm],EXX [um]\n0,1\n100,2\n0,1.5\n100,2.5\n", &[]);
+    assert_eq!(table, "X [mm], EXX [um]\n0, 1.25\n100, 2.25\n", "{report}");
+}
+
+#[test]
 fn an_axis_that_the_header_does_not_have_is_said() {
     let said = refused("Axis: Y\nX [mm],EXX [um]\n0,1\n", &[]);
     assert!(said.contains("laser.csv:2") && said.contains("axis Y") && said.contains("`X`"), "{said}");

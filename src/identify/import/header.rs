@@ -197,6 +197,14 @@ struct Reading<'a> {
     separator: char,
 }
 
+/// The axis of the errors that have columns, if it is one: of `position; ECC [urad]` it is C.
+fn only_axis(titles: &[(String, Option<String>)]) -> Option<String> {
+    let named = |(name, _): &(String, Option<String>)| error_name(super::super::request::directed(name).0);
+    let mut axes = titles.iter().filter_map(named).map(|error| error.axis.to_string());
+    let first = axes.next()?;
+    axes.all(|axis| axis == first).then_some(first)
+}
+
 impl Reading<'_> {
     fn said(&self, key: &str) -> Option<&str> {
         self.metadata.iter().find(|(known, _)| known.eq_ignore_ascii_case(key)).map(|(_, value)| value.as_str())
@@ -285,7 +293,8 @@ impl Reading<'_> {
         axes
     }
 
-    /// As asked for, as the metadata or a column say, the only column that is named like one, or that of the error.
+    /// As asked for, as the metadata or a column say, the only column that is named like one, or that of the error or of all
+    /// errors that have columns.
     fn axis(&self, titles: &[(String, Option<String>)], column: &[String]) -> Result<String, String> {
         let lower: Vec<String> = titles.iter().map(|(name, _)| name.to_lowercase()).collect();
         let paired = paired(&lower);
@@ -301,7 +310,7 @@ impl Reading<'_> {
         }
         let given = given.or_else(|| column.first().cloned()).or_else(|| titles.iter().find_map(own));
         let error = || self.wanted.error.as_deref().or(self.said("error")).and_then(error_name);
-        let given = given.or_else(|| error().map(|error| error.axis.to_string()));
+        let given = given.or_else(|| error().map(|error| error.axis.to_string())).or_else(|| only_axis(titles));
         let axis = given.map(|name| name.trim().to_uppercase());
         axis.ok_or_else(|| "nothing says which axis moved: give `--axis X`".to_owned())
     }

@@ -96,6 +96,11 @@ fn passes_of(samples: &[Sample], error: usize) -> Vec<Vec<usize>> {
 /// Where passes begin, of readings at targets by number. From one target to the next is a way that was measured;
 /// back over several of them at once, to where the way began or beyond, is not.
 fn starts(targets: &[usize]) -> Vec<usize> {
+    // Two targets in turns are two readings to a pass: there and back, the far one is read twice.
+    let turns = |pair: &[usize]| pair == &targets[..2] && pair[0] != pair[1];
+    if targets.len() >= 4 && targets.chunks(2).all(turns) {
+        return (0..targets.len()).step_by(2).collect();
+    }
     let (mut starts, mut turn, mut rising) = (vec![0], 0, None);
     for k in 1..targets.len() {
         let (before, now) = (targets[k - 1], targets[k]);
@@ -209,6 +214,8 @@ mod tests {
         assert_eq!(starts(&[0, 1, 2, 3, 3, 1, 0]), [0]);
         assert_eq!(starts(&[0, 2, 3, 3, 2, 1, 0]), [0]);
         assert_eq!(starts(&[5]), [0]);
+        assert_eq!(starts(&[0, 1, 0, 1, 0, 1]), [0, 2, 4]);
+        assert_eq!(starts(&[0, 1, 1, 0, 0, 1, 1, 0]), [0]);
     }
 
     #[test]
