@@ -123,7 +123,7 @@ impl Report<'_> {
         match &self.fit.scatter[..] {
             [] if self.data.iter().all(|m| m.known) => format!("; {} per reading", given(self.solution.sigma)),
             [] => format!("; {} per reading", shown(kind, self.solution.sigma)),
-            list => format!("\nscatter    {} per reading", list.iter().map(one).collect::<Vec<_>>().join(", ")),
+            list => format!("\nscatter    per reading {}", list.iter().map(one).collect::<Vec<_>>().join(", ")),
         }
     }
 
