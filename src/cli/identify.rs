@@ -3,7 +3,7 @@
 use super::files::Disk;
 use super::identify_report::Report;
 use super::session::Session;
-use super::{Format, Outcome, Stop, identify_remarks as remarks, load, monomials, pictures, plan, poses, write};
+use super::{Format, Outcome, Stop, identify_remarks as remarks, load, monomials, pictures, plan, poses, view, write};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::evaluate::Order;
 use crate::identify::{
@@ -14,6 +14,7 @@ use crate::machine::{self, Machine};
 use crate::syntax::{Files, IdentifyEntry};
 use crate::target::sha256;
 use crate::units::{self, counted};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -36,7 +37,7 @@ pub(super) struct Args {
     out: Option<PathBuf>,
     /// Frame in which the deviations were measured.
     #[arg(long, value_enum, default_value = "workpiece")]
-    frame: super::view::FrameArg,
+    frame: view::FrameArg,
     /// The model: `exact`, or of order 1 or 2 of the dual numbers.
     #[arg(long, value_name = "N|exact", default_value = "exact", value_parser = order)]
     order: Order,
@@ -78,7 +79,7 @@ enum Method {
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let (machine, section) = load::with_identify(session, &args.machine, args.tool.as_deref())?;
-    let wanted = overruled(section.unwrap_or_default(), &args.fit, &args.fixed);
+    let wanted = overruled(&machine, section.unwrap_or_default(), &args.fit, &args.fixed);
     let own = match parameters(&machine, &wanted) {
         Ok(parameters) => parameters,
         Err(refusal) => return session.refuse(*refusal),
@@ -185,6 +186,7 @@ fn noise(text: &str) -> Result<f64, String> {
 }
 
 fn measurements(session: &mut Session, machine: &Machine, args: &Args) -> Result<Data, Stop> {
+    refuse_copies(session, &args.data)?;
     let data = read_measurements(&args.data, machine, args.frame.into(), &Disk, &mut session.diagnostics);
     session.checked()?;
     let other = |m: &Measurement| match &m.reading {
@@ -243,32 +245,56 @@ fn write_machine(
     }
 }
 
+/// The first digits of a file's SHA-256.
+fn hash(path: &Path) -> String {
+    Disk.read(path).map_or_else(|_| String::new(), |bytes| sha256(&bytes).chars().take(16).collect())
+}
+
+/// Files with the same contents would count twice.
+fn refuse_copies(session: &mut Session, files: &[PathBuf]) -> Outcome {
+    let mut met: BTreeMap<String, &PathBuf> = BTreeMap::new();
+    for file in files {
+        if let Some(known) = met.insert(hash(file), file) {
+            let names = [known, file].map(|path| shown(&path.display().to_string()));
+            let message = format!("`{}` and `{}` hold the same readings, which would count twice", names[0], names[1]);
+            return session.refuse(Diagnostic::new("E0501", message).help("name every file once"));
+        }
+    }
+    Ok(())
+}
+
+/// Most files of data that are named one by one.
+const MOST_NAMED: usize = 20;
+/// Longest entry of a provenance that says what was fitted, in characters.
+const ENTRY: usize = 180;
+
 /// Where the numbers of the fitted file come from. No date: the same input gives the same bytes.
 fn provenance(report: &Report<'_>, wanted: &IdentifyEntry, args: &Args) -> Vec<(String, String)> {
-    let tame = |text: String| shown(&text).chars().take(180).collect::<String>();
     let hashed = |path: &PathBuf| {
         let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let hash = Disk.read(path).map_or_else(|_| String::new(), |bytes| sha256(&bytes).chars().take(16).collect());
-        format!("{name} (sha256 {hash}...)")
+        format!("{} (sha256 {}...)", shown(&name), hash(path))
     };
-    let data: Vec<String> = args.data.iter().map(hashed).collect();
     let order = match args.order {
         Order::Degree(n) => format!("order {n}"),
         Order::Exact => "exact".to_owned(),
     };
     let robust = if args.robust { "robust " } else { "" };
+    let frame = view::frame_text(args.frame.into());
     let fixed = if wanted.fixed.is_empty() { String::new() } else { format!("; fixed {}", wanted.fixed.join(", ")) };
-    let how = format!("{robust}least squares on the {order} model; fit {}{fixed}", wanted.fit.join(", "));
-    let entries = [
-        ("by", format!("abbe {}", env!("CARGO_PKG_VERSION"))),
-        ("machine", tame(hashed(&args.machine))),
-        ("from", tame(data.join(", "))),
-        ("how", tame(how)),
-        ("fit", report.in_short()),
+    let list = wanted.fit.join(", ");
+    let how = format!("{robust}least squares on the {order} model, readings in the {frame} frame; fit {list}{fixed}");
+    let mut entries = vec![
+        ("by".to_owned(), format!("abbe {}", env!("CARGO_PKG_VERSION"))),
+        ("machine".to_owned(), hashed(&args.machine)),
     ];
+    for (k, file) in args.data.iter().take(MOST_NAMED).enumerate() {
+        entries.push((if k > 0 { format!("from.{}", k + 1) } else { "from".to_owned() }, hashed(file)));
+    }
+    entries.push(("how".to_owned(), how.chars().take(ENTRY).collect()));
+    entries.push(("fit".to_owned(), report.in_short()));
     // A machine that was fitted before keeps what was said then.
     let known = |key: &str| report.machine.provenance().entries.iter().any(|(known, _)| known == key);
     let ending = |n: usize| if n > 1 { format!("-{n}") } else { String::new() };
     let time = (1..).find(|n| !known(&format!("identified-by{}", ending(*n)))).map_or_else(String::new, ending);
-    entries.map(|(key, value)| (format!("identified-{key}{time}"), value)).into()
+    entries.into_iter().map(|(key, value)| (format!("identified-{key}{time}"), value)).collect()
 }

@@ -3,7 +3,7 @@
 use super::identify_report::Report;
 use super::session::Session;
 use crate::diagnostic::Diagnostic;
-use crate::identify::{Kind, Repeats};
+use crate::identify::{Kind, Measurement, Parameter, Reading, Repeats, Term};
 use crate::lower::{Place, Source};
 use crate::machine::{Approach, Machine};
 use crate::units::{counted, significant};
@@ -14,8 +14,6 @@ const UNLIKELY: f64 = 1e-4;
 const HUGE: f64 = 5.0;
 /// Half of them nearer than this (mm) are finer than instruments read.
 const TINY: f64 = 1e-5;
-/// Repeats scatter by more than this share of all that the readings are off by: there is nothing else in them.
-const MOSTLY: f64 = 0.7;
 
 /// All that is to be said of a fit.
 pub(super) fn all(session: &mut Session, report: &Report<'_>) {
@@ -62,18 +60,17 @@ fn um(mm: f64) -> String {
     significant(mm * 1e3, 3)
 }
 
-/// Standard deviation of the readings that repeats are compared with, as far as the fit leaves it.
-fn scatter(report: &Report<'_>) -> f64 {
-    let wanted = |of: Option<Kind>| matches!(of, None | Some(Kind::Deviation | Kind::Relative));
-    let own = report.fit.scatter.iter().find(|s| wanted(s.of));
+/// Standard deviation of readings of a kind, as far as the fit leaves it.
+fn scatter(report: &Report<'_>, kind: Kind) -> f64 {
+    let own = report.fit.scatter.iter().find(|s| s.of.is_none_or(|of| of == kind));
     own.map_or(report.solution.sigma, |s| s.sigma)
 }
 
 fn unexplained(report: &Report<'_>) -> Option<Diagnostic> {
-    let left = scatter(report);
-    // Beyond the 99.9 % point of the ratio for all but the fewest repeats.
-    let repeats = report.repeats.filter(|r| r.freedom >= 5 && left > 2.0 * r.sigma)?;
-    let (left, sigma) = (um(left), um(repeats.sigma));
+    // Four times the variance is beyond the 99.9 % point of the ratio from ten degrees of freedom on.
+    let far = |r: &&Repeats| r.freedom >= 10 && scatter(report, r.of) > 2.0 * r.sigma;
+    let repeats = report.repeats.iter().find(far)?;
+    let (left, sigma) = (um(scatter(report, repeats.of)), um(repeats.sigma));
     let message =
         format!("what is left ({left} um per reading) is far above the scatter of repeated poses ({sigma} um)");
     let help = "the fitted errors do not explain the data: fit more of them, or look at the outliers";
@@ -98,42 +95,45 @@ fn sizes(report: &Report<'_>) -> Option<Diagnostic> {
     unlikely.then(|| warning("W0505", message, help))
 }
 
-/// Curves for a direction of approach in which nothing was read.
+/// Curves for a direction of approach in which nothing was read that they move.
 fn one_sided(report: &Report<'_>) -> Option<Diagnostic> {
-    let read = |from| report.data.iter().any(|m| m.approach == from || m.approach == Approach::Mean);
-    let unread = |from: &Approach| !read(*from);
-    let from = [Approach::Forward, Approach::Reverse].into_iter().find(unread)?;
-    let of_it = report.unknowns.iter().filter(|p| p.terms.iter().any(|t| t.approach == from));
-    let mut names: Vec<&str> = of_it.map(|p| p.name.split(':').next().unwrap_or_default()).collect();
+    let told = |p: &Parameter, t: &Term| {
+        let moves = |m: &Measurement| match m.reading {
+            Reading::Error { source, .. } => p.terms.iter().any(|t| t.source == source),
+            _ => true,
+        };
+        let from = |m: &Measurement| m.approach == t.approach || m.approach == Approach::Mean;
+        report.data.iter().any(|m| from(m) && moves(m))
+    };
+    let unread = |p: &&Parameter| p.terms.iter().any(|t| t.approach != Approach::Mean && !told(p, t));
+    let mut names: Vec<&str> =
+        report.unknowns.iter().filter(unread).map(|p| p.name.split(':').next().unwrap_or_default()).collect();
     names.dedup();
-    let word = if from == Approach::Forward { "forward" } else { "reverse" };
-    let message = format!("no reading was taken in {word}: {} keeps what the file says", names.join(", "));
+    let message =
+        format!("nothing was read in the direction of approach of {}: kept as the file says", names.join(", "));
     let help = "measure in both directions, or fit the curve without `+-`: it is then the same in both";
     (!names.is_empty()).then(|| warning("W0506", message, help))
 }
 
 /// Readings of one pose that differ more than they may.
 fn contradiction(session: &Session, report: &Report<'_>) -> Option<Diagnostic> {
-    let Repeats { sigma, freedom, worst: (a, b, apart), contradict } = report.repeats?;
-    let nothing = freedom >= 3 && sigma > MOSTLY * report.residuals.per_deviation;
+    let repeats = report.repeats.iter().find(|r| r.contradict || r.opposed)?;
+    let (a, b, apart) = repeats.worst;
     let places = format!("{} and {}", report.place(session, a), report.place(session, b));
-    let message = match (contradict, nothing) {
-        (true, _) => format!("readings of one pose contradict each other by {} um: {places}", um(apart)),
-        (_, true) => format!(
-            "readings of one pose differ by {} um ({places}) and more or less as much as all readings are off",
-            um(apart)
-        ),
-        _ => return None,
-    };
+    if repeats.opposed {
+        let message = format!("poses that were measured again were read with the opposite sign: {places}, for one");
+        return Some(warning("W0507", message, "readings are actual minus nominal: turn the sign of one of the files"));
+    }
+    let message = format!("readings of one pose contradict each other by {} um: {places}", um(apart));
     let help =
         "one of them may have another sign (actual minus nominal), unit, tool or set-up: correct it, or name a `run`";
     Some(warning("W0507", message, help))
 }
 
-/// Nothing of what is fitted is told by the data.
+/// Nothing of what is fitted acts where was measured.
 fn silent(report: &Report<'_>) -> Option<Diagnostic> {
-    let told = report.solution.estimates.iter().take(report.own).any(|e| e.valuation > 0.0);
-    let message = "these data say nothing about what is fitted: the values are those of the file".to_owned();
+    let idle = |p: &Parameter| report.solution.idle.contains(&p.name);
+    let message = "nothing of what is fitted has an effect on these data: the values are those of the file".to_owned();
     let help = "measure where the errors act (`--plan 20` proposes poses), or fit others";
-    (!told).then(|| warning("W0508", message, help))
+    report.unknowns[..report.own].iter().all(idle).then(|| warning("W0508", message, help))
 }

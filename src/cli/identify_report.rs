@@ -3,7 +3,7 @@
 use super::session::Session;
 use crate::identify::{Estimate, Fit, Kind, Measurement, Parameter, Randomness, Repeats, Residuals, Scatter, Solution};
 use crate::machine::Machine;
-use crate::units::{counted, significant};
+use crate::units::significant;
 use serde_json::json;
 
 /// What is printed.
@@ -18,12 +18,12 @@ pub(super) struct Report<'a> {
     pub residuals: Residuals,
     pub randomness: Vec<Randomness>,
     pub held_out: Option<f64>,
-    pub repeats: Option<Repeats>,
+    pub repeats: Vec<Repeats>,
     pub fit: &'a Fit,
 }
 
-/// With less degrees of freedom 95 % is not two sigma.
-const FEW: usize = 30;
+/// Beyond so many sigma 95 % is worth saying: less than 30 degrees of freedom.
+const USUAL: f64 = 2.045;
 /// Lines of one kind in the text; JSON has all.
 const MOST_LINES: usize = 10;
 
@@ -54,7 +54,7 @@ impl Report<'_> {
     }
 
     pub fn json(&self, session: &Session) -> serde_json::Value {
-        let parameter = |(p, e): (&Parameter, &Estimate)| json!({"name": p.name, "value": p.shown(e.value) + 0.0, "sigma": e.sigma.map(|s| p.shown(s)), "unit": p.unit, "valuation": e.valuation});
+        let parameter = |(p, e): (&Parameter, &Estimate)| json!({"name": p.name, "value": p.shown(e.value) + 0.0, "sigma": e.sigma.map(|s| p.shown(s)), "unit": p.unit, "coverage_factor_95": e.coverage, "valuation": e.valuation});
         let outlier = |o: &crate::identify::Outlier| json!({"place": self.place(session, o.row), "residual_um": um(o.residual), "deviations": o.deviations});
         let (s, r) = (&self.solution, &self.residuals);
         json!({
@@ -66,9 +66,9 @@ impl Report<'_> {
             "singular_values": s.singular_values,
             "rms_um": {"before": um(r.before), "after": um(r.after), "held_out": self.held_out.map(um)},
             "sigma_um": self.fit.scatter.is_empty().then(|| um(s.sigma)), "degrees_of_freedom": s.freedom,
-            "coverage_factor_95": s.coverage(),
             "scatter": self.fit.scatter.iter().map(|s| json!({"of": s.of.map_or("uncertainties given", Kind::word), "sigma_um": um(s.sigma)})).collect::<Vec<_>>(),
-            "repeatability_um": self.repeats.map(|r| um(r.sigma)),
+            "repeatability_um": self.repeats.first().map(|r| um(r.sigma)),
+            "repeats": self.repeats.iter().map(|r| json!({"of": r.of.word(), "sigma_um": um(r.sigma), "degrees_of_freedom": r.freedom})).collect::<Vec<_>>(),
             "orders_um": {"first": um(r.parts[0]), "second": um(r.parts[1]), "higher": um(r.parts[2]),
                           "left_by_first": um(r.left[0]), "left_by_second": um(r.left[1])},
             "kinds": r.kinds.iter().map(|(kind, rows, rms)| json!({"kind": kind.word(), "rows": rows, "rms_um": um(*rms)})).collect::<Vec<_>>(),
@@ -163,16 +163,19 @@ impl Report<'_> {
                 significant(t.lag1, 2)
             );
         }
-        if let Some(coverage) = s.coverage().filter(|_| s.freedom < FEW) {
-            let freedom = counted(s.freedom, "degree");
-            text += &format!("intervals  95 % reach {} sigma with {freedom} of freedom\n", significant(coverage, 4));
+        if let Some((least, most)) = s.coverage().filter(|(_, most)| *most > USUAL) {
+            let [least, most] = [least, most].map(|reach| significant(reach, 4));
+            let reach = if least == most { most } else { format!("{least} to {most}") };
+            text += &format!("intervals  95 % reach {reach} sigma\n");
         }
         if let Some(held_out) = self.held_out {
             text += &format!("held out   {} um on points that were not used\n", n(held_out));
         }
-        if let Some(Repeats { sigma, freedom, .. }) = self.repeats {
+        for Repeats { of, sigma, freedom, .. } in &self.repeats {
+            let of = if self.residuals.kinds.len() > 1 { format!(" of {}", of.word()) } else { String::new() };
+            let size = n(*sigma);
             text +=
-                &format!("repeated   {} um per reading where a pose was measured again ({freedom} times)\n", n(sigma));
+                &format!("repeated   {size} um per reading{of} where a pose was measured again ({freedom} times)\n");
         }
         s.free().iter().for_each(|words| text += &format!("free       {words}\n"));
         s.drowned.iter().take(MOST_LINES).for_each(|words| text += &format!("drowned    {words}\n"));

@@ -29,8 +29,6 @@ pub struct Residuals {
     pub after: f64,
     /// Median of the lengths with the machine as the file says, of readings that it predicts by itself.
     pub typical: f64,
-    /// Weighted root mean square of a component of the deviations (absolute or relative) with the machine as the file says.
-    pub per_deviation: f64,
     /// With the fitted machine, for each kind of rows: how many, and their RMS.
     pub kinds: Vec<(Kind, usize, f64)>,
     /// Measurements that stand out, the worst first.
@@ -60,7 +58,6 @@ impl Residuals {
         Self {
             before: rms(&before),
             typical: typical(data, &before),
-            per_deviation: per_deviation(data, &before),
             after: rms(&after),
             kinds: kinds(data, &after),
             outliers: outliers(data, &after),
@@ -75,16 +72,6 @@ fn typical(data: &[Measurement], before: &[Vector3<f64>]) -> f64 {
     let plain = |kind| !matches!(kind, Kind::Length | Kind::Line);
     let sizes = data.iter().zip(before).filter(|(m, _)| plain(m.kind())).map(|(_, r)| r.norm());
     median(sizes.collect()).0
-}
-
-fn per_deviation(data: &[Measurement], before: &[Vector3<f64>]) -> f64 {
-    let of = |m: &Measurement| matches!(m.kind(), Kind::Deviation | Kind::Relative);
-    let (mut sum, mut count) = (0.0, 0);
-    for (m, r) in data.iter().zip(before).filter(|(m, _)| of(m)) {
-        sum += m.weight * r.norm_squared();
-        count += m.readings();
-    }
-    libm::sqrt(sum / count.max(1) as f64)
 }
 
 /// First-order, second-order and higher part of a fitted deviation, where it was measured.

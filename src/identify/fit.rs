@@ -45,6 +45,8 @@ pub struct Fit {
     pub weights: Vec<f64>,
     /// Where unlike quantities were weighed against each other: how each scatters.
     pub scatter: Vec<Scatter>,
+    /// Then also, of each unknown, the degrees of freedom that its uncertainty rests on.
+    pub freedom: Vec<f64>,
     /// Is the unknown held by something else than readings (bounds on slopes)?
     pub bounded: Vec<bool>,
     /// Accepted steps.
@@ -101,7 +103,7 @@ impl<'a> Search<'a> {
         let Descent { theta, reduced, steps, .. } = descent;
         let bounded = self.model.slopes().column_iter().map(|column| column.iter().any(|x| *x != 0.0)).collect();
         let squares = reduced.right_norm() * reduced.right_norm();
-        Fit { theta, reduced, squares, weights, scatter: Vec::new(), bounded, steps, settled }
+        Fit { theta, reduced, squares, weights, scatter: Vec::new(), freedom: Vec::new(), bounded, steps, settled }
     }
 }
 

@@ -45,9 +45,9 @@ pub fn randomness(data: &[Measurement], residuals: &[Vector3<f64>], weights: &[f
         }
     }
     let test = |((kind, component), values): ((Kind, usize), Vec<f64>)| {
-        let largest = values.iter().map(|v| v.abs()).fold(0.0, f64::max);
+        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
         // Residuals of mere rounding are no noise.
-        (values.len() >= FEWEST && largest > 1e-9).then(|| Randomness {
+        (values.len() >= FEWEST && high - low > 1e-9).then(|| Randomness {
             kind,
             component,
             count: values.len(),

@@ -17,6 +17,8 @@ use std::path::Path;
 const MISTAKES: usize = 5;
 /// Longest distance (mm) of anything: 1 km.
 const FARTHEST: f64 = 1e6;
+/// Least weight; the greatest is its inverse.
+const LIGHTEST: f64 = 1e-15;
 /// Least distance (mm) that has a direction.
 const NEAREST: f64 = 1.0;
 
@@ -48,7 +50,7 @@ impl Draft {
     fn uncertain(&mut self, quantity: Quantity, value: f64, cell: &str) -> Result<(), String> {
         let angle = quantity == Quantity::Angle;
         let um = value * 1e3 * if angle { lever(Direction::A) } else { 1.0 };
-        let weight = positive(1.0 / (um * um), cell, "uncertainty")?;
+        let weight = weight(1.0 / (um * um), cell)?;
         self.row.known = true;
         *(if angle { self.angles.get_or_insert(weight) } else { &mut self.row.weight }) = weight;
         Ok(())
@@ -211,24 +213,30 @@ impl Reader<'_> {
                 Column::To(axis, factor) => to.push((axis, number(cell)? * factor)),
                 // Not measured.
                 Column::Deviation(..) | Column::Relative(..) | Column::Error(..) | Column::Tool if cell.is_empty() => {}
-                Column::Deviation(k, factor) | Column::Relative(k, factor) => values[k] = Some(number(cell)? * factor),
+                Column::Deviation(k, factor) | Column::Relative(k, factor) => {
+                    values[k] = Some(near(number(cell)? * factor, cell)?);
+                }
                 Column::Error(source, approach, factor) => {
-                    draft.errors.push((source, approach.unwrap_or_default(), number(cell)? * factor));
+                    draft.errors.push((source, approach.unwrap_or_default(), near(number(cell)? * factor, cell)?));
                 }
                 Column::Ball => draft.ball = cell.clone(),
                 Column::Length(factor) => {
                     let length = positive(number(cell)?, cell, "length")? * factor;
                     draft.length = Some((Length::Whole, near(length, cell)?));
                 }
-                Column::LengthError(factor) => draft.length = Some((Length::FromNominal, number(cell)? * factor)),
+                Column::LengthError(factor) => {
+                    draft.length = Some((Length::FromNominal, near(number(cell)? * factor, cell)?));
+                }
                 Column::Displacement(factor) => {
                     draft.length = Some((Length::Displacement, near(number(cell)? * factor, cell)?));
                 }
-                Column::Along(factor) => draft.along = number(cell)? * factor,
+                Column::Along(factor) => draft.along = near(number(cell)? * factor, cell)?,
                 Column::Station => draft.station = Some(cell.clone()),
                 Column::StationAt(k, factor) => draft.at[k] = Some(near(number(cell)? * factor, cell)?),
                 Column::Tool => draft.row.tool = tool_index(self.machine, cell)?,
-                Column::Weight => draft.row.weight = positive(number(cell)?, cell, "weight")?,
+                Column::Weight => {
+                    draft.row.weight = positive(number(cell)?, cell, "weight").and_then(|w| weight(w, cell))?
+                }
                 Column::Uncertainty(quantity, factor) => {
                     draft.uncertain(quantity, positive(number(cell)?, cell, "uncertainty")? * factor, cell)?;
                 }
@@ -447,6 +455,14 @@ fn near(value: f64, cell: &str) -> Result<f64, String> {
         return Ok(value);
     }
     Err(format!("`{}` is more than 1 km: compare the unit in the header", shown(cell)))
+}
+
+/// A weight that sums of squares can bear.
+fn weight(value: f64, cell: &str) -> Result<f64, String> {
+    if (LIGHTEST..=1.0 / LIGHTEST).contains(&value) {
+        return Ok(value);
+    }
+    Err(format!("`{}` gives a weight of {value:e}, which is none", shown(cell)))
 }
 
 fn positive(value: f64, cell: &str, word: &str) -> Result<f64, String> {

@@ -6,11 +6,17 @@ use std::collections::BTreeMap;
 /// A difference beyond so many standard deviations of what the other repeats differ by is a contradiction.
 const APART: f64 = 6.0;
 /// Other repeats that it takes to say so.
-const OTHERS: usize = 3;
+const OTHERS: usize = 10;
+/// A correlation of first and last readings below this is one of opposite signs.
+const OPPOSED: f64 = -0.8;
+/// Repeated poses that it takes to say so.
+const PAIRS: usize = 6;
 
 /// What was read again.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Repeats {
+    /// Of which readings.
+    pub of: Kind,
     /// Standard deviation of a reading of weight 1 (mm).
     pub sigma: f64,
     /// Degrees of freedom that it rests on.
@@ -19,18 +25,18 @@ pub struct Repeats {
     pub worst: (usize, usize, f64),
     /// Is that far beyond what the others differ by?
     pub contradict: bool,
+    /// Are first and last readings each other's negative?
+    pub opposed: bool,
 }
 
 /// A reading: its row, its value (mm) and the root of its weight.
 type One = (usize, f64, f64);
 
 /// Readings of one component (absolute, or of one run) in one pose, from one side, with one tool.
-fn groups(data: &[Measurement]) -> Vec<Vec<One>> {
+fn groups(data: &[Measurement], kind: Kind) -> Vec<Vec<One>> {
     let mut groups: BTreeMap<(Vec<u64>, usize, Option<usize>), Vec<One>> = BTreeMap::new();
-    for (row, m) in data.iter().enumerate() {
-        let (Kind::Deviation | Kind::Relative, Reading::Deviation { values, zero, .. }) = (m.kind(), &m.reading) else {
-            continue;
-        };
+    for (row, m) in data.iter().enumerate().filter(|(_, m)| m.kind() == kind) {
+        let Reading::Deviation { values, zero, .. } = &m.reading else { continue };
         // -0 and 0 are the same position.
         let pose = m.pose.iter().map(|q| (q + 0.0).to_bits());
         let key: Vec<u64> = pose.chain([m.tool as u64, m.approach as u64]).collect();
@@ -57,9 +63,13 @@ fn apart(group: &[One]) -> (One, One, f64) {
     (least, most, (most.1 - least.1) / libm::hypot(1.0 / least.2, 1.0 / most.2))
 }
 
-/// How poses repeat that were measured more than once; `None` if none was.
-pub fn repeats(data: &[Measurement]) -> Option<Repeats> {
-    let groups = groups(data);
+/// How poses repeat that were measured more than once, deviations and relative ones each for themselves.
+pub fn repeats(data: &[Measurement]) -> Vec<Repeats> {
+    [Kind::Deviation, Kind::Relative].into_iter().filter_map(|kind| repeats_of(data, kind)).collect()
+}
+
+fn repeats_of(data: &[Measurement], of: Kind) -> Option<Repeats> {
+    let groups = groups(data, of);
     let (mut sum, mut freedom) = (0.0, 0);
     for group in &groups {
         sum += squares(group);
@@ -73,9 +83,23 @@ pub fn repeats(data: &[Measurement]) -> Option<Repeats> {
     let others = libm::sqrt((sum - squares(&groups[widest])).max(0.0) / left.max(1) as f64);
     let rows = (least.0.min(most.0), least.0.max(most.0));
     Some(Repeats {
+        of,
         sigma: libm::sqrt(sum / freedom as f64),
         freedom,
         worst: (rows.0, rows.1, most.1 - least.1),
         contradict: left >= OTHERS && others > 0.0 && size > APART * others,
+        opposed: opposed(&groups),
     })
+}
+
+/// Are first and last readings of the groups each other's negative, as those of files with unlike signs are?
+fn opposed(groups: &[Vec<One>]) -> bool {
+    let ends = groups.iter().filter_map(|group| Some((group.first()?.1, group.last()?.1)));
+    let (mut product, mut first, mut last) = (0.0, 0.0, 0.0);
+    for (a, b) in ends {
+        product += a * b;
+        first += a * a;
+        last += b * b;
+    }
+    groups.len() >= PAIRS && product < OPPOSED * libm::sqrt(first * last)
 }

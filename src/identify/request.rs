@@ -4,10 +4,15 @@
 
 use super::curves;
 use super::parameter::{Basis, Parameter, SlopeBound, Term};
+use crate::algebra::linear::Svd;
 use crate::diagnostic::{Diagnostic, did_you_mean, shown};
 use crate::lower::{Place, Source};
-use crate::machine::{Approach, AxisKind, Curve, Direction, ErrorId, Machine, parse_error_name};
+use crate::machine::{
+    Approach, AxisKind, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine, parse_error_name,
+};
 use crate::syntax::{IdentifyEntry, Scalar};
+use indexmap::IndexMap;
+use nalgebra::{DMatrix, DVector};
 
 /// Highest power of a polynomial.
 pub(super) const POWERS: u8 = 20;
@@ -36,12 +41,48 @@ pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Para
     for (follower, leaders) in &request.tied {
         tie(machine, follower, leaders, &mut list)?;
     }
+    restart(machine, &mut list);
     if list.is_empty() {
         let help =
             "name errors or groups: `--fit location,tool`, or `identify: { fit: [location] }` in the machine file";
         return Err(Box::new(Diagnostic::new("E0502", "there is nothing to fit").help(help)));
     }
     Ok(list)
+}
+
+/// Slopes of `linear` and parameters of one's own start where the curves of the file are, if these are such sums.
+fn restart(machine: &Machine, list: &mut [Parameter]) {
+    let joint: Vec<usize> = (0..list.len()).filter(|j| [SLOPE, OWN].contains(&kind(&list[*j]))).collect();
+    if joint.is_empty() {
+        return;
+    }
+    let mut powers: Vec<(Source, u8)> = Vec::new();
+    let power = |t: &Term| if let Basis::Power(k) = t.basis { (t.source, k) } else { (t.source, 0) };
+    for term in joint.iter().flat_map(|j| &list[*j].terms) {
+        let _ = super::model::index(&mut powers, power(term));
+    }
+    let factor =
+        |j: usize, key: (Source, u8)| list[j].terms.iter().filter(|t| power(t) == key).map(|t| t.factor).sum::<f64>();
+    let sums = DMatrix::from_fn(powers.len(), joint.len(), |i, j| factor(joint[j], powers[i]));
+    let given = DVector::from_iterator(powers.len(), powers.iter().map(|key| coefficient(machine, *key)));
+    let svd = Svd::new(&sums);
+    let starts = svd.solve(&given, svd.rank(1e-9));
+    // Each power against its own size: they differ by the reach of the axis.
+    let off = &sums * &starts - &given;
+    if off.iter().zip(given.iter()).all(|(off, given)| off.abs() <= 1e-6 * given.abs()) {
+        joint.into_iter().zip(starts.iter()).for_each(|(j, start)| list[j].start = *start);
+    }
+}
+
+/// A coefficient of the polynomial that the file gives for an error, in both directions; 0 without one.
+fn coefficient(machine: &Machine, (source, power): (Source, u8)) -> f64 {
+    let given = machine.errors().find(|(id, _)| self::source(machine, id) == source).map(|(_, term)| term);
+    match given {
+        Some(ErrorTerm::Component(ComponentError::Single(Curve::Polynomial(list)))) => {
+            list.get(usize::from(power)).copied().unwrap_or(0.0)
+        }
+        _ => 0.0,
+    }
 }
 
 /// The error whose form a word of `fit` says, and that form: `EXX+-:poly3`.
@@ -52,12 +93,32 @@ fn formed(word: &str) -> Option<(ErrorId, &str)> {
     Some((parse_error_name(bare)?, form.trim()))
 }
 
-/// What the command line fits goes before what the machine file says: list, and forms of curves.
-pub fn overruled(mut request: IdentifyEntry, fit: &[String], fixed: &[String]) -> IdentifyEntry {
+/// What the command line fits goes before what the machine file says: list, and forms of curves. Ties and bounds of what
+/// is then not fitted are left out.
+pub fn overruled(machine: &Machine, mut request: IdentifyEntry, fit: &[String], fixed: &[String]) -> IdentifyEntry {
     request.fixed.extend(fixed.iter().cloned());
-    if fit.is_empty() {
+    if fit.is_empty() && fixed.is_empty() {
         return request;
     }
+    if !fit.is_empty() {
+        fitting(&mut request, fit);
+    }
+    let alone = IdentifyEntry { tied: IndexMap::new(), slopes: IndexMap::new(), ..request.clone() };
+    let Ok(list) = parameters(machine, &alone) else { return request };
+    let fitted = |key: &String| {
+        let source = parse_error_name(key).map(|error| source(machine, &error));
+        list.iter().flat_map(|p| &p.terms).any(|t| Some(t.source) == source)
+    };
+    let followed = |leaders: &IndexMap<String, Scalar>| leaders.keys().any(&fitted);
+    let tied = |key: &String, tied: &IndexMap<String, IndexMap<String, Scalar>>| tied.get(key).is_some_and(followed);
+    let known = request.tied.clone();
+    request.tied.retain(|key, _| tied(key, &known));
+    request.slopes.retain(|key, _| fitted(key) || tied(key, &known));
+    request
+}
+
+/// Takes another list, with its forms.
+fn fitting(request: &mut IdentifyEntry, fit: &[String]) {
     request.fit = fit.to_vec();
     for (error, form) in fit.iter().filter_map(|word| formed(word.trim())) {
         let other = |key: &String| parse_error_name(key).as_ref() != Some(&error);
@@ -66,7 +127,6 @@ pub fn overruled(mut request: IdentifyEntry, fit: &[String], fixed: &[String]) -
             request.knots.retain(|key, _| other(key));
         }
     }
-    request
 }
 
 /// What the section says of curves and parameters that are not fitted, or not in that way: `knots of EXX`.
@@ -148,7 +208,7 @@ pub(super) fn directed(name: &str) -> (&str, Option<Approach>) {
 fn tie(
     machine: &Machine,
     follower: &str,
-    leaders: &indexmap::IndexMap<String, Scalar>,
+    leaders: &IndexMap<String, Scalar>,
     list: &mut [Parameter],
 ) -> Result<(), Refused> {
     let help = "write one error and a factor: `tied: { EBY: { EBX: -1 } }` is EBY = -EBX; EBX is fitted, EBY is not";
@@ -174,11 +234,15 @@ fn tie(
     if followed { Ok(()) } else { Err(refusal(format!("`{own}` follows `{leader}`, which is not fitted"), help)) }
 }
 
+/// Slopes of `linear`, and parameters of one's own, among the forms of curves.
+const SLOPE: u8 = 4;
+const OWN: u8 = 5;
+
 /// Which form of curve a parameter belongs to.
 fn kind(parameter: &Parameter) -> u8 {
     match parameter.terms.first().map(|t| &t.basis) {
-        _ if parameter.name.ends_with(":slope") => 4,
-        _ if !parameter.name.contains(':') && parameter.terms.iter().any(|t| matches!(t.basis, Basis::Power(_))) => 5,
+        _ if parameter.name.ends_with(":slope") => SLOPE,
+        _ if !parameter.name.contains(':') && parameter.terms.iter().any(|t| matches!(t.basis, Basis::Power(_))) => OWN,
         Some(Basis::Power(_)) => 1,
         Some(Basis::Cosine(_) | Basis::Sine(_)) => 2,
         Some(Basis::Spline(Curve::Linear(_))) => 3,
@@ -199,6 +263,16 @@ fn fixed(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<String
     }
     if list.iter().any(|p| p.name == word) {
         return Ok(vec![word.to_owned()]);
+    }
+    // Of what is not fitted there is nothing to take out.
+    let clamping = setup(machine, Place::Tool, "tool", &machine.setup().tool).into_iter().chain(setup(
+        machine,
+        Place::Workpiece,
+        "workpiece",
+        &machine.setup().workpiece,
+    ));
+    if formed(word).is_some() || clamping.into_iter().any(|p| p.name == word) {
+        return Ok(Vec::new());
     }
     let error = error(machine, word)?;
     let moved = |p: &&Parameter| p.terms.first().is_some_and(|t| t.source == source(machine, &error));
@@ -306,11 +380,7 @@ fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<
 }
 
 /// A parameter of one's own: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`.
-fn own_parameter(
-    machine: &Machine,
-    name: &str,
-    errors: &indexmap::IndexMap<String, Vec<Scalar>>,
-) -> Result<Parameter, Refused> {
+fn own_parameter(machine: &Machine, name: &str, errors: &IndexMap<String, Vec<Scalar>>) -> Result<Parameter, Refused> {
     let help =
         "write coefficients by rising power of the position, in mm and rad: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`";
     if GROUPS.contains(&name) || parse_error_name(name).is_some() || name.contains(':') {

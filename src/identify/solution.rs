@@ -12,6 +12,8 @@ const RANK: f64 = 1e-10;
 /// A column is scaled as if it had at least this share of the displacement its parameter usually makes: what
 /// is far smaller consists of the rounding of the model, and scaled to unit length would count as rank.
 const FAINT: f64 = 1e-2;
+/// Parts named of a direction that changes nothing, for people.
+const MOST_LISTED: usize = 12;
 /// A parameter with more than this squared share in the null space has no value of its own.
 const LOST: f64 = 1e-3;
 
@@ -23,6 +25,8 @@ pub struct Estimate {
     /// Standard uncertainty from the scatter of the residuals; `None`: the data leave the value free, or have no reading
     /// more than the rank, so that nothing scatters.
     pub sigma: Option<f64>,
+    /// How many standard uncertainties a 95 % interval reaches to either side (Student); `None` without scatter.
+    pub coverage: Option<f64>,
     /// How many times better its effect on a usual reading is known than one reading is: root mean square of the
     /// effect of one standard uncertainty over the readings, inverted, in standard deviations of a reading. Depends on
     /// where was measured, not on what; 0 if the value is free.
@@ -44,6 +48,8 @@ pub struct Solution {
     pub idle: Vec<String>,
     /// What cannot be told apart, in words: a sentence for each rank that is missing, first those on `idle`.
     pub null_space: Vec<String>,
+    /// The same, of a few parts each.
+    short: Vec<String>,
     /// What can in principle, but not with this noise, in words.
     pub drowned: Vec<String>,
     /// Singular values of the column-scaled Jacobian, falling.
@@ -86,9 +92,11 @@ impl Solution {
         let free = |j: usize| hidden.row(j).norm_squared() > LOST;
         let theta = at_rest(fit, &null, parameters);
         let root = libm::sqrt(fit.reduced.rows.max(1) as f64);
+        let mut student = student::Coverage::default();
         let estimate = |(j, value): (usize, f64)| Estimate {
             value,
             sigma: (!free(j) && freedom > 0).then(|| spread(j) * sigma),
+            coverage: (freedom > 0).then(|| student.reach(fit.freedom.get(j).copied().unwrap_or(freedom as f64))),
             valuation: if free(j) || norms[j] == 0.0 { 0.0 } else { root / (norms[j] * spread(j)) },
         };
         let estimates: Vec<Estimate> = theta.into_iter().enumerate().map(estimate).collect();
@@ -98,6 +106,7 @@ impl Solution {
         // One standard deviation along a direction, in units of displacement.
         let along = |k: usize| unit.v.column(k).component_mul(&sizes).component_div(&scale) * (sigma / unit.values[k]);
         let spreads: Vec<DVector<f64>> = (well_determined..rank).map(along).collect();
+        let sentences = |most| null.iter().map(|row| inseparable(&named(row), parameters, most)).collect();
         let smallest = if rank > 0 { unit.values[rank - 1] } else { 0.0 };
         Self {
             estimates,
@@ -105,7 +114,8 @@ impl Solution {
             rank,
             well_determined,
             idle: null.iter().map_while(|row| alone(row).map(|(j, _)| parameters[j].name.clone())).collect(),
-            null_space: null.iter().map(|row| inseparable(&named(row), parameters)).collect(),
+            null_space: sentences(usize::MAX),
+            short: sentences(MOST_LISTED),
             drowned: drowned(&spreads, &scale.component_div(&sizes), &null, parameters),
             condition: if smallest > 0.0 { unit.values[0] / smallest } else { f64::INFINITY },
             singular_values: unit.values.iter().copied().collect(),
@@ -126,16 +136,17 @@ impl Solution {
         (told && self.freedom > 0).then(|| libm::sqrt(variance.max(0.0)) * self.sigma)
     }
 
-    /// How many standard uncertainties a 95 % interval reaches to either side (Student); `None` without scatter.
-    pub fn coverage(&self) -> Option<f64> {
-        (self.freedom > 0).then(|| student::coverage_95(self.freedom))
+    /// The least and the greatest number of standard uncertainties that 95 % intervals reach; `None` without scatter.
+    pub fn coverage(&self) -> Option<(f64, f64)> {
+        let reaches = self.estimates.iter().filter_map(|e| e.coverage).map(|reach| (reach, reach));
+        reaches.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
-    /// What cannot be told apart, in as few sentences as can be read.
+    /// What cannot be told apart, in sentences that can be read: those without effect in one, the others of a few parts.
     pub fn free(&self) -> Vec<String> {
         let idle: Vec<&str> = self.idle.iter().map(String::as_str).collect();
         let all = if idle.len() < 2 { None } else { Some(format!("{} have no effect on these data", list(&idle))) };
-        let rest = self.null_space.iter().skip(if all.is_some() { idle.len() } else { 0 }).cloned();
+        let rest = self.short.iter().skip(if all.is_some() { idle.len() } else { 0 }).cloned();
         all.into_iter().chain(rest).collect()
     }
 

@@ -1,10 +1,32 @@
 //! Student's distribution, for intervals from few readings.
 
+use std::collections::BTreeMap;
+
 /// From here on it is the normal distribution, to three digits.
 const MANY: usize = 1000;
 
+/// Intervals of 95 %, each number of degrees of freedom looked up once.
+#[derive(Debug, Default)]
+pub(super) struct Coverage(BTreeMap<usize, f64>);
+
+impl Coverage {
+    /// How many standard uncertainties 95 % reach to both sides; between whole numbers of degrees of freedom the way of
+    /// their inverses.
+    pub fn reach(&mut self, freedom: f64) -> f64 {
+        let freedom = freedom.clamp(1.0, MANY as f64);
+        let below = freedom as usize;
+        let (low, high) = (self.whole(below), self.whole(below + 1));
+        let (a, b) = (1.0 / below as f64, 1.0 / (below + 1) as f64);
+        high + (low - high) * (1.0 / freedom - b) / (a - b)
+    }
+
+    fn whole(&mut self, freedom: usize) -> f64 {
+        *self.0.entry(freedom).or_insert_with(|| coverage_95(freedom))
+    }
+}
+
 /// The number of standard uncertainties that reaches 95 % of Student's distribution, both sides together.
-pub(super) fn coverage_95(freedom: usize) -> f64 {
+fn coverage_95(freedom: usize) -> f64 {
     let freedom = freedom.clamp(1, MANY);
     let (mut low, mut high) = (1.0, 16.0);
     for _ in 0..50 {
@@ -30,7 +52,7 @@ fn within(t: f64, freedom: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::coverage_95;
+    use super::{Coverage, coverage_95};
 
     /// Percentage points as printed in every table (Abramowitz and Stegun, table 26.10).
     #[test]
@@ -40,6 +62,8 @@ mod tests {
         {
             assert!((coverage_95(freedom) - printed).abs() < 6e-4, "{freedom}");
         }
+        let mut coverage = Coverage::default();
+        assert!((coverage.reach(4.0) - 2.776).abs() < 6e-4 && (2.571..2.776).contains(&coverage.reach(4.5)));
         assert!((coverage_95(1_000_000) - 1.960).abs() < 3e-3);
     }
 }

@@ -6,7 +6,7 @@ use super::fit::{Fit, Search};
 use super::measurement::{Kind, Measurement};
 use super::model::Model;
 use crate::algebra::linear::{Reduced, Triangle};
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Huber's constant, in standard deviations of a component.
 const HUBER: f64 = 1.5;
@@ -18,6 +18,9 @@ const BALANCING: usize = 100;
 const SETTLED: f64 = 1e-3;
 /// The median of the absolute value of a normal deviate, in standard deviations.
 const MEDIAN: f64 = 0.6745;
+/// Degrees of freedom of the median of absolute values as a share of those of the standard deviation: 0.37 of many readings,
+/// more of few, where the upper of two middle values errs to the safe side.
+const EFFICIENCY: f64 = 0.5;
 /// A quantity with less redundancy than this has no variance of its own.
 const REDUNDANT: f64 = 3.0;
 /// Least standard deviation (mm), and as a share of the largest: less is rounding.
@@ -49,10 +52,15 @@ pub fn solve(model: &Model<'_>, data: &[Measurement], robust: bool) -> Fit {
         let shares = if robust { shares(data, &model.residuals(data, &found.theta)) } else { vec![1.0; data.len()] };
         let weights = groups.weights(data, &sigmas, &shares);
         let change = weights.iter().zip(&found.weights).map(|(a, b)| (a - b).abs() / b).fold(0.0, f64::max);
+        let steps = found.steps;
         found = search.again(weights, found.theta);
+        found.steps += steps;
         if change < SETTLED {
             break;
         }
+    }
+    if groups.kinds.len() > 1 {
+        found.freedom = groups.freedoms(model, data, &found, robust);
     }
     if robust {
         huber(model, data, &groups, &sigmas, &mut found);
@@ -105,14 +113,35 @@ impl Groups {
         shared(&parts.collect::<Vec<_>>())
     }
 
+    /// Degrees of freedom of each unknown's variance, which is a sum over the quantities (Welch 1947, Satterthwaite 1946).
+    fn freedoms(&self, model: &Model<'_>, data: &[Measurement], found: &Fit, robust: bool) -> Vec<f64> {
+        let (linear, seen) = (self.linear(model, data, &found.weights, found), seen(model, found));
+        let ones = vec![1.0; linear.len()];
+        let rests = linear.iter().zip(used(&linear, &ones)).map(|(own, (used, _))| own.rows as f64 - used);
+        let rests: Vec<f64> = rests.collect();
+        let all = rests.iter().sum::<f64>().max(1.0);
+        let share = if robust { EFFICIENCY } else { 1.0 };
+        let rests: Vec<f64> =
+            rests.iter().map(|rest| if *rest < REDUNDANT { all } else { (rest * share).max(1.0) }).collect();
+        let whole = stacked(&linear, &ones).r;
+        let columns = whole.tr_solve_upper_triangular(&seen.transpose());
+        let Some(columns) = columns.and_then(|half| whole.solve_upper_triangular(&half)) else { return Vec::new() };
+        let parts: Vec<DMatrix<f64>> = linear.iter().map(|own| &own.r * &columns).collect();
+        let one = |j: usize| {
+            let variances = parts.iter().map(|part| part.column(j).norm_squared());
+            let (mut sum, mut squares) = (0.0, 0.0);
+            for (variance, rest) in variances.zip(&rests) {
+                sum += variance;
+                squares += variance * variance / rest;
+            }
+            if squares > 0.0 { sum * sum / squares } else { all }
+        };
+        (0..columns.ncols()).map(one).collect()
+    }
+
     /// The linear problem of each quantity at what was found, in the directions that the data see.
     fn linear(&self, model: &Model<'_>, data: &[Measurement], weights: &[f64], found: &Fit) -> Vec<Reduced> {
-        let list = model.parameters();
-        let sizes = DVector::from_iterator(list.len(), list.iter().map(|p| p.size));
-        let svd = found.reduced.scaled(&sizes);
-        let rank = svd.rank(RANK);
-        let mut seen = svd.v.columns(0, rank).into_owned();
-        seen.row_iter_mut().zip(sizes.iter()).for_each(|(mut row, size)| row /= *size);
+        let seen = seen(model, found);
         let one = |g: usize| {
             let (data, weights): (Vec<_>, Vec<_>) = self.members(g).map(|i| (data[i].clone(), weights[i])).unzip();
             let own = model.triangle(&data, &weights, &found.theta);
@@ -131,15 +160,30 @@ impl Groups {
     }
 }
 
-/// What all quantities together use up of each one's readings, and what they leave of it (mm^2, weighted), each over its
-/// standard deviation.
-fn used(linear: &[Reduced], sigmas: &[f64]) -> Vec<(f64, f64)> {
+/// The directions that the data see, of displacements of unit length: columns.
+fn seen(model: &Model<'_>, found: &Fit) -> DMatrix<f64> {
+    let list = model.parameters();
+    let sizes = DVector::from_iterator(list.len(), list.iter().map(|p| p.size));
+    let svd = found.reduced.scaled(&sizes);
+    let mut seen = svd.v.columns(0, svd.rank(RANK)).into_owned();
+    seen.row_iter_mut().zip(sizes.iter()).for_each(|(mut row, size)| row /= *size);
+    seen
+}
+
+/// All quantities in one linear problem, each over its standard deviation.
+fn stacked(linear: &[Reduced], sigmas: &[f64]) -> Reduced {
     let mut triangle = Triangle::new(linear.first().map_or(0, |own| own.r.ncols()));
     for (own, sigma) in linear.iter().zip(sigmas) {
         let rows = own.r.row_iter().zip(own.right.iter());
         rows.for_each(|(row, right)| triangle.push(row.iter().map(|x| x / sigma), right / sigma));
     }
-    let whole = triangle.finish();
+    triangle.finish()
+}
+
+/// What all quantities together use up of each one's readings, and what they leave of it (mm^2, weighted), each over its
+/// standard deviation.
+fn used(linear: &[Reduced], sigmas: &[f64]) -> Vec<(f64, f64)> {
+    let whole = stacked(linear, sigmas);
     let step = whole.r.solve_upper_triangular(&whole.right);
     let one = |(own, sigma): (&Reduced, &f64)| {
         // The data see all of these directions: the triangle has an inverse.

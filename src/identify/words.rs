@@ -58,7 +58,8 @@ fn names<'a>(direction: &Direction, parameters: &'a [Parameter]) -> Vec<&'a str>
     direction.iter().map(|(j, _)| parameters[*j].name.as_str()).collect()
 }
 
-pub(super) fn inseparable(direction: &Direction, parameters: &[Parameter]) -> String {
+/// A direction that changes nothing, in words; of so many parts at most.
+pub(super) fn inseparable(direction: &Direction, parameters: &[Parameter], most: usize) -> String {
     if let [(j, _)] = direction[..] {
         return format!("{} has no effect on these data", parameters[j].name);
     }
@@ -80,6 +81,13 @@ pub(super) fn inseparable(direction: &Direction, parameters: &[Parameter]) -> St
                 parts.extend(knots.iter().map(part));
             }
         }
+    }
+    let more = format!("{} more", parts.len().saturating_sub(most));
+    if parts.len() > most {
+        names.truncate(most);
+        parts.truncate(most);
+        names.push(&more);
+        parts.push("...".to_owned());
     }
     match &parts[..] {
         [one] => format!("{one} changes nothing"),

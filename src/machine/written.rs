@@ -128,7 +128,7 @@ fn joint_lines(parts: &MachineParts, (name, axis): (&AxisName, Option<&Axis>), e
         let id = ErrorId { axis: name.clone(), location, direction };
         let term = term(of, direction, axis);
         match parts.uncertainty.get(&id) {
-            Some(half) => format!("  {id}: {}\n", with_uncertainty(&term, &amount(*half, direction))),
+            Some(half) => format!("  {id}: {}\n", with_uncertainty(&term, &rounded(*half, direction))),
             None => format!("  {id}: {term}\n"),
         }
     };
@@ -187,6 +187,12 @@ fn curve(curve: &Curve, direction: Direction, axis: Option<&Axis>) -> String {
 }
 
 /// A value with its unit.
+/// An uncertainty: twelve digits say it all.
+fn rounded(value: f64, direction: Direction) -> String {
+    let (factor, unit) = if direction.is_rotation() { (1e6, "urad") } else { (1e3, "um") };
+    format!("{} {unit}", crate::units::significant(value * factor, 12))
+}
+
 fn amount(value: f64, direction: Direction) -> String {
     if direction.is_rotation() {
         format!("{} urad", number(value * 1e6))

@@ -15,6 +15,9 @@ pub struct Sheet {
     text: String,
 }
 
+/// What spreadsheets write where a formula fails: no comments.
+const MISTAKES: [&str; 7] = ["#REF!", "#N/A", "#DIV/0!", "#VALUE!", "#NAME?", "#NUM!", "#NULL!"];
+
 /// A line that is neither blank nor a comment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
@@ -88,7 +91,8 @@ impl Sheet {
             let range = start..start + content.len();
             start += line.len();
             let bare = content.trim_start();
-            let counts = !bare.is_empty() && !bare.starts_with('#') && !bare.starts_with("//");
+            let mistake = MISTAKES.iter().any(|mistake| bare.starts_with(mistake));
+            let counts = !bare.is_empty() && (mistake || !bare.starts_with('#')) && !bare.starts_with("//");
             counts.then(|| Line { place: Place { source: self.source, range }, text: content.to_owned() })
         };
         self.text.split_inclusive('\n').filter_map(line).collect()

@@ -303,3 +303,30 @@ fn the_section_is_read_and_fits() {
     let again = json(&run(&[&arguments[..], &["--order", "2"]].concat()));
     assert_eq!(again["unknowns"], 5);
 }
+
+/// What `linear` and a parameter of one's own have written is where they start again.
+#[test]
+fn sums_of_powers_start_where_the_file_is() {
+    let truth = five(
+        "errors: { EBX: { polynomial: [0 urad, 12 urad/m] }, EZX: { polynomial: [0 um, 0 um/m, -6 um/m^2] }, EXX: { polynomial: [0 um, 9 um/m] }, EAY: { polynomial: [0 urad, 7 urad/m] }, EZY: { polynomial: [0 um, 0 um/m, 3.5 um/m^2] } }\n",
+    );
+    let blank = five("");
+    let mut wanted = request(&["f1", "EXX:poly1"]);
+    let factors = [("EBX", vec![number(0.0), number(1.0)]), ("EZX", vec![number(0.0), number(0.0), number(-0.5)])];
+    wanted
+        .parameters
+        .insert("f1".to_owned(), factors.map(|(name, list)| (name.to_owned(), list)).into_iter().collect());
+    for wanted in [request(&["linear"]), wanted] {
+        let (unknowns, found) = solved(&blank, &wanted, &data(&truth, 40, 96));
+        let fitted = silent(&[("machine.yaml", &fitted_text(&blank, &unknowns, &found))]);
+        let again = list(&fitted, &wanted);
+        for ((parameter, theta), before) in again.iter().zip(&found.theta).zip(&unknowns) {
+            let off = parameter.shown(parameter.start) - before.shown(*theta);
+            assert!(off.abs() < 1e-6, "{}: {off}", parameter.name);
+        }
+        assert!(again.iter().any(|p| p.start != 0.0));
+        // A curve that is no such sum is replaced.
+        let other = five("errors: { EBX: { polynomial: [0 urad, 12 urad/m] }, EZX: { polynomial: [0 um, 5 um/m] } }\n");
+        assert!(list(&other, &wanted).iter().filter(|p| p.terms.len() > 1).all(|p| p.start == 0.0));
+    }
+}

@@ -56,8 +56,20 @@ fn a_direction_without_readings_is_named() {
     let data = "X,EXX+ [um]\n0,1\n100,2\n200,3\n300,4.5\n400,5\n500,6\n";
     let (output, _) = identified(data.as_bytes(), &["--fit", "EXX+-:poly1"]);
     let said = String::from_utf8_lossy(&output.stderr);
-    assert!(said.contains("no reading was taken in reverse: EXX- keeps what the file says"), "{said}");
+    assert!(said.contains("nothing was read in the direction of approach of EXX-: kept as the file says"), "{said}");
     assert_eq!(codes(data, "EXX+:poly1"), [""; 0]);
+    // Reverse readings of another axis do not count.
+    let both = "X,EXX+ [um],EXX- [um]\n0,1,2\n100,2,3\n200,3,4\n";
+    let folder = Folder::new();
+    let machine = folder.write("machine.yaml", FIVE);
+    let files = [folder.write("x.csv", both), folder.write("y.csv", "Y,EYY+ [um]\n0,1\n100,2\n200,4\n300,5\n")];
+    let [x, y] = files.each_ref().map(|path| path.to_str().unwrap());
+    let output = run(&["identify", machine.to_str().unwrap(), "--data", x, y, "--fit", "EXX+-:poly1,EYY+-:poly1"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("of EYY-:") && !said.contains("EXX-"), "{said}");
+    let output = run(&["identify", machine.to_str().unwrap(), "--data", x, x, "--fit", "EXX+-:poly1"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && said.contains("would count twice"), "{said}");
 }
 
 #[test]
@@ -80,7 +92,42 @@ fn poses_whose_readings_contradict_each_other_are_named() {
     // Everything twice with opposite signs: nothing is left to fit.
     let opposed: Vec<String> = rows[1..].iter().map(|row| again(row, 0.0, -1.0)).collect();
     let both = format!("{good}{}\n", opposed.join("\n"));
-    assert!(codes(&both, "EC0Y,EX0C").contains(&"W0507".to_owned()));
+    let (output, _) = identified(both.as_bytes(), &["--fit", "EC0Y,EX0C"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("W0507") && said.contains("opposite sign"), "{said}");
+    // Noise about a machine without errors contradicts nothing.
+    let mut random = Random::new(702);
+    let rows = (0..90).map(|i| format!("{},{},{}\n", (i % 30) * 10, normal(&mut random), normal(&mut random)));
+    let quiet = format!("X,dx [um],dy [um]\n{}", rows.collect::<String>());
+    assert_eq!(codes(&quiet, "EXX:poly1,EYX:poly1"), [""; 0]);
+}
+
+#[test]
+fn quantities_that_repeat_unlike_are_compared_each_with_its_own() {
+    let mut random = Random::new(703);
+    let mut rows = |size: f64, columns: &str| {
+        let mut text = format!("X,{columns}\n");
+        for i in 0..40 {
+            text += &format!("{},{}\n", (i % 20) * 25, 5.0 + size * normal(&mut random));
+        }
+        text
+    };
+    let folder = Folder::new();
+    let machine = folder.write("machine.yaml", FIVE);
+    let files = [folder.write("a.csv", &rows(3.0, "dx [um]")), folder.write("b.csv", &rows(0.3, "rel.dx [um]"))];
+    let [a, b] = files.each_ref().map(|path| path.to_str().unwrap());
+    let fit = "EXX:poly2";
+    let report = json(&run(&["identify", machine.to_str().unwrap(), "--data", a, b, "--fit", fit, "--format", "json"]));
+    assert!(report["warnings"].as_array().is_none_or(Vec::is_empty), "{report}");
+    let repeated: Vec<f64> =
+        report["repeats"].as_array().unwrap().iter().map(|r| r["sigma_um"].as_f64().unwrap()).collect();
+    assert!((2.0..4.0).contains(&repeated[0]) && (0.2..0.4).contains(&repeated[1]), "{repeated:?}");
+}
+
+#[test]
+fn combinations_that_cannot_be_separated_are_no_silence() {
+    let data = file(UM, 40, |_, d| d);
+    assert_eq!(codes(&data, "location,tool,workpiece"), [""; 0]);
 }
 
 #[test]
@@ -112,6 +159,13 @@ fn what_the_section_says_for_nothing_is_named_and_what_it_says_twice_refused() {
     assert!(code == Some(1) && words.contains("`EXX` is fitted as `poly1`, and its basis is `poly2`"), "{words}");
     // The command line goes before the section.
     let (code, words) = said("fit: [EXX], basis: { EXX: poly2 }", &["--fit", "EXX:poly1"]);
+    assert!(code == Some(0) && words.is_empty(), "{words}");
+    let (code, words) = said(
+        "fit: [EYX:poly1, EXX:poly1], slopes: { EYX: 1 um/m }, tied: { EZX: { EYX: 1 } }",
+        &["--fit", "EXX:poly1"],
+    );
+    assert!(code == Some(0) && words.is_empty(), "{words}");
+    let (code, words) = said("fit: [EXX:poly1], fixed: [\"EXX:x^0\", workpiece.X, tool.Z]", &[]);
     assert!(code == Some(0) && words.is_empty(), "{words}");
     let (code, words) = said("fit: [EXX:spline4], knots: { EXX: [0 mm, 100 mm] }", &[]);
     assert!(code == Some(1) && words.contains("has even knots, and `knots` are given"), "{words}");
@@ -148,7 +202,7 @@ fn the_fitted_file_says_how_sure_it_is_where_it_comes_from_and_what_was_fitted()
     for wanted in [
         format!("data.csv (sha256 {}...)", hash(&data)),
         format!("machine.yaml (sha256 {}...)", hash(&machine)),
-        "least squares on the exact model; fit EC0Y, EXX:spline".to_owned(),
+        "least squares on the exact model, readings in the workpiece frame; fit EC0Y, EXX:spline".to_owned(),
     ] {
         assert!(text.contains(&wanted), "{wanted}\n{text}");
     }

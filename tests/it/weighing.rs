@@ -15,9 +15,11 @@ struct Coverage {
 }
 
 impl Coverage {
-    fn count(&mut self, parameters: &[Parameter], solution: &Solution, known: &[f64], reach: f64) {
+    /// Intervals of `reach` standard uncertainties; of as many as are said, without.
+    fn count(&mut self, parameters: &[Parameter], solution: &Solution, known: &[f64], reach: Option<f64>) {
         for ((estimate, parameter), known) in solution.estimates.iter().zip(parameters).zip(known) {
             let (value, sigma) = (parameter.shown(estimate.value), parameter.shown(estimate.sigma.unwrap()));
+            let reach = reach.or(estimate.coverage).unwrap();
             self.inside += usize::from((value - known).abs() < reach * sigma);
             self.all += 1;
         }
@@ -64,7 +66,7 @@ fn robust_intervals_cover_the_truth_with_and_without_bumped_points() {
             };
             let data: Vec<Measurement> = clean.iter().enumerate().map(noisy).collect();
             let (_, solution) = weighed(&model, &data, true);
-            coverage.count(&parameters, &solution, &KNOWN, 1.96);
+            coverage.count(&parameters, &solution, &KNOWN, None);
         }
         let share = coverage.share();
         assert!((0.93..0.97).contains(&share), "{bumped} bumped: {share}");
@@ -98,7 +100,7 @@ fn unlike_quantities_have_variances_of_their_own() {
                 data.push(single(Direction::A, x, angle + 1e-6 * normal(&mut random)));
             }
             let (found, solution) = weighed(&model, &data, robust);
-            coverage.count(&parameters, &solution, &KNOWN, 1.96);
+            coverage.count(&parameters, &solution, &KNOWN, None);
             let kinds: Vec<Option<Kind>> = found.scatter.iter().map(|s| s.of).collect();
             assert_eq!(kinds, [Some(Kind::Deviation), Some(Kind::Error), Some(Kind::Angle)]);
             sigmas.iter_mut().zip(&found.scatter).for_each(|(sum, s)| *sum += s.sigma / 400.0);
@@ -109,6 +111,39 @@ fn unlike_quantities_have_variances_of_their_own() {
         assert!((found / known - 1.0).abs() < 0.06, "{found} {known}");
     }
     assert!((0.93..0.97).contains(&coverage.share()), "{}", coverage.share());
+}
+
+/// Six readings of an angle have four to spare: intervals of what hangs on them are wider than those of the rest.
+#[test]
+fn what_hangs_on_few_readings_has_the_students_factor_of_those() {
+    let mut random = Random::new(605);
+    let (blank, parameters, clean) = setting(&mut random, 40);
+    let model = Model::new(&blank, &parameters);
+    for robust in [false, true] {
+        let (mut coverage, mut few) = (Coverage::default(), 0.0_f64);
+        for _ in 0..300 {
+            let noisy = |(p, d): &Clean| measured(p, d.map(|d| d + 2e-3 * normal(&mut random)));
+            let mut data: Vec<Measurement> = clean.iter().map(noisy).collect();
+            for i in 0..6 {
+                let x = 90.0 * f64::from(i);
+                data.push(single(Direction::A, x, 10e-9 * x + 1e-7 * normal(&mut random)));
+            }
+            let (_, solution) = weighed(&model, &data, robust);
+            coverage.count(&parameters[5..], &after(&solution, 5), &KNOWN[5..], None);
+            few = few.max(solution.estimates[6].coverage.unwrap());
+            assert!(solution.estimates[0].coverage.unwrap() < 2.1);
+        }
+        // Student's, for four degrees of freedom; with robust weights for less.
+        assert!(few > 2.7, "{few}");
+        assert!((0.92..0.98).contains(&coverage.share()), "{robust}: {}", coverage.share());
+    }
+}
+
+/// A solution without its first estimates.
+fn after(solution: &Solution, first: usize) -> Solution {
+    let mut rest = solution.clone();
+    rest.estimates.drain(..first);
+    rest
 }
 
 #[test]
@@ -124,8 +159,8 @@ fn intervals_from_few_readings_are_students() {
         let data: Vec<Measurement> = poses.iter().map(one).collect();
         let (_, solution) = weighed(&model, &data, false);
         assert_eq!(solution.freedom, 4);
-        student.count(&parameters, &solution, &[12.0, 6.0], solution.coverage().unwrap());
-        plain.count(&parameters, &solution, &[12.0, 6.0], 1.96);
+        student.count(&parameters, &solution, &[12.0, 6.0], Some(solution.estimates[0].coverage.unwrap()));
+        plain.count(&parameters, &solution, &[12.0, 6.0], Some(1.96));
     }
     assert!((0.935..0.965).contains(&student.share()), "{}", student.share());
     assert!(plain.share() < 0.9, "{}", plain.share());

@@ -94,10 +94,12 @@ pub fn identify(context: &mut Context<'_>, known: &Known<'_>) {
         for (i, text) in list.iter().enumerate() {
             let at = below(&keys(["identify", key]), i);
             let (name, form) = text.split_once(':').map_or((text.as_str(), None), |(n, f)| (n, Some(f)));
-            if let Some(form) = form {
+            // What is fixed may be a parameter as the report names it: `workpiece.X`, `EXX:x^0`.
+            let fixed = key == "fixed";
+            if let Some(form) = form.filter(|_| !fixed) {
                 basis(context, form, knotted(undirected(name)), &at);
             }
-            let own = entry.parameters.contains_key(name);
+            let own = entry.parameters.contains_key(name) || (fixed && is_clamping(name));
             if !GROUPS.contains(&name) && !own {
                 fit(context, known, undirected(name), &at);
             }
@@ -122,6 +124,13 @@ pub fn identify(context: &mut Context<'_>, known: &Known<'_>) {
         let place = context.document.places.key(&at);
         let _ = named(context, name, known, place);
     }
+}
+
+/// `tool.X`, `workpiece.A`: one error of clamping.
+fn is_clamping(name: &str) -> bool {
+    let letters = |word: &str| name.strip_prefix(word).and_then(|rest| rest.strip_prefix('.'));
+    letters("tool").is_some_and(|l| ["X", "Y", "Z"].contains(&l))
+        || letters("workpiece").is_some_and(|l| ["X", "Y", "Z", "A", "B", "C"].contains(&l))
 }
 
 /// An error's name without the direction of approach that may stand behind it.
