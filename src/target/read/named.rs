@@ -167,7 +167,7 @@ fn axis_column(
     let rules = reading.target.manifest.mechanism.rules(&table);
     let rules = rules.ok_or_else(|| Fault::new(0, "the controller has no table of this kind"))?;
     let axes = reading.machine.axes();
-    let (place, cell) = (Place { rules, kind: axes[input].kind }, Column { rules, kind: axes[output].kind });
+    let (place, cell) = (Place { rules, kind: axes[input].kind }, Column::new(rules, axes[output].kind));
     for (line, row) in rows {
         let Some(stored) = row[value] else { continue };
         let q = row[position].ok_or_else(|| Fault::new(*line, "a point without position"))?;
