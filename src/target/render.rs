@@ -5,7 +5,7 @@
 
 use super::context::Words;
 use super::manifest::{AxisLetters, FileSpec, Per};
-use super::timed::within;
+use super::timed::{afresh, within};
 use super::{Target, library};
 use crate::compensation::{Table, Tables};
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -55,6 +55,7 @@ impl Target {
         tables: &Arc<Tables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
+        afresh();
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let words = Words { target: self, machine, tables, letters: &letters };
         let writer = Writer { words, environment: environment() };
@@ -76,6 +77,7 @@ impl Target {
         beside: &Arc<Tables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
+        afresh();
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let words = Words { target: self, machine, tables: beside, letters: &letters };
         let writer = Writer { words, environment: environment() };

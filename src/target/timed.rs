@@ -1,10 +1,10 @@
 //! The time of templates of one's own: fuel bounds their steps, not what a step costs.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// Processor time that a template may take: many times what the largest set needs.
+/// Processor time that the templates of a set may take together: many times what the largest set needs.
 const MOST: Duration = Duration::from_secs(10);
 
 /// How often the time is looked at.
@@ -13,17 +13,26 @@ const LOOK: Duration = Duration::from_millis(20);
 /// Room for the recursion that the engine allows.
 const STACK: usize = 16 << 20;
 
-/// Has a template been given up? It goes on in its thread until the program ends, and no other is begun.
-static SPENT: AtomicBool = AtomicBool::new(false);
+/// Microseconds that the templates of the set have taken so far.
+static SPENT: AtomicU64 = AtomicU64::new(0);
+
+/// A template that was given up goes on in its thread until the program ends: no other is begun.
+const GIVEN_UP: u64 = u64::MAX;
+
+/// A new set begins.
+pub(super) fn afresh() {
+    if SPENT.load(Ordering::Relaxed) != GIVEN_UP {
+        SPENT.store(0, Ordering::Relaxed);
+    }
+}
 
 /// Does the work of a template, if it does not take too long.
 pub(super) fn within<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, String> + Send + 'static,
 ) -> Result<T, String> {
-    let late = || Err(format!("a template ran for more than {} s of processor time", MOST.as_secs()));
-    if SPENT.load(Ordering::Relaxed) {
-        return late();
-    }
+    let late = || Err(format!("its templates ran for more than {} s of processor time", MOST.as_secs()));
+    let spent = SPENT.load(Ordering::Relaxed);
+    let Some(left) = MOST.checked_sub(Duration::from_micros(spent)) else { return late() };
     let (sender, receiver) = channel();
     let start = clock();
     let work = move || drop(sender.send(work()));
@@ -31,10 +40,14 @@ pub(super) fn within<T: Send + 'static>(
     worker.map_err(|failure| format!("there is no thread for a template: {failure}"))?;
     loop {
         match receiver.recv_timeout(LOOK) {
-            Ok(result) => return result,
+            Ok(result) => {
+                let taken = u64::try_from(clock().saturating_sub(start).as_micros()).unwrap_or(GIVEN_UP);
+                SPENT.store(spent.saturating_add(taken), Ordering::Relaxed);
+                return result;
+            }
             Err(RecvTimeoutError::Disconnected) => return Err("the template engine broke off".to_owned()),
-            Err(RecvTimeoutError::Timeout) if clock().saturating_sub(start) > MOST => {
-                SPENT.store(true, Ordering::Relaxed);
+            Err(RecvTimeoutError::Timeout) if clock().saturating_sub(start) > left => {
+                SPENT.store(GIVEN_UP, Ordering::Relaxed);
                 return late();
             }
             Err(RecvTimeoutError::Timeout) => {}
