@@ -145,7 +145,7 @@ impl Shown<'_> {
         let idle = |e: &ErrorLeft| e.alone < NO_EFFECT;
         let gone = list(&|e| e.handled == Handled::Fully && !idle(e));
         let mut text = format!(
-            "What this target can do against each error alone, with tables made for it:\n  fully compensated: {gone}\n"
+            "What this target can do against each error alone, laid out as here:\n  fully compensated: {gone}\n"
         );
         if self.certificate.errors.iter().any(idle) {
             text.push_str(&format!("  without effect here: {}\n", list(&idle)));
@@ -249,7 +249,10 @@ fn ratio(before: &Summary, after: &Summary) -> String {
 pub(super) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let (before, after) = (&certificate.uncompensated, &certificate.compensated);
-    if certificate.strongest.is_none() {
+    let lessened = |b: &Summary, a: &Summary| a.rms < 0.999 * b.rms;
+    let lessens =
+        lessened(&before.all.position_um, &after.all.position_um) || lessened(&before.tool_axis, &after.tool_axis);
+    if certificate.strongest.is_none() && !lessens {
         let help = "no error of this machine is within the target's reach, or the files hold nothing: a target with a lattice, such as grid-csv, takes away what depends on several axes";
         found.push(Diagnostic::new("W0602", "the tables correct nothing").help(help));
     } else if let Some(words) = raised(certificate) {

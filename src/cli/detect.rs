@@ -36,7 +36,15 @@ pub(super) fn set(
         None => all_targets(session, how)?,
     };
     if let ([target], Some(lock)) = (&candidates[..], &lock) {
-        refuse_incomplete(session, folder, lock, &target.table_files(machine))?;
+        let tables = target.table_files(machine);
+        refuse_incomplete(session, folder, lock, &tables)?;
+        // A set that had nothing to compensate.
+        if lock.target == target.manifest.target
+            && !lock.files.iter().any(|file| tables.contains(&file.name))
+            && !tables.iter().any(|name| is_there(folder, name))
+        {
+            return Ok(Set { target: target.clone(), files: Vec::new() });
+        }
     }
     let there = |target: &&Target| target.table_files(machine).iter().any(|name| is_there(folder, name));
     let by_name: Vec<&Target> = candidates.iter().filter(there).collect();

@@ -110,6 +110,7 @@ fn tables_of(session: &mut Session, machine: &Machine, folder: &Path, set: detec
     }
     let read = target.read(machine, &files, &mut session.diagnostics);
     session.checked()?;
+    let read = read.or_else(|| files.is_empty().then(Tables::default));
     let indices = target.index_files();
     let names = files.into_iter().filter(|file| !indices.contains(&file.name)).map(|file| file.found).collect();
     match read {

@@ -210,6 +210,9 @@ pub struct TableRules {
     /// Largest stored number.
     #[serde(default)]
     pub largest: Option<f64>,
+    /// Lattices: a parameter of the controller multiplies all stored numbers, by at most so much.
+    #[serde(default = "once")]
+    pub magnification: u32,
     /// Largest change of the correction per change of the position between two points.
     #[serde(default)]
     pub max_slope: Option<f64>,
@@ -219,6 +222,10 @@ pub struct TableRules {
 
 fn unlimited() -> usize {
     usize::MAX
+}
+
+fn once() -> u32 {
+    1
 }
 
 fn one_turn() -> (f64, f64) {
@@ -304,6 +311,48 @@ impl Increment {
     }
 }
 
+impl TableRules {
+    /// The least magnification that does, or else the largest there is.
+    fn magnified(&self, does: impl Fn(f64) -> bool) -> f64 {
+        let most = self.magnification;
+        if most <= 1 {
+            return 1.0;
+        }
+        (1..=most).map(f64::from).find(|times| does(*times)).unwrap_or(f64::from(most))
+    }
+
+    /// Rounds a lattice to what the controller stores of it with the least magnification that brings all within its range.
+    fn magnify(&self, machine: &Machine, table: &mut Table) {
+        let decimals = self.increment.correction_decimals;
+        let (scales, width) = (self.scales(machine, table), table.corrected.len());
+        let within = |number: f64| self.largest.is_none_or(|most| number.abs() <= most);
+        let stored = |i: usize, c: f64, times: f64| round(c * scales[i % width] / times, decimals);
+        let all = |times: f64| table.values.iter().enumerate().all(|(i, c)| within(stored(i, *c, times)));
+        let times = self.magnified(all);
+        let rounded = table.values.iter().enumerate().map(|(i, c)| stored(i, *c, times) * times / scales[i % width]);
+        table.values = rounded.collect();
+    }
+
+    /// The magnification of a rounded lattice: the least with which every number is stored as it is.
+    pub fn magnification_of(&self, machine: &Machine, table: &Table) -> f64 {
+        /// Of the last place: what division and multiplication leave.
+        const ROUNDING: f64 = 1e-6;
+        let last = libm::pow(10.0, f64::from(self.increment.correction_decimals));
+        let (scales, width) = (self.scales(machine, table), table.corrected.len());
+        let kept = |number: f64, times: f64| {
+            let places = number / times * last;
+            let within = self.largest.is_none_or(|most| places.abs() <= most * last + ROUNDING);
+            within && (places - libm::round(places)).abs() < ROUNDING
+        };
+        self.magnified(|times| table.values.iter().enumerate().all(|(i, c)| kept(c * scales[i % width], times)))
+    }
+
+    /// Stored units in one mm or deg of each corrected axis.
+    fn scales(&self, machine: &Machine, table: &Table) -> Vec<f64> {
+        table.corrected.iter().map(|axis| self.increment.correction_scale.of(machine.axes()[*axis].kind)).collect()
+    }
+}
+
 /// To the nearest multiple of the last decimal; the result prints exactly with that many decimals.
 fn round(value: f64, decimals: u8) -> f64 {
     let scale = libm::pow(10.0, f64::from(decimals));
@@ -375,6 +424,11 @@ impl Mechanisms {
 
     /// Rounds every stored number. Where the controller multiplies tables these are the factors.
     pub fn round(&self, machine: &Machine, tables: &mut Tables) {
+        for table in &mut tables.tables {
+            if let Some(rules) = self.rules(table).filter(|rules| rules.magnification > 1) {
+                rules.magnify(machine, table);
+            }
+        }
         self.round_sums(machine, tables);
         for table in tables.tables.iter_mut().filter(|table| self.is_product(table)) {
             let Some(rules) = &self.product else { continue };

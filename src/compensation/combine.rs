@@ -3,12 +3,12 @@
 use super::curves::straight;
 use super::{ErrorCurve, Table, Tables};
 
-/// What a table adds at a position of each of its axes, and whether approached in reverse.
-pub type LookUp<'a> = dyn Fn(&Table, &[f64], bool) -> Vec<f64> + 'a;
+/// What a table adds at the nodes of another one over the same axes, node by node, and whether approached in reverse.
+pub type LookUp<'a> = dyn Fn(&Table, &Table, bool) -> Vec<f64> + 'a;
 
 impl Tables {
     /// These tables plus others, on the nodes of these; what only the others have is taken over as it is.
-    /// The values of the others between their nodes come from `at`: table, position of each axis, direction.
+    /// The values of the others between their nodes come from `at`.
     pub fn plus(mut self, others: &Self, at: &LookUp) -> Self {
         for other in &others.tables {
             let same = |t: &&mut Table| (&t.axes, &t.corrected) == (&other.axes, &other.corrected);
@@ -18,8 +18,7 @@ impl Tables {
             };
             let sum = |table: &Table, reverse: bool| -> Vec<f64> {
                 let values = if reverse { table.reverse.as_ref().unwrap_or(&table.values) } else { &table.values };
-                let nodes = (0..table.len()).flat_map(|node| at(other, &table.node(node), reverse));
-                values.iter().zip(nodes).map(|(v, o)| v + o).collect()
+                values.iter().zip(at(other, table, reverse)).map(|(v, o)| v + o).collect()
             };
             let reverse = (table.reverse.is_some() || other.reverse.is_some()).then(|| sum(table, true));
             table.values = sum(table, false);

@@ -131,12 +131,12 @@ pub fn single_error_tables(machine: &Machine, mechanisms: &Mechanisms, tables: &
     let half = |poses: &[Pose], axis: usize| poses.iter().map(|pose| half_at(pose, axis)).collect();
     let mut sets = Filler::new(machine, Wanted { mean: &mean, half: &half }).fill(&sums, &planner.traits(&sums));
     sets.resize_with(ids.len(), Tables::default);
+    sets.iter_mut().zip(alone).for_each(|(set, own)| set.tables.extend(own));
     for table in sets.iter_mut().flat_map(|set| &mut set.tables) {
         if let Some(rules) = mechanisms.rules(table).filter(|rules| rules.reference == Reference::Zero) {
             vanish_at_reference(table, rules.positive_backlash);
         }
     }
-    sets.iter_mut().zip(alone).for_each(|(set, own)| set.tables.extend(own));
     ids.into_iter().zip(sets).collect()
 }
 

@@ -233,11 +233,11 @@ pub(super) fn judge(bare: &dyn Field, with: &dyn Field, poses: &[Pose]) -> Judge
 }
 
 /// Where the sign of what is not in tables is best tested: the largest motion of a linear axis with the rotary axes at 0,
-/// where an instrument along that axis reads it.
+/// where an instrument along that axis reads it, or elsewhere if there is none.
 pub(super) fn strongest_at(machine: &Machine, poses: &[Pose], added: impl Fn(&Pose) -> Vec<f64>) -> Option<Strongest> {
     let kind = |axis: usize| machine.axes()[axis].kind;
-    let entry = |pose: &Pose| {
-        let at_zero = |(axis, q): (usize, &f64)| if kind(axis) == AxisKind::Rotary { 0.0 } else { *q };
+    let entry = |pose: &Pose, level: bool| {
+        let at_zero = |(axis, q): (usize, &f64)| if level && kind(axis) == AxisKind::Rotary { 0.0 } else { *q };
         let level: Pose = pose.iter().enumerate().map(at_zero).collect();
         let within = machine.beyond_travel(&level).next().is_none();
         let linear = added(&level).into_iter().enumerate().filter(|(axis, _)| kind(*axis) == AxisKind::Linear);
@@ -245,7 +245,11 @@ pub(super) fn strongest_at(machine: &Machine, poses: &[Pose], added: impl Fn(&Po
         let at = || level.iter().copied().enumerate().collect();
         largest.filter(|(_, value)| within && *value != 0.0).map(|(axis, value)| Strongest { axis, at: at(), value })
     };
-    poses.iter().filter_map(entry).max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))
+    let largest = |level: bool| {
+        let entries = poses.iter().filter_map(|pose| entry(pose, level));
+        entries.max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))
+    };
+    largest(true).or_else(|| largest(false))
 }
 
 /// The directions of approach that can differ.

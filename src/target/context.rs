@@ -129,6 +129,7 @@ impl Words<'_> {
             cells => if table.axes.len() > 1 { self.cells(table, rules) } else { Value::UNDEFINED },
             rows => if table.axes.len() == 2 { self.matrix(table, rules) } else { Value::UNDEFINED },
             slope => self.slope(table, rules),
+            magnification => fixed(rules.magnification_of(self.machine, table), 0),
             rolled => if self.rolls(rules) { self.rolled(table, rules) } else { Value::UNDEFINED },
             factors => self.factors(table, rules, ways[0].number),
             ..first
@@ -159,7 +160,7 @@ impl Words<'_> {
 
     /// Points of a table over one axis; with a direction, only its values.
     fn points(&self, table: &Table, rules: &TableRules, direction: i32) -> Value {
-        let column = Column { rules, kind: self.kind(table.corrected[0]) };
+        let column = Column::new(rules, self.kind(table.corrected[0]));
         let place = Place { rules, kind: self.kind(table.axes[0]) };
         let own = |i: usize| table.is_own_axis().then(|| table.nodes[0][i]);
         let reverse = table.reverse.as_ref().unwrap_or(&table.values);
@@ -183,10 +184,10 @@ impl Words<'_> {
         (0..table.nodes[0].len()).map(point).collect()
     }
 
-    fn value(&self, table: &Table, rules: &TableRules, node: usize, column: usize) -> String {
+    fn value(&self, table: &Table, rules: &TableRules, (node, column): (usize, usize), times: f64) -> String {
         let axis = table.corrected[column];
         let own = table.axes.iter().position(|a| *a == axis).map(|i| table.node(node)[i]);
-        let cell = Column { rules, kind: self.kind(axis) };
+        let cell = Column { times, ..Column::new(rules, self.kind(axis)) };
         fixed(cell.stored(table.values[node * table.corrected.len() + column], own), cell.decimals())
     }
 
@@ -200,13 +201,15 @@ impl Words<'_> {
             }
             index
         };
+        let times = rules.magnification_of(self.machine, table);
         let cell = |node: usize| {
             let place = |(axis, q): (&usize, f64)| {
                 let place = Place { rules, kind: self.kind(*axis) };
                 fixed(place.stored(q), place.decimals())
             };
             let positions: Vec<String> = table.axes.iter().zip(table.node(node)).map(place).collect();
-            let values: Vec<String> = (0..table.corrected.len()).map(|c| self.value(table, rules, node, c)).collect();
+            let values: Vec<String> =
+                (0..table.corrected.len()).map(|c| self.value(table, rules, (node, c), times)).collect();
             context! { number => node, index => index(node), positions, values }
         };
         (0..table.len()).map(cell).collect()
@@ -215,14 +218,15 @@ impl Words<'_> {
     /// A table over two axes: a row for every node of the second.
     fn matrix(&self, table: &Table, rules: &TableRules) -> Value {
         let (width, rows) = (table.nodes[0].len(), table.nodes[1].len());
-        let row = |j: usize| (0..width).map(|i| self.value(table, rules, i * rows + j, 0)).collect::<Vec<_>>();
+        let times = rules.magnification_of(self.machine, table);
+        let row = |j: usize| (0..width).map(|i| self.value(table, rules, (i * rows + j, 0), times)).collect::<Vec<_>>();
         (0..rows).map(|j| Value::from(row(j))).collect()
     }
 
     /// The factors of products, with numbers from one on and the number (from 1) of the table by which each is multiplied,
     /// 0 for none: f times g, then -f times -g. The sense of what is stored goes with the first.
     fn factors(&self, table: &Table, rules: &TableRules, number: usize) -> Value {
-        let column = Column { rules, kind: self.kind(table.corrected[0]) };
+        let column = Column::new(rules, self.kind(table.corrected[0]));
         let factor = |k: usize, place: usize, sign: f64| {
             let number = number + TABLES_OF_A_PRODUCT * k + place + if sign < 0.0 { 2 } else { 0 };
             let stored = |c: f64| sign * if place == 0 { column.stored(c, None) } else { column.weight(c) };
@@ -251,7 +255,7 @@ impl Words<'_> {
     /// by line. The entries begin one step behind 0, so that the first value is left out. A table over whole turns
     /// does without its last node.
     fn rolled(&self, table: &Table, rules: &TableRules) -> Value {
-        let column = Column { rules, kind: self.kind(table.corrected[0]) };
+        let column = Column::new(rules, self.kind(table.corrected[0]));
         let number = |x: f64| fixed(x, column.decimals());
         let around: Vec<Vec<usize>> = (0..table.axes.len()).map(|place| self.around(table, place)).collect();
         let node = |indices: &[usize]| indices.iter().zip(&table.nodes).fold(0, |n, (i, nodes)| n * nodes.len() + i);
@@ -294,7 +298,7 @@ impl Words<'_> {
 
     /// The value of a line through position 0 at its far node.
     fn slope(&self, table: &Table, rules: &TableRules) -> Option<String> {
-        let column = Column { rules, kind: self.kind(table.corrected[0]) };
+        let column = Column::new(rules, self.kind(table.corrected[0]));
         let last = *table.values.last()?;
         (rules.spacing == Spacing::Line).then(|| fixed(column.stored(last, None), column.decimals()))
     }
@@ -304,7 +308,7 @@ impl Words<'_> {
         let Some(rules) = &self.target.manifest.mechanism.error_curves else { return Value::UNDEFINED };
         let number = |curve: &ErrorCurve, i: usize| {
             let kind = if curve.error.direction.is_rotation() { AxisKind::Rotary } else { AxisKind::Linear };
-            let column = Column { rules, kind };
+            let column = Column::new(rules, kind);
             fixed(curve.values[i] * rules.increment.correction_scale.of(kind), column.decimals())
         };
         let all = &self.tables.errors;

@@ -58,11 +58,12 @@ fn forbidden(machine: &Machine, table: &Table, rules: &TableRules) -> Vec<Diagno
         let most = rules.max_points.min(rules.max_points_per_axis);
         all.push(refusal(format!("a table over {over} has {} points, the controller takes {most}", table.len())));
     }
+    let times = rules.magnification_of(machine, table);
     let columns = std::iter::once(&table.values).chain(&table.reverse);
     for (values, (column, axis)) in columns.flat_map(|v| table.corrected.iter().enumerate().map(move |c| (v, c))) {
         let name = &machine.axes()[*axis].name;
         let kind = machine.axes()[*axis].kind;
-        let stored = stored_column(table, rules, values, column, Column { rules, kind });
+        let stored = stored_column(table, rules, values, column, Column { times, ..Column::new(rules, kind) });
         let largest = stored.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         if rules.largest.is_some_and(|most| largest > most) {
             let most = rules.largest.unwrap_or_default();

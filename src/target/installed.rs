@@ -11,8 +11,10 @@ impl Target {
     /// rounded like any tables of the target.
     pub fn tables_over(&self, machine: &Machine, request: &LatticeRequest, installed: &Tables) -> Tables {
         let mechanisms = &self.manifest.mechanism;
-        let at = |table: &Table, positions: &[f64], reverse: bool| -> Vec<f64> {
-            added(machine, self, table, positions, if reverse { Approach::Reverse } else { Approach::Forward })
+        let at = |old: &Table, new: &Table, reverse: bool| -> Vec<f64> {
+            let alone = alone(old);
+            let replay = Replay::new(machine, self, &alone);
+            at_nodes(machine, (&replay, old), new, if reverse { Approach::Reverse } else { Approach::Forward })
         };
         let mut fresh = self.tables(machine, request);
         self.share_points(&mut fresh, installed);
@@ -61,17 +63,20 @@ impl Target {
     fn table_loss(&self, machine: &Machine, new: &Table, old: &Table) -> Option<Diagnostic> {
         let rules = self.manifest.mechanism.rules(old)?;
         let sides = [Approach::Forward, Approach::Reverse];
-        let resampled = |approach| -> Vec<f64> {
-            (0..new.len()).flat_map(|node| added(machine, self, old, &new.node(node), approach)).collect()
-        };
-        let resampled = Table { values: resampled(sides[0]), reverse: Some(resampled(sides[1])), ..new.clone() };
+        let before = alone(old);
+        let was = Replay::new(machine, self, &before);
+        let [values, reverse] = sides.map(|side| at_nodes(machine, (&was, old), new, side));
+        let resampled = Table { values, reverse: Some(reverse), ..new.clone() };
+        let after = alone(&resampled);
+        let is = Replay::new(machine, self, &after);
         // Both are straight between the points of either; those of the new one agree.
         let places = (0..old.len()).map(|node| old.node(node)).filter(|place| {
             place.iter().zip(&new.nodes).all(|(q, nodes)| (nodes[0]..=nodes[nodes.len() - 1]).contains(q))
         });
         let gap = |place: &Vec<f64>| {
             let both = sides.map(|side| {
-                let (was, is) = (added(machine, self, old, place, side), added(machine, self, &resampled, place, side));
+                let was = added(machine, (&was, old), place, side);
+                let is = added(machine, (&is, &resampled), place, side);
                 was.iter().zip(&is).map(|(a, b)| (a - b).abs()).collect::<Vec<f64>>()
             });
             both.concat()
@@ -116,10 +121,20 @@ fn curve_loss(new: &ErrorCurve, old: &ErrorCurve) -> Option<Diagnostic> {
     (most > least).then(|| loss(&format!("`{}`", old.error), most * scale, unit))
 }
 
-/// What a table alone adds at a position of each of its axes.
-fn added(machine: &Machine, target: &Target, table: &Table, positions: &[f64], approach: Approach) -> Vec<f64> {
-    let alone = Tables { tables: vec![table.clone()], errors: Vec::new() };
-    let replay = Replay::new(machine, target, &alone);
+fn alone(table: &Table) -> Tables {
+    Tables { tables: vec![table.clone()], errors: Vec::new() }
+}
+
+/// A table, and what the controller does with it alone.
+type Loaded<'a> = (&'a Replay<'a>, &'a Table);
+
+/// What a table adds at the nodes of another one, node by node.
+fn at_nodes(machine: &Machine, old: Loaded, new: &Table, approach: Approach) -> Vec<f64> {
+    (0..new.len()).flat_map(|node| added(machine, old, &new.node(node), approach)).collect()
+}
+
+/// What a table adds at a position of each of its axes.
+fn added(machine: &Machine, (replay, table): Loaded, positions: &[f64], approach: Approach) -> Vec<f64> {
     let mut pose = vec![0.0; machine.axes().len()];
     table.axes.iter().zip(positions).for_each(|(axis, q)| pose[*axis] = *q);
     let added = replay.added(&pose, approach);

@@ -93,6 +93,8 @@ pub struct Target {
     /// What it can do.
     pub manifest: Manifest,
     pub(super) templates: Vec<String>,
+    /// Is it a folder of the user's?
+    pub(super) own: bool,
 }
 
 impl Target {
@@ -116,7 +118,7 @@ impl Target {
         };
         let manifest: Manifest = serde_yaml::from_str(&text("target.yaml")?).ok()?;
         let templates = manifest.files.iter().map(|file| text(&file.template)).collect::<Option<Vec<_>>>()?;
-        Some(Self { manifest, templates })
+        Some(Self { manifest, templates, own: false })
     }
 
     fn from_folder(folder: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Self> {
@@ -133,7 +135,7 @@ impl Target {
             }
         };
         let templates = manifest.files.iter().map(|file| text(&file.template)).collect::<Option<Vec<_>>>()?;
-        Some(Self { manifest, templates })
+        Some(Self { manifest, templates, own: true })
     }
 }
 

@@ -1,7 +1,7 @@
 //! The manifest of a target (`target.yaml`): what the controller can hold and what it does with it.
 
 use super::kinematics::layout_fits;
-use crate::compensation::{Holds, Increment, KinematicsMechanism, Mechanisms, Spacing, TableRules};
+use crate::compensation::{Holds, Increment, KinematicsMechanism, Mechanisms, Spacing, Stored, TableRules};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -374,6 +374,10 @@ fn decimals_fault(increment: Increment) -> Option<String> {
         .then(|| format!("{decimals} decimals are more than the {MOST_DECIMALS} that a double has to give"))
 }
 
+fn can_be_magnified(mechanism: &str, rules: &TableRules) -> bool {
+    mechanism == "lattice" && rules.stored != Stored::Command && (1..=1000).contains(&rules.magnification)
+}
+
 fn fault(name: &str, rules: &TableRules) -> Option<String> {
     let increment = rules.increment;
     let scales = [increment.position_scale, increment.correction_scale].map(|s| [s.mm, s.deg]).concat();
@@ -394,6 +398,8 @@ fn fault(name: &str, rules: &TableRules) -> Option<String> {
             "incremental: differences are whole numbers of the correction_scale's unit, correction_decimals: 0"
                 .to_owned(),
         )
+    } else if rules.magnification != 1 && !can_be_magnified(name, rules) {
+        Some("magnification: of a lattice of corrections or errors, from 1 to 1000".to_owned())
     } else {
         None
     }

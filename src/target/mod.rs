@@ -23,6 +23,7 @@ mod read;
 mod render;
 mod replay;
 mod stored;
+mod timed;
 
 pub use certificate::{Certificate, ErrorLeft, Figures, Handled, Judged, ROUNDING_UM, Raised, Shifted, certify};
 pub use effect::Effect;

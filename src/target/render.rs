@@ -5,6 +5,7 @@
 
 use super::context::Words;
 use super::manifest::{AxisLetters, FileSpec, Per};
+use super::timed::{afresh, within};
 use super::{Target, library};
 use crate::compensation::{Table, Tables};
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -54,6 +55,7 @@ impl Target {
         tables: &Arc<Tables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
+        afresh();
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let words = Words { target: self, machine, tables, letters: &letters };
         let writer = Writer { words, environment: environment() };
@@ -75,6 +77,7 @@ impl Target {
         beside: &Arc<Tables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
+        afresh();
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let words = Words { target: self, machine, tables: beside, letters: &letters };
         let writer = Writer { words, environment: environment() };
@@ -85,7 +88,7 @@ impl Target {
                 let context = context! {
                     machine => machine.name(), version => env!("CARGO_PKG_VERSION"), beside => beside.clone(), ..own.clone()
                 };
-                rendered(&writer.environment, spec, template, context)
+                self.rendered(&writer.environment, spec, template, context)
             };
             let once = self.manifest.files.iter().zip(&self.templates).filter(|(spec, _)| !spec.is_of_tables());
             let mut files: Vec<RenderedFile> = once.map(file).collect::<Result<_, String>>()?;
@@ -96,7 +99,9 @@ impl Target {
     }
 
     fn failed(&self, message: &str) -> Diagnostic {
-        Diagnostic::new("E0702", format!("target `{}`: {message}", self.manifest.target))
+        Diagnostic::new("E0702", format!("target `{}`: {message}", self.manifest.target)).help(
+            "docs/adding-a-target.md says what templates are given and how long they may run; nothing was written",
+        )
     }
 
     /// Names of the files that hold a table of their own for each axis, in the order of the joints:
@@ -106,7 +111,7 @@ impl Target {
         let environment = environment();
         let name = |(joint, (axis, letter)): (usize, &(usize, String))| {
             let own = context! { joint, letter, name => machine.axes()[*axis].name.as_str() };
-            file_name(&environment, spec, own).map(|name| (*axis, name))
+            self.file_name(&environment, spec, own).map(|name| (*axis, name))
         };
         letters.iter().enumerate().map(name).collect()
     }
@@ -172,13 +177,37 @@ fn file_name(environment: &Environment, spec: &FileSpec, own: Value) -> Result<S
     if library::is_plain_name(&name) { Ok(name) } else { Err(format!("`{name}` is not a plain file name")) }
 }
 
-impl FileSpec {
-    /// The file's name for every letter and every place that an axis of it could have.
-    pub(super) fn names_of_letters(&self, letters: &str) -> Vec<String> {
+impl Target {
+    /// The name of a file; what it is made of may come from the user.
+    fn file_name(&self, shared: &Environment, spec: &FileSpec, own: Value) -> Result<String, String> {
+        if !self.own {
+            return file_name(shared, spec, own);
+        }
+        let spec = spec.clone();
+        within(move || file_name(&environment(), &spec, own))
+    }
+
+    /// A file; its template may come from the user.
+    fn rendered(
+        &self,
+        shared: &Environment,
+        spec: &FileSpec,
+        template: &str,
+        context: Value,
+    ) -> Result<RenderedFile, String> {
+        if !self.own {
+            return rendered(shared, spec, template, context);
+        }
+        let (spec, template) = (spec.clone(), template.to_owned());
+        within(move || rendered(&environment(), &spec, &template, context))
+    }
+
+    /// A file's name for every letter and every place that an axis of it could have.
+    pub(super) fn names_of_letters(&self, spec: &FileSpec, letters: &str) -> Vec<String> {
         let environment = environment();
         let name = |(joint, letter): (usize, char)| {
-            file_name(&environment, self, context! { joint, letter => letter.to_string(), name => letter.to_string() })
-                .ok()
+            let own = context! { joint, letter => letter.to_string(), name => letter.to_string() };
+            self.file_name(&environment, spec, own).ok()
         };
         let places = 0..letters.len();
         let mut names: Vec<String> =
@@ -238,7 +267,7 @@ impl Writer<'_> {
     }
 
     fn file(&self, spec: &FileSpec, template: &str, context: Value) -> Result<RenderedFile, String> {
-        rendered(&self.environment, spec, template, context)
+        self.words.target.rendered(&self.environment, spec, template, context)
     }
 
     fn limits(&self, axis: usize) -> (f64, f64) {
@@ -262,7 +291,7 @@ impl Writer<'_> {
         let (min, max) = self.limits(*index);
         let mut per_axis = target.manifest.files.iter().filter(|spec| spec.per == Per::Axis);
         let own = context! { joint, letter, name => axis.name.as_str() };
-        let file = per_axis.next().map(|spec| file_name(&self.environment, spec, own)).transpose()?;
+        let file = per_axis.next().map(|spec| target.file_name(&self.environment, spec, own)).transpose()?;
         let tables = of.map(|per| self.words.tables(|table| per.holds(*index, table)));
         let own = of.map(|_| self.words.own_points(*index));
         Ok(context! {

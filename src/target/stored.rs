@@ -9,9 +9,15 @@ use crate::machine::AxisKind;
 pub(super) struct Column<'a> {
     pub rules: &'a TableRules,
     pub kind: AxisKind,
+    /// By how much the controller multiplies the numbers of the table.
+    pub times: f64,
 }
 
-impl Column<'_> {
+impl<'a> Column<'a> {
+    pub fn new(rules: &'a TableRules, kind: AxisKind) -> Self {
+        Self { rules, kind, times: 1.0 }
+    }
+
     fn scale(self) -> f64 {
         self.rules.increment.correction_scale.of(self.kind)
     }
@@ -23,12 +29,12 @@ impl Column<'_> {
             Stored::Error => -correction,
             Stored::Command => position.unwrap_or(0.0) + correction,
         };
-        value * self.scale()
+        value * self.scale() / self.times
     }
 
     /// The correction that a stored number means.
     pub fn correction(self, stored: f64, position: Option<f64>) -> f64 {
-        let value = stored / self.scale();
+        let value = stored * self.times / self.scale();
         let correction = match self.rules.stored {
             Stored::Correction => value,
             Stored::Error => -value,

@@ -305,3 +305,69 @@ fn a_controller_with_the_model_is_not_said_to_do_nothing() {
     let run = Run::of(run.arg(folder.path("out")));
     assert!(!run.err.contains("W0602") && run.out.contains("Then measure: at "), "{}{}", run.err, run.out);
 }
+
+/// A table whose tilt shows only where it is turned moves nothing at C = 0, where signs are tested by preference.
+#[test]
+fn what_acts_on_a_turned_table_only_is_not_nothing() {
+    let folder = Folder::new();
+    let machine = with_table(&folder, "EA0C: 20 urad");
+    for target in ["isg-volcomp", "linuxcnc-kins"] {
+        let mut run = abbe();
+        run.arg("compile").arg(&machine).args(["--target", target, "--poses", "50", "--out"]);
+        let run = Run::of(run.arg(folder.path(target)));
+        assert!(!run.err.contains("W0602") && run.out.contains("Then measure: at "), "{}{}", run.err, run.out);
+    }
+}
+
+/// Three linear axes and an endless table.
+fn with_table(folder: &Folder, errors: &str) -> std::path::PathBuf {
+    let axes = ["X", "Y", "Z"].map(|name| format!("  {name}: {{ travel: [0 mm, 200 mm] }}\n")).concat();
+    let text = format!(
+        "abbe: 1\nmachine: example\nchain: \"w C' b X Y Z t\"\naxes:\n{axes}  C: {{ travel: continuous }}\nerrors: {{ {errors} }}\n\
+         volume: {{ step: 50 mm, C: {{ step: 45 deg }} }}\n"
+    );
+    folder.write("machine.yaml", &text)
+}
+
+/// Nothing to compensate is no failure: whatever tables stood there go, and `verify`, `diff` and `--installed` take what is left.
+#[test]
+fn sets_without_tables() {
+    for target in abbe::target::NAMES.into_iter().filter(|name| !name.starts_with("linuxcnc-")) {
+        let folder = Folder::new();
+        let out = folder.path("out");
+        let more = ["--accept-unverified", "--poses", "20", "--nodes", "300"];
+        let bent = "EXX: { points: [[0 mm, 0 um], [100 mm, 9 um], [200 mm, 0 um]] }, EC0Y: 30 urad";
+        let machine = with_table(&folder, bent);
+        compile(&machine, target, &out, &more).json();
+        let machine = with_table(&folder, "");
+        let run = compile(&machine, target, &out, &more);
+        run.says("W0602").says("the tables correct nothing");
+        let json = run.json();
+        assert!(number(&json, "/compensated/position_um/max") < 1e-9, "{target}: {json}");
+        let again = verify(&machine, &out, &["--poses", "20"]).json();
+        assert_eq!(again["compensated"], json["compensated"], "{target}");
+        let mut diff = abbe();
+        diff.arg("diff").arg(&machine).args([&out, &out]).args(["--format", "json", "--poses", "3"]);
+        assert_eq!(number(&Run::of(&mut diff).json(), "/position_um/max"), 0.0, "{target}");
+        let (machine, old) = (with_table(&folder, bent), out.to_str().unwrap());
+        let first = compile(&machine, target, &folder.path("first"), &more).json();
+        let sum = compile(&machine, target, &folder.path("sum"), &[&more[..], &["--installed", old]].concat()).json();
+        assert_eq!(sum["compensated"], first["compensated"], "{target}");
+        // Another target's name finds nothing there.
+        let other = if target == "pmac" { "sinumerik-enc" } else { "pmac" };
+        assert_eq!(verify(&machine, &out, &["--target", other, "--poses", "5"]).code, Some(1), "{target}");
+    }
+}
+
+/// ECC of 10 urad everywhere is nothing that tables can hold which vanish at C = 0: all of it is left, as the constant of a linear
+/// axis would be.
+#[test]
+fn a_constant_is_left_of_a_single_rotary_error_too() {
+    let folder = Folder::new();
+    let errors = "ECC: { points: [[0 deg, 10 urad], [180 deg, 12 urad], [360 deg, 10 urad]] }, EXX: { points: [[0 mm, 0 um], [200 mm, 5 um]] }";
+    let json = compile(&with_table(&folder, errors), "sinumerik-enc", &folder.path("out"), &["--poses", "400"]).json();
+    let of = |key: &str| number(&json, &format!("/errors/ECC/{key}"));
+    // From 10 to 12 urad alone, 10 urad afterwards, at the same radii: within their ratio.
+    assert!(of("left_um") > of("alone_um") * 10.0 / 12.0 - 1e-3 && of("left_um") < of("alone_um"), "{json}");
+    assert_eq!(json["errors"]["ECC"]["handled"], "partly");
+}

@@ -176,6 +176,59 @@ fn two_machines_are_counted_and_subtracted() {
     assert_eq!(csv.lines().count() as u64, 1 + 2 * (400 - missed));
 }
 
+const LATHE: &str = "lathes/lathe-xzc.yaml";
+
+/// C turns the place into the plane of X and Z. X = 0 is on the axis of C: at (30, 40) from it X is 50, and C, which carries the
+/// workpiece, is where 30 = 50 cos C and 40 = 50 sin C up to its sign.
+#[test]
+fn a_lathe_reaches_across_its_plane_by_its_spindle() {
+    let machine = machine(LATHE);
+    let (x, c) = (machine.axis_index("X").unwrap(), machine.axis_index("C").unwrap());
+    let reference = rest(&machine);
+    let centre = tool_pose(&machine, &reference).tip;
+    let target = ToolPose { tip: centre + Vector3::new(30.0, 40.0, 100.0), direction: Vector3::z() };
+    let found = inverse(&machine, &target, &reference).unwrap();
+    assert!((found[x] - 50.0).abs() < 1e-9, "{found:?}");
+    let turn = libm::atan2(40.0, 30.0).to_degrees();
+    assert!((found[c].abs() - turn).abs() < 1e-9, "{found:?}");
+    assert!(miss(&machine, &found, &target).0 < 1e-9);
+    // Within 15 mm the slide may stand on either side; beyond 190 mm it may not be.
+    let near = ToolPose { tip: centre + Vector3::new(-9.0, 0.0, 0.0), ..target };
+    let found = inverse(&machine, &near, &reference).unwrap();
+    assert!((found[x] + 9.0).abs() < 1e-9 && found[c].abs() < 1e-9, "{found:?}");
+    let far = ToolPose { tip: centre + Vector3::new(150.0, 150.0, 0.0), ..target };
+    assert_eq!(inverse(&machine, &far, &reference), Err(Unreachable::Travel));
+    // A place that hangs on nothing but X and Z needs no turn.
+    for pose in random_poses(&machine, 500, 3) {
+        let target = tool_pose(&machine, &pose);
+        let found = inverse(&machine, &target, &reference).unwrap();
+        assert!(miss(&machine, &found, &target).0 < 1e-9 && machine.beyond_travel(&found).next().is_none());
+    }
+}
+
+/// A lathe beside itself, and beside one whose X carriage is 10 urad out of square with Z.
+#[test]
+fn lathes_are_compared() {
+    let result = json(&["compare", LATHE, LATHE, "--poses", "300", "--format", "json"]);
+    assert_eq!(result["poses"], 300);
+    assert_eq!(number(&result["machines"][1]["minus_first"]["position_um"]["max"]), 0.0);
+    let folder = Folder::new("compare-lathes");
+    let lathe = |name: &str, error: &str| {
+        let axes = "{ Z: { travel: [0, 500] }, X: { travel: [0, 200] }, C: { travel: continuous } }";
+        let text = "abbe: 1\nmachine: m\nchain: \"w C' b Z X t\"\naxes: ";
+        folder.with(
+            name,
+            &format!("{text}{axes}\nerrors: {{ {error} }}\nvolume: {{ step: 50 mm, C: {{ step: 30 deg }} }}\n"),
+        )
+    };
+    let (square, tilted) = (lathe("square.yaml", "EB0Z: 0 urad"), lathe("tilted.yaml", "EB0Z: 10 urad"));
+    let result = json(&["compare", text(&square), text(&tilted), "--poses", "200", "--format", "json"]);
+    let [none, some] = [0, 1].map(|i| number(&result["machines"][i]["position_um"]["max"]));
+    // 10 urad over at most 500 mm, at the same tool poses.
+    assert!(none == 0.0 && some > 4.5 && some <= 5.0, "{none} {some}");
+    assert_eq!(result["poses"], 200);
+}
+
 #[test]
 fn nothing_in_common_is_refused_with_the_reasons() {
     let (code, message) = refused(&["compare", "trunnion.yaml", "gantry-3ax.yaml", "--poses", "50"]);

@@ -36,7 +36,7 @@ fn names() -> Vec<String> {
 
 /// The same without turns.
 #[test]
-#[ignore = "takes more than nine minutes on two cores: by hand"]
+#[ignore = "eight minutes of processor time: by hand"]
 fn all_targets_for_all_configs() {
     let work = names().into_iter().flat_map(|name| abbe::target::NAMES.map(|target| (name.clone(), target)));
     assert!(judged(work.collect()).len() > 300);

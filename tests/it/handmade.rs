@@ -187,6 +187,26 @@ fn wrong_axes_counts_and_switches_are_refused() {
     other.refused("E0704").says("no pin of `xyzac-trt-kins`");
 }
 
+/// Beckhoff 296429067: errors of X that depend on Z too. The block is refused with the line of its names.
+#[test]
+fn isg_blocks_over_two_axes_are_refused_with_a_remedy() {
+    let folder = Folder::new();
+    let machine = replays::machine(&folder, false);
+    let single = "X EXX EYX\n-200 0.005 0.002\n200 -0.003 -0.001\n";
+    let set = |text: &str| {
+        let folder = Folder::new();
+        let _ = folder.write("volcomp.csv", text);
+        verify(&machine, &folder.path(""), &["--target", "isg-volcomp", "--poses", "1"])
+    };
+    set(single).json();
+    for (names, argument) in [("Z X EXX EYX", "0"), ("X Z EXX EYX", "0"), ("A X EXX EYX", "0")] {
+        let rows: String = single.lines().skip(1).map(|row| format!("{argument} {row}\n")).collect();
+        let run = set(&format!("C0Y\n0.00004\n#\n{names}\n{rows}"));
+        run.refused("E0704").says("volcomp.csv:4").says("a block over two axes").says("at one position of the other");
+    }
+    set("B EXB\n0 0.001\n90 0.002\n").refused("E0704").says("the machine has no axis `B`");
+}
+
 /// The table of an axis that the machine does not have is said to be left alone.
 #[test]
 fn a_table_without_an_axis_is_said() {

@@ -198,9 +198,8 @@ fn what_cannot_be_finished_is_refused() {
     list(r#"{"run": 1, "files": [{"name": "joint_0_X.comp", "sha256": "00", "before": null}], "removed": []}"#);
 }
 
-/// Fuel does not bound what doubles: a text, a list, what a filter makes of them.
-#[test]
-fn templates_that_take_all_memory_are_refused() {
+/// A target of one's own whose one file is this, compiled over a folder that has a file already.
+fn greedy(path: &str, template: &str) -> Run {
     let folder = Folder::new();
     let machine = machine(&folder, "machine.yaml", 3.0, false);
     let own = folder.path("templates/greedy");
@@ -208,26 +207,49 @@ fn templates_that_take_all_memory_are_refused() {
     let manifest = "target: greedy\ntitle: x\nexpresses: x\ncannot: []\ncertainty: { syntax: { level: own format, source: x }, sign: { level: own format, source: x } }\n\
          sign_test: x\nmechanism: { own_axis: { max_points: 9, stored: correction, increment: { position_decimals: 3, correction_decimals: 6 } } }\n\
          controller: { lookup: command, interpolation: linear, outside: hold, arithmetic: float64 }\n\
-         files: [{ path: all.txt, template: all.j2, per: machine, layout: { format: lines, lines: [{ line: \"P <position> <value>\" }] } }]\n";
-    std::fs::write(own.join("target.yaml"), manifest).unwrap();
+         files: [{ path: 'PATH', template: all.j2, per: machine, layout: { format: lines, lines: [{ line: \"P <position> <value>\" }] } }]\n";
+    std::fs::write(own.join("target.yaml"), manifest.replace("PATH", path)).unwrap();
+    std::fs::write(own.join("all.j2"), template).unwrap();
     let (out, templates) = (folder.path("out"), folder.path("templates"));
-    for step in ["ns.s ~ ns.s", "ns.s | replace('x', ns.s)"] {
+    std::fs::create_dir(&out).unwrap();
+    let _ = folder.write("out/kept", "kept");
+    let mut run = abbe();
+    run.arg("compile").arg(&machine).args(["--target", "greedy", "--templates"]).arg(&templates).arg("--out").arg(&out);
+    let run = Run::of(&mut run);
+    assert_eq!(crate::support::names(&out), ["kept"], "{template}");
+    run
+}
+
+/// Fuel does not bound what doubles: a text, a list, what a filter makes of them.
+#[test]
+fn templates_that_take_all_memory_are_refused() {
+    for step in ["ns.s ~ ns.s", "ns.s | replace('x', ns.s)", "[ns.s, ns.s] | join(ns.s)"] {
         let text = format!(
             "{{% set ns = namespace(s='xxxxxxxx') %}}{{% for i in range(60) %}}{{% set ns.s = {step} %}}{{% endfor %}}{{{{ ns.s }}}}"
         );
-        std::fs::write(own.join("all.j2"), text).unwrap();
-        let mut run = abbe();
-        run.arg("compile")
-            .arg(&machine)
-            .args(["--target", "greedy", "--templates"])
-            .arg(&templates)
-            .arg("--out")
-            .arg(&out);
-        let run = Run::of(&mut run);
-        run.refused("E0740").says("1 GiB");
-        assert!(!out.exists());
+        greedy("all.txt", &text).refused("E0740").says("1 GiB");
     }
     // A usage error of the child is one of the program.
-    let run = Run::of(abbe().args(["compile", "--templates"]).arg(&templates));
+    let run = Run::of(abbe().args(["compile", "--templates", "."]));
     assert_eq!(run.code, Some(2));
+}
+
+/// Nor does it bound what one step costs: much in few steps, in a template and in a file's name.
+#[test]
+fn templates_that_take_all_day_are_refused() {
+    let large = "{% set ns = namespace(s='xy', n=0) %}{% for i in range(23) %}{% set ns.s = ns.s ~ ns.s %}{% endfor %}";
+    let work = "{% for i in range(99999) %}{% set ns.n = ns.s | upper | replace('X', 'z') | length %}{% endfor %}";
+    let name = "{% set ns = namespace(n=0) %}{% for i in range(99999) %}{% set ns.n = range(99999) | list | sort | length %}{% endfor %}all.txt";
+    let late = |path: &str, template: &str| {
+        greedy(path, template).refused("E0702").says("10 s of processor time");
+    };
+    std::thread::scope(|scope| {
+        scope.spawn(|| late("all.txt", &format!("{large}{work}")));
+        scope.spawn(|| late(name, ""));
+    });
+    // Recursion without end, and values in each other that only their own end unwinds.
+    greedy("all.txt", "{% macro m() %}{{ m() }}{% endmacro %}{{ m() }}").refused("E0702").says("recursion");
+    let deep = "{% set ns = namespace(l=[]) %}{% for i in range(90000) %}{% set ns.l = [ns.l] %}{% endfor %}";
+    let run = greedy("all.txt", deep);
+    assert_eq!(run.code, Some(1), "{}", run.err);
 }

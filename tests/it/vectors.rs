@@ -75,6 +75,25 @@ fn fanuc_lattice() {
     let files = [("lattice.txt", list)];
     added("fanuc-3d", &files, [25.0, 50.0, 75.0], [0.0025, 0.002, 0.00675]);
     added("fanuc-3d", &files, [300.0, -50.0, 0.0], [0.010, 0.0, 0.0]);
+    // 10809 multiplies what is stored.
+    let thrice = list.replacen("0 0 0 0 0 0\n", "MAGNIFICATION 3\n0 0 0 0 0 0\n", 1);
+    added("fanuc-3d", &[("lattice.txt", &thrice)], [25.0, 50.0, 75.0], [0.0075, 0.006, 0.02025]);
+}
+
+/// EXX from 300 to -300 um, which no number from -127 to 127 says: hundreds of three um.
+#[test]
+fn fanuc_lattice_magnified() {
+    let folder = Folder::new();
+    let errors = "EXX: { points: [[-200 mm, 300 um], [200 mm, -300 um]] }";
+    let text = text_of(&folder, errors, "fanuc-3d", "lattice.txt");
+    let has = |line: &str| assert!(text.lines().any(|l| l == line), "{line}: {text}");
+    has("MAGNIFICATION 3");
+    for (i, x) in [(0, -100), (1, -80), (4, -20), (5, 0), (10, 100)] {
+        has(&format!("{i} 0 0 {x} 0 0"));
+    }
+    let small =
+        text_of(&Folder::new(), "EXX: { points: [[-200 mm, 120 um], [200 mm, -120 um]] }", "fanuc-3d", "lattice.txt");
+    assert!(small.lines().any(|line| line == "MAGNIFICATION 1") && small.lines().any(|line| line == "0 0 0 -120 0 0"));
 }
 
 /// EXX = 5 2 0 -3 -4 and EYX = 2 1 0 -1 -3 um at -200 .. 200: on 11 points from -200 in steps of 40, in whole um with the sign turned.

@@ -11,6 +11,9 @@ const ROUNDING: f64 = 1e-9;
 /// Below this share of the largest eigenvalue of J J^T a direction counts as not spanned.
 const RANK: f64 = 1e-12;
 
+/// Sine of an angle below which two axes count as parallel, or one as lying in a plane.
+const FLAT: f64 = 1e-6;
+
 /// A linear axis: its index, the way the tool goes per mm (workpiece frame), its room in both senses.
 #[derive(Debug, Clone)]
 struct Slide {
@@ -42,6 +45,15 @@ pub fn complete(
         };
     }
     Ok(pose)
+}
+
+/// Unit normal of the plane that the linear axes span at a pose, its sense that of the first two that span it; none if they span a
+/// line, or space.
+pub fn normal(axes: &[Axis], pose: &[f64]) -> Option<Vector3<f64>> {
+    let ways: Vec<Vector3<f64>> = slides(axes, pose, pose).into_iter().map(|slide| slide.way).collect();
+    let pairs = ways.iter().enumerate().flat_map(|(i, a)| ways[i + 1..].iter().map(move |b| a.cross(b)));
+    let normal = pairs.into_iter().find(|n| n.norm() > FLAT)?.normalize();
+    ways.iter().all(|way| way.dot(&normal).abs() < FLAT).then_some(normal)
 }
 
 /// Every linear axis at the rotary positions of the pose.

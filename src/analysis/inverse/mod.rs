@@ -4,12 +4,14 @@
 //! 1. [`rotary`] finds the positions of the rotary axes that give the direction: all of them where
 //!    two axes or fewer turn, in closed form; the nearest ones where there are more.
 //! 2. [`linear`] finds those of the linear axes that give the place, moving them as little as it can.
-//! 3. The first of the candidates, nearest to the reference first, that is within the travel is taken,
+//! 3. Where the linear axes span a plane only, [`turning`] brings the place into it by a rotary axis about the tool axis.
+//! 4. The first of the candidates, nearest to the reference first, that is within the travel is taken,
 //!    and the ideal machine is asked whether it gets there.
 
 mod algebra;
 mod linear;
 mod rotary;
+mod turning;
 
 pub use algebra::Inverse;
 
@@ -86,7 +88,9 @@ pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Resul
         })
     };
     let near = directions.nearest(&target.direction);
-    let found = tried(near.poses).or_else(|| near.more.then(|| tried(directions.others(&target.direction))).flatten());
+    let found = tried(near.poses.clone())
+        .or_else(|| tried(turning::turned(machine, &target.tip, &near.poses, &reference)))
+        .or_else(|| near.more.then(|| tried(directions.others(&target.direction))).flatten());
     found.ok_or(if near.beyond_travel { failure.max(Unreachable::Travel) } else { failure })
 }
 

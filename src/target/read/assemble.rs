@@ -136,7 +136,7 @@ impl Assembly<'_> {
         if rules.largest.is_some_and(|most| slope.abs() > most) {
             return Err(Fault::new(line, "the controller would refuse this factor"));
         }
-        let far = Column { rules, kind }.correction(slope, None);
+        let far = Column::new(rules, kind).correction(slope, None);
         table.nodes = vec![vec![0.0, 1000.0]];
         table.values = vec![0.0, far];
         Ok(table)
@@ -266,7 +266,20 @@ impl Assembly<'_> {
         }
         let axis = table.corrected[output];
         let own = table.axes.iter().position(|a| *a == axis).map(|place| table.node(node)[place]);
-        Ok(Column { rules, kind: self.kind(axis) }.correction(stored, own))
+        let times = self.magnification(rules)?;
+        Ok(Column { times, ..Column::new(rules, self.kind(axis)) }.correction(stored, own))
+    }
+
+    /// By how much the controller multiplies the numbers of a lattice.
+    fn magnification(&self, rules: &TableRules) -> Result<f64, Fault> {
+        let times = self.whole("magnification")?.unwrap_or(1);
+        let most = usize::try_from(rules.magnification).unwrap_or(usize::MAX);
+        if (1..=most).contains(&times) {
+            Ok(times as f64)
+        } else {
+            let line = self.said("magnification").map_or(0, |(_, line)| *line);
+            Err(Fault::new(line, format!("the magnification is a whole number from 1 to {most}")))
+        }
     }
 
     /// A line of numbers for each node of the second axis.

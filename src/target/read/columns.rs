@@ -44,7 +44,7 @@ pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Res
 /// From stored numbers to positions and corrections.
 fn in_millimetres(reading: &Reading, mut table: Table, kind: AxisKind) -> Table {
     let Some(rules) = reading.target.manifest.mechanism.own_axis.as_ref() else { return table };
-    let (place, column) = (stored::Place { rules, kind }, stored::Column { rules, kind });
+    let (place, column) = (stored::Place { rules, kind }, stored::Column::new(rules, kind));
     table.nodes[0].iter_mut().for_each(|q| *q = place.position(*q));
     let nodes = table.nodes[0].clone();
     for values in std::iter::once(&mut table.values).chain(&mut table.reverse) {

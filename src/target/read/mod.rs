@@ -81,7 +81,7 @@ impl Target {
         let own = self.table_files(machine);
         let Some(letters) = self.manifest.axis_letters.as_ref() else { return Vec::new() };
         let per_axis = self.manifest.files.iter().filter(|spec| spec.layout.is_some() && spec.per != Per::Machine);
-        let mut names: Vec<String> = per_axis.flat_map(|spec| spec.names_of_letters(&letters.order)).collect();
+        let mut names: Vec<String> = per_axis.flat_map(|spec| self.names_of_letters(spec, &letters.order)).collect();
         names.retain(|name| !own.contains(name));
         names
     }

@@ -16,6 +16,11 @@ fn is_geometry(name: &str) -> bool {
     ) && !(letters[0] == 'V' && letters[1] == '0')
 }
 
+/// Is it the position of an axis, of this machine or of another one?
+fn is_argument(reading: &Reading, name: &str) -> bool {
+    reading.machine.axis_index(name).is_some() || matches!(name, "X" | "Y" | "Z" | "A" | "B" | "C")
+}
+
 /// Blocks of columns under a line of names, `//` before a comment, a line with `#` between blocks: one
 /// row of constants, or an axis and its errors.
 pub(super) fn error_columns(reading: &Reading, text: &str) -> Result<Tables, Fault> {
@@ -51,6 +56,17 @@ fn block(
     let Some((line, names)) = header else { return Ok(()) };
     let Some(rules) = reading.target.manifest.mechanism.error_curves.as_ref() else { return Ok(()) };
     let argument = reading.machine.axis_index(names[0]);
+    // Before the rows: those of two arguments do not rise.
+    if names.iter().filter(|name| is_argument(reading, name)).count() > 1 {
+        return Err(Fault::new(
+            line,
+            "a block over two axes: the machine language has no errors that depend on two, and what this block does would not be in \
+             the certificate. Give the curves over their own axis alone, at one position of the other",
+        ));
+    }
+    if argument.is_none() && is_argument(reading, names[0]) {
+        return Err(Fault::new(line, format!("the machine has no axis `{}`", names[0])));
+    }
     if rows.is_empty() {
         return Err(Fault::new(line, "there are no rows under these names"));
     }
@@ -66,9 +82,6 @@ fn block(
     for (column, name) in names.iter().enumerate().skip(usize::from(argument.is_some())) {
         if argument.is_none() && is_geometry(name) {
             continue;
-        }
-        if reading.machine.axis_index(name).is_some() {
-            return Err(Fault::new(line, format!("`{name}`: errors that depend on two axes are not read here")));
         }
         let known = parse_error_name(name).filter(|id| reading.machine.axis_index(id.axis.as_str()).is_some());
         let error = known
@@ -167,7 +180,7 @@ fn axis_column(
     let rules = reading.target.manifest.mechanism.rules(&table);
     let rules = rules.ok_or_else(|| Fault::new(0, "the controller has no table of this kind"))?;
     let axes = reading.machine.axes();
-    let (place, cell) = (Place { rules, kind: axes[input].kind }, Column { rules, kind: axes[output].kind });
+    let (place, cell) = (Place { rules, kind: axes[input].kind }, Column::new(rules, axes[output].kind));
     for (line, row) in rows {
         let Some(stored) = row[value] else { continue };
         let q = row[position].ok_or_else(|| Fault::new(*line, "a point without position"))?;

@@ -66,7 +66,7 @@ fn product(reading: &Reading, first: &Table, second: &Table) -> Result<Table, St
     }
     let mechanism = &reading.target.manifest.mechanism;
     let rules = mechanism.product.as_ref().ok_or("the controller has no products of tables")?;
-    let column = Column { rules, kind: reading.machine.axes()[first.corrected[0]].kind };
+    let column = Column::new(rules, reading.machine.axes()[first.corrected[0]].kind);
     let weights = second.values.iter().map(|c| column.as_weight(*c)).collect();
     Ok(Table::product(first, second, [first.values.clone(), weights]))
 }

@@ -43,7 +43,7 @@ impl Assembly<'_> {
         if let Some((index, _)) = self.record.points.iter().find(|(index, _)| !ours(index[0])) {
             return Err(self.fault(format!("point {} is outside {first} to {last}", index[0])));
         }
-        let (place, column) = (Place { rules, kind: self.kind(axis) }, Column { rules, kind });
+        let (place, column) = (Place { rules, kind: self.kind(axis) }, Column::new(rules, kind));
         let step = self.needed("step")?;
         let position = |n: usize| place.position((n as f64 - reference as f64) * step);
         let correction = |sums: &[f64], start: f64| -> Vec<f64> {
@@ -94,7 +94,7 @@ impl Assembly<'_> {
     /// Entries from one step behind 0 on, of a plane line by line; what lies beyond the travel stands for negative
     /// positions.
     pub fn rolled(&self, mut table: Table, rules: &TableRules) -> Result<Table, Fault> {
-        let column = Column { rules, kind: self.kind(table.corrected[0]) };
+        let column = Column::new(rules, self.kind(table.corrected[0]));
         let counts = self.counts(table.axes.len())?;
         let entries = self.entries(&counts)?;
         let cells = |c: f64| column.correction(c, None);
@@ -130,7 +130,7 @@ impl Assembly<'_> {
         if constant < 0.0 && rules.positive_backlash {
             return Err(self.fault("a backlash constant cannot be negative"));
         }
-        let column = Column { rules, kind: self.kind(axis) };
+        let column = Column::new(rules, self.kind(axis));
         let taken = |stored: f64| 0.0 - column.correction(stored + constant, None);
         let (nodes, reverse): (Vec<f64>, Vec<f64>) = if self.said("length").is_some() {
             let counts = self.counts(1)?;

@@ -191,9 +191,8 @@ impl<'a> Bench<'a> {
         Matrix6::from_columns(&columns).try_inverse().map_or(0.0, |inverse| inverse.norm().recip())
     }
 
-    /// The weaker of the two tilts of the tool axis that a turn of rotary axes by 1 makes: the sine of the
-    /// angle from a singular pose of two orthogonal axes. By differences of the oracle.
-    fn agility(&self, pose: &Pose) -> f64 {
+    /// What a turn of each rotary axis does to the tool axis, per rad. By differences of the oracle.
+    fn tilts(&self, pose: &Pose) -> Vec<V3> {
         const STEP: f64 = 1e-3;
         let axis_at = |axis: usize, by: f64| {
             let mut pose = pose.clone();
@@ -201,8 +200,66 @@ impl<'a> Bench<'a> {
             self.sample.holds(&pose, Travel::Mean)[1].axis()
         };
         let rotary = (0..pose.len()).filter(|i| self.sample.rigid.walk[*i].rotary);
-        let ways = rotary.map(|i| minus(axis_at(i, STEP), axis_at(i, -STEP)).map(|x| x / (2.0 * STEP.to_radians())));
-        let ways: Vec<V3> = ways.collect();
+        rotary.map(|i| minus(axis_at(i, STEP), axis_at(i, -STEP)).map(|x| x / (2.0 * STEP.to_radians()))).collect()
+    }
+
+    /// The last rotary axis of the walk.
+    pub fn last(&self) -> usize {
+        self.sample.rigid.walk.iter().rposition(|axis| axis.rotary).unwrap()
+    }
+
+    /// The pose with the last of two rotary axes where both tilt the tool in one direction, so that they hold none of the
+    /// other; none if no turn of it does that.
+    pub fn singular(&self, pose: &Pose) -> Option<Pose> {
+        let at = |q: f64| {
+            let mut pose = pose.clone();
+            pose[self.last()] = q;
+            pose
+        };
+        let area = |q: f64| {
+            let tilts = self.tilts(&at(q));
+            let axis = self.sample.holds(&at(q), Travel::Mean)[1].axis();
+            cross(tilts[0], tilts[1]).iter().zip(axis).map(|(a, b)| a * b).sum::<f64>()
+        };
+        let [low, high] = self.sample.axes[self.last()].travel.unwrap_or([-180.0, 180.0]);
+        let places: Vec<f64> = (2..=34).map(|k| low + (high - low) * f64::from(k) / 36.0).collect();
+        let pair = places.windows(2).find(|pair| area(pair[0]) * area(pair[1]) < 0.0)?;
+        let (mut from, mut to) = (pair[0], pair[1]);
+        for _ in 0..60 {
+            let middle = 0.5 * (from + to);
+            if area(from) * area(middle) <= 0.0 { to = middle } else { from = middle }
+        }
+        Some(at(from))
+    }
+
+    /// At poses beside a singular one: how far the tip is off and how well the way back is found (mm, deg), how many ways
+    /// back are refused, and the corrected commands with what a rotary axis moves at most of what the damping allows.
+    pub fn beside_singular(&self, module: &Module, poses: &[Pose]) -> ([f64; 2], usize, Vec<(Pose, f64)>) {
+        let asked: Vec<Ask> = poses.iter().map(|pose| self.ask(pose, 1.0)).collect();
+        let (mut worst, mut refused, mut commands) = ([0.0_f64; 2], 0, Vec::new());
+        for ((pose, ask), answer) in poses.iter().zip(&asked).zip(module.answers(&asked)) {
+            assert_eq!(answer.failures, 0, "{pose:?}");
+            let command = self.command(&answer);
+            worst[0] = worst[0].max(self.missed(pose, &command)[0].unwrap());
+            if answer.back[0].is_nan() {
+                refused += 1;
+            } else {
+                worst[1] = answer.back.iter().zip(ask.world).map(|(a, b)| (a - b).abs()).fold(worst[1], f64::max);
+            }
+            let [real, wanted] = self.sample.holds(pose, Travel::Mean);
+            let unit = |v: V3| v.map(|x| x / norm(v));
+            let tilt = norm(cross(unit(wanted.axis()), unit(real.axis())));
+            let rotary = (0..pose.len()).filter(|i| self.sample.rigid.walk[*i].rotary);
+            let moved = rotary.map(|i| (command[i] - pose[i]).abs().to_radians()).fold(0.0, f64::max);
+            commands.push((command, moved / (tilt / 1.0_f64.to_radians().sin())));
+        }
+        (worst, refused, commands)
+    }
+
+    /// The weaker of the two tilts of the tool axis that a turn of rotary axes by 1 makes: the sine of the
+    /// angle from a singular pose of two orthogonal axes.
+    fn agility(&self, pose: &Pose) -> f64 {
+        let ways = self.tilts(pose);
         // Sum of squares of the areas, over the larger eigenvalue: the smaller one.
         let trace: f64 = ways.iter().map(|w| norm(*w).powi(2)).sum();
         let pairs =

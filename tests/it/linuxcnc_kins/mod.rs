@@ -76,7 +76,7 @@ fn every_convention(seed: u64, linearised: bool, real: bool) {
     let mut random = Random::new(seed);
     for conventions in combinations() {
         let conventions = crate::oracle::rigid::Conventions { linearised, real, ..conventions };
-        let (sample, folder) = accepted(&mut random, conventions);
+        let (sample, folder) = accepted(&mut random, conventions, 1e-4);
         let module = Module::build(&folder.path("out"));
         let poses = poses(&sample, &mut random, 40);
         let text = std::fs::read_to_string(folder.path("machine.yaml")).unwrap();
@@ -85,9 +85,9 @@ fn every_convention(seed: u64, linearised: bool, real: bool) {
 }
 
 /// Draws until the target takes the machine; flat triples of directions are the only ones it refuses.
-fn accepted(random: &mut Random, conventions: crate::oracle::rigid::Conventions) -> (Sample, Folder) {
+fn accepted(random: &mut Random, conventions: crate::oracle::rigid::Conventions, size: f64) -> (Sample, Folder) {
     for _ in 0..1000 {
-        let mut sample = Sample::random(random, conventions, 1e-4);
+        let mut sample = Sample::random(random, conventions, size);
         let linear: Vec<usize> = (0..sample.axes.len()).filter(|i| !sample.rigid.walk[*i].rotary).collect();
         let rotary: Vec<usize> = (0..sample.axes.len()).filter(|i| sample.rigid.walk[*i].rotary).collect();
         if linear.len() < 3 || rotary.len() > 3 {

@@ -125,6 +125,49 @@ fn whatever_the_language_can_say() {
     assert!(seen[2] >= 4 && held > 60, "{seen:?} {held}");
 }
 
+/// Chains in random directions with two rotary axes, where these tilt the tool in one direction only, and from 1e-9 to 2 deg beside
+/// it: the tip is held, corrections are bounded and do not jump, and the way back is found or refused.
+#[test]
+fn random_chains_at_and_beside_their_singular_poses() {
+    const BESIDE: [f64; 15] =
+        [-2.0, -0.8, -0.1, -1e-3, -1e-6, -2e-9, -1e-9, 0.0, 1e-9, 2e-9, 1e-6, 1e-3, 0.1, 0.8, 2.0];
+    let mut random = Random::new(65);
+    let (mut met, mut lost) = (0, 0);
+    for conventions in combinations().chain(combinations()) {
+        let (sample, folder) = super::accepted(&mut random, conventions, 2e-5);
+        let rotary = sample.rigid.walk.iter().filter(|axis| axis.rotary).count();
+        if rotary != 2 || met > 400 {
+            continue;
+        }
+        let out = folder.path("out");
+        let (bench, module) = (Bench::new(&sample, &out), Module::build(&out));
+        let text = std::fs::read_to_string(folder.path("machine.yaml")).unwrap();
+        for pose in poses(&sample, &mut random, 6).iter().filter_map(|pose| bench.singular(pose)) {
+            let beside = BESIDE.map(|by| {
+                let mut pose = pose.clone();
+                pose[bench.last()] += by;
+                pose
+            });
+            let (worst, refused, commands) = bench.beside_singular(&module, &beside);
+            assert!(worst[0] < super::TIP && worst[1] < super::BACK, "{worst:?} at {pose:?}: {text}");
+            assert!(commands.iter().all(|(_, share)| *share < 1.1), "{commands:?} at {pose:?}: {text}");
+            for (a, b) in commands
+                .iter()
+                .zip(&commands[1..])
+                .zip(BESIDE.windows(2))
+                .filter(|(_, by)| by[1] - by[0] < 1e-8)
+                .map(|(c, _)| c)
+            {
+                let jump = a.0.iter().zip(&b.0).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(jump < 1e-6, "{jump} at {pose:?}: {text}");
+            }
+            met += BESIDE.len();
+            lost += refused;
+        }
+    }
+    assert!(met > 200 && lost * 10 < met, "{met} poses, {lost} ways back refused");
+}
+
 #[test]
 fn axes_beyond_the_letters_are_refused_and_rotary_ones_warned_of() {
     let folder = Folder::new();

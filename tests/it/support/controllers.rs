@@ -230,11 +230,14 @@ fn lattice_of_points(files: &Files, axes: Axes) -> Option<Controller> {
         <[f64; 3]>::try_from(numbers).ok()
     };
     let (counts, start, step) = (row("POINTS ")?.map(|n| n as usize), row("START ")?, row("INTERVAL ")?);
+    // 10809.
+    let times =
+        text.lines().find_map(|line| line.strip_prefix("MAGNIFICATION ")).map_or(Some(1), |n| n.parse().ok())?;
     let mut nodes: BTreeMap<[usize; 3], [f64; 3]> = BTreeMap::new();
     for line in text.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())) {
         let numbers: Vec<i64> = line.split(' ').map(|n| n.parse().ok()).collect::<Option<_>>()?;
         let [i, j, k, x, y, z] = numbers[..] else { return None };
-        nodes.insert([i, j, k].map(|n| n as usize), [x, y, z].map(|um| um as f64));
+        nodes.insert([i, j, k].map(|n| n as usize), [x, y, z].map(|n| (n * times) as f64));
     }
     (nodes.len() == counts.iter().product::<usize>()).then_some(())?;
     let [x, y, z] = [at(axes, 'X')?, at(axes, 'Y')?, at(axes, 'Z')?];
