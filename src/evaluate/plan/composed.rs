@@ -11,10 +11,10 @@
 //!
 //! where of an inner linear axis `R p` is a constant and the position times a constant.
 
-use super::ahead::{Ahead, Part, Scattered};
+use super::ahead::{Ahead, Part};
 use super::batch::{Output, Slices, Task};
 use super::curves::Six;
-use super::first::{FirstOrder, Joint};
+use super::first::{FirstOrder, Joint, States};
 use super::grid::{advance, write};
 use super::lanes::{Kernel, Lanes, MOST};
 use super::links::{Motion, cross, minus, plus, splat, times};
@@ -131,15 +131,15 @@ impl Inner {
             Self { count, position: padded(), slide, point: columns(), displacement: columns(), rotation: columns() };
         inner.position[..count].copy_from_slice(&axis.positions);
         let plan = plan.inner(joint);
-        let mut ahead = [Ahead::NONE];
+        let (mut ahead, mut states) = ([Ahead::NONE], States::NONE);
         let poses = Slices { axes: &[&axis.positions], added: &[] };
         for at in 0..count {
-            plan.ahead::<f64>(&mut ahead, Part { poses, from: at, count: 1 });
-            let state = plan.walk::<f64>(Scattered { poses, at, axes: &ahead, i: 0 });
+            plan.ahead::<f64>(&mut ahead, &mut states, Part { poses, from: at, count: 1 });
+            let [point, displacement, rotation] = states.alone(&plan);
             for k in 0..3 {
-                inner.point[k][at] = state.point[k];
-                inner.displacement[k][at] = state.displacement[k];
-                inner.rotation[k][at] = state.rotation[k];
+                inner.point[k][at] = point[k];
+                inner.displacement[k][at] = displacement[k];
+                inner.rotation[k][at] = rotation[k];
             }
         }
         inner
