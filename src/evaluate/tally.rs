@@ -327,8 +327,7 @@ impl Tally {
             let squares = squares([&x[at], &y[at], &z[at]]);
             let mut found = false;
             for k in 0..8 {
-                // Also what is not a number.
-                found |= !(squares[k] < least);
+                found |= squares[k] >= least || squares[k].is_nan();
             }
             if found {
                 self.keep(first, columns, 8 * at..8 * at + 8);
@@ -485,7 +484,8 @@ mod tests {
     #[test]
     fn lengths_beyond_the_buckets_are_counted_in_the_first_or_the_last() {
         let of = |x: f64| Deviation { position: Vector3::new(x, 0.0, 0.0), rotation: Vector3::zeros() };
-        let lengths = [1e-300, 0.0, 1.0, 2f64.powi(-50), 3.0 * 2f64.powi(-51), 1e300, 1e-20, 16_384.0, 3.0, 1e9];
+        let smallest = f64::from_bits(FIRST << BELOW);
+        let lengths = [1e-300, 0.0, 1.0, smallest, 1.5 * smallest, 1e300, 1e-20, 16_384.0, 3.0, 1e9];
         let list: Vec<Deviation> = (0..40).flat_map(|_| lengths).map(of).collect();
         let mut tally = Tally::new(0);
         tally.add(0, &columns(&list), list.len());
