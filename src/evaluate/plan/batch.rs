@@ -243,7 +243,7 @@ const IN_CACHE: usize = 1 << 14;
 /// Poses of a batch whose deviations (12 MB) would drive everything else from the caches, and be driven out themselves.
 const PAST_CACHES: usize = 1 << 18;
 
-/// How many poses ahead memory is asked for. More would drive the tables from the first cache, which they all but fill.
+/// How many poses ahead memory is asked for: no more than needed, for tables of five axes all but fill the first cache.
 const EXPECTED: usize = 2 * CHUNK;
 
 /// A task over a batch.
