@@ -16,7 +16,7 @@ mod naive;
 use abbe::analysis::{SurveyTask, View, survey};
 use abbe::cli::files::Disk;
 use abbe::diagnostic::Diagnostics;
-use abbe::evaluate::{Batch, Columns, Nodes, Order, Plan, Planned, Poses, Width};
+use abbe::evaluate::{Batch, Columns, Field, Nodes, Order, Plan, Planned, Poses, Width};
 use abbe::machine::{Approach, Machine};
 use std::io::{BufRead, Write};
 use std::path::Path;
@@ -87,7 +87,9 @@ impl Bench {
                 let field = Planned::new(&self.machine, order);
                 let poses = Poses::Nodes(Nodes::of(&self.machine));
                 let view = View::default();
+                // As with batches: the plan is compiled and the threads are there before the clock starts.
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.parse().ok()?).build().unwrap();
+                let _ = (field.plan(view.approach), pool.broadcast(|_| ()));
                 let task = SurveyTask { field: &field, poses: &poses, view, worst: 5 };
                 Some(clock(poses.len(), &mut || drop(pool.install(|| survey(task, &|_| ())))))
             }

@@ -5,7 +5,8 @@ use crate::evaluate::{Batch, Columns, Deviation, Field, Frame, GridPlan, Plan, P
 use crate::machine::Pose;
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// More poses than this take hours.
 pub const MOST_SURVEYED: usize = 1_000_000_000;
@@ -56,12 +57,20 @@ impl Block<'_> {
 /// `progress` is told how many poses were done.
 pub fn survey(task: Task<'_>, progress: &(dyn Fn(usize) + Sync)) -> Survey {
     let run = Run::new(task, progress, false);
-    let one = |mut worker: Worker, block: usize| {
-        run.block(&mut worker, block);
-        worker
-    };
-    let tallies = (0..run.blocks()).into_par_iter().fold(|| run.worker(), one).map(|worker| run.dismissed(worker));
-    finished(tallies.reduce_with(Tally::merged).unwrap_or_else(|| Tally::new(task.worst)))
+    // Every thread takes the next block when it is done with one: none waits for another, and each has one tally.
+    let (next, count) = (AtomicUsize::new(0), run.blocks());
+    (0..rayon::current_num_threads().min(count)).into_par_iter().with_max_len(1).for_each(|_| {
+        let mut worker = run.worker();
+        loop {
+            let block = next.fetch_add(1, Ordering::Relaxed);
+            if block >= count {
+                break;
+            }
+            run.block(&mut worker, block);
+        }
+        run.dismiss(worker);
+    });
+    run.finished()
 }
 
 /// The same, with something made of every block, on any thread; `sink` takes these in the order of the poses.
@@ -73,7 +82,6 @@ pub fn survey_with_rows<T: Send>(
     progress: &(dyn Fn(usize) + Sync),
 ) -> Option<Survey> {
     let run = Run::new(task, progress, true);
-    let mut whole = Tally::new(task.worst);
     let round = 8 * rayon::current_num_threads();
     for start in (0..run.blocks()).step_by(round) {
         let blocks = start..(start + round).min(run.blocks());
@@ -81,22 +89,18 @@ pub fn survey_with_rows<T: Send>(
             let mut worker = run.worker();
             let range = run.block(&mut worker, block);
             let (first, len) = (range.start, range.len());
-            let made = make(Block { first, poses: &worker.room.poses.batch(), columns: &worker.room.columns, len });
-            (run.dismissed(worker), made)
+            let made = make(Block { first, poses: &worker.poses.batch(), columns: &worker.columns, len });
+            run.dismiss(worker);
+            made
         };
-        let done: Vec<(Tally, T)> = blocks.into_par_iter().map(one).collect();
-        for (tally, made) in done {
-            whole = whole.merged(tally);
+        let done: Vec<T> = blocks.into_par_iter().map(one).collect();
+        for made in done {
             if !sink(made) {
                 return None;
             }
         }
     }
-    Some(finished(whole))
-}
-
-fn finished(tally: Tally) -> Survey {
-    Survey { statistics: tally.statistics(), worst: tally.worst() }
+    Some(run.finished())
 }
 
 /// What all threads share.
@@ -110,18 +114,14 @@ struct Run<'a> {
     /// Are the positions of the poses needed? A grid knows its own.
     positions: bool,
     progress: &'a (dyn Fn(usize) + Sync),
-    /// Room of workers that are done: a new one for every piece of the work would cost as much as a block.
-    rooms: Mutex<Vec<Room>>,
+    /// Workers that have nothing to do: as many as there are threads, for setting one up costs as much as a block.
+    idle: Mutex<Vec<Worker>>,
 }
 
-/// What is done with one block after the other.
+/// What does one block after the other.
 struct Worker {
+    /// Of all its blocks.
     tally: Tally,
-    room: Room,
-}
-
-/// Poses and deviations of a block.
-struct Room {
     poses: PoseColumns,
     columns: Columns,
 }
@@ -136,7 +136,7 @@ impl<'a> Run<'a> {
         let block = grid.as_ref().map_or(BLOCK, |grid| (BLOCK / grid.line()).max(1) * grid.line());
         let frames = (task.view.frame != Frame::Workpiece).then(|| super::map::frames(task.field));
         let positions = rows || grid.is_none() || frames.is_some();
-        Self { task, count: task.poses.len(), block, grid, frames, positions, progress, rooms: Mutex::default() }
+        Self { task, count: task.poses.len(), block, grid, frames, positions, progress, idle: Mutex::default() }
     }
 
     fn blocks(&self) -> usize {
@@ -144,25 +144,29 @@ impl<'a> Run<'a> {
     }
 
     fn worker(&self) -> Worker {
-        let empty = || Room {
+        let idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        idle.unwrap_or_else(|| Worker {
+            tally: Tally::new(self.task.worst),
             poses: PoseColumns::new(self.task.field.machine().axes().len()),
             columns: Columns::new(self.block.min(self.count)),
-        };
-        let room = self.rooms.lock().ok().and_then(|mut rooms| rooms.pop()).unwrap_or_else(empty);
-        Worker { tally: Tally::new(self.task.worst), room }
+        })
     }
 
-    /// What a worker has counted; its room is for the next.
-    fn dismissed(&self, worker: Worker) -> Tally {
-        if let Ok(mut rooms) = self.rooms.lock() {
-            rooms.push(worker.room);
-        }
-        worker.tally
+    fn dismiss(&self, worker: Worker) {
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(worker);
+    }
+
+    /// All tallies in one.
+    fn finished(self) -> Survey {
+        let workers = self.idle.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let tallies = workers.into_iter().map(|worker| worker.tally);
+        let tally = tallies.reduce(Tally::merged).unwrap_or_else(|| Tally::new(self.task.worst));
+        Survey { statistics: tally.statistics(), worst: tally.worst() }
     }
 
     /// One block more; returns which poses it has.
     fn block(&self, worker: &mut Worker, block: usize) -> Range<usize> {
-        let Worker { tally, room: Room { poses, columns } } = worker;
+        let Worker { tally, poses, columns } = worker;
         let range = block * self.block..((block + 1) * self.block).min(self.count);
         let len = range.len();
         if self.positions {

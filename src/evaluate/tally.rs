@@ -1,14 +1,17 @@
 //! Statistics of deviations that are not kept: sums, extremes, a sketch of the quantile, the worst poses.
 //!
-//! Tallies of consecutive poses are merged in their order. Counts, extremes and the worst poses do not depend on how the
-//! poses were divided; the sums are kept block by block and added up in the order of the blocks, so the result is the same
-//! to the bit on any number of threads, as long as the blocks are the same.
+//! Tallies are merged in any order. Counts, extremes and the worst poses do not depend on how the poses were divided; the
+//! sums are kept block by block and added up in the order of the blocks, so the result is the same to the bit on any number of
+//! threads, as long as the blocks are the same. Within a block eight poses are summed abreast, at any vector width.
 //!
 //! The sketch counts lengths in buckets: 1024 to each power of two, from 2^-50 mm (or rad) to 2^14. Its quantile is the
 //! middle of the bucket that holds the exact one: within 0.05 % ([`Tally::QUANTILE_ERROR`]), whatever the distribution.
-//! It has room for the powers of two that occur, so a tally of a few blocks is small and quickly merged.
+//! It has room for the powers of two that occur.
 
-use super::{Columns, Deviation, Statistics, Summary};
+#![allow(clippy::needless_range_loop, reason = "kernels have plain loops: see `plan`")]
+
+use super::plan::lanes::{Kernel, Lanes, run};
+use super::{Columns, Deviation, Statistics, Summary, Width};
 use std::collections::BinaryHeap;
 
 /// Statistics so far.
@@ -16,15 +19,22 @@ use std::collections::BinaryHeap;
 pub struct Tally {
     poses: u64,
     kinds: [Lengths; 2],
+    blocks: Vec<Block>,
     worst: BinaryHeap<Worst>,
     most: usize,
+    width: Width,
+}
+
+/// The number of a block's first pose, and sum and sum of squares of positions and of rotations.
+#[derive(Debug, Clone, Copy)]
+struct Block {
+    first: usize,
+    sums: [[f64; 2]; 2],
 }
 
 /// Of positions, or of rotations.
 #[derive(Debug, Clone)]
 struct Lengths {
-    /// Sum and sum of squares of each block.
-    sums: Vec<[f64; 2]>,
     max: f64,
     range: [(f64, f64); 3],
     sketch: Sketch,
@@ -71,9 +81,20 @@ const FIRST: u64 = (1023 - 50) << 10;
 const BUCKETS: usize = 64 * POWER;
 
 impl Sketch {
-    #[inline]
+    #[inline(always)]
     fn count(&mut self, length: f64) {
-        let bucket = ((length.to_bits() >> BELOW).saturating_sub(FIRST) as usize).min(BUCKETS - 1);
+        let cut = length.to_bits() >> BELOW;
+        // What is beyond the buckets has no place here either.
+        match self.counts.get_mut(cut.wrapping_sub(FIRST + self.first as u64) as usize) {
+            Some(count) => *count += 1,
+            None => self.unplaced(cut),
+        }
+    }
+
+    /// One whose bucket has no place yet, or that is beyond the first or the last.
+    #[inline(never)]
+    fn unplaced(&mut self, cut: u64) {
+        let bucket = (cut.saturating_sub(FIRST) as usize).min(BUCKETS - 1);
         match self.counts.get_mut(bucket.wrapping_sub(self.first)) {
             Some(count) => *count += 1,
             None if bucket == 0 => self.nothing += 1,
@@ -120,7 +141,6 @@ impl Sketch {
 }
 
 /// Sums and extremes of a block, eight poses abreast.
-#[derive(Default)]
 struct Eights {
     sum: [f64; 8],
     squares: [f64; 8],
@@ -130,21 +150,27 @@ struct Eights {
 }
 
 impl Eights {
+    const NONE: Self = Self {
+        sum: [0.0; 8],
+        squares: [0.0; 8],
+        max: [0.0; 8],
+        low: [[f64::INFINITY; 8]; 3],
+        high: [[f64::NEG_INFINITY; 8]; 3],
+    };
+
     /// Eight vectors more; returns their lengths.
-    #[allow(clippy::needless_range_loop, reason = "eight sums and three columns by one index")]
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, vectors: [&[f64; 8]; 3]) -> [f64; 8] {
-        let [x, y, z] = vectors;
+        let squares = squares(vectors);
         let mut lengths = [0.0; 8];
         for k in 0..8 {
-            let square = x[k] * x[k] + y[k] * y[k] + z[k] * z[k];
-            lengths[k] = square.sqrt();
+            lengths[k] = squares[k].sqrt();
             self.sum[k] += lengths[k];
-            self.squares[k] += square;
+            self.squares[k] += squares[k];
             self.max[k] = if lengths[k] > self.max[k] { lengths[k] } else { self.max[k] };
         }
-        for (axis, values) in vectors.into_iter().enumerate() {
-            let (low, high) = (&mut self.low[axis], &mut self.high[axis]);
+        for axis in 0..3 {
+            let (values, low, high) = (vectors[axis], &mut self.low[axis], &mut self.high[axis]);
             for k in 0..8 {
                 low[k] = if values[k] < low[k] { values[k] } else { low[k] };
                 high[k] = if values[k] > high[k] { values[k] } else { high[k] };
@@ -154,45 +180,71 @@ impl Eights {
     }
 }
 
-impl Lengths {
-    fn new() -> Self {
-        let range = [(f64::INFINITY, f64::NEG_INFINITY); 3];
-        Self { sums: Vec::new(), max: 0.0, range, sketch: Sketch::default() }
+/// Squared lengths.
+#[inline(always)]
+fn squares([x, y, z]: [&[f64; 8]; 3]) -> [f64; 8] {
+    let mut squares = [0.0; 8];
+    for k in 0..8 {
+        squares[k] = x[k] * x[k] + y[k] * y[k] + z[k] * z[k];
     }
+    squares
+}
 
-    /// One block; returns its largest length.
-    fn add(&mut self, columns: &[Vec<f64>; 3], len: usize) -> f64 {
-        let [(x, x_rest), (y, y_rest), (z, z_rest)] = columns.each_ref().map(|column| column[..len].as_chunks::<8>());
-        // The rest is padded with its first vector, which changes no extreme; the sums go without.
-        let mut block = Eights { low: [[f64::INFINITY; 8]; 3], high: [[f64::NEG_INFINITY; 8]; 3], ..Eights::default() };
+/// The first `len` of each column in eights, and the rest.
+#[inline(always)]
+fn eights(columns: &[Vec<f64>; 3], len: usize) -> ([&[[f64; 8]]; 3], [&[f64]; 3]) {
+    let [(x, a), (y, b), (z, c)] = columns.each_ref().map(|column| column[..len].as_chunks::<8>());
+    ([x, y, z], [a, b, c])
+}
+
+impl Lengths {
+    const NONE: Self = Self {
+        max: 0.0,
+        range: [(f64::INFINITY, f64::NEG_INFINITY); 3],
+        sketch: Sketch { first: 0, counts: Vec::new(), nothing: 0 },
+    };
+
+    /// One block; returns its largest length, and its sums.
+    #[inline(always)]
+    fn add(&mut self, columns: &[Vec<f64>; 3], len: usize) -> (f64, [f64; 2]) {
+        let ([x, y, z], rest) = eights(columns, len);
+        let mut block = Eights::NONE;
         for ((x, y), z) in x.iter().zip(y).zip(z) {
-            block.add([x, y, z]).into_iter().for_each(|length| self.sketch.count(length));
+            let lengths = block.add([x, y, z]);
+            for k in 0..8 {
+                self.sketch.count(lengths[k]);
+            }
         }
-        if let ([a, ..], [b, ..], [c, ..]) = (x_rest, y_rest, z_rest) {
-            let count = x_rest.len();
-            let (sum, squares) = (block.sum, block.squares);
-            let padded = [(x_rest, a), (y_rest, b), (z_rest, c)].map(|(rest, first)| {
-                let mut eight = [*first; 8];
-                eight[..count].copy_from_slice(rest);
-                eight
-            });
-            let lengths = block.add(padded.each_ref());
-            lengths[..count].iter().for_each(|length| self.sketch.count(*length));
-            block.sum[count..].copy_from_slice(&sum[count..]);
-            block.squares[count..].copy_from_slice(&squares[count..]);
-        }
-        for ((low, high), (lows, highs)) in self.range.iter_mut().zip(block.low.iter().zip(&block.high)) {
-            *low = lows.iter().fold(*low, |low, x| low.min(*x));
-            *high = highs.iter().fold(*high, |high, x| high.max(*x));
+        self.add_rest(&mut block, rest);
+        for axis in 0..3 {
+            let (low, high) = &mut self.range[axis];
+            *low = block.low[axis].iter().fold(*low, |low, x| low.min(*x));
+            *high = block.high[axis].iter().fold(*high, |high, x| high.max(*x));
         }
         let max = block.max.into_iter().fold(0.0, f64::max);
         self.max = self.max.max(max);
-        self.sums.push([block.sum.iter().sum(), block.squares.iter().sum()]);
-        max
+        (max, [block.sum.iter().sum(), block.squares.iter().sum()])
     }
 
-    fn merge(&mut self, other: Self) {
-        self.sums.extend(other.sums);
+    /// Fewer than eight: padded with their first, which changes no extreme; the sums go without.
+    fn add_rest(&mut self, block: &mut Eights, rest: [&[f64]; 3]) {
+        let count = rest[0].len();
+        if count == 0 {
+            return;
+        }
+        let (sum, squares) = (block.sum, block.squares);
+        let padded = rest.map(|rest| {
+            let mut eight = [rest[0]; 8];
+            eight[..count].copy_from_slice(rest);
+            eight
+        });
+        let lengths = block.add(padded.each_ref());
+        lengths[..count].iter().for_each(|length| self.sketch.count(*length));
+        block.sum[count..].copy_from_slice(&sum[count..]);
+        block.squares[count..].copy_from_slice(&squares[count..]);
+    }
+
+    fn merge(&mut self, other: &Self) {
         self.max = self.max.max(other.max);
         for ((low, high), (l, h)) in self.range.iter_mut().zip(other.range) {
             (*low, *high) = (low.min(l), high.max(h));
@@ -200,15 +252,36 @@ impl Lengths {
         self.sketch.merge(&other.sketch);
     }
 
-    fn summary(&self, poses: u64, unit: f64) -> Summary {
+    fn summary(&self, poses: u64, [sum, squares]: [f64; 2], unit: f64) -> Summary {
         let count = poses as f64;
-        let total = |k: usize| self.sums.iter().map(|sums| sums[k]).sum::<f64>();
         Summary {
             max: self.max * unit,
-            mean: total(0) / count * unit,
-            rms: (total(1) / count).sqrt() * unit,
+            mean: sum / count * unit,
+            rms: (squares / count).sqrt() * unit,
             p95: self.sketch.quantile((95 * poses).div_ceil(100)).unwrap_or(0.0).min(self.max) * unit,
             range: self.range.map(|(low, high)| (high - low) * unit),
+        }
+    }
+}
+
+/// A block to be added: compiled for every width, with the same bits.
+struct Counted<'a> {
+    tally: &'a mut Tally,
+    first: usize,
+    columns: &'a Columns,
+    len: usize,
+}
+
+impl Kernel for Counted<'_> {
+    #[inline(always)]
+    fn run<V: Lanes>(self) {
+        let Self { tally, first, columns, len } = self;
+        let (longest, position) = tally.kinds[0].add(&columns.position, len);
+        let (_, rotation) = tally.kinds[1].add(&columns.rotation, len);
+        tally.poses += len as u64;
+        tally.blocks.push(Block { first, sums: [position, rotation] });
+        if longest >= tally.least() {
+            tally.look_for_worst(first, columns, len);
         }
     }
 }
@@ -219,21 +292,20 @@ impl Tally {
 
     /// Of nothing yet; so many of the worst poses will be kept.
     pub fn new(most: usize) -> Self {
-        Self { poses: 0, kinds: [Lengths::new(), Lengths::new()], worst: BinaryHeap::new(), most }
+        let kinds = [Lengths::NONE, Lengths::NONE];
+        Self { poses: 0, kinds, blocks: Vec::new(), worst: BinaryHeap::new(), most, width: Width::widest() }
+    }
+
+    /// The same tally with narrower vectors; one that the processor has not is the scalar one.
+    #[must_use]
+    pub fn with_width(mut self, width: Width) -> Self {
+        self.width = width;
+        self
     }
 
     /// Adds a block: the first `len` deviations of the columns (mm, rad), whose poses are numbered from `first` on.
     pub fn add(&mut self, first: usize, columns: &Columns, len: usize) {
-        self.poses += len as u64;
-        let longest = self.kinds[0].add(&columns.position, len);
-        self.kinds[1].add(&columns.rotation, len);
-        if longest < self.least() {
-            return;
-        }
-        for i in 0..len {
-            let deviation = columns.get(i);
-            self.keep(Worst { length: deviation.position.norm(), index: first + i, deviation });
-        }
+        run(self.width, Counted { tally: self, first, columns, len });
     }
 
     /// Length below which a pose is none of the worst.
@@ -241,7 +313,39 @@ impl Tally {
         if self.worst.len() < self.most { 0.0 } else { self.worst.peek().map_or(f64::INFINITY, |worst| worst.length) }
     }
 
-    fn keep(&mut self, worst: Worst) {
+    /// Its square, less what rounding may do to it.
+    fn least_square(&self) -> f64 {
+        let least = self.least();
+        least * least * (1.0 - 1e-14)
+    }
+
+    #[inline(always)]
+    fn look_for_worst(&mut self, first: usize, columns: &Columns, len: usize) {
+        let ([x, y, z], rest) = eights(&columns.position, len);
+        let mut least = self.least_square();
+        for at in 0..x.len() {
+            let squares = squares([&x[at], &y[at], &z[at]]);
+            let mut found = false;
+            for k in 0..8 {
+                found |= squares[k] >= least || squares[k].is_nan();
+            }
+            if found {
+                self.keep(first, columns, 8 * at..8 * at + 8);
+                least = self.least_square();
+            }
+        }
+        self.keep(first, columns, len - rest[0].len()..len);
+    }
+
+    #[inline(never)]
+    fn keep(&mut self, first: usize, columns: &Columns, range: std::ops::Range<usize>) {
+        for i in range {
+            let deviation = columns.get(i);
+            self.keep_one(Worst { length: deviation.position.norm(), index: first + i, deviation });
+        }
+    }
+
+    fn keep_one(&mut self, worst: Worst) {
         if self.worst.len() < self.most {
             self.worst.push(worst);
         } else if self.worst.peek().is_some_and(|last| worst < *last) {
@@ -250,14 +354,15 @@ impl Tally {
         }
     }
 
-    /// Adds the tally of the poses that follow.
+    /// Adds the tally of other poses.
     #[must_use]
     pub fn merged(mut self, other: Self) -> Self {
         self.poses += other.poses;
-        for (kind, others) in self.kinds.iter_mut().zip(other.kinds) {
+        for (kind, others) in self.kinds.iter_mut().zip(&other.kinds) {
             kind.merge(others);
         }
-        other.worst.into_iter().for_each(|worst| self.keep(worst));
+        self.blocks.extend(other.blocks);
+        other.worst.into_iter().for_each(|worst| self.keep_one(worst));
         self
     }
 
@@ -266,10 +371,13 @@ impl Tally {
         if self.poses == 0 {
             return Statistics::of(&[]);
         }
+        let mut blocks: Vec<&Block> = self.blocks.iter().collect();
+        blocks.sort_unstable_by_key(|block| block.first);
+        let total = |kind: usize| [0, 1].map(|k| blocks.iter().map(|block| block.sums[kind][k]).sum());
         Statistics {
             poses: self.poses as usize,
-            position_um: self.kinds[0].summary(self.poses, 1e3),
-            rotation_urad: self.kinds[1].summary(self.poses, 1e6),
+            position_um: self.kinds[0].summary(self.poses, total(0), 1e3),
+            rotation_urad: self.kinds[1].summary(self.poses, total(1), 1e6),
         }
     }
 
@@ -310,13 +418,18 @@ mod tests {
         columns
     }
 
-    /// In blocks of 1000, merged in groups of so many.
+    /// In blocks of 1001, merged in groups of so many.
     fn tallied(list: &[Deviation], group: usize) -> Tally {
-        let mut whole = Tally::new(7);
-        for (g, part) in list.chunks(1000 * group).enumerate() {
-            let mut tally = Tally::new(7);
-            for (b, block) in part.chunks(1000).enumerate() {
-                tally.add((g * group + b) * 1000, &columns(block), block.len());
+        tallied_at(Width::widest(), list, group)
+    }
+
+    fn tallied_at(width: Width, list: &[Deviation], group: usize) -> Tally {
+        let new = || Tally::new(7).with_width(width);
+        let mut whole = new();
+        for (g, part) in list.chunks(1001 * group).enumerate() {
+            let mut tally = new();
+            for (b, block) in part.chunks(1001).enumerate() {
+                tally.add((g * group + b) * 1001, &columns(block), block.len());
             }
             whole = whole.merged(tally);
         }
@@ -348,5 +461,38 @@ mod tests {
             assert_eq!(other.statistics(), one.statistics(), "{group}");
             assert_eq!(other.worst(), one.worst(), "{group}");
         }
+    }
+
+    #[test]
+    fn no_width_and_no_order_changes_a_bit() {
+        let list = deviations(9_876);
+        let one = tallied_at(Width::Scalar, &list, 1);
+        for width in Width::ALL {
+            let other = tallied_at(width, &list, 2);
+            assert_eq!((other.statistics(), other.worst()), (one.statistics(), one.worst()), "{width:?}");
+        }
+        let block = |first: usize| {
+            let mut tally = Tally::new(7);
+            let part = &list[first..(first + 1001).min(list.len())];
+            tally.add(first, &columns(part), part.len());
+            tally
+        };
+        let backwards = (0..list.len()).step_by(1001).rev().map(block).fold(Tally::new(7), Tally::merged);
+        assert_eq!((backwards.statistics(), backwards.worst()), (one.statistics(), one.worst()));
+    }
+
+    #[test]
+    fn lengths_beyond_the_buckets_are_counted_in_the_first_or_the_last() {
+        let of = |x: f64| Deviation { position: Vector3::new(x, 0.0, 0.0), rotation: Vector3::zeros() };
+        let smallest = f64::from_bits(FIRST << BELOW);
+        let lengths = [1e-300, 0.0, 1.0, smallest, 1.5 * smallest, 1e300, 1e-20, 16_384.0, 3.0, 1e9];
+        let list: Vec<Deviation> = (0..40).flat_map(|_| lengths).map(of).collect();
+        let mut tally = Tally::new(0);
+        tally.add(0, &columns(&list), list.len());
+        let Sketch { first, counts, nothing } = &tally.kinds[0].sketch;
+        assert_eq!((*first, counts.len()), (0, BUCKETS));
+        assert_eq!((nothing + counts[0], counts[BUCKETS - 1]), (160, 120));
+        assert_eq!(nothing + counts.iter().sum::<u64>(), 400);
+        assert_eq!(tally.kinds[1].sketch.nothing, 400);
     }
 }

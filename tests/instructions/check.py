@@ -4,8 +4,9 @@
     check.py            compare with counts.json, 5 % either way
     check.py --renew    write counts.json
 
-What is counted: one sample of benches/evaluate.rs (8192 poses, compilation of the plan included) in the development profile,
-less a run without any: start and reading cancel. The vector width is forced, for valgrind emulates
+What is counted: one sample of benches/evaluate.rs (8192 poses, compilation of the plan included) as it is released,
+less a run without any: start and reading cancel. (In the development profile small functions are calls, and their counts
+went up where those of the release went down.) The vector width is forced, for valgrind emulates
 a processor of its own (AVX2 at most), so the counts do not depend on this one. They do depend on the compiler: with
 another rustc than the one in counts.json differences are shown and not judged.
 """
@@ -33,7 +34,7 @@ def output(*command):
 
 
 def binary():
-    lines = output("cargo", "build", "--locked", "--bench", "evaluate", "--message-format=json").splitlines()
+    lines = output("cargo", "build", "--locked", "--release", "--bench", "evaluate", "--message-format=json").splitlines()
     built = [json.loads(line) for line in lines]
     return [b["executable"] for b in built if b.get("target", {}).get("name") == "evaluate" and b.get("executable")][-1]
 

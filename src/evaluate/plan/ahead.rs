@@ -36,6 +36,14 @@ pub struct Part<'a> {
     pub count: usize,
 }
 
+impl Part<'_> {
+    /// Their positions of an axis.
+    #[inline(always)]
+    pub fn positions(&self, axis: usize) -> &[f64] {
+        &self.poses.axes[axis][self.from..self.from + self.count]
+    }
+}
+
 /// What a walk wants to know at an axis.
 #[derive(Debug, Clone, Copy)]
 pub struct Wanted<'a> {
@@ -53,9 +61,9 @@ impl Ahead {
     /// Sines, cosines and places of an axis.
     #[inline(always)]
     pub fn look<V: Lanes>(&mut self, wanted: Wanted<'_>, axis: usize, part: Part<'_>) {
-        let positions = &part.poses.axes[axis][part.from..part.from + part.count];
+        let positions = part.positions(axis);
         if wanted.turns {
-            self.turn::<V>(positions);
+            self.turns::<V>(positions);
         }
         match (wanted.curves, part.poses.added.get(axis)) {
             (Some(curves), None) => curves.locate::<V, CHUNK>(positions, &mut self.spots),
@@ -94,8 +102,30 @@ impl Ahead {
         }
     }
 
+    /// Where the positions from the i-th on lie in their table.
     #[inline(always)]
-    fn turn<V: Lanes>(&mut self, positions: &[f64]) {
+    pub fn spots(&self, i: usize) -> (&Spots<CHUNK>, usize) {
+        (&self.spots, i)
+    }
+
+    /// The six errors, where they are looked up ahead.
+    #[inline(always)]
+    pub fn errors<V: Lanes>(&self, i: usize) -> [V; 6] {
+        let mut six = [V::splat(0.0); 6];
+        for k in 0..6 {
+            six[k] = V::load(&self.errors[k][i..]);
+        }
+        six
+    }
+
+    /// Sine and cosine of the positions, where wanted.
+    #[inline(always)]
+    pub fn turn<V: Lanes>(&self, i: usize) -> (V, V) {
+        (V::load(&self.sine[i..]), V::load(&self.cosine[i..]))
+    }
+
+    #[inline(always)]
+    fn turns<V: Lanes>(&mut self, positions: &[f64]) {
         let i = self.turn_abreast::<V, 2>(positions, 0);
         let _ = self.turn_abreast::<V, 1>(positions, i);
     }
@@ -146,41 +176,10 @@ pub struct Scattered<'a> {
     pub i: usize,
 }
 
-impl Scattered<'_> {
-    /// Where the positions of an axis lie in its table.
-    #[inline(always)]
-    pub fn spots(&self, axis: usize) -> (&Spots<CHUNK>, usize) {
-        (&self.axes[axis].spots, self.i)
-    }
-
-    /// The six errors of an axis.
-    #[inline(always)]
-    pub fn six<V: Lanes>(self, axis: usize) -> [V; 6] {
-        let (errors, mut six) = (&self.axes[axis].errors, [V::splat(0.0); 6]);
-        for k in 0..6 {
-            six[k] = V::load(&errors[k][self.i..]);
-        }
-        six
-    }
-
-    /// Position.
-    #[inline(always)]
-    pub fn position<V: Lanes>(self, axis: usize) -> V {
-        V::load(&self.poses.axes[axis][self.at..])
-    }
-
-    /// Sine and cosine of the position, where wanted.
-    #[inline(always)]
-    pub fn turn<V: Lanes>(self, axis: usize) -> (V, V) {
-        let Ahead { sine, cosine, .. } = &self.axes[axis];
-        (V::load(&sine[self.i..]), V::load(&cosine[self.i..]))
-    }
-}
-
 impl<V: Lanes, Node> Inputs<V, Node> for Scattered<'_> {
     #[inline(always)]
     fn position(self, axis: usize) -> V {
-        self.position(axis)
+        V::load(&self.poses.axes[axis][self.at..])
     }
 
     #[inline(always)]
@@ -193,12 +192,12 @@ impl<V: Lanes, Node> Inputs<V, Node> for Scattered<'_> {
 
     #[inline(always)]
     fn turn(self, axis: usize) -> (V, V) {
-        self.turn(axis)
+        self.axes[axis].turn(self.i)
     }
 
     #[inline(always)]
     fn six(self, axis: usize) -> [V; 6] {
-        self.six(axis)
+        self.axes[axis].errors(self.i)
     }
 
     #[inline(always)]

@@ -183,11 +183,16 @@ pub struct Slices<'a> {
 
 /// Something that has a deviation at a pose, lane by lane.
 pub trait Task {
-    /// Finds out what the walk wants to know.
-    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], part: Part<'_>);
+    /// What it keeps of a chunk of poses, beside what is known of each axis.
+    type Room;
+    /// Nothing yet.
+    const ROOM: Self::Room;
+
+    /// Does for a chunk of poses what can be done ahead.
+    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], room: &mut Self::Room, part: Part<'_>);
 
     /// Position, rotation, and a number that is above [`FARTHEST`] where they must not be trusted.
-    fn at<V: Lanes>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V);
+    fn at<V: Lanes>(&self, room: &Self::Room, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V);
 }
 
 /// A task whose walk does not ask where its inputs come from: from a batch, or from the nodes of a grid.
@@ -206,8 +211,11 @@ pub trait Nodal {
 }
 
 impl<T: Nodal> Task for T {
+    type Room = ();
+    const ROOM: () = ();
+
     #[inline(always)]
-    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], part: Part<'_>) {
+    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], _: &mut (), part: Part<'_>) {
         for axis in 0..axes.len() {
             let wanted = self.wanted(axis);
             axes[axis].look::<V>(wanted, axis, part);
@@ -218,7 +226,7 @@ impl<T: Nodal> Task for T {
     }
 
     #[inline(always)]
-    fn at<V: Lanes>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+    fn at<V: Lanes>(&self, _: &(), inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
         self.walk(inputs)
     }
 }
@@ -234,6 +242,9 @@ const IN_CACHE: usize = 1 << 14;
 
 /// Poses of a batch whose deviations (12 MB) would drive everything else from the caches, and be driven out themselves.
 const PAST_CACHES: usize = 1 << 18;
+
+/// How many poses ahead memory is asked for: no more than needed, for tables of five axes all but fill the first cache.
+const EXPECTED: usize = 2 * CHUNK;
 
 /// A task over a batch.
 pub struct Pass<'a, 'o, T> {
@@ -261,7 +272,7 @@ enum Traffic {
 impl<T: Task> Kernel for Pass<'_, '_, T> {
     #[inline(always)]
     fn run<V: Lanes>(mut self) {
-        let mut ahead = vec![Ahead::NONE; self.poses.axes.len()];
+        let mut ahead = (vec![Ahead::NONE; self.poses.axes.len()], T::ROOM);
         let count = self.out.len();
         let traffic = match count {
             0..=IN_CACHE => Traffic::Near,
@@ -311,29 +322,29 @@ impl<T: Task> Pass<'_, '_, T> {
 
     /// What is less than a vector: compiled once, for its bits are the same at any width.
     #[inline(never)]
-    fn rest(&mut self, ahead: &mut [Ahead], from: usize, to: usize) {
+    fn rest(&mut self, ahead: &mut (Vec<Ahead>, T::Room), from: usize, to: usize) {
         self.chunk::<f64>(ahead, from, to, Traffic::Near);
     }
 
     #[inline(always)]
-    fn chunk<V: Lanes>(&mut self, ahead: &mut [Ahead], from: usize, to: usize, traffic: Traffic) {
-        self.task.ahead::<V>(ahead, Part { poses: self.poses, from, count: to - from });
+    fn chunk<V: Lanes>(&mut self, (axes, room): &mut (Vec<Ahead>, T::Room), from: usize, to: usize, traffic: Traffic) {
+        self.task.ahead::<V>(axes, room, Part { poses: self.poses, from, count: to - from });
         let mut at = from;
         while at < to {
             if (at - from).is_multiple_of(LINE) {
-                self.expect(at + 3 * CHUNK, traffic);
+                self.expect(at + EXPECTED, traffic);
             }
             // The mask changes nothing, and shows the compiler that the vector lies within the chunk.
             let i = (at - from) & (CHUNK - V::COUNT);
-            self.step::<V>(Scattered { poses: self.poses, at, axes: ahead, i }, traffic);
+            self.step::<V>(room, Scattered { poses: self.poses, at, axes, i }, traffic);
             at += V::COUNT;
         }
     }
 
     #[inline(always)]
-    fn step<V: Lanes>(&mut self, inputs: Scattered<'_>, traffic: Traffic) {
+    fn step<V: Lanes>(&mut self, room: &T::Room, inputs: Scattered<'_>, traffic: Traffic) {
         let at = inputs.at;
-        let (d, w, far) = self.task.at::<V>(inputs);
+        let (d, w, far) = self.task.at::<V>(room, inputs);
         for k in 0..3 {
             let (position, rotation) = (&mut self.out.position[k][at..], &mut self.out.rotation[k][at..]);
             if traffic == Traffic::Past {

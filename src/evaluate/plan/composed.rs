@@ -11,14 +11,13 @@
 //!
 //! where of an inner linear axis `R p` is a constant and the position times a constant.
 
-use super::ahead::{Ahead, Part, Scattered};
+use super::ahead::{Ahead, Part};
 use super::batch::{Output, Slices, Task};
 use super::curves::Six;
-use super::first::{FirstOrder, Joint};
-use super::grid::{advance, write};
+use super::first::{FirstOrder, Joint, States};
+use super::grid::{AxisNodes, advance, write};
 use super::lanes::{Kernel, Lanes, MOST};
 use super::links::{Motion, cross, minus, plus, splat, times};
-use super::trigonometry::sin_cos;
 
 type Vector3 = [f64; 3];
 
@@ -26,17 +25,12 @@ type Vector3 = [f64; 3];
 #[derive(Debug, Clone)]
 pub struct Composed {
     plan: FirstOrder,
-    outer: Vec<AxisNodes>,
+    outer: Vec<AxisTwists>,
     inner: Inner,
 }
 
-/// What is known at the nodes of an outer axis.
-#[derive(Debug, Clone)]
-struct AxisNodes {
-    positions: Vec<f64>,
-    turns: Vec<(f64, f64)>,
-    twists: Vec<Option<Six>>,
-}
+/// At the nodes of an axis: the twist, if there are errors.
+type AxisTwists = AxisNodes<Option<Six>>;
 
 /// State behind the inner joint at its nodes, in columns that are padded to whole vectors.
 #[derive(Debug, Clone)]
@@ -81,8 +75,8 @@ impl Level {
 
     /// Past a joint at one of its nodes.
     #[inline(always)]
-    fn past(&self, joint: &Joint, axis: &AxisNodes, node: usize) -> Self {
-        let (mut next, q, twist) = (*self, axis.positions[node], &axis.twists[node]);
+    fn past(&self, joint: &Joint, axis: &AxisTwists, node: usize) -> Self {
+        let (mut next, q, twist) = (*self, axis.positions[node], &axis.nodes[node]);
         if let Some(constant) = &joint.constant {
             next.add(constant);
         }
@@ -110,16 +104,8 @@ impl Level {
     }
 }
 
-impl AxisNodes {
-    fn new(joint: &Joint, positions: Vec<f64>) -> Self {
-        let turns: Vec<(f64, f64)> = positions.iter().map(|q| sin_cos(*q)).collect();
-        let twist = |(q, turn): (&f64, &(f64, f64))| joint.curves.as_ref().map(|curves| curves.alone(*q, *turn));
-        Self { twists: positions.iter().zip(&turns).map(twist).collect(), turns, positions }
-    }
-}
-
 impl Inner {
-    fn new(plan: &FirstOrder, joint: &Joint, axis: &AxisNodes) -> Self {
+    fn new(plan: &FirstOrder, joint: &Joint, axis: &AxisTwists) -> Self {
         let count = axis.positions.len();
         let padded = || vec![0.0; count.next_multiple_of(MOST)];
         let columns = || std::array::from_fn(|_| padded());
@@ -131,15 +117,15 @@ impl Inner {
             Self { count, position: padded(), slide, point: columns(), displacement: columns(), rotation: columns() };
         inner.position[..count].copy_from_slice(&axis.positions);
         let plan = plan.inner(joint);
-        let mut ahead = [Ahead::NONE];
+        let (mut ahead, mut states) = ([Ahead::NONE], States::NONE);
         let poses = Slices { axes: &[&axis.positions], added: &[] };
         for at in 0..count {
-            plan.ahead::<f64>(&mut ahead, Part { poses, from: at, count: 1 });
-            let state = plan.walk::<f64>(Scattered { poses, at, axes: &ahead, i: 0 });
+            plan.ahead::<f64>(&mut ahead, &mut states, Part { poses, from: at, count: 1 });
+            let [point, displacement, rotation] = states.alone(&plan);
             for k in 0..3 {
-                inner.point[k][at] = state.point[k];
-                inner.displacement[k][at] = state.displacement[k];
-                inner.rotation[k][at] = state.rotation[k];
+                inner.point[k][at] = point[k];
+                inner.displacement[k][at] = displacement[k];
+                inner.rotation[k][at] = rotation[k];
             }
         }
         inner
@@ -149,8 +135,10 @@ impl Inner {
 impl Composed {
     /// On the nodes of a grid: their positions, axis by axis. `None` without axes.
     pub fn new(plan: &FirstOrder, positions: Vec<Vec<f64>>) -> Option<Self> {
-        let axes = plan.joints.iter().zip(positions);
-        let mut outer: Vec<AxisNodes> = axes.map(|(joint, positions)| AxisNodes::new(joint, positions)).collect();
+        let twists = |(joint, positions): (&Joint, Vec<f64>)| {
+            AxisNodes::new(positions, |q, turn| joint.curves.as_ref().map(|curves| curves.alone(q, turn)))
+        };
+        let mut outer: Vec<AxisTwists> = plan.joints.iter().zip(positions).map(twists).collect();
         let (last, joint) = (outer.pop()?, plan.joints.last()?);
         let inner = Inner::new(plan, joint, &last);
         Some(Self { plan: plan.clone(), outer, inner })

@@ -33,7 +33,8 @@ struct Table {
     seconds: Vec<Row>,
     first: f64,
     last: f64,
-    period: Option<f64>,
+    /// The period of a continuous axis, and its inverse.
+    period: Option<(f64, f64)>,
     intervals: Intervals,
 }
 
@@ -291,6 +292,7 @@ impl Table {
             }
         }
         let (first, last) = (knots[0], knots[knots.len() - 1]);
+        let period = period.map(|period| (period, 1.0 / period));
         Some(Self { rows, seconds, first, last, period, intervals: Intervals::new(knots) })
     }
 
@@ -303,9 +305,9 @@ impl Table {
     fn within<V: Lanes>(&self, position: V) -> V {
         let (first, last) = (V::splat(self.first), V::splat(self.last));
         let x = match self.period {
-            Some(period) => {
+            Some((period, inverse)) => {
                 let way = position - first;
-                position - nearest(way * V::splat(1.0 / period) - V::splat(0.5)) * V::splat(period)
+                position - nearest(way * V::splat(inverse) - V::splat(0.5)) * V::splat(period)
             }
             None => position,
         };

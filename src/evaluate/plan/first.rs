@@ -1,15 +1,15 @@
 //! Order 1: the sum over the joints of Ad(prefix) times the joint's six errors.
 //!
-//! From the tool to the workpiece a point and two vectors are carried: the functional point, its displacement,
-//! and the rotation, all in the frame reached. So every prefix is applied once, to what has been summed, and a linear axis
-//! costs nothing but the way of the point. The errors (delta, eps) about a point o displace p by
-//! `eps x p + (delta - eps x o)`: the bracket is folded into the tables, and so are location errors.
+//! From the tool to the workpiece a point and two vectors are carried: the functional point, the rotation, and the displacement
+//! of a point of reference, all in the frame reached. So every prefix is applied once, to what has been summed, and the lever
+//! of the functional point about the point of reference counts once, at the end. The errors (delta, eps) about a point o displace r by
+//! `delta + eps x (r - o)`: that is folded into the tables, and so are location errors.
 
 use super::ahead::{Ahead, CHUNK, Part, Scattered, Wanted};
 use super::batch::Task;
 use super::curves::{Curves, Six, splat_six};
 use super::lanes::Lanes;
-use super::links::{Link, Links, Located, Motion, Placed, Vector, cross, plus, slid, splat};
+use super::links::{About, Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, splat};
 use super::steps::{self, Step, Sum};
 
 /// The plan of order 1.
@@ -19,6 +19,8 @@ pub struct FirstOrder {
     pub joints: Vec<Joint>,
     /// From the tool to the workpiece, by the numbers of the joints.
     steps: Vec<Step>,
+    /// The first point of reference, and the last.
+    references: [[f64; 3]; 2],
     pub tip: [f64; 3],
     pub tool: [f64; 3],
     /// Constant twist at the tool.
@@ -42,7 +44,7 @@ pub struct Joint {
 }
 
 /// `(delta, eps)` about a point to displacement of the machine's zero point, and rotation.
-fn twist(six: &Six, about: &[f64; 3], sign: f64) -> Six {
+pub fn twist(six: &Six, about: &[f64; 3], sign: f64) -> Six {
     let [dx, dy, dz, ex, ey, ez] = six.map(|e| e * sign);
     let [x, y, z] = cross([ex, ey, ez], *about);
     [dx - x, dy - y, dz - z, ex, ey, ez]
@@ -94,119 +96,269 @@ impl FirstOrder {
             });
         }
         let end = sum(pending, links.spindle.as_ref().map(placed));
-        let steps = steps::of(&joints, end);
-        Some(Self { joints, steps, tip: links.tip, tool: links.tool, end })
+        Some(Self::of(joints, links.tip, links.tool, end))
     }
 }
 
 impl FirstOrder {
-    /// The same of the joint next to the tool alone.
-    pub fn inner(&self, joint: &Joint) -> Self {
-        let joints = vec![joint.clone()];
-        Self { steps: steps::of(&joints, self.end), joints, ..*self }
+    fn of(joints: Vec<Joint>, tip: [f64; 3], tool: [f64; 3], end: Option<Six>) -> Self {
+        let references = [joints.len(), 0].map(|end| steps::reference(&joints, end));
+        Self { steps: steps::of(&joints, end), joints, references, tip, tool, end }
     }
 
-    /// From the tool past all steps.
+    /// The same of the joint next to the tool alone.
+    pub fn inner(&self, joint: &Joint) -> Self {
+        Self::of(vec![joint.clone()], self.tip, self.tool, self.end)
+    }
+
+    /// A chunk of poses from the tool past all steps.
     #[inline(always)]
-    pub fn walk<V: Lanes>(&self, inputs: Scattered<'_>) -> State<V> {
-        let zero = V::splat(0.0);
-        let mut state = State { point: splat(&self.tip), displacement: splat(&self.tool), rotation: [zero; 3] };
+    pub fn walk<V: Lanes>(&self, states: &mut States, axes: &[Ahead], part: Part<'_>) {
+        states.begin::<V>(self, part.count);
         for step in &self.steps {
             if let Some(axis) = step.motion {
-                let joint = &self.joints[axis];
-                let turn = if joint.turns { inputs.turn(axis) } else { (zero, zero) };
-                state.moved(joint, inputs.position(axis), turn);
+                states.moved::<V>(&self.joints[axis], step, &axes[axis], part.positions(axis));
             }
             if let Some(sum) = &step.sum {
-                state.summed(sum, inputs);
+                states.summed::<V>(sum, axes, part);
             }
-            if let Some(axis) = step.errors {
-                state.add(inputs.six(axis));
+            if let Some((axis, _)) = &step.errors {
+                states.add_errors::<V>(&axes[*axis], part.count);
             }
             if let Some(constant) = &step.constant {
-                state.add(splat_six(constant));
+                states.add_constant::<V>(constant, part.count);
             }
         }
-        state
     }
 }
 
 impl Task for FirstOrder {
+    type Room = States;
+    const ROOM: States = States::NONE;
+
     #[inline(always)]
-    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], part: Part<'_>) {
+    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], states: &mut States, part: Part<'_>) {
         for axis in 0..axes.len() {
             let joint = &self.joints[axis];
             axes[axis].look::<V>(Wanted { turns: joint.turns, curves: joint.curves.as_ref() }, axis, part);
         }
         for step in &self.steps {
-            if let Some(axis) = step.errors
-                && let Some(curves) = &self.joints[axis].curves
-            {
-                axes[axis].six::<V>(curves, axis, part);
+            if let Some((axis, curves)) = &step.errors {
+                axes[*axis].six::<V>(curves, *axis, part);
             }
         }
+        self.walk::<V>(states, axes, part);
     }
 
     #[inline(always)]
-    fn at<V: Lanes>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
-        let State { displacement, rotation, .. } = self.walk(inputs);
+    fn at<V: Lanes>(&self, states: &States, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+        let (displacement, rotation) = states.at(inputs.i);
         (displacement, rotation, V::splat(0.0))
     }
 }
 
-/// What is carried from the tool to the workpiece. Nothing here is indexed by a variable: it would not stay in registers.
-#[derive(Clone, Copy)]
-pub struct State<V> {
-    pub point: Vector<V>,
-    pub displacement: Vector<V>,
-    pub rotation: Vector<V>,
+/// What is carried from the tool to the workpiece, of a chunk of poses. Every step goes over all of them: finding out what it
+/// has to do would cost as much as doing it for one vector.
+#[repr(C, align(64))]
+pub struct States {
+    /// The functional point less the point of reference.
+    point: Vectors,
+    /// Displacement of the point of reference.
+    displacement: Vectors,
+    rotation: Vectors,
 }
 
-impl<V: Lanes> State<V> {
+/// Vectors by columns.
+struct Vectors([[f64; CHUNK]; 3]);
+
+impl Vectors {
+    const NONE: Self = Self([[0.0; CHUNK]; 3]);
+
+    #[inline(always)]
+    fn get<V: Lanes>(&self, i: usize) -> Vector<V> {
+        // The mask changes nothing, and shows the compiler that the vector lies within the chunk.
+        let (i, [x, y, z]) = (i & (CHUNK - V::COUNT), &self.0);
+        [V::load(&x[i..]), V::load(&y[i..]), V::load(&z[i..])]
+    }
+
+    #[inline(always)]
+    fn put<V: Lanes>(&mut self, i: usize, vector: Vector<V>) {
+        let (i, [x, y, z]) = (i & (CHUNK - V::COUNT), &mut self.0);
+        vector[0].store(&mut x[i..]);
+        vector[1].store(&mut y[i..]);
+        vector[2].store(&mut z[i..]);
+    }
+
+    /// One column more by a vector.
+    #[inline(always)]
+    fn add<V: Lanes>(&mut self, k: usize, i: usize, more: V) {
+        let place = &mut self.0[k][i & (CHUNK - V::COUNT)..];
+        (V::load(place) + more).store(place);
+    }
+
+    #[inline(always)]
+    fn column<V: Lanes>(&self, k: usize, i: usize) -> V {
+        V::load(&self.0[k][i & (CHUNK - V::COUNT)..])
+    }
+}
+
+impl States {
+    /// Before anything.
+    pub const NONE: Self = Self { point: Vectors::NONE, displacement: Vectors::NONE, rotation: Vectors::NONE };
+
+    /// At the tool.
+    #[inline(always)]
+    fn begin<V: Lanes>(&mut self, plan: &FirstOrder, count: usize) {
+        let (mut i, point) = (0, splat::<V>(&minus(plan.tip, plan.references[0])));
+        while i < count {
+            self.point.put(i, point);
+            self.displacement.put(i, splat::<V>(&plan.tool));
+            self.rotation.put(i, [V::splat(0.0); 3]);
+            i += V::COUNT;
+        }
+    }
+
+    /// Displacement of the functional point, and rotation.
+    #[inline(always)]
+    fn at<V: Lanes>(&self, i: usize) -> (Vector<V>, Vector<V>) {
+        let rotation = self.rotation.get(i);
+        (plus(self.displacement.get(i), cross(rotation, self.point.get(i))), rotation)
+    }
+
+    /// Of the one pose of a chunk, behind the last joint of a plan: the functional point, its displacement, and rotation.
+    pub fn alone(&self, plan: &FirstOrder) -> [[f64; 3]; 3] {
+        let (displacement, rotation) = self.at::<f64>(0);
+        [plus(self.point.get(0), plan.references[1]), displacement, rotation]
+    }
+
     /// By a joint's own motion.
     #[inline(always)]
-    fn moved(&mut self, joint: &Joint, q: V, turn: (V, V)) {
-        match &joint.motion {
-            Motion::Slide(direction) => {
-                self.point = slid(direction, q, self.point);
-                if let Some(bend) = &joint.bend {
-                    self.displacement = slid(bend, q, self.displacement);
-                }
+    fn moved<V: Lanes>(&mut self, joint: &Joint, step: &Step, ahead: &Ahead, positions: &[f64]) {
+        match joint.motion {
+            Motion::Slide(direction) => self.slid::<V>(&direction, joint.bend.as_ref(), step.rotated, positions),
+            // Each by itself: the compiler leaves out what stays as it is.
+            Motion::Turn(About::Principal(0, sense)) => {
+                self.turned::<V>(&About::Principal(0, sense), ahead, positions.len());
             }
-            Motion::Turn(about) => {
-                self.point = about.turned_about(turn, &joint.origin, self.point);
-                self.displacement = about.turned(turn, self.displacement);
-                self.rotation = about.turned(turn, self.rotation);
+            Motion::Turn(About::Principal(1, sense)) => {
+                self.turned::<V>(&About::Principal(1, sense), ahead, positions.len());
             }
+            Motion::Turn(About::Principal(_, sense)) => {
+                self.turned::<V>(&About::Principal(2, sense), ahead, positions.len());
+            }
+            Motion::Turn(About::Oblique(direction)) => {
+                self.turned::<V>(&About::Oblique(direction), ahead, positions.len());
+            }
+        }
+        if let Some(shift) = &step.shift {
+            self.shifted::<V>(shift, positions.len());
+        }
+    }
+
+    /// By the positions times a direction; before all errors a machine axis costs one sum.
+    #[inline(always)]
+    fn slid<V: Lanes>(&mut self, direction: &[f64; 3], bend: Option<&[f64; 3]>, rotated: bool, positions: &[f64]) {
+        for k in 0..3 {
+            let (factor, bend, mut i) = (direction[k], bend.map_or(0.0, |bend| bend[k]), 0);
+            while factor != 0.0 && i < positions.len() {
+                let q = V::load(&positions[i..]);
+                let way = if factor == 1.0 { q } else { q * V::splat(factor) };
+                self.farther(k, i, way, rotated);
+                i += V::COUNT;
+            }
+            i = 0;
+            while bend != 0.0 && i < positions.len() {
+                self.displacement.add(k, i, V::load(&positions[i..]) * V::splat(bend));
+                i += V::COUNT;
+            }
+        }
+    }
+
+    /// About another point of reference.
+    #[inline(always)]
+    fn shifted<V: Lanes>(&mut self, by: &[f64; 3], count: usize) {
+        for k in 0..3 {
+            let mut i = 0;
+            while by[k] != 0.0 && i < count {
+                self.farther(k, i, V::splat(-by[k]), true);
+                i += V::COUNT;
+            }
+        }
+    }
+
+    /// The functional point is farther along a machine axis from the point of reference.
+    #[inline(always)]
+    fn farther<V: Lanes>(&mut self, k: usize, i: usize, way: V, rotated: bool) {
+        self.point.add(k, i, way);
+        if rotated {
+            let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+            let (a, b): (V, V) = (self.rotation.column(last, i), self.rotation.column(next, i));
+            self.displacement.add(next, i, V::splat(0.0) - a * way);
+            self.displacement.add(last, i, b * way);
+        }
+    }
+
+    /// About an axis through the point of reference.
+    #[inline(always)]
+    fn turned<V: Lanes>(&mut self, about: &About, ahead: &Ahead, count: usize) {
+        let mut i = 0;
+        while i < count {
+            let turn = ahead.turn::<V>(i);
+            self.point.put(i, about.turned(turn, self.point.get(i)));
+            self.displacement.put(i, about.turned(turn, self.displacement.get(i)));
+            self.rotation.put(i, about.turned(turn, self.rotation.get(i)));
+            i += V::COUNT;
         }
     }
 
     /// The errors of several axes, transposed once.
     #[inline(always)]
-    fn summed(&mut self, sum: &Sum, inputs: Scattered<'_>) {
-        let mut rows = sum.first.1.rows::<V, CHUNK>(inputs.spots(sum.first.0));
-        for (axis, curves) in &sum.others {
-            curves.add_rows::<V, CHUNK>(&mut rows, inputs.spots(*axis));
+    fn summed<V: Lanes>(&mut self, sum: &Sum, axes: &[Ahead], part: Part<'_>) {
+        let mut i = 0;
+        while i < part.count {
+            let mut rows = sum.first.1.rows::<V, CHUNK>(axes[sum.first.0].spots(i));
+            for (axis, curves) in &sum.others {
+                curves.add_rows::<V, CHUNK>(&mut rows, axes[*axis].spots(i));
+            }
+            let [x, y, z, ex, ey, ez, aside, other] = V::columns(&rows);
+            self.add::<V>(i, [x, y, z, ex, ey, ez]);
+            if let Some(slide) = sum.slide {
+                let q = V::load(&part.positions(slide.axis)[i..]);
+                let [x, y, z]: Vector<V> = self.displacement.get(i);
+                let moved = match slide.along {
+                    0 => [x, y + aside * q, z + other * q],
+                    1 => [x + aside * q, y, z + other * q],
+                    _ => [x + aside * q, y + other * q, z],
+                };
+                self.displacement.put(i, moved);
+            }
+            i += V::COUNT;
         }
-        let [x, y, z, ex, ey, ez, aside, other] = V::columns(&rows);
-        self.add([x, y, z, ex, ey, ez]);
-        if let Some(slide) = sum.slide {
-            let q: V = inputs.position(slide.axis);
-            let [x, y, z] = self.displacement;
-            self.displacement = match slide.along {
-                0 => [x, y + aside * q, z + other * q],
-                1 => [x + aside * q, y, z + other * q],
-                _ => [x + aside * q, y + other * q, z],
-            };
+    }
+
+    #[inline(always)]
+    fn add_errors<V: Lanes>(&mut self, ahead: &Ahead, count: usize) {
+        let mut i = 0;
+        while i < count {
+            self.add::<V>(i, ahead.errors(i));
+            i += V::COUNT;
+        }
+    }
+
+    #[inline(always)]
+    fn add_constant<V: Lanes>(&mut self, constant: &Six, count: usize) {
+        let mut i = 0;
+        while i < count {
+            self.add::<V>(i, splat_six(constant));
+            i += V::COUNT;
         }
     }
 
     /// A twist more.
     #[inline(always)]
-    fn add(&mut self, [x, y, z, ex, ey, ez]: [V; 6]) {
-        let lever = cross([ex, ey, ez], self.point);
-        self.displacement = plus(self.displacement, plus([x, y, z], lever));
-        self.rotation = plus(self.rotation, [ex, ey, ez]);
+    fn add<V: Lanes>(&mut self, i: usize, [x, y, z, ex, ey, ez]: [V; 6]) {
+        self.displacement.put(i, plus(self.displacement.get(i), [x, y, z]));
+        self.rotation.put(i, plus(self.rotation.get(i), [ex, ey, ez]));
     }
 }
 

@@ -10,6 +10,7 @@ use super::composed::{self, Composed};
 use super::exact::Exact;
 use super::lanes::{Lanes, run};
 use super::second::SecondOrder;
+use super::trigonometry::sin_cos;
 use super::walked::{self, Walked};
 use super::{Plan, Walk};
 use crate::evaluate::Nodes;
@@ -96,6 +97,25 @@ impl Plan {
             Walk::General => return None,
         };
         Some(GridPlan { plan: self.clone(), nodes: nodes.clone(), counts: nodes.counts().collect(), kind })
+    }
+}
+
+/// What is known at the nodes of an axis: found out once for the grid.
+#[derive(Debug, Clone)]
+pub struct AxisNodes<Node> {
+    pub positions: Vec<f64>,
+    /// Sines and cosines of the positions.
+    pub turns: Vec<(f64, f64)>,
+    /// What else.
+    pub nodes: Vec<Node>,
+}
+
+impl<Node> AxisNodes<Node> {
+    /// At these positions; `node` gets a position with its sine and cosine.
+    pub fn new(positions: Vec<f64>, node: impl Fn(f64, (f64, f64)) -> Node) -> Self {
+        let turns: Vec<(f64, f64)> = positions.iter().map(|q| sin_cos(*q)).collect();
+        let nodes = positions.iter().zip(&turns).map(|(q, turn)| node(*q, *turn)).collect();
+        Self { positions, turns, nodes }
     }
 }
 

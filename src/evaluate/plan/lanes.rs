@@ -239,6 +239,7 @@ macro_rules! operators {
 }
 
 /// Minimum and maximum by one instruction, which gives its second operand where one is not a number: as `if_less` does.
+#[cfg(target_arch = "x86_64")]
 macro_rules! extremes {
     ($min:ident, $max:ident) => {
         #[inline(always)]

@@ -31,7 +31,7 @@ mod exact;
 mod first;
 mod frame;
 mod grid;
-mod lanes;
+pub(super) mod lanes;
 mod links;
 mod rows;
 mod second;

@@ -3,20 +3,27 @@
 //! Twists that act at one point simply add up: of such axes the rows of the tables are summed, transposed once, and have one lever.
 //! One slide along a machine axis may lie between some of them and that point. Behind it a twist is the same if its
 //! displacement is less `eps x u` times the position, which are two numbers; they stand in the rows, where else there is padding.
+//!
+//! What has been summed is a rotation and the displacement of a point of reference, so that a twist more is a sum and nothing else.
+//! That point lies on the axis of the turn that comes next, which leaves it where it is; the twists are those about it.
 
 use super::curves::{Curves, Six};
-use super::first::Joint;
-use super::links::{Motion, cross};
+use super::first::{Joint, twist};
+use super::links::{Motion, cross, minus};
 
 /// A step of the walk: each part after the one before, if it is there.
 #[derive(Debug, Clone, Default)]
 pub struct Step {
     /// Past the joint of an axis.
     pub motion: Option<usize>,
+    /// Have there been errors before?
+    pub rotated: bool,
+    /// From this point of reference to the next.
+    pub shift: Option<[f64; 3]>,
     /// The errors of axes whose curves are rows.
     pub sum: Option<Sum>,
     /// The errors of an axis whose curves are more.
-    pub errors: Option<usize>,
+    pub errors: Option<(usize, Curves)>,
     /// A constant twist.
     pub constant: Option<Six>,
 }
@@ -37,21 +44,38 @@ pub struct Slide {
     pub along: usize,
 }
 
+/// The point of reference on the workpiece's side of these joints' end: of the next turn there, else of the last one passed.
+pub fn reference(joints: &[Joint], end: usize) -> [f64; 3] {
+    let turn = |joint: &&Joint| matches!(joint.motion, Motion::Turn(_));
+    let next = joints[..end].iter().rev().find(turn);
+    next.or_else(|| joints.iter().find(turn)).map_or([0.0; 3], |joint| joint.origin)
+}
+
 /// Of these joints, from the tool to the workpiece, beginning with a constant twist.
 pub fn of(joints: &[Joint], end: Option<Six>) -> Vec<Step> {
-    let first = Step { constant: end, ..Step::default() };
-    let mut maker = Maker { joints, steps: vec![first], open: None };
+    let mut maker = Maker { joints, steps: vec![Step::default()], open: None };
+    maker.constant(end, joints.len());
     for (axis, joint) in joints.iter().enumerate().rev() {
         if !joint.outside {
-            maker.errors(axis);
+            maker.errors(axis, axis + 1);
         }
         maker.motion(axis);
         if joint.outside {
-            maker.errors(axis);
+            maker.errors(axis, axis);
         }
-        maker.last().constant = joint.constant;
+        maker.constant(joint.constant, axis);
+    }
+    let mut rotated = false;
+    for step in &mut maker.steps {
+        step.rotated = rotated;
+        rotated |= step.sum.is_some() || step.errors.is_some() || step.constant.is_some();
     }
     maker.steps
+}
+
+/// A twist about the machine's zero point as one about another.
+fn about_point(six: &Six, point: [f64; 3]) -> Six {
+    twist(six, &point.map(|x| -x), 1.0)
 }
 
 struct Maker<'a> {
@@ -72,7 +96,12 @@ impl Maker<'_> {
     }
 
     fn motion(&mut self, axis: usize) {
-        self.steps.push(Step { motion: Some(axis), ..Step::default() });
+        let shift = match self.joints[axis].motion {
+            Motion::Turn(_) => minus(reference(self.joints, axis), self.joints[axis].origin),
+            Motion::Slide(_) => [0.0; 3],
+        };
+        let shift = (shift != [0.0; 3]).then_some(shift);
+        self.steps.push(Step { motion: Some(axis), shift, ..Step::default() });
         match (self.joints[axis].motion, &mut self.open) {
             (Motion::Slide(_), Some((_, passed))) => passed.push(axis),
             (Motion::Slide(_), None) => {}
@@ -80,13 +109,22 @@ impl Maker<'_> {
         }
     }
 
-    fn errors(&mut self, axis: usize) {
+    /// A constant twist on the workpiece's side of the joint `end`.
+    fn constant(&mut self, constant: Option<Six>, end: usize) {
+        let about = reference(self.joints, end);
+        self.last().constant = constant.map(|six| about_point(&six, about));
+    }
+
+    /// The errors of an axis; those that follow on the workpiece's side are joints before `end`.
+    fn errors(&mut self, axis: usize, end: usize) {
         let Some(curves) = self.joints[axis].curves.clone() else { return };
+        let about = reference(self.joints, end);
+        let curves = curves.mapped(|six| about_point(six, about));
         if !curves.are_rows() {
             if self.last().errors.is_some() {
                 self.steps.push(Step::default());
             }
-            self.last().errors = Some(axis);
+            self.last().errors = Some((axis, curves));
             return;
         }
         let sum = match self.latest() {

@@ -7,25 +7,22 @@
 use super::ahead::Inputs;
 use super::batch::{FARTHEST, Nodal, Output};
 use super::curves::Six;
-use super::grid::{advance, write};
+use super::grid::{AxisNodes, advance, write};
 use super::lanes::{Kernel, Lanes, MOST};
-use super::trigonometry::sin_cos;
 
 /// A task with the nodes of a grid.
 #[derive(Debug, Clone)]
 pub struct Walked<T: Nodal> {
     task: T,
-    outer: Vec<AxisNodes<T::Node>>,
+    outer: Vec<AxisNodes<Known<T::Node>>>,
     inner: Inner,
 }
 
-/// What is known at the nodes of an outer axis.
+/// The errors of an axis at one of its nodes, and what the walk makes of them.
 #[derive(Debug, Clone)]
-struct AxisNodes<Node> {
-    positions: Vec<f64>,
-    turns: Vec<(f64, f64)>,
-    sixes: Vec<Six>,
-    nodes: Vec<Node>,
+struct Known<Node> {
+    six: Six,
+    node: Node,
 }
 
 /// What is known at the nodes of the inner axis, in columns that are padded to whole vectors.
@@ -42,12 +39,11 @@ impl<T: Nodal> Walked<T> {
     pub fn new(task: T, positions: Vec<Vec<f64>>) -> Option<Self> {
         let mut axes = Vec::new();
         for (axis, positions) in positions.into_iter().enumerate() {
-            let turns: Vec<(f64, f64)> = positions.iter().map(|q| sin_cos(*q)).collect();
             let curves = task.wanted(axis).curves;
-            let six = |(q, turn): (&f64, &(f64, f64))| curves.map_or([0.0; 6], |curves| curves.alone(*q, *turn));
-            let sixes: Vec<Six> = positions.iter().zip(&turns).map(six).collect();
-            let nodes = sixes.iter().map(|six| task.node(axis, six)).collect();
-            axes.push(AxisNodes { positions, turns, sixes, nodes });
+            axes.push(AxisNodes::new(positions, |q, turn| {
+                let six = curves.map_or([0.0; 6], |curves| curves.alone(q, turn));
+                Known { six, node: task.node(axis, &six) }
+            }));
         }
         let inner = Inner::new(&axes.pop()?);
         Some(Self { task, outer: axes, inner })
@@ -55,7 +51,7 @@ impl<T: Nodal> Walked<T> {
 }
 
 impl Inner {
-    fn new<Node>(axis: &AxisNodes<Node>) -> Self {
+    fn new<Node>(axis: &AxisNodes<Known<Node>>) -> Self {
         let count = axis.positions.len();
         let padded = |value: &dyn Fn(usize) -> f64| {
             (0..count.next_multiple_of(MOST)).map(|node| if node < count { value(node) } else { 0.0 }).collect()
@@ -64,7 +60,7 @@ impl Inner {
             count,
             position: padded(&|node| axis.positions[node]),
             turn: [padded(&|node| axis.turns[node].0), padded(&|node| axis.turns[node].1)],
-            six: std::array::from_fn(|k| padded(&|node| axis.sixes[node][k])),
+            six: std::array::from_fn(|k| padded(&|node| axis.nodes[node].six[k])),
         }
     }
 }
@@ -119,7 +115,7 @@ impl<V: Lanes, T: Nodal> Inputs<V, T::Node> for AtNodes<'_, T> {
         let mut six = [V::splat(0.0); 6];
         for k in 0..6 {
             six[k] = match self.grid.outer.get(axis) {
-                Some(outer) => V::splat(outer.sixes[self.nodes[axis]][k]),
+                Some(outer) => V::splat(outer.nodes[self.nodes[axis]].six[k]),
                 None => V::load(&self.grid.inner.six[k][self.i..]),
             };
         }
@@ -129,7 +125,7 @@ impl<V: Lanes, T: Nodal> Inputs<V, T::Node> for AtNodes<'_, T> {
     #[inline(always)]
     fn known(&self, axis: usize) -> Option<&T::Node> {
         match self.grid.outer.get(axis) {
-            Some(outer) => Some(&outer.nodes[self.nodes[axis]]),
+            Some(outer) => Some(&outer.nodes[self.nodes[axis]].node),
             None => None,
         }
     }
