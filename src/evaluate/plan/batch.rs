@@ -179,6 +179,8 @@ pub struct Slices<'a> {
     pub axes: &'a [&'a [f64]],
     /// What is added to them for the real machine only; nothing if there are none.
     pub added: &'a [&'a [f64]],
+    /// Poses of the batch that they are a part of.
+    pub whole: usize,
 }
 
 /// Something that has a deviation at a pose, lane by lane.
@@ -274,9 +276,9 @@ impl<T: Task> Kernel for Pass<'_, '_, T> {
     fn run<V: Lanes>(mut self) {
         let mut ahead = (vec![Ahead::NONE; self.poses.axes.len()], T::ROOM);
         let count = self.out.len();
-        let traffic = match count {
+        let traffic = match self.poses.whole {
             0..=IN_CACHE => Traffic::Near,
-            _ if V::LINE && count > PAST_CACHES => Traffic::Past,
+            _ if V::LINE && self.poses.whole > PAST_CACHES => Traffic::Past,
             _ => Traffic::Expected,
         };
         // So that vectors are whole lines, what stands before the first line is done first.

@@ -118,7 +118,7 @@ impl Inner {
         inner.position[..count].copy_from_slice(&axis.positions);
         let plan = plan.inner(joint);
         let (mut ahead, mut states) = ([Ahead::NONE], States::NONE);
-        let poses = Slices { axes: &[&axis.positions], added: &[] };
+        let poses = Slices { axes: &[&axis.positions], added: &[], whole: axis.positions.len() };
         for at in 0..count {
             plan.ahead::<f64>(&mut ahead, &mut states, Part { poses, from: at, count: 1 });
             let [point, displacement, rotation] = states.alone(&plan);

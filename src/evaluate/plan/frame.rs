@@ -58,7 +58,7 @@ impl Plan {
         let joints: Vec<(usize, About)> = turns
             .filter_map(|(axis, link)| if let Motion::Turn(about) = link.motion { Some((axis, about)) } else { None })
             .collect();
-        let poses = Slices { axes: poses.axes(), added: &[] };
+        let poses = Slices { axes: poses.axes(), added: &[], whole: poses.len() };
         super::lanes::run(self.width, Turned { joints: &joints, poses, out });
     }
 

@@ -55,8 +55,12 @@ use links::Links;
 /// Axes that kernels have room for; longer chains go through the general algebra.
 const MOST_AXES: usize = 16;
 
-/// Poses that one thread does at a time.
+/// Poses that one thread does at a time, at least.
 const BLOCK: usize = 4096;
+
+/// Of a larger batch that many pieces are made, so that threads end together; but none is of more blocks than this.
+const PIECES: usize = 64;
+const MOST_BLOCKS: usize = 8;
 
 /// A machine compiled for an order and a side of approach. Deviations are those of the workpiece frame.
 #[derive(Debug, Clone)]
@@ -122,25 +126,31 @@ impl Plan {
 
     /// Deviations at a batch of poses, on this thread. As many as fit into `out` are computed.
     pub fn deviations(&self, poses: &Batch<'_>, out: Output<'_>) {
-        self.block(Slices { axes: poses.axes(), added: &[] }, out);
+        self.block(Slices { axes: poses.axes(), added: &[], whole: out.len() }, out);
     }
 
     /// The same on all threads of rayon's pool.
     pub fn deviations_parallel(&self, poses: &Batch<'_>, out: Output<'_>) {
+        let whole = poses.len().min(out.len());
+        let piece = (whole / PIECES).clamp(BLOCK, MOST_BLOCKS * BLOCK).next_multiple_of(BLOCK);
+        self.parallel(poses, out, piece, whole);
+    }
+
+    fn parallel(&self, poses: &Batch<'_>, out: Output<'_>, piece: usize, whole: usize) {
         let count = poses.len().min(out.len());
-        if count <= BLOCK {
-            return self.deviations(poses, out);
+        if count <= piece {
+            return self.block(Slices { axes: poses.axes(), added: &[], whole }, out);
         }
-        let half = (count / 2).next_multiple_of(BLOCK);
+        let half = (count / 2).next_multiple_of(piece);
         let ((low, high), (low_out, high_out)) = (poses.split_at(half), out.split_at(half));
-        rayon::join(|| self.deviations_parallel(&low, low_out), || self.deviations_parallel(&high, high_out));
+        rayon::join(|| self.parallel(&low, low_out, piece, whole), || self.parallel(&high, high_out, piece, whole));
     }
 
     /// Exact deviations of commands, `added` to the positions, from where the ideal machine would be without: what is left
     /// of a correction. `None` unless the order is exact.
     pub fn commanded(&self, poses: &Batch<'_>, added: &Batch<'_>, out: Output<'_>) -> Option<()> {
         let fits = self.order == Order::Exact && added.len() == poses.len() && added.axes().len() == poses.axes().len();
-        fits.then(|| self.block(Slices { axes: poses.axes(), added: added.axes() }, out))
+        fits.then(|| self.block(Slices { axes: poses.axes(), added: added.axes(), whole: out.len() }, out))
     }
 
     /// Deviation at one pose.
@@ -148,7 +158,10 @@ impl Plan {
         let mut numbers = [0.0; 6];
         let [a, b, c, d, e, f] = numbers.each_mut().map(std::slice::from_mut);
         let columns: Vec<&[f64]> = pose.iter().map(std::slice::from_ref).collect();
-        self.block(Slices { axes: &columns, added: &[] }, Output { position: [a, b, c], rotation: [d, e, f] });
+        self.block(
+            Slices { axes: &columns, added: &[], whole: 1 },
+            Output { position: [a, b, c], rotation: [d, e, f] },
+        );
         let [a, b, c, d, e, f] = numbers;
         Deviation { position: [a, b, c].into(), rotation: [d, e, f].into() }
     }

@@ -217,7 +217,7 @@ impl Plan {
         let (origin, gauge) = (self.machine.workpiece(), self.machine.tool().gauge);
         let responses: Vec<Response> =
             sources.iter().map(|source| Response::new(links, *source, origin, gauge)).collect();
-        let poses = Slices { axes: poses.axes(), added: &[] };
+        let poses = Slices { axes: poses.axes(), added: &[], whole: poses.len() };
         super::lanes::run(self.width, Sensitivities { links, responses: &responses, poses, count, out });
         Some(())
     }
