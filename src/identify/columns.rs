@@ -119,7 +119,9 @@ const WORDS: [&str; 22] = [
 /// The columns of a header and what its rows are.
 pub fn columns(machine: &Machine, header: &str, separator: char) -> Result<(Vec<Column>, Form), String> {
     let mut columns: Vec<Column> = Vec::new();
-    for cell in sheet::cells(header, separator) {
+    let mut cells = sheet::cells(header, separator);
+    sheet::drop_empty(&mut cells, 0);
+    for cell in cells {
         let column = column(machine, &cell)?;
         if columns.iter().any(|known| known.same(column)) {
             return Err(format!("the column `{}` stands here twice, or two columns say the same", shown(&cell)));

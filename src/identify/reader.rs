@@ -194,7 +194,8 @@ impl Reader<'_> {
         separator: char,
         decimals: &mut Decimals,
     ) -> Result<Draft, String> {
-        let cells = sheet::cells(&line.text, separator);
+        let mut cells = sheet::cells(&line.text, separator);
+        sheet::drop_empty(&mut cells, columns.len());
         if cells.len() != columns.len() {
             return Err(format!("this row has {} cells, the header has {}", cells.len(), columns.len()));
         }

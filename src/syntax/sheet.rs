@@ -118,6 +118,13 @@ pub fn cells(line: &str, separator: char) -> Vec<String> {
     cells.into_iter().map(|cell| cell.trim().to_owned()).collect()
 }
 
+/// Drops empty cells that spreadsheets leave at the end of a line, down to so many cells.
+pub fn drop_empty(cells: &mut Vec<String>, least: usize) {
+    while cells.len() > least && cells.last().is_some_and(String::is_empty) {
+        cells.pop();
+    }
+}
+
 /// The title of a column and its unit: `EXX [um]`, `EXX (um)`, `EXX/um`, `EXX_um`.
 pub fn title(cell: &str) -> (String, Option<String>) {
     let (name, unit) = units::header(cell);

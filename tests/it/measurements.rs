@@ -352,6 +352,7 @@ fn units_stand_in_the_header_as_instruments_write_them() {
         String::from_utf8(output.stdout).unwrap()
     };
     let plain = fitted(b"X [mm],EXX [um]\n0,1\n100,2\n200,4\n");
+    assert_eq!(fitted(b"X [mm],EXX [um],,\n0,1,,\n100,2\n200,4,\n"), plain);
     for data in [
         b"X (mm),EXX (um)\n0,1\n100,2\n200,4\n".as_slice(),
         b"X,EXX/um\n0,1\n100,2\n200,4\n",
