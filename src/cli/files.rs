@@ -2,9 +2,12 @@
 //! opening a FIFO blocks, reading a device never ends.
 
 use crate::syntax::{Files, ReadFailure};
+use crate::target::sha256;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::fs::{self, FileType};
 use std::io::{ErrorKind, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Largest file that is read, in bytes.
 pub const LIMIT: u64 = 16 * 1024 * 1024;
@@ -19,6 +22,35 @@ pub struct Disk;
 impl Files for Disk {
     fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
         read_at_most(path, LIMIT)
+    }
+}
+
+/// The disk, remembering what was read from it: also files that are missing, for they may appear.
+#[derive(Default)]
+pub(super) struct Recorded {
+    seen: RefCell<BTreeMap<PathBuf, Option<String>>>,
+}
+
+impl Files for Recorded {
+    fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
+        let result = Disk.read(path);
+        let state = result.as_ref().ok().map(|bytes| sha256(bytes));
+        let _ = self.seen.borrow_mut().insert(path.to_owned(), state);
+        result
+    }
+}
+
+impl Recorded {
+    /// SHA-256 of what was read from a file, if anything was.
+    pub fn hash(&self, path: &Path) -> Option<String> {
+        self.seen.borrow().get(path).cloned().flatten()
+    }
+
+    /// Has any of the files another content by now? By content: times of modification are coarse on some
+    /// file systems, and an editor may write the same again.
+    pub fn changed(&self) -> bool {
+        let now = |path: &PathBuf| Disk.read(path).ok().map(|bytes| sha256(&bytes));
+        self.seen.borrow().iter().any(|(path, before)| now(path) != *before)
     }
 }
 

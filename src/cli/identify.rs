@@ -1,6 +1,6 @@
 //! `abbe identify`: measurements to error parameters, and a fitted machine file.
 
-use super::files::Disk;
+use super::files::Recorded;
 use super::identify_report::Report;
 use super::session::Session;
 use super::{Format, Outcome, Stop, identify_remarks as remarks, load, monomials, pictures, plan, poses, view, write};
@@ -11,8 +11,7 @@ use crate::identify::{
     overruled, parameters, randomness, read_measurements, repeats, slope_bounds, solve, unused,
 };
 use crate::machine::{self, Machine};
-use crate::syntax::{Files, IdentifyEntry};
-use crate::target::sha256;
+use crate::syntax::IdentifyEntry;
 use crate::units::{self, counted};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -78,7 +77,8 @@ enum Method {
 }
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let (machine, section) = load::with_identify(session, &args.machine, args.tool.as_deref())?;
+    let files = Recorded::default();
+    let (machine, section) = load::with_identify(session, &args.machine, args.tool.as_deref(), &files)?;
     let wanted = overruled(&machine, section.unwrap_or_default(), &args.fit, &args.fixed);
     let own = match parameters(&machine, &wanted) {
         Ok(parameters) => parameters,
@@ -96,7 +96,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         let model = Model::new(&machine, &own);
         return plan::run(session, &model, usize::from(count), args.noise, args.seed);
     }
-    let mut data = measurements(session, &machine, args)?;
+    let mut data = measurements(session, &machine, args, &files)?;
     remarks::left_out(session, &machine, &data.leave_out(&own));
     let Data { rows: data, nuisances } = data;
     // Before the work, not after it.
@@ -129,7 +129,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     };
     remarks::all(session, &report);
     if let Some(out) = &args.out {
-        write_machine(session, &report, &wanted, args, out)?;
+        write_machine(session, &report, &wanted, &provenance(&report, &wanted, args, &files), out)?;
     }
     if let Some(folder) = &args.svg {
         pictures::write(session, &model, &data, &theta, folder)?;
@@ -185,10 +185,10 @@ fn noise(text: &str) -> Result<f64, String> {
     length.filter(|mm| *mm > 0.0).ok_or_else(|| "write a length above zero, such as `2 um`".to_owned())
 }
 
-fn measurements(session: &mut Session, machine: &Machine, args: &Args) -> Result<Data, Stop> {
-    refuse_copies(session, &args.data)?;
-    let data = read_measurements(&args.data, machine, args.frame.into(), &Disk, &mut session.diagnostics);
+fn measurements(session: &mut Session, machine: &Machine, args: &Args, files: &Recorded) -> Result<Data, Stop> {
+    let data = read_measurements(&args.data, machine, args.frame.into(), files, &mut session.diagnostics);
     session.checked()?;
+    refuse_copies(session, &args.data, files)?;
     let other = |m: &Measurement| match &m.reading {
         Reading::Distance { from: End::Pose(to), .. } => Some(to.clone()),
         _ => None,
@@ -228,12 +228,11 @@ fn write_machine(
     session: &mut Session,
     report: &Report<'_>,
     wanted: &IdentifyEntry,
-    args: &Args,
+    provenance: &[(String, String)],
     out: &Path,
 ) -> Outcome {
-    let provenance = provenance(report, wanted, args);
     let own = &report.unknowns[..report.own];
-    let text = fitted_file(report.machine, own, &report.solution, &provenance, wanted);
+    let text = fitted_file(report.machine, own, &report.solution, provenance, wanted);
     if let Err(why) = load::own(&text) {
         let message = format!("the fitted machine is refused: {why}");
         let help = "some parameters ran away because the data hardly see them: fix those, or fit less";
@@ -245,16 +244,11 @@ fn write_machine(
     }
 }
 
-/// The first digits of a file's SHA-256.
-fn hash(path: &Path) -> String {
-    Disk.read(path).map_or_else(|_| String::new(), |bytes| sha256(&bytes).chars().take(16).collect())
-}
-
 /// Files with the same contents would count twice.
-fn refuse_copies(session: &mut Session, files: &[PathBuf]) -> Outcome {
-    let mut met: BTreeMap<String, &PathBuf> = BTreeMap::new();
-    for file in files {
-        if let Some(known) = met.insert(hash(file), file) {
+fn refuse_copies(session: &mut Session, list: &[PathBuf], files: &Recorded) -> Outcome {
+    let mut met: BTreeMap<Option<String>, &PathBuf> = BTreeMap::new();
+    for file in list {
+        if let Some(known) = met.insert(files.hash(file), file) {
             let names = [known, file].map(|path| shown(&path.display().to_string()));
             let message = format!("`{}` and `{}` hold the same readings, which would count twice", names[0], names[1]);
             return session.refuse(Diagnostic::new("E0501", message).help("name every file once"));
@@ -263,16 +257,19 @@ fn refuse_copies(session: &mut Session, files: &[PathBuf]) -> Outcome {
     Ok(())
 }
 
+/// Digits of a hash that are told.
+const DIGITS: usize = 16;
 /// Most files of data that are named one by one.
 const MOST_NAMED: usize = 20;
 /// Longest entry of a provenance that says what was fitted, in characters.
 const ENTRY: usize = 180;
 
 /// Where the numbers of the fitted file come from. No date: the same input gives the same bytes.
-fn provenance(report: &Report<'_>, wanted: &IdentifyEntry, args: &Args) -> Vec<(String, String)> {
+fn provenance(report: &Report<'_>, wanted: &IdentifyEntry, args: &Args, files: &Recorded) -> Vec<(String, String)> {
     let hashed = |path: &PathBuf| {
         let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        format!("{} (sha256 {}...)", shown(&name), hash(path))
+        let hash: String = files.hash(path).unwrap_or_default().chars().take(DIGITS).collect();
+        format!("{} (sha256 {hash}...)", shown(&name))
     };
     let order = match args.order {
         Order::Degree(n) => format!("order {n}"),

@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// Reads, resolves and checks a machine file; `tool` picks one of its tools.
 pub(super) fn machine(session: &mut Session, path: &Path, tool: Option<&str>) -> Result<Machine, Stop> {
-    with_identify(session, path, tool).map(|(machine, _)| machine)
+    machine_through(session, path, tool, &Disk)
 }
 
 /// The same through other eyes than the disk's.
@@ -20,19 +20,11 @@ pub(super) fn machine_through(
     tool: Option<&str>,
     files: &dyn Files,
 ) -> Result<Machine, Stop> {
-    read(session, path, tool, files).map(|(machine, _)| machine)
+    with_identify(session, path, tool, files).map(|(machine, _)| machine)
 }
 
 /// The same, with the section `identify` of the file.
 pub(super) fn with_identify(
-    session: &mut Session,
-    path: &Path,
-    tool: Option<&str>,
-) -> Result<(Machine, Option<IdentifyEntry>), Stop> {
-    read(session, path, tool, &Disk)
-}
-
-fn read(
     session: &mut Session,
     path: &Path,
     tool: Option<&str>,

@@ -2,48 +2,19 @@
 //!
 //! A file that is refused leaves the last good page in place, with the diagnostics above it.
 
-use super::files::Disk;
+use super::files::Recorded;
 use super::report::{Args, Built, build, write};
 use super::serve::{Answer, serve};
 use super::session::Session;
 use super::{Outcome, Stop};
 use crate::diagnostic::{Diagnostic, Rendering, render};
 use crate::report::page::{Data, Rendered, Served, colours};
-use crate::syntax::{Files, ReadFailure};
-use crate::target::sha256;
-use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::net::{Ipv4Addr, TcpListener};
-use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// How often files are looked at.
 const PACE: Duration = Duration::from_millis(150);
-
-/// The disk, remembering what was read from it: also files that are missing, for they may appear.
-#[derive(Default)]
-struct Recorded {
-    seen: RefCell<BTreeMap<PathBuf, Option<String>>>,
-}
-
-impl Files for Recorded {
-    fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
-        let result = Disk.read(path);
-        let state = result.as_ref().ok().map(|bytes| sha256(bytes));
-        let _ = self.seen.borrow_mut().insert(path.to_owned(), state);
-        result
-    }
-}
-
-impl Recorded {
-    /// Has any of the files another content by now? By content: times of modification are coarse on some
-    /// file systems, and an editor may write the same again.
-    fn changed(&self) -> bool {
-        let now = |path: &PathBuf| Disk.read(path).ok().map(|bytes| sha256(&bytes));
-        self.seen.borrow().iter().any(|(path, before)| now(path) != *before)
-    }
-}
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, args.port)).or_else(|failure| {

@@ -70,6 +70,9 @@ fn a_direction_without_readings_is_named() {
     let output = run(&["identify", machine.to_str().unwrap(), "--data", x, x, "--fit", "EXX+-:poly1"]);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.code() == Some(1) && said.contains("would count twice"), "{said}");
+    let output = run(&["identify", machine.to_str().unwrap(), "--data", "no-a.csv", "no-b.csv", "--fit", "EXX:poly1"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("no-a.csv") && said.contains("no-b.csv") && !said.contains("twice"), "{said}");
 }
 
 #[test]
