@@ -38,16 +38,7 @@ fn data(machine: &Machine, count: usize) -> Vec<Measurement> {
         let d = evaluate(machine, &pose, Order::Exact, Approach::Mean, Frame::Workpiece).deviation.position;
         let values = [Some(d.x + noise()), Some(d.y + noise()), Some(d.z + noise())];
         let reading = Reading::Deviation { values, frame: Frame::Workpiece, zero: [None; 3] };
-        Measurement {
-            pose,
-            tool: 0,
-            approach: Approach::Mean,
-            reading,
-            weight: 1.0,
-            known: false,
-            run: None,
-            place: place.clone(),
-        }
+        Measurement::new(pose, reading, place.clone())
     };
     random_poses(machine, count, 7).into_iter().map(one).collect()
 }

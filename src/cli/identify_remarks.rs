@@ -5,7 +5,7 @@ use super::session::Session;
 use crate::diagnostic::Diagnostic;
 use crate::identify::{Kind, Measurement, Parameter, Reading, Repeats, Term};
 use crate::lower::{Place, Source};
-use crate::machine::{Approach, Machine};
+use crate::machine::{Approach, ErrorId, Machine};
 use crate::units::{counted, significant};
 
 /// Less likely than this, residuals are not noise.
@@ -41,7 +41,8 @@ fn warning(code: &'static str, message: String, help: &'static str) -> Diagnosti
 pub(super) fn left_out(session: &mut Session, machine: &Machine, list: &[(Source, usize)]) {
     for (source, count) in list {
         let Place::Component(axis) = source.place else { continue };
-        let error = format!("E{:?}{}", source.direction, machine.axes()[axis].name);
+        let axis = machine.axes()[axis].name.clone();
+        let error = ErrorId { axis, location: false, direction: source.direction };
         let message = format!("{} of {error} left out: it is not fitted", counted(*count, "reading"));
         session.diagnostics.push(warning("W0504", message, "fit it, too, or leave its column out"));
     }

@@ -114,6 +114,11 @@ impl Kind {
 }
 
 impl Measurement {
+    /// Of weight 1, with the first tool, from no side in particular.
+    pub fn new(pose: Pose, reading: Reading, place: Place) -> Self {
+        Self { pose, tool: 0, approach: Approach::Mean, reading, weight: 1.0, known: false, run: None, place }
+    }
+
     /// Which of the (up to three) numbers of a residual were read.
     pub fn seen(&self) -> [bool; 3] {
         match &self.reading {

@@ -6,7 +6,6 @@ use super::model::Model;
 use super::solution::Solution;
 use crate::diagnostic::{Place, SourceId};
 use crate::evaluate::{Frame, random_poses};
-use crate::machine::Approach;
 use nalgebra::{DMatrix, Matrix3};
 
 /// Random poses to choose from, for each tool.
@@ -48,16 +47,8 @@ fn candidates(model: &Model<'_>, seed: u64) -> Vec<Measurement> {
     let of_tool = |(tool, machine): (usize, &crate::machine::Machine)| {
         let poses = random_poses(machine, CANDIDATES, seed.wrapping_add(tool as u64));
         let place = place.clone();
-        let blank = move |pose| Measurement {
-            pose,
-            tool,
-            approach: Approach::Mean,
-            reading: Reading::Deviation { values: [Some(0.0); 3], frame: Frame::Workpiece, zero: [None; 3] },
-            weight: 1.0,
-            known: false,
-            run: None,
-            place: place.clone(),
-        };
+        let reading = Reading::Deviation { values: [Some(0.0); 3], frame: Frame::Workpiece, zero: [None; 3] };
+        let blank = move |pose| Measurement { tool, ..Measurement::new(pose, reading.clone(), place.clone()) };
         poses.into_iter().map(blank).collect::<Vec<_>>()
     };
     model.machines().iter().enumerate().flat_map(of_tool).collect()

@@ -164,16 +164,9 @@ impl Reader<'_> {
 
     fn blank(&self, place: Place) -> Draft {
         let tool = self.machine.tools().iter().position(|tool| tool.name == self.machine.tool().name);
-        let row = Measurement {
-            pose: vec![0.0; self.machine.axes().len()],
-            tool: tool.unwrap_or_default(),
-            approach: Approach::Mean,
-            reading: Reading::Deviation { values: [None; 3], frame: self.frame, zero: [None; 3] },
-            weight: 1.0,
-            known: false,
-            run: None,
-            place,
-        };
+        let reading = Reading::Deviation { values: [None; 3], frame: self.frame, zero: [None; 3] };
+        let nowhere = vec![0.0; self.machine.axes().len()];
+        let row = Measurement { tool: tool.unwrap_or_default(), ..Measurement::new(nowhere, reading, place) };
         Draft {
             row,
             to: None,

@@ -28,16 +28,7 @@ pub fn measured(pose: &[f64], d: [f64; 3]) -> Measurement {
     let source = Diagnostics::default().sources.add("data.csv", "");
     let place = InFile { source, range: 0..0 };
     let reading = Reading::Deviation { values: d.map(Some), frame: Frame::Workpiece, zero: [None; 3] };
-    Measurement {
-        pose: pose.to_vec(),
-        tool: 0,
-        approach: Approach::Mean,
-        reading,
-        weight: 1.0,
-        known: false,
-        run: None,
-        place,
-    }
+    Measurement::new(pose.to_vec(), reading, place)
 }
 
 pub fn solve(machine: &Machine, parameters: &[Parameter], data: &[Measurement]) -> (Fit, Solution) {
