@@ -9,6 +9,7 @@
 use super::batch::Slices;
 use super::curves::{Curves, Spots};
 use super::lanes::Lanes;
+use super::links::Links;
 use super::trigonometry::{sin_cos, sines_cosines};
 
 /// Poses of a chunk: whole vectors of any width, few enough that everything stays in the first cache.
@@ -149,8 +150,8 @@ impl Ahead {
     }
 }
 
-/// What a walk reads, axis by axis. `Node` is what the walk makes of the six errors, where that is known beforehand.
-pub trait Inputs<V: Lanes, Node>: Copy {
+/// What a walk reads, axis by axis.
+pub trait Inputs<V: Lanes>: Copy {
     /// Position.
     fn position(self, axis: usize) -> V;
     /// What is added to it for the real machine only.
@@ -159,8 +160,6 @@ pub trait Inputs<V: Lanes, Node>: Copy {
     fn turn(self, axis: usize) -> (V, V);
     /// The errors of the axis.
     fn six(self, axis: usize) -> [V; 6];
-    /// What these errors come to, the same in all lanes.
-    fn known(&self, axis: usize) -> Option<&Node>;
 }
 
 /// Of a vector of poses of a batch.
@@ -176,7 +175,7 @@ pub struct Scattered<'a> {
     pub i: usize,
 }
 
-impl<V: Lanes, Node> Inputs<V, Node> for Scattered<'_> {
+impl<V: Lanes> Inputs<V> for Scattered<'_> {
     #[inline(always)]
     fn position(self, axis: usize) -> V {
         V::load(&self.poses.axes[axis][self.at..])
@@ -199,9 +198,16 @@ impl<V: Lanes, Node> Inputs<V, Node> for Scattered<'_> {
     fn six(self, axis: usize) -> [V; 6] {
         self.axes[axis].errors(self.i)
     }
+}
 
-    #[inline(always)]
-    fn known(&self, _: usize) -> Option<&Node> {
-        None
+/// What orders 2 and exact find out ahead: everything that their walk reads.
+#[inline(always)]
+pub fn look_up<V: Lanes>(links: &Links, axes: &mut [Ahead], part: Part<'_>) {
+    for axis in 0..axes.len() {
+        let wanted = links.joints[axis].wanted();
+        axes[axis].look::<V>(wanted, axis, part);
+        if let Some(curves) = wanted.curves {
+            axes[axis].six::<V>(curves, axis, part);
+        }
     }
 }

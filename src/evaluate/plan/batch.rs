@@ -1,7 +1,6 @@
 //! Batches: many poses in columns, and where their deviations go.
 
-use super::ahead::{Ahead, CHUNK, Inputs, Part, Scattered, Wanted};
-use super::curves::Six;
+use super::ahead::{Ahead, CHUNK, Part, Scattered};
 use super::lanes::{Kernel, Lanes, expect, settle};
 use super::links::Vector;
 
@@ -197,42 +196,6 @@ pub trait Task {
     fn at<V: Lanes>(&self, room: &Self::Room, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V);
 }
 
-/// A task whose walk does not ask where its inputs come from: from a batch, or from the nodes of a grid.
-pub trait Nodal {
-    /// What it makes of the six errors of an axis.
-    type Node: Copy;
-
-    /// What is to be found out about an axis before the walk.
-    fn wanted(&self, axis: usize) -> Wanted<'_>;
-
-    /// Makes it.
-    fn node(&self, axis: usize, six: &Six) -> Self::Node;
-
-    /// As [`Task::at`].
-    fn walk<V: Lanes, I: Inputs<V, Self::Node>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V);
-}
-
-impl<T: Nodal> Task for T {
-    type Room = ();
-    const ROOM: () = ();
-
-    #[inline(always)]
-    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], _: &mut (), part: Part<'_>) {
-        for axis in 0..axes.len() {
-            let wanted = self.wanted(axis);
-            axes[axis].look::<V>(wanted, axis, part);
-            if let Some(curves) = wanted.curves {
-                axes[axis].six::<V>(curves, axis, part);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn at<V: Lanes>(&self, _: &(), inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
-        self.walk(inputs)
-    }
-}
-
 /// Squared half angle (rad) up to which the series of the kernels are good to the last bit.
 pub const FARTHEST: f64 = 0.0225;
 
@@ -248,7 +211,7 @@ const PAST_CACHES: usize = 1 << 18;
 /// How many poses ahead memory is asked for: no more than needed, for tables of five axes all but fill the first cache.
 const EXPECTED: usize = 2 * CHUNK;
 
-/// A task over a batch.
+/// A task over a batch of at least a vector.
 pub struct Pass<'a, 'o, T> {
     /// What is computed.
     pub task: &'a T,
@@ -281,22 +244,24 @@ impl<T: Task> Kernel for Pass<'_, '_, T> {
             _ if V::LINE && self.poses.whole > PAST_CACHES => Traffic::Past,
             _ => Traffic::Expected,
         };
-        // So that vectors are whole lines, what stands before the first line is done first.
-        let mut from = if traffic == Traffic::Near { 0 } else { before_line(self.out.position[0]) };
-        if from > 0 {
-            self.rest(&mut ahead, 0, from);
-        }
-        let whole = from + (count - from) / V::COUNT * V::COUNT;
-        while from < whole {
-            let next = whole.min(from + CHUNK);
-            self.chunk::<V>(&mut ahead, from, next, traffic);
+        // So that vectors are whole lines, the second begins where a line does; and the last ends where the batch does.
+        // They overlap, with the same bits.
+        let before = if traffic == Traffic::Near { 0 } else { before_line(self.out.position[0]) };
+        let mut from = 0;
+        while from < count {
+            let start = from.min(count - V::COUNT);
+            let (end, next) = match (start, before) {
+                (0, 1..) => (before.next_multiple_of(V::COUNT), before),
+                _ => {
+                    let end = start + ((count - start) / V::COUNT * V::COUNT).min(CHUNK);
+                    (end, end)
+                }
+            };
+            self.chunk::<V>(&mut ahead, start, end, traffic);
             from = next;
         }
         if traffic == Traffic::Past {
             settle();
-        }
-        if whole < count {
-            self.rest(&mut ahead, whole, count);
         }
     }
 }
@@ -320,12 +285,6 @@ impl<T: Task> Pass<'_, '_, T> {
                 expect(column, at);
             }
         }
-    }
-
-    /// What is less than a vector: compiled once, for its bits are the same at any width.
-    #[inline(never)]
-    fn rest(&mut self, ahead: &mut (Vec<Ahead>, T::Room), from: usize, to: usize) {
-        self.chunk::<f64>(ahead, from, to, Traffic::Near);
     }
 
     #[inline(always)]

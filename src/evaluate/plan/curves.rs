@@ -232,9 +232,9 @@ impl Curves {
         let (mut s, mut c) = (s1, c1);
         for [cosines, sines] in &self.waves {
             for k in 0..6 {
-                six[k] = six[k] + (V::splat(cosines[k]) * c + V::splat(sines[k]) * s);
+                six[k] = six[k].plus_times(V::splat(cosines[k]), c).plus_times(V::splat(sines[k]), s);
             }
-            (s, c) = (s * c1 + c * s1, c * c1 - s * s1);
+            (s, c) = ((s * c1).plus_times(c, s1), (c * c1).minus_times(s, s1));
         }
     }
 }
@@ -307,7 +307,7 @@ impl Table {
         let x = match self.period {
             Some((period, inverse)) => {
                 let way = position - first;
-                position - nearest(way * V::splat(inverse) - V::splat(0.5)) * V::splat(period)
+                position.minus_times(nearest(V::splat(-0.5).plus_times(way, V::splat(inverse))), V::splat(period))
             }
             None => position,
         };

@@ -6,11 +6,14 @@
 //! (1 - cos t) / t^2, and the rotation is a quaternion; with linearised joints a and b are rational, and the
 //! rotation is a matrix, which need not be orthogonal.
 
-use super::ahead::{Inputs, Wanted};
-use super::batch::{FARTHEST, Nodal};
-use super::curves::Six;
+use super::affine::{Section, Sections};
+use super::ahead::{Ahead, Inputs, Part, Scattered, look_up};
+use super::batch::{FARTHEST, Task};
 use super::lanes::Lanes;
-use super::links::{About, Link, Links, Located, Motion, Placed, Vector, cross, dot, minus, plus, slid, splat, times};
+use super::links::{
+    About, Link, Links, Located, Motion, Placed, Vector, cross, dot, minus, plus, plus_cross, plus_times, slid, splat,
+    times,
+};
 use super::trigonometry::RADIAN;
 
 /// Terms of the series: good to the last bit up to [`super::batch::FARTHEST`].
@@ -34,22 +37,25 @@ const SINC: [f64; TERMS] = series(1.0, false);
 const COSINE: [f64; TERMS] = series(1.0, true);
 
 /// asin s / s by powers of s^2.
-const ASINC: [f64; TERMS] = {
-    let mut terms = [1.0; TERMS];
+pub const fn arcsine<const N: usize>() -> [f64; N] {
+    let mut terms = [1.0; N];
     let mut i = 1;
-    while i < TERMS {
+    while i < N {
         let n = (2 * i) as f64;
         terms[i] = terms[i - 1] * ((n - 1.0) * (n - 1.0)) / (n * (n + 1.0));
         i += 1;
     }
     terms
-};
+}
 
+const ARCSINE: [f64; TERMS] = arcsine();
+
+/// With the coefficients of the powers of x from 0 on.
 #[inline(always)]
-fn polynomial<V: Lanes>(terms: &[f64], x: V) -> V {
+pub fn polynomial<V: Lanes>(terms: &[f64], x: V) -> V {
     let mut sum = V::splat(terms[terms.len() - 1]);
     for term in terms[..terms.len() - 1].iter().rev() {
-        sum = sum * x + V::splat(*term);
+        sum = V::splat(*term).plus_times(sum, x);
     }
     sum
 }
@@ -115,14 +121,14 @@ impl<V: Lanes> Relative<V> for Quaternion<V> {
     #[inline(always)]
     fn after(self, small: &Small<V>) -> Self {
         let (c, v) = (small.half.0, times(small.turn, small.half.1));
-        let vector = plus(plus(times(self.1, c), times(v, self.0)), cross(v, self.1));
+        let vector = plus_cross(plus_times(times(self.1, c), v, self.0), v, self.1);
         Self(c * self.0 - dot(v, self.1), vector)
     }
 
     #[inline(always)]
     fn vector(self) -> (Vector<V>, V) {
         let square = dot(self.1, self.1);
-        (times(self.1, polynomial(&ASINC, square) * V::splat(2.0)), square)
+        (times(self.1, polynomial(&ARCSINE, square) * V::splat(2.0)), square)
     }
 }
 
@@ -182,7 +188,7 @@ impl<V: Lanes> Small<V> {
     #[inline(always)]
     fn moved(&self, y: Vector<V>) -> Vector<V> {
         let once = cross(self.turn, y);
-        plus(times(once, self.a), times(cross(self.turn, once), self.b))
+        plus_times(times(once, self.a), cross(self.turn, once), self.b)
     }
 }
 
@@ -230,6 +236,12 @@ struct State<V, R> {
 }
 
 impl<V: Lanes, R: Relative<V>> State<V, R> {
+    /// A point and its displacement, before any rotation.
+    #[inline(always)]
+    fn at(point: Vector<V>, displacement: Vector<V>) -> Self {
+        Self { point, displacement, relative: R::none(), far: V::splat(0.0) }
+    }
+
     #[inline(always)]
     fn apply(&mut self, small: &Small<V>, about: &[f64; 3]) {
         let arm = plus(minus(self.point, splat(about)), self.displacement);
@@ -264,7 +276,7 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
     }
 
     #[inline(always)]
-    fn link<I: Inputs<V, Node>>(&mut self, link: &Link, axis: usize, location: Option<&Fixed>, inputs: I) {
+    fn link<I: Inputs<V>>(&mut self, link: &Link, axis: usize, location: Option<&Fixed>, inputs: I) {
         let zero = V::splat(0.0);
         let (q, added) = (inputs.position(axis), inputs.added(axis));
         let there = match added {
@@ -272,11 +284,7 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
             None => q,
         };
         let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
-        let errors = match inputs.known(axis) {
-            _ if !link.errors => None,
-            Some(Node { small, far }) => Some((small.splat(), V::splat(*far))),
-            None => Some(R::small(inputs.six(axis), link.inverse)),
-        };
+        let errors = if link.errors { Some(R::small(inputs.six(axis), link.inverse)) } else { None };
         if let (Some(location), Located::Innermost) = (location, link.located) {
             self.fixed(location);
         }
@@ -301,11 +309,11 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
     fn slide(&mut self, direction: &[f64; 3], around: Option<&Fixed>, (q, there): (V, V), added: Option<V>) {
         self.point = slid(direction, q, self.point);
         if let Some(added) = added {
-            self.displacement = plus(self.displacement, times(splat(direction), added));
+            self.displacement = plus_times(self.displacement, splat(direction), added);
         }
         if let Some(location) = around {
             let bent = location.motion.moved(*direction);
-            self.displacement = plus(self.displacement, times(splat(&bent), there));
+            self.displacement = plus_times(self.displacement, splat(&bent), there);
         }
     }
 
@@ -352,14 +360,9 @@ impl Exact {
     }
 
     #[inline(always)]
-    fn chain<V: Lanes, R: Relative<V>, I: Inputs<V, Node>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V) {
+    fn chain<V: Lanes, R: Relative<V>>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
         let links = &self.links;
-        let mut state = State::<V, R> {
-            point: splat(&links.tip),
-            displacement: splat(&links.tool),
-            relative: R::none(),
-            far: V::splat(0.0),
-        };
+        let mut state = State::<V, R>::at(splat(&links.tip), splat(&links.tool));
         if let Some(spindle) = &self.spindle {
             state.fixed(spindle);
         }
@@ -372,38 +375,45 @@ impl Exact {
         let (rotation, far) = state.relative.vector();
         (state.displacement, rotation, state.far.larger(far))
     }
-}
 
-/// The error motion of an axis at a node of a grid.
-#[derive(Debug, Clone, Copy)]
-pub struct Node {
-    small: Small<f64>,
-    far: f64,
-}
-
-impl Nodal for Exact {
-    type Node = Node;
-
-    #[inline(always)]
-    fn wanted(&self, axis: usize) -> Wanted<'_> {
-        self.links.joints[axis].wanted()
-    }
-
-    fn node(&self, axis: usize, six: &Six) -> Node {
-        let inverse = self.links.joints[axis].inverse;
-        let (small, far) = match self.links.linearised {
-            true => Matrix::small(*six, inverse),
-            false => Quaternion::small(*six, inverse),
-        };
-        Node { small, far }
-    }
-
-    #[inline(always)]
-    fn walk<V: Lanes, I: Inputs<V, Node>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V) {
-        if self.links.linearised {
-            self.chain::<V, Matrix<V>, I>(inputs)
-        } else {
-            self.chain::<V, Quaternion<V>, I>(inputs)
+    fn past<R: Relative<f64>>(&self, section: Section, point: [f64; 3]) -> ([f64; 3], f64) {
+        let mut state = State::<f64, R>::at(point, [0.0; 3]);
+        match section {
+            Section::Joint(axis, at) => {
+                state.link(&self.links.joints[axis], axis, self.locations[axis].as_ref(), at);
+            }
+            Section::Spindle => self.spindle.iter().for_each(|spindle| state.fixed(spindle)),
+            Section::Clamping => self.clamping.iter().for_each(|clamping| state.fixed(clamping)),
         }
+        (state.displacement, state.far)
+    }
+}
+
+impl Sections for Exact {
+    fn links(&self) -> &Links {
+        &self.links
+    }
+
+    fn displaced(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
+        let (displacement, far) = match self.links.linearised {
+            true => self.past::<Matrix<f64>>(section, point),
+            false => self.past::<Quaternion<f64>>(section, point),
+        };
+        ([displacement, [0.0; 3]], far)
+    }
+}
+
+impl Task for Exact {
+    type Room = ();
+    const ROOM: () = ();
+
+    #[inline(always)]
+    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], _: &mut (), part: Part<'_>) {
+        look_up::<V>(&self.links, axes, part);
+    }
+
+    #[inline(always)]
+    fn at<V: Lanes>(&self, _: &(), inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+        if self.links.linearised { self.chain::<V, Matrix<V>>(inputs) } else { self.chain::<V, Quaternion<V>>(inputs) }
     }
 }

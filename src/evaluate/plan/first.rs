@@ -9,22 +9,20 @@ use super::ahead::{Ahead, CHUNK, Part, Scattered, Wanted};
 use super::batch::Task;
 use super::curves::{Curves, Six, splat_six};
 use super::lanes::Lanes;
-use super::links::{About, Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, splat};
+use super::links::{About, Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, plus_cross, splat};
 use super::steps::{self, Step, Sum};
 
 /// The plan of order 1.
 #[derive(Debug, Clone)]
 pub struct FirstOrder {
     /// From the workpiece to the tool.
-    pub joints: Vec<Joint>,
+    joints: Vec<Joint>,
     /// From the tool to the workpiece, by the numbers of the joints.
     steps: Vec<Step>,
-    /// The first point of reference, and the last.
-    references: [[f64; 3]; 2],
-    pub tip: [f64; 3],
-    pub tool: [f64; 3],
-    /// Constant twist at the tool.
-    pub end: Option<Six>,
+    /// The functional point at the zero pose less the first point of reference.
+    point: [f64; 3],
+    /// Its displacement by clamping.
+    tool: [f64; 3],
 }
 
 /// A joint of it.
@@ -96,24 +94,13 @@ impl FirstOrder {
             });
         }
         let end = sum(pending, links.spindle.as_ref().map(placed));
-        Some(Self::of(joints, links.tip, links.tool, end))
-    }
-}
-
-impl FirstOrder {
-    fn of(joints: Vec<Joint>, tip: [f64; 3], tool: [f64; 3], end: Option<Six>) -> Self {
-        let references = [joints.len(), 0].map(|end| steps::reference(&joints, end));
-        Self { steps: steps::of(&joints, end), joints, references, tip, tool, end }
-    }
-
-    /// The same of the joint next to the tool alone.
-    pub fn inner(&self, joint: &Joint) -> Self {
-        Self::of(vec![joint.clone()], self.tip, self.tool, self.end)
+        let point = minus(links.tip, steps::reference(&joints, joints.len()));
+        Some(Self { steps: steps::of(&joints, end), joints, point, tool: links.tool })
     }
 
     /// A chunk of poses from the tool past all steps.
     #[inline(always)]
-    pub fn walk<V: Lanes>(&self, states: &mut States, axes: &[Ahead], part: Part<'_>) {
+    fn walk<V: Lanes>(&self, states: &mut States, axes: &[Ahead], part: Part<'_>) {
         states.begin::<V>(self, part.count);
         for step in &self.steps {
             if let Some(axis) = step.motion {
@@ -196,6 +183,13 @@ impl Vectors {
         (V::load(place) + more).store(place);
     }
 
+    /// One column more by a product.
+    #[inline(always)]
+    fn add_product<V: Lanes>(&mut self, k: usize, i: usize, a: V, b: V) {
+        let place = &mut self.0[k][i & (CHUNK - V::COUNT)..];
+        V::load(place).plus_times(a, b).store(place);
+    }
+
     #[inline(always)]
     fn column<V: Lanes>(&self, k: usize, i: usize) -> V {
         V::load(&self.0[k][i & (CHUNK - V::COUNT)..])
@@ -209,7 +203,7 @@ impl States {
     /// At the tool.
     #[inline(always)]
     fn begin<V: Lanes>(&mut self, plan: &FirstOrder, count: usize) {
-        let (mut i, point) = (0, splat::<V>(&minus(plan.tip, plan.references[0])));
+        let (mut i, point) = (0, splat::<V>(&plan.point));
         while i < count {
             self.point.put(i, point);
             self.displacement.put(i, splat::<V>(&plan.tool));
@@ -222,13 +216,7 @@ impl States {
     #[inline(always)]
     fn at<V: Lanes>(&self, i: usize) -> (Vector<V>, Vector<V>) {
         let rotation = self.rotation.get(i);
-        (plus(self.displacement.get(i), cross(rotation, self.point.get(i))), rotation)
-    }
-
-    /// Of the one pose of a chunk, behind the last joint of a plan: the functional point, its displacement, and rotation.
-    pub fn alone(&self, plan: &FirstOrder) -> [[f64; 3]; 3] {
-        let (displacement, rotation) = self.at::<f64>(0);
-        [plus(self.point.get(0), plan.references[1]), displacement, rotation]
+        (plus_cross(self.displacement.get(i), rotation, self.point.get(i)), rotation)
     }
 
     /// By a joint's own motion.
@@ -268,7 +256,7 @@ impl States {
             }
             i = 0;
             while bend != 0.0 && i < positions.len() {
-                self.displacement.add(k, i, V::load(&positions[i..]) * V::splat(bend));
+                self.displacement.add_product(k, i, V::load(&positions[i..]), V::splat(bend));
                 i += V::COUNT;
             }
         }
@@ -293,8 +281,8 @@ impl States {
         if rotated {
             let (next, last) = ((k + 1) % 3, (k + 2) % 3);
             let (a, b): (V, V) = (self.rotation.column(last, i), self.rotation.column(next, i));
-            self.displacement.add(next, i, V::splat(0.0) - a * way);
-            self.displacement.add(last, i, b * way);
+            self.displacement.add_product(next, i, V::splat(0.0) - a, way);
+            self.displacement.add_product(last, i, b, way);
         }
     }
 
@@ -326,9 +314,9 @@ impl States {
                 let q = V::load(&part.positions(slide.axis)[i..]);
                 let [x, y, z]: Vector<V> = self.displacement.get(i);
                 let moved = match slide.along {
-                    0 => [x, y + aside * q, z + other * q],
-                    1 => [x + aside * q, y, z + other * q],
-                    _ => [x + aside * q, y + other * q, z],
+                    0 => [x, y.plus_times(aside, q), z.plus_times(other, q)],
+                    1 => [x.plus_times(aside, q), y, z.plus_times(other, q)],
+                    _ => [x.plus_times(aside, q), y.plus_times(other, q), z],
                 };
                 self.displacement.put(i, moved);
             }

@@ -23,7 +23,10 @@ impl Kernel for Turned<'_, '_> {
             self.step::<V>(at);
             at += V::COUNT;
         }
-        (at..count).for_each(|at| self.step::<f64>(at));
+        while at < count {
+            self.step::<f64>(at);
+            at += 1;
+        }
     }
 }
 

@@ -1,8 +1,9 @@
 //! Vectors of the processor, and the choice among them at run time. The only file with `unsafe`.
 //!
 //! A [`Kernel`] is written once over [`Lanes`], and [`run`] compiles it for every width. All operations
-//! are those of IEEE 754 on doubles, one rounding each and never contracted, so a number does not depend
-//! on the width in which it was computed, to the bit.
+//! are those of IEEE 754 on doubles with one rounding each. Products are fused with sums where the kernel says so and nowhere
+//! else, so a number does not depend on the width in which it was computed, to the bit. Processors that cannot fuse (of
+//! before 2013) run the scalar width, with the C library's `fma`: slowly, and with the same bits.
 //!
 //! Why the unsafe code is sound:
 //! - `x4`, `x8` and `neon` vectors exist only within a kernel, and [`run`] is the one way into it: it enters a
@@ -88,6 +89,10 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     fn store_past(self, to: &mut [f64]) {
         self.store(to);
     }
+    /// `self + a * b` with one rounding.
+    fn plus_times(self, a: Self, b: Self) -> Self;
+    /// `self - a * b` with one rounding.
+    fn minus_times(self, a: Self, b: Self) -> Self;
     /// Quotient.
     fn over(self, other: Self) -> Self;
     /// `yes` where `self < than`, else `no` (also where one is not a number).
@@ -143,6 +148,9 @@ pub fn run<K: Kernel>(width: Width, kernel: K) {
         Width::Avx2 if width.is_supported() => unsafe { x86::avx2(kernel) },
         #[cfg(target_arch = "aarch64")]
         Width::Neon => kernel.run::<arm::Neon>(),
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: the processor has the feature.
+        _ if std::arch::is_x86_feature_detected!("fma") => unsafe { x86::fused(kernel) },
         _ => kernel.run::<f64>(),
     }
 }
@@ -184,6 +192,14 @@ impl Lanes for f64 {
     #[inline(always)]
     fn store(self, to: &mut [f64]) {
         to[0] = self;
+    }
+    #[inline(always)]
+    fn plus_times(self, a: Self, b: Self) -> Self {
+        a.mul_add(b, self)
+    }
+    #[inline(always)]
+    fn minus_times(self, a: Self, b: Self) -> Self {
+        (-a).mul_add(b, self)
     }
     #[inline(always)]
     fn over(self, other: Self) -> Self {
@@ -255,6 +271,23 @@ macro_rules! extremes {
     };
 }
 
+/// Fused by instructions that have the sum last.
+#[cfg(target_arch = "x86_64")]
+macro_rules! fused {
+    ($plus:ident, $minus:ident) => {
+        #[inline(always)]
+        fn plus_times(self, a: Self, b: Self) -> Self {
+            // SAFETY: see the head of this file.
+            Self(unsafe { $plus(a.0, b.0, self.0) })
+        }
+        #[inline(always)]
+        fn minus_times(self, a: Self, b: Self) -> Self {
+            // SAFETY: see the head of this file.
+            Self(unsafe { $minus(a.0, b.0, self.0) })
+        }
+    };
+}
+
 /// What differs between vector types by the intrinsic alone: how many lanes, splat, load, store and quotient.
 macro_rules! common {
     ($count:literal, $splat:ident, $load:ident, $store:ident, $over:ident) => {
@@ -293,7 +326,12 @@ mod x86 {
     use super::{Add, Kernel, Lanes, MOST, Mul, SIGN, Sub};
     use std::arch::x86_64::*;
 
-    #[target_feature(enable = "avx2")]
+    #[target_feature(enable = "fma")]
+    pub(super) fn fused<K: Kernel>(kernel: K) {
+        kernel.run::<f64>();
+    }
+
+    #[target_feature(enable = "avx2,fma")]
     pub(super) fn avx2<K: Kernel>(kernel: K) {
         kernel.run::<Four>();
     }
@@ -312,6 +350,7 @@ mod x86 {
         type Eight = [Self; 2];
 
         common!(4, _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_div_pd);
+        fused!(_mm256_fmadd_pd, _mm256_fnmadd_pd);
         extremes!(_mm256_min_pd, _mm256_max_pd);
 
         #[inline(always)]
@@ -397,6 +436,7 @@ mod x86 {
                 self.store(to);
             }
         }
+        fused!(_mm512_fmadd_pd, _mm512_fnmadd_pd);
         extremes!(_mm512_min_pd, _mm512_max_pd);
 
         #[inline(always)]
@@ -466,6 +506,15 @@ mod arm {
         type Eight = [Self; 4];
 
         common!(2, vdupq_n_f64, vld1q_f64, vst1q_f64, vdivq_f64);
+
+        #[inline(always)]
+        fn plus_times(self, a: Self, b: Self) -> Self {
+            Self(unsafe { vfmaq_f64(self.0, a.0, b.0) })
+        }
+        #[inline(always)]
+        fn minus_times(self, a: Self, b: Self) -> Self {
+            Self(unsafe { vfmsq_f64(self.0, a.0, b.0) })
+        }
 
         #[inline(always)]
         fn if_less(self, than: Self, yes: Self, no: Self) -> Self {

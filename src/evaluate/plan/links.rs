@@ -162,7 +162,15 @@ fn motion(axis: &Axis) -> Motion {
 /// `a x b`.
 #[inline(always)]
 pub fn cross<V: Lanes>(a: Vector<V>, b: Vector<V>) -> Vector<V> {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    let products = [a[1] * b[2], a[2] * b[0], a[0] * b[1]];
+    [products[0].minus_times(a[2], b[1]), products[1].minus_times(a[0], b[2]), products[2].minus_times(a[1], b[0])]
+}
+
+/// `sum + a x b`.
+#[inline(always)]
+pub fn plus_cross<V: Lanes>(sum: Vector<V>, a: Vector<V>, b: Vector<V>) -> Vector<V> {
+    let sum = [sum[0].plus_times(a[1], b[2]), sum[1].plus_times(a[2], b[0]), sum[2].plus_times(a[0], b[1])];
+    [sum[0].minus_times(a[2], b[1]), sum[1].minus_times(a[0], b[2]), sum[2].minus_times(a[1], b[0])]
 }
 
 /// `a + b`.
@@ -183,6 +191,12 @@ pub fn times<V: Lanes>(a: Vector<V>, factor: V) -> Vector<V> {
     [a[0] * factor, a[1] * factor, a[2] * factor]
 }
 
+/// `sum + a * factor`.
+#[inline(always)]
+pub fn plus_times<V: Lanes>(sum: Vector<V>, a: Vector<V>, factor: V) -> Vector<V> {
+    [sum[0].plus_times(a[0], factor), sum[1].plus_times(a[1], factor), sum[2].plus_times(a[2], factor)]
+}
+
 /// The same vector in all lanes.
 #[inline(always)]
 pub fn splat<V: Lanes>(a: &[f64; 3]) -> Vector<V> {
@@ -192,7 +206,7 @@ pub fn splat<V: Lanes>(a: &[f64; 3]) -> Vector<V> {
 /// `a . b`.
 #[inline(always)]
 pub fn dot<V: Lanes>(a: Vector<V>, b: Vector<V>) -> V {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    (a[0] * b[0]).plus_times(a[1], b[1]).plus_times(a[2], b[2])
 }
 
 impl About {
@@ -202,20 +216,20 @@ impl About {
         match *self {
             Self::Principal(0, sense) => {
                 let s = s * V::splat(sense);
-                [v[0], c * v[1] - s * v[2], s * v[1] + c * v[2]]
+                [v[0], (c * v[1]).minus_times(s, v[2]), (c * v[2]).plus_times(s, v[1])]
             }
             Self::Principal(1, sense) => {
                 let s = s * V::splat(sense);
-                [s * v[2] + c * v[0], v[1], c * v[2] - s * v[0]]
+                [(c * v[0]).plus_times(s, v[2]), v[1], (c * v[2]).minus_times(s, v[0])]
             }
             Self::Principal(_, sense) => {
                 let s = s * V::splat(sense);
-                [c * v[0] - s * v[1], s * v[0] + c * v[1], v[2]]
+                [(c * v[0]).minus_times(s, v[1]), (c * v[1]).plus_times(s, v[0]), v[2]]
             }
             Self::Oblique(u) => {
                 let u = splat(&u);
                 let along = (V::splat(1.0) - c) * dot(u, v);
-                plus(plus(times(v, c), times(cross(u, v), s)), times(u, along))
+                plus_times(plus_times(times(v, c), cross(u, v), s), u, along)
             }
         }
     }
@@ -253,7 +267,7 @@ pub fn slid<V: Lanes>(direction: &[f64; 3], position: V, point: Vector<V>) -> Ve
         if bits == ONE {
             moved[k] = point[k] + position;
         } else if bits << 1 != 0 {
-            moved[k] = point[k] + position * V::splat(direction[k]);
+            moved[k] = point[k].plus_times(position, V::splat(direction[k]));
         }
     }
     moved

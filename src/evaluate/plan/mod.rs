@@ -23,6 +23,7 @@
     reason = "closures are compiled without the vector features of the function around them: kernels have plain loops and matches"
 )]
 
+mod affine;
 mod ahead;
 mod batch;
 mod composed;
@@ -38,7 +39,6 @@ mod second;
 mod sensitivity;
 mod steps;
 mod trigonometry;
-mod walked;
 mod width;
 
 pub use batch::{Batch, Columns, Output, PoseColumns};
@@ -175,6 +175,8 @@ impl Plan {
             Walk::Exact(task) => over(task.as_ref(), pass, out.reborrow()),
             Walk::General => beyond.extend(0..out.len()),
         }
+        beyond.sort_unstable();
+        beyond.dedup();
         for index in beyond {
             let pose: Vec<f64> = poses.axes.iter().map(|column| column[index]).collect();
             let deviation = if poses.added.is_empty() {
@@ -193,6 +195,19 @@ impl Plan {
     }
 }
 
-fn over<T: batch::Task>(task: &T, (width, poses, beyond): (Width, Slices<'_>, &mut Vec<usize>), out: Output<'_>) {
-    lanes::run(width, Pass { task, poses, out, beyond });
+/// Over all poses that there is room for; fewer than a vector are padded with the last of them.
+fn over<T: batch::Task>(task: &T, (width, poses, beyond): (Width, Slices<'_>, &mut Vec<usize>), mut out: Output<'_>) {
+    let (count, lanes) = (out.len(), width.lanes());
+    if count == 0 || count >= lanes {
+        return lanes::run(width, Pass { task, poses, out, beyond });
+    }
+    let padded = |columns: &[&[f64]]| -> Vec<Vec<f64>> {
+        columns.iter().map(|q| (0..lanes).map(|i| q[i.min(count - 1)]).collect()).collect()
+    };
+    let (axes, added, mut columns) = (padded(poses.axes), padded(poses.added), Columns::new(lanes));
+    let [axes, added] = [&axes, &added].map(|columns| columns.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    let poses = Slices { axes: &axes, added: &added, whole: lanes };
+    lanes::run(width, Pass { task, poses, out: columns.output(lanes), beyond });
+    beyond.retain(|index| *index < count);
+    (0..count).for_each(|index| out.put(index, &columns.get(index)));
 }

@@ -49,7 +49,7 @@ impl<V: Lanes, const N: usize> Pieces for [V; N] {
     fn plus_times(mut self, other: Self, factor: f64) -> Self {
         let factor = V::splat(factor);
         for k in 0..N {
-            self[k] = self[k] + other[k] * factor;
+            self[k] = self[k].plus_times(other[k], factor);
         }
         self
     }

@@ -4,11 +4,14 @@
 //! square and its product with everything summed so far, which are the joints on its tool side: all pairs,
 //! in one walk. With E^-1 in place of E (`errors_are: body`) the signs and the squares change as its series says.
 
-use super::ahead::{Inputs, Wanted};
-use super::batch::Nodal;
-use super::curves::{Six, splat_six};
+use super::affine::{Section, Sections};
+use super::ahead::{Ahead, Inputs, Part, Scattered, look_up};
+use super::batch::Task;
+use super::curves::splat_six;
 use super::lanes::Lanes;
-use super::links::{About, Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, slid, splat, times};
+use super::links::{
+    About, Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, plus_cross, plus_times, slid, splat, times,
+};
 
 /// The plan of order 2.
 #[derive(Debug, Clone)]
@@ -26,6 +29,20 @@ struct State<V> {
 }
 
 impl<V: Lanes> State<V> {
+    /// A point and its displacement, before any rotation.
+    #[inline(always)]
+    fn at(links: &Links, point: Vector<V>, displacement: Vector<V>) -> Self {
+        let zero = [V::splat(0.0); 3];
+        // exp: 1/2 and 1/2; 1 + hat: none, and 1 in its inverse.
+        let squares = if links.linearised { [0.0, 1.0] } else { [0.5, 0.5] };
+        Self {
+            point,
+            displacement: [displacement, zero],
+            rotation: [zero; 2],
+            squares: [V::splat(squares[0]), V::splat(squares[1])],
+        }
+    }
+
     #[inline(always)]
     fn apply(&mut self, six: [V; 6], inverse: bool, about: &[f64; 3]) {
         let [dx, dy, dz, ex, ey, ez] = six;
@@ -36,11 +53,11 @@ impl<V: Lanes> State<V> {
         // The inverse turns what its own shift has moved.
         let moved = if inverse { plus(first, shift) } else { first };
         let square = self.squares[usize::from(inverse)];
-        let added = plus(cross(turn, moved), times(cross(turn, once), square));
+        let added = plus_cross(times(cross(turn, once), square), turn, moved);
         self.displacement = [plus(first, plus(shift, once)), plus(second, added)];
         let [first, second] = self.rotation;
-        let product = times(cross(turn, first), V::splat(0.5));
-        self.rotation = [plus(first, turn), plus(second, product)];
+        let product = cross(turn, first);
+        self.rotation = [plus(first, turn), plus_times(second, product, V::splat(0.5))];
     }
 
     #[inline(always)]
@@ -56,7 +73,7 @@ impl<V: Lanes> State<V> {
             let once = cross([a, b, c], splat(direction));
             let twice = times(cross([a, b, c], once), self.squares[0]);
             let [first, second] = self.displacement;
-            self.displacement = [plus(first, times(once, q)), plus(second, times(twice, q))];
+            self.displacement = [plus_times(first, once, q), plus_times(second, twice, q)];
         }
     }
 
@@ -75,7 +92,7 @@ impl<V: Lanes> State<V> {
     }
 
     #[inline(always)]
-    fn link<I: Inputs<V, ()>>(&mut self, link: &Link, axis: usize, inputs: I) {
+    fn link<I: Inputs<V>>(&mut self, link: &Link, axis: usize, inputs: I) {
         let zero = V::splat(0.0);
         let q = inputs.position(axis);
         let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
@@ -108,27 +125,35 @@ impl SecondOrder {
     }
 }
 
-impl Nodal for SecondOrder {
-    type Node = ();
-
-    #[inline(always)]
-    fn wanted(&self, axis: usize) -> Wanted<'_> {
-        self.links.joints[axis].wanted()
+impl Sections for SecondOrder {
+    fn links(&self) -> &Links {
+        &self.links
     }
 
-    fn node(&self, _: usize, _: &Six) {}
+    fn displaced(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
+        let mut state = State::at(&self.links, point, [0.0; 3]);
+        match section {
+            Section::Joint(axis, at) => state.link(&self.links.joints[axis], axis, at),
+            Section::Spindle => self.links.spindle.iter().for_each(|spindle| state.placed(spindle, false)),
+            Section::Clamping => self.links.clamping.iter().for_each(|clamping| state.placed(clamping, false)),
+        }
+        (state.displacement, 0.0)
+    }
+}
+
+impl Task for SecondOrder {
+    type Room = ();
+    const ROOM: () = ();
 
     #[inline(always)]
-    fn walk<V: Lanes, I: Inputs<V, ()>>(&self, inputs: I) -> (Vector<V>, Vector<V>, V) {
-        let (links, zero) = (&self.links, [V::splat(0.0); 3]);
-        // exp: 1/2 and 1/2; 1 + hat: none, and 1 in its inverse.
-        let squares = if links.linearised { [0.0, 1.0] } else { [0.5, 0.5] };
-        let mut state = State::<V> {
-            point: splat(&links.tip),
-            displacement: [splat(&links.tool), zero],
-            rotation: [zero; 2],
-            squares: [V::splat(squares[0]), V::splat(squares[1])],
-        };
+    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], _: &mut (), part: Part<'_>) {
+        look_up::<V>(&self.links, axes, part);
+    }
+
+    #[inline(always)]
+    fn at<V: Lanes>(&self, _: &(), inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+        let links = &self.links;
+        let mut state = State::<V>::at(links, splat(&links.tip), splat(&links.tool));
         if let Some(spindle) = &links.spindle {
             state.placed(spindle, false);
         }

@@ -5,7 +5,7 @@
 
 use super::batch::{Batch, Output, Slices};
 use super::lanes::{Kernel, Lanes};
-use super::links::{Link, Links, Located, Motion, Vector, cross, minus, plus, splat, times};
+use super::links::{Link, Links, Located, Motion, Vector, cross, minus, plus, plus_times, splat, times};
 use super::trigonometry::sin_cos;
 use super::{MOST_AXES, Plan};
 use crate::lower::{Place, Source};
@@ -83,17 +83,14 @@ impl Kernel for Sensitivities<'_, '_> {
             self.step::<V>(at);
             at += V::COUNT;
         }
-        self.rest(at);
+        while at < self.count {
+            self.step::<f64>(at);
+            at += 1;
+        }
     }
 }
 
 impl Sensitivities<'_, '_> {
-    /// What is less than a vector.
-    #[inline(never)]
-    fn rest(&mut self, from: usize) {
-        (from..self.count).for_each(|at| self.step::<f64>(at));
-    }
-
     #[inline(always)]
     fn step<V: Lanes>(&mut self, at: usize) {
         let frames = self.frames::<V>(at);
@@ -118,7 +115,7 @@ impl Sensitivities<'_, '_> {
             let q = V::load(&self.poses.axes[axis][at..]);
             let (columns, place) = frames[axis];
             frames[axis + 1] = match &link.motion {
-                Motion::Slide(u) => (columns, plus(place, times(combined(&columns, splat(u)), q))),
+                Motion::Slide(u) => (columns, plus_times(place, combined(&columns, splat(u)), q)),
                 Motion::Turn(about) => {
                     let turn = sin_cos(q);
                     let [a, b, c] = unit;
@@ -167,7 +164,7 @@ impl Sensitivities<'_, '_> {
 
 #[inline(always)]
 fn combined<V: Lanes>(columns: &[Vector<V>; 3], v: Vector<V>) -> Vector<V> {
-    plus(plus(times(columns[0], v[0]), times(columns[1], v[1])), times(columns[2], v[2]))
+    plus_times(plus_times(times(columns[0], v[0]), columns[1], v[1]), columns[2], v[2])
 }
 
 #[inline(always)]
