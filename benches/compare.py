@@ -103,7 +103,7 @@ def one_core(binary, folder, rounds):
         "Pinocchio from Python, exact, no curves": lambda: clocked(PYTHON, pinocchio.run),
         "the general algebra, exact": ask("general exact"),
     }
-    widths = ["scalar", "avx2", "avx512"]
+    widths = ["scalar", "fused", "avx2", "avx512"]
     mine = {f"ours, order {o}, {w}": ask(f"batch {o} {w} 1") for o in ("1", "2", "exact") for w in widths}
     times = interleaved(rounds, {"ours, order 1": ask("batch 1 widest 1"), **peer, **mine, "ours, order 2": ask("batch 2 widest 1"),
                                  "ours, exact": ask("batch exact widest 1")})

@@ -130,6 +130,7 @@ fn plan(machine: &Machine, order: &str, width: &str) -> Plan {
     let order = order.parse().map_or(Order::Exact, Order::Degree);
     let width = match width {
         "scalar" => Width::Scalar,
+        "fused" => Width::Fused,
         "avx2" => Width::Avx2,
         "avx512" => Width::Avx512,
         "neon" => Width::Neon,

@@ -24,6 +24,9 @@ pub struct GridPlan {
 /// Lines that one thread does at a time, in nodes.
 const BLOCK: usize = 1 << 15;
 
+/// Nodes of all axes together of which 300 bytes each are kept.
+const MOST_KNOWN: usize = 1 << 16;
+
 impl GridPlan {
     /// Nodes of a line: of the inner axis.
     pub fn line(&self) -> usize {
@@ -64,13 +67,14 @@ impl GridPlan {
 }
 
 impl Plan {
-    /// The plan on the nodes of a grid; `None` if it is not compiled or has no axes, and where the errors of the exact model may turn by
-    /// more than 0.3 rad together.
+    /// The plan on the nodes of a grid; `None` if it is not compiled or has no axes, where the errors of the exact model may turn by
+    /// more than 0.3 rad together, and of axes with so many nodes that what is known at each of them had no end.
     pub fn grid(&self, nodes: &Nodes) -> Option<GridPlan> {
-        let positions = nodes.positions();
-        if positions.len() != self.machine.axes().len() {
+        let known = nodes.counts().fold(0, usize::saturating_add);
+        if known > MOST_KNOWN || nodes.counts().count() != self.machine.axes().len() {
             return None;
         }
+        let positions = nodes.positions();
         let composed = match &self.kernel {
             Walk::First(_) => Composed::new(&SecondOrder::new(self.links.clone()?)?, Product::Nowhere, &positions),
             Walk::Second(task) => Composed::new(task, Product::Second, &positions),

@@ -3,7 +3,7 @@
 //! A [`Kernel`] is written once over [`Lanes`], and [`run`] compiles it for every width. All operations
 //! are those of IEEE 754 on doubles with one rounding each. Products are fused with sums where the kernel says so and nowhere
 //! else, so a number does not depend on the width in which it was computed, to the bit. Processors that cannot fuse (of
-//! before 2013) run the scalar width, with the C library's `fma`: slowly, and with the same bits.
+//! before 2013) run the scalar width with the C library's `fma`: slowly, and with the same bits.
 //!
 //! Why the unsafe code is sound:
 //! - `x4`, `x8` and `neon` vectors exist only within a kernel, and [`run`] is the one way into it: it enters a
@@ -150,7 +150,7 @@ pub fn run<K: Kernel>(width: Width, kernel: K) {
         Width::Neon => kernel.run::<arm::Neon>(),
         #[cfg(target_arch = "x86_64")]
         // SAFETY: the processor has the feature.
-        _ if std::arch::is_x86_feature_detected!("fma") => unsafe { x86::fused(kernel) },
+        Width::Fused if width.is_supported() => unsafe { x86::fused(kernel) },
         _ => kernel.run::<f64>(),
     }
 }
@@ -174,53 +174,6 @@ pub fn settle() {
     // SAFETY: every such processor has it.
     unsafe {
         std::arch::x86_64::_mm_sfence();
-    }
-}
-
-impl Lanes for f64 {
-    const COUNT: usize = 1;
-    type Eight = [f64; 8];
-
-    #[inline(always)]
-    fn splat(x: f64) -> Self {
-        x
-    }
-    #[inline(always)]
-    fn load(from: &[f64]) -> Self {
-        from[0]
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        to[0] = self;
-    }
-    #[inline(always)]
-    fn plus_times(self, a: Self, b: Self) -> Self {
-        a.mul_add(b, self)
-    }
-    #[inline(always)]
-    fn minus_times(self, a: Self, b: Self) -> Self {
-        (-a).mul_add(b, self)
-    }
-    #[inline(always)]
-    fn over(self, other: Self) -> Self {
-        self / other
-    }
-    #[inline(always)]
-    fn if_less(self, than: Self, yes: Self, no: Self) -> Self {
-        if self < than { yes } else { no }
-    }
-    #[inline(always)]
-    fn whole(self) -> (Self, [u32; MOST]) {
-        let index = self as i32;
-        (f64::from(index), [index as u32, 0, 0, 0, 0, 0, 0, 0])
-    }
-    #[inline(always)]
-    fn spread(self) -> [f64; MOST] {
-        [self, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
-    }
-    #[inline(always)]
-    fn columns(rows: &[[f64; 8]; MOST]) -> [Self; 8] {
-        rows[0]
     }
 }
 

@@ -35,6 +35,7 @@ mod grid;
 pub(super) mod lanes;
 mod links;
 mod rows;
+mod scalar;
 mod second;
 mod sensitivity;
 mod steps;

@@ -1,0 +1,50 @@
+//! A vector of one double: the width that every processor has.
+
+use super::lanes::{Lanes, MOST};
+
+impl Lanes for f64 {
+    const COUNT: usize = 1;
+    type Eight = [f64; 8];
+
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        from[0]
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        to[0] = self;
+    }
+    #[inline(always)]
+    fn plus_times(self, a: Self, b: Self) -> Self {
+        a.mul_add(b, self)
+    }
+    #[inline(always)]
+    fn minus_times(self, a: Self, b: Self) -> Self {
+        (-a).mul_add(b, self)
+    }
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        self / other
+    }
+    #[inline(always)]
+    fn if_less(self, than: Self, yes: Self, no: Self) -> Self {
+        if self < than { yes } else { no }
+    }
+    #[inline(always)]
+    fn whole(self) -> (Self, [u32; MOST]) {
+        let index = self as i32;
+        (f64::from(index), [index as u32, 0, 0, 0, 0, 0, 0, 0])
+    }
+    #[inline(always)]
+    fn spread(self) -> [f64; MOST] {
+        [self, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    }
+    #[inline(always)]
+    fn columns(rows: &[[f64; 8]; MOST]) -> [Self; 8] {
+        rows[0]
+    }
+}
