@@ -6,6 +6,7 @@
 //! derivatives; a look-up reads neighbouring rows and no gathered numbers. Polynomials and harmonics are sums of
 //! rows too. Constants, means of two directions, and any linear map of the six are folded in.
 
+use super::intervals::{Found, Intervals, apart, search};
 use super::lanes::{Lanes, MOST, Places};
 use super::rows::{Pieces, Row};
 use super::trigonometry::nearest;
@@ -52,15 +53,6 @@ pub struct Spots<const N: usize> {
 impl<const N: usize> Spots<N> {
     /// Before anything is located.
     pub const NONE: Self = Self { interval: Places::NONE, share: [0.0; N], bends: [[0.0; N]; 2] };
-}
-
-/// How the interval of a position is found.
-#[derive(Debug, Clone, PartialEq)]
-enum Intervals {
-    /// Of one length.
-    Even { per_unit: f64, last: f64, width: f64 },
-    /// By cells of one length: the interval at the start of each, and a search up to that of the next.
-    Uneven { per_unit: f64, last: f64, starts: Vec<u32>, knots: Vec<f64> },
 }
 
 impl Curves {
@@ -293,7 +285,7 @@ impl Table {
         }
         let (first, last) = (knots[0], knots[knots.len() - 1]);
         let period = period.map(|period| (period, 1.0 / period));
-        Some(Self { rows, seconds, first, last, period, intervals: Intervals::new(knots) })
+        Some(Self { rows, seconds, first, last, period, intervals: Intervals::new(&knots) })
     }
 
     fn is_cubic(&self) -> bool {
@@ -323,16 +315,22 @@ impl Table {
                 while i < positions.len() {
                     let along = (self.within(V::load(&positions[i..])) - first) * V::splat(*per_unit);
                     let (whole, interval) = along.smaller(V::splat(*last)).whole();
-                    self.put(spots, i, &interval, along - whole, V::splat(*width));
+                    self.put(spots, i, (interval, along - whole, V::splat(*width)));
                     i += V::COUNT;
                 }
             }
-            Intervals::Uneven { per_unit, last, starts, knots } => {
+            Intervals::Apart { cells, rows } => {
                 while i < positions.len() {
                     let x = self.within(V::load(&positions[i..]));
-                    let (_, cells) = ((x - first) * V::splat(*per_unit)).smaller(V::splat(*last)).whole();
-                    let (interval, share, width) = search(starts, knots, &cells, &x.spread(), V::COUNT);
-                    self.put(spots, i, &interval, V::load(&share), V::load(&width));
+                    self.put(spots, i, apart(rows, &cells.of(x - first), x));
+                    i += V::COUNT;
+                }
+            }
+            Intervals::Crowded { cells, starts, knots } => {
+                while i < positions.len() {
+                    let x = self.within(V::load(&positions[i..]));
+                    let (interval, share, width) = search(starts, knots, &cells.of(x - first), &x.spread(), V::COUNT);
+                    self.put(spots, i, (interval, V::load(&share), V::load(&width)));
                     i += V::COUNT;
                 }
             }
@@ -340,17 +338,10 @@ impl Table {
     }
 
     #[inline(always)]
-    fn put<V: Lanes, const N: usize>(
-        &self,
-        spots: &mut Spots<N>,
-        i: usize,
-        interval: &[u32; MOST],
-        share: V,
-        width: V,
-    ) {
+    fn put<V: Lanes, const N: usize>(&self, spots: &mut Spots<N>, i: usize, (interval, share, width): Found<V>) {
         // The mask changes nothing, and shows the compiler that the vector lies within the room.
         let i = i & (N - V::COUNT);
-        spots.interval.put::<V>(i, interval);
+        spots.interval.put::<V>(i, &interval);
         share.store(&mut spots.share[i..]);
         if self.is_cubic() {
             let (scale, rest) = (width * width * V::splat(1.0 / 6.0), V::splat(1.0) - share);
@@ -418,44 +409,4 @@ fn union_of_knots(all: &[&Knots], period: Option<f64>) -> Option<Vec<f64>> {
         knots.push(single + 1.0);
     }
     Some(knots)
-}
-
-impl Intervals {
-    fn new(knots: Vec<f64>) -> Self {
-        let count = knots.len() - 1;
-        let (first, span) = (knots[0], knots[count] - knots[0]);
-        let (width, per_unit) = (span / count as f64, count as f64 / span);
-        let place = |i: usize| first + span * (i as f64 / count as f64);
-        if knots.iter().enumerate().all(|(i, q)| (q - place(i)).abs() <= 8.0 * f64::EPSILON * span) {
-            return Self::Even { per_unit, last: (count - 1) as f64, width };
-        }
-        let cells = (2 * count).min(1 << 20);
-        let per_unit = cells as f64 / span;
-        let start = |cell: usize| {
-            let x = first + span * (cell as f64 / cells as f64);
-            (knots.partition_point(|q| *q <= x).saturating_sub(1)).min(count - 1) as u32
-        };
-        let starts = (0..=cells).map(start).collect();
-        Self::Uneven { per_unit, last: (cells - 1) as f64, starts, knots }
-    }
-}
-
-/// Interval, share of its upper end, and width, for each lane.
-#[inline(never)]
-fn search(
-    starts: &[u32],
-    knots: &[f64],
-    cells: &[u32; MOST],
-    positions: &[f64; MOST],
-    count: usize,
-) -> ([u32; MOST], [f64; MOST], [f64; MOST]) {
-    let (mut at, mut share, mut width) = ([0; MOST], [0.0; MOST], [0.0; MOST]);
-    for lane in 0..count {
-        let (cell, x) = (cells[lane] as usize, positions[lane]);
-        let (low, high) = (starts[cell] as usize, starts[cell + 1] as usize);
-        let i = low + knots[low + 1..=high].partition_point(|q| *q <= x);
-        let h = knots[i + 1] - knots[i];
-        (at[lane], share[lane], width[lane]) = (i as u32, (x - knots[i]) / h, h);
-    }
-    (at, share, width)
 }

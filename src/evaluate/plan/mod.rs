@@ -32,6 +32,7 @@ mod exact;
 mod first;
 mod frame;
 mod grid;
+mod intervals;
 pub(super) mod lanes;
 mod links;
 mod rows;
