@@ -4,8 +4,8 @@
     check.py            compare with counts.json, 5 % either way
     check.py --renew    write counts.json
 
-What is counted: one sample of benches/evaluate.rs (65536 poses; compilation of the plan, which is included, does not count beside them) as it is released,
-less a run without any: start and reading cancel. (In the development profile small functions are calls, and their counts
+What is counted: one sample of benches/evaluate.rs as it is released, less a run without any: start and reading cancel, and
+beside 65536 poses the plan's compilation, which is included, hardly counts. (In the development profile small functions are calls, and their counts
 went up where those of the release went down.) The vector width is forced, for valgrind emulates
 a processor of its own (AVX2 at most), so the counts do not depend on this one. They do depend on the compiler: with
 another rustc than the one in counts.json differences are shown and not judged.
