@@ -324,6 +324,33 @@ fn grids_are_the_nodes_one_by_one() {
     }
 }
 
+/// Grids ask for points a metre away; what is asked must not depend on the size of the machine, nor on where its zero point is.
+#[test]
+fn grids_of_any_size_and_place() {
+    for (size, away) in [(1e-3, 0.0), (1e-3, 700.0), (1.0, 20_000.0), (60.0, 0.0)] {
+        let at = |[x, y, z]: [f64; 3]| format!("[{}, {}, {}]", away + size * x, away + size * y, size * z - away);
+        let way = |low: f64, high: f64| format!("[{} mm, {} mm]", size * low, size * high);
+        let text = format!(
+            "abbe: 1\nmachine: m\nchain: \"w C' A' Y' b X Z t\"\naxes:\n  X: {{ travel: {} }}\n  Y: {{ travel: {} }}\n  Z: {{ travel: {} }}\n  A: {{ travel: [-120 deg, 30 deg], origin: {} }}\n  C: {{ travel: continuous, origin: {} }}\ntool: {{ gauge: {}, length: {} mm }}\nworkpiece: {{ origin: {} }}\nerrors:\n  EC0Y: 21 urad\n  EB0A: 24 urad\n  EX0C: 6 um\n  EAX: {{ points: [[{} mm, 3 urad], [{} mm, -8 urad]] }}\n  ECZ: {{ polynomial: [3 urad, 0.1 urad/mm] }}\n  EBC: {{ harmonics: {{ 1: [5 urad, 9 urad] }} }}\n  EZA: {{ harmonics: {{ 2: [4 um, 1 um] }} }}\n",
+            way(0.0, 500.0),
+            way(0.0, 450.0),
+            way(-400.0, 0.0),
+            at([250.0, 225.0, -350.0]),
+            at([250.0, 225.0, -380.0]),
+            at([250.0, 225.0, 0.0]),
+            120.0 * size,
+            at([250.0, 225.0, -380.0]),
+            0.0,
+            500.0 * size
+        );
+        let folder = Folder::new();
+        let machine = crate::loaded::machine(&folder.write("machine.yaml", &text));
+        for order in [Order::Degree(1), Order::Degree(2), Order::Exact] {
+            grid_agrees(&machine, order);
+        }
+    }
+}
+
 #[test]
 fn a_survey_is_a_map_that_is_not_kept() {
     let mut random = Random::new(87);
