@@ -153,6 +153,30 @@ fn large_batches_have_the_bits_of_small_ones() {
     }
 }
 
+/// Pieces of a large batch may be of any length, and begin anywhere in a line.
+#[test]
+fn the_last_piece_of_a_large_batch_may_be_small() {
+    let mut random = Random::new(88);
+    let (machine, few) = random_machine(&mut random, Conventions::default(), 1e-4);
+    let few = columns(&machine, &few);
+    let plan = Plan::new(&machine, Order::Degree(1), Approach::Mean);
+    let mut small = Columns::new(29);
+    plan.deviations(&few.batch(), small.output(29));
+    for (tail, skipped) in (1..=17).zip([0, 1, 2, 3, 4, 5, 6, 7].into_iter().cycle()) {
+        // Four blocks, and what is left.
+        let count = (1 << 14) + tail;
+        let many: Vec<Vec<f64>> =
+            few.axes.iter().map(|column| column.iter().copied().cycle().take(count).collect()).collect();
+        for width in widths() {
+            let mut out = Columns::new(count + skipped);
+            let (_, room) = out.output(count + skipped).split_at(skipped);
+            let poses = Batch::new(many.iter().map(Vec::as_slice).collect(), count).unwrap();
+            plan.clone().with_width(width).deviations_parallel(&poses, room);
+            assert!((0..count).all(|i| out.get(skipped + i) == small.get(i % 29)), "{width:?} {tail} {skipped}");
+        }
+    }
+}
+
 #[test]
 fn what_no_kernel_covers_goes_through_the_general_algebra() {
     let mut random = Random::new(82);

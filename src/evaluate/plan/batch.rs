@@ -244,18 +244,16 @@ impl<T: Task> Kernel for Pass<'_, '_, T> {
             _ if V::LINE && self.poses.whole > PAST_CACHES => Traffic::Past,
             _ => Traffic::Expected,
         };
-        // So that vectors are whole lines, the second begins where a line does; and the last ends where the batch does.
-        // They overlap, with the same bits.
-        let before = if traffic == Traffic::Near { 0 } else { before_line(self.out.position[0]) };
+        // So that vectors are whole lines, the numbers before the first line are done by themselves; and the last vector ends
+        // where the batch does. Both overlap others, with the same bits.
+        let before = if traffic == Traffic::Near || count < LINE { 0 } else { before_line(self.out.position[0]) };
         let mut from = 0;
         while from < count {
             let start = from.min(count - V::COUNT);
-            let (end, next) = match (start, before) {
-                (0, 1..) => (before.next_multiple_of(V::COUNT), before),
-                _ => {
-                    let end = start + ((count - start) / V::COUNT * V::COUNT).min(CHUNK);
-                    (end, end)
-                }
+            let room = (count - start) / V::COUNT * V::COUNT;
+            let (end, next) = match from {
+                0 if before > 0 => (before.next_multiple_of(V::COUNT), before),
+                _ => (start + room.min(CHUNK), start + room.min(CHUNK)),
             };
             self.chunk::<V>(&mut ahead, start, end, traffic);
             from = next;
