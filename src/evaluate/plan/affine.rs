@@ -112,6 +112,13 @@ impl Linear {
         let [a, b, c] = other.columns;
         Self { columns: [self.turned(a), self.turned(b), self.turned(c)], shift: self.turned(other.shift) }
     }
+
+    /// After the ideal motion of a section.
+    #[inline(always)]
+    fn past(&self, inner: &Affine) -> Self {
+        let columns = if inner.turns { self.after(&inner.ideal).columns } else { self.columns };
+        Self { columns, shift: self.image(inner.ideal.shift) }
+    }
 }
 
 /// A section: its ideal motion, and the displacement by degree.
@@ -152,25 +159,16 @@ impl Affine {
     #[inline(always)]
     pub fn times(&self, inner: &Self, product: Product) -> Self {
         let (a, [first, second]) = (&self.ideal, &self.displacement);
-        let mut sum = Self { turns: self.turns || inner.turns, ..*self };
-        if inner.turns {
-            sum.ideal.columns = a.after(&inner.ideal).columns;
-            sum.displacement[0].columns = first.after(&inner.ideal).columns;
-            sum.displacement[1].columns = second.after(&inner.ideal).columns;
-        }
-        sum.ideal.shift = a.image(inner.ideal.shift);
-        sum.displacement[0].shift = first.image(inner.ideal.shift);
         let [of_first, of_second] = &inner.displacement;
-        match product {
-            Product::Nowhere => sum.displacement[0] = sum.displacement[0].plus(&a.after(of_first)),
-            Product::Second => {
-                sum.displacement[1].shift = second.image(inner.ideal.shift);
-                sum.displacement[0] = sum.displacement[0].plus(&a.after(of_first));
-                sum.displacement[1] = sum.displacement[1].plus(&a.after(of_second)).plus(&first.after(of_first));
-            }
-            Product::Whole => sum.displacement[0] = sum.displacement[0].plus(&a.plus(first).after(of_first)),
-        }
-        sum
+        let displacement = match product {
+            Product::Nowhere => [first.past(inner).plus(&a.after(of_first)), Linear::default()],
+            Product::Second => [
+                first.past(inner).plus(&a.after(of_first)),
+                second.past(inner).plus(&a.after(of_second)).plus(&first.after(of_first)),
+            ],
+            Product::Whole => [first.past(inner).plus(&a.plus(first).after(of_first)), Linear::default()],
+        };
+        Self { ideal: a.past(inner), displacement, turns: self.turns || inner.turns }
     }
 
     /// The displacement of a point, by degree, that is already displaced from where it ideally is.
