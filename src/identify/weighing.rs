@@ -48,8 +48,9 @@ pub fn solve(model: &Model<'_>, data: &[Measurement], robust: bool) -> Fit {
     }
     let mut sigmas = vec![1e-3; groups.kinds.len()];
     for _ in 0..ROUNDS {
-        sigmas = groups.sigmas(model, data, &found, sigmas, robust);
-        let shares = if robust { shares(data, &model.residuals(data, &found.theta)) } else { vec![1.0; data.len()] };
+        let residuals = robust.then(|| model.residuals(data, &found.theta));
+        sigmas = groups.sigmas(model, data, &found, sigmas, residuals.as_deref());
+        let shares = residuals.map_or_else(|| vec![1.0; data.len()], |residuals| shares(data, &residuals));
         let weights = groups.weights(data, &sigmas, &shares);
         let change = weights.iter().zip(&found.weights).map(|(a, b)| (a - b).abs() / b).fold(0.0, f64::max);
         let steps = found.steps;
@@ -90,18 +91,22 @@ impl Groups {
         (0..self.of.len()).filter(move |i| self.of[*i] == group)
     }
 
-    /// Standard deviation of a reading of each quantity (mm), where it was `before`.
-    fn sigmas(&self, model: &Model<'_>, data: &[Measurement], found: &Fit, before: Vec<f64>, robust: bool) -> Vec<f64> {
+    /// Standard deviation of a reading of each quantity (mm), where it was `before`: from the residuals, of robust fits.
+    fn sigmas(
+        &self,
+        model: &Model<'_>,
+        data: &[Measurement],
+        found: &Fit,
+        before: Vec<f64>,
+        residuals: Option<&[Vector3<f64>]>,
+    ) -> Vec<f64> {
         if self.kinds.len() < 2 {
             return before;
         }
-        if !robust {
-            return balanced(
-                &self.linear(model, data, &data.iter().map(|m| m.weight).collect::<Vec<_>>(), found),
-                before,
-            );
-        }
-        let residuals = model.residuals(data, &found.theta);
+        let Some(residuals) = residuals else {
+            let weights: Vec<f64> = data.iter().map(|m| m.weight).collect();
+            return balanced(&self.linear(model, data, &weights, found), before);
+        };
         let squares = |g: usize| {
             let (median, count) = median(self.members(g).flat_map(|i| components(&data[i], &residuals[i])).collect());
             count as f64 * (median / MEDIAN) * (median / MEDIAN)

@@ -20,7 +20,8 @@ pub(super) fn gather(lines: &[Line], header: Header, wanted: &Wanted) -> Result<
     let by_row = roles.contains(&Role::Direction);
     let mut marked: Vec<Option<bool>> = Vec::new();
     for line in &lines[body..] {
-        let cells = sheet::cells(&line.text, separator);
+        let mut cells = sheet::cells(&line.text, separator);
+        sheet::drop_empty(&mut cells, roles.len());
         for (cell, _) in cells.iter().zip(&roles).filter(|(_, role)| role.is_number()) {
             let noted = decimals.note(cell, separator);
             noted.map_err(|words| Box::new(refusal(words, Some(line.place.clone()))))?;
@@ -74,9 +75,7 @@ fn row(
     errors: &mut Vec<ErrorId>,
     axis: &str,
 ) -> Result<Vec<Sample>, String> {
-    // Spreadsheets leave empty cells at the end of a row.
-    let bare = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
-    if bare > roles.len() {
+    if cells.len() > roles.len() {
         return Err(format!("{} cells under {} columns", cells.len(), roles.len()));
     }
     let number = |cell: &str| sheet::number(cell, separator).map_err(|failure| failure.to_string());
