@@ -125,7 +125,14 @@ impl BSpline {
         match self.degree {
             1 => Some(vec![0.0; self.breaks.positions().len()]),
             2 => None,
-            _ => Some(self.second()),
+            _ => {
+                let mut second = self.second();
+                // The seam is one place; computed from both sides it differs by rounding.
+                if let (Some(_), [first, .., last]) = (self.breaks.period(), &mut second[..]) {
+                    *last = *first;
+                }
+                Some(second)
+            }
         }
     }
 

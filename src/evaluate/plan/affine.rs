@@ -14,7 +14,7 @@
 use super::ahead::Inputs;
 use super::batch::FARTHEST;
 use super::curves::Six;
-use super::links::{Links, Motion, cross, dot, minus, plus, plus_cross, plus_times, times};
+use super::links::{Link, Links, Motion, cross, dot, minus, plus, plus_cross, plus_times, times};
 
 /// A vector or a point.
 pub type Vector3 = [f64; 3];
@@ -134,10 +134,12 @@ pub struct Affine {
 const PROBE: f64 = 1024.0;
 
 impl Affine {
-    /// `None` where the numbers must not be trusted.
+    /// In coordinates about the functional point of the zero pose, for the machine's zero point may be far away. `None` where the
+    /// numbers must not be trusted.
     pub fn of(sections: &impl Sections, section: Section) -> Option<Self> {
+        let base = sections.links().tip;
         let asked = |point: Vector3| {
-            let (displaced, far) = sections.displaced(section, point);
+            let (displaced, far) = sections.displaced(section, plus(base, point));
             (far <= FARTHEST).then_some(displaced)
         };
         let origin = asked([0.0; 3])?;
@@ -149,7 +151,7 @@ impl Affine {
             }
         }
         let (ideal, turns) = match section {
-            Section::Joint(axis, at) => moved(sections.links(), axis, &at),
+            Section::Joint(axis, at) => moved(&sections.links().joints[axis], base, &at),
             Section::Clamping | Section::Spindle => (UNIT, false),
         };
         Some(Self { ideal, displacement, turns })
@@ -171,9 +173,9 @@ impl Affine {
         Self { ideal: a.past(inner), displacement, turns: self.turns || inner.turns }
     }
 
-    /// The displacement of a point, by degree, that is already displaced from where it ideally is.
-    pub fn displaced(&self, point: Vector3, by: Vector3, product: Product) -> [Vector3; 2] {
-        let [first, second] = self.displacement.map(|displacement| displacement.image(point));
+    /// The displacement of the base, by degree, that is already displaced from where it ideally is.
+    pub fn displaced(&self, by: Vector3, product: Product) -> [Vector3; 2] {
+        let [first, second] = self.displacement.map(|displacement| displacement.shift);
         let (first, again) = (plus(first, self.ideal.turned(by)), self.displacement[0].turned(by));
         match product {
             Product::Nowhere => [first, second],
@@ -208,14 +210,14 @@ impl Affine {
 
 const UNIT: Linear = Linear { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], shift: [0.0; 3] };
 
-/// The nominal motion of a joint; does it turn?
-fn moved(links: &Links, axis: usize, at: &Node) -> (Linear, bool) {
-    let link = &links.joints[axis];
+/// The nominal motion of a joint about a base; does it turn?
+fn moved(link: &Link, base: Vector3, at: &Node) -> (Linear, bool) {
     match link.motion {
         Motion::Slide(u) => (Linear { shift: times(u, at.position), ..UNIT }, false),
         Motion::Turn(about) => {
             let columns = UNIT.columns.map(|e| about.turned(at.turn, e));
-            (Linear { columns, shift: minus(link.origin, about.turned(at.turn, link.origin)) }, true)
+            let arm = minus(link.origin, base);
+            (Linear { columns, shift: minus(arm, about.turned(at.turn, arm)) }, true)
         }
     }
 }

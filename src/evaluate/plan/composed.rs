@@ -68,7 +68,7 @@ impl Composed {
         if arc && angle > WIDEST {
             return None;
         }
-        let inner = Inner::new(&inner, (links.tip, links.tool), product);
+        let inner = Inner::new(&inner, links.tool, product);
         Some(Self { product, arc, clamping, outer, inner })
     }
 
@@ -88,8 +88,8 @@ fn node(sections: &impl Sections, axis: usize, position: f64) -> Node {
 }
 
 impl Inner {
-    /// Of the maps at its nodes, the functional point, and its displacement by clamping.
-    fn new(nodes: &[Affine], (tip, tool): (Vector3, Vector3), product: Product) -> Self {
+    /// Of the maps at its nodes, and the displacement of the functional point by clamping.
+    fn new(nodes: &[Affine], tool: Vector3, product: Product) -> Self {
         let count = nodes.len();
         let mut inner = Self { count, displacement: Vec::new(), rotation: Vec::new() };
         let padded = |numbers: &mut Vec<Vec<f64>>, value: &dyn Fn(&Affine) -> Vector3| {
@@ -99,8 +99,8 @@ impl Inner {
                 numbers.push(column);
             }
         };
-        let displaced = |node: &Affine| node.displaced(tip, tool, product);
-        padded(&mut inner.displacement, &|node| node.ideal.image(tip));
+        let displaced = |node: &Affine| node.displaced(tool, product);
+        padded(&mut inner.displacement, &|node| node.ideal.shift);
         match product {
             Product::Nowhere => {
                 padded(&mut inner.displacement, &|node| displaced(node)[0]);

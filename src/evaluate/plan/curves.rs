@@ -254,11 +254,35 @@ fn piecewise(spline: &BSpline) -> Option<Curve> {
     Some(Curve::Cubic(spline.breaks().clone(), second))
 }
 
-/// The second derivative of a curve: linear between the knots of a spline.
-fn bend(curve: &Curve) -> Option<Curve> {
-    let Curve::Cubic(knots, second) = curve else { return None };
-    let points: Vec<(f64, f64)> = knots.positions().iter().copied().zip(second.iter().copied()).collect();
-    Knots::new(&points, knots.period()).ok().map(Curve::Linear)
+/// A curve of a table, with its second derivative, which is linear between the knots of a spline.
+struct Piece<'a> {
+    column: usize,
+    weight: f64,
+    curve: &'a Curve,
+    bend: Option<Curve>,
+}
+
+impl<'a> Piece<'a> {
+    /// `None` if the second derivatives do not fit the knots.
+    fn new((column, weight, curve): &'a (usize, f64, Curve)) -> Option<Self> {
+        let bend = match curve {
+            Curve::Cubic(knots, second) => {
+                let points: Vec<(f64, f64)> = knots.positions().iter().copied().zip(second.iter().copied()).collect();
+                Some(Curve::Linear(Knots::new(&points, knots.period()).ok()?))
+            }
+            _ => None,
+        };
+        Some(Self { column: *column, weight: *weight, curve, bend })
+    }
+
+    /// Are value and second derivative the same at two places, but for rounding?
+    fn same(&self, a: f64, b: f64) -> bool {
+        std::iter::once(self.curve).chain(&self.bend).all(|curve| {
+            let values = curve.knots().map_or(&[][..], Knots::values);
+            let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+            (curve.value(a) - curve.value(b)).abs() <= 16.0 * f64::EPSILON * largest
+        })
+    }
 }
 
 impl Table {
@@ -268,13 +292,13 @@ impl Table {
         if all.iter().any(|knots| knots.period() != period) {
             return None;
         }
-        let knots = union_of_knots(&all, period)?;
-        let bends: Vec<Option<Curve>> = curves.iter().map(|(_, _, curve)| bend(curve)).collect();
-        let cubic = bends.iter().any(Option::is_some);
+        let pieces: Vec<Piece<'_>> = curves.iter().map(Piece::new).collect::<Option<_>>()?;
+        let knots = union_of_knots(&all, period, &pieces)?;
+        let cubic = pieces.iter().any(|piece| piece.bend.is_some());
         let (mut rows, mut seconds) = (Vec::new(), Vec::new());
         for knot in &knots {
             let (mut value, mut second) = ([0.0; 8], [0.0; 8]);
-            for ((column, weight, curve), bend) in curves.iter().zip(&bends) {
+            for Piece { column, weight, curve, bend } in &pieces {
                 value[*column] += weight * curve.value(*knot);
                 second[*column] += weight * bend.as_ref().map_or(0.0, |bend| bend.value(*knot));
             }
@@ -392,7 +416,7 @@ impl Table {
 }
 
 /// All knots, rising, at least two; of a periodic axis those of one turn from the first table's start.
-fn union_of_knots(all: &[&Knots], period: Option<f64>) -> Option<Vec<f64>> {
+fn union_of_knots(all: &[&Knots], period: Option<f64>, pieces: &[Piece<'_>]) -> Option<Vec<f64>> {
     let start = *all.first()?.positions().first()?;
     let mut knots: Vec<f64> = match period {
         Some(period) => {
@@ -403,8 +427,9 @@ fn union_of_knots(all: &[&Knots], period: Option<f64>) -> Option<Vec<f64>> {
     };
     knots.sort_by(f64::total_cmp);
     let largest = knots.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
-    // Knots that rounding alone tells apart are one.
-    knots.dedup_by(|b, a| *b - *a <= 4.0 * f64::EPSILON * largest);
+    // Knots that rounding alone tells apart are one; a step between two is none.
+    let near = |a: f64, b: f64| b - a <= 4.0 * f64::EPSILON * largest;
+    knots.dedup_by(|b, a| a == b || near(*a, *b) && pieces.iter().all(|piece| piece.same(*a, *b)));
     if let [single] = knots[..] {
         knots.push(single + 1.0);
     }
