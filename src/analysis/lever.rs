@@ -9,7 +9,7 @@ use crate::machine::{AxisName, Direction, ErrorId, Machine, Pose};
 pub struct Lever {
     /// At the zero pose.
     pub at_zero: f64,
-    /// The longest over the volume: its corners and some poses within.
+    /// The longest over the volume: at the zero pose, at its corners and at some poses within.
     pub longest: f64,
 }
 
@@ -23,7 +23,7 @@ const CORNERS: usize = 10;
 pub fn levers(machine: &Machine) -> Vec<Lever> {
     let zero = vec![0.0; machine.axes().len()];
     let mut levers: Vec<Lever> =
-        arms(machine, &zero).into_iter().map(|at_zero| Lever { at_zero, longest: 0.0 }).collect();
+        arms(machine, &zero).into_iter().map(|at_zero| Lever { at_zero, longest: at_zero }).collect();
     for pose in corners(machine).into_iter().chain(Poses::Random(Random::of(machine, WITHIN, 0)).iter()) {
         for (lever, arm) in levers.iter_mut().zip(arms(machine, &pose)) {
             lever.longest = lever.longest.max(arm);

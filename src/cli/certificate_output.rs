@@ -163,24 +163,26 @@ impl Shown<'_> {
         text
     }
 
-    /// A test at the machine with a number from these tables.
+    /// A test at the machine with a number from these files.
     fn sign_test(&self) -> String {
         let Some(strongest) = &self.certificate.strongest else { return String::new() };
         let axes = self.machine.axes();
-        let place: Vec<String> = strongest
-            .at
+        let place: Vec<String> = axes
             .iter()
-            .map(|(axis, q)| format!("{} = {} {}", axes[*axis].name, significant(*q, 7), axes[*axis].unit()))
+            .zip(&strongest.at)
+            .map(|(axis, q)| format!("{} = {} {}", axis.name, significant(*q, 7), axis.unit()))
             .collect();
-        let (axis, value) = (&axes[strongest.axis], strongest.value);
-        let number = |x: f64| format!("{} {}", significant(x, 4), axis.unit());
+        let axis = &axes[strongest.axis];
+        let coming = match strongest.approach {
+            Approach::Mean => "",
+            Approach::Forward => ", coming forward",
+            Approach::Reverse => ", coming in reverse",
+        };
+        let by = |x: f64| format!("{} {}", significant(x, 4), axis.unit());
+        let (name, added, other) = (&axis.name, by(strongest.value), by(0.0 - strongest.value));
         format!(
-            "Then measure: at {} the tables add {} to {}. Where an instrument reads {} without them it must read 0 with them; {} means a wrong sign.\n",
+            "Then measure: at {}{coming}, the files add {added} to {name}. Switched on, they must change what an instrument along {name} reads by {added}; by {other} means a wrong sign.\n",
             place.join(", "),
-            number(value),
-            axis.name,
-            number(0.0 - value),
-            number(-2.0 * value),
         )
     }
 
@@ -291,7 +293,7 @@ fn tool(machine: &Machine, target: &Target) -> String {
     let length: f64 = (0..3).map(|i| (tool.tip[i] - tool.gauge[i]) * (tool.tip[i] - tool.gauge[i])).sum();
     let length = significant(libm::sqrt(length), 6);
     let name = if tool.name.is_empty() { String::new() } else { format!("`{}`, ", tool.name) };
-    let only = if target.manifest.tool_dependent() { "; the tables hold for it only" } else { "" };
+    let only = if target.manifest.tool_dependent() { "; such tables hold for one tool only" } else { "" };
     format!("{name}{length} mm from the gauge point to the functional point{only}")
 }
 

@@ -226,6 +226,7 @@ fn lattice_axes(session: &Session, machine: &Machine, named: &[String]) -> Resul
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.options.tool.as_deref())?;
+    load::warn_bounded(session, &machine);
     let inputs = inputs(session);
     let target = args.options.how.target(session, &args.target, None)?;
     refuse_unverified(session, &target, args.accept_unverified)?;
@@ -239,6 +240,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let Made { rendered, tables } = made;
     let judged = Judged { target: &target, tables: &tables, installed: installed.as_ref() };
     let certificate = args.options.certificate(&machine, judged);
+    target.unplaced(&machine).into_iter().for_each(|warning| session.diagnostics.push(warning));
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
     let files = rendered.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();

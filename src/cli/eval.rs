@@ -40,6 +40,7 @@ pub(super) struct Args {
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.view.tool.as_deref())?;
+    load::warn_bounded(session, &machine);
     let poses = poses(session, &machine, &args.poses)?;
     let (order, approach, frame) = (args.view.order(&machine), args.view.approach(), args.frame.into());
     let lift = args.algebra.as_deref().map(|text| algebra::lift(session, &machine, text)).transpose()?;

@@ -129,6 +129,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     };
     remarks::all(session, &report);
     if let Some(out) = &args.out {
+        remarks::written(session, &report);
         write_machine(session, &report, &wanted, &provenance(&report, &wanted, args, &files), out)?;
     }
     if let Some(folder) = &args.svg {

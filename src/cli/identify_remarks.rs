@@ -131,6 +131,20 @@ fn contradiction(session: &Session, report: &Report<'_>) -> Option<Diagnostic> {
     Some(warning("W0507", message, help))
 }
 
+/// What goes to a machine file although the data hardly tell it.
+pub(super) fn written(session: &mut Session, report: &Report<'_>) {
+    let drowned = &report.solution.drowned;
+    if let Some(first) = drowned.first() {
+        let message = format!(
+            "what is written holds {} that noise hides, the first: {first}",
+            counted(drowned.len(), "combination")
+        );
+        let help =
+            "fix what the data hardly tell (`--fixed`), or fit less: `abbe show` lists location errors that suffice";
+        session.diagnostics.push(warning("W0510", message, help));
+    }
+}
+
 /// Nothing of what is fitted acts where was measured.
 fn silent(report: &Report<'_>) -> Option<Diagnostic> {
     let idle = |p: &Parameter| report.solution.idle.contains(&p.name);

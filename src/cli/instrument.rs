@@ -66,6 +66,7 @@ enum PlaneArg {
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.tool.as_deref())?;
+    load::warn_bounded(session, &machine);
     let share = if args.instrument == InstrumentArg::RTest { 0.75 } else { 0.5 };
     let at = match &args.at {
         None => within(&machine, share),

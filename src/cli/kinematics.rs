@@ -100,7 +100,7 @@ pub(super) fn found(
         return Err(Stop::Refused);
     };
     let beside = beside(session, machine, target, texts)?;
-    Ok((read, beside))
+    Ok((read.with_tool_of(machine), beside))
 }
 
 fn depth(options: &compile::Options) -> Depth {

@@ -4,8 +4,9 @@ use super::Stop;
 use super::files::Disk;
 use super::session::Session;
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::machine::{self, Machine};
+use crate::machine::{self, ErrorTerm, Machine};
 use crate::syntax::{self, Files, IdentifyEntry, ReadFailure};
+use crate::units::counted;
 use std::path::Path;
 
 /// Reads, resolves and checks a machine file; `tool` picks one of its tools.
@@ -39,6 +40,16 @@ pub(super) fn with_identify(
     match machine.with_tool(name) {
         Some(machine) => Ok((machine, section)),
         None => session.refuse(unknown_tool(&machine, name)),
+    }
+}
+
+/// A machine that is asked for deviations although all its errors are only bounded.
+pub(super) fn warn_bounded(session: &mut Session, machine: &Machine) {
+    let count = machine.errors().count();
+    if count > 0 && machine.errors().all(|(_, term)| matches!(term, ErrorTerm::Tolerance(_))) {
+        let message = format!("all {} are only bounded, and count as 0", counted(count, "error"));
+        let help = "`abbe budget` says what the bounds come to; give values for what was measured";
+        session.diagnostics.push(Diagnostic::new("W0802", message).help(help));
     }
 }
 

@@ -63,6 +63,7 @@ type Compensation = (Target, Effect);
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.view.tool.as_deref())?;
+    load::warn_bounded(session, &machine);
     let order = args.view.order(&machine);
     let view = View { approach: args.view.approach(), frame: args.frame.into() };
     // What can be refused is refused before the work, not after it.

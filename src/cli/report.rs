@@ -102,6 +102,7 @@ pub(super) fn build(session: &mut Session, args: &Args, files: &dyn Files) -> Re
     for path in &args.machines {
         let seen = session.diagnostics.iter().count();
         let machine = load::machine_through(session, path, args.options.tool.as_deref(), files)?;
+        load::warn_bounded(session, &machine);
         let written =
             args.target.iter().map(|name| compensation(session, args, &machine, name)).collect::<Result<_, _>>()?;
         let warnings = session.diagnostics.iter().skip(seen).map(|d| format!("{}: {}", d.code, d.message)).collect();

@@ -52,6 +52,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         return kinematics::verify(session, args, &machine, &set.target, &set.files);
     }
     let Found { target, tables, files } = tables_of(session, &machine, &args.folder, set)?;
+    warn_other_tool(session, &machine, &target, lock.as_ref());
+    target.unplaced(&machine).into_iter().for_each(|warning| session.diagnostics.push(warning));
     let installed = installed(session, &machine, &target, &args.options, args.installed.as_deref())?;
     session.checked()?;
     if let Some(path) = &args.replay {
@@ -150,6 +152,17 @@ fn warn_other_inputs(session: &mut Session, lock: Option<&Lock>) {
         session
             .diagnostics
             .push(Diagnostic::new("W0702", message).help("compile again if the machine file has changed"));
+    }
+}
+
+/// Tables that hold for one tool, judged with another.
+fn warn_other_tool(session: &mut Session, machine: &Machine, target: &Target, lock: Option<&Lock>) {
+    let Some(lock) = lock else { return };
+    let name = &machine.tool().name;
+    if target.manifest.tool_dependent() && lock.tool != *name {
+        let message = format!("the tables were made for the tool `{}` and are judged with `{name}`", lock.tool);
+        let help = "the figures are those of the wrong tool at the machine; to load tables for it, compile with --tool";
+        session.diagnostics.push(Diagnostic::new("W0706", message).help(help));
     }
 }
 

@@ -32,4 +32,4 @@ pub use lattice::{LatticeRequest, lattice, lattice_nodes};
 pub use own_axis::{own_axis_error, own_axis_table, own_axis_wanted, resampled, reversal_tables};
 pub use plan::{lacking, single_error_tables, tables};
 pub use product::{Factors, TABLES_OF_A_PRODUCT};
-pub use tables::{ErrorCurve, Strongest, Table, Tables};
+pub use tables::{ErrorCurve, Table, Tables};

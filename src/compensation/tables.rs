@@ -34,17 +34,6 @@ pub struct ErrorCurve {
     pub values: Vec<f64>,
 }
 
-/// The strongest entry of tables.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Strongest {
-    /// Index of the axis that is corrected.
-    pub axis: usize,
-    /// Where: axes with their positions (mm or deg).
-    pub at: Vec<(usize, f64)>,
-    /// What is added (mm or deg).
-    pub value: f64,
-}
-
 /// What a target's files hold: the controller adds up what its tables say and what its model makes of
 /// the error curves.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -178,13 +167,11 @@ impl Tables {
         })
     }
 
-    /// The largest correction of a linear axis (of any axis if there is none), and where it stands.
-    pub fn strongest(&self, machine: &Machine) -> Option<Strongest> {
-        let [linear, rotary] = self.largest(machine);
-        let (axis, value) = linear.or(rotary).filter(|(_, value)| *value != 0.0)?;
-        self.tables.iter().find_map(|table| {
-            let (node, ..) = table.corrections().find(|(_, a, v)| (*a, *v) == (axis, value))?;
-            Some(Strongest { axis, at: table.axes.iter().copied().zip(table.node(node)).collect(), value })
+    /// Where each table has its largest correction: axes with their positions (mm or deg).
+    pub fn peaks(&self) -> impl Iterator<Item = Vec<(usize, f64)>> {
+        self.tables.iter().filter_map(|table| {
+            let (node, ..) = table.corrections().max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
+            Some(table.axes.iter().copied().zip(table.node(node)).collect())
         })
     }
 }

@@ -100,6 +100,7 @@ pub const CODES: &[CodeInfo] = &[
     code!("W0507", "readings contradict each other"),
     code!("W0508", "nothing is told of what is fitted"),
     code!("W0509", "what is said for nothing"),
+    code!("W0510", "noise goes to a machine file"),
     code!("E0601", "no letter for an axis"),
     code!("E0602", "a correction is above the limit"),
     code!("E0603", "a lattice that cannot be"),
@@ -153,11 +154,13 @@ pub const CODES: &[CodeInfo] = &[
     code!("W0605", "a lattice covers less than the travel"),
     code!("W0607", "budgets are not compared"),
     code!("W0608", "a tool pose is out of reach"),
+    code!("W0609", "points of linear axes that no file has"),
     code!("W0701", "a file has been edited"),
     code!("W0702", "tables of another machine file"),
     code!("W0703", "no manifest to compare with"),
     code!("W0704", "points of installed tables are lost"),
     code!("W0705", "a table that ends before the axis"),
+    code!("W0706", "tables judged with another tool"),
     code!("W0710", "a file's axis told by its positions"),
     code!("W0711", "a file left alone"),
     code!("W0712", "a killed run was finished"),
@@ -168,6 +171,7 @@ pub const CODES: &[CodeInfo] = &[
     code!("E0802", "poses are not understood"),
     code!("E0803", "an error is not known at a pose"),
     code!("W0801", "poses beyond the travel"),
+    code!("W0802", "errors that are only bounded"),
 ];
 
 /// What is known of a code.

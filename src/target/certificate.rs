@@ -8,14 +8,13 @@
 use super::Target;
 use super::replay::{Compensated, Replay};
 use crate::compensation::{
-    Correction, Jacobian, Reference, Scope, Spacing, Strongest, Table, TableRules, Tables, own_axis_wanted,
-    single_error_tables,
+    Correction, Jacobian, Reference, Scope, Spacing, Table, TableRules, Tables, own_axis_wanted, single_error_tables,
 };
 use crate::evaluate::{
     Bare, Columns, Deviation, Field, Order, PoseColumns, Statistics, Summary, error_by_error, random_poses,
     tool_axis_tilt,
 };
-use crate::machine::{Approach, AxisKind, ErrorId, ErrorTerm, Machine, Pose};
+use crate::machine::{Approach, Axis, AxisKind, ErrorId, ErrorTerm, Machine, Pose};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -187,11 +186,12 @@ pub fn certify(machine: &Machine, judged: Judged, scope: Scope, count: usize, se
         let nothing = |pose: &Pose| vec![0.0; pose.len()];
         Shifted { shift, position_um, alone_um: best_shift(&bare, &poses, approach, nothing).1 }
     };
+    let (replay, tested) = (load(tables), approaches(machine)[0]);
+    let added = |pose: &Pose| replay.added(pose, tested);
     let strongest = if tables.errors.is_empty() {
-        tables.strongest(machine)
+        strongest_of(machine, tables.peaks().map(|peak| pose_at(machine, &peak)), added)
     } else {
-        let replay = load(tables);
-        strongest_at(machine, &poses, |pose| replay.added(pose, Approach::Mean))
+        strongest_at(machine, &poses, added)
     };
     let single = Singles { machine, target, poses: &poses[..poses.len().min(MOST_SINGLE_POSES)], scope };
     Certificate {
@@ -232,24 +232,57 @@ pub(super) fn judge(bare: &dyn Field, with: &dyn Field, poses: &[Pose]) -> Judge
     Judgement { raised, ..worse.unwrap_or_else(|| one(Approach::Mean)) }
 }
 
-/// Where the sign of what is not in tables is best tested: the largest motion of a linear axis with the rotary axes at 0,
-/// where an instrument along that axis reads it, or elsewhere if there is none.
+/// Where the sign is best tested: the largest motion of a linear axis (of any axis if there is none).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strongest {
+    /// Index of the axis that is moved.
+    pub axis: usize,
+    /// The pose (mm, deg).
+    pub at: Pose,
+    /// How it is approached.
+    pub approach: Approach,
+    /// What is added there in all (mm or deg).
+    pub value: f64,
+}
+
+/// Of some poses, that with the largest motion.
+fn strongest_of(
+    machine: &Machine,
+    poses: impl Iterator<Item = Pose>,
+    added: impl Fn(&Pose) -> Vec<f64>,
+) -> Option<Strongest> {
+    let approach = approaches(machine)[0];
+    let linear = |axis: usize| machine.axes()[axis].kind == AxisKind::Linear;
+    let entries = poses.flat_map(|at| {
+        let values = added(&at).into_iter().enumerate().filter(|(_, value)| *value != 0.0);
+        values.map(|(axis, value)| Strongest { axis, at: at.clone(), approach, value }).collect::<Vec<_>>()
+    });
+    let order = |s: &Strongest| (linear(s.axis), s.value.abs());
+    entries.max_by(|a, b| order(a).0.cmp(&order(b).0).then(order(a).1.total_cmp(&order(b).1)))
+}
+
+/// Of what is not in tables: with the rotary axes at 0, where an instrument along a linear axis reads it, or elsewhere if
+/// there is none.
 pub(super) fn strongest_at(machine: &Machine, poses: &[Pose], added: impl Fn(&Pose) -> Vec<f64>) -> Option<Strongest> {
-    let kind = |axis: usize| machine.axes()[axis].kind;
-    let entry = |pose: &Pose, level: bool| {
-        let at_zero = |(axis, q): (usize, &f64)| if level && kind(axis) == AxisKind::Rotary { 0.0 } else { *q };
-        let level: Pose = pose.iter().enumerate().map(at_zero).collect();
-        let within = machine.beyond_travel(&level).next().is_none();
-        let linear = added(&level).into_iter().enumerate().filter(|(axis, _)| kind(*axis) == AxisKind::Linear);
-        let largest = linear.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-        let at = || level.iter().copied().enumerate().collect();
-        largest.filter(|(_, value)| within && *value != 0.0).map(|(axis, value)| Strongest { axis, at: at(), value })
+    let linear = |axis: usize| machine.axes()[axis].kind == AxisKind::Linear;
+    let level = |pose: &Pose| -> Pose {
+        pose.iter().enumerate().map(|(axis, q)| if linear(axis) { *q } else { 0.0 }).collect()
     };
-    let largest = |level: bool| {
-        let entries = poses.iter().filter_map(|pose| entry(pose, level));
-        entries.max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))
+    let within = |pose: &Pose| machine.beyond_travel(pose).next().is_none();
+    let with_linear = |found: &Strongest| linear(found.axis);
+    let leveled = strongest_of(machine, poses.iter().map(level).filter(within), &added).filter(with_linear);
+    leveled.or_else(|| strongest_of(machine, poses.iter().cloned(), &added))
+}
+
+/// Some axes at positions, the others at 0 or as near as they come.
+fn pose_at(machine: &Machine, at: &[(usize, f64)]) -> Pose {
+    let near = |axis: &Axis| {
+        let (min, max) = axis.travel.interval();
+        0.0_f64.max(min).min(max)
     };
-    largest(true).or_else(|| largest(false))
+    let mut pose: Pose = machine.axes().iter().map(near).collect();
+    at.iter().for_each(|(axis, q)| pose[*axis] = *q);
+    pose
 }
 
 /// The directions of approach that can differ.

@@ -5,9 +5,16 @@ use super::manifest::{Layout, OutsideTable};
 use super::render::{fixed, push_fixed};
 use super::stored::{Column, Place, differences};
 use crate::compensation::{ErrorCurve, Spacing, TABLES_OF_A_PRODUCT, Table, TableRules, Tables};
-use crate::machine::{AxisKind, Branch, ErrorId, Location, Machine};
+use crate::machine::{AxisKind, Branch, ErrorId, Location, Machine, Tool};
 use minijinja::{Value, context};
 use std::sync::Arc;
+
+/// From the gauge point to the tip; of a tool without length downwards.
+fn tool_direction(tool: &Tool) -> [f64; 3] {
+    let way: [f64; 3] = std::array::from_fn(|i| tool.tip[i] - tool.gauge[i]);
+    let length = libm::sqrt(way.iter().map(|x| x * x).sum());
+    if length > 0.0 { way.map(|x| x / length) } else { [0.0, 0.0, -1.0] }
+}
 
 /// The axes, tables and numbers of a set in the controller's words.
 #[derive(Clone, Copy)]
@@ -80,6 +87,7 @@ impl Words<'_> {
             axis_only => self.machine.conventions().location == Location::AxisOnly,
             rotary => lines,
             tip => tool.tip.map(number), gauge => tool.gauge.map(number),
+            tool_direction => tool_direction(tool).map(number),
         }
     }
 

@@ -319,6 +319,45 @@ fn what_acts_on_a_turned_table_only_is_not_nothing() {
     }
 }
 
+/// The sign is tested with all that the files add at a pose, not with one table's entry.
+#[test]
+fn the_sign_test_names_the_sum_of_all_tables() {
+    let folder = Folder::new();
+    let text = "abbe: 1\nmachine: m\nchain: \"w X' b Y Z t\"\naxes:\n  X: { travel: [0, 500] }\n  Y: { travel: [0, 400] }\n  Z: { travel: [-300, 0] }\nerrors:\n  EXX: { points: [[0, 0 um], [500, 10 um]] }\n  EXY: { points: [[0, 4 um], [200, 1 um], [400, 4 um]] }\n";
+    let machine = folder.write("machine.yaml", text);
+    for target in ["sinumerik-cec", "twincat-axis", "grid-csv"] {
+        let mut run = abbe();
+        run.arg("compile").arg(&machine).args(["--target", target, "--poses", "50", "--out"]);
+        let run = Run::of(run.arg(folder.path(target)));
+        let said = run.out.lines().find(|line| line.starts_with("Then measure")).unwrap_or_default();
+        // 10 um at X = 500 and 4 um at Y = 0 or 400, both of X.
+        assert!(
+            said.contains("X = 500 mm, Y = ") && said.contains("the files add -0.014 mm to X"),
+            "{target}: {}",
+            run.out
+        );
+        assert!(said.contains("by -0.014 mm; by 0.014 mm means a wrong sign"), "{target}: {said}");
+    }
+}
+
+/// With a tool that the tables were not made for: said, and the corrections of a kinematics module are right all the same.
+#[test]
+fn sets_are_judged_with_another_tool() {
+    let (folder, machine) = (Folder::new(), config("ht-b-c.yaml"));
+    for target in ["linuxcnc-kins", "grid-csv"] {
+        let out = folder.path(target);
+        let _ = compile(&machine, target, &out, &["--tool", "short", "--poses", "50"]).json();
+        let run = verify(&machine, &out, &["--tool", "long", "--poses", "50"]);
+        let left = number(&run.json(), "/compensated/position_um/max");
+        if target == "grid-csv" {
+            run.says("W0706").says("made for the tool `short` and are judged with `long`");
+            assert!(left > 0.5, "{left}");
+        } else {
+            assert!(!run.err.contains("W0706") && left < 1e-3, "{left} {}", run.err);
+        }
+    }
+}
+
 /// Three linear axes and an endless table.
 fn with_table(folder: &Folder, errors: &str) -> std::path::PathBuf {
     let axes = ["X", "Y", "Z"].map(|name| format!("  {name}: {{ travel: [0 mm, 200 mm] }}\n")).concat();

@@ -434,7 +434,9 @@ fn what_repeats_a_location_error_is_told_and_what_does_not_is_not() {
     // Large ones are told even if no location error is given.
     assert_eq!(warnings(&errors("EZX: { polynomial: [0 um, 500 um/m] }")), ["W0403"]);
     // A constant; the datum of a scale is none.
-    assert_eq!(warnings(&errors("EA0C: 3 urad, EAX: 20 urad")), ["W0403"]);
+    assert_eq!(warnings(&errors("EA0Z: 3 urad, EAX: 20 urad")), ["W0403"]);
+    // The table's axis is on the other side of the bed: X does not tilt it.
+    assert_eq!(warnings(&errors("EA0C: 3 urad, EAX: 20 urad")), [""; 0]);
     assert_eq!(warnings(&errors("EX0C: 3 um, EXX: 20 um, ECC: 20 urad")), [""; 0]);
 }
 

@@ -111,8 +111,9 @@ impl Doubles<'_> {
         let home = if self.axis.travel.contains(0.0) { self.value(direction, 0.0) } else { mean };
         let amount = common(mean, home);
         let peak = samples.iter().fold(0.0, |m: f64, s| m.max(s.1.abs()));
-        let rivals =
-            self.location_errors(|axis, d| d == direction && (d.is_rotation() || axis.kind == AxisKind::Rotary));
+        let rivals = self.location_errors(|axis, d| {
+            d == direction && (d.is_rotation() || axis.kind == AxisKind::Rotary) && self.moves(axis)
+        });
         self.report(context, &Found { amount, peak, direction, what: "a constant" }, &rivals);
     }
 
@@ -166,6 +167,16 @@ impl Doubles<'_> {
         });
         let what = "a part that turns with the axis";
         self.report(context, &Found { amount: norm(turned), peak, direction, what }, &rivals);
+    }
+
+    /// Is it this axis, or one that it carries?
+    fn moves(&self, other: &Axis) -> bool {
+        let Some(index) = self.parts.axes.iter().position(|axis| axis.name == other.name) else { return false };
+        let outward = match self.axis.branch {
+            Branch::Tool => index >= self.index,
+            Branch::Workpiece => index <= self.index,
+        };
+        outward && other.branch == self.axis.branch
     }
 
     /// Location errors that are given, not zero, and chosen.

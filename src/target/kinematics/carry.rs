@@ -33,6 +33,15 @@ impl Carried {
         Ok(carried.quantised(mechanism))
     }
 
+    /// The same with the machine's tool, which a full model has from the controller (G43) and not from its files.
+    #[must_use]
+    pub fn with_tool_of(self, machine: &Machine) -> Self {
+        match self {
+            Self::FullModel(model) => Self::FullModel(Model { tool: super::data::tool(machine), ..model }),
+            other => other,
+        }
+    }
+
     /// Is the direction of the tool corrected? A full model says so itself, the others cannot.
     pub fn orientation(&self) -> bool {
         matches!(self, Self::FullModel(model) if model.orientation)

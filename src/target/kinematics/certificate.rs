@@ -1,11 +1,13 @@
 //! The certificate of a kinematics module.
 
 use super::{Carried, Driven};
-use crate::compensation::{Correction, Jacobian, Scope, Strongest, Tables};
+use crate::compensation::{Correction, Jacobian, Scope, Tables};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Bare, Field, Order, random_poses};
 use crate::machine::{Approach, ErrorId, ErrorTerm, Machine, Pose};
-use crate::target::certificate::{Judgement, MOST_SINGLE_POSES, deviations, judge, strongest_at, verdict, worse_p95};
+use crate::target::certificate::{
+    Judgement, MOST_SINGLE_POSES, Strongest, approaches, deviations, judge, strongest_at, verdict, worse_p95,
+};
 use crate::target::{Certificate, ErrorLeft, Limits, Replay, Target};
 use crate::units::significant;
 use rayon::prelude::*;
@@ -64,8 +66,9 @@ fn singles(machine: &Machine, target: &Target, orientation: bool, poses: &[Pose]
 /// Where the sign is best tested: the largest correction that is wanted.
 fn strongest(machine: &Machine, poses: &[Pose]) -> Option<Strongest> {
     let bare = Bare { machine, order: Order::Exact };
+    let approach = approaches(machine)[0];
     let wanted = |pose: &Pose| {
-        let (deviation, none) = (bare.deviation(pose, Approach::Mean), Correction::none(machine));
+        let (deviation, none) = (bare.deviation(pose, approach), Correction::none(machine));
         Jacobian::at(machine, pose).correction(&deviation, &none, Scope::POSITION).0
     };
     strongest_at(machine, poses, wanted)

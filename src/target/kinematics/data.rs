@@ -163,15 +163,14 @@ impl Model {
         if curves.is_empty() {
             curves.push(CurveData { form: Form::Polynomial, period: 0.0, numbers: vec![0.0] });
         }
-        let tool = machine.tool();
         Self {
             words: Words::Axes,
             joints,
             curves,
             carried_body: conventions.location == Location::CarriedBody,
             linearised: conventions.joints == Joints::Linearised,
-            gauge: tool.gauge,
-            tool: std::array::from_fn(|i| plain(tool.gauge[i] - tool.tip[i])),
+            gauge: machine.tool().gauge,
+            tool: tool(machine),
             tool_clamping: machine.setup().tool,
             spindle: machine.spindle_errors().map_or([0.0; 6], JointErrors::location_values),
             workpiece: machine.workpiece(),
@@ -184,6 +183,12 @@ impl Model {
 }
 
 /// Without a negative zero.
+/// The way from the tip of the machine's tool to the gauge point, mm.
+pub(super) fn tool(machine: &Machine) -> [f64; 3] {
+    let tool = machine.tool();
+    std::array::from_fn(|i| plain(tool.gauge[i] - tool.tip[i]))
+}
+
 fn plain(x: f64) -> f64 {
     x + 0.0
 }
