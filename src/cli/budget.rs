@@ -6,7 +6,7 @@ use super::session::Session;
 use super::tolerances::ToleranceArgs;
 use super::tool_poses::{self, Reached};
 use super::view::{axes_json, axes_text, table};
-use super::write::{Kind, write_picture};
+use super::write::{Kind, refuse_outputs, write_picture};
 use super::{Format, Outcome, load};
 use crate::analysis::budget::{
     Bound, Budget, Contribution, PERCENTS, Percentile, Request, Statistic, Totals, budget, budget_poses, known,
@@ -55,6 +55,8 @@ pub(super) struct Args {
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.tool.as_deref())?;
+    let outputs = args.pareto.iter().chain(&args.waterfall);
+    refuse_outputs(outputs, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     let at = match &args.at {
         Some(text) => Some(pose_at(&machine, text).or_else(|message| session.usage(&message))?),
         None => None,

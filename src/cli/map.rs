@@ -10,6 +10,7 @@ use super::tool_poses::{self, Reached};
 use super::view::{
     FrameArg, STATISTICS, ViewArgs, axes_json, axes_text, frame_text, order_text, statistics_rows, table,
 };
+use super::write::refuse_outputs;
 use super::{Format, Outcome, Stop, load};
 use crate::analysis::{Diagonal, MOST_POSES, MOST_SURVEYED, SurveyTask, View, body_diagonals, map, rest};
 use crate::diagnostic::Diagnostic;
@@ -50,8 +51,8 @@ pub(super) struct Args {
     #[arg(long, value_enum, default_value = "workpiece")]
     frame: FrameArg,
     /// How many of the worst poses to name.
-    #[arg(long, value_name = "K", default_value_t = 5)]
-    worst: usize,
+    #[arg(long, value_name = "K", default_value_t = 5, value_parser = clap::value_parser!(u32).range(..=100_000))]
+    worst: u32,
     #[command(flatten)]
     outputs: Outputs,
     #[command(flatten)]
@@ -67,7 +68,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let order = args.view.order(&machine);
     let view = View { approach: args.view.approach(), frame: args.frame.into() };
     // What can be refused is refused before the work, not after it.
-    args.outputs.check(session)?;
+    let outputs = args.outputs.paths().chain(args.pictures.paths());
+    refuse_outputs(outputs, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     let place = args.pictures.place(session, &machine, args.target.is_some())?;
     let reached = tool_poses::asked(session, &machine, args.tool_poses.as_deref())?;
     let compensation = compensation(session, args, &machine, order)?;
@@ -80,7 +82,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let target = args.target.as_deref().unwrap_or_default();
     let reached = reached.as_ref();
-    let whole = Whole { machine: &machine, poses: &poses, reached, view, order, target, worst: args.worst };
+    let whole = Whole { machine: &machine, poses: &poses, reached, view, order, target, worst: args.worst as usize };
     let before = match &replayed {
         Some(_) => Some(whole.found(session, &bare, None)?.statistics),
         None => None,

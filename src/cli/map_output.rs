@@ -1,7 +1,7 @@
 //! Files of `abbe map`: every pose with its deviation, for other programs.
 
 use super::session::Session;
-use super::write::{Staged, refuse_input};
+use super::write::Staged;
 use super::{Outcome, Stop};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::Deviation;
@@ -41,12 +41,9 @@ impl Outputs {
         self.wanted().map(|(form, _)| form).collect()
     }
 
-    /// Refuses outputs that are inputs, before any work.
-    pub(super) fn check(&self, session: &mut Session) -> Outcome {
-        for (_, path) in self.wanted() {
-            refuse_input(path, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
-        }
-        Ok(())
+    /// Where they go.
+    pub(super) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        self.wanted().map(|(_, path)| path)
     }
 
     /// Writes a map that is held, each file whole or not at all.

@@ -75,6 +75,11 @@ pub(super) struct Subject<'a> {
 }
 
 impl Pictures {
+    /// Where they go.
+    pub(super) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        self.svg.iter().chain(&self.png)
+    }
+
     /// Refuses what cannot be drawn, before any work; `None` if nothing is asked for.
     pub(super) fn place(
         &self,

@@ -2,7 +2,7 @@
 
 use super::session::Session;
 use super::view::{cell, numbers, table};
-use super::write::{Kind, write_picture};
+use super::write::{Kind, refuse_outputs, write_picture};
 use super::{Format, Outcome, load};
 use crate::analysis::{Lever, LocationSet, Status, levers};
 use crate::machine::{Axis, AxisKind, Branch, Machine, Sense, Travel};
@@ -37,6 +37,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         return session.usage("`--dot` is a format of its own: leave `--format` out");
     }
     let machine = load::machine(session, &args.machine, args.tool.as_deref())?;
+    let outputs = args.svg.iter().chain(&args.png).chain(&args.curves);
+    refuse_outputs(outputs, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     draw(session, args, &machine)?;
     if args.dot {
         session.print(&chain_dot(&machine));

@@ -106,6 +106,29 @@ pub(super) fn refuse_input(path: &Path, sources: &Sources) -> Result<(), Diagnos
     Err(Diagnostic::new("E0630", message).help("give the output another name; nothing was written"))
 }
 
+/// Refuses, before any work, outputs that cannot all be written: over an input, two to one file, or where there is no folder.
+pub(super) fn refuse_outputs<'a>(
+    paths: impl IntoIterator<Item = &'a PathBuf>,
+    sources: &Sources,
+) -> Result<(), Diagnostic> {
+    let mut seen: Vec<&PathBuf> = Vec::new();
+    for path in paths {
+        refuse_input(path, sources)?;
+        let _ = replaceable(path)?;
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if !folder.is_dir() {
+            return Err(unwritable(path, &format!("there is no folder `{}`", folder.display())));
+        }
+        let own = identity(path);
+        if seen.iter().any(|other| *other == path || own.is_some() && identity(other) == own) {
+            let message = format!("two outputs of this run are to be `{}`", path.display());
+            return Err(Diagnostic::new("E0630", message).help("give each a name of its own; nothing was written"));
+        }
+        seen.push(path);
+    }
+    Ok(())
+}
+
 /// What makes two paths the same file.
 #[cfg(unix)]
 fn identity(path: &Path) -> Option<(u64, u64)> {

@@ -223,7 +223,7 @@ impl TableReader<'_> {
         } else {
             format!("the position {here} follows {before}: positions must rise")
         };
-        let help = "sort the rows by position; put forward and reverse runs into columns `EXX+` and `EXX-`";
+        let help = "sort the rows by position; put forward and reverse runs into columns `EXX+` and `EXX-`; `abbe import` makes such a table of runs there and back";
         self.refuse("E0113", message, body[i + 1].clone(), help);
     }
 }

@@ -366,3 +366,25 @@ fn more_poses_than_are_held_are_streamed_in_every_form() {
     }
     assert_eq!((seen, lines.collect::<Vec<_>>()), (count, vec!["]}"]));
 }
+
+#[test]
+fn outputs_that_cannot_all_be_written_are_refused_before_any_is() {
+    let folder = crate::oracle::program::Folder::new();
+    let machine = crate::support::config("trunnion.yaml");
+    for (command, code) in [
+        (vec!["map", "--csv", "a.csv", "--svg", "nowhere/a.svg"], "E0810"),
+        (vec!["map", "--csv", "same", "--svg", "same"], "E0630"),
+        (vec!["map", "--csv", "same", "--json", "same"], "E0630"),
+        (vec!["show", "--svg", "a.svg", "--curves", "nowhere/b.svg"], "E0810"),
+        (vec!["budget", "--pareto", "a.svg", "--waterfall", "a.svg"], "E0630"),
+    ] {
+        let mut run = crate::support::abbe();
+        run.arg(command[0]).arg(&machine);
+        for pair in command[1..].chunks(2) {
+            run.arg(pair[0]).arg(folder.path(pair[1]));
+        }
+        let _ = crate::support::Run::of(&mut run).refused(code);
+        let left: Vec<_> = ["a.csv", "a.svg", "same"].into_iter().filter(|name| folder.path(name).exists()).collect();
+        assert!(left.is_empty(), "{command:?}: {left:?}");
+    }
+}
