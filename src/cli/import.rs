@@ -17,7 +17,7 @@ pub(super) struct Args {
     /// The axis that moved, if the file does not say it.
     #[arg(long, value_name = "AXIS")]
     axis: Option<String>,
-    /// The error whose runs the columns are, such as `EXX`.
+    /// The error whose runs the columns are, such as `EXX`; of several errors the only one to take.
     #[arg(long, value_name = "NAME")]
     error: Option<String>,
     /// Unit of readings that have none in the file.

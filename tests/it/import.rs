@@ -88,6 +88,55 @@ fn there_and_back_in_one_column() {
     assert_eq!((without_comments(&table).as_str(), &report["directions_inferred"]), (TABLE, &serde_json::json!(true)));
 }
 
+/// Actual minus nominal of what instruments list as reached; in rows of their own unit, and modulo a turn.
+#[test]
+fn positions_that_were_reached() {
+    let reached = |i: usize, k: usize| format!("{:.4}", i as f64 * 100.0 + value(i, k % 2, k / 2) * 1e-3);
+    let mut text = "nominal [mm], actual 1+ [mm], actual 1- [mm], actual 2+ [mm], actual 2- [mm]\n".to_owned();
+    for i in 0..3 {
+        text += &format!("{}, {}\n", i * 100, (0..4).map(|k| reached(i, k)).collect::<Vec<_>>().join(", "));
+    }
+    for options in [&["--axis", "X"][..], &["--error", "EXX"], &["--axis", "X", "--unit", "um"]] {
+        let (report, table) = imported(text.as_bytes(), options);
+        check(&report, 2);
+        assert_eq!(without_comments(&table), TABLE);
+    }
+    // Beside deviations they say nothing new.
+    let text = "nominal [mm], actual [mm], deviation [um]\n0, 0, 1\n100, 100.0021, 2\n";
+    let table = imported(text.as_bytes(), &["--error", "EXX"]).1;
+    assert_eq!(without_comments(&table), "X [mm], EXX [um]\n0, 1\n100, 2\n");
+    // An encoder that counts from 0 again: 10 urad before and behind.
+    let turn = format!("C [deg]; actual\n0; {}\n180; {}\n", 1e-5_f64.to_degrees(), 180.0 - 1e-5_f64.to_degrees());
+    let turn = format!("{turn}360; {}\n", 1e-5_f64.to_degrees());
+    let table = imported(turn.as_bytes(), &["--continuous"]).1;
+    assert_eq!(without_comments(&table), "C [deg], ECC [urad]\n0, 10\n180, -10\n360, 10\n");
+    for (text, words) in [
+        ("X [mm], actual [deg]\n0, 0\n", "no column of the positions that X reached"),
+        ("X [mm], actual [um/m]\n0, 0\n", "not a unit of positions"),
+        ("U [mm], actual [mm]\n0, 0\n", "give `--error EXX`"),
+        ("X [mm], reading [mm]\n0, 0\n100, 100.001\n", "--error EXX"),
+    ] {
+        let said = refused(text, &[]);
+        assert!(said.contains("E0509") && said.contains(words), "{text}\n{said}");
+    }
+    // Not one row at a time until one is left.
+    let said = refused("X [mm], reading [mm]\n0, 0\n100, 100.001\n", &["--error", "EXX"]);
+    assert!(said.contains("a reading of 100.001 mm or rad") && said.contains("`actual [mm]`"), "{said}");
+}
+
+#[test]
+fn one_error_of_several_is_taken_and_options_are_understood_or_refused() {
+    let wide = "X [mm], EXX [um], EYX [um]\n0, 0, 1\n10, 2, 3\n";
+    let tidy = "error,value,unit,X [mm]\nEXX,0,um,0\nEYX,1,um,0\nEXX,2,um,10\nEYX,3,um,10\n";
+    for text in [wide, tidy] {
+        let table = imported(text.as_bytes(), &["--error", "EYX"]).1;
+        assert_eq!(without_comments(&table), "X [mm], EYX [um]\n0, 1\n10, 3\n", "{text}");
+        assert!(refused(text, &["--error", "EZX"]).contains("EZX"), "{text}");
+        assert!(refused(text, &["--error", "nope"]).contains("`nope` is not a component error"));
+        assert!(refused(text, &["--unit", "parsec"]).contains("`parsec` is not a unit"));
+    }
+}
+
 #[test]
 fn one_reading_a_row() {
     let mut text = "axis\terror\tposition [mm]\trun\tdirection\tvalue\tunit\treason\n".to_owned();

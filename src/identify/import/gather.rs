@@ -1,6 +1,6 @@
 //! Rows to samples; what is left out, and why.
 
-use super::header::{Header, Role, direction, fits, index, reading_unit};
+use super::header::{Header, Role, component_error, direction, fits, index, own_axis, reading_unit};
 use super::{Import, LeftOut, Sample, Wanted, error_name, order, refusal};
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::machine::{AxisName, ErrorId};
@@ -13,7 +13,7 @@ const FARTHEST: f64 = 1e6;
 const LARGEST: f64 = 10.0;
 
 pub(super) fn gather(lines: &[Line], header: Header, wanted: &Wanted) -> Result<Import, Box<Diagnostic>> {
-    let Header { form, axis, rotary, errors, roles, separator, paired: _, place, body, metadata } = header;
+    let Header { form, axis, rotary, errors, roles, separator, place, body, metadata, .. } = header;
     let mut import =
         Import { form, axis, rotary, errors, samples: Vec::new(), metadata, left_out: Vec::new(), inferred: false };
     let mut decimals = Decimals::default();
@@ -26,8 +26,9 @@ pub(super) fn gather(lines: &[Line], header: Header, wanted: &Wanted) -> Result<
             let noted = decimals.note(cell, separator);
             noted.map_err(|words| Box::new(refusal(words, Some(line.place.clone()))))?;
         }
-        match row(&cells, &roles, separator, wanted, &mut import.errors, &import.axis) {
+        match row(&cells, &roles, separator, wanted, &mut import) {
             Ok(samples) => {
+                believed(&samples).map_err(|why| Box::new(too_large(why, &line.place)))?;
                 let at = if by_row { &line.place } else { &place };
                 agree(&samples, &mut marked).map_err(|error| Box::new(half_marked(&import.errors[error], at)))?;
                 import.samples.extend(samples);
@@ -38,7 +39,10 @@ pub(super) fn gather(lines: &[Line], header: Header, wanted: &Wanted) -> Result<
     if import.samples.is_empty() {
         let place = lines.get(body).or(lines.last()).map(|line| line.place.clone());
         let why = import.left_out.first().map(|first| format!("; the first row: {}", first.reason));
-        return Err(Box::new(refusal(format!("the table has no row to use{}", why.unwrap_or_default()), place)));
+        return Err(Box::new(refusal(
+            format!("the table has no row to use{}{}", wanted.of(), why.unwrap_or_default()),
+            place,
+        )));
     }
     // Targets and directions are those of the positions as programmed: a turn ends where it began only afterwards.
     let near = order::merge(&mut import.samples);
@@ -66,15 +70,27 @@ fn half_marked(error: &ErrorId, place: &Place) -> Diagnostic {
     refusal(message, Some(place.clone())).help(help)
 }
 
+/// Readings that no machine shows are of another unit, or of another column: no row of its own is at fault.
+fn believed(samples: &[Sample]) -> Result<(), String> {
+    let far = samples.iter().find(|sample| sample.value.abs() > LARGEST);
+    far.map_or(Ok(()), |far| Err(format!("a reading of {} mm or rad is no error of a machine", far.value)))
+}
+
+fn too_large(message: String, place: &Place) -> Diagnostic {
+    let help = "correct the unit in the header; a column of the positions that were reached is called `actual [mm]`; \
+                mark a row that is not to be used in a column `exclude`";
+    refusal(message, Some(place.clone())).help(help)
+}
+
 /// The samples of one row, or why it is left out.
 fn row(
     cells: &[String],
     roles: &[Role],
     separator: char,
     wanted: &Wanted,
-    errors: &mut Vec<ErrorId>,
-    axis: &str,
+    import: &mut Import,
 ) -> Result<Vec<Sample>, String> {
+    let Import { errors, axis, rotary, .. } = import;
     if cells.len() > roles.len() {
         return Err(format!("{} cells under {} columns", cells.len(), roles.len()));
     }
@@ -102,29 +118,34 @@ fn row(
         return Err(format!("the position {} is beyond 1000000 mm or deg", common.position));
     }
     let sign = if wanted.correction { -1.0 } else { 1.0 };
-    let sample = |error: usize, value: f64| match value * sign {
-        value if value.abs() > LARGEST => Err(format!("a reading of {value} mm or rad is no error of a machine")),
-        value => Ok(Sample { error, value: value + 0.0, ..common.clone() }),
-    };
+    let sample = |error: usize, value: f64| Sample { error, value: value * sign + 0.0, ..common.clone() };
     if let Some((cell, known)) = reading {
         let name = name.unwrap_or_default();
-        let error = error_name(name).ok_or_else(|| format!("`{}` is not a component error", shown(name)))?;
-        if !error.axis.to_string().eq_ignore_ascii_case(axis) {
-            return Err(format!("`{error}` is no error of axis {}", shown(axis)));
+        let error = component_error(name)?;
+        own_axis(&error, axis)?;
+        if wanted.error.as_deref().and_then(error_name).is_some_and(|wanted| wanted != error) {
+            return Err(format!("a reading of {error}"));
         }
         let own = unit.filter(|unit| !unit.is_empty()).map(reading_unit).transpose()?;
         let (factor, dimension) = own.or(*known).ok_or("the reading has no unit")?;
         fits(&error, dimension).map_err(|()| format!("not a unit of `{error}`"))?;
         let value = number(cell)? * factor;
-        return Ok(vec![sample(index(errors, error), value)?]);
+        return Ok(vec![sample(index(errors, error), value)]);
     }
     let mut samples = Vec::new();
     for (k, role) in roles.iter().enumerate() {
-        let Role::Value { error, direction, run, factor } = role else { continue };
-        if at(k).is_empty() {
-            continue;
-        }
-        let mut sample = sample(*error, number(at(k))? * factor)?;
+        let (error, direction, run, value) = match role {
+            _ if at(k).is_empty() => continue,
+            Role::Value { error, direction, run, factor } => (error, direction, run, number(at(k))? * factor),
+            Role::Reached { error, direction, run, factor } => {
+                let off = number(at(k))? * factor - common.position;
+                // A whole turn on is the same place.
+                let off = if wanted.continuous { off - 360.0 * libm::round(off / 360.0) } else { off };
+                (error, direction, run, if *rotary { off.to_radians() } else { off })
+            }
+            _ => continue,
+        };
+        let mut sample = sample(*error, value);
         sample.direction = direction.or(sample.direction);
         if !run.is_empty() {
             sample.run.clone_from(run);

@@ -40,6 +40,13 @@ pub(super) enum Role {
         run: String,
         factor: f64,
     },
+    /// The position that was reached, for which the reading is what lies between it and the target.
+    Reached {
+        error: usize,
+        direction: Option<ColumnDirection>,
+        run: String,
+        factor: f64,
+    },
     /// Tidy: the reading, in the unit of its row or this.
     Reading(Option<(f64, Dimension)>),
     ErrorName,
@@ -56,7 +63,7 @@ pub(super) enum Role {
 impl Role {
     /// Do its cells hold numbers?
     pub(super) fn is_number(&self) -> bool {
-        matches!(self, Self::Position(_) | Self::Value { .. } | Self::Reading(_))
+        matches!(self, Self::Position(_) | Self::Value { .. } | Self::Reached { .. } | Self::Reading(_))
     }
 }
 
@@ -66,6 +73,8 @@ pub(super) struct Header {
     pub form: Form,
     pub axis: String,
     pub rotary: bool,
+    /// Of positions, to mm or deg.
+    pub factor: f64,
     pub errors: Vec<ErrorId>,
     pub roles: Vec<Role>,
     pub separator: char,
@@ -79,7 +88,9 @@ pub(super) struct Header {
 }
 
 /// Names of position columns that do not say the axis.
-const POSITIONS: [&str; 5] = ["position", "target", "pos", "nominal", "target position"];
+const POSITIONS: [&str; 7] = ["position", "target", "pos", "nominal", "target position", "nominal position", "soll"];
+/// Names of columns of positions that were reached, longer ones before those they begin with.
+const REACHED: [&str; 4] = ["actual position", "actual", "measured position", "ist"];
 /// Lines before the table, at most.
 const PREAMBLE: usize = 500;
 
@@ -124,6 +135,12 @@ pub(super) fn direction(label: &str, paired: bool) -> (Option<ColumnDirection>, 
     (way, run.to_owned())
 }
 
+/// `actual`, `actual position 2 -`: what is left of the title of positions that were reached.
+fn reached(title: &str) -> Option<&str> {
+    let rest = REACHED.iter().find_map(|word| title.strip_prefix(word))?;
+    rest.chars().next().is_none_or(|c| !c.is_alphabetic()).then_some(rest)
+}
+
 /// `f1`, `v 2`, `r`: a letter and the number of a run.
 fn letter(lower: &str) -> Option<(ColumnDirection, &str)> {
     let (way, rest) = match lower.strip_prefix(['f', 'v']) {
@@ -162,6 +179,7 @@ fn begins(cells: &[String], axis: Option<&str>) -> Option<(String, Option<String
 }
 
 pub(super) fn find(lines: &[Line], wanted: &Wanted) -> Result<Header, Box<Diagnostic>> {
+    understood(wanted).map_err(|why| Box::new(refusal(why, None)))?;
     let mut known: Vec<(String, String)> = Vec::new();
     let mut other = None;
     for (i, line) in lines.iter().enumerate().take(PREAMBLE) {
@@ -188,6 +206,17 @@ pub(super) fn find(lines: &[Line], wanted: &Wanted) -> Result<Header, Box<Diagno
         "there is no header with a position column".to_owned(),
         lines.first().map(|l| l.place.clone()),
     )))
+}
+
+/// What is asked for holds whether or not the file says it too.
+fn understood(wanted: &Wanted) -> Result<(), String> {
+    wanted.error.as_deref().map(component_error).transpose()?;
+    wanted.unit.as_deref().map(reading_unit).transpose()?;
+    Ok(())
+}
+
+pub(super) fn component_error(name: &str) -> Result<ErrorId, String> {
+    error_name(name).ok_or_else(|| format!("`{}` is not a component error", shown(name)))
 }
 
 struct Reading<'a> {
@@ -236,17 +265,15 @@ impl Reading<'_> {
         let position = titles.iter().position(|(name, _)| self.is_position(name, &axis));
         let Some(position) = position else { return Err(refuse("there is no position column".to_owned())) };
         let unit = titles[position].1.as_deref().or(self.said("position unit"));
-        let (rotary, factor) = match unit.map(units::unit) {
+        let (rotary, factor) = match unit {
             None => (['A', 'B', 'C'].contains(&letter), 1.0),
-            Some(Ok((factor, Dimension::LENGTH))) => (false, factor),
-            Some(Ok((_, Dimension::ANGLE))) if unit == Some("deg") || unit == Some("°") => (true, 1.0),
-            Some(Ok((factor, Dimension::ANGLE))) => (true, factor.to_degrees()),
-            Some(_) => return Err(refuse(format!("`{}` is not a unit of positions", shown(unit.unwrap_or_default())))),
+            Some(unit) => position_unit(unit).map_err(&refuse)?,
         };
         let mut header = Header {
             form: Form::Wide,
             axis,
             rotary,
+            factor,
             errors: Vec::new(),
             roles: Vec::new(),
             separator: self.separator,
@@ -272,8 +299,17 @@ impl Reading<'_> {
             };
             header.roles.push(role);
         }
-        let readings = header.roles.iter().any(|r| matches!(r, Role::Value { .. } | Role::Reading(_)));
-        if readings { Ok(header) } else { Err(refuse("there is no column of readings".to_owned())) }
+        // Beside deviations the positions they were formed from say nothing new.
+        if header.roles.iter().any(|role| matches!(role, Role::Value { .. })) {
+            let reached = header.roles.iter_mut().filter(|role| matches!(role, Role::Reached { .. }));
+            reached.for_each(|role| *role = Role::Ignored);
+        }
+        let number = |role: &Role| role.is_number() && !matches!(role, Role::Position(_));
+        if header.roles.iter().any(number) {
+            Ok(header)
+        } else {
+            Err(refuse(format!("there is no column of readings{}", self.wanted.of())))
+        }
     }
 
     fn is_position(&self, name: &str, axis: &str) -> bool {
@@ -343,15 +379,41 @@ impl Reading<'_> {
             _ => ColumnDirection::Forward,
         });
         if header.form == Form::Wide {
-            let Some(error) = error_name(bare) else { return Ok(Role::Ignored) };
+            let wanted = self.wanted.error.as_deref().and_then(error_name);
+            let error = error_name(bare).filter(|error| wanted.as_ref().is_none_or(|wanted| wanted == error));
+            let Some(error) = error else { return Ok(Role::Ignored) };
             return self.value(header, error, way, String::new(), name, unit);
         }
-        let error = self.wanted.error.as_deref().or(self.said("error")).ok_or_else(|| {
+        if let Some(rest) = reached(&lower) {
+            return self.reached(header, name, rest, unit);
+        }
+        let error = self.error()?.ok_or_else(|| {
             format!("nothing says which error the runs are of (`{}`): give `--error EXX`", shown(name))
         })?;
-        let error = error_name(error).ok_or_else(|| format!("`{}` is not a component error", shown(error)))?;
         let (way, run) = direction(name, header.paired);
         self.value(header, error, way, run, name, unit)
+    }
+
+    /// The error that is asked for, or that the file says.
+    fn error(&self) -> Result<Option<ErrorId>, String> {
+        let said = self.wanted.error.as_deref().or(self.said("error"));
+        said.map(component_error).transpose()
+    }
+
+    /// A column of positions that were reached: runs of the positioning error, unless another one is asked for.
+    fn reached(&self, header: &mut Header, name: &str, rest: &str, unit: Option<&str>) -> Result<Role, String> {
+        let (rotary, factor) = unit.map_or(Ok((header.rotary, header.factor)), position_unit)?;
+        let axis = &header.axis;
+        let own = || error_name(&format!("E{}{axis}", axis.chars().next().unwrap_or_default()));
+        let error = self.error()?.or_else(own).ok_or_else(|| {
+            format!("nothing says of which error `{}` shows the runs: give `--error EXX`", shown(name))
+        })?;
+        if rotary != header.rotary || rotary != error.direction.is_rotation() {
+            return Err(format!("`{}` is no column of the positions that {axis} reached with `{error}`", shown(name)));
+        }
+        own_axis(&error, axis)?;
+        let (direction, run) = direction(rest, header.paired);
+        Ok(Role::Reached { error: index(&mut header.errors, error), direction, run, factor })
     }
 
     fn value(
@@ -363,9 +425,7 @@ impl Reading<'_> {
         name: &str,
         unit: Option<&str>,
     ) -> Result<Role, String> {
-        if !error.axis.to_string().eq_ignore_ascii_case(&header.axis) {
-            return Err(format!("`{error}` is no error of axis {}", shown(&header.axis)));
-        }
+        own_axis(&error, &header.axis)?;
         let unit = unit.or(self.wanted.unit.as_deref()).or(self.said("unit")).or(self.said("units"));
         let Some(unit) = unit else {
             return Err(format!(
@@ -378,6 +438,21 @@ impl Reading<'_> {
         let index = index(&mut header.errors, error);
         Ok(Role::Value { error: index, direction, run, factor })
     }
+}
+
+/// Is it of a rotary axis, and the factor to mm or deg?
+fn position_unit(unit: &str) -> Result<(bool, f64), String> {
+    match units::unit(unit) {
+        Ok((factor, Dimension::LENGTH)) => Ok((false, factor)),
+        Ok((_, Dimension::ANGLE)) if unit == "deg" || unit == "°" => Ok((true, 1.0)),
+        Ok((factor, Dimension::ANGLE)) => Ok((true, factor.to_degrees())),
+        _ => Err(format!("`{}` is not a unit of positions", shown(unit))),
+    }
+}
+
+pub(super) fn own_axis(error: &ErrorId, axis: &str) -> Result<(), String> {
+    let own = error.axis.to_string().eq_ignore_ascii_case(axis);
+    if own { Ok(()) } else { Err(format!("`{error}` is no error of axis {}", shown(axis))) }
 }
 
 /// Where an error stands in the list; added if it is new.

@@ -35,6 +35,13 @@ pub struct Wanted {
     pub continuous: bool,
 }
 
+impl Wanted {
+    /// ` of EXX`, if one error is asked for.
+    fn of(&self) -> String {
+        self.error.as_deref().map(|error| format!(" of `{}`", shown(error))).unwrap_or_default()
+    }
+}
+
 /// One reading (mm or rad) at a position (mm or deg).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
