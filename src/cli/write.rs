@@ -13,12 +13,15 @@ pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
     staged.commit()
 }
 
-/// A file in the making, beside the one it becomes; gone if it is not finished.
+/// A file in the making, beside the one it becomes; gone if it is not finished. Where the system has files without a
+/// name it is one until then: nothing is left of a program that was killed.
 pub(super) struct Staged {
     path: PathBuf,
     target: PathBuf,
     temporary: PathBuf,
     file: File,
+    /// Has it no name yet?
+    unnamed: bool,
 }
 
 impl Staged {
@@ -26,9 +29,12 @@ impl Staged {
     pub(super) fn new(path: &Path) -> Result<Self, Diagnostic> {
         let target = replaceable(path)?;
         let temporary = temporary(&target).ok_or_else(|| unwritable(path, "the path names no file"))?;
-        let opened = OpenOptions::new().write(true).create_new(true).open(&temporary);
+        let (unnamed, opened) = match unnamed::open(folder_of(&target)) {
+            Some(file) => (true, Ok(file)),
+            None => (false, OpenOptions::new().write(true).create_new(true).open(&temporary)),
+        };
         let file = opened.map_err(|failure| unwritable(path, &failure.to_string()))?;
-        Ok(Self { path: path.to_owned(), target, temporary, file })
+        Ok(Self { path: path.to_owned(), target, temporary, file, unnamed })
     }
 
     /// For writing.
@@ -48,6 +54,9 @@ impl Staged {
                 self.file.set_permissions(metadata.permissions())?;
             }
             self.file.sync_all()?;
+            if self.unnamed {
+                unnamed::name(&self.file, &self.temporary)?;
+            }
             fs::rename(&self.temporary, &self.target)
         };
         finished().map_err(|failure| self.failed(&failure))
@@ -59,6 +68,44 @@ impl Drop for Staged {
         // What is left of a failed attempt is ours alone; if it cannot go either, there is no more to say.
         // After a commit there is nothing of this name.
         let _ = fs::remove_file(&self.temporary);
+    }
+}
+
+/// Files without a name.
+#[cfg(target_os = "linux")]
+mod unnamed {
+    use rustix::fs::{AtFlags, CWD, Mode, OFlags, linkat, open as open_at};
+    use std::os::fd::AsRawFd;
+    use std::path::{Path, PathBuf};
+    use std::{fs::File, io};
+
+    /// How the system calls it.
+    fn own(file: &File) -> PathBuf {
+        PathBuf::from(format!("/proc/self/fd/{}", file.as_raw_fd()))
+    }
+
+    /// `None` if the file system has none, or could not give it a name later.
+    pub(super) fn open(folder: &Path) -> Option<File> {
+        let flags = OFlags::TMPFILE | OFlags::WRONLY | OFlags::CLOEXEC;
+        let file = File::from(open_at(folder, flags, Mode::from_raw_mode(0o666)).ok()?);
+        own(&file).exists().then_some(file)
+    }
+
+    pub(super) fn name(file: &File, path: &Path) -> io::Result<()> {
+        Ok(linkat(CWD, own(file), CWD, path, AtFlags::SYMLINK_FOLLOW)?)
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+mod unnamed {
+    use std::{fs::File, io, path::Path};
+
+    pub(super) fn open(_: &Path) -> Option<File> {
+        None
+    }
+
+    pub(super) fn name(_: &File, _: &Path) -> io::Result<()> {
+        Ok(())
     }
 }
 
@@ -115,7 +162,7 @@ pub(super) fn refuse_outputs<'a>(
     for path in paths {
         refuse_input(path, sources)?;
         let _ = replaceable(path)?;
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = folder_of(path);
         if !folder.is_dir() {
             return Err(unwritable(path, &format!("there is no folder `{}`", folder.display())));
         }
@@ -168,6 +215,10 @@ fn replaceable(path: &Path) -> Result<PathBuf, Diagnostic> {
     fs::canonicalize(path).map_err(|failure| unwritable(path, &failure.to_string()))
 }
 
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
 fn temporary(target: &Path) -> Option<PathBuf> {
     let mut name = std::ffi::OsString::from(".");
     name.push(target.file_name()?);
@@ -215,6 +266,20 @@ mod tests {
         assert_eq!(folder.entries(), 1);
         assert_eq!(write_new(&path, b"other").unwrap_err().code, "E0811");
         assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
+
+    /// As after a kill: with nameless files there is nothing to see before the end.
+    #[test]
+    fn a_file_in_the_making_has_no_name_where_the_system_can() {
+        let folder = Folder::new("unfinished");
+        let path = folder.0.join("map.csv");
+        let staged = Staged::new(&path).unwrap();
+        staged.file().unwrap().write_all(b"all of it").unwrap();
+        assert_eq!(folder.entries(), usize::from(!staged.unnamed));
+        staged.commit().unwrap();
+        assert_eq!((fs::read(&path).unwrap().as_slice(), folder.entries()), (&b"all of it"[..], 1));
+        drop(Staged::new(&path).unwrap());
+        assert_eq!(folder.entries(), 1);
     }
 
     #[test]

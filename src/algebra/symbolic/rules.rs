@@ -2,6 +2,10 @@
 
 use crate::algebra::weil::{Ideal, Monomial};
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Most products of terms of one calculation: half a minute and up to 1 GB. Beyond it all products are NaN.
+pub const MOST_PRODUCTS: u64 = 10_000_000;
 
 /// What a symbol stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,16 +25,35 @@ pub enum Kind {
 }
 
 /// The symbols of a calculation, and which products of them vanish.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub struct Rules {
     symbols: Vec<Kind>,
     ideal: Ideal,
+    products: AtomicU64,
+    most: u64,
 }
 
 impl Rules {
     /// Symbols in their order; the ideal is one of the generators.
     pub fn new(symbols: Vec<Kind>, ideal: Ideal) -> Self {
-        Self { symbols, ideal }
+        Self { symbols, ideal, products: AtomicU64::new(0), most: MOST_PRODUCTS }
+    }
+
+    /// With another limit.
+    #[cfg(test)]
+    pub(super) fn within(self, most: u64) -> Self {
+        Self { most, ..self }
+    }
+
+    /// Was there more to multiply than the limit?
+    pub fn exhausted(&self) -> bool {
+        self.products.load(Ordering::Relaxed) > self.most
+    }
+
+    /// Counts products of terms; is there room for them?
+    fn spend(&self, products: usize) -> bool {
+        let before = self.products.fetch_add(products as u64, Ordering::Relaxed);
+        before.saturating_add(products as u64) <= self.most
     }
 
     /// Which products of generators vanish.
@@ -77,10 +100,16 @@ impl Rules {
     pub(super) fn product(&self, a: &BTreeMap<Monomial, f64>, b: &BTreeMap<Monomial, f64>) -> BTreeMap<Monomial, f64> {
         let highest = usize::from(self.ideal.degree);
         let right: Vec<(usize, &Monomial, f64)> = b.iter().map(|(m, c)| (self.degree(m), m, *c)).collect();
+        let fits = |left: &Monomial| {
+            let room = highest.checked_sub(self.degree(left));
+            right.iter().filter(move |(degree, ..)| room.is_some_and(|room| *degree <= room))
+        };
         let mut sum = Sum::default();
         for (left, value) in a {
-            let degree = self.degree(left);
-            for (_, monomial, c) in right.iter().filter(|(d, ..)| degree + d <= highest) {
+            if !self.spend(fits(left).count()) {
+                return BTreeMap::from([(Monomial::default(), f64::NAN)]);
+            }
+            for (_, monomial, c) in fits(left) {
                 sum.add(self, left.times(monomial), value * c);
             }
         }

@@ -56,6 +56,19 @@ fn degrees_are_kept_and_taken_apart() {
 }
 
 #[test]
+fn products_beyond_the_limit_are_no_numbers() {
+    let limited = |most| {
+        let symbols = vec![Kind::Nilpotent { generator: 0 }, Kind::Real, Kind::Nilpotent { generator: 1 }];
+        let rules = Arc::new(Rules::new(symbols, Ideal::above(2)).within(most));
+        let [a, x, b] = [0, 1, 2].map(|k| Symbolic::symbol(&rules, k));
+        let product = (a.clone() * b.clone() + a.clone() + x.clone()) * (a + b + x + Symbolic::one());
+        (product.is_polynomial(), product.len(), rules.exhausted())
+    };
+    // One of `a b`, ten of the twelve: `a b a` and `a b b` are above degree 2.
+    assert_eq!((limited(11), limited(10).0, limited(10).2), ((true, 9, false), false, true));
+}
+
+#[test]
 fn the_ideal_is_one_of_the_generators() {
     let one = Kind::Nilpotent { generator: 0 };
     let ideal = Ideal { degree: 3, vanish: vec![Monomial::new([(0, 2)])] };

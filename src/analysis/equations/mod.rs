@@ -9,7 +9,7 @@ mod symbols;
 
 pub use symbols::{Meaning, Naming, Symbol};
 
-use crate::algebra::symbolic::{Kind, Rules, Symbolic};
+use crate::algebra::symbolic::{Kind, MOST_PRODUCTS, Rules, Symbolic};
 use crate::algebra::{Algebra, Htm};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::rotation;
@@ -64,7 +64,11 @@ pub fn equations(machine: &Machine, declared: &Declared, options: Options) -> Re
             tip[2] += length.clone() - number.clone();
         }
     }
-    let found = collected(machine, &real, &ideal).ok_or_else(no_number)?;
+    let found = collected(machine, &real, &ideal);
+    if alphabet.rules.exhausted() {
+        return Err(too_long());
+    }
+    let found = found.ok_or_else(no_number)?;
     Ok(Equations { symbols: alphabet.symbols, ..found })
 }
 
@@ -125,6 +129,13 @@ fn is_polynomial(machine: &Machine, error: &Given) -> bool {
 fn no_polynomial(culprit: &str) -> Diagnostic {
     Diagnostic::new("E0525", format!("with `location_order: real` the equations are no polynomials ({culprit})"))
         .help("write `conventions: { location_order: nilpotent }` for the equations, or leave the error out")
+}
+
+fn too_long() -> Diagnostic {
+    let message = format!("the equations take more than {MOST_PRODUCTS} products of terms");
+    let help = "ask for a lower `--order`, or an algebra in which more products vanish, such as \
+                `--algebra 'degree: 6, generators: per-axis, vanish: ...'`; `abbe eval --order 6` has no such limit";
+    Diagnostic::new("E0523", message).help(help)
 }
 
 fn no_number() -> Diagnostic {
