@@ -8,6 +8,7 @@
 //! is read, or replaced by the next set. Whoever does any of this holds the folder ([`exclusive`]).
 
 use super::files::{SET_LIMIT, read_at_most};
+use super::write::unwritable_folder;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::target::{Hashed, RenderedFile, is_plain_name, sha256};
 use std::fs;
@@ -196,7 +197,9 @@ impl Staged {
     fn write(folder: &Path, files: &[&RenderedFile], run: u32) -> Result<Self, Diagnostic> {
         let mut staged = Self { run, paths: Vec::new() };
         for file in files {
-            staged.add(folder, &file.name, &file.bytes).map_err(|failure| unwritable(folder, &failure))?;
+            staged
+                .add(folder, &file.name, &file.bytes)
+                .map_err(|failure| unwritable_folder(folder, &failure.to_string()))?;
         }
         Ok(staged)
     }
@@ -214,7 +217,7 @@ impl Staged {
     fn decide(mut self, folder: &Path, decided: &Decided) -> Result<(), Diagnostic> {
         let text = serde_json::to_vec_pretty(decided).unwrap_or_default();
         let listed = self.add(folder, LIST_NAME, &text).and_then(|path| fs::rename(path, folder.join(LIST_NAME)));
-        listed.map_err(|failure| unwritable(folder, &failure))?;
+        listed.map_err(|failure| unwritable_folder(folder, &failure.to_string()))?;
         sync(folder);
         self.paths.clear();
         Ok(())
@@ -227,9 +230,4 @@ impl Drop for Staged {
             let _ = fs::remove_file(path);
         }
     }
-}
-
-fn unwritable(folder: &Path, why: &std::io::Error) -> Diagnostic {
-    Diagnostic::new("E0810", format!("cannot write to `{}`: {why}", folder.display()))
-        .help("name a folder that you may write to; nothing was written")
 }

@@ -3,7 +3,7 @@
 use super::certificate_output::{Shown, warnings};
 use super::files::Disk;
 use super::session::Session;
-use super::{Outcome, Stop, file_set, kinematics, load, verify};
+use super::{Outcome, Stop, file_set, kinematics, load, verify, write};
 use crate::compensation::{Fit, Goal, LatticeRequest, Scope, Stored, Tables, resampled};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{AxisKind, Machine};
@@ -220,6 +220,9 @@ fn lattice_axes(session: &Session, machine: &Machine, named: &[String]) -> Resul
     if let Some(unknown) = named.iter().find(|name| machine.axis_index(name).is_none()) {
         return session.usage(&format!("--lattice: the chain has no axis `{}`", unknown.escape_debug()));
     }
+    if let Some((_, twice)) = named.iter().enumerate().find(|(i, name)| named[..*i].contains(name)) {
+        return session.usage(&format!("--lattice: `{}` is there twice", twice.escape_debug()));
+    }
     let wanted = |axis: &usize| named.is_empty() || named.iter().any(|name| machine.axis_index(name) == Some(*axis));
     Ok(all.filter(wanted).collect())
 }
@@ -227,6 +230,7 @@ fn lattice_axes(session: &Session, machine: &Machine, named: &[String]) -> Resul
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.options.tool.as_deref())?;
     load::warn_bounded(session, &machine);
+    write::refuse_no_folder(&args.out).or_else(|refusal| session.refuse(refusal))?;
     let inputs = inputs(session);
     let target = args.options.how.target(session, &args.target, None)?;
     refuse_unverified(session, &target, args.accept_unverified)?;

@@ -37,9 +37,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         return session.usage("`convert` has no csv form: it prints text or json");
     }
     let old = load::machine(session, &args.machine, args.tool.as_deref())?;
-    if let Some(out) = &args.out {
-        write::refuse_input(out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
-    }
+    write::refuse_outputs(&args.out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     let wish = wish(session, &old, args)?;
     let conversion = convert(&old, &wish).or_else(|refusal| session.refuse(refusal))?;
     let new = read_back(session, &written(&conversion.parts, &[]))?;
@@ -95,7 +93,8 @@ fn wish(session: &mut Session, machine: &Machine, args: &Args) -> Result<Wish, S
 fn read_back(session: &mut Session, text: &str) -> Result<Machine, Stop> {
     load::own(text).or_else(|why| {
         let message = format!("the converted machine is refused: {}", shown(&why));
-        let help = "an error that is plausible in one convention need not be in another: check the large ones";
+        let help = "an error that is plausible in one convention need not be in another: check the large ones; and all tables stand \
+                    in the new file, which has its limits: thin long ones out";
         session.refuse(Diagnostic::new("E0529", message).help(help))
     })
 }

@@ -5,6 +5,7 @@
 
 use super::commit::{self, Decided};
 use super::files::{SET_LIMIT, read_at_most};
+use super::write;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::syntax::ReadFailure;
 use crate::target::{Hashed, LOCK_NAME, Lock, ReadBack, RenderedFile};
@@ -13,8 +14,8 @@ use std::path::Path;
 
 /// Writes a set into a folder (made if it is not there), then its manifest.
 pub(super) fn write(folder: &Path, files: &[RenderedFile], lock: &Lock) -> Result<(), Diagnostic> {
-    fs::create_dir_all(folder).map_err(|failure| unwritable(folder, &failure.to_string()))?;
-    let _guard = commit::exclusive(folder).map_err(|failure| unwritable(folder, &failure.to_string()))?;
+    write::make_folder(folder)?;
+    let _guard = commit::exclusive(folder).map_err(|failure| write::unwritable_folder(folder, &failure.to_string()))?;
     let readable = existing_lock(folder);
     // What a killed run had decided is ours too.
     let half_written: Vec<Hashed> = Decided::of(folder).iter().flat_map(Decided::files).collect();
@@ -76,11 +77,6 @@ fn refuse_odd_manifest(folder: &Path, readable: bool) -> Result<(), Diagnostic> 
 fn foreign(path: &Path, why: &str) -> Diagnostic {
     Diagnostic::new("E0706", format!("`{}` {why}", path.display()))
         .help("move it away, or give another folder to --out; nothing was written")
-}
-
-fn unwritable(path: &Path, why: &str) -> Diagnostic {
-    Diagnostic::new("E0810", format!("cannot write to `{}`: {why}", path.display()))
-        .help("name a folder that you may write to; nothing was written")
 }
 
 /// The text of those of the named files that are in a folder, as the controller finds it: a byte order

@@ -100,9 +100,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     remarks::left_out(session, &machine, &data.leave_out(&own));
     let Data { rows: data, nuisances } = data;
     // Before the work, not after it.
-    if let Some(out) = &args.out {
-        write::refuse_input(out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
-    }
+    write::refuse_outputs(&args.out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
+    args.svg.iter().try_for_each(|folder| write::refuse_no_folder(folder)).or_else(|d| session.refuse(d))?;
     let unknowns: Vec<Parameter> = own.into_iter().chain(nuisances).collect();
     if args.method == Method::Joint {
         enough(session, &data, &unknowns)?;

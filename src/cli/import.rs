@@ -48,9 +48,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let found = import(&args.file, &wanted, &Disk, &mut session.diagnostics);
     session.checked()?;
     let Some(found) = found else { return Err(super::Stop::Refused) };
-    if let Some(out) = &args.out {
-        write::refuse_input(out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
-    }
+    write::refuse_outputs(&args.out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     let table = found.table(args.continuous);
     remarks(session, &found, &table.missing);
     session.checked()?;

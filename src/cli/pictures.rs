@@ -32,10 +32,7 @@ pub(super) fn write(
         let help = "pictures need rows with dx, dy and dz, and two linear axes along x, y, z";
         return session.refuse(Diagnostic::new("E0511", "there is no plane to draw").help(help));
     }
-    if let Err(failure) = std::fs::create_dir_all(folder) {
-        let message = format!("cannot make the folder `{}`: {failure}", folder.display());
-        return session.refuse(Diagnostic::new("E0810", message).help("name a folder that you may write to"));
-    }
+    write::make_folder(folder).or_else(|refusal| session.refuse(refusal))?;
     for plane in planes {
         let axes = plane.map(|(i, _)| machine.axes()[i].name.to_string());
         let (slice, points) = slice(model, &whole, theta, plane);

@@ -7,7 +7,7 @@ use super::progress::Progress;
 use super::session::Session;
 use super::tolerances::ToleranceArgs;
 use super::view::{ApproachArg, order};
-use super::write::{refuse_input, write_whole};
+use super::write::{refuse_input, refuse_outputs, write_whole};
 use super::{Format, Outcome, Stop, load, watch};
 use crate::analysis::budget::{Bound, Budget, Request, budget, budget_poses};
 use crate::analysis::{Plane, View, map, rest, space_axes};
@@ -59,6 +59,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     if args.watch {
         return watch::run(session, args);
     }
+    refuse_outputs(&args.out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     let built = build(session, args, &Disk)?;
     let page = built.page(Served::Alone, None).or_else(|d| session.refuse(d))?;
     write(session, args, &page)?;

@@ -176,6 +176,23 @@ pub(super) fn refuse_outputs<'a>(
     Ok(())
 }
 
+/// Makes a folder for outputs, if it is not there.
+pub(super) fn make_folder(folder: &Path) -> Result<(), Diagnostic> {
+    refuse_no_folder(folder)?;
+    fs::create_dir_all(folder).map_err(|failure| unwritable_folder(folder, &failure.to_string()))
+}
+
+/// Refuses, before any work, a folder for outputs that is a file.
+pub(super) fn refuse_no_folder(folder: &Path) -> Result<(), Diagnostic> {
+    let other = fs::metadata(folder).is_ok_and(|metadata| !metadata.is_dir());
+    if other { Err(unwritable_folder(folder, "it is a file, not a folder")) } else { Ok(()) }
+}
+
+pub(super) fn unwritable_folder(folder: &Path, why: &str) -> Diagnostic {
+    Diagnostic::new("E0810", format!("cannot write to `{}`: {why}", folder.display()))
+        .help("name a folder that you may write to; nothing was written")
+}
+
 /// What makes two paths the same file.
 #[cfg(unix)]
 fn identity(path: &Path) -> Option<(u64, u64)> {

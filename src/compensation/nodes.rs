@@ -2,6 +2,7 @@
 
 use super::{Spacing, TableRules};
 use crate::machine::{AxisKind, Curve, Direction, ErrorTerm, Machine, Travel};
+use std::collections::BinaryHeap;
 
 /// Intervals of a table over a rotary axis that carries sines: 5 deg leave a thousandth of them.
 const ROTARY_INTERVALS: usize = 72;
@@ -221,13 +222,21 @@ impl Loss<'_> {
         self.between(before, after) - self.between(before, here) - self.between(here, after)
     }
 
-    /// Between two points, where a further one leaves least, and how much less that is.
+    /// Between two points, where a further one leaves least, and how much less that is. Of many places every so
+    /// manyth is looked at, and those about the best of them.
     fn best(&self, low: usize, high: usize) -> Option<(f64, usize)> {
         let whole = self.between(low, high);
         let gain = |i: usize| (whole - self.between(low, i) - self.between(i, high), i);
-        (low + 1..high).map(gain).max_by(|a, b| a.0.total_cmp(&b.0))
+        let of = |places: &mut dyn Iterator<Item = usize>| places.map(gain).max_by(|a, b| a.0.total_cmp(&b.0));
+        let stride = (high - low).div_ceil(LOOKED_AT);
+        let found = of(&mut (low + 1..high).step_by(stride))?;
+        let (from, to) = ((found.1 + 1).saturating_sub(stride).max(low + 1), (found.1 + stride).min(high));
+        if stride == 1 { Some(found) } else { of(&mut (from..to)) }
     }
 }
+
+/// Places between two points that are looked at for another one.
+const LOOKED_AT: usize = 512;
 
 /// Of so many candidates the best choice is found. Where more points than these are kept, a choice matters little.
 const TRIED: usize = 192;
@@ -252,22 +261,58 @@ pub(super) fn place(positions: &[f64], rows: &[Vec<f64>], stored: &[Vec<f64>], m
     kept
 }
 
+/// What it costs to do without a candidate, and which. The cheapest is the greatest; of equal ones every other goes before
+/// the next, so that no gap outgrows the others on a straight curve.
+#[derive(PartialEq)]
+struct Cost(f64, usize);
+
+impl Eq for Cost {}
+
+impl Ord for Cost {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        let order = |at: usize| (at.trailing_zeros(), at);
+        other.0.total_cmp(&self.0).then(order(other.1).cmp(&order(self.1)))
+    }
+}
+
+impl PartialOrd for Cost {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
 /// Takes candidates away until so many are left.
 fn thin(loss: &Loss, most: usize) -> Vec<usize> {
-    let mut kept: Vec<usize> = (0..loss.positions.len()).collect();
-    let mut costs: Vec<f64> = vec![f64::INFINITY; kept.len()];
-    (1..kept.len().saturating_sub(1)).for_each(|at| costs[at] = loss.worth(&kept, at));
-    while kept.len() > most {
-        let cheapest = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map_or(1, |(at, _)| at);
-        kept.remove(cheapest);
-        costs.remove(cheapest);
-        for at in [cheapest.saturating_sub(1), cheapest] {
-            if at > 0 && at + 1 < kept.len() {
-                costs[at] = loss.worth(&kept, at);
-            }
+    let count = loss.positions.len();
+    // Neighbours of each candidate that is still there, and what it costs.
+    let mut before: Vec<usize> = (0..count).map(|at| at.saturating_sub(1)).collect();
+    let mut after: Vec<usize> = (1..=count).collect();
+    let mut costs: Vec<Option<f64>> = vec![None; count];
+    let mut queue = BinaryHeap::new();
+    let mut left = count;
+    let within = |at: usize| at > 0 && at + 1 < count;
+    for at in (0..count).filter(|at| within(*at)) {
+        let cost = loss.worth(&[at - 1, at, at + 1], 1);
+        costs[at] = Some(cost);
+        queue.push(Cost(cost, at));
+    }
+    while left > most {
+        let Some(Cost(cost, at)) = queue.pop() else { break };
+        // What was queued before a neighbour went has another cost now.
+        if costs[at] != Some(cost) {
+            continue;
+        }
+        costs[at] = None;
+        left -= 1;
+        let (low, high) = (before[at], after[at]);
+        (after[low], before[high]) = (high, low);
+        for at in [low, high].into_iter().filter(|at| within(*at)) {
+            let cost = loss.worth(&[before[at], at, after[at]], 1);
+            costs[at] = Some(cost);
+            queue.push(Cost(cost, at));
         }
     }
-    kept
+    (0..count).filter(|at| !within(*at) || costs[*at].is_some()).collect()
 }
 
 /// The choice of `most` (at least 2) out of more candidates, both ends among them, that leaves least of all.

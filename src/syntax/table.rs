@@ -171,7 +171,7 @@ impl TableReader<'_> {
         let cells = if found == 1 { "cell" } else { "cells" };
         let message = format!("this row has {found} {cells}, the header has {expected}");
         let help = if found == 2 * expected {
-            "are these decimal commas? write decimal points"
+            "are these decimal commas? write decimal points, or let `abbe import` make the table of the instrument's file"
         } else {
             "give every row a value for every column; leave out rows that were not measured"
         };
@@ -183,7 +183,10 @@ impl TableReader<'_> {
         let point;
         let help = match failure {
             Failure::DecimalComma(_) => {
-                point = format!("write `{}`", text.replace(',', "."));
+                point = format!(
+                    "write `{}`, or let `abbe import` make the table of the instrument's file",
+                    text.replace(',', ".")
+                );
                 &point
             }
             Failure::NotFinite(_) => "leave the row out if nothing was measured there",

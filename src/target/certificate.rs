@@ -186,12 +186,13 @@ pub fn certify(machine: &Machine, judged: Judged, scope: Scope, count: usize, se
         let nothing = |pose: &Pose| vec![0.0; pose.len()];
         Shifted { shift, position_um, alone_um: best_shift(&bare, &poses, approach, nothing).1 }
     };
-    let (replay, tested) = (load(tables), approaches(machine)[0]);
-    let added = |pose: &Pose| replay.added(pose, tested);
+    let replay = load(tables);
+    let added = |pose: &Pose, approach: Approach| replay.added(pose, approach);
     let strongest = if tables.errors.is_empty() {
-        strongest_of(machine, tables.peaks().map(|peak| pose_at(machine, &peak)), added)
+        let peaks: Vec<Pose> = tables.peaks().map(|peak| pose_at(machine, &peak)).collect();
+        strongest_of(machine, (&peaks, approaches(machine)), added)
     } else {
-        strongest_at(machine, &poses, added)
+        strongest_at(machine, (&poses, approaches(machine)), added)
     };
     let single = Singles { machine, target, poses: &poses[..poses.len().min(MOST_SINGLE_POSES)], scope };
     Certificate {
@@ -245,16 +246,17 @@ pub struct Strongest {
     pub value: f64,
 }
 
-/// Of some poses, that with the largest motion.
+/// Of some poses and the directions they are approached in, that with the largest motion.
 fn strongest_of(
     machine: &Machine,
-    poses: impl Iterator<Item = Pose>,
-    added: impl Fn(&Pose) -> Vec<f64>,
+    (poses, ways): (&[Pose], &[Approach]),
+    added: impl Fn(&Pose, Approach) -> Vec<f64>,
 ) -> Option<Strongest> {
-    let approach = approaches(machine)[0];
     let linear = |axis: usize| machine.axes()[axis].kind == AxisKind::Linear;
-    let entries = poses.flat_map(|at| {
-        let values = added(&at).into_iter().enumerate().filter(|(_, value)| *value != 0.0);
+    // Of equal ones the last is taken: one that is approached forward.
+    let ways = ways.iter().rev();
+    let entries = ways.flat_map(|approach| poses.iter().map(|pose| (*approach, pose))).flat_map(|(approach, at)| {
+        let values = added(at, approach).into_iter().enumerate().filter(|(_, value)| *value != 0.0);
         values.map(|(axis, value)| Strongest { axis, at: at.clone(), approach, value }).collect::<Vec<_>>()
     });
     let order = |s: &Strongest| (linear(s.axis), s.value.abs());
@@ -263,15 +265,20 @@ fn strongest_of(
 
 /// Of what is not in tables: with the rotary axes at 0, where an instrument along a linear axis reads it, or elsewhere if
 /// there is none.
-pub(super) fn strongest_at(machine: &Machine, poses: &[Pose], added: impl Fn(&Pose) -> Vec<f64>) -> Option<Strongest> {
+pub(super) fn strongest_at(
+    machine: &Machine,
+    (poses, ways): (&[Pose], &[Approach]),
+    added: impl Fn(&Pose, Approach) -> Vec<f64>,
+) -> Option<Strongest> {
     let linear = |axis: usize| machine.axes()[axis].kind == AxisKind::Linear;
     let level = |pose: &Pose| -> Pose {
         pose.iter().enumerate().map(|(axis, q)| if linear(axis) { *q } else { 0.0 }).collect()
     };
     let within = |pose: &Pose| machine.beyond_travel(pose).next().is_none();
     let with_linear = |found: &Strongest| linear(found.axis);
-    let leveled = strongest_of(machine, poses.iter().map(level).filter(within), &added).filter(with_linear);
-    leveled.or_else(|| strongest_of(machine, poses.iter().cloned(), &added))
+    let leveled: Vec<Pose> = poses.iter().map(level).filter(within).collect();
+    let found = strongest_of(machine, (&leveled, ways), &added).filter(with_linear);
+    found.or_else(|| strongest_of(machine, (poses, ways), &added))
 }
 
 /// Some axes at positions, the others at 0 or as near as they come.

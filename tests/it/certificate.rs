@@ -1,6 +1,7 @@
 //! The certificate of `compile` and `verify`: its contract, and whether what it says is true.
 
 use serde_json::Value;
+use std::path::Path;
 
 use crate::oracle::curves::Travel;
 use crate::oracle::machines::Sample;
@@ -312,11 +313,16 @@ fn what_acts_on_a_turned_table_only_is_not_nothing() {
     let folder = Folder::new();
     let machine = with_table(&folder, "EA0C: 20 urad");
     for target in ["isg-volcomp", "linuxcnc-kins"] {
-        let mut run = abbe();
-        run.arg("compile").arg(&machine).args(["--target", target, "--poses", "50", "--out"]);
-        let run = Run::of(run.arg(folder.path(target)));
+        let run = compiled_text(&machine, target, &folder.path(target));
         assert!(!run.err.contains("W0602") && run.out.contains("Then measure: at "), "{}{}", run.err, run.out);
     }
+}
+
+/// What `compile` says to people.
+fn compiled_text(machine: &Path, target: &str, out: &Path) -> Run {
+    let mut run = abbe();
+    run.arg("compile").arg(machine).args(["--target", target, "--poses", "50", "--out"]);
+    Run::of(run.arg(out))
 }
 
 /// The sign is tested with all that the files add at a pose, not with one table's entry.
@@ -326,9 +332,7 @@ fn the_sign_test_names_the_sum_of_all_tables() {
     let text = "abbe: 1\nmachine: m\nchain: \"w X' b Y Z t\"\naxes:\n  X: { travel: [0, 500] }\n  Y: { travel: [0, 400] }\n  Z: { travel: [-300, 0] }\nerrors:\n  EXX: { points: [[0, 0 um], [500, 10 um]] }\n  EXY: { points: [[0, 4 um], [200, 1 um], [400, 4 um]] }\n";
     let machine = folder.write("machine.yaml", text);
     for target in ["sinumerik-cec", "twincat-axis", "grid-csv"] {
-        let mut run = abbe();
-        run.arg("compile").arg(&machine).args(["--target", target, "--poses", "50", "--out"]);
-        let run = Run::of(run.arg(folder.path(target)));
+        let run = compiled_text(&machine, target, &folder.path(target));
         let said = run.out.lines().find(|line| line.starts_with("Then measure")).unwrap_or_default();
         // 10 um at X = 500 and 4 um at Y = 0 or 400, both of X.
         assert!(
@@ -338,6 +342,48 @@ fn the_sign_test_names_the_sum_of_all_tables() {
         );
         assert!(said.contains("by -0.014 mm; by 0.014 mm means a wrong sign"), "{target}: {said}");
     }
+}
+
+/// Where nothing is added forward the test is one in reverse, and such files correct something.
+#[test]
+fn the_sign_test_comes_in_reverse_where_only_that_is_corrected() {
+    let folder = Folder::new();
+    let table = folder.write("x.csv", "X [mm], EXX+ [um], EXX- [um], EYX [um]\n0, 0, 0, 0\n500, 0, 2, 9\n");
+    assert!(table.exists());
+    let text = "abbe: 1\nmachine: m\nchain: \"w X' b Y Z t\"\naxes:\n  X: { travel: [0, 500] }\n  Y: { travel: [0, 400] }\n  Z: { travel: [-300, 0] }\nmeasured: [x.csv]\n";
+    let machine = folder.write("machine.yaml", text);
+    let run = compiled_text(&machine, "linuxcnc", &folder.path("out"));
+    let said = run.out.lines().find(|line| line.starts_with("Then measure")).unwrap_or_default();
+    assert!(said.contains("X = 500 mm,") && said.contains("coming in reverse, the files add -0.002 mm to X"), "{said}");
+    assert!(!run.err.contains("W0602"), "{}", run.err);
+}
+
+/// The number is what the files add, not what the machine would want: the matrix by hand, at the pose that is named.
+#[test]
+fn the_sign_test_of_a_matrix_is_the_matrix() {
+    let folder = Folder::new();
+    let out = folder.path("out");
+    let run = compiled_text(&config("vmc-cframe-754.yaml"), "linuxcnc-matrixkins", &out);
+    let said = run.out.lines().find(|line| line.starts_with("Then measure")).unwrap_or_default();
+    let after = |key: &str| {
+        let words = said.split_once(key).unwrap_or_else(|| panic!("{key}: {said}")).1;
+        words.split_whitespace().next().unwrap().parse::<f64>().unwrap()
+    };
+    let hal = std::fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().path());
+    let hal = hal.filter(|path| path.extension().is_some_and(|e| e == "hal"));
+    let hal: String = hal.map(|path| std::fs::read_to_string(path).unwrap()).collect();
+    let of = |name: &str| {
+        let line = hal.lines().find(|line| line.contains(&format!("matrixkins.C_{name} "))).unwrap();
+        line.rsplit(' ').next().unwrap().parse::<f64>().unwrap()
+    };
+    let moved = said.split_once(" mm to ").unwrap().1.chars().next().unwrap().to_ascii_lowercase();
+    let added = |axis: char| {
+        let unit = f64::from(u8::from(axis == moved));
+        (of(&format!("{moved}{axis}")) - unit) * after(&format!("{} = ", axis.to_ascii_uppercase()))
+    };
+    let sum: f64 = "xyz".chars().map(added).sum();
+    // Four digits are printed.
+    assert!((sum - after("the files add ")).abs() < 1e-3 * sum.abs(), "{sum} {said}");
 }
 
 /// With a tool that the tables were not made for: said, and the corrections of a kinematics module are right all the same.

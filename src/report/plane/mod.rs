@@ -61,6 +61,8 @@ const LEFT: f64 = 78.0;
 const TOP: f64 = 74.0;
 const WIDEST: f64 = 640.0;
 const HIGHEST: f64 = 560.0;
+/// Room around a grid for what is displaced beyond its edges.
+const MARGIN: f64 = 42.0;
 /// Least height of the colour bar.
 const BAR: f64 = 150.0;
 /// Arrows along the longer side, about.
@@ -86,7 +88,7 @@ impl PlanePicture<'_> {
         let exaggeration = self.exaggeration(scale);
         let notes: Vec<String> = self.notes(&values, exaggeration).iter().flat_map(|note| wrapped(note, 106)).collect();
         let area = self.area(scale);
-        let below = TOP + area.1.max(BAR) + 66.0;
+        let below = TOP + (area.1 + 2.0 * self.margin()).max(BAR) + 66.0;
         let mut svg = Svg::new(WIDTH, below + 18.5 * notes.len() as f64 + 8.0);
         svg.text((LEFT, 32.0), &fitted(&self.title(), 70), Font::bold(18.0), Anchor::Start, 0.0);
         svg.text((LEFT, 54.0), &fitted(&self.subtitle(), 100), Font::faint(14.0), Anchor::Start, 0.0);
@@ -119,9 +121,14 @@ impl PlanePicture<'_> {
         (max - min).max(1e-9)
     }
 
+    fn margin(&self) -> f64 {
+        if self.drawn == Drawn::Grid { MARGIN } else { 0.0 }
+    }
+
     /// Pixels per mm: the same for both axes, so that one exaggeration is true for all arrows.
     fn scale(&self) -> f64 {
-        (WIDEST / self.span(0)).min(HIGHEST / self.span(1))
+        let around = 2.0 * self.margin();
+        ((WIDEST - around) / self.span(0)).min((HIGHEST - around) / self.span(1))
     }
 
     fn area(&self, scale: f64) -> (f64, f64) {
@@ -130,7 +137,8 @@ impl PlanePicture<'_> {
 
     fn at(&self, scale: f64, position: (f64, f64)) -> (f64, f64) {
         let [(left, _), (_, top)] = self.plane.intervals;
-        (LEFT + (position.0 - left) * scale, TOP + (top - position.1) * scale)
+        let margin = self.margin();
+        (LEFT + margin + (position.0 - left) * scale, TOP + margin + (top - position.1) * scale)
     }
 
     fn node(&self, i: usize, j: usize) -> (f64, f64) {
@@ -299,6 +307,7 @@ impl PlanePicture<'_> {
     /// Border, ticks and names of the axes.
     fn frame(&self, svg: &mut Svg, scale: f64) {
         let (width, height) = self.area(scale);
+        let (width, height) = (width + 2.0 * self.margin(), height + 2.0 * self.margin());
         svg.rect((LEFT, TOP), (width, height), &format!(r#"fill="none" stroke="{INK}""#));
         let tick = format!(r#"stroke="{INK}""#);
         let step = round_step(self.span(0), ((width / 80.0) as usize).clamp(1, 8));
@@ -346,19 +355,24 @@ impl PlanePicture<'_> {
         self.plane.in_plane[j * self.plane.counts[0] + i]
     }
 
-    /// A round factor that makes the longest arrow about as long as their distance.
+    /// A round factor that makes the longest arrow about as long as their distance; a grid's longest displacement stays
+    /// within the margin too.
     fn exaggeration(&self, scale: f64) -> Option<f64> {
         let of = self.reference();
         let length = |(i, j): (usize, usize)| {
             let [u, v] = of.in_plane[j * of.counts[0] + i];
             libm::hypot(u, v)
         };
-        let longest = self.arrow_nodes().into_iter().map(length).fold(0.0, f64::max);
+        let (nodes, room) = match self.drawn {
+            Drawn::Colours => (self.arrow_nodes(), 45.0),
+            Drawn::Grid => ((0..of.counts[1]).flat_map(|j| (0..of.counts[0]).map(move |i| (i, j))).collect(), MARGIN),
+        };
+        let longest = nodes.into_iter().map(length).fold(0.0, f64::max);
         let intervals = (self.plane.counts[0].max(self.plane.counts[1]) - 1) as f64;
         let distance = self.span(0).max(self.span(1)) / intervals * self.stride() as f64;
         // Beyond the first bound there is nothing but rounding to draw.
         (longest > 1e-9 && scale > 0.0).then(|| {
-            let exact = distance.min(45.0 / scale) * 0.95 / longest;
+            let exact = distance.min(room / scale) * 0.95 / longest;
             let step = round_step(exact, 1);
             // `round_step` rounds up; arrows must not grow into each other.
             if step <= exact { step } else { previous(step) }

@@ -42,6 +42,15 @@ impl Carried {
         }
     }
 
+    /// The same for the position alone.
+    #[must_use]
+    pub fn without_orientation(self) -> Self {
+        match self {
+            Self::FullModel(model) => Self::FullModel(Model { orientation: false, ..model }),
+            other => other,
+        }
+    }
+
     /// Is the direction of the tool corrected? A full model says so itself, the others cannot.
     pub fn orientation(&self) -> bool {
         matches!(self, Self::FullModel(model) if model.orientation)

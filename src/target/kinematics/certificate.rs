@@ -1,12 +1,12 @@
 //! The certificate of a kinematics module.
 
 use super::{Carried, Driven};
-use crate::compensation::{Correction, Jacobian, Scope, Tables};
+use crate::compensation::Tables;
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Bare, Field, Order, random_poses};
 use crate::machine::{Approach, ErrorId, ErrorTerm, Machine, Pose};
 use crate::target::certificate::{
-    Judgement, MOST_SINGLE_POSES, Strongest, approaches, deviations, judge, strongest_at, verdict, worse_p95,
+    Judgement, MOST_SINGLE_POSES, Strongest, deviations, judge, strongest_at, verdict, worse_p95,
 };
 use crate::target::{Certificate, ErrorLeft, Limits, Replay, Target};
 use crate::units::significant;
@@ -43,7 +43,7 @@ pub fn certify_kinematics(
         at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.added(&zero, approach)),
         shifted: None,
         raised,
-        strongest: strongest(machine, &poses),
+        strongest: strongest(machine, carried, &poses),
     }
 }
 
@@ -63,15 +63,11 @@ fn singles(machine: &Machine, target: &Target, orientation: bool, poses: &[Pose]
     ids.par_iter().map(alone).collect()
 }
 
-/// Where the sign is best tested: the largest correction that is wanted.
-fn strongest(machine: &Machine, poses: &[Pose]) -> Option<Strongest> {
-    let bare = Bare { machine, order: Order::Exact };
-    let approach = approaches(machine)[0];
-    let wanted = |pose: &Pose| {
-        let (deviation, none) = (bare.deviation(pose, approach), Correction::none(machine));
-        Jacobian::at(machine, pose).correction(&deviation, &none, Scope::POSITION).0
-    };
-    strongest_at(machine, poses, wanted)
+/// Where the sign is best tested: the largest motion that the module alone adds to correct the position.
+fn strongest(machine: &Machine, carried: &Carried, poses: &[Pose]) -> Option<Strongest> {
+    let carried = carried.clone().without_orientation();
+    let module = Driven::new(machine, &carried);
+    strongest_at(machine, (poses, &[Approach::Mean]), |pose, approach| module.added(pose, approach))
 }
 
 impl Limits {
