@@ -10,7 +10,7 @@ use crate::loaded;
 use crate::oracle::program::Folder;
 use crate::replays;
 use crate::support::controllers::Files;
-use crate::support::{compile, names, verify};
+use crate::support::{compile, config, names, verify};
 
 /// What becomes of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -205,6 +205,36 @@ fn isg_blocks_over_two_axes_are_refused_with_a_remedy() {
         run.refused("E0704").says("volcomp.csv:4").says("a block over two axes").says("at one position of the other");
     }
     set("B EXB\n0 0.001\n90 0.002\n").refused("E0704").says("the machine has no axis `B`");
+}
+
+/// The controller turns about the lines that the file gives: those of the machine file, at any of their points.
+#[test]
+fn isg_lines_of_turns_are_those_of_the_machine_file() {
+    let (folder, machine) = (Folder::new(), config("trunnion.yaml"));
+    let out = folder.path("out");
+    compile(&machine, "isg-volcomp", &out, &["--poses", "1"]).json();
+    let text = std::fs::read_to_string(out.join("volcomp.csv")).unwrap();
+    let (head, last) = text.trim_end().rsplit_once('\n').unwrap();
+    let set = |changes: &[(usize, &str)]| {
+        let mut cells: Vec<&str> = last.split(' ').collect();
+        changes.iter().for_each(|(column, value)| cells[*column] = value);
+        let folder = Folder::new();
+        let _ = folder.write("volcomp.csv", &format!("{head}\n{}\n", cells.join(" ")));
+        verify(&machine, &folder.path(""), &["--target", "isg-volcomp", "--poses", "1"])
+    };
+    // P0, N0, then P and V of C and of A: C runs along Z, A along X, V of any length.
+    for same in [&[][..], &[(0, "7")], &[(8, "12.5")], &[(12, "-3")], &[(11, "2")]] {
+        set(same).json();
+    }
+    for (other, words) in [
+        (&[(6, "250.1")][..], "the point of `C`"),
+        (&[(14, "-349.9999")], "the point of `A`"),
+        (&[(11, "-1")], "the direction of `C`"),
+        (&[(11, "0")], "the direction of `C`"),
+        (&[(16, "0.001")], "the direction of `A`"),
+    ] {
+        set(other).refused("E0704").says(words);
+    }
 }
 
 /// The table of an axis that the machine does not have is said to be left alone.

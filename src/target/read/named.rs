@@ -3,17 +3,48 @@
 use super::assemble::error_value;
 use super::{Fault, Reading, lines, number};
 use crate::compensation::{ErrorCurve, Table, Tables};
-use crate::machine::parse_error_name;
+use crate::machine::{Axis, AxisKind, parse_error_name};
 use crate::target::manifest::Frame;
 use crate::target::stored::{Column, Place};
+use nalgebra::Vector3;
 
-/// Names under which the machine's geometry stands in the same files; it is the machine file's to say.
+/// Names under which the machine's geometry stands in the same files. What is certified is the machine file's, so that of
+/// the turns must be the same; what `P0` and `N0` are is inferred, and not compared.
 fn is_geometry(name: &str) -> bool {
     let letters: Vec<char> = name.chars().collect();
     matches!(
         letters[..],
         ['P' | 'N' | 'V' | 'I' | 'L', '0' | 'X' | 'Y' | 'Z' | 'D' | 'N', 'X' | 'Y' | 'Z' | 'A' | 'B' | 'C']
     ) && !(letters[0] == 'V' && letters[1] == '0')
+}
+
+/// Farthest (mm, and of unit vectors) that a turn may be from the machine file's: ten times what is written.
+const SAME: f64 = 1e-5;
+
+/// Refuses lines of rotary axes (`PXC PYC PZC`, a point; `VXC VYC VZC`, the direction) that are not the machine file's.
+fn same_geometry(reading: &Reading, line: usize, names: &[&str], row: &[f64]) -> Result<(), Fault> {
+    let vector = |kind: char, axis: &Axis| {
+        let of = |letter: char| names.iter().position(|name| *name == format!("{kind}{letter}{}", axis.name));
+        Some(Vector3::new(row[of('X')?], row[of('Y')?], row[of('Z')?]))
+    };
+    for axis in reading.machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary) {
+        let direction = Vector3::from(axis.direction);
+        let off = vector('P', axis).map_or(0.0, |point| (point - Vector3::from(axis.origin)).cross(&direction).norm());
+        let turned = vector('V', axis).map_or(0.0, |v| (v.normalize() - direction).norm());
+        let wrong = |what: &str| {
+            let message =
+                format!("{what} of `{}` is not that of the machine file, which is what is certified", axis.name);
+            Err(Fault::new(line, message))
+        };
+        // A direction of no length is no number.
+        if off > SAME {
+            return wrong("the point");
+        }
+        if turned.is_nan() || turned > SAME {
+            return wrong("the direction");
+        }
+    }
+    Ok(())
 }
 
 /// Is it the position of an axis, of this machine or of another one?
@@ -78,6 +109,9 @@ fn block(
         place.map_or_else(Vec::new, |place| rows.iter().map(|(_, row)| place.position(row[0])).collect());
     if let Some(i) = positions.windows(2).position(|w| w[1] <= w[0]) {
         return Err(Fault::new(rows[i + 1].0, "the positions do not rise"));
+    }
+    if argument.is_none() {
+        same_geometry(reading, line, &names, &rows[0].1)?;
     }
     for (column, name) in names.iter().enumerate().skip(usize::from(argument.is_some())) {
         if argument.is_none() && is_geometry(name) {
