@@ -1,8 +1,8 @@
 //! Which target's files a folder holds: the one that is named, or that the set's manifest names; else the one whose
 //! files are there by name; else the one that their content tells.
 
-use super::compile::{How, StoredArg};
 use super::files::{SET_LIMIT, read_at_most};
+use super::how::{How, StoredArg};
 use super::session::Session;
 use super::{Stop, file_set};
 use crate::diagnostic::Diagnostic;

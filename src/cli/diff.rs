@@ -1,9 +1,9 @@
 //! `abbe diff`: how far two sets of compensation files are apart, in micrometres.
 
 use super::certificate_output::micro;
-use super::compile::Options;
+use super::how::Options;
 use super::session::Session;
-use super::{Format, Outcome, load, verify};
+use super::{Format, Outcome, load, set_effect};
 use crate::compensation::{Correction, Jacobian};
 use crate::evaluate::{Summary, random_poses};
 use crate::machine::{Approach, Machine};
@@ -25,8 +25,8 @@ pub(super) struct Args {
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.options.tool.as_deref())?;
-    let (old, of_old) = verify::effect(session, &machine, &args.old, &args.options)?;
-    let (new, of_new) = verify::effect(session, &machine, &args.new, &args.options)?;
+    let (old, of_old) = set_effect::found(session, &machine, &args.old, &args.options)?;
+    let (new, of_new) = set_effect::found(session, &machine, &args.new, &args.options)?;
     session.checked()?;
     let added = [of_old.added(&machine, &old), of_new.added(&machine, &new)];
     let mut axes: Vec<Vec<f64>> = vec![Vec::new(); machine.axes().len()];

@@ -5,10 +5,11 @@
 
 use super::commit::{self, Decided};
 use super::files::{SET_LIMIT, read_at_most};
-use super::write;
+use super::session::Session;
+use super::{Outcome, write};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::syntax::ReadFailure;
-use crate::target::{Hashed, LOCK_NAME, Lock, ReadBack, RenderedFile};
+use crate::target::{Hashed, LOCK_NAME, Lock, ReadBack, RenderedFile, Target};
 use std::fs;
 use std::path::Path;
 
@@ -107,4 +108,26 @@ fn unreadable(failure: &ReadFailure) -> String {
         ReadFailure::Denied => "may not be read".to_owned(),
         ReadFailure::Other(words) => format!("cannot be read: {words}"),
     }
+}
+
+/// Finishes what a killed run left in a folder.
+pub(super) fn settle(session: &mut Session, folder: &Path) -> Outcome {
+    match commit::settle(folder, &mut session.diagnostics) {
+        Ok(()) => Ok(()),
+        Err(refusal) => session.refuse(refusal),
+    }
+}
+
+/// Every file read so far, by name, with its hash.
+pub(super) fn inputs(session: &Session) -> Vec<Hashed> {
+    let sources = session.diagnostics.sources.iter();
+    let plain = |name: &str| Path::new(name).file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    sources.map(|(name, text)| Hashed::new(plain(name), text.as_bytes())).collect()
+}
+
+/// Of rendered files that do not say what was meant.
+pub(super) fn misread(target: &Target) -> Diagnostic {
+    let name = &target.manifest.target;
+    Diagnostic::new("E0707", format!("the files of target `{name}` do not read back as what was to be written"))
+        .help("its templates do not write what its manifest says; nothing was written")
 }

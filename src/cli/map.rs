@@ -1,11 +1,12 @@
 //! `abbe map`: the error over a volume.
 
-use super::compile::{How, effect};
+use super::how::How;
 use super::map_output::Outputs;
 use super::map_picture::{Pictures, Subject};
 use super::map_survey::surveyed;
 use super::progress::Progress;
 use super::session::Session;
+use super::set_effect;
 use super::tool_poses::{self, Reached};
 use super::view::{
     FrameArg, STATISTICS, ViewArgs, axes_json, axes_text, frame_text, order_text, statistics_rows, table,
@@ -135,7 +136,7 @@ fn compensation(
         );
     }
     let target = args.how.target(session, name, None)?;
-    let (effect, _) = effect(session, machine, &target, &args.how, (CERTIFIED, args.seed))?;
+    let (effect, _) = set_effect::compiled(session, machine, &target, &args.how, (CERTIFIED, args.seed))?;
     Ok(Some((target, effect)))
 }
 

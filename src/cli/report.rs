@@ -1,10 +1,11 @@
 //! `abbe report`: one self-contained HTML page for a design review.
 
 use super::budgets::{Drawn, budgets};
-use super::compile::{Options, effect};
 use super::files::Disk;
+use super::how::Options;
 use super::progress::Progress;
 use super::session::Session;
+use super::set_effect;
 use super::tolerances::ToleranceArgs;
 use super::view::{ApproachArg, order};
 use super::write::{refuse_input, refuse_outputs, write_whole};
@@ -201,7 +202,7 @@ impl Subject {
 fn compensation(session: &mut Session, args: &Args, machine: &Machine, name: &str) -> Result<Written, Stop> {
     let target: Target = args.options.how.target(session, name, None)?;
     let depth = (args.options.poses as usize, args.options.seed);
-    let (effect, certificate) = effect(session, machine, &target, &args.options.how, depth)?;
+    let (effect, certificate) = set_effect::compiled(session, machine, &target, &args.options.how, depth)?;
     Ok(Written { target, effect, certificate })
 }
 

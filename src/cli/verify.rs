@@ -1,14 +1,14 @@
 //! `abbe verify`: replay files as the controller would and certify what they leave.
 
 use super::certificate_output::{Shown, warnings};
-use super::compile::Options;
 use super::files::{Disk, SET_LIMIT, read_at_most};
+use super::how::Options;
 use super::session::Session;
-use super::{Outcome, Stop, commit, detect, file_set, kinematics, load};
-use crate::compensation::Tables;
+use super::table_set::{self, Found};
+use super::{Outcome, Stop, detect, file_set, load, module_set};
 use crate::diagnostic::Diagnostic;
 use crate::machine::{Approach, Machine};
-use crate::target::{Effect, Judged, LOCK_NAME, Lock, Replay, Target, is_plain_name};
+use crate::target::{Judged, LOCK_NAME, Lock, ReadBack, Replay, Target, certify_kinematics, is_plain_name};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -31,15 +31,8 @@ pub(super) struct Args {
     installed: Option<PathBuf>,
 }
 
-/// A set found in a folder.
-pub(super) struct Found {
-    pub target: Target,
-    pub tables: Tables,
-    pub files: Vec<String>,
-}
-
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
-    settle(session, &args.folder)?;
+    file_set::settle(session, &args.folder)?;
     let lock = file_set::existing_lock(&args.folder);
     // The tables hold for the tool they were made for.
     let made_for = lock.as_ref().map(|lock| lock.tool.clone()).filter(|name| !name.is_empty());
@@ -49,12 +42,12 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     session.checked()?;
     warn_edited(session, &args.folder, lock.as_ref());
     if set.target.manifest.kinematics().is_some() {
-        return kinematics::verify(session, args, &machine, &set.target, &set.files);
+        return module(session, args, &machine, &set.target, &set.files);
     }
-    let Found { target, tables, files } = tables_of(session, &machine, &args.folder, set)?;
+    let Found { target, tables, files } = table_set::tables_of(session, &machine, &args.folder, set)?;
     warn_other_tool(session, &machine, &target, lock.as_ref());
     target.unplaced(&machine).into_iter().for_each(|warning| session.diagnostics.push(warning));
-    let installed = installed(session, &machine, &target, &args.options, args.installed.as_deref())?;
+    let installed = table_set::installed(session, &machine, &target, &args.options, args.installed.as_deref())?;
     session.checked()?;
     if let Some(path) = &args.replay {
         let replay = Replay::new(&machine, &target, &tables);
@@ -68,85 +61,23 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     Ok(())
 }
 
-/// Finishes what a killed run left in a folder.
-fn settle(session: &mut Session, folder: &Path) -> Outcome {
-    match commit::settle(folder, &mut session.diagnostics) {
-        Ok(()) => Ok(()),
-        Err(refusal) => session.refuse(refusal),
+/// The certificate of a kinematics module.
+fn module(session: &mut Session, args: &Args, machine: &Machine, target: &Target, texts: &[ReadBack]) -> Outcome {
+    if args.replay.is_some() {
+        return session.usage("--replay: a kinematics module has no tables that hold for a joint alone");
     }
-}
-
-/// The tables in a folder, of whatever target they are.
-pub(super) fn found(session: &mut Session, machine: &Machine, folder: &Path, options: &Options) -> Result<Found, Stop> {
-    settle(session, folder)?;
-    let set = detect::set(session, machine, folder, None, &options.how)?;
+    let (read, beside) = module_set::found(session, machine, target, &args.folder, &args.options.how, texts)?;
+    let certificate = certify_kinematics(machine, target, (&read, &beside), args.options.depth());
+    warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
-    tables_of(session, machine, folder, set)
-}
-
-/// What the set in a folder does, of whatever target it is.
-pub(super) fn effect(
-    session: &mut Session,
-    machine: &Machine,
-    folder: &Path,
-    options: &Options,
-) -> Result<(Target, Effect), Stop> {
-    settle(session, folder)?;
-    let set = detect::set(session, machine, folder, None, &options.how)?;
-    session.checked()?;
-    if set.target.manifest.kinematics().is_none() {
-        let Found { target, tables, .. } = tables_of(session, machine, folder, set)?;
-        return Ok((target, Effect::Tables(tables)));
-    }
-    let (carried, beside) = kinematics::found(session, machine, &set.target, folder, &options.how, &set.files)?;
-    Ok((set.target, Effect::Module(Box::new(carried), beside)))
-}
-
-/// The tables of a set.
-fn tables_of(session: &mut Session, machine: &Machine, folder: &Path, set: detect::Set) -> Result<Found, Stop> {
-    let detect::Set { target, files } = set;
-    if target.manifest.kinematics().is_some() {
-        let message = format!("`{}` holds a kinematics module, which has no tables", folder.display());
-        let help = "a module is written anew from the machine file, not on top of another one";
-        return session.refuse(Diagnostic::new("E0711", message).help(help));
-    }
-    let read = target.read(machine, &files, &mut session.diagnostics);
-    session.checked()?;
-    let read = read.or_else(|| files.is_empty().then(Tables::default));
-    let indices = target.index_files();
-    let names = files.into_iter().filter(|file| !indices.contains(&file.name)).map(|file| file.found).collect();
-    match read {
-        Some(tables) => {
-            target.uncovered(machine, &tables).into_iter().for_each(|warning| session.diagnostics.push(warning));
-            Ok(Found { target, tables, files: names })
-        }
-        None => session.refuse(detect::nothing_found(folder)),
-    }
-}
-
-/// The tables that were in force when the machine was measured.
-pub(super) fn installed(
-    session: &mut Session,
-    machine: &Machine,
-    target: &Target,
-    options: &Options,
-    folder: Option<&Path>,
-) -> Result<Option<Tables>, Stop> {
-    let Some(folder) = folder else { return Ok(None) };
-    let set = found(session, machine, folder, options)?;
-    session.checked()?;
-    if set.target.manifest.target == target.manifest.target {
-        return Ok(Some(set.tables));
-    }
-    let (old, new) = (&set.target.manifest.target, &target.manifest.target);
-    let message = format!("the files in `{}` are of target `{old}`, not of `{new}`", folder.display());
-    let help = "only tables of the same target can be written on top of each other";
-    session.refuse(Diagnostic::new("E0711", message).help(help))
+    let files = texts.iter().map(|file| file.found.clone()).collect();
+    Shown { machine, target, certificate: &certificate, files, folder: &args.folder }.print(session);
+    Ok(())
 }
 
 /// Tables made from other files than those just read are judged all the same, and that is said.
 fn warn_other_inputs(session: &mut Session, lock: Option<&Lock>) {
-    let same = lock.is_none_or(|lock| lock.inputs == super::compile::inputs(session));
+    let same = lock.is_none_or(|lock| lock.inputs == file_set::inputs(session));
     if !same {
         let message = "the tables were made from another machine file, or from other error tables, than these";
         session
