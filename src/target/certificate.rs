@@ -246,6 +246,9 @@ pub struct Strongest {
     pub value: f64,
 }
 
+/// Below this (mm, deg) what is added is rounding: a kinematics module computes where a table has zeros.
+const ROUNDING: f64 = 1e-10;
+
 /// Of some poses and the directions they are approached in, that with the largest motion.
 fn strongest_of(
     machine: &Machine,
@@ -256,7 +259,7 @@ fn strongest_of(
     // Of equal ones the last is taken: one that is approached forward.
     let ways = ways.iter().rev();
     let entries = ways.flat_map(|approach| poses.iter().map(|pose| (*approach, pose))).flat_map(|(approach, at)| {
-        let values = added(at, approach).into_iter().enumerate().filter(|(_, value)| *value != 0.0);
+        let values = added(at, approach).into_iter().enumerate().filter(|(_, value)| value.abs() > ROUNDING);
         values.map(|(axis, value)| Strongest { axis, at: at.clone(), approach, value }).collect::<Vec<_>>()
     });
     let order = |s: &Strongest| (linear(s.axis), s.value.abs());

@@ -318,6 +318,16 @@ fn what_acts_on_a_turned_table_only_is_not_nothing() {
     }
 }
 
+/// A module that has nothing to correct adds what rounding leaves, and that is nothing.
+#[test]
+fn a_module_without_errors_corrects_nothing() {
+    let folder = Folder::new();
+    let machine = with_table(&folder, "EXX: { points: [[0, 0 um], [200, 0 um]] }");
+    let run = compiled_text(&machine, "linuxcnc-kins", &folder.path("out"));
+    assert!(run.err.contains("W0602") && run.err.contains("correct nothing"), "{}{}", run.err, run.out);
+    assert!(!run.out.contains("Then measure"), "{}", run.out);
+}
+
 /// What `compile` says to people.
 fn compiled_text(machine: &Path, target: &str, out: &Path) -> Run {
     let mut run = abbe();
