@@ -14,7 +14,7 @@ use crate::oracle::matrix::{cross, norm};
 use crate::oracle::program::Folder;
 use crate::oracle::random::Random;
 use crate::oracle::yaml;
-use crate::support::{Run, compile, config, names, verify};
+use crate::support::{Run, abbe, compile, config, names, verify};
 
 use bench::{Ask, Bench, Module, poses};
 
@@ -137,6 +137,33 @@ fn a_name_cannot_break_out_of_the_text() {
     let _ = Module::build(&out);
     for name in names(&out).iter().filter(|name| name.ends_with(".h") || name.ends_with(".comp")) {
         assert!(!std::fs::read_to_string(out.join(name)).unwrap().contains("#include <x>"), "{name}");
+    }
+}
+
+/// The number that signs are tested with: what the compiled module does to the joint, position alone.
+#[test]
+fn the_sign_test_is_what_the_module_does() {
+    for name in ["trunnion.yaml", "vmc-cframe-754.yaml", "ht-b-c.yaml"] {
+        let folder = Folder::new();
+        let out = folder.path("out");
+        let mut run = abbe();
+        run.arg("compile").arg(config(name)).args(["--target", "linuxcnc-kins", "--out"]).arg(&out).args(WIDE);
+        let run = Run::of(&mut run);
+        let said = run.out.lines().find_map(|line| line.strip_prefix("Then measure: at ")).unwrap();
+        let (place, rest) = said.split_once(", the files add ").unwrap();
+        let number = |words: &str| words.split_whitespace().next().unwrap().parse::<f64>().unwrap();
+        let places: Vec<(&str, f64)> =
+            place.split(", ").map(|one| one.split_once(" = ").unwrap()).map(|(axis, q)| (axis, number(q))).collect();
+        let moved = rest.split_once(" to ").unwrap().1.split('.').next().unwrap();
+        let sample = crate::support::config::sample(&config(name));
+        let bench = Bench::new(&sample, &out);
+        let pose: Pose = places.iter().map(|(_, q)| *q).collect();
+        let ask = Ask { orientation: false, ..bench.ask(&pose, 1.0) };
+        let command = bench.command(&Module::build(&out).answers(&[ask])[0]);
+        let axis = places.iter().position(|(axis, _)| *axis == moved).unwrap();
+        let (does, said) = (command[axis] - pose[axis], number(rest));
+        // Places are printed to seven digits, the number to four.
+        assert!((does - said).abs() < 1e-3 * said.abs() && said.abs() > 1e-3, "{name}: {does} {said}");
     }
 }
 
