@@ -2,7 +2,7 @@
 
 use super::axes::Declared;
 use super::context::Context;
-use super::names::readings;
+use super::names::{in_other_letters, readings};
 use crate::diagnostic::{Diagnostic, Place, did_you_mean, shown};
 use crate::machine::{AxisKind, BSpline, BSplineFailure, ComponentError, Curve, ErrorId, Knots, KnotsFailure, Travel};
 use crate::syntax::{BSplineEntry, Column, ColumnDirection, CurveEntry, Keys, Scalar, Table, below, keys};
@@ -358,6 +358,7 @@ fn from_column(
         let wanted = if rotation { "an angle" } else { "a length" };
         let message = format!("`{}` is in `{}`, but {wanted} belongs here", of.error, shown(written));
         let help = if rotation { "write [urad] or [arcsec]" } else { "write [um] or [mm]" };
+        let help = in_other_letters(&column.name).unwrap_or_else(|| help.to_owned());
         context.diagnostics.push(Diagnostic::new("E0205", message).at(Some(column.place.clone()), "").help(help));
         return None;
     }

@@ -46,6 +46,15 @@ fn component(text: &str) -> Option<ErrorId> {
     Some(ErrorId { axis: AxisName::new(chars.as_str())?, location: false, direction })
 }
 
+/// Small letters are those of the 2015 paper, where `ezz` is ECZ: not what who writes ISO names in them means.
+pub fn in_other_letters(name: &str) -> Option<String> {
+    let name = name.trim_end_matches(['+', '-']);
+    let small = name.chars().all(|c| c.is_ascii_lowercase());
+    let (paper, iso) = (parse_error_name(name)?, parse_error_name(&name.to_uppercase())?);
+    (small && paper != iso)
+        .then(|| format!("`{name}` is {paper} in the letters of the 2015 paper; write `{iso}` if that is meant"))
+}
+
 /// The papers' letters: `dyx` translation in y of axis X, `eyx` rotation about y, `Sxy` squareness.
 fn lower_case(text: &str) -> Option<Spelling> {
     let chars: Vec<char> = text.chars().collect();

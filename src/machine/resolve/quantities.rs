@@ -1,6 +1,7 @@
 //! Scalars to numbers: lengths and positions in mm or deg, error values in mm or rad.
 
 use super::context::{Context, dotted};
+use super::names::in_other_letters;
 use crate::diagnostic::shown;
 use crate::machine::{AxisKind, Direction};
 use crate::syntax::{Keys, Scalar, below};
@@ -148,7 +149,9 @@ impl Context<'_> {
         let (wanted, unit, help) =
             if direction.is_rotation() { ("an angle", "urad", ANGLES) } else { ("a length", "um", LENGTHS) };
         if power == 0 {
-            return self.wrong_unit(at, scalar, found, wanted, help);
+            let other = at.get(1).filter(|_| at[0] == "errors").and_then(|key| in_other_letters(key));
+            let help = other.map_or_else(|| help.to_owned(), |said| format!("{said}; {help}"));
+            return self.wrong_unit(at, scalar, found, wanted, &help);
         }
         let argument = if kind == AxisKind::Linear { "m" } else { "deg" };
         let exponent = if power == 1 { String::new() } else { format!("^{power}") };
