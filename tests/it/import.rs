@@ -119,6 +119,8 @@ fn positions_that_were_reached() {
         let said = refused(text, &[]);
         assert!(said.contains("E0509") && said.contains(words), "{text}\n{said}");
     }
+    // Files of a laser's own program (no description of them is public).
+    assert!(refused("HEADER::\nFile Version: 7\nTARGETS::\n0.0\n100.0\n", &[]).contains("export the test"));
     // Not one row at a time until one is left.
     let said = refused("X [mm], reading [mm]\n0, 0\n100, 100.001\n", &["--error", "EXX"]);
     assert!(said.contains("a reading of 100.001 mm or rad") && said.contains("`actual [mm]`"), "{said}");

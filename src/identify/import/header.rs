@@ -202,10 +202,13 @@ pub(super) fn find(lines: &[Line], wanted: &Wanted) -> Result<Header, Box<Diagno
         let help = "correct the axis in the file, or say with `--axis` which one moved";
         return Err(Box::new(refusal(message, Some(place)).help(help)));
     }
-    Err(Box::new(refusal(
-        "there is no header with a position column".to_owned(),
-        lines.first().map(|l| l.place.clone()),
-    )))
+    let first = lines.first().map(|line| line.place.clone());
+    if lines.first().is_some_and(|line| line.text.trim().ends_with("::")) {
+        let message = "the file begins as those in which laser programs keep their tests, whose layout is not public";
+        let help = "export the test from that program as text or CSV, with a position column and columns of deviations";
+        return Err(Box::new(refusal(message.to_owned(), first).help(help)));
+    }
+    Err(Box::new(refusal("there is no header with a position column".to_owned(), first)))
 }
 
 /// What is asked for holds whether or not the file says it too.
