@@ -245,19 +245,7 @@ impl Reading<'_> {
     fn header(&self, at: usize, cells: &[String]) -> Result<Header, Box<Diagnostic>> {
         let place = Some(self.lines[at].place.clone());
         let refuse = |message: String| Box::new(refusal(message, place.clone()));
-        let mut titles: Vec<(String, Option<String>)> = cells.iter().map(|cell| sheet::title(cell)).collect();
-        let below = self.lines.get(at + 1).map(|line| sheet::cells(&line.text, self.separator)).unwrap_or_default();
-        let row_of_units = below.len() == titles.len()
-            && below.iter().any(|c| units::unit(c.trim_matches(['[', ']', '(', ')'])).is_ok())
-            && below.iter().all(|c| sheet::number(c, self.separator).is_err());
-        if row_of_units {
-            for ((_, unit), cell) in titles.iter_mut().zip(&below) {
-                let cell = cell.trim_matches(['[', ']', '(', ')']);
-                *unit = unit
-                    .take()
-                    .or_else(|| units::unit(cell).ok().filter(|_| !cell.is_empty()).map(|_| cell.to_owned()));
-            }
-        }
+        let (titles, row_of_units) = self.titles(at, cells);
         let lower: Vec<String> = titles.iter().map(|(name, _)| name.to_lowercase()).collect();
         let (error, value) = (lower.iter().position(|n| n == "error"), lower.iter().position(|n| n == "value"));
         let column = lower.iter().position(|n| n == "axis");
@@ -294,12 +282,31 @@ impl Reading<'_> {
             _ if titles.iter().any(has_error) => Form::Wide,
             _ => Form::Runs,
         };
+        self.roles(&mut header, &titles, position).map_err(&refuse)?;
+        Ok(header)
+    }
+
+    /// Names and units of the columns; is there a row of units below them?
+    fn titles(&self, at: usize, cells: &[String]) -> (Vec<(String, Option<String>)>, bool) {
+        let mut titles: Vec<(String, Option<String>)> = cells.iter().map(|cell| sheet::title(cell)).collect();
+        let bare = |cell: &str| cell.trim_matches(['[', ']', '(', ')']).to_owned();
+        let below = self.lines.get(at + 1).map(|line| sheet::cells(&line.text, self.separator)).unwrap_or_default();
+        let row_of_units = below.len() == titles.len()
+            && below.iter().any(|cell| units::unit(&bare(cell)).is_ok())
+            && below.iter().all(|cell| sheet::number(cell, self.separator).is_err());
+        if row_of_units {
+            for ((_, unit), cell) in titles.iter_mut().zip(below.iter().map(|cell| bare(cell))) {
+                *unit = unit.take().or_else(|| units::unit(&cell).ok().filter(|_| !cell.is_empty()).map(|_| cell));
+            }
+        }
+        (titles, row_of_units)
+    }
+
+    /// What every column is.
+    fn roles(&self, header: &mut Header, titles: &[(String, Option<String>)], position: usize) -> Result<(), String> {
         for (k, (name, unit)) in titles.iter().enumerate() {
-            let role = if k == position {
-                Role::Position(factor)
-            } else {
-                self.role(&mut header, name, unit.as_deref()).map_err(&refuse)?
-            };
+            let role =
+                if k == position { Role::Position(header.factor) } else { self.role(header, name, unit.as_deref())? };
             header.roles.push(role);
         }
         // Beside deviations the positions they were formed from say nothing new.
@@ -308,11 +315,8 @@ impl Reading<'_> {
             reached.for_each(|role| *role = Role::Ignored);
         }
         let number = |role: &Role| role.is_number() && !matches!(role, Role::Position(_));
-        if header.roles.iter().any(number) {
-            Ok(header)
-        } else {
-            Err(refuse(format!("there is no column of readings{}", self.wanted.of())))
-        }
+        let any = header.roles.iter().any(number);
+        if any { Ok(()) } else { Err(format!("there is no column of readings{}", self.wanted.of())) }
     }
 
     fn is_position(&self, name: &str, axis: &str) -> bool {
