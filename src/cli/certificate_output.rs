@@ -180,8 +180,14 @@ impl Shown<'_> {
         };
         let by = |x: f64| format!("{} {}", significant(x, 4), axis.unit());
         let (name, added, other) = (&axis.name, by(strongest.value), by(0.0 - strongest.value));
+        // Tables beside a module are not switched with it.
+        let (what, they) = if self.target.manifest.kinematics().is_some() {
+            ("the module adds", "it")
+        } else {
+            ("the files add", "they")
+        };
         format!(
-            "Then measure: at {}{coming}, the files add {added} to {name}. Switched on, they must change what an instrument along {name} reads by {added}; by {other} means a wrong sign.\n",
+            "Then measure: at {}{coming}, {what} {added} to {name}. Switched on, {they} must change what an instrument along {name} reads by {added}; by {other} means a wrong sign.\n",
             place.join(", "),
         )
     }

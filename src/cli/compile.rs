@@ -92,6 +92,7 @@ impl Set {
 
 /// The files of a kinematics module.
 fn module(session: &mut Session, args: &Args, machine: &Machine, target: &Target, inputs: Vec<Hashed>) -> Outcome {
+    module_set::refuse_installed(session, args.installed.is_some())?;
     let orientation = args.options.how.orientation();
     let limits = args.max_correction.unwrap_or_default();
     let Module { rendered, carried, beside } = module_set::made(session, machine, target, orientation, limits)?;

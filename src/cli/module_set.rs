@@ -2,7 +2,7 @@
 
 use super::how::How;
 use super::session::Session;
-use super::{Stop, detect, file_set};
+use super::{Outcome, Stop, detect, file_set};
 use crate::compensation::Tables;
 use crate::machine::Machine;
 use crate::target::{Carried, Limits, ReadBack, RenderedFile, Target};
@@ -36,6 +36,11 @@ pub(super) fn made(
     session.checked()?;
     let (carried, beside) = read_back(session, machine, target, &rendered, (&meant, &reversal))?;
     Ok(Module { rendered, carried, beside })
+}
+
+/// A module takes the place of another one, and nothing adds up.
+pub(super) fn refuse_installed(session: &Session, given: bool) -> Outcome {
+    if given { session.usage("--installed: a kinematics module is not written on top of tables") } else { Ok(()) }
 }
 
 /// A module's numbers and the tables beside it, read from the files of a folder.

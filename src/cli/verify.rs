@@ -63,6 +63,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
 
 /// The certificate of a kinematics module.
 fn module(session: &mut Session, args: &Args, machine: &Machine, target: &Target, texts: &[ReadBack]) -> Outcome {
+    module_set::refuse_installed(session, args.installed.is_some())?;
     if args.replay.is_some() {
         return session.usage("--replay: a kinematics module has no tables that hold for a joint alone");
     }

@@ -217,7 +217,10 @@ pub(super) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
 
 /// The regular file behind the path, or the path itself if there is nothing yet.
 fn replaceable(path: &Path) -> Result<PathBuf, Diagnostic> {
-    let Ok(metadata) = fs::metadata(path) else { return Ok(path.to_owned()) };
+    let Ok(metadata) = fs::metadata(path) else {
+        let link = path.symlink_metadata().is_ok();
+        return if link { Err(unwritable(path, "it is a link to nothing")) } else { Ok(path.to_owned()) };
+    };
     if metadata.is_dir() {
         return Err(unwritable(path, "it is a directory"));
     }
@@ -313,5 +316,15 @@ mod tests {
             assert_eq!(diagnostic.code, "E0810", "{path:?}");
         }
         assert_eq!(folder.entries(), 0);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_nothing_stays_one() {
+        let folder = Folder::new("link");
+        let path = folder.0.join("map.csv");
+        std::os::unix::fs::symlink(folder.0.join("none.csv"), &path).unwrap();
+        assert_eq!(write_whole(&path, b"x").unwrap_err().code, "E0810");
+        assert!(path.symlink_metadata().unwrap().is_symlink());
     }
 }

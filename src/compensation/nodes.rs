@@ -281,6 +281,9 @@ impl PartialOrd for Cost {
     }
 }
 
+/// What is left in the square (mm or deg, by the way) is rounding below this: a thousandth of the finest increment.
+const NOTHING: f64 = 1e-24;
+
 /// Takes candidates away until so many are left.
 fn thin(loss: &Loss, most: usize) -> Vec<usize> {
     let count = loss.positions.len();
@@ -291,15 +294,19 @@ fn thin(loss: &Loss, most: usize) -> Vec<usize> {
     let mut queue = BinaryHeap::new();
     let mut left = count;
     let within = |at: usize| at > 0 && at + 1 < count;
+    let cost = |low: usize, at: usize, high: usize| {
+        let cost = loss.worth(&[low, at, high], 1);
+        if cost.abs() < NOTHING * (loss.positions[high] - loss.positions[low]) { 0.0 } else { cost }
+    };
     for at in (0..count).filter(|at| within(*at)) {
-        let cost = loss.worth(&[at - 1, at, at + 1], 1);
+        let cost = cost(at - 1, at, at + 1);
         costs[at] = Some(cost);
         queue.push(Cost(cost, at));
     }
     while left > most {
-        let Some(Cost(cost, at)) = queue.pop() else { break };
+        let Some(Cost(known, at)) = queue.pop() else { break };
         // What was queued before a neighbour went has another cost now.
-        if costs[at] != Some(cost) {
+        if costs[at].is_none_or(|cost| cost.total_cmp(&known).is_ne()) {
             continue;
         }
         costs[at] = None;
@@ -307,7 +314,7 @@ fn thin(loss: &Loss, most: usize) -> Vec<usize> {
         let (low, high) = (before[at], after[at]);
         (after[low], before[high]) = (high, low);
         for at in [low, high].into_iter().filter(|at| within(*at)) {
-            let cost = loss.worth(&[before[at], at, after[at]], 1);
+            let cost = cost(before[at], at, after[at]);
             costs[at] = Some(cost);
             queue.push(Cost(cost, at));
         }
@@ -347,8 +354,9 @@ fn slide(loss: &Loss, kept: &mut [usize]) -> bool {
     let mut moved = false;
     for at in 1..kept.len().saturating_sub(1) {
         let worth = loss.worth(kept, at);
+        let way = loss.positions[kept[at + 1]] - loss.positions[kept[at - 1]];
         if let Some((gain, best)) = loss.best(kept[at - 1], kept[at + 1])
-            && gain > worth * (1.0 + GAIN) + f64::MIN_POSITIVE
+            && gain > worth * (1.0 + GAIN) + NOTHING * way
         {
             kept[at] = best;
             moved = true;
@@ -373,6 +381,18 @@ mod tests {
         let rows: Vec<Vec<f64>> = positions.iter().map(|q| line(*q)).collect();
         assert_eq!(place(&positions, &rows, &rows, 5), [0, 17, 40, 41, 100]);
         assert_eq!(place(&positions, &rows, &rows, 2), [0, 100]);
+    }
+
+    /// Where nothing is lost whatever is kept, points are spread, and rounding does not crowd them together.
+    #[test]
+    fn straight_curves_keep_points_everywhere() {
+        let positions: Vec<f64> = (0..=1000).map(f64::from).collect();
+        for slope in [0.0, 1e-6, 0.3e-6] {
+            let rows: Vec<Vec<f64>> = positions.iter().map(|q| vec![5e-3 + slope * q, 8e-3 - slope * q]).collect();
+            let kept = place(&positions, &rows, &rows, 256);
+            let widest = kept.windows(2).map(|pair| pair[1] - pair[0]).max();
+            assert!(kept.len() == 256 && widest <= Some(8), "{slope}: {widest:?}");
+        }
     }
 
     fn total(loss: &Loss, kept: &[usize]) -> f64 {

@@ -284,15 +284,14 @@ pub(super) fn strongest_at(
     found.or_else(|| strongest_of(machine, (poses, ways), &added))
 }
 
-/// Some axes at positions, the others at 0 or as near as they come.
+/// Some axes at positions, the others at 0, or as near to them as they come: tables may reach beyond the travel.
 fn pose_at(machine: &Machine, at: &[(usize, f64)]) -> Pose {
-    let near = |axis: &Axis| {
+    let near = |(i, axis): (usize, &Axis)| {
+        let wanted = at.iter().find(|(axis, _)| *axis == i).map_or(0.0, |(_, q)| *q);
         let (min, max) = axis.travel.interval();
-        0.0_f64.max(min).min(max)
+        wanted.max(min).min(max)
     };
-    let mut pose: Pose = machine.axes().iter().map(near).collect();
-    at.iter().for_each(|(axis, q)| pose[*axis] = *q);
-    pose
+    machine.axes().iter().enumerate().map(near).collect()
 }
 
 /// The directions of approach that can differ.

@@ -368,6 +368,37 @@ fn the_sign_test_comes_in_reverse_where_only_that_is_corrected() {
     assert!(!run.err.contains("W0602"), "{}", run.err);
 }
 
+/// Tables that are given at 1000 mm, or an increment beyond the end, are tested where the machine can go.
+#[test]
+fn the_sign_test_is_within_the_travel() {
+    let folder = Folder::new();
+    for target in ["marlin", "klipper", "reprapfirmware", "sinumerik-cec"] {
+        let out = folder.path(target);
+        let mut run = abbe();
+        run.arg("compile").arg(config("trunnion.yaml")).args(["--accept-unverified", "--target", target, "--out"]);
+        let run = Run::of(run.arg(&out).args(["--poses", "50"]));
+        let said = run.out.lines().find_map(|line| line.strip_prefix("Then measure: at ")).unwrap_or(&run.err);
+        let at = |axis: &str| {
+            let words = said.split_once(&format!("{axis} = ")).unwrap_or_else(|| panic!("{target}: {said}")).1;
+            words.split_whitespace().next().unwrap().parse::<f64>().unwrap()
+        };
+        let (x, y, z) = (at("X"), at("Y"), at("Z"));
+        assert!((0.0..=500.0).contains(&x) && (0.0..=450.0).contains(&y) && (-400.0..=0.0).contains(&z), "{said}");
+    }
+}
+
+/// Options that would be without effect are refused.
+#[test]
+fn what_has_no_effect_is_no_option() {
+    let folder = Folder::new();
+    let (machine, out) = (config("vmc-cframe-754.yaml"), folder.path("out"));
+    compile(&machine, "linuxcnc-kins", &out, &["--poses", "1"]).json();
+    let installed = ["--poses", "1", "--installed", out.to_str().unwrap()];
+    assert_eq!(compile(&machine, "linuxcnc-kins", &folder.path("other"), &installed).code, Some(2));
+    assert_eq!(verify(&machine, &out, &installed).code, Some(2));
+    assert_eq!(compile(&machine, "grid-csv", &folder.path("grid"), &["--lattice", "X,X"]).code, Some(2));
+}
+
 /// The number is what the files add, not what the machine would want: the matrix by hand, at the pose that is named.
 #[test]
 fn the_sign_test_of_a_matrix_is_the_matrix() {
@@ -393,7 +424,7 @@ fn the_sign_test_of_a_matrix_is_the_matrix() {
     };
     let sum: f64 = "xyz".chars().map(added).sum();
     // Four digits are printed.
-    assert!((sum - after("the files add ")).abs() < 1e-3 * sum.abs(), "{sum} {said}");
+    assert!((sum - after("the module adds ")).abs() < 1e-3 * sum.abs(), "{sum} {said}");
 }
 
 /// With a tool that the tables were not made for: said, and the corrections of a kinematics module are right all the same.

@@ -222,8 +222,8 @@ fn isg_lines_of_turns_are_those_of_the_machine_file() {
         let _ = folder.write("volcomp.csv", &format!("{head}\n{}\n", cells.join(" ")));
         verify(&machine, &folder.path(""), &["--target", "isg-volcomp", "--poses", "1"])
     };
-    // P0, N0, then P and V of C and of A: C runs along Z, A along X, V of any length.
-    for same in [&[][..], &[(0, "7")], &[(8, "12.5")], &[(12, "-3")], &[(11, "2")]] {
+    // P0, N0, then P and V of C and of A: C runs along Z, A along X.
+    for same in [&[][..], &[(0, "7")], &[(8, "12.5")], &[(12, "-3")]] {
         set(same).json();
     }
     for (other, words) in [
@@ -231,9 +231,28 @@ fn isg_lines_of_turns_are_those_of_the_machine_file() {
         (&[(14, "-349.9999")], "the point of `A`"),
         (&[(11, "-1")], "the direction of `C`"),
         (&[(11, "0")], "the direction of `C`"),
+        (&[(11, "2")], "the direction of `C`"),
         (&[(16, "0.001")], "the direction of `A`"),
     ] {
         set(other).refused("E0704").says(words);
+    }
+    let names = "P0X P0Y P0Z N0X N0Y N0Z PXC PYC PZC VXC VYC VZC PXA PYA PZA VXA VYA VZA";
+    assert!(head.ends_with(names));
+    for part in [0..5, 0..6, 3..6] {
+        let left = |text: &str| {
+            let cells = text.split(' ').enumerate().filter(|(i, _)| !part.contains(&(i.wrapping_sub(12))));
+            cells.map(|(_, cell)| cell).collect::<Vec<_>>().join(" ")
+        };
+        let text = format!("{}{}\n{}\n", head.strip_suffix(names).unwrap(), left(names), left(last));
+        let folder = Folder::new();
+        let _ = folder.write("volcomp.csv", &text);
+        let run = verify(&machine, &folder.path(""), &["--target", "isg-volcomp", "--poses", "1"]);
+        // Without any line of A the controller has one of its own.
+        if part == (0..6) {
+            let _ = run.json();
+        } else {
+            run.refused("E0704").says("the line of `A` is not whole");
+        }
     }
 }
 

@@ -101,29 +101,52 @@ fn positions_that_were_reached() {
         check(&report, 2);
         assert_eq!(without_comments(&table), TABLE);
     }
-    // Beside deviations they say nothing new.
-    let text = "nominal [mm], actual [mm], deviation [um]\n0, 0, 1\n100, 100.0021, 2\n";
-    let table = imported(text.as_bytes(), &["--error", "EXX"]).1;
-    assert_eq!(without_comments(&table), "X [mm], EXX [um]\n0, 1\n100, 2\n");
-    // An encoder that counts from 0 again: 10 urad before and behind.
-    let turn = format!("C [deg]; actual\n0; {}\n180; {}\n", 1e-5_f64.to_degrees(), 180.0 - 1e-5_f64.to_degrees());
-    let turn = format!("{turn}360; {}\n", 1e-5_f64.to_degrees());
-    let table = imported(turn.as_bytes(), &["--continuous"]).1;
-    assert_eq!(without_comments(&table), "C [deg], ECC [urad]\n0, 10\n180, -10\n360, 10\n");
-    for (text, words) in [
-        ("X [mm], actual [deg]\n0, 0\n", "no column of the positions that X reached"),
-        ("X [mm], actual [um/m]\n0, 0\n", "not a unit of positions"),
-        ("U [mm], actual [mm]\n0, 0\n", "give `--error EXX`"),
-        ("X [mm], reading [mm]\n0, 0\n100, 100.001\n", "--error EXX"),
+    // Beside deviations they say nothing new; what is neither is left alone.
+    let table = |text: &str, options: &[&str]| without_comments(&imported(text.as_bytes(), options).1);
+    let both = "nominal [mm], actual [mm], deviation [um]\n0, 0, 1\n100, 100.0021, 2\n";
+    assert_eq!(table(both, &["--axis", "X"]), "X [mm], EXX [um]\n0, 1\n100, 2\n");
+    for beside in ["actual feed", "actual temperature [degC]", "Ist-Temperatur", "temp actual", "feed [mm/min]"] {
+        let text = format!("X [mm], Actual [mm], {beside}\n0, 0.001, 20\n100, 100.002, 21\n");
+        assert_eq!(table(&text, &[]), "X [mm], EXX [um]\n0, 1\n100, 2\n", "{beside}");
+    }
+    let pitch = "X [mm], actual [mm], pitch [urad]\n0, 0, 1\n100, 100.0021, 2\n";
+    assert_eq!(table(pitch, &["--error", "EAX"]), "X [mm], EAX [urad]\n0, 1\n100, 2\n");
+    // Deviations that are called actual.
+    for title in ["actual deviation [um]", "Ist-Abweichung [um]", "actual [um]", "ist error+ [um]"] {
+        let text = format!("X [mm]; {title}\n0; 1\n4; 2\n");
+        assert_eq!(table(&text, &["--error", "EXX"]), "X [mm], EXX [um]\n0, 1\n4, 2\n", "{title}");
+    }
+    let arcsec = "C [deg]; actual error [arcsec]\n0; 0.5\n90; 1.2\n";
+    assert_eq!(table(arcsec, &["--error", "ECC"]), "C [deg], ECC [urad]\n0, 2.424068\n90, 5.817764\n");
+    // A hyphen joins words and is no direction: there and back by the order of the rows.
+    let rows = "0; 0.001\n100; 100.002\n200; 200.003\n200; 200.004\n100; 100.005\n0; 0.004\n";
+    for title in ["actual", "Ist-Position", "Istwert", "actual-1", "actual_1"] {
+        let expected = "X [mm], EXX+ [um], EXX- [um]\n0, 1, 4\n100, 2, 5\n200, 3, 4\n";
+        assert_eq!(table(&format!("X [mm]; {title} [mm]\n{rows}"), &[]), expected, "{title}");
+    }
+    // Encoders that count from 0 again: 10 urad before and behind, to the digits that are read.
+    let off = 1e-5_f64.to_degrees();
+    let turn = format!("C [deg]; actual\n0; {off}\n180; {}\n360; {off}\n", 180.0 - off);
+    let (closed, open) = (table(&turn, &["--continuous"]), table(&turn, &[]));
+    assert_eq!(closed, "C [deg], ECC [urad]\n0, 10\n180, -10\n360, 10\n");
+    assert_eq!(open, closed);
+    let below = format!("C [deg]; actual\n0; {}\n180; {}\n", 360.0 - off, -180.0 + off);
+    assert_eq!(table(&below, &[]), "C [deg], ECC [urad]\n0, -10\n180, 10\n");
+    for (text, options, words) in [
+        ("X [mm], actual [deg]\n0, 0\n", &["--error", "EXX"][..], "is not a unit of `EXX`"),
+        ("U [mm], actual [mm]\n0, 0\n", &[], "give `--error EXX`"),
+        ("X [mm], actual [mm]\n0, 0\n100, 100.001\n", &["--error", "EYX"], "no column of readings"),
+        ("X [mm], reading [mm]\n0, 0\n100, 100.001\n", &[], "--error EXX"),
+        // Not one row at a time until one is left.
+        ("X [mm], reading [mm]\n0, 0\n100, 100.001\n", &["--error", "EXX"], "a reading of 100.001 mm"),
+        ("X [mm], pitch [deg]\n0, 0\n100, 30\n", &["--error", "EBX"], "rad is no error of a machine"),
+        ("X [mm], EXX [um]\n0, 0\n100, 3\n", &["--continuous"], "moves along a line"),
     ] {
-        let said = refused(text, &[]);
+        let said = refused(text, options);
         assert!(said.contains("E0509") && said.contains(words), "{text}\n{said}");
     }
     // Files of a laser's own program (no description of them is public).
     assert!(refused("HEADER::\nFile Version: 7\nTARGETS::\n0.0\n100.0\n", &[]).contains("export the test"));
-    // Not one row at a time until one is left.
-    let said = refused("X [mm], reading [mm]\n0, 0\n100, 100.001\n", &["--error", "EXX"]);
-    assert!(said.contains("a reading of 100.001 mm or rad") && said.contains("`actual [mm]`"), "{said}");
 }
 
 #[test]

@@ -9,8 +9,8 @@ use crate::syntax::sheet::{self, Decimals, Line};
 
 /// Farthest position (mm or deg) that is believed.
 const FARTHEST: f64 = 1e6;
-/// Largest reading (mm or rad): an error of the machine language.
-const LARGEST: f64 = 10.0;
+/// Largest readings (mm, rad) that are believed.
+const LARGEST: (f64, f64) = (10.0, 0.1);
 
 pub(super) fn gather(lines: &[Line], header: Header, wanted: &Wanted) -> Result<Import, Box<Diagnostic>> {
     let Header { form, axis, rotary, errors, roles, separator, place, body, metadata, .. } = header;
@@ -28,7 +28,7 @@ pub(super) fn gather(lines: &[Line], header: Header, wanted: &Wanted) -> Result<
         }
         match row(&cells, &roles, separator, wanted, &mut import) {
             Ok(samples) => {
-                believed(&samples).map_err(|why| Box::new(too_large(why, &line.place)))?;
+                believed(&samples, &import.errors).map_err(|why| Box::new(too_large(why, &line.place)))?;
                 let at = if by_row { &line.place } else { &place };
                 agree(&samples, &mut marked).map_err(|error| Box::new(half_marked(&import.errors[error], at)))?;
                 import.samples.extend(samples);
@@ -71,9 +71,11 @@ fn half_marked(error: &ErrorId, place: &Place) -> Diagnostic {
 }
 
 /// Readings that no machine shows are of another unit, or of another column: no row of its own is at fault.
-fn believed(samples: &[Sample]) -> Result<(), String> {
-    let far = samples.iter().find(|sample| sample.value.abs() > LARGEST);
-    far.map_or(Ok(()), |far| Err(format!("a reading of {} mm or rad is no error of a machine", far.value)))
+fn believed(samples: &[Sample], errors: &[ErrorId]) -> Result<(), String> {
+    let turns = |sample: &Sample| errors[sample.error].direction.is_rotation();
+    let unit = |sample: &Sample| if turns(sample) { (LARGEST.1, "rad") } else { (LARGEST.0, "mm") };
+    let far = samples.iter().find(|sample| sample.value.abs() > unit(sample).0);
+    far.map_or(Ok(()), |far| Err(format!("a reading of {} {} is no error of a machine", far.value, unit(far).1)))
 }
 
 fn too_large(message: String, place: &Place) -> Diagnostic {
@@ -139,9 +141,9 @@ fn row(
             Role::Value { error, direction, run, factor } => (error, direction, run, number(at(k))? * factor),
             Role::Reached { error, direction, run, factor } => {
                 let off = number(at(k))? * factor - common.position;
-                // A whole turn on is the same place.
-                let off = if wanted.continuous { off - 360.0 * libm::round(off / 360.0) } else { off };
-                (error, direction, run, if *rotary { off.to_radians() } else { off })
+                // No error is a turn: encoders count from 0 again, or from -180.
+                let off = if *rotary { (off - 360.0 * libm::round(off / 360.0)).to_radians() } else { off };
+                (error, direction, run, off)
             }
             _ => continue,
         };

@@ -88,14 +88,36 @@ pub(super) struct Header {
 }
 
 /// Names of position columns that do not say the axis.
-const POSITIONS: [&str; 7] = ["position", "target", "pos", "nominal", "target position", "nominal position", "soll"];
+const POSITIONS: [&str; 9] = [
+    "position",
+    "target",
+    "pos",
+    "nominal",
+    "target position",
+    "nominal position",
+    "soll",
+    "sollposition",
+    "soll-position",
+];
 /// Names of columns of positions that were reached, longer ones before those they begin with.
-const REACHED: [&str; 4] = ["actual position", "actual", "measured position", "ist"];
+const REACHED: [&str; 9] = [
+    "actual position",
+    "actual pos",
+    "actual",
+    "measured position",
+    "istposition",
+    "ist-position",
+    "ist position",
+    "istwert",
+    "ist",
+];
+/// Words with which columns of deviations begin, beside positions that were reached.
+const DEVIATIONS: [&str; 4] = ["deviation", "error", "abweichung", "difference"];
 /// Lines before the table, at most.
 const PREAMBLE: usize = 500;
 
 /// Words that say a direction, and which; longer ones before those they begin with.
-const WAYS: [(&str, ColumnDirection); 23] = [
+const WAYS: [(&str, ColumnDirection); 24] = [
     ("forward", ColumnDirection::Forward),
     ("reverse", ColumnDirection::Reverse),
     ("backward", ColumnDirection::Reverse),
@@ -106,6 +128,7 @@ const WAYS: [(&str, ColumnDirection); 23] = [
     ("zurück", ColumnDirection::Reverse),
     ("zurueck", ColumnDirection::Reverse),
     ("rück", ColumnDirection::Reverse),
+    ("rueck", ColumnDirection::Reverse),
     ("vor", ColumnDirection::Forward),
     ("hin", ColumnDirection::Forward),
     ("fwd", ColumnDirection::Forward),
@@ -135,10 +158,15 @@ pub(super) fn direction(label: &str, paired: bool) -> (Option<ColumnDirection>, 
     (way, run.to_owned())
 }
 
-/// `actual`, `actual position 2 -`: what is left of the title of positions that were reached.
-fn reached(title: &str) -> Option<&str> {
-    let rest = REACHED.iter().find_map(|word| title.strip_prefix(word))?;
-    rest.chars().next().is_none_or(|c| !c.is_alphabetic()).then_some(rest)
+/// `actual`, `actual position 2 -`, `ist_1`: the direction and the run of positions that were reached. What has another
+/// word in its title, such as `actual deviation` or `actual feed`, is something else.
+fn reached(title: &str, paired: bool) -> Option<(Option<ColumnDirection>, String)> {
+    let lower = title.to_lowercase();
+    let rest = REACHED.iter().find_map(|word| lower.strip_prefix(word))?;
+    let name = rest.trim_start_matches([' ', '_', '-']);
+    // A sign by itself is a direction, one before a name joins the two.
+    let (way, run) = direction(if name.is_empty() { rest } else { name }, paired);
+    run.chars().all(|c| c.is_ascii_digit()).then_some((way, run))
 }
 
 /// `f1`, `v 2`, `r`: a letter and the number of a run.
@@ -222,6 +250,28 @@ pub(super) fn component_error(name: &str) -> Result<ErrorId, String> {
     error_name(name).ok_or_else(|| format!("`{}` is not a component error", shown(name)))
 }
 
+/// What columns of runs are, where there are positions that were reached.
+enum Found {
+    /// There are none.
+    Other,
+    /// They are not those of the error that is asked for.
+    Beside,
+    /// They are the readings.
+    Reached(ErrorId),
+    /// There are deviations too, which say the same.
+    Deviations(ErrorId),
+}
+
+/// `actual [mm]`: in the unit of the targets. In another one it is a deviation.
+fn is_reached(header: &Header, (name, unit): &(String, Option<String>)) -> bool {
+    let same = |unit: &str| position_unit(unit) == Ok((header.rotary, header.factor));
+    reached(name, header.paired).is_some() && unit.as_deref().is_none_or(same)
+}
+
+fn is_deviation(name: &str) -> bool {
+    DEVIATIONS.iter().any(|word| name.to_lowercase().starts_with(word))
+}
+
 struct Reading<'a> {
     lines: &'a [Line],
     wanted: &'a Wanted,
@@ -260,6 +310,12 @@ impl Reading<'_> {
             None => (['A', 'B', 'C'].contains(&letter), 1.0),
             Some(unit) => position_unit(unit).map_err(&refuse)?,
         };
+        if self.wanted.continuous && !rotary {
+            return Err(refuse(format!(
+                "axis {} moves along a line: `--continuous` is for axes that turn",
+                shown(&axis)
+            )));
+        }
         let mut header = Header {
             form: Form::Wide,
             axis,
@@ -304,19 +360,40 @@ impl Reading<'_> {
 
     /// What every column is.
     fn roles(&self, header: &mut Header, titles: &[(String, Option<String>)], position: usize) -> Result<(), String> {
+        let found = if header.form == Form::Runs { self.reached(header, titles)? } else { Found::Other };
         for (k, (name, unit)) in titles.iter().enumerate() {
-            let role =
-                if k == position { Role::Position(header.factor) } else { self.role(header, name, unit.as_deref())? };
+            let role = if k == position {
+                Role::Position(header.factor)
+            } else {
+                self.role(header, name, unit.as_deref(), &found)?
+            };
             header.roles.push(role);
-        }
-        // Beside deviations the positions they were formed from say nothing new.
-        if header.roles.iter().any(|role| matches!(role, Role::Value { .. })) {
-            let reached = header.roles.iter_mut().filter(|role| matches!(role, Role::Reached { .. }));
-            reached.for_each(|role| *role = Role::Ignored);
         }
         let number = |role: &Role| role.is_number() && !matches!(role, Role::Position(_));
         let any = header.roles.iter().any(number);
         if any { Ok(()) } else { Err(format!("there is no column of readings{}", self.wanted.of())) }
+    }
+
+    /// Are there columns of positions that were reached? They show the positioning error of the axis and no other one.
+    fn reached(&self, header: &Header, titles: &[(String, Option<String>)]) -> Result<Found, String> {
+        let axis = &header.axis;
+        let own = error_name(&format!("E{}{axis}", axis.chars().next().unwrap_or_default()));
+        let error = self.error()?;
+        if !titles.iter().any(|title| is_reached(header, title)) {
+            return Ok(Found::Other);
+        }
+        let other = |error: &ErrorId| {
+            error.direction.is_rotation() != header.rotary || own.as_ref().is_some_and(|own| own != error)
+        };
+        if error.as_ref().is_some_and(other) {
+            return Ok(Found::Beside);
+        }
+        let error = error.or(own).ok_or_else(|| {
+            format!("nothing says of which error the positions that {} reached show the runs: give `--error EXX`", axis)
+        })?;
+        own_axis(&error, axis)?;
+        let deviations = titles.iter().any(|(name, _)| is_deviation(name));
+        Ok(if deviations { Found::Deviations(error) } else { Found::Reached(error) })
     }
 
     fn is_position(&self, name: &str, axis: &str) -> bool {
@@ -358,7 +435,7 @@ impl Reading<'_> {
         axis.ok_or_else(|| "nothing says which axis moved: give `--axis X`".to_owned())
     }
 
-    fn role(&self, header: &mut Header, name: &str, unit: Option<&str>) -> Result<Role, String> {
+    fn role(&self, header: &mut Header, name: &str, unit: Option<&str>, found: &Found) -> Result<Role, String> {
         let lower = name.to_lowercase();
         match lower.as_str() {
             "run" => return Ok(Role::Run),
@@ -391,10 +468,20 @@ impl Reading<'_> {
             let Some(error) = error else { return Ok(Role::Ignored) };
             return self.value(header, error, way, String::new(), name, unit);
         }
-        if let Some(rest) = reached(&lower) {
-            return self.reached(header, name, rest, unit);
-        }
-        let error = self.error()?.ok_or_else(|| {
+        let title = (name.to_owned(), unit.map(str::to_owned));
+        let error = match found {
+            Found::Other => self.error()?,
+            _ if is_reached(header, &title) => {
+                let Found::Reached(error) = found else { return Ok(Role::Ignored) };
+                let (direction, run) = reached(name, header.paired).unwrap_or_default();
+                let error = index(&mut header.errors, error.clone());
+                return Ok(Role::Reached { error, direction, run, factor: header.factor });
+            }
+            Found::Beside => self.error()?,
+            Found::Deviations(error) if is_deviation(name) => Some(error.clone()),
+            _ => return Ok(Role::Ignored),
+        };
+        let error = error.ok_or_else(|| {
             format!("nothing says which error the runs are of (`{}`): give `--error EXX`", shown(name))
         })?;
         let (way, run) = direction(name, header.paired);
@@ -405,22 +492,6 @@ impl Reading<'_> {
     fn error(&self) -> Result<Option<ErrorId>, String> {
         let said = self.wanted.error.as_deref().or(self.said("error"));
         said.map(component_error).transpose()
-    }
-
-    /// A column of positions that were reached: runs of the positioning error, unless another one is asked for.
-    fn reached(&self, header: &mut Header, name: &str, rest: &str, unit: Option<&str>) -> Result<Role, String> {
-        let (rotary, factor) = unit.map_or(Ok((header.rotary, header.factor)), position_unit)?;
-        let axis = &header.axis;
-        let own = || error_name(&format!("E{}{axis}", axis.chars().next().unwrap_or_default()));
-        let error = self.error()?.or_else(own).ok_or_else(|| {
-            format!("nothing says of which error `{}` shows the runs: give `--error EXX`", shown(name))
-        })?;
-        if rotary != header.rotary || rotary != error.direction.is_rotation() {
-            return Err(format!("`{}` is no column of the positions that {axis} reached with `{error}`", shown(name)));
-        }
-        own_axis(&error, axis)?;
-        let (direction, run) = direction(rest, header.paired);
-        Ok(Role::Reached { error: index(&mut header.errors, error), direction, run, factor })
     }
 
     fn value(

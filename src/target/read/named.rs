@@ -3,7 +3,7 @@
 use super::assemble::error_value;
 use super::{Fault, Reading, lines, number};
 use crate::compensation::{ErrorCurve, Table, Tables};
-use crate::machine::{Axis, AxisKind, parse_error_name};
+use crate::machine::{AxisKind, parse_error_name};
 use crate::target::manifest::Frame;
 use crate::target::stored::{Column, Place};
 use nalgebra::Vector3;
@@ -23,25 +23,28 @@ const SAME: f64 = 1e-5;
 
 /// Refuses lines of rotary axes (`PXC PYC PZC`, a point; `VXC VYC VZC`, the direction) that are not the machine file's.
 fn same_geometry(reading: &Reading, line: usize, names: &[&str], row: &[f64]) -> Result<(), Fault> {
-    let vector = |kind: char, axis: &Axis| {
-        let of = |letter: char| names.iter().position(|name| *name == format!("{kind}{letter}{}", axis.name));
-        Some(Vector3::new(row[of('X')?], row[of('Y')?], row[of('Z')?]))
-    };
     for axis in reading.machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary) {
-        let direction = Vector3::from(axis.direction);
-        let off = vector('P', axis).map_or(0.0, |point| (point - Vector3::from(axis.origin)).cross(&direction).norm());
-        let turned = vector('V', axis).map_or(0.0, |v| (v.normalize() - direction).norm());
-        let wrong = |what: &str| {
-            let message =
-                format!("{what} of `{}` is not that of the machine file, which is what is certified", axis.name);
-            Err(Fault::new(line, message))
+        let cell =
+            |kind: char, letter: char| names.iter().position(|name| *name == format!("{kind}{letter}{}", axis.name));
+        let cells: Vec<Option<f64>> = ['P', 'V']
+            .iter()
+            .flat_map(|kind| ['X', 'Y', 'Z'].map(|letter| cell(*kind, letter).map(|at| row[at])))
+            .collect();
+        let known: Vec<f64> = cells.iter().flatten().copied().collect();
+        let [px, py, pz, vx, vy, vz] = known[..] else {
+            if known.is_empty() {
+                continue;
+            }
+            return Err(Fault::new(line, format!("the line of `{}` is not whole: PX PY PZ and VX VY VZ", axis.name)));
         };
-        // A direction of no length is no number.
-        if off > SAME {
-            return wrong("the point");
-        }
-        if turned.is_nan() || turned > SAME {
-            return wrong("the direction");
+        let direction = Vector3::from(axis.direction);
+        let off = (Vector3::new(px, py, pz) - Vector3::from(axis.origin)).cross(&direction).norm();
+        let turned = (Vector3::new(vx, vy, vz) - direction).norm();
+        if off > SAME || turned > SAME {
+            let what = if off > SAME { "point" } else { "direction" };
+            let message =
+                format!("the {what} of `{}` is not that of the machine file, which is what is certified", axis.name);
+            return Err(Fault::new(line, message));
         }
     }
     Ok(())

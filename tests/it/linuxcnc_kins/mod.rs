@@ -150,7 +150,7 @@ fn the_sign_test_is_what_the_module_does() {
         run.arg("compile").arg(config(name)).args(["--target", "linuxcnc-kins", "--out"]).arg(&out).args(WIDE);
         let run = Run::of(&mut run);
         let said = run.out.lines().find_map(|line| line.strip_prefix("Then measure: at ")).unwrap();
-        let (place, rest) = said.split_once(", the files add ").unwrap();
+        let (place, rest) = said.split_once(", the module adds ").unwrap();
         let number = |words: &str| words.split_whitespace().next().unwrap().parse::<f64>().unwrap();
         let places: Vec<(&str, f64)> =
             place.split(", ").map(|one| one.split_once(" = ").unwrap()).map(|(axis, q)| (axis, number(q))).collect();
