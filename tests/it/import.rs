@@ -116,6 +116,11 @@ fn positions_that_were_reached() {
         let text = format!("X [mm]; {title}\n0; 1\n4; 2\n");
         assert_eq!(table(&text, &["--error", "EXX"]), "X [mm], EXX [um]\n0, 1\n4, 2\n", "{title}");
     }
+    assert_eq!(
+        table("X [mm]; actual\n0; 1\n4; 2\n", &["--unit", "um", "--error", "EXX"]),
+        "X [mm], EXX [um]\n0, 1\n4, 2\n"
+    );
+    assert_eq!(table("X [mm]; actual\n0; 0.001\n4; 4.002\n", &["--unit", "mm"]), "X [mm], EXX [um]\n0, 1\n4, 2\n");
     let arcsec = "C [deg]; actual error [arcsec]\n0; 0.5\n90; 1.2\n";
     assert_eq!(table(arcsec, &["--error", "ECC"]), "C [deg], ECC [urad]\n0, 2.424068\n90, 5.817764\n");
     // A hyphen joins words and is no direction: there and back by the order of the rows.

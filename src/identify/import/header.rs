@@ -262,12 +262,6 @@ enum Found {
     Deviations(ErrorId),
 }
 
-/// `actual [mm]`: in the unit of the targets. In another one it is a deviation.
-fn is_reached(header: &Header, (name, unit): &(String, Option<String>)) -> bool {
-    let same = |unit: &str| position_unit(unit) == Ok((header.rotary, header.factor));
-    reached(name, header.paired).is_some() && unit.as_deref().is_none_or(same)
-}
-
 fn is_deviation(name: &str) -> bool {
     DEVIATIONS.iter().any(|word| name.to_lowercase().starts_with(word))
 }
@@ -374,12 +368,23 @@ impl Reading<'_> {
         if any { Ok(()) } else { Err(format!("there is no column of readings{}", self.wanted.of())) }
     }
 
+    /// The unit of a column of readings: its own, or that of all that have none.
+    fn unit<'u>(&'u self, own: Option<&'u str>) -> Option<&'u str> {
+        own.or(self.wanted.unit.as_deref()).or(self.said("unit")).or(self.said("units"))
+    }
+
+    /// `actual [mm]`: in the unit of the targets. In another one it is a deviation.
+    fn is_reached(&self, header: &Header, name: &str, unit: Option<&str>) -> bool {
+        let same = |unit: &str| position_unit(unit) == Ok((header.rotary, header.factor));
+        reached(name, header.paired).is_some() && self.unit(unit).is_none_or(same)
+    }
+
     /// Are there columns of positions that were reached? They show the positioning error of the axis and no other one.
     fn reached(&self, header: &Header, titles: &[(String, Option<String>)]) -> Result<Found, String> {
         let axis = &header.axis;
         let own = error_name(&format!("E{}{axis}", axis.chars().next().unwrap_or_default()));
         let error = self.error()?;
-        if !titles.iter().any(|title| is_reached(header, title)) {
+        if !titles.iter().any(|(name, unit)| self.is_reached(header, name, unit.as_deref())) {
             return Ok(Found::Other);
         }
         let other = |error: &ErrorId| {
@@ -389,7 +394,7 @@ impl Reading<'_> {
             return Ok(Found::Beside);
         }
         let error = error.or(own).ok_or_else(|| {
-            format!("nothing says of which error the positions that {} reached show the runs: give `--error EXX`", axis)
+            format!("nothing says of which error the positions that {axis} reached show the runs: give `--error EXX`")
         })?;
         own_axis(&error, axis)?;
         let deviations = titles.iter().any(|(name, _)| is_deviation(name));
@@ -468,10 +473,9 @@ impl Reading<'_> {
             let Some(error) = error else { return Ok(Role::Ignored) };
             return self.value(header, error, way, String::new(), name, unit);
         }
-        let title = (name.to_owned(), unit.map(str::to_owned));
         let error = match found {
             Found::Other => self.error()?,
-            _ if is_reached(header, &title) => {
+            _ if self.is_reached(header, name, unit) => {
                 let Found::Reached(error) = found else { return Ok(Role::Ignored) };
                 let (direction, run) = reached(name, header.paired).unwrap_or_default();
                 let error = index(&mut header.errors, error.clone());
@@ -504,8 +508,7 @@ impl Reading<'_> {
         unit: Option<&str>,
     ) -> Result<Role, String> {
         own_axis(&error, &header.axis)?;
-        let unit = unit.or(self.wanted.unit.as_deref()).or(self.said("unit")).or(self.said("units"));
-        let Some(unit) = unit else {
+        let Some(unit) = self.unit(unit) else {
             return Err(format!(
                 "nothing says in which unit `{}` is: write `{0} [um]`, or give `--unit um`",
                 shown(name)
