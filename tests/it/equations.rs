@@ -87,6 +87,18 @@ fn second_order_is_eval() {
     }
 }
 
+/// Products of terms are counted: the limit comes before the memory is full. The program says so with exit code 1.
+#[test]
+#[ignore = "half a minute: by hand"]
+fn equations_without_end_are_refused() {
+    let mut run = Command::new(env!("CARGO_BIN_EXE_abbe"));
+    let output =
+        run.args(["equations", "--order", "6"]).arg(configs::folder().join("hh-bd-ram.yaml")).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && said.contains("E0523") && said.contains("products of terms"), "{said}");
+    assert!(output.stdout.is_empty());
+}
+
 /// A polynomial as its terms: powers by symbol, coefficient.
 type Terms = BTreeMap<BTreeMap<String, u64>, f64>;
 

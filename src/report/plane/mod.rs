@@ -312,14 +312,16 @@ impl PlanePicture<'_> {
         svg.rect((LEFT, TOP), (width, height), &format!(r#"fill="none" stroke="{INK}""#));
         let tick = format!(r#"stroke="{INK}""#);
         let step = round_step(self.span(0), ((width / 80.0) as usize).clamp(1, 8));
-        for value in ticks(self.plane.intervals[0], step) {
-            let (x, y) = (self.at(scale, (value, 0.0)).0, TOP + height);
+        let at = |value: &f64| self.at(scale, (*value, 0.0)).0;
+        for value in spread(ticks(self.plane.intervals[0], step), at, 40.0) {
+            let (x, y) = (at(&value), TOP + height);
             svg.line((x, y), (x, y + 5.0), &tick);
             svg.text((x, y + 19.0), &tick_text(value, step), Font::plain(13.0), Anchor::Middle, 0.0);
         }
         let step = round_step(self.span(1), ((height / 50.0) as usize).clamp(1, 8));
-        for value in ticks(self.plane.intervals[1], step) {
-            let y = self.at(scale, (0.0, value)).1;
+        let at = |value: &f64| self.at(scale, (0.0, *value)).1;
+        for value in spread(ticks(self.plane.intervals[1], step), at, 14.0) {
+            let y = at(&value);
             svg.line((LEFT - 5.0, y), (LEFT, y), &tick);
             svg.text((LEFT - 9.0, y + 4.0), &tick_text(value, step), Font::plain(13.0), Anchor::End, 0.0);
         }
@@ -389,6 +391,17 @@ impl PlanePicture<'_> {
             svg.arrow(from, (from.0 + u * pixels, from.1 - v * pixels), 1.2, INK);
         }
     }
+}
+
+/// Ticks at least so many px apart: those of a side that is hardly there would cover each other.
+fn spread(ticks: Vec<f64>, at: impl Fn(&f64) -> f64, apart: f64) -> Vec<f64> {
+    let mut kept: Vec<f64> = Vec::new();
+    for tick in ticks {
+        if kept.last().is_none_or(|last| (at(&tick) - at(last)).abs() >= apart) {
+            kept.push(tick);
+        }
+    }
+    kept
 }
 
 /// The next smaller of 1, 2, 5 times a power of ten.
