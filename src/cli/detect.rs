@@ -16,6 +16,14 @@ pub(super) struct Set {
     pub files: Vec<ReadBack>,
 }
 
+/// The set in a folder, of whatever target it is, after a killed run is finished there.
+pub(super) fn any_set(session: &mut Session, machine: &Machine, folder: &Path, how: &How) -> Result<Set, Stop> {
+    file_set::settle(session, folder)?;
+    let set = set(session, machine, folder, None, how)?;
+    session.checked()?;
+    Ok(set)
+}
+
 /// More files than any set has are not looked at, nor more bytes.
 const MOST_FILES: usize = 200;
 const MOST_BYTES: u64 = 4 * SET_LIMIT;

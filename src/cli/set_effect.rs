@@ -4,7 +4,7 @@ use super::certificate_output::warnings;
 use super::how::{How, Options};
 use super::session::Session;
 use super::table_set::{self, Found};
-use super::{Stop, detect, file_set, module_set};
+use super::{Stop, detect, module_set};
 use crate::machine::Machine;
 use crate::target::{Certificate, Depth, Effect, Judged, Limits, Target, certify, certify_kinematics};
 use std::path::Path;
@@ -42,9 +42,7 @@ pub(super) fn found(
     folder: &Path,
     options: &Options,
 ) -> Result<(Target, Effect), Stop> {
-    file_set::settle(session, folder)?;
-    let set = detect::set(session, machine, folder, None, &options.how)?;
-    session.checked()?;
+    let set = detect::any_set(session, machine, folder, &options.how)?;
     if set.target.manifest.kinematics().is_none() {
         let Found { target, tables, .. } = table_set::tables_of(session, machine, folder, set)?;
         return Ok((target, Effect::Tables(tables)));

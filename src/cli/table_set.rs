@@ -152,9 +152,7 @@ pub(super) struct Found {
 
 /// The tables in a folder, of whatever target they are.
 pub(super) fn found(session: &mut Session, machine: &Machine, folder: &Path, options: &Options) -> Result<Found, Stop> {
-    file_set::settle(session, folder)?;
-    let set = detect::set(session, machine, folder, None, &options.how)?;
-    session.checked()?;
+    let set = detect::any_set(session, machine, folder, &options.how)?;
     tables_of(session, machine, folder, set)
 }
 

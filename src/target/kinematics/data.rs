@@ -182,13 +182,13 @@ impl Model {
     }
 }
 
-/// Without a negative zero.
 /// The way from the tip of the machine's tool to the gauge point, mm.
 pub(super) fn tool(machine: &Machine) -> [f64; 3] {
     let tool = machine.tool();
     std::array::from_fn(|i| plain(tool.gauge[i] - tool.tip[i]))
 }
 
+/// Without a negative zero.
 fn plain(x: f64) -> f64 {
     x + 0.0
 }

@@ -24,13 +24,9 @@ const SAME: f64 = 1e-5;
 /// Refuses lines of rotary axes (`PXC PYC PZC`, a point; `VXC VYC VZC`, the direction) that are not the machine file's.
 fn same_geometry(reading: &Reading, line: usize, names: &[&str], row: &[f64]) -> Result<(), Fault> {
     for axis in reading.machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary) {
-        let cell =
-            |kind: char, letter: char| names.iter().position(|name| *name == format!("{kind}{letter}{}", axis.name));
-        let cells: Vec<Option<f64>> = ['P', 'V']
-            .iter()
-            .flat_map(|kind| ['X', 'Y', 'Z'].map(|letter| cell(*kind, letter).map(|at| row[at])))
-            .collect();
-        let known: Vec<f64> = cells.iter().flatten().copied().collect();
+        let words = ["PX", "PY", "PZ", "VX", "VY", "VZ"].iter().map(|word| format!("{word}{}", axis.name));
+        let known: Vec<f64> =
+            words.filter_map(|word| names.iter().position(|name| *name == word)).map(|at| row[at]).collect();
         let [px, py, pz, vx, vy, vz] = known[..] else {
             if known.is_empty() {
                 continue;
