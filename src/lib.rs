@@ -18,7 +18,7 @@
 //! 6. [`convert`] writes a machine under other conventions, and proves that it is the same machine.
 //! 7. [`identify`] fits errors to measured deviations and writes a machine file again.
 //! 8. [`compensation`] solves for the corrected command and fills what a controller's mechanism can hold.
-//! 9. [`target`] writes the controller's files from templates, reads them back, replays them as the
+//! 9. [`controller`] writes the controller's files from templates, reads them back, replays them as the
 //!    controller would, and certifies what is left.
 //! 10. [`report`] draws pictures.
 //! 11. [`cli`] is the program: one file per verb.
@@ -41,7 +41,7 @@
 //! - The general algebra defines every result; a compiled plan is tested against it, and what a plan does not
 //!   cover goes through it. No bit depends on the vector width.
 //! - Lints refuse `unwrap`, `expect` and `panic` outside tests: whatever the input, the answer is meant to be a
-//!   diagnostic. Unsafe code stands in one file, `evaluate/plan/lanes.rs`, with its reasons.
+//!   diagnostic. Unsafe code stands in one file, `evaluate/compiled/lanes.rs`, with its reasons.
 //!
 //! ## What is absent
 //!
@@ -52,6 +52,7 @@ pub mod algebra;
 pub mod analysis;
 pub mod cli;
 pub mod compensation;
+pub mod controller;
 pub mod convert;
 pub mod diagnostic;
 pub mod evaluate;
@@ -60,5 +61,4 @@ pub mod lower;
 pub mod machine;
 pub mod report;
 pub mod syntax;
-pub mod target;
 pub mod units;

@@ -15,37 +15,26 @@
 //! - [`levers`]: the lever arms that turn angles into displacements.
 //! - [`LocationSet`]: the location errors this chain needs, and which of them are given.
 
-pub mod budget;
-mod compare;
-mod contributions;
-mod diagonals;
-pub mod enumerate;
-mod equations;
+mod closed_form;
+mod design;
 pub mod instrument;
-mod interactions;
 mod inverse;
-mod lever;
-mod location_set;
-mod map;
-mod plane;
-mod sources;
-mod survey;
-mod twist;
-mod work;
+mod volume;
 
-pub use compare::{Compared, Comparison, Missed, compare};
-pub use contributions::{ErrorAlone, contributions};
-pub use diagonals::{Diagonal, body_diagonals, space_axes};
-pub use equations::{Equations, Meaning, Naming, Options, Symbol, equations};
-pub use interactions::{Calculation, Effect, Interactions, interactions};
+pub use closed_form::equations::{Equations, Meaning, Naming, Options, Symbol, equations};
+pub use closed_form::interactions::{Calculation, Effect, Interactions, interactions};
+pub use closed_form::location_set::{LocationSet, Status};
+pub use closed_form::twist::{Map as TwistMap, Quantity, Share, Twist, twists};
+pub use design::compare::{Compared, Comparison, Missed, compare};
+pub use design::contributions::{ErrorAlone, contributions};
+pub use design::sources::{Source, sources};
+pub use design::{budget, enumerate};
 pub use inverse::{
     DIRECTION_TOLERANCE, Inverse, PLACE_TOLERANCE, ToolPose, Unreachable, inverse, place, rest, tool_pose,
 };
-pub use lever::{Lever, levers};
-pub use location_set::{LocationSet, Status};
-pub use map::{MOST_POSES, Map, TooManyPoses, View, deviation_in, frame_rotation, map};
-pub use plane::Plane;
-pub use sources::{Source, sources};
-pub use survey::{Block, MOST_SURVEYED, Survey, Task as SurveyTask, survey, survey_with_rows};
-pub use twist::{Map as TwistMap, Quantity, Share, Twist, twists};
-pub use work::Work;
+pub use volume::diagonals::{Diagonal, body_diagonals, space_axes};
+pub use volume::lever::{Lever, levers};
+pub use volume::map::{MOST_POSES, Map, TooManyPoses, View, deviation_in, frame_rotation, map};
+pub use volume::plane::Plane;
+pub use volume::survey::{Block, MOST_SURVEYED, Survey, Task as SurveyTask, survey, survey_with_rows};
+pub use volume::work::Work;

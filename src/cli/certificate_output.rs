@@ -2,10 +2,10 @@
 
 use super::Format;
 use super::session::Session;
+use crate::controller::{Certificate, ErrorLeft, Figures, Handled, ROUNDING_UM, Raised, Shifted, Target};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::Summary;
 use crate::machine::{Approach, Axis, AxisKind, Machine};
-use crate::target::{Certificate, ErrorLeft, Figures, Handled, ROUNDING_UM, Raised, Shifted, Target};
 use crate::units::significant;
 use serde_json::json;
 use std::path::Path;

@@ -9,8 +9,8 @@
 
 use super::files::{SET_LIMIT, read_at_most};
 use super::write::unwritable_folder;
+use crate::controller::{Hashed, RenderedFile, is_plain_name, sha256};
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::target::{Hashed, RenderedFile, is_plain_name, sha256};
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};

@@ -6,9 +6,9 @@ use super::module_set::{self, Module};
 use super::session::Session;
 use super::table_set::{self, Made};
 use super::{Outcome, file_set, load, write};
+use crate::controller::{Certificate, Hashed, Judged, Limits, Lock, NAMES, RenderedFile, Target, certify_kinematics};
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
-use crate::target::{Certificate, Hashed, Judged, Limits, Lock, NAMES, RenderedFile, Target, certify_kinematics};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]

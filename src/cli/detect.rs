@@ -5,9 +5,9 @@ use super::files::{SET_LIMIT, read_at_most};
 use super::how::{How, StoredArg};
 use super::session::Session;
 use super::{Stop, file_set};
+use crate::controller::{LOCK_NAME, Lock, NAMES, ReadBack, Recognised, Target, recognise};
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
-use crate::target::{LOCK_NAME, Lock, NAMES, ReadBack, Recognised, Target, recognise};
 use std::path::Path;
 
 /// A set's files, in their places.

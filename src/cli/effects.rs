@@ -3,7 +3,8 @@
 use super::Stop;
 use super::session::Session;
 use super::view::table;
-use crate::analysis::{Effect, Interactions, Inverse, interactions};
+use crate::analysis::interactions;
+use crate::analysis::{Effect, Interactions, Inverse};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::random_poses;
 use crate::lower::{WeilLift, values};

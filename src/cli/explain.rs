@@ -2,9 +2,9 @@
 
 use super::session::Session;
 use super::{Format, Outcome, targets};
+use crate::controller::Target;
 use crate::diagnostic::{CODES, CodeInfo, info};
 use crate::machine::{Direction, ErrorId, parse_error_name};
-use crate::target::Target;
 use serde_json::json;
 
 #[derive(Debug, clap::Args)]

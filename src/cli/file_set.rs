@@ -7,9 +7,9 @@ use super::commit::{self, Decided};
 use super::files::{SET_LIMIT, read_at_most};
 use super::session::Session;
 use super::{Outcome, write};
+use crate::controller::{Hashed, LOCK_NAME, Lock, ReadBack, RenderedFile, Target};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::syntax::ReadFailure;
-use crate::target::{Hashed, LOCK_NAME, Lock, ReadBack, RenderedFile, Target};
 use std::fs;
 use std::path::Path;
 
@@ -33,7 +33,7 @@ pub(super) fn write(folder: &Path, files: &[RenderedFile], lock: &Lock) -> Resul
 /// Our own earlier files that the new set does not have.
 fn stale(ours: &[Hashed], files: &[&RenderedFile]) -> Vec<Hashed> {
     let gone = ours.iter().filter(|old| !files.iter().any(|new| new.name == old.name));
-    gone.filter(|old| crate::target::is_plain_name(&old.name)).cloned().collect()
+    gone.filter(|old| crate::controller::is_plain_name(&old.name)).cloned().collect()
 }
 
 /// The manifest of the set that is in the folder.

@@ -1,8 +1,8 @@
 //! Files on disk. What is not a regular file of tolerable size is refused before it is opened:
 //! opening a FIFO blocks, reading a device never ends.
 
+use crate::controller::sha256;
 use crate::syntax::{Files, ReadFailure};
-use crate::target::sha256;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs::{self, FileType};
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 pub const LIMIT: u64 = 16 * 1024 * 1024;
 
 /// Largest file of a compensation set that is read back: as large as one is written.
-pub const SET_LIMIT: u64 = crate::target::LARGEST_FILE as u64;
+pub const SET_LIMIT: u64 = crate::controller::LARGEST_FILE as u64;
 
 /// The file system.
 #[derive(Debug, Clone, Copy, Default)]

@@ -4,9 +4,9 @@ use super::files::Disk;
 use super::session::Session;
 use super::{Outcome, Stop};
 use crate::compensation::{Fit, Goal, Scope, Stored};
+use crate::controller::{Certificate, Depth, Judged, Target, certify, is_plain_name};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::Machine;
-use crate::target::{Certificate, Depth, Judged, Target, certify, is_plain_name};
 use std::path::{Path, PathBuf};
 
 /// Options that `compile` and `verify` share.

@@ -6,9 +6,11 @@ use super::session::Session;
 use super::{Format, Outcome, Stop, identify_remarks as remarks, load, monomials, pictures, plan, poses, view, write};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::evaluate::Order;
+use crate::identify::randomness;
+use crate::identify::repeats;
 use crate::identify::{
     Data, End, Measurement, Model, Parameter, Reading, Residuals, Solution, fitted_file, held_out, moore_penrose,
-    overruled, parameters, randomness, read_measurements, repeats, slope_bounds, solve, unused,
+    overruled, parameters, read_measurements, slope_bounds, solve, unused,
 };
 use crate::machine::{self, Machine};
 use crate::syntax::IdentifyEntry;

@@ -13,12 +13,13 @@ use super::view::{
 };
 use super::write::refuse_outputs;
 use super::{Format, Outcome, Stop, load};
-use crate::analysis::{Diagonal, MOST_POSES, MOST_SURVEYED, SurveyTask, View, body_diagonals, map, rest};
+use crate::analysis::map;
+use crate::analysis::{Diagonal, MOST_POSES, MOST_SURVEYED, SurveyTask, View, body_diagonals, rest};
+use crate::controller::{Effect, Target};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Deviation, Field, Nodes, Order, Planned, Poses, Random, Spread, Statistics, Tally, worst};
 use crate::machine::Machine;
 use crate::report::{Form, Rows};
-use crate::target::{Effect, Target};
 use crate::units::significant;
 use serde_json::json;
 use std::io::Cursor;

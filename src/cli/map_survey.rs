@@ -5,7 +5,8 @@ use super::map::Found;
 use super::map_output::{Outputs, Tables};
 use super::progress::Progress;
 use super::session::Session;
-use crate::analysis::{Block, Survey, SurveyTask, survey, survey_with_rows};
+use crate::analysis::survey;
+use crate::analysis::{Block, Survey, SurveyTask, survey_with_rows};
 use crate::report::Rows;
 
 /// Surveys a field, and writes the outputs that were asked for.

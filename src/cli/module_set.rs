@@ -4,8 +4,8 @@ use super::how::How;
 use super::session::Session;
 use super::{Outcome, Stop, detect, file_set};
 use crate::compensation::Tables;
+use crate::controller::{Carried, Limits, ReadBack, RenderedFile, Target};
 use crate::machine::Machine;
-use crate::target::{Carried, Limits, ReadBack, RenderedFile, Target};
 use std::path::Path;
 use std::sync::Arc;
 

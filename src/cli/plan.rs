@@ -2,7 +2,8 @@
 
 use super::session::Session;
 use super::{Format, Outcome};
-use crate::identify::{Estimate, Measurement, Model, Parameter, Plan, plan};
+use crate::identify::plan;
+use crate::identify::{Estimate, Measurement, Model, Parameter, Plan};
 use crate::units::significant;
 use serde_json::json;
 

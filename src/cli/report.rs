@@ -11,7 +11,9 @@ use super::view::{ApproachArg, order};
 use super::write::{refuse_input, refuse_outputs, write_whole};
 use super::{Format, Outcome, Stop, load, watch};
 use crate::analysis::budget::{Bound, Budget, Request, budget, budget_poses};
-use crate::analysis::{Plane, View, map, rest, space_axes};
+use crate::analysis::map;
+use crate::analysis::{Plane, View, rest, space_axes};
+use crate::controller::Target;
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Bare, Field, Frame, Order};
 use crate::machine::Machine;
@@ -20,7 +22,6 @@ use crate::report::page::{
 };
 use crate::report::{BudgetReport, Drawing, Drawn as Way, PlanePicture, Shown, axis_curves, chain_picture};
 use crate::syntax::Files;
-use crate::target::Target;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 

@@ -5,8 +5,8 @@ use super::how::{How, Options};
 use super::session::Session;
 use super::table_set::{self, Found};
 use super::{Stop, detect, module_set};
+use crate::controller::{Certificate, Depth, Effect, Judged, Limits, Target, certify, certify_kinematics};
 use crate::machine::Machine;
-use crate::target::{Certificate, Depth, Effect, Judged, Limits, Target, certify, certify_kinematics};
 use std::path::Path;
 
 /// What a target does to a machine by the files that `compile` would write, and the certificate over so many

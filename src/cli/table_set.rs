@@ -5,9 +5,9 @@ use super::how::Options;
 use super::session::Session;
 use super::{Outcome, Stop, file_set};
 use crate::compensation::{Fit, LatticeRequest, Scope, Tables, resampled};
+use crate::controller::{Limits, ReadBack, RenderedFile, Target};
 use crate::diagnostic::Diagnostic;
 use crate::machine::{AxisKind, Machine};
-use crate::target::{Limits, ReadBack, RenderedFile, Target};
 use std::path::Path;
 use std::sync::Arc;
 

@@ -3,7 +3,7 @@
 use super::session::Session;
 use super::{Format, Outcome};
 use crate::compensation::{Carries, KinematicsMechanism, Spacing, TableRules};
-use crate::target::{NAMES, Target};
+use crate::controller::{NAMES, Target};
 use serde_json::json;
 
 pub(super) fn run(session: &Session) -> Outcome {
@@ -74,7 +74,7 @@ fn kinematics_limits(mechanism: &KinematicsMechanism) -> String {
 
 fn json(target: &Target) -> serde_json::Value {
     let m = &target.manifest;
-    let certainty = |c: &crate::target::Certainty| json!({"level": c.level.word(), "source": c.source});
+    let certainty = |c: &crate::controller::Certainty| json!({"level": c.level.word(), "source": c.source});
     json!({
         "target": m.target, "title": m.title, "mechanism": mechanism(target), "expresses": m.expresses,
         "cannot": m.cannot, "limits": limits(target), "sign_test": m.sign_test.trim(),

@@ -6,9 +6,9 @@ use super::how::Options;
 use super::session::Session;
 use super::table_set::{self, Found};
 use super::{Outcome, Stop, detect, file_set, load, module_set};
+use crate::controller::{Judged, LOCK_NAME, Lock, ReadBack, Replay, Target, certify_kinematics, is_plain_name};
 use crate::diagnostic::Diagnostic;
 use crate::machine::{Approach, Machine};
-use crate::target::{Judged, LOCK_NAME, Lock, ReadBack, Replay, Target, certify_kinematics, is_plain_name};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -124,7 +124,7 @@ fn print_replay(session: &mut Session, machine: &Machine, target: &Target, repla
     let read = crate::syntax::read_text(path, None, &Disk, &mut session.diagnostics);
     let Some((_, text)) = read else { return Err(Stop::Refused) };
     let letters =
-        crate::target::assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
+        crate::controller::assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
     let mut out = String::from("joint,direction,position,correction\n");
     let mut lines = text.lines();
     let header = lines.next().unwrap_or_default();

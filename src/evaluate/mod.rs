@@ -4,20 +4,20 @@
 //! [`Poses`] say where to look, [`Statistics`] what it comes to over all of them, and a [`Tally`] the same without
 //! keeping them. The general algebra defines the result; a [`Plan`] is a machine compiled for many poses.
 
+pub mod compiled;
 mod deviation;
 mod field;
-pub mod plan;
 mod poses;
 mod spread;
 mod statistics;
 mod tally;
 
+pub use compiled::{Batch, Columns, GridPlan, Normal, Output, Plan, PoseColumns, Unknown, Width};
 pub use deviation::{
     Deviation, Evaluation, Frame, MAX_DUAL_ORDER, Order, Response, command_deviation, evaluate, evaluate_over,
     response, rotation,
 };
 pub use field::{Bare, Field, Planned, commanded_deviation, error_by_error, tool_axis_tilt};
-pub use plan::{Batch, Columns, GridPlan, Normal, Output, Plan, PoseColumns, Unknown, Width};
 pub use poses::{Nodes, Poses, Random, node_count, node_positions, random_poses};
 pub use spread::Spread;
 pub use statistics::{Difference, Statistics, Summary, quantile_95, worst};

@@ -10,7 +10,7 @@
 
 #![allow(clippy::needless_range_loop, reason = "kernels have plain loops: see `plan`")]
 
-use super::plan::lanes::{Kernel, Lanes, run};
+use super::compiled::lanes::{Kernel, Lanes, run};
 use super::{Columns, Deviation, Statistics, Summary, Width};
 use std::collections::BinaryHeap;
 

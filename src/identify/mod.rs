@@ -3,48 +3,33 @@
 //! 1. [`read_measurements`]: CSV files to [`Measurement`]s, and the unknowns of the instruments.
 //! 2. [`overruled`], [`parameters`], [`slope_bounds`], [`unused`]: the words of `--fit` or of the section `identify` to [`Parameter`]s.
 //! 3. [`Model`]: what the machine with these parameters would be measured as, exactly or to an order, and its derivatives.
-//! 4. [`solve`]: what readings weigh, and with that [`fit()`]: weighted least squares by Levenberg-Marquardt.
+//! 4. [`solve()`]: what readings weigh, and with that [`fit()`]: weighted least squares by Levenberg-Marquardt.
 //! 5. [`Solution`]: rank, null space in words, uncertainty; what the noise drowns.
 //! 6. [`Residuals`], [`randomness()`], [`held_out`]: what is left, outliers, orders apart, is it noise, prediction of data
 //!    not used.
-//! 7. [`fitted_file`]: the fitted machine as a self-contained machine file.
+//! 7. [`fitted_file()`]: the fitted machine as a self-contained machine file.
 //!
 //! [`moore_penrose`] is the papers' own way beside it, [`import`] reads single-axis measurements, and
 //! [`plan()`] goes before all of them: which poses to measure, and what they will tell.
 
-mod checks;
-mod columns;
-mod curves;
-mod file;
-mod fit;
-pub mod import;
-mod measurement;
+mod data;
+mod fitted_file;
 mod model;
-mod monomials;
-mod parameter;
-mod plan;
-mod prior;
-mod randomness;
-mod reader;
-mod repeats;
-mod request;
-mod solution;
-mod station;
-mod student;
-mod weighing;
+mod solve;
 mod words;
 
-pub use checks::{Outlier, Residuals, held_out};
-pub use file::fitted_file;
-pub use fit::{Fit, fit};
-pub use measurement::{Data, End, Kind, Measurement, Reading};
-pub use model::Model;
-pub use monomials::{Coefficient, Component, Monomial, moore_penrose};
-pub use parameter::{Basis, Parameter, SlopeBound, Term};
-pub use plan::{Plan, plan};
-pub use randomness::{Randomness, randomness};
-pub use reader::read_measurements;
-pub use repeats::{Repeats, repeats};
-pub use request::{overruled, parameters, slope_bounds, unused};
-pub use solution::{Estimate, Solution};
-pub use weighing::{Scatter, solve};
+pub use data::import;
+pub use data::measurement::{Data, End, Kind, Measurement, Reading};
+pub use data::reader::read_measurements;
+pub use data::repeats::{Repeats, repeats};
+pub use fitted_file::fitted_file;
+pub use model::monomials::{Coefficient, Component, Monomial, moore_penrose};
+pub use model::parameter::{Basis, Parameter, SlopeBound, Term};
+pub use model::prediction::Model;
+pub use model::request::{overruled, parameters, slope_bounds, unused};
+pub use solve::checks::{Outlier, Residuals, held_out};
+pub use solve::fit::{Fit, fit};
+pub use solve::plan::{Plan, plan};
+pub use solve::randomness::{Randomness, randomness};
+pub use solve::solution::{Estimate, Solution};
+pub use solve::weighing::{Scatter, solve};

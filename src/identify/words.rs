@@ -1,6 +1,6 @@
 //! Directions among parameters, in words: what changes nothing, and what the noise drowns.
 
-use super::parameter::Parameter;
+use super::model::parameter::Parameter;
 use crate::units::significant;
 use nalgebra::{DMatrix, DVector};
 

@@ -11,34 +11,22 @@
 //! - [`Rows`]: a map pose by pose as CSV, JSON, Parquet and VTK, streamed.
 //! - [`equations`]: the closed forms as text and as LaTeX.
 
-mod bars;
-mod budget;
-mod chain;
-mod curves;
-mod dot;
-pub mod equations;
-mod fit;
-mod frame;
-mod instruments;
-mod outlines;
 pub mod page;
-mod plane;
-mod polar;
-mod readings;
+mod pictures;
 mod rows;
-mod scale;
-mod svg;
+mod text;
 
-pub use bars::{Bar, ParetoPicture, WaterfallPicture};
-pub use budget::{BudgetReport, Drawing, budgets_json, tolerance, tolerance_unit};
-pub use chain::chain_picture;
-pub use curves::{all_curves, axis_curves};
-pub use dot::chain_dot;
-pub use fit::{FitPicture, FitPoint};
-pub use instruments::{circle_json, line_json, turn_json};
 pub use page::positions;
-pub use plane::{Drawn, PlanePicture, Shown, before_after};
-pub use polar::PolarPicture;
-pub use readings::{DiagonalPicture, RTestPicture};
+pub use pictures::bars::{Bar, ParetoPicture, WaterfallPicture};
+pub use pictures::chain::chain_picture;
+pub use pictures::curves::{all_curves, axis_curves};
+pub use pictures::dot::chain_dot;
+pub use pictures::fit::{FitPicture, FitPoint};
+pub use pictures::plane::{Drawn, PlanePicture, Shown, before_after};
+pub use pictures::polar::PolarPicture;
+pub use pictures::readings::{DiagonalPicture, RTestPicture};
+pub use pictures::svg::Picture;
 pub use rows::{Form, Prepared, Rows, Stream};
-pub use svg::Picture;
+pub use text::budget::{BudgetReport, Drawing, budgets_json, tolerance, tolerance_unit};
+pub use text::equations;
+pub use text::instruments::{circle_json, line_json, turn_json};

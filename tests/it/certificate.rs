@@ -458,7 +458,7 @@ fn with_table(folder: &Folder, errors: &str) -> std::path::PathBuf {
 /// Nothing to compensate is no failure: whatever tables stood there go, and `verify`, `diff` and `--installed` take what is left.
 #[test]
 fn sets_without_tables() {
-    for target in abbe::target::NAMES.into_iter().filter(|name| !name.starts_with("linuxcnc-")) {
+    for target in abbe::controller::NAMES.into_iter().filter(|name| !name.starts_with("linuxcnc-")) {
         let folder = Folder::new();
         let out = folder.path("out");
         let more = ["--accept-unverified", "--poses", "20", "--nodes", "300"];

@@ -4,9 +4,9 @@
 
 use std::path::{Path, PathBuf};
 
+use abbe::controller::{Replay, Target};
 use abbe::diagnostic::Diagnostics;
 use abbe::machine::Machine;
-use abbe::target::{Replay, Target};
 
 use crate::loaded;
 use crate::oracle::program::Folder;
@@ -176,7 +176,7 @@ fn damaged_files_are_refused_or_read_as_the_controller_would() {
     let path = replays::machine(&folder, true);
     let three = replays::machine(&folder, false);
     let mut total = Count::default();
-    for name in abbe::target::NAMES.into_iter().filter(|name| !name.starts_with("linuxcnc-")) {
+    for name in abbe::controller::NAMES.into_iter().filter(|name| !name.starts_with("linuxcnc-")) {
         let path = if matches!(name, "klipper" | "marlin") { &three } else { &path };
         let machine = loaded::machine(path);
         let out = folder.path(name);
@@ -217,7 +217,7 @@ fn damaged_files_are_refused_or_read_as_the_controller_would() {
 fn the_program_says_what_became_of_a_damaged_file() {
     let folder = Folder::new();
     let (table, three) = (replays::machine(&folder, true), replays::machine(&folder, false));
-    let work: Vec<(&str, &PathBuf, u64)> = abbe::target::NAMES
+    let work: Vec<(&str, &PathBuf, u64)> = abbe::controller::NAMES
         .into_iter()
         .filter(|name| *name != "linuxcnc-trt")
         .enumerate()

@@ -17,14 +17,14 @@ const WORDS: [&str; 6] = ["E0601", "E0603", "E0708", "E0709", "E0751", "E0752"];
 fn every_target_for_every_config() {
     // The only machine of that kind there.
     let mut work = vec![("variants/tt-ac-800-direct.yaml".to_owned(), "linuxcnc-trt")];
-    let light: Vec<&str> = abbe::target::NAMES.into_iter().filter(|target| !HEAVY.contains(target)).collect();
+    let light: Vec<&str> = abbe::controller::NAMES.into_iter().filter(|target| !HEAVY.contains(target)).collect();
     for (i, name) in names().into_iter().enumerate() {
         let turn = (0..light.len()).filter(|k| (i + k) % 3 == 0).map(|k| light[k]);
         let heavy = (i % 2 == 0).then(|| HEAVY[i / 2 % HEAVY.len()]);
         work.extend(turn.chain(heavy).map(|target| (name.clone(), target)));
     }
     let written = judged(work);
-    for target in abbe::target::NAMES {
+    for target in abbe::controller::NAMES {
         assert!(written.contains(&target), "{target}: written for no machine of configs/");
     }
 }
@@ -38,7 +38,7 @@ fn names() -> Vec<String> {
 #[test]
 #[ignore = "eight minutes of processor time: by hand"]
 fn all_targets_for_all_configs() {
-    let work = names().into_iter().flat_map(|name| abbe::target::NAMES.map(|target| (name.clone(), target)));
+    let work = names().into_iter().flat_map(|name| abbe::controller::NAMES.map(|target| (name.clone(), target)));
     assert!(judged(work.collect()).len() > 300);
 }
 

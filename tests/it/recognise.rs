@@ -51,7 +51,7 @@ fn renamed(out: &Path, into: &Path) {
 fn every_target_is_told_by_its_content() {
     let folder = Folder::new();
     let (three, tilting) = (three_axes(&folder, "three.yaml", 400), tilting_table(&folder));
-    for target in abbe::target::NAMES {
+    for target in abbe::controller::NAMES {
         let machine = if target == "linuxcnc-trt" { &tilting } else { &three };
         let (out, found) = (folder.path(target), folder.path(&format!("{target}-found")));
         compile(machine, target, &out, &FEW).json();

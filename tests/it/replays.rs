@@ -4,9 +4,9 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use abbe::controller::{ReadBack, Replay, Target};
 use abbe::diagnostic::{Diagnostics, Rendering, render};
 use abbe::machine::{Approach, Machine};
-use abbe::target::{ReadBack, Replay, Target};
 
 use crate::loaded;
 use crate::oracle::machines::Sample;
@@ -36,7 +36,7 @@ pub fn read(target: &Target, machine: &Machine, files: &Files) -> Result<abbe::c
 
 /// Controller order: letter and whether it turns without end, with the index in the machine.
 pub fn order(machine: &Machine, target: &Target) -> (Vec<(char, bool)>, Vec<usize>) {
-    let letters = abbe::target::assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap();
+    let letters = abbe::controller::assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap();
     let axes = letters.iter().map(|(axis, letter)| (letter.chars().next().unwrap(), machine.is_continuous(*axis)));
     (axes.collect(), letters.iter().map(|(axis, _)| *axis).collect())
 }
@@ -131,7 +131,7 @@ pub fn geometry(table: bool) -> Sample {
 
 /// Formats whose files another interpreter reads, and what sets the tolerance: the last place of a double in the sums.
 fn targets() -> impl Iterator<Item = &'static str> {
-    abbe::target::NAMES.into_iter().filter(|name| !name.starts_with("linuxcnc-") && *name != "grid-csv")
+    abbe::controller::NAMES.into_iter().filter(|name| !name.starts_with("linuxcnc-") && *name != "grid-csv")
 }
 
 #[test]

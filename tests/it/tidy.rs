@@ -17,8 +17,8 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
     ("convert", &["evaluate", "lower", "machine"]),
     ("identify", &["evaluate", "lower", "machine", "syntax"]),
     ("compensation", &["evaluate", "lower", "machine"]),
-    ("target", &["compensation", "evaluate", "machine", "syntax"]),
-    ("report", &["analysis", "identify", "target", "compensation", "evaluate", "machine"]),
+    ("controller", &["compensation", "evaluate", "machine", "syntax"]),
+    ("report", &["analysis", "identify", "controller", "compensation", "evaluate", "machine"]),
     ("cli", &["*"]),
 ];
 
@@ -163,7 +163,7 @@ fn only_the_command_line_prints_and_touches_files() {
 }
 
 /// The one file whose head says why its unsafe code is sound.
-const UNSAFE: &str = "src/evaluate/plan/lanes.rs";
+const UNSAFE: &str = "src/evaluate/compiled/lanes.rs";
 
 #[test]
 fn unsafe_code_is_in_one_file_with_its_reasons() {

@@ -3,8 +3,8 @@
 
 use std::path::PathBuf;
 
+use abbe::controller::{NAMES, Replay, Target};
 use abbe::machine::Approach;
-use abbe::target::{NAMES, Replay, Target};
 
 use crate::loaded;
 use crate::oracle::program::Folder;

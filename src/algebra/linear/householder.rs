@@ -112,7 +112,7 @@ mod tests {
         let row = |i: usize, j: usize| if i == 0 { 1.0 } else { f64::from(u8::from(i == j + 1)) * small };
         let mut r = DMatrix::zeros(3, 3);
         fold(&mut r, &mut DMatrix::from_fn(4, 3, row));
-        let values = super::super::Svd::new(&r).values;
+        let values = crate::algebra::linear::Svd::new(&r).values;
         assert!((values[0] - libm::sqrt(3.0)).abs() < 1e-15 && (values[2] / small - 1.0).abs() < 1e-4, "{values}");
     }
 }

@@ -219,7 +219,7 @@ fn triangle<const K: usize>([a0, b0]: [f64; 2], [x, y, left, right]: [&[f64]; 4]
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Basis, Ideal, Monomial};
+    use crate::algebra::weil::{Basis, Ideal, Monomial};
 
     /// The definition: every pair of monomials by rising left index; if `mirrored`, what 1 divides alone, then the
     /// pairs with rising factors and their mirror images, each summed, then the squares.

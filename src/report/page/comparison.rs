@@ -1,7 +1,8 @@
 //! Two or more machines on the same tool poses.
 
 use super::data::Given;
-use crate::analysis::{Compared, Comparison, ErrorAlone, Work, compare, contributions};
+use crate::analysis::{Compared, Comparison, ErrorAlone, Work};
+use crate::analysis::{compare, contributions};
 use crate::evaluate::{Bare, Field};
 use crate::machine::{Machine, Pose};
 use serde::Serialize;

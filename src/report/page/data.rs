@@ -4,11 +4,12 @@
 use super::comparison::ComparisonData;
 use super::field::FieldData;
 use super::instruments::Instruments;
-use crate::analysis::{LocationSet, Map, Source, Status, body_diagonals, levers, rest, sources};
+use crate::analysis::sources;
+use crate::analysis::{LocationSet, Map, Source, Status, body_diagonals, levers, rest};
+use crate::controller::{Certificate, Effect, Handled, Target};
 use crate::evaluate::{Bare, Order, Poses, Random, Summary, worst};
 use crate::machine::{Approach, Axis, ErrorTerm, Machine, Pose, Travel};
 use crate::report::{Bar, BudgetReport, ParetoPicture, Picture};
-use crate::target::{Certificate, Effect, Handled, Target};
 use serde::Serialize;
 use serde_json::{Map as Object, Value, json};
 
@@ -255,10 +256,10 @@ fn diagonals(bare: &Bare<'_>, approach: Approach) -> Vec<Value> {
 fn certificate(machine: &Machine, written: &Written) -> Value {
     let Written { target, certificate, .. } = written;
     let manifest = &target.manifest;
-    let figures = |f: &crate::target::Figures| json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis});
+    let figures = |f: &crate::controller::Figures| json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis});
     let mut errors: Vec<_> = certificate.errors.iter().collect();
     errors.sort_by(|a, b| b.left.total_cmp(&a.left));
-    let error = |e: &&crate::target::ErrorLeft| json!({"error": e.error, "handled": handled(e.handled), "alone_um": e.alone, "left_um": e.left});
+    let error = |e: &&crate::controller::ErrorLeft| json!({"error": e.error, "handled": handled(e.handled), "alone_um": e.alone, "left_um": e.left});
     let by_axis = |values: &[f64]| {
         let entry =
             |(axis, c): (&Axis, &f64)| json!({"axis": axis.name.as_str(), "unit": axis.unit(), "added": c + 0.0});

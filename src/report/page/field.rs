@@ -8,7 +8,7 @@ use super::data::{Given, pose_words, positions};
 use crate::analysis::{View, deviation_in, frame_rotation, rest, space_axes};
 use crate::evaluate::{Bare, Deviation, Frame, error_by_error, evaluate};
 use crate::machine::{Axis, ErrorId, ErrorTerm, Machine, Pose};
-use crate::report::scale::round_step;
+use crate::report::pictures::scale::round_step;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -20,7 +20,7 @@ pub use data::{Data, Given, MachineData, Written, positions};
 pub use instruments::Instruments;
 pub use render::{Page, Pictures, Rendered, Served};
 
-use crate::report::scale::rising;
+use super::pictures::scale::rising;
 
 /// The scale of colours, from no deviation to the largest.
 pub fn colours() -> Vec<String> {

@@ -6,7 +6,7 @@ mod topologies;
 
 use std::path::PathBuf;
 
-use abbe::target::{Carried, Driven, Target};
+use abbe::controller::{Carried, Driven, Target};
 
 use crate::configs;
 use crate::oracle::machines::{Pose, Sample, combinations};

@@ -1,0 +1,116 @@
+//! Names of symbols: ISO's, or those of the papers.
+
+use crate::lower::{Given, Place, Source};
+use crate::machine::{Axis, AxisKind, Conventions, Direction, Location, Machine};
+
+/// Whose letters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Naming {
+    /// `EBX`, `EC0Y`, positions by the names of the axes.
+    #[default]
+    Iso,
+    /// `eyx`, `Sxy` of the papers on three-axis machines, `ey(A)`, `gz(C)` of the one on five axes.
+    Paper,
+}
+
+/// What a symbol stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Meaning {
+    /// An error, mm or rad; -1 if the symbol is the error with the opposite sign.
+    Error(Source, i8),
+    /// Position of the linear axis with this index, mm.
+    Position(usize),
+    /// Sine of the position of a rotary axis.
+    Sine(usize),
+    /// Cosine of the position of a rotary axis.
+    Cosine(usize),
+    /// Z of the functional point from the gauge point, mm.
+    ToolLength,
+}
+
+/// A symbol with its names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Symbol {
+    /// In text.
+    pub text: String,
+    /// In LaTeX.
+    pub latex: String,
+    /// What it is.
+    pub meaning: Meaning,
+}
+
+impl Symbol {
+    /// The value of the symbol where an error has this value.
+    pub fn sign(&self) -> f64 {
+        if let Meaning::Error(_, sign) = self.meaning { f64::from(sign) } else { 1.0 }
+    }
+}
+
+/// The symbol of an error.
+pub(crate) fn error(machine: &Machine, given: &Given, naming: Naming) -> Symbol {
+    let axis = match given.source.place {
+        Place::Location(i) | Place::Component(i) => machine.axes().get(i),
+        Place::Tool | Place::Workpiece => None,
+    };
+    let paper = axis.filter(|_| naming == Naming::Paper).map(|axis| paper(axis, given.source, machine.conventions()));
+    let (text, latex, sign) = paper.unwrap_or_else(|| iso(given));
+    Symbol { text, latex, meaning: Meaning::Error(given.source, sign) }
+}
+
+fn iso(given: &Given) -> (String, String, i8) {
+    let latex = given
+        .name
+        .strip_prefix('E')
+        .map_or_else(|| format!("\\mathit{{{}}}", given.name.replace('.', "\\_")), |rest| format!("E_{{{rest}}}"));
+    (given.name.clone(), latex, 1)
+}
+
+/// Text, LaTeX and sign in the letters of the papers.
+fn paper(axis: &Axis, source: Source, conventions: &Conventions) -> (String, String, i8) {
+    let letter = ['x', 'y', 'z'][source.direction.index() % 3];
+    let (small, rotation) = (axis.name.as_str().to_lowercase(), source.direction.is_rotation());
+    let linear = axis.kind == AxisKind::Linear;
+    if let Place::Location(_) = source.place {
+        return match squareness(&small, source.direction).filter(|_| conventions.location == Location::AxisOnly) {
+            Some((pair, sign)) => (format!("S{pair}"), format!("S_{{{pair}}}"), sign),
+            None if rotation => (format!("g{letter}({})", axis.name), format!("\\gamma_{letter}({})", axis.name), 1),
+            None => (format!("a{letter}({})", axis.name), format!("a_{letter}({})", axis.name), 1),
+        };
+    }
+    let (plain, greek) = if rotation { ("e", "\\varepsilon") } else { ("d", "\\delta") };
+    if linear && small.len() == 1 {
+        return (format!("{plain}{letter}{small}"), format!("{greek}_{{{letter}{small}}}"), 1);
+    }
+    (format!("{plain}{letter}({})", axis.name), format!("{greek}_{letter}({})", axis.name), 1)
+}
+
+/// Sxy = EC0Y, Sxz = -EB0Z, Syz = EA0Z.
+fn squareness(axis: &str, direction: Direction) -> Option<(&'static str, i8)> {
+    match (axis, direction) {
+        ("y", Direction::C) => Some(("xy", 1)),
+        ("z", Direction::B) => Some(("xz", -1)),
+        ("z", Direction::A) => Some(("yz", 1)),
+        _ => None,
+    }
+}
+
+/// The symbols of an axis's position.
+pub(crate) fn position(index: usize, axis: &Axis, naming: Naming) -> Vec<Symbol> {
+    let symbol = |text: String, latex: String, meaning| Symbol { text, latex, meaning };
+    let name = axis.name.as_str();
+    match axis.kind {
+        AxisKind::Linear => {
+            let name = if naming == Naming::Paper { name.to_lowercase() } else { name.to_owned() };
+            vec![symbol(name.clone(), format!("\\mathit{{{name}}}"), Meaning::Position(index))]
+        }
+        AxisKind::Rotary => vec![
+            symbol(format!("sin({name})"), format!("\\sin\\mathit{{{name}}}"), Meaning::Sine(index)),
+            symbol(format!("cos({name})"), format!("\\cos\\mathit{{{name}}}"), Meaning::Cosine(index)),
+        ],
+    }
+}
+
+/// The length of the tool.
+pub(crate) fn tool_length() -> Symbol {
+    Symbol { text: "L".to_owned(), latex: "L".to_owned(), meaning: Meaning::ToolLength }
+}

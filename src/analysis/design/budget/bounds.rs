@@ -1,0 +1,56 @@
+//! Which errors are bounded, and by how much.
+
+use super::class::Class;
+use crate::analysis::closed_form::location_set::LocationSet;
+use crate::machine::{AxisKind, Direction, ErrorId, ErrorTerm, Machine};
+
+/// An error of which only the bound is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bound {
+    /// The error.
+    pub error: ErrorId,
+    /// It is between minus and plus this (mm, rad).
+    pub tolerance: f64,
+    /// From the table of the class, not from the machine file.
+    pub of_class: bool,
+}
+
+/// The bounds in the machine file, in the order of [`Machine::errors`]; with a class, also its bounds
+/// for the component errors of every axis and for the minimal set of location errors, where the file
+/// has no bound of its own. Bounds of zero are left out.
+pub fn bounds(machine: &Machine, class: Option<&Class>) -> Vec<Bound> {
+    let own = |error: &ErrorId| {
+        let found = machine.errors().find(|(id, _)| id == error)?;
+        if let ErrorTerm::Tolerance(tolerance) = found.1 { Some(*tolerance) } else { None }
+    };
+    let location = class.map_or_else(Vec::new, |_| LocationSet::of(machine).members);
+    let names = machine.axes().iter().map(|axis| &axis.name).chain(machine.chain().spindle());
+    let mut bounds = Vec::new();
+    for (index, name) in names.enumerate() {
+        let axis = machine.axes().get(index);
+        for location_error in [true, false] {
+            for direction in Direction::ALL {
+                let error = ErrorId { axis: name.clone(), location: location_error, direction };
+                let wanted = if location_error { location.iter().any(|(id, _)| *id == error) } else { axis.is_some() };
+                let of_class = class.filter(|_| wanted).and_then(|class| class.tolerance(axis, &error));
+                match (own(&error), of_class) {
+                    (Some(tolerance), _) => bounds.push(Bound { error, tolerance, of_class: false }),
+                    (None, Some(tolerance)) => bounds.push(Bound { error, tolerance, of_class: true }),
+                    (None, None) => {}
+                }
+            }
+        }
+    }
+    bounds.retain(|bound| bound.tolerance > 0.0);
+    bounds
+}
+
+/// Errors of a machine that have a value: a budget is of what is not known, so they do not count.
+pub fn known(machine: &Machine) -> usize {
+    machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).count()
+}
+
+/// Does a budget of this class lack values for the machine?
+pub fn lacks_rotary(machine: &Machine, class: &Class) -> bool {
+    !class.knows_rotary() && machine.axes().iter().any(|axis| axis.kind == AxisKind::Rotary)
+}

@@ -1,0 +1,191 @@
+//! Deviations of many drawn machines at once: per pose a small matrix for every joint, times the
+//! errors of [`LANES`] samples side by side. Each error lives in one joint, so this is a sum over joints.
+
+use super::bounds::Bound;
+use super::draw::{Draws, NODES};
+use crate::analysis::closed_form::twist::{Map, Quantity, Share, twists};
+use crate::machine::{Axis, Machine, Travel};
+
+/// Samples that are computed side by side.
+pub const LANES: usize = 40;
+
+/// A number for each of these samples.
+pub type Lanes = [f64; LANES];
+
+/// The bounds of one joint's errors by direction (mm, rad), with the index of each in the list of bounds.
+#[derive(Debug, Clone, Default)]
+pub struct JointBounds {
+    location: [Option<usize>; 6],
+    component: [Option<usize>; 6],
+    interval: (f64, f64),
+    closed: bool,
+}
+
+/// The bounds joint by joint: of every axis in the order of the machine, then of the spindle.
+pub fn by_joint(machine: &Machine, bounds: &[Bound]) -> Vec<JointBounds> {
+    let joint = |axis: Option<&Axis>| JointBounds {
+        interval: axis.map_or((0.0, 0.0), |axis| axis.travel.interval()),
+        closed: axis.is_some_and(|axis| axis.travel == Travel::Continuous),
+        ..JointBounds::default()
+    };
+    let mut joints: Vec<JointBounds> = machine.axes().iter().map(Some).chain([None]).map(joint).collect();
+    for (i, bound) in bounds.iter().enumerate() {
+        let index = machine.axis_index(bound.error.axis.as_str()).unwrap_or(machine.axes().len());
+        let six = if bound.error.location { &mut joints[index].location } else { &mut joints[index].component };
+        six[bound.error.direction.index()] = Some(i);
+    }
+    joints
+}
+
+impl JointBounds {
+    /// Between which nodes of a curve a position is (the lower one), and how far towards the upper one;
+    /// beyond the travel the curve keeps its end value.
+    pub fn place(&self, position: f64) -> (usize, f64) {
+        let (min, max) = self.interval;
+        let along = if self.closed { (position - min).rem_euclid(max - min) } else { position.clamp(min, max) - min };
+        let x = if max > min { along / (max - min) * (NODES - 1) as f64 } else { 0.0 };
+        let node = (x as usize).min(NODES - 2);
+        (node, x - node as f64)
+    }
+}
+
+/// The errors of a joint in a chunk of samples (mm, rad).
+#[derive(Debug)]
+pub struct DrawnJoint {
+    location: Option<Box<[Lanes; 6]>>,
+    nodes: Vec<[Lanes; 6]>,
+}
+
+/// A chunk of drawn machines.
+#[derive(Debug)]
+pub struct Chunk(Vec<DrawnJoint>);
+
+impl Chunk {
+    /// Samples `first..first + LANES`.
+    pub fn new(joints: &[JointBounds], bounds: &[Bound], draws: &Draws, first: usize) -> Self {
+        Self(joints.iter().map(|joint| drawn(joint, bounds, draws, first)).collect())
+    }
+
+    /// Location errors of a joint, if it has any.
+    pub fn location(&self, joint: usize) -> Option<&[Lanes; 6]> {
+        self.0[joint].location.as_deref()
+    }
+
+    /// Component errors of a joint at a place of its travel, if it has any.
+    pub fn component(&self, joint: usize, (node, share): (usize, f64)) -> Option<[Lanes; 6]> {
+        let [low, high] = self.0[joint].nodes.get(node..node + 2)? else { return None };
+        let mut six = [[0.0; LANES]; 6];
+        for ((out, a), b) in six.iter_mut().zip(low).zip(high) {
+            for lane in 0..LANES {
+                out[lane] = a[lane] + share * (b[lane] - a[lane]);
+            }
+        }
+        Some(six)
+    }
+}
+
+fn drawn(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> DrawnJoint {
+    let any = |six: &[Option<usize>; 6]| six.iter().any(Option::is_some);
+    let location = any(&joint.location).then(|| {
+        let mut six = Box::new([[0.0; LANES]; 6]);
+        for (row, bound) in six.iter_mut().zip(joint.location).filter_map(|(row, i)| Some((row, &bounds[i?]))) {
+            let draw = |lane: usize| bound.tolerance * draws.constant(&bound.error, first + lane);
+            *row = std::array::from_fn(draw);
+        }
+        six
+    });
+    let mut nodes = Vec::new();
+    if any(&joint.component) {
+        nodes = vec![[[0.0; LANES]; 6]; NODES];
+        for (k, bound) in joint.component.iter().enumerate().filter_map(|(k, i)| Some((k, &bounds[(*i)?]))) {
+            for lane in 0..LANES {
+                let curve = draws.curve(&bound.error, first + lane, joint.closed);
+                nodes.iter_mut().zip(curve).for_each(|(node, u)| node[k][lane] = bound.tolerance * u);
+            }
+        }
+    }
+    DrawnJoint { location, nodes }
+}
+
+/// Adds a map times errors.
+pub fn add(map: &Map, errors: &[Lanes; 6], to: &mut [Lanes; 3]) {
+    for (row, out) in map.iter().zip(to) {
+        for lane in 0..LANES {
+            let near = row[0] * errors[0][lane] + row[1] * errors[1][lane] + row[2] * errors[2][lane];
+            let far = row[3] * errors[3][lane] + row[4] * errors[4][lane] + row[5] * errors[5][lane];
+            out[lane] += near + far;
+        }
+    }
+}
+
+/// Squared lengths.
+pub fn squares(d: &[Lanes; 3]) -> Lanes {
+    std::array::from_fn(|lane| d[0][lane] * d[0][lane] + d[1][lane] * d[1][lane] + d[2][lane] * d[2][lane])
+}
+
+/// A pose, ready for any number of samples.
+#[derive(Debug, Clone)]
+pub struct Station {
+    /// Of location and of component errors of every joint.
+    maps: Vec<[Map; 2]>,
+    places: Vec<(usize, f64)>,
+}
+
+impl Station {
+    /// A machine at a pose (mm, deg).
+    pub fn new(machine: &Machine, joints: &[JointBounds], pose: &[f64], quantity: Quantity) -> Self {
+        let shares = machine
+            .axes()
+            .iter()
+            .map(|axis| [Share::location(axis, machine.conventions()), Share::component(axis, machine.conventions())]);
+        let shares = shares.chain([[Share::SPINDLE; 2]]);
+        let maps = twists(machine, pose, quantity).iter().zip(shares).map(|(t, s)| s.map(|s| s.of(t))).collect();
+        let places = joints.iter().zip(pose).map(|(joint, q)| joint.place(*q)).chain([(0, 0.0)]).collect();
+        Self { maps, places }
+    }
+
+    /// What every sample of the chunk deviates by.
+    pub fn deviations(&self, chunk: &Chunk) -> [Lanes; 3] {
+        let mut d = [[0.0; LANES]; 3];
+        for (joint, ([location, component], place)) in self.maps.iter().zip(&self.places).enumerate() {
+            if let Some(errors) = chunk.location(joint) {
+                add(location, errors, &mut d);
+            }
+            if let Some(errors) = chunk.component(joint, *place) {
+                add(component, &errors, &mut d);
+            }
+        }
+        d
+    }
+
+    /// What each bounded error does in one sample, in the order of the bounds.
+    pub fn parts(&self, chunk: &Chunk, joints: &[JointBounds], lane: usize, count: usize) -> Vec<[f64; 3]> {
+        let mut parts = vec![[0.0; 3]; count];
+        for (joint, (([location, component], place), bounds)) in
+            self.maps.iter().zip(&self.places).zip(joints).enumerate()
+        {
+            let drawn = [chunk.location(joint).copied(), chunk.component(joint, *place)];
+            let indices = [&bounds.location, &bounds.component];
+            for ((map, errors), index) in [location, component].into_iter().zip(drawn).zip(indices) {
+                let Some(errors) = errors else { continue };
+                for (k, bound) in index.iter().enumerate().filter_map(|(k, i)| Some((k, (*i)?))) {
+                    parts[bound] = std::array::from_fn(|i| map[i][k] * errors[k][lane]);
+                }
+            }
+        }
+        parts
+    }
+
+    /// What each bounded error does at its bound, in the order of the bounds.
+    pub fn extremes(&self, joints: &[JointBounds], bounds: &[Bound]) -> Vec<[f64; 3]> {
+        let mut extremes = vec![[0.0; 3]; bounds.len()];
+        for (maps, joint) in self.maps.iter().zip(joints) {
+            for (map, index) in maps.iter().zip([&joint.location, &joint.component]) {
+                for (k, bound) in index.iter().enumerate().filter_map(|(k, i)| Some((k, (*i)?))) {
+                    extremes[bound] = std::array::from_fn(|i| map[i][k] * bounds[bound].tolerance);
+                }
+            }
+        }
+        extremes
+    }
+}

@@ -1,0 +1,121 @@
+//! Machines side by side on the same work: the same tool poses in the workpiece frame, reached by
+//! each machine's own ideal inverse kinematics.
+
+use crate::analysis::inverse::{ToolPose, Unreachable, inverse, rest};
+use crate::analysis::volume::work::Work;
+use crate::evaluate::{Deviation, Field};
+use crate::evaluate::{Difference, Statistics};
+use crate::machine::{Approach, Pose};
+use rayon::prelude::*;
+
+/// Two or more machines over the tool poses that all of them can reach.
+#[derive(Debug, Clone)]
+pub struct Comparison {
+    /// How many tool poses were asked for.
+    pub asked: usize,
+    /// Those that all machines reach, in their order.
+    pub common: Vec<ToolPose>,
+    /// The machines, in their order.
+    pub machines: Vec<Compared>,
+}
+
+/// One machine of a comparison.
+#[derive(Debug, Clone)]
+pub struct Compared {
+    /// Tool poses it cannot reach, whether the others can or not.
+    pub unreachable: Missed,
+    /// The same by index, in order.
+    pub missed: Vec<(usize, Unreachable)>,
+    /// Its pose (mm, deg) at each common tool pose, with the deviation there (workpiece frame).
+    pub reached: Vec<(Pose, Deviation)>,
+    /// Over the common tool poses.
+    pub statistics: Statistics,
+    /// Its statistics minus those of the first machine: negative is better than the first.
+    pub difference: Difference,
+}
+
+/// Why tool poses were missed, and how many.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+pub struct Missed {
+    /// All of them.
+    pub total: usize,
+    /// The rotary axes cannot point the tool there.
+    pub direction: usize,
+    /// The linear axes do not span the place.
+    pub place: usize,
+    /// An axis would leave its travel.
+    pub travel: usize,
+}
+
+impl Missed {
+    /// Counts reasons.
+    pub fn count<'a>(reasons: impl Iterator<Item = &'a Unreachable>) -> Self {
+        reasons.fold(Self::default(), |mut missed, reason| {
+            missed.total += 1;
+            match reason {
+                Unreachable::Direction => missed.direction += 1,
+                Unreachable::Place => missed.place += 1,
+                Unreachable::Travel => missed.travel += 1,
+            }
+            missed
+        })
+    }
+}
+
+/// What every machine does at one tool pose.
+type Row = Vec<Result<(Pose, Deviation), Unreachable>>;
+
+/// Compares machines on the same work, which may be what the first one's ideal takes at its poses. Of several ways to
+/// a tool pose each machine takes the one nearest to its zero pose. `progress` is told how many
+/// tool poses were done.
+pub fn compare(
+    fields: &[&dyn Field],
+    work: &Work,
+    approach: Approach,
+    progress: &(dyn Fn(usize) + Sync),
+) -> Comparison {
+    let Some(first) = fields.first() else {
+        return Comparison { asked: work.len(), common: Vec::new(), machines: Vec::new() };
+    };
+    let rests: Vec<Pose> = fields.iter().map(|field| rest(field.machine())).collect();
+    let row = |index: usize| {
+        let target = work.get(first.machine(), index);
+        let at = |(field, rest): (&&dyn Field, &Pose)| {
+            let pose = inverse(field.machine(), &target, rest)?;
+            let deviation = field.deviation(&pose, approach);
+            Ok((pose, deviation))
+        };
+        let row: Row = fields.iter().zip(&rests).map(at).collect();
+        progress(1);
+        (target, row)
+    };
+    let rows: Vec<(ToolPose, Row)> = (0..work.len()).into_par_iter().map(row).collect();
+    side_by_side(rows, fields.len())
+}
+
+fn side_by_side(rows: Vec<(ToolPose, Row)>, count: usize) -> Comparison {
+    let asked = rows.len();
+    let why = |m: usize| {
+        let failure = |(i, (_, row)): (usize, &(ToolPose, Row))| Some((i, *row[m].as_ref().err()?));
+        rows.iter().enumerate().filter_map(failure).collect::<Vec<_>>()
+    };
+    let missed: Vec<Vec<(usize, Unreachable)>> = (0..count).map(why).collect();
+    let mut common = Vec::new();
+    let mut reached = vec![Vec::new(); count];
+    for (target, row) in rows {
+        if let Ok(row) = row.into_iter().collect::<Result<Vec<_>, _>>() {
+            common.push(target);
+            reached.iter_mut().zip(row).for_each(|(list, at)| list.push(at));
+        }
+    }
+    let of = |list: &Vec<(Pose, Deviation)>| Statistics::of(&list.iter().map(|(_, d)| *d).collect::<Vec<_>>());
+    let statistics: Vec<Statistics> = reached.iter().map(of).collect();
+    let sides = missed.into_iter().zip(reached).zip(&statistics).map(|((missed, reached), s)| Compared {
+        unreachable: Missed::count(missed.iter().map(|(_, why)| why)),
+        missed,
+        reached,
+        statistics: *s,
+        difference: s.minus(&statistics[0]),
+    });
+    Comparison { asked, common, machines: sides.collect() }
+}

@@ -1,0 +1,144 @@
+//! The budget of all arrangements of a walk at once. Where the bed stands does not change the ideal
+//! machine, only on which side of its motion each axis errs. So what every joint does is computed once
+//! for either side, and an arrangement is a sum of table-side joints before the bed and tool-side ones
+//! after it, always added up in the same order.
+
+use crate::analysis::closed_form::twist::{Map, Quantity, Share, twists};
+use crate::analysis::design::budget::Statistic;
+use crate::analysis::design::budget::kernel::{Chunk, JointBounds, LANES, Lanes, add, squares};
+use crate::machine::{Axis, Branch, Machine, Pose};
+
+/// A joint at a pose: its index among the drawn joints, its place on its travel, its maps.
+struct Joint {
+    drawn: usize,
+    place: (usize, f64),
+    location: [Map; 2],
+    component: [Map; 2],
+    /// A location error does the same on either side.
+    alike: bool,
+}
+
+/// All joints of the walk at one pose.
+struct Stop {
+    joints: Vec<Joint>,
+    spindle: Map,
+}
+
+/// The statistic over the poses, for every arrangement (rows, as `tables` lists them) and sample.
+/// `axes` are the indices of the walk's axes among the drawn joints; the last joint is the spindle.
+pub fn statistics(
+    machine: &Machine,
+    axes: &[usize],
+    tables: &[usize],
+    poses: &[Pose],
+    bounds: &[JointBounds],
+    chunks: &[Chunk],
+    statistic: Statistic,
+) -> Vec<Vec<f64>> {
+    let stops: Vec<Stop> = poses.iter().map(|pose| stop(machine, axes, pose, bounds)).collect();
+    let mut rows = vec![Vec::with_capacity(chunks.len() * LANES); tables.len()];
+    let mut lengths: Vec<Vec<Lanes>> = vec![Vec::with_capacity(poses.len()); tables.len()];
+    for chunk in chunks {
+        lengths.iter_mut().for_each(Vec::clear);
+        for stop in &stops {
+            let deviations = stop.deviations(chunk, bounds.len() - 1);
+            lengths.iter_mut().zip(tables).for_each(|(list, table)| list.push(squares(&deviations[*table])));
+        }
+        rows.iter_mut().zip(&lengths).for_each(|(row, lanes)| row.extend(over_poses(statistic, lanes)));
+    }
+    rows
+}
+
+/// Squared lengths of one arrangement, chunk by chunk and pose by pose.
+pub fn squared(
+    machine: &Machine,
+    axes: &[usize],
+    table: usize,
+    poses: &[Pose],
+    bounds: &[JointBounds],
+    chunks: &[Chunk],
+) -> Vec<Vec<Lanes>> {
+    let stops: Vec<Stop> = poses.iter().map(|pose| stop(machine, axes, pose, bounds)).collect();
+    let at = |stop: &Stop, chunk: &Chunk| squares(&stop.deviations(chunk, bounds.len() - 1)[table]);
+    chunks.iter().map(|chunk| stops.iter().map(|stop| at(stop, chunk)).collect()).collect()
+}
+
+/// The statistic of lengths over the poses, for every lane.
+pub fn over_poses(statistic: Statistic, squares: &[Lanes]) -> Lanes {
+    let mut column = vec![0.0; squares.len()];
+    std::array::from_fn(|lane| {
+        column.iter_mut().zip(squares).for_each(|(x, lanes)| *x = lanes[lane]);
+        statistic.of(&mut column).sqrt()
+    })
+}
+
+fn stop(machine: &Machine, axes: &[usize], pose: &[f64], bounds: &[JointBounds]) -> Stop {
+    let twists = twists(machine, pose, Quantity::Position);
+    let conventions = machine.conventions();
+    let joint = |(i, axis): (usize, &Axis)| {
+        let side = |branch| Axis { branch, ..axis.clone() };
+        let sides = [side(Branch::Tool), side(Branch::Workpiece)];
+        let location = sides.each_ref().map(|axis| Share::location(axis, conventions));
+        Joint {
+            drawn: axes[i],
+            place: bounds[axes[i]].place(pose[i]),
+            alike: location[0] == location[1],
+            location: location.map(|share| share.of(&twists[i])),
+            component: sides.map(|axis| Share::component(&axis, conventions).of(&twists[i])),
+        }
+    };
+    let joints: Vec<Joint> = machine.axes().iter().enumerate().map(joint).collect();
+    Stop { spindle: Share::SPINDLE.of(&twists[joints.len()]), joints }
+}
+
+type Deviations = [Lanes; 3];
+
+const NONE: Deviations = [[0.0; LANES]; 3];
+
+impl Stop {
+    /// With no axis on the table, with one, ... with all.
+    fn deviations(&self, chunk: &Chunk, spindle: usize) -> Vec<Deviations> {
+        let sides: Vec<[Deviations; 2]> = self.joints.iter().map(|joint| joint.deviations(chunk)).collect();
+        let mut last = NONE;
+        if let Some(errors) = chunk.location(spindle) {
+            add(&self.spindle, errors, &mut last);
+        }
+        // Tool-side joints are added up from the tool, table-side ones from the workpiece.
+        let mut all = vec![last];
+        for [tool, _] in sides.iter().rev() {
+            let sum = sum(&all[all.len() - 1], tool);
+            all.push(sum);
+        }
+        all.reverse();
+        let mut table_side = NONE;
+        for (i, [_, table]) in sides.iter().enumerate() {
+            table_side = sum(&table_side, table);
+            all[i + 1] = sum(&all[i + 1], &table_side);
+        }
+        all
+    }
+}
+
+impl Joint {
+    /// On the tool side, on the table side.
+    fn deviations(&self, chunk: &Chunk) -> [Deviations; 2] {
+        let mut sides = [NONE; 2];
+        if let Some(errors) = chunk.location(self.drawn) {
+            add(&self.location[0], errors, &mut sides[0]);
+            if self.alike {
+                sides[1] = sides[0];
+            } else {
+                add(&self.location[1], errors, &mut sides[1]);
+            }
+        }
+        if let Some(errors) = chunk.component(self.drawn, self.place) {
+            add(&self.component[0], &errors, &mut sides[0]);
+            add(&self.component[1], &errors, &mut sides[1]);
+        }
+        sides
+    }
+}
+
+fn sum(a: &Deviations, b: &Deviations) -> Deviations {
+    std::array::from_fn(|i| std::array::from_fn(|lane| a[i][lane] + b[i][lane]))
+}

@@ -1,0 +1,3 @@
+//! What is left after the controller has applied the files.
+
+pub(super) mod judge;

@@ -1,0 +1,96 @@
+//! From a machine to a target's rounded tables, and what of them the target's manifest forbids.
+
+use super::limits::steepest_along;
+use super::stored::{Column, differences};
+use crate::compensation::{LatticeRequest, Table, TableRules, Tables, lacking, tables};
+use crate::controller::Target;
+use crate::diagnostic::Diagnostic;
+use crate::machine::Machine;
+use crate::units::significant;
+
+impl Target {
+    /// Fills the tables of the target's mechanisms and rounds them to its increments. The request is for
+    /// lattices over any axes; the others have nothing to choose.
+    pub fn tables(&self, machine: &Machine, request: &LatticeRequest) -> Tables {
+        tables(machine, &self.manifest.mechanism, request)
+    }
+
+    /// Why the target has nothing for this machine: E0708.
+    pub fn refusal(&self, machine: &Machine) -> Option<Diagnostic> {
+        let why = lacking(machine, &self.manifest.mechanism)?;
+        let message = format!("the target `{}` cannot be used: {why}", self.manifest.target);
+        Some(Diagnostic::new("E0708", message).help("`abbe targets` says what each controller can hold"))
+    }
+
+    /// What the tables hold that the controller does not take: E0709.
+    pub fn violations(&self, machine: &Machine, tables: &Tables) -> Vec<Diagnostic> {
+        let of = |table: &Table| {
+            let rules = self.manifest.mechanism.rules(table);
+            rules.map_or_else(Vec::new, |rules| forbidden(machine, table, rules))
+        };
+        let mut all: Vec<Diagnostic> = tables.tables.iter().flat_map(of).collect();
+        for (name, rules) in self.manifest.mechanism.iter() {
+            let count = tables.tables.iter().filter(|t| self.manifest.mechanism.rules(t) == Some(rules)).count();
+            if count > rules.max_tables {
+                all.push(refusal(format!("{name}: {count} tables, the controller has {}", rules.max_tables)));
+            }
+        }
+        let count = tables.tables.iter().map(|table| self.manifest.mechanism.count(table)).sum::<usize>();
+        if let Some(most) = self.manifest.mechanism.tables.filter(|most| count > *most) {
+            all.push(refusal(format!("{count} tables in all, the controller has {most}")));
+        }
+        all
+    }
+}
+
+fn refusal(message: String) -> Diagnostic {
+    Diagnostic::new("E0709", message)
+        .help("the controller would refuse or clip it: correct the machine mechanically, or look for a wrong unit")
+}
+
+/// What a table holds beyond its rules, in words.
+fn forbidden(machine: &Machine, table: &Table, rules: &TableRules) -> Vec<Diagnostic> {
+    let names: Vec<&str> = table.axes.iter().map(|axis| machine.axes()[*axis].name.as_str()).collect();
+    let over = names.join(" and ");
+    let mut all = Vec::new();
+    let longest = table.nodes.iter().map(Vec::len).max().unwrap_or(0);
+    if table.len() > rules.max_points || longest > rules.max_points_per_axis {
+        let most = rules.max_points.min(rules.max_points_per_axis);
+        all.push(refusal(format!("a table over {over} has {} points, the controller takes {most}", table.len())));
+    }
+    let times = rules.magnification_of(machine, table);
+    let columns = std::iter::once(&table.values).chain(&table.reverse);
+    for (values, (column, axis)) in columns.flat_map(|v| table.corrected.iter().enumerate().map(move |c| (v, c))) {
+        let name = &machine.axes()[*axis].name;
+        let kind = machine.axes()[*axis].kind;
+        let stored = stored_column(table, rules, values, column, Column { times, ..Column::new(rules, kind) });
+        let largest = stored.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        if rules.largest.is_some_and(|most| largest > most) {
+            let most = rules.largest.unwrap_or_default();
+            all.push(refusal(format!(
+                "`{name}` over {over}: the number {} is beyond the controller's {most}",
+                significant(largest, 6)
+            )));
+        }
+        let slope = (0..table.axes.len()).map(|place| steepest_along(table, values, place, column)).fold(0.0, f64::max);
+        if rules.max_slope.is_some_and(|most| slope > most) {
+            let most = rules.max_slope.unwrap_or_default();
+            all.push(refusal(format!(
+                "`{name}` over {over}: a slope of {} is beyond the controller's {most}",
+                significant(slope, 4)
+            )));
+        }
+    }
+    all
+}
+
+/// The numbers of a column as they are stored.
+fn stored_column(table: &Table, rules: &TableRules, values: &[f64], column: usize, cell: Column) -> Vec<f64> {
+    let own = table.axes.iter().position(|axis| *axis == table.corrected[column]);
+    let number = |node: usize| {
+        let position = own.map(|place| table.node(node)[place]);
+        cell.stored(values[node * table.corrected.len() + column], position)
+    };
+    let all: Vec<f64> = (0..table.len()).map(number).collect();
+    if rules.incremental { differences(&all) } else { all }
+}

@@ -1,0 +1,142 @@
+//! What is on the machine now, and what is to be written on top of it.
+
+use crate::compensation::{ErrorCurve, LatticeRequest, Spacing, Table, Tables};
+use crate::controller::{Replay, Target};
+use crate::diagnostic::Diagnostic;
+use crate::machine::{Approach, AxisKind, Machine};
+use crate::units::significant;
+
+impl Target {
+    /// The tables for a machine whose errors were measured with other tables in force: the old plus the new,
+    /// rounded like any tables of the target.
+    pub fn tables_over(&self, machine: &Machine, request: &LatticeRequest, installed: &Tables) -> Tables {
+        let mechanisms = &self.manifest.mechanism;
+        let at = |old: &Table, new: &Table, reverse: bool| -> Vec<f64> {
+            let alone = alone(old);
+            let replay = Replay::new(machine, self, &alone);
+            at_nodes(machine, (&replay, old), new, if reverse { Approach::Reverse } else { Approach::Forward })
+        };
+        let mut fresh = self.tables(machine, request);
+        self.share_points(&mut fresh, installed);
+        let mut sum = fresh.plus(installed, &at);
+        mechanisms.round(machine, &mut sum);
+        sum.merged()
+    }
+
+    /// Where points are free, the new tables get the points of the old ones besides their own, as far as there is room.
+    fn share_points(&self, fresh: &mut Tables, installed: &Tables) {
+        let mechanisms = &self.manifest.mechanism;
+        for table in fresh.tables.iter_mut().filter(|table| table.axes.len() == 1) {
+            let rules = mechanisms.rules(table).filter(|rules| rules.spacing == Spacing::Free);
+            let old =
+                installed.tables.iter().find(|old| (&old.axes, &old.corrected) == (&table.axes, &table.corrected));
+            if let (Some(rules), Some(old)) = (rules, old) {
+                table.add_points(&old.nodes[0], rules.max_points);
+            }
+        }
+        let Some(rules) = mechanisms.error_curves.as_ref().filter(|rules| rules.spacing == Spacing::Free) else {
+            return;
+        };
+        for curve in &mut fresh.errors {
+            let of_axis = |old: &&ErrorCurve| old.error.axis == curve.error.axis;
+            let old: Vec<f64> = installed.errors.iter().filter(of_axis).flat_map(|old| old.positions.clone()).collect();
+            curve.add_points(&old, rules.max_points);
+        }
+    }
+
+    /// What of the installed tables falls between the points of the new ones: W0704.
+    pub fn resampling_losses(&self, machine: &Machine, tables: &Tables, installed: &Tables) -> Vec<Diagnostic> {
+        let mut all = Vec::new();
+        for old in &installed.tables {
+            let same = |new: &&Table| (&new.axes, &new.corrected) == (&old.axes, &old.corrected);
+            if let Some(new) = tables.tables.iter().find(same) {
+                all.extend(self.table_loss(machine, new, old));
+            }
+        }
+        for old in &installed.errors {
+            let new = tables.errors.iter().find(|new| new.error == old.error && !new.positions.is_empty());
+            all.extend(new.and_then(|new| curve_loss(new, old)));
+        }
+        all
+    }
+
+    fn table_loss(&self, machine: &Machine, new: &Table, old: &Table) -> Option<Diagnostic> {
+        let rules = self.manifest.mechanism.rules(old)?;
+        let sides = [Approach::Forward, Approach::Reverse];
+        let before = alone(old);
+        let was = Replay::new(machine, self, &before);
+        let [values, reverse] = sides.map(|side| at_nodes(machine, (&was, old), new, side));
+        let resampled = Table { values, reverse: Some(reverse), ..new.clone() };
+        let after = alone(&resampled);
+        let is = Replay::new(machine, self, &after);
+        // Both are straight between the points of either; those of the new one agree.
+        let places = (0..old.len()).map(|node| old.node(node)).filter(|place| {
+            place.iter().zip(&new.nodes).all(|(q, nodes)| (nodes[0]..=nodes[nodes.len() - 1]).contains(q))
+        });
+        let gap = |place: &Vec<f64>| {
+            let both = sides.map(|side| {
+                let was = added(machine, (&was, old), place, side);
+                let is = added(machine, (&is, &resampled), place, side);
+                was.iter().zip(&is).map(|(a, b)| (a - b).abs()).collect::<Vec<f64>>()
+            });
+            both.concat()
+        };
+        let columns = old.corrected.len();
+        let mut lost = vec![0.0; columns];
+        for row in places.map(|place| gap(&place)) {
+            row.iter().enumerate().for_each(|(i, x)| lost[i % columns] = f64::max(lost[i % columns], *x));
+        }
+        let (axis, most) = old.corrected.iter().zip(lost).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let kind = machine.axes()[*axis].kind;
+        if most <= 2.0 * rules.increment.half_correction(kind).max(SMALL) {
+            return None;
+        }
+        let name = |axis: &usize| machine.axes()[*axis].name.as_str();
+        let over: Vec<&str> = old.axes.iter().map(name).collect();
+        let unit = if kind == AxisKind::Linear { "um" } else { "mdeg" };
+        Some(loss(&format!("`{}` over {}", name(axis), over.join(" and ")), most * 1e3, unit))
+    }
+}
+
+/// Below this (mm, deg) nothing is lost that counts.
+const SMALL: f64 = 5e-6;
+
+fn loss(what: &str, most: f64, unit: &str) -> Diagnostic {
+    let message = format!(
+        "{what}: the installed table has points where the new one has none, up to {} {unit} of it are lost",
+        significant(most, 3)
+    );
+    Diagnostic::new("W0704", message)
+        .help("measure without the old tables, or give the curves points where the old tables have them")
+}
+
+fn curve_loss(new: &ErrorCurve, old: &ErrorCurve) -> Option<Diagnostic> {
+    let values = new.positions.iter().map(|q| old.value(*q, false)).collect();
+    let resampled = ErrorCurve { values, ..new.clone() };
+    let range = new.positions[0]..=new.positions[new.positions.len() - 1];
+    let within = old.positions.iter().filter(|q| range.contains(q));
+    let most = within.map(|q| (old.value(*q, false) - resampled.value(*q, false)).abs()).fold(0.0, f64::max);
+    let (scale, unit, least) =
+        if old.error.direction.is_rotation() { (1e6, "urad", 1e-7) } else { (1e3, "um", 2.0 * SMALL) };
+    (most > least).then(|| loss(&format!("`{}`", old.error), most * scale, unit))
+}
+
+fn alone(table: &Table) -> Tables {
+    Tables { tables: vec![table.clone()], errors: Vec::new() }
+}
+
+/// A table, and what the controller does with it alone.
+type Loaded<'a> = (&'a Replay<'a>, &'a Table);
+
+/// What a table adds at the nodes of another one, node by node.
+fn at_nodes(machine: &Machine, old: Loaded, new: &Table, approach: Approach) -> Vec<f64> {
+    (0..new.len()).flat_map(|node| added(machine, old, &new.node(node), approach)).collect()
+}
+
+/// What a table adds at a position of each of its axes.
+fn added(machine: &Machine, (replay, table): Loaded, positions: &[f64], approach: Approach) -> Vec<f64> {
+    let mut pose = vec![0.0; machine.axes().len()];
+    table.axes.iter().zip(positions).for_each(|(axis, q)| pose[*axis] = *q);
+    let added = replay.added(&pose, approach);
+    table.corrected.iter().map(|axis| added[*axis]).collect()
+}

@@ -1,0 +1,120 @@
+//! Plausibility limits on corrections: a file that moves a machine further is refused unless the
+//! person raises the limit.
+
+use crate::compensation::{Table, Tables};
+use crate::diagnostic::Diagnostic;
+use crate::machine::{AxisKind, Machine};
+use crate::units::{self, Dimension, significant};
+
+/// Largest corrections that are not refused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Of a linear axis, mm.
+    pub length: f64,
+    /// Of a rotary axis, rad.
+    pub angle: f64,
+    /// Change of a correction per change of its own axis's position (mm/mm, deg/deg).
+    pub slope: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { length: 1.0, angle: 5e-3, slope: 0.01 }
+    }
+}
+
+impl Limits {
+    /// From text such as `2 mm, 10 mrad, 0.05`; what is left out keeps its default.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let mut limits = Self::default();
+        let mut seen = [false; 3];
+        for part in text.split(',').map(str::trim) {
+            let (kind, value, slot, largest) = match units::quantity(part) {
+                Ok(q) if q.dimension == Dimension::LENGTH => (0, q.value, &mut limits.length, 100.0),
+                Ok(q) if q.dimension == Dimension::ANGLE => (1, q.value, &mut limits.angle, 0.1),
+                Ok(_) => return Err(format!("`{part}` is neither a length nor an angle")),
+                Err(units::Failure::NoUnit(_)) => {
+                    (2, units::number(part).map_err(|f| f.to_string())?, &mut limits.slope, 1.0)
+                }
+                Err(failure) => return Err(failure.to_string()),
+            };
+            if std::mem::replace(&mut seen[kind], true) {
+                return Err(format!("`{part}`: one length, one angle, one slope without a unit"));
+            }
+            if !(value > 0.0 && value <= largest) {
+                return Err(format!("`{part}` is not a limit: at most 100 mm, 100 mrad, 1"));
+            }
+            *slot = value;
+        }
+        Ok(limits)
+    }
+
+    /// Every limit that the tables exceed.
+    pub fn exceeded(&self, machine: &Machine, tables: &Tables) -> Vec<Diagnostic> {
+        let [linear, rotary] = tables.largest(machine);
+        let name = |axis: usize| machine.axes()[axis].name.as_str();
+        let length = linear.filter(|(_, c)| c.abs() > self.length).map(|(axis, c)| {
+            refusal(format!(
+                "a correction of {} mm for `{}` is above the limit of {} mm",
+                significant(c, 4),
+                name(axis),
+                self.length
+            ))
+        });
+        let angle = rotary.filter(|(_, c)| c.to_radians().abs() > self.angle).map(|(axis, c)| {
+            let mrad = |rad: f64| significant(rad * 1e3, 4);
+            refusal(format!(
+                "a correction of {} mrad for `{}` is above the limit of {} mrad",
+                mrad(c.to_radians()),
+                name(axis),
+                mrad(self.angle)
+            ))
+        });
+        let slope = steepest(machine, tables).filter(|(_, slope)| *slope > self.slope).map(|(axis, slope)| {
+            refusal(format!(
+                "the corrections of `{}` change by {} per unit of its way, above the limit of {}",
+                name(axis),
+                significant(slope, 3),
+                self.slope
+            ))
+        });
+        length.into_iter().chain(angle).chain(slope).collect()
+    }
+}
+
+fn refusal(message: String) -> Diagnostic {
+    Diagnostic::new("E0602", message)
+        .help("check the error values and their units; if they are right, raise the limit: --max-correction \"2 mm, 10 mrad, 0.05\"")
+}
+
+/// The steepest correction of an axis along its own travel.
+fn steepest(machine: &Machine, tables: &Tables) -> Option<(usize, f64)> {
+    let linear = |axis: usize| machine.axes()[axis].kind == AxisKind::Linear;
+    let of = |table: &Table| {
+        let along = table.corrected.iter().filter(|axis| table.is_own_axis() || linear(**axis));
+        along.map(|axis| (*axis, slope(table, *axis))).collect::<Vec<_>>()
+    };
+    tables.tables.iter().flat_map(of).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The steepest correction of an axis in a table along that axis's own nodes.
+fn slope(table: &Table, axis: usize) -> f64 {
+    let Some(place) = table.axes.iter().position(|a| *a == axis) else { return 0.0 };
+    let Some(column) = table.corrected.iter().position(|a| *a == axis) else { return 0.0 };
+    let all = std::iter::once(&table.values).chain(&table.reverse);
+    all.map(|values| steepest_along(table, values, place, column)).fold(0.0, f64::max)
+}
+
+/// The largest change of a column per change of the position between neighbours along one axis.
+pub(crate) fn steepest_along(table: &Table, values: &[f64], place: usize, column: usize) -> f64 {
+    let stride: usize = table.nodes[place + 1..].iter().map(Vec::len).product();
+    let nodes = &table.nodes[place];
+    let value = |node: usize| values[node * table.corrected.len() + column];
+    let inner = (0..table.len()).filter(|node| node / stride % nodes.len() + 1 < nodes.len());
+    inner
+        .map(|node| {
+            let at = node / stride % nodes.len();
+            ((value(node + stride) - value(node)) / (nodes[at + 1] - nodes[at])).abs()
+        })
+        .fold(0.0, f64::max)
+}

@@ -1,0 +1,398 @@
+//! Tables to files, through the target's minijinja templates.
+//!
+//! Numbers reach a template rounded and as text: [`fixed`] is the only formatter, and it knows
+//! neither `-0` nor NaN nor a locale. Templates run with fuel and cannot read files.
+
+use super::context::Words;
+use super::timed::{afresh, within};
+use crate::compensation::{Table, Tables};
+use crate::controller::Target;
+use crate::controller::manifest::description::{AxisLetters, FileSpec, Per};
+use crate::controller::manifest::library;
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::machine::{Axis, AxisKind, Machine, Travel};
+use minijinja::syntax::SyntaxConfig;
+use minijinja::{Environment, UndefinedBehavior, Value, context};
+use std::sync::Arc;
+
+/// Fifty instructions for each cell of 200,000 rows of ten; a template that needs more is a loop.
+const FUEL: u64 = 100_000_000;
+
+/// Largest file of a set, in bytes: 200,000 nodes of nine axes, all corrected, are less.
+pub const LARGEST_FILE: usize = 64 << 20;
+
+/// What a template has written so far: no more than anybody reads back.
+#[derive(Default)]
+struct Bounded(Vec<u8>);
+
+impl std::io::Write for Bounded {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        if self.0.len() + bytes.len() > LARGEST_FILE {
+            return Err(std::io::Error::other("too large"));
+        }
+        self.0.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// A file as it will stand on disk.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RenderedFile {
+    /// Its plain name.
+    pub name: String,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+impl Target {
+    /// Writes the target's files for (rounded) tables. Diagnostics: a template that fails (E0702).
+    pub fn render(
+        &self,
+        machine: &Machine,
+        tables: &Arc<Tables>,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<RenderedFile>> {
+        afresh();
+        let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
+        let words = Words { target: self, machine, tables, letters: &letters };
+        let writer = Writer { words, environment: environment() };
+        match writer.files(|_| true) {
+            Ok(files) => Some(files),
+            Err(message) => {
+                diagnostics.push(self.failed(&message));
+                None
+            }
+        }
+    }
+
+    /// Writes files that have no tables, once each, from a context of their own besides name and version, and the
+    /// files of the tables beside them.
+    pub(crate) fn render_once(
+        &self,
+        machine: &Machine,
+        own: &Value,
+        beside: &Arc<Tables>,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<RenderedFile>> {
+        afresh();
+        let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
+        let words = Words { target: self, machine, tables: beside, letters: &letters };
+        let writer = Writer { words, environment: environment() };
+        let files = || {
+            let tables = writer.files(FileSpec::is_of_tables)?;
+            let beside: Vec<String> = tables.iter().map(|file| file.name.clone()).collect();
+            let file = |(spec, template): (&FileSpec, &String)| {
+                let context = context! {
+                    machine => machine.name(), version => env!("CARGO_PKG_VERSION"), beside => beside.clone(), ..own.clone()
+                };
+                self.rendered(&writer.environment, spec, template, context)
+            };
+            let once = self.manifest.files.iter().zip(&self.templates).filter(|(spec, _)| !spec.is_of_tables());
+            let mut files: Vec<RenderedFile> = once.map(file).collect::<Result<_, String>>()?;
+            files.extend(tables);
+            Ok::<_, String>(files)
+        };
+        files().map_err(|message| diagnostics.push(self.failed(&message))).ok()
+    }
+
+    fn failed(&self, message: &str) -> Diagnostic {
+        Diagnostic::new("E0702", format!("target `{}`: {message}", self.manifest.target)).help(
+            "docs/adding-a-target.md says what templates are given and how long they may run; nothing was written",
+        )
+    }
+
+    /// Names of the files that hold a table of their own for each axis, in the order of the joints:
+    /// (index of the axis, file name).
+    pub(crate) fn axis_files(&self, machine: &Machine, spec: &FileSpec) -> Result<Vec<(usize, String)>, String> {
+        let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
+        let environment = environment();
+        let name = |(joint, (axis, letter)): (usize, &(usize, String))| {
+            let own = context! { joint, letter, name => machine.axes()[*axis].name.as_str() };
+            self.file_name(&environment, spec, own).map(|name| (*axis, name))
+        };
+        letters.iter().enumerate().map(name).collect()
+    }
+}
+
+/// The controller's letter of every axis, in the order in which the controller counts its axes:
+/// (index of the axis, letter). An axis with a name of its own gets the first free letter of its
+/// kind, with a warning (W0601); if none is free, the machine is refused (E0601).
+pub fn assigned_letters(
+    machine: &Machine,
+    letters: Option<&AxisLetters>,
+    mut diagnostics: Option<&mut Diagnostics>,
+) -> Option<Vec<(usize, String)>> {
+    let Some(letters) = letters else {
+        return Some(machine.axes().iter().map(|axis| axis.name.to_string()).enumerate().collect());
+    };
+    let allowed = |axis: &Axis| if axis.kind == AxisKind::Linear { &letters.linear } else { &letters.rotary };
+    let own = |axis: &Axis| allowed(axis).chars().any(|c| c.to_string() == axis.name.as_str());
+    let mut taken: Vec<String> = machine.axes().iter().filter(|a| own(a)).map(|a| a.name.to_string()).collect();
+    let mut assigned = Vec::new();
+    for (index, axis) in machine.axes().iter().enumerate() {
+        if own(axis) {
+            assigned.push((index, axis.name.to_string()));
+            continue;
+        }
+        let free = allowed(axis).chars().map(|c| c.to_string()).find(|c| !taken.contains(c));
+        let said = free.as_ref().map_or_else(|| no_letter(axis), |letter| another_letter(axis, letter));
+        diagnostics.iter_mut().for_each(|all| all.push(said.clone()));
+        let letter = free?;
+        taken.push(letter.clone());
+        assigned.push((index, letter));
+    }
+    assigned.sort_by_key(|(_, letter)| letters.order.find(letter.as_str()));
+    Some(assigned)
+}
+
+fn no_letter(axis: &Axis) -> Diagnostic {
+    Diagnostic::new("E0601", format!("the controller has no letter left for axis `{}`", axis.name))
+        .help("compile for a target without fixed axis letters, such as grid-csv")
+}
+
+fn another_letter(axis: &Axis, letter: &str) -> Diagnostic {
+    Diagnostic::new(
+        "W0601",
+        format!("axis `{}` is written as `{letter}`: the controller has no such letter", axis.name),
+    )
+}
+
+fn environment() -> Environment<'static> {
+    let mut environment = Environment::new();
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.set_fuel(Some(FUEL));
+    environment.set_auto_escape_callback(|_| minijinja::AutoEscape::None);
+    let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
+    if let Ok(syntax) = syntax {
+        environment.set_syntax(syntax);
+    }
+    environment
+}
+
+fn file_name(environment: &Environment, spec: &FileSpec, own: Value) -> Result<String, String> {
+    let name = environment.render_str(&spec.path, own).map_err(|failure| describe(&failure))?;
+    if library::is_plain_name(&name) { Ok(name) } else { Err(format!("`{name}` is not a plain file name")) }
+}
+
+impl Target {
+    /// The name of a file; what it is made of may come from the user.
+    fn file_name(&self, shared: &Environment, spec: &FileSpec, own: Value) -> Result<String, String> {
+        if !self.own {
+            return file_name(shared, spec, own);
+        }
+        let spec = spec.clone();
+        within(move || file_name(&environment(), &spec, own))
+    }
+
+    /// A file; its template may come from the user.
+    fn rendered(
+        &self,
+        shared: &Environment,
+        spec: &FileSpec,
+        template: &str,
+        context: Value,
+    ) -> Result<RenderedFile, String> {
+        if !self.own {
+            return rendered(shared, spec, template, context);
+        }
+        let (spec, template) = (spec.clone(), template.to_owned());
+        within(move || rendered(&environment(), &spec, &template, context))
+    }
+
+    /// A file's name for every letter and every place that an axis of it could have.
+    pub(crate) fn names_of_letters(&self, spec: &FileSpec, letters: &str) -> Vec<String> {
+        let environment = environment();
+        let name = |(joint, letter): (usize, char)| {
+            let own = context! { joint, letter => letter.to_string(), name => letter.to_string() };
+            self.file_name(&environment, spec, own).ok()
+        };
+        let places = 0..letters.len();
+        let mut names: Vec<String> =
+            places.flat_map(|joint| letters.chars().map(move |letter| (joint, letter))).filter_map(name).collect();
+        names.sort();
+        names.dedup();
+        names
+    }
+}
+
+fn describe(failure: &minijinja::Error) -> String {
+    let line = failure.line().map_or_else(String::new, |line| format!(" (template line {line})"));
+    format!("{failure}{line}")
+}
+
+fn rendered(
+    environment: &Environment,
+    spec: &FileSpec,
+    template: &str,
+    context: Value,
+) -> Result<RenderedFile, String> {
+    let name = file_name(environment, spec, context.clone())?;
+    let compiled = environment.template_from_str(template).map_err(|failure| describe(&failure))?;
+    let mut text = Bounded::default();
+    let _ = compiled.render_captured_to(context, &mut text).map_err(|failure| match failure.kind() {
+        minijinja::ErrorKind::WriteFailure => format!("`{name}` would have more than {} MB", LARGEST_FILE >> 20),
+        _ => describe(&failure),
+    })?;
+    Ok(RenderedFile { name, bytes: text.0 })
+}
+
+/// What a file is rendered from.
+struct Writer<'a> {
+    words: Words<'a>,
+    environment: Environment<'static>,
+}
+
+impl Writer<'_> {
+    fn files(&self, keep: impl Fn(&FileSpec) -> bool) -> Result<Vec<RenderedFile>, String> {
+        let mut files = Vec::new();
+        let target = self.words.target;
+        for (spec, template) in target.manifest.files.iter().zip(&target.templates).filter(|(spec, _)| keep(spec)) {
+            if spec.per == Per::Machine {
+                if spec.of.as_ref().is_none_or(|of| self.words.any(of)) {
+                    files.push(self.file(spec, template, self.machine_context(spec)?)?);
+                }
+                continue;
+            }
+            for joint in 0..self.words.letters.len() {
+                let axis = self.words.letters[joint].0;
+                if spec.per.wants(axis, &self.words.tables.tables) {
+                    files.push(self.file(spec, template, self.axis_context(joint, Some(spec.per))?)?);
+                }
+            }
+        }
+        Ok(files)
+    }
+
+    fn file(&self, spec: &FileSpec, template: &str, context: Value) -> Result<RenderedFile, String> {
+        self.words.target.rendered(&self.environment, spec, template, context)
+    }
+
+    fn limits(&self, axis: usize) -> (f64, f64) {
+        match (self.words.machine.axes()[axis].travel, &self.words.target.manifest.mechanism.own_axis) {
+            (Travel::Continuous, Some(own)) => own.continuous,
+            (travel, _) => travel.interval(),
+        }
+    }
+
+    /// Decimals of positions where they stand outside a table.
+    fn position(&self, value: f64) -> String {
+        let rules = self.words.target.manifest.mechanism.iter().next();
+        fixed(value, rules.map_or(6, |(_, rules)| rules.increment.position_decimals))
+    }
+
+    /// An axis; with its tables in the file of an axis.
+    fn axis_context(&self, joint: usize, of: Option<Per>) -> Result<Value, String> {
+        let (machine, target) = (self.words.machine, self.words.target);
+        let (index, letter) = &self.words.letters[joint];
+        let axis = &machine.axes()[*index];
+        let (min, max) = self.limits(*index);
+        let mut per_axis = target.manifest.files.iter().filter(|spec| spec.per == Per::Axis);
+        let own = context! { joint, letter, name => axis.name.as_str() };
+        let file = per_axis.next().map(|spec| target.file_name(&self.environment, spec, own)).transpose()?;
+        let tables = of.map(|per| self.words.tables(|table| per.holds(*index, table)));
+        let own = of.map(|_| self.words.own_points(*index));
+        Ok(context! {
+            joint, letter, file, tables,
+            points => own,
+            name => axis.name.as_str(),
+            kind => if axis.kind == AxisKind::Linear { "linear" } else { "rotary" },
+            unit => axis.unit(),
+            min => self.position(min),
+            max => self.position(max),
+            number => joint + 1,
+            ..self.common()
+        })
+    }
+
+    fn common(&self) -> Value {
+        context! {
+            machine => self.words.machine.name(),
+            version => env!("CARGO_PKG_VERSION"),
+            caution => self.words.target.manifest.caution(),
+        }
+    }
+
+    fn machine_context(&self, spec: &FileSpec) -> Result<Value, String> {
+        let axes =
+            (0..self.words.letters.len()).map(|joint| self.axis_context(joint, None)).collect::<Result<Vec<_>, _>>()?;
+        let (columns, rows) = self.words.lattice().unzip();
+        // A lattice is written row by row; as a list of tables it would stand in memory as text.
+        let tables = columns.is_none().then(|| self.words.tables(|table| self.words.is_of(table, spec.of.as_deref())));
+        Ok(context! {
+            axes,
+            columns, rows,
+            tables => tables,
+            errors => self.words.errors(),
+            chain => self.words.chain(),
+            ..self.common()
+        })
+    }
+}
+
+impl Per {
+    /// Is there a file for an axis?
+    fn wants(self, axis: usize, tables: &[Table]) -> bool {
+        self == Self::Axis || tables.iter().any(|table| self.holds(axis, table))
+    }
+
+    /// Does the file of an axis hold a table?
+    fn holds(self, axis: usize, table: &Table) -> bool {
+        match self {
+            Self::Machine => true,
+            Self::Axis | Self::Output => table.corrected[0] == axis,
+            Self::Input => table.axes[0] == axis,
+        }
+    }
+}
+
+/// A number with so many decimals, never `-0`. Callers have rounded it already, so nothing is lost.
+pub(crate) fn fixed(value: f64, decimals: u8) -> String {
+    let mut text = String::new();
+    push_fixed(&mut text, value, decimals);
+    text
+}
+
+/// The digits come from an integer: exact, and several times faster than the general formatter.
+pub(crate) fn push_fixed(text: &mut String, value: f64, decimals: u8) {
+    use std::fmt::Write;
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    let scaled = libm::round(value * libm::pow(10.0, f64::from(decimals)));
+    // Writing to a String cannot fail.
+    let _ = if scaled.abs() < EXACT {
+        let digits = scaled.abs() as u64;
+        let one = 10_u64.pow(u32::from(decimals));
+        let sign = if scaled < 0.0 { "-" } else { "" };
+        match decimals {
+            0 => write!(text, "{sign}{digits}"),
+            _ => write!(text, "{sign}{}.{:0width$}", digits / one, digits % one, width = usize::from(decimals)),
+        }
+    } else {
+        write!(text, "{value:.decimals$}", decimals = usize::from(decimals))
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fixed;
+
+    #[test]
+    fn numbers_are_plain_decimals() {
+        let cases = [
+            (0.0, "0.000"),
+            (-0.0, "0.000"),
+            (-0.0004, "0.000"),
+            (-0.0006, "-0.001"),
+            (12.5, "12.500"),
+            (-359.9996, "-360.000"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(fixed(value, 3), text);
+        }
+        assert_eq!(fixed(7.4, 0), "7");
+        assert_eq!(fixed(1e17, 2), "100000000000000000.00");
+    }
+}

@@ -1,0 +1,92 @@
+//! What of a machine a kinematics module can carry, and which machines it can be for.
+
+use super::constants::{Centres, LinearMap};
+use super::data::{Model, WORLD};
+use super::{Carries, KinematicsMechanism, topology};
+use crate::controller::{Target, assigned_letters};
+use crate::diagnostic::Diagnostic;
+use crate::machine::Machine;
+
+/// The numbers of a module.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Carried {
+    /// The chain with every error.
+    FullModel(Model),
+    /// X, Y, Z to their joints.
+    LinearMap(LinearMap),
+    /// Lines of a tilting table.
+    RotaryCentres(Centres),
+}
+
+impl Carried {
+    /// Takes from a machine what the target's module carries. Refusals: E0601, E0750, E0751, E0752.
+    pub fn of(machine: &Machine, target: &Target, orientation: bool) -> Result<Self, Diagnostic> {
+        let Some(mechanism) = target.manifest.kinematics() else {
+            return Err(Diagnostic::new("E0703", "this target does not replace the kinematics"));
+        };
+        let letters = || letters(machine, target);
+        let carried = match mechanism.carries {
+            Carries::FullModel => Self::FullModel(Model::of(machine, mechanism.damping, orientation)?),
+            Carries::LinearMap => Self::LinearMap(LinearMap::fitted(machine, &letters()?)?),
+            Carries::RotaryCentres => Self::RotaryCentres(Centres::fitted(machine, &letters()?)?),
+        };
+        Ok(carried.quantised(mechanism))
+    }
+
+    /// The same with the machine's tool, which a full model has from the controller (G43) and not from its files.
+    #[must_use]
+    pub fn with_tool_of(self, machine: &Machine) -> Self {
+        match self {
+            Self::FullModel(model) => Self::FullModel(Model { tool: super::data::tool(machine), ..model }),
+            other => other,
+        }
+    }
+
+    /// The same for the position alone.
+    #[must_use]
+    pub fn without_orientation(self) -> Self {
+        match self {
+            Self::FullModel(model) => Self::FullModel(Model { orientation: false, ..model }),
+            other => other,
+        }
+    }
+
+    /// Is the direction of the tool corrected? A full model says so itself, the others cannot.
+    pub fn orientation(&self) -> bool {
+        matches!(self, Self::FullModel(model) if model.orientation)
+    }
+
+    /// What a programmer has to know. Warnings: W0601, W0760, W0761.
+    pub fn warnings(&self, machine: &Machine) -> Vec<Diagnostic> {
+        match self {
+            Self::FullModel(model) => topology::warnings(machine, model),
+            Self::LinearMap(_) | Self::RotaryCentres(_) => Vec::new(),
+        }
+    }
+
+    /// As the files can hold it.
+    fn quantised(self, mechanism: &KinematicsMechanism) -> Self {
+        let decimals = mechanism.increment.correction_decimals;
+        match self {
+            Self::FullModel(model) => Self::FullModel(model),
+            Self::LinearMap(map) => Self::LinearMap(map.rounded(decimals)),
+            Self::RotaryCentres(centres) => Self::RotaryCentres(centres.rounded(decimals)),
+        }
+    }
+}
+
+/// For each axis of the walk its coordinate in [`WORLD`] and its joint.
+fn letters(machine: &Machine, target: &Target) -> Result<Vec<(usize, usize)>, Diagnostic> {
+    let assigned = assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).ok_or_else(|| {
+        Diagnostic::new("E0601", "the controller has not letters enough for the axes of this machine")
+            .help("this target knows the letters X Y Z, U V W and A B C")
+    })?;
+    let mut found = vec![None; machine.axes().len()];
+    for (joint, (axis, letter)) in assigned.iter().enumerate() {
+        found[*axis] = WORLD.find(letter.as_str()).map(|coordinate| (coordinate, joint));
+    }
+    found.into_iter().collect::<Option<Vec<_>>>().ok_or_else(|| {
+        Diagnostic::new("E0750", "an axis has a letter that is no coordinate of the world")
+            .help("the target's `axis_letters` must be among X Y Z A B C U V W")
+    })
+}

@@ -1,0 +1,153 @@
+//! The resolved machine as data for templates. Numbers arrive as text that reads back as the same
+//! double; constants as plain decimals.
+
+use super::data::{CurveData, Joint, Model, WORLD, Words};
+use super::{Carried, KinematicsMechanism};
+use crate::controller::emit::render::fixed;
+use crate::machine::{Axis, Grid, Machine, Travel};
+use minijinja::{Value, context};
+
+/// The shortest decimal number that is read as the same double; never `-0`.
+fn exact(x: f64) -> String {
+    format!("{:?}", x + 0.0)
+}
+
+fn list(numbers: &[f64]) -> Vec<String> {
+    numbers.iter().map(|x| exact(*x)).collect()
+}
+
+/// What joint limits allow beyond the travel, mm or deg.
+const MARGIN: f64 = 1.0;
+
+/// What templates see besides the machine's name and the version.
+pub fn context(machine: &Machine, carried: &Carried, mechanism: &KinematicsMechanism) -> Value {
+    match carried {
+        Carried::FullModel(model) => full_model(machine, model, mechanism),
+        Carried::LinearMap(map) => constants(&map.matrix, mechanism, "none"),
+        Carried::RotaryCentres(centres) => constants(&centres.lines, mechanism, ["a", "b"][centres.tilt.min(1)]),
+    }
+}
+
+fn constants(values: &[f64], mechanism: &KinematicsMechanism, tilt: &str) -> Value {
+    let text = |value: &f64| fixed(*value, mechanism.increment.correction_decimals);
+    let all = mechanism.constants.iter().zip(values).map(|(name, value)| context! { name, value => text(value) });
+    context! { constants => all.collect::<Vec<_>>(), tilt }
+}
+
+fn full_model(machine: &Machine, model: &Model, mechanism: &KinematicsMechanism) -> Value {
+    let axes = machine.axes().iter().zip(machine.volume());
+    let joints = model.joints.iter().zip(axes).map(|(joint, of)| joint_context(model.words, joint, of, mechanism));
+    let mut start = 0;
+    let curves = model.curves.iter().map(|curve| {
+        let entry = curve_context(curve, start);
+        start += curve.numbers.len();
+        entry
+    });
+    let mut in_order: Vec<usize> = (0..model.joints.len()).collect();
+    in_order.sort_by_key(|i| model.joints[*i].number);
+    let decimals = |x: &f64| fixed(*x, mechanism.increment.position_decimals);
+    context! {
+        joints => joints.collect::<Vec<_>>(),
+        joints_in_order => in_order,
+        curves => curves.collect::<Vec<_>>(),
+        carried_body => u8::from(model.carried_body),
+        linearised => u8::from(model.linearised),
+        gauge => list(&model.gauge),
+        tool => list(&model.tool),
+        tool_decimals => model.tool.iter().map(decimals).collect::<Vec<_>>(),
+        tool_clamping => list(&model.tool_clamping),
+        spindle => list(&model.spindle),
+        workpiece => list(&model.workpiece),
+        clamping => list(&model.clamping),
+        words => model.words as usize,
+        coordinates => coordinates(machine, model),
+        damping => exact(model.damping),
+        arm => exact(model.arm),
+        orientation => u8::from(model.orientation),
+        // Where the program's zero must be for programs to count from the workpiece origin.
+        program_zero => (0..3).map(|k| decimals(&program_zero(model, k))).collect::<Vec<_>>(),
+    }
+}
+
+/// The letters of the program's words, with what each of them moves.
+fn coordinates(machine: &Machine, model: &Model) -> Vec<Value> {
+    let held = match model.words {
+        Words::Tip => "XYZ",
+        Words::Pose => "XYZABC",
+        Words::Axes => "",
+    };
+    let coordinate = |(index, letter): (usize, char)| {
+        let own = model.joints.iter().position(|joint| joint.letter == Some(index));
+        let name = match own {
+            Some(axis) => machine.axes()[axis].name.as_str().to_owned(),
+            None if !held.contains(letter) => return None,
+            None if index < 3 => "tip of the tool".to_owned(),
+            None => ["roll", "pitch", "yaw"][index - 3].to_owned(),
+        };
+        let rotary = own.map_or((3..6).contains(&index), |axis| model.joints[axis].rotary);
+        Some(context! { letter => letter.to_string(), name, rotary => u8::from(rotary) })
+    };
+    WORLD.chars().enumerate().filter_map(coordinate).collect()
+}
+
+/// Where the program's zero is in machine coordinates: the workpiece origin, where a word is a place.
+fn program_zero(model: &Model, k: usize) -> f64 {
+    let along = |joint: &Joint| joint.letter == Some(k) && !joint.rotary && joint.direction[k] > 0.5;
+    let placed = model.words != Words::Axes || model.joints.iter().any(along);
+    if placed { model.workpiece[k] - model.gauge[k] } else { 0.0 }
+}
+
+/// Where a joint stands after homing: at 0, or in the middle of the volume where 0 may be a singular pose.
+fn home(words: Words, volume: &Grid, (min, max): (f64, f64)) -> f64 {
+    let middle = 0.5 * (volume.min + volume.max);
+    (if words == Words::Pose { middle } else { 0.0 }).clamp(min, max)
+}
+
+fn joint_context(
+    words: Words,
+    joint: &Joint,
+    (axis, volume): (&Axis, &Grid),
+    mechanism: &KinematicsMechanism,
+) -> Value {
+    let (min, max) = match axis.travel {
+        Travel::Range(min, max) => (min, max),
+        // As far as a controller's position stays exact enough.
+        Travel::Continuous => (-36_000.0, 36_000.0),
+    };
+    let curves = joint.curves.map(|pair| pair.map(|curve| curve.map_or(-1, |i| i as i64)).to_vec());
+    let position = |x: f64| fixed(x, mechanism.increment.position_decimals);
+    context! {
+        name => axis.name.as_str(),
+        coordinate => joint.letter.map_or(-1, |letter| letter as i64),
+        joint => joint.number,
+        rotary => u8::from(joint.rotary),
+        solved => u8::from(joint.solved),
+        workpiece_side => u8::from(joint.workpiece_side),
+        outside => u8::from(joint.outside),
+        inverted => u8::from(joint.inverted),
+        location_inverted => u8::from(joint.location_inverted),
+        direction => list(&joint.direction),
+        origin => list(&joint.origin),
+        location => list(&joint.location),
+        curves => curves.to_vec(),
+        continuous => axis.travel == Travel::Continuous,
+        min => position(min),
+        max => position(max),
+        // Corrections may leave the travel by a little.
+        limit_min => position(min - MARGIN),
+        limit_max => position(max + MARGIN),
+        home => position(home(words, volume, (min, max))),
+    }
+}
+
+fn curve_context(curve: &CurveData, start: usize) -> Value {
+    let form = ["linear", "cubic", "polynomial", "harmonics"][curve.form as usize];
+    context! {
+        form,
+        form_number => curve.form as usize,
+        points => curve.numbers.len() / curve.form.width(),
+        start,
+        period => exact(curve.period),
+        numbers => list(&curve.numbers),
+    }
+}

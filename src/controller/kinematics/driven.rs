@@ -1,0 +1,99 @@
+//! A machine whose controller has a kinematics module loaded: mapped like a bare one.
+
+use super::ideal::to_roll_pitch_yaw;
+use super::{Carried, Model, Words, World};
+use crate::algebra::rotation_about;
+use crate::controller::Replay;
+use crate::evaluate::{Bare, Deviation, Field, Frame, Order, commanded_deviation, evaluate};
+use crate::machine::{Approach, AxisKind, Machine, sin_cos_degrees};
+use nalgebra::{Matrix3, Vector3};
+
+/// A machine driven through a module.
+#[derive(Debug, Clone)]
+pub struct Driven<'a> {
+    machine: &'a Machine,
+    carried: &'a Carried,
+    /// Tables beside the module, looked up at its joint commands.
+    beside: Option<Replay<'a>>,
+}
+
+impl<'a> Driven<'a> {
+    /// Loads what a module carries.
+    pub fn new(machine: &'a Machine, carried: &'a Carried) -> Self {
+        Self { machine, carried, beside: None }
+    }
+
+    /// With tables that the controller adds to the joints behind the module.
+    pub fn beside(self, tables: Replay<'a>) -> Self {
+        Self { beside: Some(tables), ..self }
+    }
+
+    /// What the module sends to the joints for a pose (mm, deg, order of the walk); `None` if it stops.
+    pub fn command(&self, pose: &[f64]) -> Option<Vec<f64>> {
+        let tip = ideal_tip(self.machine, pose);
+        match self.carried {
+            Carried::FullModel(model) => model.command(&model.setting(), &world(self.machine, model, &tip, pose), pose),
+            Carried::LinearMap(map) => Some(map.command(pose)),
+            Carried::RotaryCentres(centres) => Some(centres.command(&tip, pose)),
+        }
+    }
+
+    /// What the motors are sent, approached from one side; `None` if the module stops.
+    fn sent(&self, pose: &[f64], approach: Approach) -> Option<Vec<f64>> {
+        let command = self.command(pose)?;
+        let trims =
+            self.beside.as_ref().map_or_else(|| vec![0.0; command.len()], |tables| tables.added(&command, approach));
+        Some(command.iter().zip(trims).map(|(c, trim)| c + trim).collect())
+    }
+
+    /// What is added to a pose approached from one side; nothing where the module stops.
+    pub fn added(&self, pose: &[f64], approach: Approach) -> Vec<f64> {
+        let command = self.sent(pose, approach).unwrap_or_else(|| pose.to_vec());
+        command.iter().zip(pose).map(|(c, q)| c - q).collect()
+    }
+}
+
+/// The tip of the ideal machine in the world: from where it is with all axes at 0, turning with the workpiece.
+fn ideal_tip(machine: &Machine, pose: &[f64]) -> Vector3<f64> {
+    let nominal = evaluate(machine, pose, Order::Exact, Approach::Mean, Frame::Workpiece).nominal;
+    nominal + Vector3::from(machine.workpiece()) - Vector3::from(machine.tool().tip)
+}
+
+/// A pose as a program says it.
+fn world(machine: &Machine, model: &Model, tip: &Vector3<f64>, pose: &[f64]) -> World {
+    let mut world = [0.0; 9];
+    if model.words != Words::Axes {
+        world[..3].copy_from_slice(tip.as_slice());
+    }
+    if model.words == Words::Pose {
+        world[3..6].copy_from_slice(&to_roll_pitch_yaw(&ideal_rotation(machine, pose)));
+    }
+    for (joint, q) in model.joints.iter().zip(pose) {
+        if let Some(letter) = joint.letter {
+            world[letter] = *q;
+        }
+    }
+    world
+}
+
+/// How the ideal machine has turned its tool.
+fn ideal_rotation(machine: &Machine, pose: &[f64]) -> Matrix3<f64> {
+    let rotary = machine.axes().iter().zip(pose).filter(|(axis, _)| axis.kind == AxisKind::Rotary);
+    rotary.fold(Matrix3::identity(), |turned, (axis, q)| {
+        turned * rotation_about(&axis.direction.map(|u| u * axis.sign()), sin_cos_degrees(*q))
+    })
+}
+
+impl Field for Driven<'_> {
+    fn machine(&self) -> &Machine {
+        self.machine
+    }
+
+    /// Where the module stops, the machine is as bad as without it.
+    fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation {
+        match self.sent(pose, approach) {
+            Some(command) => commanded_deviation(self.machine, pose, &command, approach),
+            None => Bare { machine: self.machine, order: Order::Exact }.deviation(pose, approach),
+        }
+    }
+}

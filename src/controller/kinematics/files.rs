@@ -1,0 +1,272 @@
+//! The files of a kinematics module, written and read back.
+
+use super::arrays::{Arrays, Fault};
+use super::context::context;
+use super::data::{CurveData, Form, Joint, Model, Words};
+use super::{Carried, Carries};
+use crate::compensation::{Tables, reversal_tables};
+use crate::controller::manifest::description::Layout;
+use crate::controller::read::{ReadBack, at_line};
+use crate::controller::{Manifest, RenderedFile, Target, assigned_letters};
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::machine::Machine;
+use crate::units;
+use std::sync::Arc;
+
+/// The controller has so many joints at the most.
+const MOST_AXES: usize = 16;
+
+impl Manifest {
+    /// The mechanism, if it replaces the kinematics.
+    pub fn kinematics(&self) -> Option<&super::KinematicsMechanism> {
+        self.mechanism.kinematics.as_ref()
+    }
+}
+
+impl Target {
+    /// Writes the files of a kinematics module. Diagnostics: a template that fails (E0702).
+    pub fn render_kinematics(
+        &self,
+        machine: &Machine,
+        carried: &Carried,
+        reversal: &Arc<Tables>,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<RenderedFile>> {
+        // The words of a full model are its own.
+        if !matches!(carried, Carried::FullModel(_)) {
+            let _ = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
+        }
+        let context = context(machine, carried, self.manifest.kinematics()?);
+        self.render_once(machine, &context, reversal, diagnostics)
+    }
+
+    /// The tables beside a module: what its joints need added when they are approached from one side.
+    pub fn reversal_tables(&self, machine: &Machine) -> Tables {
+        self.manifest.reversal().map_or_else(Tables::default, |rules| reversal_tables(machine, rules))
+    }
+
+    /// Reads the numbers of a module back. `meant` says which axes of the machine they are for.
+    /// Diagnostics: E0704, E0705.
+    pub fn read_kinematics(
+        &self,
+        machine: &Machine,
+        meant: &Carried,
+        files: &[ReadBack],
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Carried> {
+        let spec = self.manifest.files.iter().find(|spec| spec.layout.is_some())?;
+        let Some(ReadBack { found: name, text, .. }) = files.iter().find(|file| file.name == spec.path) else {
+            diagnostics.push(
+                Diagnostic::new("E0705", format!("the file `{}` is missing", spec.path))
+                    .help("a set of compensation files is only whole with all of them"),
+            );
+            return None;
+        };
+        let mechanism = self.manifest.kinematics()?;
+        let pins = |module: usize| Pins {
+            modules: mechanism.components.get(module..=module).unwrap_or_default(),
+            names: &mechanism.constants,
+        };
+        let read = match (&spec.layout, meant) {
+            (Some(Layout::CArrays), Carried::FullModel(meant)) => {
+                Arrays::read(text).and_then(|arrays| model(&arrays, machine, meant)).map(Carried::FullModel)
+            }
+            (Some(Layout::HalConstants), Carried::LinearMap(meant)) => pins(0).set(text).map(|matrix| {
+                let mut map = meant.clone();
+                map.matrix = matrix;
+                Carried::LinearMap(map)
+            }),
+            (Some(Layout::HalConstants), Carried::RotaryCentres(meant)) => pins(meant.tilt).set(text).map(|lines| {
+                let mut centres = meant.clone();
+                centres.lines = lines;
+                Carried::RotaryCentres(centres)
+            }),
+            _ => Err(Fault { line: 0, message: "the manifest's layout is none of its mechanism".to_owned() }),
+        };
+        match read {
+            Ok(carried) => Some(carried),
+            Err(fault) => {
+                let source = diagnostics.sources.add(&**name, &**text);
+                diagnostics.push(at_line(fault.line, &fault.message, name, text, source));
+                None
+            }
+        }
+    }
+}
+
+impl Target {
+    /// Is a text the numbers of this module, whatever the machine?
+    pub(in crate::controller) fn tells_kinematics(&self, text: &str) -> Result<(), Fault> {
+        let Some(mechanism) = self.manifest.kinematics() else { return Ok(()) };
+        let pins = Pins { modules: &mechanism.components, names: &mechanism.constants };
+        match mechanism.carries {
+            Carries::FullModel => Arrays::read(text)?.take("abbe_options", 3).map(|_| ()),
+            Carries::LinearMap => pins.set::<9>(text).map(|_| ()),
+            Carries::RotaryCentres => pins.set::<7>(text).map(|_| ()),
+        }
+    }
+}
+
+/// Which layout belongs to what is carried.
+pub fn layout_fits(carries: Carries, layout: &Layout) -> bool {
+    match carries {
+        Carries::FullModel => *layout == Layout::CArrays,
+        Carries::LinearMap | Carries::RotaryCentres => *layout == Layout::HalConstants,
+    }
+}
+
+/// The pins of a module of the controller's own.
+struct Pins<'a> {
+    /// Names of the modules that it can be.
+    modules: &'a [String],
+    /// Names of the constants.
+    names: &'a [String],
+}
+
+impl Pins<'_> {
+    /// `setp MODULE.NAME VALUE` lines, each name once; comments and blank lines are left alone.
+    fn set<const N: usize>(&self, text: &str) -> Result<[f64; N], Fault> {
+        let mut found = [None; N];
+        for (line, words) in text.lines().enumerate().map(|(n, line)| (n, line.split('#').next().unwrap_or(""))) {
+            let fault = |message: String| Fault { line, message };
+            let words: Vec<&str> = words.split_ascii_whitespace().collect();
+            let (pin, value) = match words[..] {
+                [] => continue,
+                ["setp", pin, value] => (pin, value),
+                _ => return Err(fault("this is no `setp PIN VALUE`".to_owned())),
+            };
+            let slot = self.slot(pin).map_err(fault)?;
+            let number = units::number(value).map_err(|why| fault(why.to_string()))?;
+            if number.abs() > 1e6 {
+                return Err(fault(format!("{value} is no constant of a machine")));
+            }
+            let free = found.get_mut(slot).ok_or_else(|| fault(format!("the module has no `{pin}`")))?;
+            if free.replace(number).is_some() {
+                return Err(fault(format!("`{pin}` is set twice: the controller takes the last")));
+            }
+        }
+        for (name, value) in self.names.iter().zip(&found) {
+            if value.is_none() {
+                return Err(Fault {
+                    line: 0,
+                    message: format!("`{name}` is not set: the controller keeps its default"),
+                });
+            }
+        }
+        Ok(found.map(Option::unwrap_or_default))
+    }
+
+    /// Which constant a pin is.
+    fn slot(&self, pin: &str) -> Result<usize, String> {
+        let (module, name) = pin.rsplit_once('.').unwrap_or(("", pin));
+        if !self.modules.iter().any(|known| known == module) {
+            let known = self.modules.join("`, `");
+            return Err(format!("`{pin}` is no pin of `{known}`: the controller would not start"));
+        }
+        self.names.iter().position(|known| known == name).ok_or_else(|| format!("the module has no `{name}`"))
+    }
+}
+
+/// A full model for the same axes as `meant`.
+fn model(arrays: &Arrays, machine: &Machine, meant: &Model) -> Result<Model, Fault> {
+    let axes = machine.axes().len().min(MOST_AXES);
+    let curves = curves(arrays)?;
+    let flags = |name: &str| Ok(arrays.whole(name, axes, 2)?.into_iter().map(|x| x == 1).collect::<Vec<_>>());
+    let (letters, numbers) =
+        (arrays.indices("abbe_coordinate", axes, true, 9)?, arrays.whole("abbe_joint", axes, axes)?);
+    let (rotary, solved) = (flags("abbe_rotary")?, flags("abbe_solved")?);
+    let (workpiece_side, outside) = (flags("abbe_workpiece_side")?, flags("abbe_outside")?);
+    let (inverted, location_inverted) = (flags("abbe_inverted")?, flags("abbe_location_inverted")?);
+    let directions = arrays.take("abbe_direction", 3 * axes)?;
+    let origins = arrays.take("abbe_origin", 3 * axes)?;
+    let locations = arrays.take("abbe_location", 6 * axes)?;
+    let of_curves = arrays.indices("abbe_curve", 12 * axes, true, curves.len())?;
+    let joint = |i: usize| Joint {
+        letter: letters[i],
+        number: numbers[i],
+        rotary: rotary[i],
+        solved: solved[i],
+        workpiece_side: workpiece_side[i],
+        outside: outside[i],
+        inverted: inverted[i],
+        location_inverted: location_inverted[i],
+        direction: std::array::from_fn(|k| directions[3 * i + k]),
+        origin: std::array::from_fn(|k| origins[3 * i + k]),
+        location: std::array::from_fn(|k| locations[6 * i + k]),
+        curves: std::array::from_fn(|k| [of_curves[12 * i + 2 * k], of_curves[12 * i + 2 * k + 1]]),
+    };
+    let joints: Vec<Joint> = (0..axes).map(joint).collect();
+    let part = |j: &Joint| (j.letter, j.number, j.rotary, j.solved);
+    let same = |a: &Joint, b: &Joint| part(a) == part(b);
+    if joints.len() != meant.joints.len() || !joints.iter().zip(&meant.joints).all(|(a, b)| same(a, b)) {
+        return Err(
+            arrays.fault("abbe_coordinate", "these are not the axes of this machine, in the order of its chain")
+        );
+    }
+    let options = arrays.whole("abbe_options", 3, 2)?;
+    let words = Words::ALL[arrays.whole("abbe_words", 1, Words::ALL.len())?[0]];
+    if words != meant.words {
+        return Err(arrays.fault("abbe_words", "the words of the program mean something else on this machine"));
+    }
+    let model = Model {
+        words,
+        joints,
+        curves,
+        carried_body: options[0] == 1,
+        linearised: options[1] == 1,
+        orientation: options[2] == 1,
+        gauge: three(arrays, "abbe_gauge")?,
+        tool: three(arrays, "abbe_tool")?,
+        tool_clamping: three(arrays, "abbe_tool_clamping")?,
+        workpiece: three(arrays, "abbe_workpiece")?,
+        spindle: six(arrays, "abbe_spindle")?,
+        clamping: six(arrays, "abbe_clamping")?,
+        damping: arrays.take("abbe_damping", 1)?[0],
+        arm: arrays.take("abbe_arm", 1)?[0],
+    };
+    match (model.damping > 0.0, model.arm > 0.0) {
+        (true, true) => Ok(model),
+        (false, _) => Err(arrays.fault("abbe_damping", "the damping must be above 0")),
+        (_, false) => Err(arrays.fault("abbe_arm", "the arm must be above 0")),
+    }
+}
+
+fn three(arrays: &Arrays, name: &str) -> Result<[f64; 3], Fault> {
+    let numbers = arrays.take(name, 3)?;
+    Ok(std::array::from_fn(|i| numbers[i]))
+}
+
+fn six(arrays: &Arrays, name: &str) -> Result<[f64; 6], Fault> {
+    let numbers = arrays.take(name, 6)?;
+    Ok(std::array::from_fn(|i| numbers[i]))
+}
+
+/// Every curve, with all that its evaluation takes for granted.
+fn curves(arrays: &Arrays) -> Result<Vec<CurveData>, Fault> {
+    let count = arrays.count("abbe_form");
+    let total = arrays.count("abbe_number");
+    let forms = arrays.whole("abbe_form", count, Form::ALL.len())?;
+    let starts = arrays.whole("abbe_start", count, total.max(1))?;
+    let points = arrays.whole("abbe_points", count, total + 1)?;
+    let periods = arrays.take("abbe_period", count)?;
+    let numbers = arrays.take("abbe_number", total)?;
+    let curve = |i: usize| {
+        let form = Form::ALL[forms[i]];
+        let range = starts[i]..starts[i] + points[i] * form.width();
+        let own = numbers.get(range).filter(|own| !own.is_empty());
+        let own =
+            own.ok_or_else(|| arrays.fault("abbe_points", &format!("curve {i} has numbers that are not there")))?;
+        let tabled = matches!(form, Form::Linear | Form::Cubic);
+        if tabled && own[..points[i]].windows(2).any(|w| w[1] <= w[0]) {
+            return Err(arrays.fault("abbe_number", &format!("the positions of curve {i} do not rise")));
+        }
+        if periods[i] < 0.0 || (tabled && periods[i] > 0.0 && points[i] < 2) {
+            return Err(arrays.fault("abbe_period", &format!("curve {i} has no such period")));
+        }
+        Ok(CurveData { form, period: periods[i], numbers: own.to_vec() })
+    };
+    if count == 0 {
+        return Err(Fault { line: 0, message: "the array `abbe_form` is missing".to_owned() });
+    }
+    (0..count).map(curve).collect()
+}

@@ -1,0 +1,179 @@
+//! Where targets come from: the binary, then a folder of the user's.
+
+use crate::controller::Manifest;
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::syntax::{Files, read_text};
+use std::path::Path;
+
+/// Targets in the binary.
+pub const NAMES: [&str; 19] = [
+    "linuxcnc",
+    "linuxcnc-kins",
+    "linuxcnc-matrixkins",
+    "linuxcnc-trt",
+    "isg-volcomp",
+    "etalon-exchange",
+    "sinumerik-cec",
+    "sinumerik-enc",
+    "heidenhain-com",
+    "fanuc-pitch",
+    "fanuc-3d",
+    "twincat-axis",
+    "pmac",
+    "kmotion-geo",
+    "reprapfirmware",
+    "klipper",
+    "marlin",
+    "grid-csv",
+    "grid-json",
+];
+
+/// Files in the binary, as in `templates/`.
+const EMBEDDED: [(&str, &str); 55] = [
+    ("linuxcnc/compensation.inc.j2", include_str!("../../../templates/linuxcnc/compensation.inc.j2")),
+    ("linuxcnc/table.j2", include_str!("../../../templates/linuxcnc/table.j2")),
+    ("linuxcnc/target.yaml", include_str!("../../../templates/linuxcnc/target.yaml")),
+    ("linuxcnc-kins/target.yaml", include_str!("../../../templates/linuxcnc-kins/target.yaml")),
+    ("linuxcnc-kins/data.h.j2", include_str!("../../../templates/linuxcnc-kins/data.h.j2")),
+    ("linuxcnc-kins/model.h.j2", include_str!("../../../templates/linuxcnc-kins/model.h.j2")),
+    ("linuxcnc-kins/hold.h.j2", include_str!("../../../templates/linuxcnc-kins/hold.h.j2")),
+    ("linuxcnc-kins/solve.h.j2", include_str!("../../../templates/linuxcnc-kins/solve.h.j2")),
+    ("linuxcnc-kins/abbekins.comp.j2", include_str!("../../../templates/linuxcnc-kins/abbekins.comp.j2")),
+    ("linuxcnc-kins/abbekins.hal.j2", include_str!("../../../templates/linuxcnc-kins/abbekins.hal.j2")),
+    ("linuxcnc-kins/reversal.j2", include_str!("../../../templates/linuxcnc-kins/reversal.j2")),
+    ("linuxcnc-kins/sim.ini.j2", include_str!("../../../templates/linuxcnc-kins/sim.ini.j2")),
+    ("linuxcnc-kins/sim.hal.j2", include_str!("../../../templates/linuxcnc-kins/sim.hal.j2")),
+    ("linuxcnc-kins/sim.var.j2", include_str!("../../../templates/linuxcnc-kins/sim.var.j2")),
+    ("linuxcnc-kins/sim.tbl.j2", include_str!("../../../templates/linuxcnc-kins/sim.tbl.j2")),
+    ("linuxcnc-matrixkins/target.yaml", include_str!("../../../templates/linuxcnc-matrixkins/target.yaml")),
+    ("linuxcnc-matrixkins/matrixkins.hal.j2", include_str!("../../../templates/linuxcnc-matrixkins/matrixkins.hal.j2")),
+    ("linuxcnc-trt/target.yaml", include_str!("../../../templates/linuxcnc-trt/target.yaml")),
+    ("linuxcnc-trt/trt.hal.j2", include_str!("../../../templates/linuxcnc-trt/trt.hal.j2")),
+    ("isg-volcomp/hochlauf_part.lis.j2", include_str!("../../../templates/isg-volcomp/hochlauf_part.lis.j2")),
+    ("isg-volcomp/target.yaml", include_str!("../../../templates/isg-volcomp/target.yaml")),
+    ("isg-volcomp/volcomp.csv.j2", include_str!("../../../templates/isg-volcomp/volcomp.csv.j2")),
+    ("isg-volcomp/volcomp0.lis.j2", include_str!("../../../templates/isg-volcomp/volcomp0.lis.j2")),
+    ("etalon-exchange/etalon.j2", include_str!("../../../templates/etalon-exchange/etalon.j2")),
+    ("etalon-exchange/target.yaml", include_str!("../../../templates/etalon-exchange/target.yaml")),
+    ("sinumerik-cec/cec.j2", include_str!("../../../templates/sinumerik-cec/cec.j2")),
+    ("sinumerik-cec/target.yaml", include_str!("../../../templates/sinumerik-cec/target.yaml")),
+    ("sinumerik-enc/eec.j2", include_str!("../../../templates/sinumerik-enc/eec.j2")),
+    ("sinumerik-enc/target.yaml", include_str!("../../../templates/sinumerik-enc/target.yaml")),
+    ("heidenhain-com/axis.com.j2", include_str!("../../../templates/heidenhain-com/axis.com.j2")),
+    ("heidenhain-com/config.cma.j2", include_str!("../../../templates/heidenhain-com/config.cma.j2")),
+    ("heidenhain-com/target.yaml", include_str!("../../../templates/heidenhain-com/target.yaml")),
+    ("fanuc-pitch/pitch.j2", include_str!("../../../templates/fanuc-pitch/pitch.j2")),
+    ("fanuc-pitch/readme.j2", include_str!("../../../templates/fanuc-pitch/readme.j2")),
+    ("fanuc-pitch/target.yaml", include_str!("../../../templates/fanuc-pitch/target.yaml")),
+    ("fanuc-3d/lattice.j2", include_str!("../../../templates/fanuc-3d/lattice.j2")),
+    ("fanuc-3d/target.yaml", include_str!("../../../templates/fanuc-3d/target.yaml")),
+    ("twincat-axis/achskw.j2", include_str!("../../../templates/twincat-axis/achskw.j2")),
+    ("twincat-axis/target.yaml", include_str!("../../../templates/twincat-axis/target.yaml")),
+    ("pmac/compensation.j2", include_str!("../../../templates/pmac/compensation.j2")),
+    ("pmac/target.yaml", include_str!("../../../templates/pmac/target.yaml")),
+    ("kmotion-geo/geo.j2", include_str!("../../../templates/kmotion-geo/geo.j2")),
+    ("kmotion-geo/readme.j2", include_str!("../../../templates/kmotion-geo/readme.j2")),
+    ("kmotion-geo/target.yaml", include_str!("../../../templates/kmotion-geo/target.yaml")),
+    ("reprapfirmware/heightmap.j2", include_str!("../../../templates/reprapfirmware/heightmap.j2")),
+    ("reprapfirmware/m556.j2", include_str!("../../../templates/reprapfirmware/m556.j2")),
+    ("reprapfirmware/target.yaml", include_str!("../../../templates/reprapfirmware/target.yaml")),
+    ("klipper/skew.j2", include_str!("../../../templates/klipper/skew.j2")),
+    ("klipper/target.yaml", include_str!("../../../templates/klipper/target.yaml")),
+    ("marlin/skew.j2", include_str!("../../../templates/marlin/skew.j2")),
+    ("marlin/target.yaml", include_str!("../../../templates/marlin/target.yaml")),
+    ("grid-csv/corrections.csv.j2", include_str!("../../../templates/grid-csv/corrections.csv.j2")),
+    ("grid-csv/target.yaml", include_str!("../../../templates/grid-csv/target.yaml")),
+    ("grid-json/corrections.json.j2", include_str!("../../../templates/grid-json/corrections.json.j2")),
+    ("grid-json/target.yaml", include_str!("../../../templates/grid-json/target.yaml")),
+];
+
+/// A target: its manifest and the text of its templates, in the order of the manifest's files.
+#[derive(Debug, Clone)]
+pub struct Target {
+    /// What it can do.
+    pub manifest: Manifest,
+    pub(crate) templates: Vec<String>,
+    /// Is it a folder of the user's?
+    pub(crate) own: bool,
+}
+
+impl Target {
+    /// Finds a target by name, in the binary or in `folder/NAME/`.
+    pub fn find(name: &str, folder: Option<&Path>, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Self> {
+        if let Some(target) = Self::embedded(name) {
+            return Some(target);
+        }
+        let Some(folder) = folder.filter(|_| is_plain_name(name)) else {
+            diagnostics.push(unknown(name));
+            return None;
+        };
+        Self::from_folder(&folder.join(name), files, diagnostics)
+    }
+
+    /// A target of the binary.
+    pub fn embedded(name: &str) -> Option<Self> {
+        let text = |file: &str| {
+            let path = format!("{name}/{file}");
+            EMBEDDED.iter().find(|(known, _)| *known == path).map(|(_, text)| (*text).to_owned())
+        };
+        let manifest: Manifest = serde_yaml::from_str(&text("target.yaml")?).ok()?;
+        let templates = manifest.files.iter().map(|file| text(&file.template)).collect::<Option<Vec<_>>>()?;
+        Some(Self { manifest, templates, own: false })
+    }
+
+    fn from_folder(folder: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Self> {
+        let mut text = |file: &str| read_text(&folder.join(file), None, files, diagnostics).map(|(_, text)| text);
+        let manifest = text("target.yaml")?;
+        let understood = serde_yaml::from_str(&manifest).map_err(|failure| failure.to_string()).and_then(sound);
+        let manifest = match understood {
+            Ok(manifest) => manifest,
+            Err(fault) => {
+                let message = format!("`{}`: {fault}", folder.join("target.yaml").display());
+                let help = "docs/adding-a-target.md lists the keys of a manifest; a template stands in the target's own folder";
+                diagnostics.push(Diagnostic::new("E0703", message).help(help));
+                return None;
+            }
+        };
+        let templates = manifest.files.iter().map(|file| text(&file.template)).collect::<Option<Vec<_>>>()?;
+        Some(Self { manifest, templates, own: true })
+    }
+}
+
+/// A manifest that can be worked with.
+fn sound(manifest: Manifest) -> Result<Manifest, String> {
+    let astray = manifest.files.iter().find(|file| !is_plain_name(&file.template));
+    let astray = astray.map(|file| format!("the template `{}` is not a plain file name", file.template));
+    manifest.fault().or(astray).map_or(Ok(manifest), Err)
+}
+
+/// A name that cannot leave its folder.
+pub fn is_plain_name(name: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    !name.is_empty() && name.len() <= 80 && name.chars().all(plain) && !name.starts_with('.')
+}
+
+fn unknown(name: &str) -> Diagnostic {
+    Diagnostic::new("E0701", format!("there is no target `{name}`"))
+        .help(format!("known targets: {}; a folder of your own is given with --templates DIR", NAMES.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_in_templates_is_in_the_binary() {
+        let mut found = Vec::new();
+        for folder in std::fs::read_dir("templates").unwrap().map(|entry| entry.unwrap().path()) {
+            for file in std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
+                found.push(file.strip_prefix("templates").unwrap().display().to_string());
+            }
+        }
+        let mut embedded: Vec<_> = EMBEDDED.iter().map(|(name, _)| (*name).to_owned()).collect();
+        found.retain(|name| NAMES.iter().any(|target| name.starts_with(&format!("{target}/"))));
+        found.sort();
+        embedded.sort();
+        assert_eq!(found, embedded);
+        assert!(NAMES.iter().all(|name| Target::embedded(name).is_some_and(|t| t.manifest.target == *name)));
+    }
+}

@@ -1,0 +1,67 @@
+//! Lines of numbers between blanks and nothing else: the table of one axis.
+
+use super::{Fault, Reading, number};
+use crate::compensation::Table;
+use crate::controller::emit::stored;
+use crate::controller::manifest::description::Column;
+use crate::machine::AxisKind;
+
+/// Three numbers need a quarter of it; LinuxCNC's buffer takes no more and reads the rest as a line of its own.
+const LONGEST_LINE: usize = 254;
+
+/// Reads the table of the file's axis.
+pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Result<Table, Fault> {
+    let axis = reading.axis.unwrap_or(0);
+    let most = reading.target.manifest.mechanism.own_axis.as_ref().map_or(usize::MAX, |rules| rules.max_points);
+    let mut table = Table::curve(axis, Vec::new(), axis, Vec::new());
+    let mut reverse = Vec::new();
+    for (line, cells) in text.lines().enumerate() {
+        let at = |message: String| Fault { line, message };
+        for (column, value) in columns.iter().zip(point(columns, cells).map_err(at)?) {
+            match column {
+                Column::Position => table.nodes[0].push(value),
+                Column::Forward => table.values.push(value),
+                Column::Reverse => reverse.push(value),
+            }
+        }
+        if line >= most {
+            return Err(at(format!("more than {most} points: the controller would drop this one")));
+        }
+        if let [.., before, last] = table.nodes[0][..]
+            && last <= before
+        {
+            return Err(at("the positions do not rise: the controller would drop this line".to_owned()));
+        }
+    }
+    if table.is_empty() {
+        return Err(Fault::new(0, "the table is empty"));
+    }
+    table.reverse = columns.contains(&Column::Reverse).then_some(reverse);
+    let kind = reading.machine.axes()[axis].kind;
+    Ok(in_millimetres(reading, table, kind))
+}
+
+/// From stored numbers to positions and corrections.
+fn in_millimetres(reading: &Reading, mut table: Table, kind: AxisKind) -> Table {
+    let Some(rules) = reading.target.manifest.mechanism.own_axis.as_ref() else { return table };
+    let (place, column) = (stored::Place { rules, kind }, stored::Column::new(rules, kind));
+    table.nodes[0].iter_mut().for_each(|q| *q = place.position(*q));
+    let nodes = table.nodes[0].clone();
+    for values in std::iter::once(&mut table.values).chain(&mut table.reverse) {
+        values.iter_mut().zip(&nodes).for_each(|(c, q)| *c = column.correction(*c, Some(*q)));
+    }
+    table
+}
+
+/// The numbers on a line, or what is wrong with it.
+fn point(columns: &[Column], line: &str) -> Result<Vec<f64>, String> {
+    if line.len() > LONGEST_LINE {
+        return Err(format!("{} characters in a line: the controller would cut it in pieces", line.len()));
+    }
+    let cells: Vec<&str> = line.split_ascii_whitespace().collect();
+    if cells.len() != columns.len() {
+        let (found, wanted) = (cells.len(), columns.len());
+        return Err(format!("{found} numbers instead of {wanted}: the controller would stop reading here"));
+    }
+    cells.into_iter().map(number).collect()
+}

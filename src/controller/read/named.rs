@@ -1,0 +1,232 @@
+//! Formats whose columns are named in the file: blocks of ISO errors, and tables over one axis.
+
+use super::assemble::error_value;
+use super::{Fault, Reading, lines, number};
+use crate::compensation::{ErrorCurve, Table, Tables};
+use crate::controller::emit::stored::{Column, Place};
+use crate::controller::manifest::description::Frame;
+use crate::machine::{AxisKind, parse_error_name};
+use nalgebra::Vector3;
+
+/// Names under which the machine's geometry stands in the same files. What is certified is the machine file's, so that of
+/// the turns must be the same; what `P0` and `N0` are is inferred, and not compared.
+fn is_geometry(name: &str) -> bool {
+    let letters: Vec<char> = name.chars().collect();
+    matches!(
+        letters[..],
+        ['P' | 'N' | 'V' | 'I' | 'L', '0' | 'X' | 'Y' | 'Z' | 'D' | 'N', 'X' | 'Y' | 'Z' | 'A' | 'B' | 'C']
+    ) && !(letters[0] == 'V' && letters[1] == '0')
+}
+
+/// Farthest (mm, and of unit vectors) that a turn may be from the machine file's: ten times what is written.
+const SAME: f64 = 1e-5;
+
+/// Refuses lines of rotary axes (`PXC PYC PZC`, a point; `VXC VYC VZC`, the direction) that are not the machine file's.
+fn same_geometry(reading: &Reading, line: usize, names: &[&str], row: &[f64]) -> Result<(), Fault> {
+    for axis in reading.machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary) {
+        let words = ["PX", "PY", "PZ", "VX", "VY", "VZ"].iter().map(|word| format!("{word}{}", axis.name));
+        let known: Vec<f64> =
+            words.filter_map(|word| names.iter().position(|name| *name == word)).map(|at| row[at]).collect();
+        let [px, py, pz, vx, vy, vz] = known[..] else {
+            if known.is_empty() {
+                continue;
+            }
+            return Err(Fault::new(line, format!("the line of `{}` is not whole: PX PY PZ and VX VY VZ", axis.name)));
+        };
+        let direction = Vector3::from(axis.direction);
+        let off = (Vector3::new(px, py, pz) - Vector3::from(axis.origin)).cross(&direction).norm();
+        let turned = (Vector3::new(vx, vy, vz) - direction).norm();
+        if off > SAME || turned > SAME {
+            let what = if off > SAME { "point" } else { "direction" };
+            let message =
+                format!("the {what} of `{}` is not that of the machine file, which is what is certified", axis.name);
+            return Err(Fault::new(line, message));
+        }
+    }
+    Ok(())
+}
+
+/// Is it the position of an axis, of this machine or of another one?
+fn is_argument(reading: &Reading, name: &str) -> bool {
+    reading.machine.axis_index(name).is_some() || matches!(name, "X" | "Y" | "Z" | "A" | "B" | "C")
+}
+
+/// Blocks of columns under a line of names, `//` before a comment, a line with `#` between blocks: one
+/// row of constants, or an axis and its errors.
+pub(super) fn error_columns(reading: &Reading, text: &str) -> Result<Tables, Fault> {
+    let mut all = Tables::default();
+    let mut header: Option<(usize, Vec<&str>)> = None;
+    let mut rows: Vec<(usize, Vec<f64>)> = Vec::new();
+    for (line, words) in text.lines().enumerate() {
+        let bare = words.split("//").next().unwrap_or_default().trim();
+        if bare.starts_with('#') {
+            block(reading, header.take(), &std::mem::take(&mut rows), &mut all)?;
+        } else if bare.is_empty() {
+        } else if let Some((_, names)) = &header {
+            let cells: Result<Vec<f64>, String> = bare.split_whitespace().map(number).collect();
+            let cells = cells.map_err(|message| Fault { line, message })?;
+            if cells.len() != names.len() {
+                return Err(Fault::new(line, format!("{} numbers under {} names", cells.len(), names.len())));
+            }
+            rows.push((line, cells));
+        } else {
+            header = Some((line, bare.split_whitespace().collect()));
+        }
+    }
+    block(reading, header, &rows, &mut all)?;
+    Ok(all)
+}
+
+fn block(
+    reading: &Reading,
+    header: Option<(usize, Vec<&str>)>,
+    rows: &[(usize, Vec<f64>)],
+    all: &mut Tables,
+) -> Result<(), Fault> {
+    let Some((line, names)) = header else { return Ok(()) };
+    let Some(rules) = reading.target.manifest.mechanism.error_curves.as_ref() else { return Ok(()) };
+    let argument = reading.machine.axis_index(names[0]);
+    // Before the rows: those of two arguments do not rise.
+    if names.iter().filter(|name| is_argument(reading, name)).count() > 1 {
+        return Err(Fault::new(
+            line,
+            "a block over two axes: the machine language has no errors that depend on two, and what this block does would not be in \
+             the certificate. Give the curves over their own axis alone, at one position of the other",
+        ));
+    }
+    if argument.is_none() && is_argument(reading, names[0]) {
+        return Err(Fault::new(line, format!("the machine has no axis `{}`", names[0])));
+    }
+    if rows.is_empty() {
+        return Err(Fault::new(line, "there are no rows under these names"));
+    }
+    if argument.is_none() && rows.len() != 1 {
+        return Err(Fault::new(rows[1].0, "constants have one row"));
+    }
+    let place = argument.map(|axis| Place { rules, kind: reading.machine.axes()[axis].kind });
+    let positions: Vec<f64> =
+        place.map_or_else(Vec::new, |place| rows.iter().map(|(_, row)| place.position(row[0])).collect());
+    if let Some(i) = positions.windows(2).position(|w| w[1] <= w[0]) {
+        return Err(Fault::new(rows[i + 1].0, "the positions do not rise"));
+    }
+    if argument.is_none() {
+        same_geometry(reading, line, &names, &rows[0].1)?;
+    }
+    for (column, name) in names.iter().enumerate().skip(usize::from(argument.is_some())) {
+        if argument.is_none() && is_geometry(name) {
+            continue;
+        }
+        let known = parse_error_name(name).filter(|id| reading.machine.axis_index(id.axis.as_str()).is_some());
+        let error = known
+            .ok_or_else(|| Fault::new(line, format!("`{name}`: the controller knows no such name (error 70468)")))?;
+        let own = argument.map(|axis| &reading.machine.axes()[axis].name);
+        if error.location != own.is_none() || own.is_some_and(|own| *own != error.axis) {
+            return Err(Fault::new(line, format!("`{name}` is no error of this block's axis")));
+        }
+        if all.errors.iter().any(|curve| curve.error == error) {
+            return Err(Fault::new(line, format!("`{name}` is there twice (error 70469)")));
+        }
+        let values = rows.iter().map(|(_, row)| error_value(rules, error.direction, row[column])).collect();
+        all.errors.push(ErrorCurve { error, positions: positions.clone(), values });
+    }
+    Ok(())
+}
+
+/// How the columns over one axis are named.
+pub(super) struct Header<'a> {
+    pub position: &'a str,
+    pub reversal: &'a str,
+    pub frame: &'a Frame,
+}
+
+/// The lines between the first and the last one of a frame, comments and blank lines left out.
+fn framed<'a>(frame: &Frame, text: &'a str) -> Result<Vec<(usize, &'a str)>, Fault> {
+    let said = text.lines().map(str::trim).enumerate();
+    let mut said = said.filter(|(_, line)| !line.is_empty() && !line.starts_with(&*frame.comment));
+    let (line, first) = said.next().ok_or_else(|| Fault::new(0, "there is nothing but comments"))?;
+    if !frame.begin.iter().any(|pattern| lines::fits(pattern, first)) {
+        return Err(Fault::new(line, format!("the first line is none like `{}`", frame.begin.join("`, `"))));
+    }
+    let mut inner: Vec<(usize, &str)> = Vec::new();
+    while let Some((line, bare)) = said.next() {
+        if bare != frame.end {
+            inner.push((line, bare));
+        } else if let Some((line, _)) = said.next() {
+            return Err(Fault::new(line, format!("text behind `{}`", frame.end)));
+        } else {
+            return Ok(inner);
+        }
+    }
+    let end = text.lines().count().saturating_sub(1);
+    Err(Fault::new(end, format!("the file does not end with `{}`: it was cut off", frame.end)))
+}
+
+/// A line of names, then rows: number, position, and a column for every corrected axis. The file's axis is
+/// the input. A column for the negative direction is accepted as long as it says nothing.
+pub(super) fn axis_columns(reading: &Reading, header: &Header, text: &str) -> Result<Tables, Fault> {
+    let input = reading.axis.unwrap_or(0);
+    let mut names: Option<Vec<&str>> = None;
+    let mut rows: Vec<(usize, Vec<Option<f64>>)> = Vec::new();
+    for (line, bare) in framed(header.frame, text)? {
+        let cells: Vec<&str> = bare.split_whitespace().collect();
+        let Some(names) = &names else {
+            names = Some(cells);
+            continue;
+        };
+        if cells.len() != names.len() {
+            return Err(Fault::new(line, format!("{} cells under {} names", cells.len(), names.len())));
+        }
+        let value = |cell: &&str| if *cell == "-" { Ok(None) } else { number(cell.trim_start_matches('+')).map(Some) };
+        let row: Result<Vec<Option<f64>>, String> = cells.iter().map(value).collect();
+        rows.push((line, row.map_err(|message| Fault { line, message })?));
+    }
+    let names = names.ok_or_else(|| Fault::new(0, "there is no line of names"))?;
+    let column = |name: &str| names.iter().position(|n| *n == name);
+    let position =
+        column(header.position).ok_or_else(|| Fault::new(0, format!("there is no column `{}`", header.position)))?;
+    let reversal = column(header.reversal);
+    let reversing =
+        |(_, row): &&(usize, Vec<Option<f64>>)| reversal.and_then(|at| row[at]).is_some_and(|value| value != 0.0);
+    if let Some((line, _)) = rows.iter().find(reversing) {
+        let message = format!("a value under `{}`: what the controller makes of it is not public", header.reversal);
+        return Err(Fault::new(*line, message));
+    }
+    let mut all = Tables::default();
+    for (at, name) in names.iter().enumerate() {
+        if at == position || Some(at) == reversal || *name == "NR" {
+            continue;
+        }
+        let output =
+            reading.by_letter(name).ok_or_else(|| Fault::new(0, format!("the machine has no axis `{name}`")))?;
+        all.tables.push(axis_column(reading, (input, output), &rows, (position, at))?);
+    }
+    if all.tables.is_empty() { Err(Fault::new(0, "no axis is corrected")) } else { Ok(all) }
+}
+
+fn axis_column(
+    reading: &Reading,
+    (input, output): (usize, usize),
+    rows: &[(usize, Vec<Option<f64>>)],
+    (position, value): (usize, usize),
+) -> Result<Table, Fault> {
+    let mut table = Table::curve(input, Vec::new(), output, Vec::new());
+    let rules = reading.target.manifest.mechanism.rules(&table);
+    let rules = rules.ok_or_else(|| Fault::new(0, "the controller has no table of this kind"))?;
+    let axes = reading.machine.axes();
+    let (place, cell) = (Place { rules, kind: axes[input].kind }, Column::new(rules, axes[output].kind));
+    for (line, row) in rows {
+        let Some(stored) = row[value] else { continue };
+        let q = row[position].ok_or_else(|| Fault::new(*line, "a point without position"))?;
+        let q = place.position(q);
+        if table.nodes[0].last().is_some_and(|last| q <= *last) {
+            return Err(Fault::new(*line, "the positions do not rise"));
+        }
+        table.nodes[0].push(q);
+        table.values.push(cell.correction(stored, Some(q)));
+    }
+    let count = table.nodes[0].len();
+    if count == 0 || count > rules.max_points {
+        return Err(Fault::new(0, format!("{count} points: from 1 to {}", rules.max_points)));
+    }
+    Ok(table)
+}

@@ -1,0 +1,91 @@
+//! Tables that multiply one another.
+
+use super::lines::Record;
+use super::{Fault, Reading};
+use crate::compensation::Table;
+use crate::controller::emit::stored::Column;
+
+/// A table as its file names it.
+pub(super) struct Numbered<'a> {
+    pub table: Table,
+    /// The number, from 1, of the table by which it is multiplied; 0 for none.
+    pub times: usize,
+    pub record: &'a Record,
+}
+
+/// What the tables of a file come to: those that stand alone, and the products. Whether the controller adds the values
+/// of factors besides their product is documented nowhere, so they are only read where they cancel out.
+pub(super) fn multiplied(reading: &Reading, read: Vec<Numbered>) -> Result<Vec<Table>, Fault> {
+    let mut products: Vec<Table> = Vec::new();
+    let mut factors: Vec<usize> = Vec::new();
+    for (at, numbered) in read.iter().enumerate().filter(|(_, numbered)| numbered.times > 0) {
+        let name = (numbered.times - 1).to_string();
+        let fault = |message: String| Fault::new(numbered.record.line, message);
+        let second = read.iter().position(|other| other.record.name == name);
+        let second = second
+            .ok_or_else(|| fault(format!("it is multiplied by table number {}, which is not there", numbered.times)))?;
+        products.push(product(reading, &numbered.table, &read[second].table).map_err(fault)?);
+        factors.extend([at, second]);
+    }
+    without_repetition(&mut products);
+    factors.sort_unstable();
+    factors.dedup();
+    let mut alone: Vec<Table> = Vec::new();
+    for (at, numbered) in read.iter().enumerate() {
+        if !factors.contains(&at) {
+            alone.push(numbered.table.clone());
+            continue;
+        }
+        let same = |other: &Table| (&other.axes, &other.nodes, &other.corrected) == key(&numbered.table);
+        let others = factors.iter().map(|at| &read[*at].table).filter(|table| same(table));
+        let sums = others.fold(vec![0.0; numbered.table.values.len()], |sums, table| {
+            sums.iter().zip(&table.values).map(|(sum, value)| sum + value).collect()
+        });
+        // Pairs of opposite numbers cancel to the bit, sums of many to a part of the last place.
+        if sums.iter().any(|sum| sum.abs() > 1e-12) {
+            let message = "a factor of a product whose values no opposite table cancels: whether the controller adds them besides the product is not documented";
+            return Err(Fault::new(numbered.record.line, message));
+        }
+    }
+    alone.extend(products);
+    Ok(alone)
+}
+
+fn key(table: &Table) -> (&Vec<usize>, &Vec<Vec<f64>>, &Vec<usize>) {
+    (&table.axes, &table.nodes, &table.corrected)
+}
+
+/// The table over two axes of a product.
+fn product(reading: &Reading, first: &Table, second: &Table) -> Result<Table, String> {
+    let plain = |table: &Table| table.axes.len() == 1 && table.reverse.is_none();
+    if !plain(first) || !plain(second) {
+        return Err("only tables over one axis and for both directions are multiplied".to_owned());
+    }
+    if first.axes == second.axes || first.corrected != second.corrected {
+        return Err("factors over one and the same axis, or for different axes, are not read here".to_owned());
+    }
+    let mechanism = &reading.target.manifest.mechanism;
+    let rules = mechanism.product.as_ref().ok_or("the controller has no products of tables")?;
+    let column = Column::new(rules, reading.machine.axes()[first.corrected[0]].kind);
+    let weights = second.values.iter().map(|c| column.as_weight(*c)).collect();
+    Ok(Table::product(first, second, [first.values.clone(), weights]))
+}
+
+/// The product of the opposite factors is the same once more: its factors are no others.
+fn without_repetition(products: &mut [Table]) {
+    for at in 1..products.len() {
+        let (before, rest) = products.split_at_mut(at);
+        let opposite = |other: &Table| {
+            let negated = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| *a == 0.0 - *b);
+            key(other) == key(&rest[0])
+                && other
+                    .factors
+                    .iter()
+                    .zip(&rest[0].factors)
+                    .any(|(a, b)| negated(&a[0], &b[0]) && negated(&a[1], &b[1]))
+        };
+        if before.iter().any(opposite) {
+            rest[0].factors.clear();
+        }
+    }
+}

@@ -1,0 +1,341 @@
+//! Formats told apart by content: which target reads a folder's files, whatever their names.
+//!
+//! 1. Every file is tried against every place that a target's set has ([`Fitted`]);
+//! 2. the target that reads all that any target reads is the one; if there are several, nothing is guessed (E0730);
+//! 3. a file whose content does not name its axis gets it from files that assign it, from its first lines, or
+//!    from its positions (W0710), or is refused (E0731); no place is filled twice (E0732).
+//!
+//! What no place takes is left alone, and is said (W0711).
+
+use super::place::{assigned, by_frame, spans};
+use super::{Fault, ReadBack, Reading};
+use crate::controller::Target;
+use crate::controller::emit::render::assigned_letters;
+use crate::controller::manifest::description::{FileSpec, Layout, Per};
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::machine::Machine;
+
+/// Files that a target reads.
+#[derive(Debug)]
+pub struct Recognised {
+    /// Which.
+    pub target: Target,
+    /// Its files, in their places of the set.
+    pub files: Vec<ReadBack>,
+}
+
+/// A text found under a name.
+pub type Found = (String, String);
+
+/// Where a file fits into a set.
+struct Placed {
+    file: usize,
+    spec: usize,
+    /// The axes whose place it can be; none if the place is the machine's.
+    axes: Vec<usize>,
+    /// First and last position of its only curve.
+    positions: Vec<f64>,
+}
+
+/// What a target makes of all files.
+struct Fitted {
+    target: Target,
+    placed: Vec<Placed>,
+    /// Where the reading of a file ended that fits nowhere.
+    failed: Vec<(usize, Fault)>,
+}
+
+/// The target among these that reads the files. None if the files are nothing that any target knows; if one came past
+/// the first line of a file, what is wrong there is said (E0704).
+pub fn recognise(
+    machine: &Machine,
+    targets: Vec<Target>,
+    files: &[Found],
+    diagnostics: &mut Diagnostics,
+) -> Option<Recognised> {
+    let fitted: Vec<Fitted> = targets.into_iter().filter_map(|target| Fitted::of(target, machine, files)).collect();
+    let Some(best) = fitted.iter().max_by_key(|fitted| fitted.placed.len()).filter(|best| !best.placed.is_empty())
+    else {
+        report_furthest(fitted.into_iter().flat_map(|fitted| fitted.failed), files, diagnostics);
+        return None;
+    };
+    let rivals: Vec<&Fitted> = fitted
+        .iter()
+        .filter(|other| !std::ptr::eq(*other, best) && other.placed.iter().any(|p| other.rivals(p, best)))
+        .collect();
+    if !rivals.is_empty() {
+        diagnostics.push(ambiguous(best, &rivals, files));
+        return None;
+    }
+    best.settled(machine, files, diagnostics)
+}
+
+/// What is wrong with the file of which most was understood.
+fn report_furthest(failed: impl Iterator<Item = (usize, Fault)>, files: &[Found], diagnostics: &mut Diagnostics) {
+    // Past the first line a reader has met something that it knows.
+    let past = failed.filter(|(_, fault)| fault.line > 0);
+    if let Some((file, fault)) = past.reduce(|a, b| if b.1.line > a.1.line { b } else { a }) {
+        let (name, text) = &files[file];
+        let source = diagnostics.sources.add(&**name, &**text);
+        diagnostics.push(fault.diagnostic(name, text, source));
+    }
+}
+
+fn ambiguous(best: &Fitted, rivals: &[&Fitted], files: &[Found]) -> Diagnostic {
+    let said = |fitted: &Fitted| {
+        let names: Vec<String> = fitted.placed.iter().map(|p| format!("`{}`", files[p.file].0)).collect();
+        format!("`{}` ({})", fitted.target.manifest.target, names.join(", "))
+    };
+    let all: Vec<String> = std::iter::once(best).chain(rivals.iter().copied()).map(said).collect();
+    Diagnostic::new("E0730", format!("by their content the files are of several targets: {}", all.join(", ")))
+        .help("say which with --target, or put each set into a folder of its own")
+}
+
+impl Fitted {
+    /// None if the machine is none for this target.
+    fn of(target: Target, machine: &Machine, files: &[Found]) -> Option<Self> {
+        let letters = assigned_letters(machine, target.manifest.axis_letters.as_ref(), None)?;
+        let (mut placed, mut failed) = (Vec::new(), Vec::new());
+        for (file, (_, text)) in files.iter().enumerate() {
+            let mut trial = Trial { target: &target, machine, letters: &letters, text, furthest: None };
+            match trial.place(file) {
+                Some(place) => placed.push(place),
+                None => failed.extend(trial.furthest.map(|fault| (file, fault))),
+            }
+        }
+        // Tables that may stand beside a kinematics module are none of it without the module.
+        let of_module = |placed: &Placed| {
+            let layout = target.manifest.files[placed.spec].layout.as_ref();
+            matches!(layout, Some(Layout::CArrays | Layout::HalConstants))
+        };
+        if target.manifest.kinematics().is_some() && !placed.iter().any(of_module) {
+            placed.clear();
+        }
+        Some(Self { target, placed, failed })
+    }
+
+    /// Does one of our files stand against another target's reading?
+    fn rivals(&self, placed: &Placed, best: &Self) -> bool {
+        let same = best.placed.iter().any(|other| other.file == placed.file);
+        !same || self.placed.len() == best.placed.len()
+    }
+
+    /// Every file in one place.
+    fn settled(&self, machine: &Machine, files: &[Found], diagnostics: &mut Diagnostics) -> Option<Recognised> {
+        let target = &self.target;
+        let letters = assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
+        let axes = self.axes(machine, &letters, files, diagnostics)?;
+        let mut found: Vec<ReadBack> = Vec::new();
+        for (placed, axis) in self.placed.iter().zip(axes) {
+            let names = target.names(machine, &target.manifest.files[placed.spec]);
+            let (_, name) = names.into_iter().find(|(a, _)| *a == axis)?;
+            let (own, text) = &files[placed.file];
+            if let Some(other) = found.iter().find(|other| other.name == name) {
+                let message = format!(
+                    "`{}` and `{own}` are both the `{name}` of target `{}`",
+                    other.found, target.manifest.target
+                );
+                let help = "leave the one that is on the machine";
+                diagnostics.push(Diagnostic::new("E0732", message).help(help));
+                return None;
+            }
+            found.push(ReadBack { name, found: own.clone(), text: text.clone() });
+        }
+        self.left_alone(files, diagnostics);
+        Some(Recognised { target: target.clone(), files: found })
+    }
+
+    /// The axis of every file; none for a file of the machine's.
+    fn axes(
+        &self,
+        machine: &Machine,
+        letters: &[(usize, String)],
+        files: &[Found],
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<Option<usize>>> {
+        let mut known: Vec<Option<usize>> = Vec::new();
+        for placed in &self.placed {
+            known.push(match placed.axes[..] {
+                [axis] => Some(axis),
+                _ => self.told(placed, machine, letters, files, diagnostics)?,
+            });
+        }
+        // One file may leave only one axis for the next.
+        loop {
+            let free = |placed: &Placed| {
+                let spanned = |axis: &&usize| {
+                    !known.contains(&Some(**axis)) && spans(&self.target, machine, **axis, &placed.positions)
+                };
+                placed.axes.iter().filter(spanned).copied().collect::<Vec<_>>()
+            };
+            let open = |i: &usize| known[*i].is_none() && !self.placed[*i].axes.is_empty();
+            let next = (0..known.len()).filter(open).find_map(|i| match free(&self.placed[i])[..] {
+                [axis] => Some((i, axis)),
+                _ => None,
+            });
+            let Some((i, axis)) = next else { break };
+            known[i] = Some(axis);
+            let (name, axis) = (&files[self.placed[i].file].0, &machine.axes()[axis]);
+            let message =
+                format!("`{name}` does not say its axis: read as the table of `{}`, whose travel it spans", axis.name);
+            let help = "name it as `compile` does, or put the controller's configuration that assigns it beside it";
+            diagnostics.push(Diagnostic::new("W0710", message).help(help));
+        }
+        let nowhere = (0..known.len()).find(|i| known[*i].is_none() && !self.placed[*i].axes.is_empty());
+        if let Some(i) = nowhere {
+            diagnostics.push(self.unplaced(&self.placed[i], machine, files));
+            return None;
+        }
+        Some(known)
+    }
+
+    /// The axis of a file by a file that assigns it, or by its own first lines. The outer none: a refusal was said.
+    fn told(
+        &self,
+        placed: &Placed,
+        machine: &Machine,
+        letters: &[(usize, String)],
+        files: &[Found],
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Option<usize>> {
+        let (own, text) = &files[placed.file];
+        for index in self.target.manifest.files.iter().filter_map(|spec| spec.index.as_ref()) {
+            for (name, text) in files {
+                match assigned(index, letters, text) {
+                    Ok(all) => {
+                        let axis = all.iter().find(|a| a.file == *own).map(|a| a.axis);
+                        if let Some(axis) = axis.filter(|axis| placed.axes.contains(axis)) {
+                            return Some(Some(axis));
+                        }
+                    }
+                    Err(fault) => {
+                        let source = diagnostics.sources.add(&**name, &**text);
+                        diagnostics.push(fault.diagnostic(name, text, source));
+                        return None;
+                    }
+                }
+            }
+        }
+        let spec = &self.target.manifest.files[placed.spec];
+        let layout = spec.layout.as_ref();
+        let framed =
+            layout.and_then(|layout| by_frame(layout, &self.target.names(machine, spec), text)).map(|(_, axis)| axis);
+        Some(framed.filter(|axis| placed.axes.contains(axis)))
+    }
+
+    fn unplaced(&self, placed: &Placed, machine: &Machine, files: &[Found]) -> Diagnostic {
+        let spec = &self.target.manifest.files[placed.spec];
+        let candidates: Vec<String> = self
+            .target
+            .names(machine, spec)
+            .into_iter()
+            .filter_map(|(axis, name)| Some((axis?, name)))
+            .filter(|(axis, _)| placed.axes.contains(axis))
+            .map(|(axis, name)| format!("{} (`{name}`)", machine.axes()[axis].name))
+            .collect();
+        let message = format!(
+            "`{}` is a table of target `{}` and does not say for which axis: {}",
+            files[placed.file].0,
+            self.target.manifest.target,
+            candidates.join(", ")
+        );
+        Diagnostic::new("E0731", message)
+            .help("give it the name in brackets, or put the controller's configuration that assigns it into the folder")
+    }
+
+    /// Says what was not read.
+    fn left_alone(&self, files: &[Found], diagnostics: &mut Diagnostics) {
+        let known = |name: &str| {
+            let plain = |spec: &FileSpec| spec.layout.is_none() && spec.path == name;
+            self.target.manifest.files.iter().any(plain)
+        };
+        for (file, (name, _)) in files.iter().enumerate().filter(|(_, (name, _))| !known(name)) {
+            if self.placed.iter().any(|placed| placed.file == file) {
+                continue;
+            }
+            let fault = self.failed.iter().find(|(failed, _)| *failed == file).map(|(_, fault)| fault);
+            let why = fault.map_or_else(String::new, |f| format!(": line {}: {}", f.line + 1, f.message));
+            let message =
+                format!("`{name}` is left alone: it is no table of target `{}`{why}", self.target.manifest.target);
+            let help = "what is certified is the set without this file";
+            diagnostics.push(Diagnostic::new("W0711", message).help(help));
+        }
+    }
+}
+
+/// One file against the places of one target.
+struct Trial<'a> {
+    target: &'a Target,
+    machine: &'a Machine,
+    letters: &'a [(usize, String)],
+    text: &'a str,
+    /// Where the reading that came furthest ended.
+    furthest: Option<Fault>,
+}
+
+impl Trial<'_> {
+    fn place(&mut self, file: usize) -> Option<Placed> {
+        let specs = self.target.manifest.files.iter().enumerate();
+        specs.filter_map(|(i, spec)| Some((i, spec, spec.layout.as_ref()?))).find_map(|(i, spec, layout)| {
+            let (axes, positions) = self.fits(spec, layout)?;
+            Some(Placed { file, spec: i, axes, positions })
+        })
+    }
+
+    /// The axes for which the file reads as this part of the set.
+    fn fits(&mut self, spec: &FileSpec, layout: &Layout) -> Option<(Vec<usize>, Vec<f64>)> {
+        if let Layout::CArrays | Layout::HalConstants = layout {
+            let told = self.target.tells_kinematics(self.text).map_err(|fault| Fault::new(fault.line, fault.message));
+            return self.kept(told).map(|()| Default::default());
+        }
+        if spec.per == Per::Machine {
+            return self.read(layout, None).map(|_| Default::default());
+        }
+        let says_axis = !matches!(layout, Layout::Columns { .. } | Layout::AxisColumns { .. });
+        if let Some((Some(axis), positions)) =
+            says_axis.then(|| self.read(layout, None).map(|r| of(spec.per, r))).flatten()
+        {
+            return Some((vec![axis], positions));
+        }
+        // The first axis tells as much as any: what differs between axes is the unit.
+        let first = self.letters.first()?.0;
+        let (_, positions) = of(spec.per, self.read(layout, Some(first))?);
+        let axes: Vec<usize> = self.letters.iter().map(|(axis, _)| *axis).collect();
+        let fitting = |axis: &usize| self.read(layout, Some(*axis)).is_some();
+        let axes: Vec<usize> = axes.into_iter().filter(fitting).collect();
+        (!axes.is_empty()).then_some((axes, positions))
+    }
+
+    fn read(&mut self, layout: &Layout, axis: Option<usize>) -> Option<crate::compensation::Tables> {
+        let reading = Reading { target: self.target, machine: self.machine, letters: self.letters.to_vec(), axis };
+        let read = reading.file(layout, self.text).and_then(|tables| {
+            let empty = tables.tables.is_empty() && tables.errors.is_empty();
+            if empty && !reading.speaks(layout, self.text)? {
+                Err(Fault::new(0, "there is nothing in it"))
+            } else {
+                Ok(tables)
+            }
+        });
+        self.kept(read)
+    }
+
+    fn kept<T>(&mut self, read: Result<T, Fault>) -> Option<T> {
+        match read {
+            Ok(read) => Some(read),
+            Err(fault) => {
+                if self.furthest.as_ref().is_none_or(|f| fault.line > f.line) {
+                    self.furthest = Some(fault);
+                }
+                None
+            }
+        }
+    }
+}
+
+/// The axis that the tables of a file are for, and the ends of the only one.
+fn of(per: Per, read: crate::compensation::Tables) -> (Option<usize>, Vec<f64>) {
+    let Some(table) = read.tables.first() else { return (None, Vec::new()) };
+    let axis = if per == Per::Input { table.axes[0] } else { table.corrected[0] };
+    let ends = table.nodes[0].first().into_iter().chain(table.nodes[0].last()).copied().collect();
+    (Some(axis), ends)
+}

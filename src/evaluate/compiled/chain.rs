@@ -1,0 +1,274 @@
+//! The chain, compiled: what of a machine does not depend on the pose, joint by joint.
+
+use super::curves::{Curves, Six};
+use super::lanes::Lanes;
+use super::lookup::Wanted;
+use crate::machine::{
+    Approach, Axis, AxisKind, Branch, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, Machine, RotaryOrder,
+};
+
+/// Three lanes: a vector, a point.
+pub type Vector<V> = [V; 3];
+
+/// A machine from the tool to the workpiece, ready for any order.
+#[derive(Debug, Clone)]
+pub struct Links {
+    /// Joints in the order of the machine's axes: from the workpiece to the tool.
+    pub joints: Vec<Link>,
+    /// The functional point at the zero pose.
+    pub tip: [f64; 3],
+    /// Its displacement by clamping.
+    pub tool: [f64; 3],
+    /// Errors of the spindle about the gauge point.
+    pub spindle: Option<Placed>,
+    /// Errors of the clamped workpiece about its origin; inverted.
+    pub clamping: Option<Placed>,
+    /// Shape of error matrices.
+    pub linearised: bool,
+    /// Do location errors count in the real part?
+    pub real_locations: bool,
+}
+
+/// Six errors with the point about which they turn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placed {
+    /// The errors.
+    pub six: Six,
+    /// The point.
+    pub about: [f64; 3],
+    /// Does the inverse of their matrix count?
+    pub inverse: bool,
+}
+
+/// A joint.
+#[derive(Debug, Clone)]
+pub struct Link {
+    /// Its nominal motion.
+    pub motion: Motion,
+    /// Point of a rotary axis; that about which the errors turn.
+    pub origin: [f64; 3],
+    /// Component errors.
+    pub curves: Curves,
+    /// Are there any?
+    pub errors: bool,
+    /// Are the sine and cosine of the position needed?
+    pub turns: bool,
+    /// Do they act before the motion, seen from the workpiece (E M rather than M E)?
+    pub outside: bool,
+    /// Does the inverse of their matrix count?
+    pub inverse: bool,
+    /// Location errors.
+    pub location: Option<Placed>,
+    /// How they act.
+    pub located: Located,
+}
+
+impl Link {
+    /// What a walk wants to know at it.
+    #[inline(always)]
+    pub fn wanted(&self) -> Wanted<'_> {
+        Wanted { turns: self.turns, curves: if self.errors { Some(&self.curves) } else { None } }
+    }
+}
+
+/// How a location error acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Located {
+    /// `Loc N Loc^-1`.
+    Around,
+    /// Before the motion and the component errors, seen from the workpiece.
+    Outermost,
+    /// After both.
+    Innermost,
+}
+
+/// Nominal motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion {
+    /// By the position times this vector.
+    Slide([f64; 3]),
+    /// By the position, about a direction through the origin.
+    Turn(About),
+}
+
+/// The direction of a rotary axis; `-1` turns the sense.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum About {
+    /// A machine axis, 0 to 2.
+    Principal(usize, f64),
+    /// Any unit vector.
+    Oblique([f64; 3]),
+}
+
+impl Links {
+    /// `None` if its curves cannot be compiled.
+    pub fn new(machine: &Machine, approach: Approach) -> Option<Self> {
+        let conventions = machine.conventions();
+        let link = |(i, axis): (usize, &Axis)| link(machine, i, axis, approach);
+        let placed = |six: Six, about, inverse| (six != [0.0; 6]).then_some(Placed { six, about, inverse });
+        let spindle = machine.spindle_errors().map(|errors| errors.location_values());
+        Some(Self {
+            joints: machine.axes().iter().enumerate().map(link).collect::<Option<_>>()?,
+            tip: machine.tool().tip,
+            tool: machine.setup().tool,
+            spindle: spindle.and_then(|six| placed(six, machine.tool().gauge, false)),
+            clamping: placed(machine.setup().workpiece, machine.workpiece(), true),
+            linearised: conventions.joints == Joints::Linearised,
+            real_locations: conventions.location_order == LocationOrder::Real,
+        })
+    }
+}
+
+fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Option<Link> {
+    let conventions = machine.conventions();
+    let errors = machine.axis_errors(index);
+    let inverse = conventions.errors_are == ErrorsAre::Body && axis.branch == Branch::Workpiece;
+    let carried = conventions.location == Location::CarriedBody;
+    let on_guide = match axis.kind {
+        AxisKind::Linear => conventions.linear == LinearOrder::Before,
+        AxisKind::Rotary => conventions.rotary == RotaryOrder::Stationary,
+    };
+    let six = errors.location_values();
+    let (motion, curves) = (motion(axis), Curves::new(errors, approach)?);
+    Some(Link {
+        errors: !curves.is_zero(),
+        turns: matches!(motion, Motion::Turn(_)) || curves.has_waves(),
+        motion,
+        origin: axis.origin,
+        curves,
+        outside: on_guide == (axis.branch == Branch::Tool),
+        inverse,
+        location: (six != [0.0; 6]).then_some(Placed { six, about: axis.origin, inverse: inverse && carried }),
+        located: match axis.branch {
+            _ if !carried => Located::Around,
+            Branch::Tool => Located::Outermost,
+            Branch::Workpiece => Located::Innermost,
+        },
+    })
+}
+
+fn motion(axis: &Axis) -> Motion {
+    let direction = axis.direction.map(|u| u * axis.sign());
+    match axis.kind {
+        AxisKind::Linear => Motion::Slide(direction),
+        AxisKind::Rotary => {
+            let unit =
+                (0..3).find(|k| (0..3).all(|j| if j == *k { direction[j].abs() == 1.0 } else { direction[j] == 0.0 }));
+            Motion::Turn(unit.map_or(About::Oblique(direction), |k| About::Principal(k, direction[k])))
+        }
+    }
+}
+
+/// `a x b`.
+#[inline(always)]
+pub fn cross<V: Lanes>(a: Vector<V>, b: Vector<V>) -> Vector<V> {
+    let products = [a[1] * b[2], a[2] * b[0], a[0] * b[1]];
+    [products[0].minus_times(a[2], b[1]), products[1].minus_times(a[0], b[2]), products[2].minus_times(a[1], b[0])]
+}
+
+/// `sum + a x b`.
+#[inline(always)]
+pub fn plus_cross<V: Lanes>(sum: Vector<V>, a: Vector<V>, b: Vector<V>) -> Vector<V> {
+    let sum = [sum[0].plus_times(a[1], b[2]), sum[1].plus_times(a[2], b[0]), sum[2].plus_times(a[0], b[1])];
+    [sum[0].minus_times(a[2], b[1]), sum[1].minus_times(a[0], b[2]), sum[2].minus_times(a[1], b[0])]
+}
+
+/// `a + b`.
+#[inline(always)]
+pub fn plus<V: Lanes>(a: Vector<V>, b: Vector<V>) -> Vector<V> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// `a - b`.
+#[inline(always)]
+pub fn minus<V: Lanes>(a: Vector<V>, b: Vector<V>) -> Vector<V> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `a * factor`.
+#[inline(always)]
+pub fn times<V: Lanes>(a: Vector<V>, factor: V) -> Vector<V> {
+    [a[0] * factor, a[1] * factor, a[2] * factor]
+}
+
+/// `sum + a * factor`.
+#[inline(always)]
+pub fn plus_times<V: Lanes>(sum: Vector<V>, a: Vector<V>, factor: V) -> Vector<V> {
+    [sum[0].plus_times(a[0], factor), sum[1].plus_times(a[1], factor), sum[2].plus_times(a[2], factor)]
+}
+
+/// The same vector in all lanes.
+#[inline(always)]
+pub fn splat<V: Lanes>(a: &[f64; 3]) -> Vector<V> {
+    [V::splat(a[0]), V::splat(a[1]), V::splat(a[2])]
+}
+
+/// `a . b`.
+#[inline(always)]
+pub fn dot<V: Lanes>(a: Vector<V>, b: Vector<V>) -> V {
+    (a[0] * b[0]).plus_times(a[1], b[1]).plus_times(a[2], b[2])
+}
+
+impl About {
+    /// A vector turned by the angle with this sine and cosine.
+    #[inline(always)]
+    pub fn turned<V: Lanes>(&self, (s, c): (V, V), v: Vector<V>) -> Vector<V> {
+        match *self {
+            Self::Principal(0, sense) => {
+                let s = s * V::splat(sense);
+                [v[0], (c * v[1]).minus_times(s, v[2]), (c * v[2]).plus_times(s, v[1])]
+            }
+            Self::Principal(1, sense) => {
+                let s = s * V::splat(sense);
+                [(c * v[0]).plus_times(s, v[2]), v[1], (c * v[2]).minus_times(s, v[0])]
+            }
+            Self::Principal(_, sense) => {
+                let s = s * V::splat(sense);
+                [(c * v[0]).minus_times(s, v[1]), (c * v[1]).plus_times(s, v[0]), v[2]]
+            }
+            Self::Oblique(u) => {
+                let u = splat(&u);
+                let along = (V::splat(1.0) - c) * dot(u, v);
+                plus_times(plus_times(times(v, c), cross(u, v), s), u, along)
+            }
+        }
+    }
+
+    /// A point turned about an origin. What lies along a machine axis stays as it is.
+    #[inline(always)]
+    pub fn turned_about<V: Lanes>(&self, turn: (V, V), origin: &[f64; 3], point: Vector<V>) -> Vector<V> {
+        let o = splat(origin);
+        let [x, y, z] = plus(self.turned(turn, minus(point, o)), o);
+        match self {
+            Self::Principal(0, _) => [point[0], y, z],
+            Self::Principal(1, _) => [x, point[1], z],
+            Self::Principal(..) => [x, y, point[2]],
+            Self::Oblique(_) => [x, y, z],
+        }
+    }
+
+    /// The direction, with its sense.
+    pub fn direction(&self) -> [f64; 3] {
+        match *self {
+            Self::Principal(k, sense) => std::array::from_fn(|i| if i == k { sense } else { 0.0 }),
+            Self::Oblique(u) => u,
+        }
+    }
+}
+
+/// A point moved by the position times a direction; a machine axis costs one sum.
+#[inline(always)]
+pub fn slid<V: Lanes>(direction: &[f64; 3], position: V, point: Vector<V>) -> Vector<V> {
+    const ONE: u64 = 1.0_f64.to_bits();
+    let mut moved = point;
+    for k in 0..3 {
+        // Compared as bits: to the vectors in flight that is less in the way.
+        let bits = direction[k].to_bits();
+        if bits == ONE {
+            moved[k] = point[k] + position;
+        } else if bits << 1 != 0 {
+            moved[k] = point[k].plus_times(position, V::splat(direction[k]));
+        }
+    }
+    moved
+}

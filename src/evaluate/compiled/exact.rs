@@ -1,0 +1,419 @@
+//! The exact model in closed form: every joint by its increments, so that nothing small is a difference of large numbers.
+//!
+//! From the tool to the workpiece are carried the ideal functional point p, the displacement d of the actual one, and
+//! the actual rotation relative to the ideal one. An error motion about o with the linear part 1 + K adds
+//! `delta + K (p + d - o)` to d. With orthogonal joints K = a hat(eps) + b hat(eps)^2 with the series of sin t / t and
+//! (1 - cos t) / t^2, and the rotation is a quaternion; with linearised joints a and b are rational, and the
+//! rotation is a matrix, which need not be orthogonal.
+
+use super::affine::{Section, Sections};
+use super::batch::{FARTHEST, Task};
+use super::chain::{
+    About, Link, Links, Located, Motion, Placed, Vector, cross, dot, minus, plus, plus_cross, plus_times, slid, splat,
+    times,
+};
+use super::lanes::Lanes;
+use super::lookup::{Ahead, Inputs, Part, Scattered, look_up};
+use super::trigonometry::RADIAN;
+
+/// Terms of the series: good to the last bit up to [`super::batch::FARTHEST`].
+const TERMS: usize = 10;
+
+/// `first, first * ratio(1), ...` with the ratio of two whole numbers linear in i.
+const fn series(first: f64, even: bool) -> [f64; TERMS] {
+    let mut terms = [first; TERMS];
+    let mut i = 1;
+    while i < TERMS {
+        let n = (2 * i) as f64;
+        let divisor = if even { (n - 1.0) * n } else { n * (n + 1.0) };
+        terms[i] = -terms[i - 1] / divisor;
+        i += 1;
+    }
+    terms
+}
+
+/// sin t / t and cos t by powers of t^2.
+const SINC: [f64; TERMS] = series(1.0, false);
+const COSINE: [f64; TERMS] = series(1.0, true);
+
+/// asin s / s by powers of s^2.
+pub const fn arcsine<const N: usize>() -> [f64; N] {
+    let mut terms = [1.0; N];
+    let mut i = 1;
+    while i < N {
+        let n = (2 * i) as f64;
+        terms[i] = terms[i - 1] * ((n - 1.0) * (n - 1.0)) / (n * (n + 1.0));
+        i += 1;
+    }
+    terms
+}
+
+const ARCSINE: [f64; TERMS] = arcsine();
+
+/// With the coefficients of the powers of x from 0 on.
+#[inline(always)]
+pub fn polynomial<V: Lanes>(terms: &[f64], x: V) -> V {
+    let mut sum = V::splat(terms[terms.len() - 1]);
+    for term in terms[..terms.len() - 1].iter().rev() {
+        sum = V::splat(*term).plus_times(sum, x);
+    }
+    sum
+}
+
+/// An error motion, ready to be applied.
+#[derive(Debug, Clone, Copy)]
+struct Small<V> {
+    turn: Vector<V>,
+    shift: Vector<V>,
+    /// K = a hat(turn) + b hat(turn)^2.
+    a: V,
+    b: V,
+    /// Scalar part of its quaternion, and the factor of `turn` in the vector part.
+    half: (V, V),
+    inverse: bool,
+}
+
+/// The actual rotation relative to the ideal one.
+trait Relative<V: Lanes>: Copy {
+    fn none() -> Self;
+    /// The error motion of six numbers; a number too large where the series are not good enough.
+    fn small(six: [V; 6], inverse: bool) -> (Small<V>, V);
+    fn turned(self, about: &About, turn: (V, V)) -> Self;
+    /// After an error motion.
+    fn after(self, small: &Small<V>) -> Self;
+    fn vector(self) -> (Vector<V>, V);
+}
+
+/// A unit quaternion.
+#[derive(Clone, Copy)]
+struct Quaternion<V>(V, Vector<V>);
+
+impl<V: Lanes> Relative<V> for Quaternion<V> {
+    #[inline(always)]
+    fn none() -> Self {
+        Self(V::splat(1.0), [V::splat(0.0); 3])
+    }
+
+    #[inline(always)]
+    fn small(six: [V; 6], inverse: bool) -> (Small<V>, V) {
+        let [dx, dy, dz, ex, ey, ez] = six;
+        let turn = [ex, ey, ez];
+        let half = V::splat(0.5);
+        let quarter = dot(turn, turn) * V::splat(0.25);
+        let (sine, cosine) = (polynomial(&SINC[..6], quarter), polynomial(&COSINE[..7], quarter));
+        let sign = V::splat(if inverse { -1.0 } else { 1.0 });
+        let small = Small {
+            turn,
+            shift: [dx, dy, dz],
+            a: sine * cosine * sign,
+            b: sine * sine * half,
+            half: (cosine, sine * half * sign),
+            inverse,
+        };
+        (small, quarter)
+    }
+
+    #[inline(always)]
+    fn turned(self, about: &About, turn: (V, V)) -> Self {
+        Self(self.0, about.turned(turn, self.1))
+    }
+
+    #[inline(always)]
+    fn after(self, small: &Small<V>) -> Self {
+        let (c, v) = (small.half.0, times(small.turn, small.half.1));
+        let vector = plus_cross(plus_times(times(self.1, c), v, self.0), v, self.1);
+        Self(c * self.0 - dot(v, self.1), vector)
+    }
+
+    #[inline(always)]
+    fn vector(self) -> (Vector<V>, V) {
+        let square = dot(self.1, self.1);
+        (times(self.1, polynomial(&ARCSINE, square) * V::splat(2.0)), square)
+    }
+}
+
+/// A matrix less 1, by columns.
+#[derive(Clone, Copy)]
+struct Matrix<V>([Vector<V>; 3]);
+
+#[inline(always)]
+fn transposed<V: Lanes>([a, b, c]: [Vector<V>; 3]) -> [Vector<V>; 3] {
+    [[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]]]
+}
+
+impl<V: Lanes> Relative<V> for Matrix<V> {
+    #[inline(always)]
+    fn none() -> Self {
+        Self([[V::splat(0.0); 3]; 3])
+    }
+
+    #[inline(always)]
+    fn small(six: [V; 6], inverse: bool) -> (Small<V>, V) {
+        let [dx, dy, dz, ex, ey, ez] = six;
+        let (turn, zero, one) = ([ex, ey, ez], V::splat(0.0), V::splat(1.0));
+        // (1 + H)^-1 = 1 - H / (1 + s) + H^2 / (1 + s) with s the square of the vector.
+        let factor = if inverse { one.over(one + dot(turn, turn)) } else { zero };
+        let a = if inverse { zero - factor } else { one };
+        (Small { turn, shift: [dx, dy, dz], a, b: factor, half: (one, zero), inverse }, zero)
+    }
+
+    #[inline(always)]
+    fn turned(self, about: &About, turn: (V, V)) -> Self {
+        let [a, b, c] = self.0;
+        let [a, b, c] = transposed([about.turned(turn, a), about.turned(turn, b), about.turned(turn, c)]);
+        Self(transposed([about.turned(turn, a), about.turned(turn, b), about.turned(turn, c)]))
+    }
+
+    #[inline(always)]
+    fn after(self, small: &Small<V>) -> Self {
+        let mut columns = self.0;
+        for k in 0..3 {
+            let mut whole = columns[k];
+            whole[k] = whole[k] + V::splat(1.0);
+            columns[k] = plus(columns[k], small.moved(whole));
+        }
+        Self(columns)
+    }
+
+    #[inline(always)]
+    fn vector(self) -> (Vector<V>, V) {
+        let [a, b, c] = self.0;
+        let half = V::splat(0.5);
+        ([(b[2] - c[1]) * half, (c[0] - a[2]) * half, (a[1] - b[0]) * half], V::splat(0.0))
+    }
+}
+
+impl<V: Lanes> Small<V> {
+    /// K y.
+    #[inline(always)]
+    fn moved(&self, y: Vector<V>) -> Vector<V> {
+        let once = cross(self.turn, y);
+        plus_times(times(once, self.a), cross(self.turn, once), self.b)
+    }
+}
+
+impl Small<f64> {
+    /// The same in all lanes.
+    #[inline(always)]
+    fn splat<V: Lanes>(&self) -> Small<V> {
+        Small {
+            turn: splat(&self.turn),
+            shift: splat(&self.shift),
+            a: V::splat(self.a),
+            b: V::splat(self.b),
+            half: (V::splat(self.half.0), V::splat(self.half.1)),
+            inverse: self.inverse,
+        }
+    }
+}
+
+/// A constant error motion and its inverse.
+#[derive(Debug, Clone, Copy)]
+struct Fixed {
+    motion: Small<f64>,
+    undone: Small<f64>,
+    about: [f64; 3],
+}
+
+impl Fixed {
+    /// `None` if it is too large for the series.
+    fn new(placed: &Placed, linearised: bool) -> Option<Self> {
+        let small = |inverse| match linearised {
+            true => Matrix::small(placed.six, inverse),
+            false => Quaternion::small(placed.six, inverse),
+        };
+        let ((motion, far), (undone, _)) = (small(placed.inverse), small(!placed.inverse));
+        (far <= FARTHEST).then_some(Self { motion, undone, about: placed.about })
+    }
+}
+
+/// What is carried from the tool to the workpiece.
+struct State<V, R> {
+    point: Vector<V>,
+    displacement: Vector<V>,
+    relative: R,
+    far: V,
+}
+
+impl<V: Lanes, R: Relative<V>> State<V, R> {
+    /// A point and its displacement, before any rotation.
+    #[inline(always)]
+    fn at(point: Vector<V>, displacement: Vector<V>) -> Self {
+        Self { point, displacement, relative: R::none(), far: V::splat(0.0) }
+    }
+
+    #[inline(always)]
+    fn apply(&mut self, small: &Small<V>, about: &[f64; 3]) {
+        let arm = plus(minus(self.point, splat(about)), self.displacement);
+        let added = if small.inverse {
+            minus(small.moved(minus(arm, small.shift)), small.shift)
+        } else {
+            plus(small.moved(arm), small.shift)
+        };
+        self.displacement = plus(self.displacement, added);
+        self.relative = self.relative.after(small);
+    }
+
+    #[inline(always)]
+    fn small(&mut self, (small, far): &(Small<V>, V), about: &[f64; 3]) {
+        self.far = self.far.larger(*far);
+        self.apply(small, about);
+    }
+
+    #[inline(always)]
+    fn fixed(&mut self, fixed: &Fixed) {
+        self.apply(&fixed.motion.splat(), &fixed.about);
+    }
+
+    /// The axis turned further than the ideal one: by an angle that need not be small.
+    #[inline(always)]
+    fn further(&mut self, about: &About, angle: V, origin: &[f64; 3]) {
+        let [x, y, z] = times(splat(&about.direction()), angle * V::splat(RADIAN));
+        let zero = V::splat(0.0);
+        let (small, far) = Quaternion::small([zero, zero, zero, x, y, z], false);
+        self.far = self.far.larger(far);
+        self.apply(&small, origin);
+    }
+
+    #[inline(always)]
+    fn link<I: Inputs<V>>(&mut self, link: &Link, axis: usize, location: Option<&Fixed>, inputs: I) {
+        let zero = V::splat(0.0);
+        let (q, added) = (inputs.position(axis), inputs.added(axis));
+        let there = match added {
+            Some(added) => q + added,
+            None => q,
+        };
+        let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
+        let errors = if link.errors { Some(R::small(inputs.six(axis), link.inverse)) } else { None };
+        if let (Some(location), Located::Innermost) = (location, link.located) {
+            self.fixed(location);
+        }
+        if let (Some(small), false) = (&errors, link.outside) {
+            self.small(small, &link.origin);
+        }
+        let around = if link.located == Located::Around { location } else { None };
+        match &link.motion {
+            Motion::Slide(direction) => self.slide(direction, around, (q, there), added),
+            Motion::Turn(about) => self.turn(about, &link.origin, around, turn, added),
+        }
+        if let (Some(small), true) = (&errors, link.outside) {
+            self.small(small, &link.origin);
+        }
+        if let (Some(location), Located::Outermost) = (location, link.located) {
+            self.fixed(location);
+        }
+    }
+
+    /// A linear axis; an error of its place only bends its direction.
+    #[inline(always)]
+    fn slide(&mut self, direction: &[f64; 3], around: Option<&Fixed>, (q, there): (V, V), added: Option<V>) {
+        self.point = slid(direction, q, self.point);
+        if let Some(added) = added {
+            self.displacement = plus_times(self.displacement, splat(direction), added);
+        }
+        if let Some(location) = around {
+            let bent = location.motion.moved(*direction);
+            self.displacement = plus_times(self.displacement, splat(&bent), there);
+        }
+    }
+
+    /// A rotary axis: N, or Loc N Loc^-1.
+    #[inline(always)]
+    fn turn(&mut self, about: &About, origin: &[f64; 3], around: Option<&Fixed>, turn: (V, V), added: Option<V>) {
+        if let Some(location) = around {
+            self.apply(&location.undone.splat(), origin);
+        }
+        self.point = about.turned_about(turn, origin, self.point);
+        self.displacement = about.turned(turn, self.displacement);
+        self.relative = self.relative.turned(about, turn);
+        if let Some(added) = added {
+            self.further(about, added, origin);
+        }
+        if let Some(location) = around {
+            self.fixed(location);
+        }
+    }
+}
+
+/// The plan of the exact model.
+#[derive(Debug, Clone)]
+pub struct Exact {
+    links: Links,
+    locations: Vec<Option<Fixed>>,
+    spindle: Option<Fixed>,
+    clamping: Option<Fixed>,
+}
+
+impl Exact {
+    /// `None` if a constant error is too large for the series.
+    pub fn new(links: Links) -> Option<Self> {
+        let fixed = |placed: &Option<Placed>| match placed {
+            Some(placed) => Fixed::new(placed, links.linearised).map(Some),
+            None => Some(None),
+        };
+        Some(Self {
+            locations: links.joints.iter().map(|link| fixed(&link.location)).collect::<Option<_>>()?,
+            spindle: fixed(&links.spindle)?,
+            clamping: fixed(&links.clamping)?,
+            links,
+        })
+    }
+
+    #[inline(always)]
+    fn chain<V: Lanes, R: Relative<V>>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+        let links = &self.links;
+        let mut state = State::<V, R>::at(splat(&links.tip), splat(&links.tool));
+        if let Some(spindle) = &self.spindle {
+            state.fixed(spindle);
+        }
+        for (axis, link) in links.joints.iter().enumerate().rev() {
+            state.link(link, axis, self.locations[axis].as_ref(), inputs);
+        }
+        if let Some(clamping) = &self.clamping {
+            state.fixed(clamping);
+        }
+        let (rotation, far) = state.relative.vector();
+        (state.displacement, rotation, state.far.larger(far))
+    }
+
+    fn past<R: Relative<f64>>(&self, section: Section, point: [f64; 3]) -> ([f64; 3], f64) {
+        let mut state = State::<f64, R>::at(point, [0.0; 3]);
+        match section {
+            Section::Joint(axis, at) => {
+                state.link(&self.links.joints[axis], axis, self.locations[axis].as_ref(), at);
+            }
+            Section::Spindle => self.spindle.iter().for_each(|spindle| state.fixed(spindle)),
+            Section::Clamping => self.clamping.iter().for_each(|clamping| state.fixed(clamping)),
+        }
+        (state.displacement, state.far)
+    }
+}
+
+impl Sections for Exact {
+    fn links(&self) -> &Links {
+        &self.links
+    }
+
+    fn displaced(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
+        let (displacement, far) = match self.links.linearised {
+            true => self.past::<Matrix<f64>>(section, point),
+            false => self.past::<Quaternion<f64>>(section, point),
+        };
+        ([displacement, [0.0; 3]], far)
+    }
+}
+
+impl Task for Exact {
+    type Room = ();
+    const ROOM: () = ();
+
+    #[inline(always)]
+    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], _: &mut (), part: Part<'_>) {
+        look_up::<V>(&self.links, axes, part);
+    }
+
+    #[inline(always)]
+    fn at<V: Lanes>(&self, _: &(), inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+        if self.links.linearised { self.chain::<V, Matrix<V>>(inputs) } else { self.chain::<V, Quaternion<V>>(inputs) }
+    }
+}

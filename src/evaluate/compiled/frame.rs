@@ -1,0 +1,82 @@
+//! Deviations in another frame: turned by the ideal rotations of the joints passed.
+
+use super::Plan;
+use super::batch::{Batch, Output, Slices};
+use super::chain::{About, Motion};
+use super::lanes::{Kernel, Lanes};
+use super::trigonometry::sin_cos;
+use crate::evaluate::Frame;
+use crate::lower::Ideal;
+use crate::machine::Branch;
+
+struct Turned<'a, 'o> {
+    joints: &'a [(usize, About)],
+    poses: Slices<'a>,
+    out: Output<'o>,
+}
+
+impl Kernel for Turned<'_, '_> {
+    #[inline(always)]
+    fn run<V: Lanes>(mut self) {
+        let (count, mut at) = (self.out.len(), 0);
+        while at + V::COUNT <= count {
+            self.step::<V>(at);
+            at += V::COUNT;
+        }
+        while at < count {
+            self.step::<f64>(at);
+            at += 1;
+        }
+    }
+}
+
+impl Turned<'_, '_> {
+    #[inline(always)]
+    fn step<V: Lanes>(&mut self, at: usize) {
+        let (p, r) = (&self.out.position, &self.out.rotation);
+        let mut d = [V::load(&p[0][at..]), V::load(&p[1][at..]), V::load(&p[2][at..])];
+        let mut w = [V::load(&r[0][at..]), V::load(&r[1][at..]), V::load(&r[2][at..])];
+        for (axis, about) in self.joints {
+            let (s, c) = sin_cos(V::load(&self.poses.axes[*axis][at..]));
+            let back = (V::splat(0.0) - s, c);
+            (d, w) = (about.turned(back, d), about.turned(back, w));
+        }
+        for k in 0..3 {
+            d[k].store(&mut self.out.position[k][at..]);
+            w[k].store(&mut self.out.rotation[k][at..]);
+        }
+    }
+}
+
+impl Plan {
+    /// Turns deviations from the workpiece frame into another one.
+    pub fn to_frame(&self, frame: Frame, poses: &Batch<'_>, mut out: Output<'_>) {
+        let on_the_way = |axis: usize| match frame {
+            Frame::Workpiece => false,
+            Frame::Machine => self.machine.axes()[axis].branch == Branch::Workpiece,
+            Frame::Tool => true,
+        };
+        let Some(links) = &self.links else { return self.to_frame_one_by_one(frame, poses, &mut out) };
+        let turns = links.joints.iter().enumerate().filter(|(axis, _)| on_the_way(*axis));
+        let joints: Vec<(usize, About)> = turns
+            .filter_map(|(axis, link)| if let Motion::Turn(about) = link.motion { Some((axis, about)) } else { None })
+            .collect();
+        let poses = Slices { axes: poses.axes(), added: &[], whole: poses.len() };
+        super::lanes::run(self.width, Turned { joints: &joints, poses, out });
+    }
+
+    fn to_frame_one_by_one(&self, frame: Frame, poses: &Batch<'_>, out: &mut Output<'_>) {
+        for i in 0..out.len() {
+            let ideal = Ideal::at(&self.machine, &poses.pose(i));
+            let rotation = match frame {
+                Frame::Workpiece => return,
+                Frame::Machine => ideal.r_work,
+                Frame::Tool => ideal.pose.linear.transpose(),
+            };
+            for columns in [&mut out.position, &mut out.rotation] {
+                let turned = rotation * nalgebra::Vector3::from_fn(|k, _| columns[k][i]);
+                (0..3).for_each(|k| columns[k][i] = turned[k]);
+            }
+        }
+    }
+}

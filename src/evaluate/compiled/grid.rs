@@ -1,0 +1,98 @@
+//! Tensor grids: nothing that does not depend on the inner axis is computed at its nodes.
+//!
+//! The inner axis is the last one, which is the joint next to the tool. The outer joints are composed into one map for a whole line
+//! (`composed`): the numbers are those of scattered poses up to rounding, 1e-12 of the largest, and the same at any vector width and on any
+//! number of threads.
+
+use super::affine::Product;
+use super::batch::Output;
+use super::grid_lines::{Composed, Lines};
+use super::lanes::run;
+use super::second::SecondOrder;
+use super::{Plan, Walk};
+use crate::evaluate::Nodes;
+use rayon::prelude::*;
+
+/// A plan with the nodes of a grid.
+#[derive(Debug, Clone)]
+pub struct GridPlan {
+    plan: Plan,
+    counts: Vec<usize>,
+    composed: Box<Composed>,
+}
+
+/// Lines that one thread does at a time, in nodes.
+const BLOCK: usize = 1 << 15;
+
+/// Nodes of all axes together of which 300 bytes each are kept.
+const MOST_KNOWN: usize = 1 << 16;
+
+impl GridPlan {
+    /// Nodes of a line: of the inner axis.
+    pub fn line(&self) -> usize {
+        self.counts.last().copied().unwrap_or(1)
+    }
+
+    /// Lines of the grid; the largest `usize` if there are more.
+    pub fn lines(&self) -> usize {
+        self.counts.iter().rev().skip(1).copied().fold(1, usize::saturating_mul)
+    }
+
+    /// Deviations at the nodes of whole lines from `first` on, in the order of [`Nodes::get`]: as many lines as `out` has room
+    /// for, on this thread.
+    pub fn fill(&self, first: usize, out: Output<'_>) {
+        let lines = (out.len() / self.line()).min(self.lines().saturating_sub(first));
+        let (whole, _) = out.split_at(lines * self.line());
+        let mut at = vec![0; self.counts.len() - 1];
+        let mut index = first;
+        for (node, count) in at.iter_mut().zip(&self.counts).rev() {
+            (*node, index) = (index % count, index / count);
+        }
+        run(self.plan.width, Lines { grid: &self.composed, first: at, out: whole });
+    }
+
+    /// The same on all threads of rayon's pool.
+    pub fn fill_parallel(&self, first: usize, out: Output<'_>) {
+        let lines = (out.len() / self.line()).min(self.lines().saturating_sub(first));
+        let block = (BLOCK / self.line()).max(1);
+        let mut parts = Vec::new();
+        let (mut rest, _) = out.split_at(lines * self.line());
+        for start in (0..lines).step_by(block) {
+            let (part, others) = rest.split_at(block.min(lines - start) * self.line());
+            parts.push((first + start, part));
+            rest = others;
+        }
+        parts.into_par_iter().for_each(|(start, part)| self.fill(start, part));
+    }
+}
+
+impl Plan {
+    /// The plan on the nodes of a grid; `None` if it is not compiled or has no axes, where the errors of the exact model may turn by
+    /// more than 0.3 rad together, and of axes with so many nodes that what is known at each of them had no end.
+    pub fn grid(&self, nodes: &Nodes) -> Option<GridPlan> {
+        let known = nodes.counts().fold(0, usize::saturating_add);
+        if known > MOST_KNOWN || nodes.counts().count() != self.machine.axes().len() {
+            return None;
+        }
+        let positions = nodes.positions();
+        let composed = match &self.kernel {
+            Walk::First(_) => Composed::new(&SecondOrder::new(self.links.clone()?)?, Product::Nowhere, &positions),
+            Walk::Second(task) => Composed::new(task, Product::Second, &positions),
+            Walk::Exact(task) => Composed::new(task.as_ref(), Product::Whole, &positions),
+            Walk::General => None,
+        };
+        Some(GridPlan { plan: self.clone(), counts: nodes.counts().collect(), composed: Box::new(composed?) })
+    }
+}
+
+/// The next line; which is the outermost axis that moved.
+pub fn advance(nodes: &mut [usize], count: impl Fn(usize) -> usize) -> usize {
+    for k in (0..nodes.len()).rev() {
+        nodes[k] += 1;
+        if nodes[k] < count(k) {
+            return k;
+        }
+        nodes[k] = 0;
+    }
+    0
+}

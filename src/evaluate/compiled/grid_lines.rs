@@ -1,0 +1,293 @@
+//! The lines of a tensor grid: nothing that does not depend on the inner axis is computed at its nodes.
+//!
+//! The inner axis is the last one, which is the joint next to the tool. What happens on its tool side and in it depends on its own
+//! position alone and is computed once for the grid. The outer joints are one map ([`Affine`]) for a whole line, put together from those
+//! at the nodes of each outer axis. At the nodes of a line displacement and rotation are then sums of a few numbers of the
+//! inner node times vectors of the line:
+//!
+//! ```text
+//!          displacement                          rotation
+//! order 1  h + G p + A d                         w + A r
+//! order 2  h + G p + A d + G1 d1                 w + A r + w1 x A r1 / 2
+//! exact    h + G p + (A + G) d                   the axial vector of G A^T + (A + G) X A^T
+//! ```
+//!
+//! with point p, displacement d, rotation r behind the inner joint (1: of first degree), and 1 + X its relative rotation. Of orthogonal
+//! joints that axial vector is the sine of the angle along the axis, and a series makes the rotation vector of it.
+
+use super::affine::{Affine, Linear, Node, Product, Section, Sections, Vector3};
+use super::batch::Output;
+use super::chain::{cross, dot, plus, splat, times};
+use super::exact::{arcsine, polynomial};
+use super::grid::advance;
+use super::lanes::{Kernel, Lanes, MOST};
+use super::trigonometry::sin_cos;
+
+/// A plan with the nodes of a grid.
+#[derive(Debug, Clone)]
+pub struct Composed {
+    product: Product,
+    /// Is the rotation vector to be made of its sine?
+    arc: bool,
+    clamping: Affine,
+    /// At the nodes of every outer axis.
+    outer: Vec<Vec<Affine>>,
+    inner: Inner,
+}
+
+/// Numbers at the nodes of the inner axis, in columns that are padded to whole vectors: those that displacements are sums of, and
+/// those of rotations.
+#[derive(Debug, Clone)]
+struct Inner {
+    count: usize,
+    displacement: Vec<Vec<f64>>,
+    rotation: Vec<Vec<f64>>,
+}
+
+/// Rotations (rad) of all errors together up to which the series is good to the last bit.
+const WIDEST: f64 = 0.3;
+
+/// asin s / s by powers of s^2, up to the sine of [`WIDEST`].
+const ARCSINE: [f64; 14] = arcsine();
+
+impl Composed {
+    /// On the nodes of a grid: their positions, axis by axis. `None` without axes, and where the errors together might turn
+    /// by more than the series can bear.
+    pub fn new(sections: &impl Sections, product: Product, positions: &[Vec<f64>]) -> Option<Self> {
+        let links = sections.links();
+        let (spindle, clamping) = (Affine::of(sections, Section::Spindle)?, Affine::of(sections, Section::Clamping)?);
+        let mut outer: Vec<Vec<Affine>> = Vec::new();
+        for (axis, positions) in positions.iter().enumerate() {
+            let at = |q: &f64| Affine::of(sections, Section::Joint(axis, node(sections, axis, *q)));
+            outer.push(positions.iter().map(at).collect::<Option<_>>()?);
+        }
+        let inner: Vec<Affine> = outer.pop()?.iter().map(|joint| joint.times(&spindle, product)).collect();
+        let arc = product == Product::Whole && !links.linearised;
+        let widest = |nodes: &Vec<Affine>| nodes.iter().map(Affine::angle).fold(0.0, f64::max);
+        let angle = clamping.angle() + outer.iter().map(widest).sum::<f64>() + widest(&inner);
+        if arc && angle > WIDEST {
+            return None;
+        }
+        let inner = Inner::new(&inner, links.tool, product);
+        Some(Self { product, arc, clamping, outer, inner })
+    }
+
+    /// The map after every outer joint, from the joint `from` on, at these nodes.
+    #[inline(always)]
+    fn climb(&self, levels: &mut [Affine], nodes: &[usize], from: usize) {
+        for k in from..self.outer.len() {
+            levels[k + 1] = levels[k].times(&self.outer[k][nodes[k]], self.product);
+        }
+    }
+}
+
+fn node(sections: &impl Sections, axis: usize, position: f64) -> Node {
+    let turn = sin_cos(position);
+    let curves = sections.links().joints[axis].wanted().curves;
+    Node { position, turn, six: curves.map_or([0.0; 6], |curves| curves.alone(position, turn)) }
+}
+
+impl Inner {
+    /// Of the maps at its nodes, and the displacement of the functional point by clamping.
+    fn new(nodes: &[Affine], tool: Vector3, product: Product) -> Self {
+        let count = nodes.len();
+        let mut inner = Self { count, displacement: Vec::new(), rotation: Vec::new() };
+        let padded = |numbers: &mut Vec<Vec<f64>>, value: &dyn Fn(&Affine) -> Vector3| {
+            for k in 0..3 {
+                let mut column: Vec<f64> = nodes.iter().map(|node| value(node)[k]).collect();
+                column.resize(count.next_multiple_of(MOST), 0.0);
+                numbers.push(column);
+            }
+        };
+        let displaced = |node: &Affine| node.displaced(tool, product);
+        padded(&mut inner.displacement, &|node| node.ideal.shift);
+        match product {
+            Product::Nowhere => {
+                padded(&mut inner.displacement, &|node| displaced(node)[0]);
+                padded(&mut inner.rotation, &|node| node.rotation()[0]);
+            }
+            Product::Second => {
+                padded(&mut inner.displacement, &|node| plus(displaced(node)[1], displaced(node)[0]));
+                padded(&mut inner.displacement, &|node| displaced(node)[0]);
+                padded(&mut inner.rotation, &|node| plus(node.rotation()[1], node.rotation()[0]));
+                padded(&mut inner.rotation, &|node| node.rotation()[0]);
+            }
+            Product::Whole => {
+                padded(&mut inner.displacement, &|node| displaced(node)[0]);
+                for k in 0..3 {
+                    padded(&mut inner.rotation, &|node| node.relative()[k]);
+                }
+            }
+        }
+        inner
+    }
+}
+
+/// Whole lines of a grid.
+pub struct Lines<'a, 'o> {
+    /// The grid.
+    pub grid: &'a Composed,
+    /// The first line, by the node of every outer axis.
+    pub first: Vec<usize>,
+    /// As many lines as there is room for.
+    pub out: Output<'o>,
+}
+
+impl Kernel for Lines<'_, '_> {
+    #[inline(always)]
+    fn run<V: Lanes>(self) {
+        match (self.grid.product, self.grid.arc) {
+            (Product::Nowhere, _) => self.all::<V, First, 6, 3>(),
+            (Product::Second, _) => self.all::<V, Second, 9, 6>(),
+            (Product::Whole, false) => self.all::<V, Whole<false>, 6, 9>(),
+            (Product::Whole, true) => self.all::<V, Whole<true>, 6, 9>(),
+        }
+    }
+}
+
+/// A line: displacement and rotation as sums of vectors times the numbers of the inner node, and constants.
+struct Line<const D: usize, const R: usize> {
+    displacement: [Vector3; D],
+    shift: Vector3,
+    rotation: [Vector3; R],
+    turn: Vector3,
+}
+
+/// The lines of an order. (A trait and no closures: those are compiled without the vector features.)
+trait Order<const D: usize, const R: usize> {
+    fn line(outer: &Affine) -> Line<D, R>;
+
+    /// The rotation vector of the sum.
+    #[inline(always)]
+    fn finished<V: Lanes>(sum: [V; 3]) -> [V; 3] {
+        sum
+    }
+}
+
+struct First;
+struct Second;
+/// Exact; with orthogonal joints an arc is made of its sine.
+struct Whole<const ARC: bool>;
+
+impl Order<6, 3> for First {
+    #[inline(always)]
+    fn line(outer: &Affine) -> Line<6, 3> {
+        let ([a, b, c], displaced) = (outer.ideal.columns, &outer.displacement[0]);
+        let [g, h, i] = displaced.columns;
+        Line {
+            displacement: [g, h, i, a, b, c],
+            shift: displaced.shift,
+            rotation: [a, b, c],
+            turn: outer.rotation()[0],
+        }
+    }
+}
+
+impl Order<9, 6> for Second {
+    #[inline(always)]
+    fn line(outer: &Affine) -> Line<9, 6> {
+        let ([a, b, c], [first, second]) = (outer.ideal.columns, &outer.displacement);
+        let ([d, e, f], sum) = (first.columns, second.plus(first));
+        let [g, h, i] = sum.columns;
+        let [w, ww] = outer.rotation();
+        let half = times(w, 0.5);
+        Line {
+            displacement: [g, h, i, a, b, c, d, e, f],
+            shift: sum.shift,
+            rotation: [a, b, c, cross(half, a), cross(half, b), cross(half, c)],
+            turn: plus(ww, w),
+        }
+    }
+}
+
+impl<const ARC: bool> Order<6, 9> for Whole<ARC> {
+    #[inline(always)]
+    fn line(outer: &Affine) -> Line<6, 9> {
+        let displaced = &outer.displacement[0];
+        let [g, h, i] = displaced.columns;
+        let Linear { columns: [a, b, c], .. } = outer.ideal.plus(displaced);
+        // The axial vector of u v^T is v x u / 2.
+        let [p, q, r] = outer.ideal.columns.map(|column| times(column, 0.5));
+        let rotation = [
+            cross(p, a),
+            cross(p, b),
+            cross(p, c),
+            cross(q, a),
+            cross(q, b),
+            cross(q, c),
+            cross(r, a),
+            cross(r, b),
+            cross(r, c),
+        ];
+        Line { displacement: [g, h, i, a, b, c], shift: displaced.shift, rotation, turn: outer.rotation()[0] }
+    }
+
+    #[inline(always)]
+    fn finished<V: Lanes>(sum: [V; 3]) -> [V; 3] {
+        if !ARC {
+            return sum;
+        }
+        let square = dot(sum, sum);
+        times(sum, polynomial(&ARCSINE, square))
+    }
+}
+
+impl Lines<'_, '_> {
+    #[inline(always)]
+    fn all<V: Lanes, O: Order<D, R>, const D: usize, const R: usize>(mut self) {
+        let grid = self.grid;
+        let lines = self.out.len() / grid.inner.count;
+        let mut nodes = std::mem::take(&mut self.first);
+        let mut levels = vec![grid.clamping; grid.outer.len() + 1];
+        let mut from = 0;
+        for line in 0..lines {
+            grid.climb(&mut levels, &nodes, from);
+            self.one::<V, O, D, R>(line, &O::line(&levels[grid.outer.len()]));
+            from = advance(&mut nodes, |axis| grid.outer[axis].len());
+        }
+    }
+
+    #[inline(always)]
+    fn one<V: Lanes, O: Order<D, R>, const D: usize, const R: usize>(&mut self, line: usize, of: &Line<D, R>) {
+        let inner = &self.grid.inner;
+        let mut i = 0;
+        while i < inner.count {
+            let d = sum::<V, D>(&of.displacement, &of.shift, &inner.displacement, i);
+            let w = sum::<V, R>(&of.rotation, &of.turn, &inner.rotation, i);
+            write(&mut self.out, line * inner.count + i, d, O::finished(w));
+            i += V::COUNT;
+        }
+    }
+}
+
+#[inline(always)]
+fn sum<V: Lanes, const N: usize>(
+    vectors: &[Vector3; N],
+    constant: &Vector3,
+    numbers: &[Vec<f64>],
+    at: usize,
+) -> [V; 3] {
+    let mut sum = splat::<V>(constant);
+    for j in 0..N {
+        let number = V::load(&numbers[j][at..]);
+        for k in 0..3 {
+            sum[k] = sum[k].plus_times(number, V::splat(vectors[j][k]));
+        }
+    }
+    sum
+}
+
+/// A vector of nodes. It may reach into the next line, which is written after it; not beyond the end.
+#[inline(always)]
+fn write<V: Lanes>(out: &mut Output<'_>, at: usize, d: [V; 3], w: [V; 3]) {
+    let room = out.position[0].len() - at;
+    for k in 0..3 {
+        if V::COUNT <= room {
+            d[k].store(&mut out.position[k][at..]);
+            w[k].store(&mut out.rotation[k][at..]);
+        } else {
+            out.position[k][at..].copy_from_slice(&d[k].spread()[..room]);
+            out.rotation[k][at..].copy_from_slice(&w[k].spread()[..room]);
+        }
+    }
+}

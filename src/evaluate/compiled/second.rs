@@ -1,0 +1,170 @@
+//! Order 2: every joint's own second order, and every pair of joints once.
+//!
+//! Beside the sums of order 1 a second displacement and a second rotation are carried. A joint adds to them its own
+//! square and its product with everything summed so far, which are the joints on its tool side: all pairs,
+//! in one walk. With E^-1 in place of E (`errors_are: body`) the signs and the squares change as its series says.
+
+use super::affine::{Section, Sections};
+use super::batch::Task;
+use super::chain::{
+    About, Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, plus_cross, plus_times, slid, splat, times,
+};
+use super::curves::splat_six;
+use super::lanes::Lanes;
+use super::lookup::{Ahead, Inputs, Part, Scattered, look_up};
+
+/// The plan of order 2.
+#[derive(Debug, Clone)]
+pub struct SecondOrder {
+    links: Links,
+}
+
+/// What is carried from the tool to the workpiece: by degree.
+struct State<V> {
+    point: Vector<V>,
+    displacement: [Vector<V>; 2],
+    rotation: [Vector<V>; 2],
+    /// Share of hat(eps)^2 in an error matrix, and in its inverse.
+    squares: [V; 2],
+}
+
+impl<V: Lanes> State<V> {
+    /// A point and its displacement, before any rotation.
+    #[inline(always)]
+    fn at(links: &Links, point: Vector<V>, displacement: Vector<V>) -> Self {
+        let zero = [V::splat(0.0); 3];
+        // exp: 1/2 and 1/2; 1 + hat: none, and 1 in its inverse.
+        let squares = if links.linearised { [0.0, 1.0] } else { [0.5, 0.5] };
+        Self {
+            point,
+            displacement: [displacement, zero],
+            rotation: [zero; 2],
+            squares: [V::splat(squares[0]), V::splat(squares[1])],
+        }
+    }
+
+    #[inline(always)]
+    fn apply(&mut self, six: [V; 6], inverse: bool, about: &[f64; 3]) {
+        let [dx, dy, dz, ex, ey, ez] = six;
+        let sign = V::splat(if inverse { -1.0 } else { 1.0 });
+        let (shift, turn) = (times([dx, dy, dz], sign), times([ex, ey, ez], sign));
+        let once = cross(turn, minus(self.point, splat(about)));
+        let [first, second] = self.displacement;
+        // The inverse turns what its own shift has moved.
+        let moved = if inverse { plus(first, shift) } else { first };
+        let square = self.squares[usize::from(inverse)];
+        let added = plus_cross(times(cross(turn, once), square), turn, moved);
+        self.displacement = [plus(first, plus(shift, once)), plus(second, added)];
+        let [first, second] = self.rotation;
+        let product = cross(turn, first);
+        self.rotation = [plus(first, turn), plus_times(second, product, V::splat(0.5))];
+    }
+
+    #[inline(always)]
+    fn placed(&mut self, placed: &Placed, undone: bool) {
+        self.apply(splat_six(&placed.six), placed.inverse != undone, &placed.about);
+    }
+
+    #[inline(always)]
+    fn slide(&mut self, direction: &[f64; 3], around: Option<&Placed>, q: V) {
+        self.point = slid(direction, q, self.point);
+        if let Some(location) = around {
+            let [.., a, b, c] = splat_six(&location.six);
+            let once = cross([a, b, c], splat(direction));
+            let twice = times(cross([a, b, c], once), self.squares[0]);
+            let [first, second] = self.displacement;
+            self.displacement = [plus_times(first, once, q), plus_times(second, twice, q)];
+        }
+    }
+
+    #[inline(always)]
+    fn turn(&mut self, about: &About, origin: &[f64; 3], around: Option<&Placed>, turn: (V, V)) {
+        if let Some(location) = around {
+            self.placed(location, true);
+        }
+        self.point = about.turned_about(turn, origin, self.point);
+        let ([d, dd], [w, ww]) = (self.displacement, self.rotation);
+        self.displacement = [about.turned(turn, d), about.turned(turn, dd)];
+        self.rotation = [about.turned(turn, w), about.turned(turn, ww)];
+        if let Some(location) = around {
+            self.placed(location, false);
+        }
+    }
+
+    #[inline(always)]
+    fn link<I: Inputs<V>>(&mut self, link: &Link, axis: usize, inputs: I) {
+        let zero = V::splat(0.0);
+        let q = inputs.position(axis);
+        let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
+        let errors = if link.errors { Some(inputs.six(axis)) } else { None };
+        let location = link.location.as_ref();
+        if let (Some(location), Located::Innermost) = (location, link.located) {
+            self.placed(location, false);
+        }
+        if let (Some(six), false) = (errors, link.outside) {
+            self.apply(six, link.inverse, &link.origin);
+        }
+        let around = if link.located == Located::Around { location } else { None };
+        match &link.motion {
+            Motion::Slide(direction) => self.slide(direction, around, q),
+            Motion::Turn(about) => self.turn(about, &link.origin, around, turn),
+        }
+        if let (Some(six), true) = (errors, link.outside) {
+            self.apply(six, link.inverse, &link.origin);
+        }
+        if let (Some(location), Located::Outermost) = (location, link.located) {
+            self.placed(location, false);
+        }
+    }
+}
+
+impl SecondOrder {
+    /// `None` where location errors count in the real part.
+    pub fn new(links: Links) -> Option<Self> {
+        (!links.real_locations).then_some(Self { links })
+    }
+}
+
+impl Sections for SecondOrder {
+    fn links(&self) -> &Links {
+        &self.links
+    }
+
+    fn displaced(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
+        let mut state = State::at(&self.links, point, [0.0; 3]);
+        match section {
+            Section::Joint(axis, at) => state.link(&self.links.joints[axis], axis, at),
+            Section::Spindle => self.links.spindle.iter().for_each(|spindle| state.placed(spindle, false)),
+            Section::Clamping => self.links.clamping.iter().for_each(|clamping| state.placed(clamping, false)),
+        }
+        (state.displacement, 0.0)
+    }
+}
+
+impl Task for SecondOrder {
+    type Room = ();
+    const ROOM: () = ();
+
+    #[inline(always)]
+    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], _: &mut (), part: Part<'_>) {
+        look_up::<V>(&self.links, axes, part);
+    }
+
+    #[inline(always)]
+    fn at<V: Lanes>(&self, _: &(), inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+        let links = &self.links;
+        let mut state = State::<V>::at(links, splat(&links.tip), splat(&links.tool));
+        if let Some(spindle) = &links.spindle {
+            state.placed(spindle, false);
+        }
+        for (axis, link) in links.joints.iter().enumerate().rev() {
+            state.link(link, axis, inputs);
+        }
+        if let Some(clamping) = &links.clamping {
+            state.placed(clamping, false);
+        }
+        let [d, dd] = state.displacement;
+        let [w, ww] = state.rotation;
+        (plus(dd, d), plus(ww, w), V::splat(0.0))
+    }
+}

@@ -1,0 +1,294 @@
+//! First-order sensitivities over a batch, and the normal equations of a fit.
+//!
+//! A unit error at a joint is a twist in the ideal frame of that joint: from the frames of the chain, which all sources
+//! share, each source costs one cross product.
+
+use super::batch::{Batch, Output, Slices};
+use super::chain::{Link, Links, Located, Motion, Vector, cross, minus, plus, plus_times, splat, times};
+use super::lanes::{Kernel, Lanes};
+use super::trigonometry::sin_cos;
+use super::{MOST_AXES, Plan};
+use crate::lower::{Place, Source};
+use rayon::prelude::*;
+
+/// A unit error, compiled.
+#[derive(Debug, Clone, Copy)]
+enum Response {
+    /// Twists in frames: frame, point about which it turns, sign.
+    Twist { frame: usize, about: [f64; 3], sign: f64, direction: usize },
+    /// The difference of the same twist in the frames on both sides of a joint.
+    Around { frame: usize, about: [f64; 3], direction: usize },
+    /// A displacement per mm of way, in a frame.
+    Bend { axis: usize, by: [f64; 3] },
+    /// A displacement of the tip.
+    Tip { direction: usize },
+    /// Nothing happens.
+    Nothing,
+}
+
+impl Response {
+    fn new(links: &Links, source: Source, origin: [f64; 3], gauge: [f64; 3]) -> Self {
+        let direction = source.direction.index();
+        let last = links.joints.len();
+        match source.place {
+            Place::Workpiece => Self::Twist { frame: 0, about: origin, sign: -1.0, direction },
+            Place::Tool if direction < 3 => Self::Tip { direction },
+            Place::Tool => Self::Nothing,
+            Place::Component(i) => links.joints.get(i).map_or(Self::Nothing, |link| {
+                let frame = if link.outside { i } else { i + 1 };
+                Self::Twist { frame, about: link.origin, sign: sign(link.inverse), direction }
+            }),
+            Place::Location(i) => match links.joints.get(i) {
+                Some(link) => Self::location(link, i, direction),
+                None => Self::Twist { frame: last, about: gauge, sign: 1.0, direction },
+            },
+        }
+    }
+
+    fn location(link: &Link, axis: usize, direction: usize) -> Self {
+        let (about, frame) = (link.origin, axis);
+        match (link.located, link.motion) {
+            (Located::Around, Motion::Slide(_)) if direction < 3 => Self::Nothing,
+            (Located::Around, Motion::Slide(u)) => {
+                let unit = std::array::from_fn(|k| if k + 3 == direction { 1.0 } else { 0.0 });
+                Self::Bend { axis, by: cross(unit, u) }
+            }
+            (Located::Around, Motion::Turn(_)) => Self::Around { frame, about, direction },
+            (Located::Outermost, _) => Self::Twist { frame, about, sign: sign(link.inverse), direction },
+            (Located::Innermost, _) => Self::Twist { frame: axis + 1, about, sign: sign(link.inverse), direction },
+        }
+    }
+}
+
+fn sign(inverse: bool) -> f64 {
+    if inverse { -1.0 } else { 1.0 }
+}
+
+/// Ideal frames of the chain: images of the unit vectors and of the machine's zero point.
+type Frames<V> = [([Vector<V>; 3], Vector<V>); MOST_AXES + 1];
+
+struct Sensitivities<'a, 'o> {
+    links: &'a Links,
+    responses: &'a [Response],
+    poses: Slices<'a>,
+    count: usize,
+    out: &'a mut [Output<'o>],
+}
+
+impl Kernel for Sensitivities<'_, '_> {
+    #[inline(always)]
+    fn run<V: Lanes>(mut self) {
+        let mut at = 0;
+        while at + V::COUNT <= self.count {
+            self.step::<V>(at);
+            at += V::COUNT;
+        }
+        while at < self.count {
+            self.step::<f64>(at);
+            at += 1;
+        }
+    }
+}
+
+impl Sensitivities<'_, '_> {
+    #[inline(always)]
+    fn step<V: Lanes>(&mut self, at: usize) {
+        let frames = self.frames::<V>(at);
+        let last = &frames[self.links.joints.len()];
+        let tip = image(last, &self.links.tip);
+        for (index, response) in self.responses.iter().enumerate() {
+            let (d, w) = self.response(response, &frames, tip, at);
+            let out = &mut self.out[index];
+            for k in 0..3 {
+                d[k].store(&mut out.position[k][at..]);
+                w[k].store(&mut out.rotation[k][at..]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn frames<V: Lanes>(&self, at: usize) -> Frames<V> {
+        let zero = V::splat(0.0);
+        let unit: [Vector<V>; 3] = [splat(&[1.0, 0.0, 0.0]), splat(&[0.0, 1.0, 0.0]), splat(&[0.0, 0.0, 1.0])];
+        let mut frames = [(unit, [zero; 3]); MOST_AXES + 1];
+        for (axis, link) in self.links.joints.iter().enumerate() {
+            let q = V::load(&self.poses.axes[axis][at..]);
+            let (columns, place) = frames[axis];
+            frames[axis + 1] = match &link.motion {
+                Motion::Slide(u) => (columns, plus_times(place, combined(&columns, splat(u)), q)),
+                Motion::Turn(about) => {
+                    let turn = sin_cos(q);
+                    let [a, b, c] = unit;
+                    let turned = [
+                        combined(&columns, about.turned(turn, a)),
+                        combined(&columns, about.turned(turn, b)),
+                        combined(&columns, about.turned(turn, c)),
+                    ];
+                    let o = splat(&link.origin);
+                    let moved = minus(o, about.turned(turn, o));
+                    (turned, plus(place, combined(&columns, moved)))
+                }
+            };
+        }
+        frames
+    }
+
+    #[inline(always)]
+    fn response<V: Lanes>(
+        &self,
+        response: &Response,
+        frames: &Frames<V>,
+        tip: Vector<V>,
+        at: usize,
+    ) -> (Vector<V>, Vector<V>) {
+        let zero = [V::splat(0.0); 3];
+        match response {
+            Response::Twist { frame, about, sign, direction } => {
+                let (d, w) = twist(&frames[*frame], about, *direction, tip);
+                (times(d, V::splat(*sign)), times(w, V::splat(*sign)))
+            }
+            Response::Around { frame, about, direction } => {
+                let (outer, inner) = (&frames[*frame], &frames[*frame + 1]);
+                let ((d, w), (e, v)) = (twist(outer, about, *direction, tip), twist(inner, about, *direction, tip));
+                (minus(d, e), minus(w, v))
+            }
+            Response::Bend { axis, by } => {
+                let q = V::load(&self.poses.axes[*axis][at..]);
+                (times(combined(&frames[*axis].0, splat(by)), q), zero)
+            }
+            Response::Tip { direction } => (frames[self.links.joints.len()].0[*direction], zero),
+            Response::Nothing => (zero, zero),
+        }
+    }
+}
+
+#[inline(always)]
+fn combined<V: Lanes>(columns: &[Vector<V>; 3], v: Vector<V>) -> Vector<V> {
+    plus_times(plus_times(times(columns[0], v[0]), columns[1], v[1]), columns[2], v[2])
+}
+
+#[inline(always)]
+fn image<V: Lanes>((columns, place): &([Vector<V>; 3], Vector<V>), point: &[f64; 3]) -> Vector<V> {
+    plus(combined(columns, splat(point)), *place)
+}
+
+/// What a unit error in a frame does to the tip.
+#[inline(always)]
+fn twist<V: Lanes>(
+    frame: &([Vector<V>; 3], Vector<V>),
+    about: &[f64; 3],
+    direction: usize,
+    tip: Vector<V>,
+) -> (Vector<V>, Vector<V>) {
+    let axis = frame.0[direction % 3];
+    if direction < 3 { (axis, [V::splat(0.0); 3]) } else { (cross(axis, minus(tip, image(frame, about))), axis) }
+}
+
+/// One unknown of a fit: an error times a function of the pose.
+#[derive(Debug, Clone, Copy)]
+pub struct Unknown<'a> {
+    /// The error.
+    pub source: Source,
+    /// The function at every pose of the batch; `None` is 1.
+    pub basis: Option<&'a [f64]>,
+}
+
+/// Normal equations `J^T J x = J^T r` of the position deviations.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Normal {
+    /// J^T J.
+    pub matrix: nalgebra::DMatrix<f64>,
+    /// J^T r.
+    pub right: nalgebra::DVector<f64>,
+}
+
+/// Poses whose products are summed by themselves: the sums do not depend on the threads.
+const PIECE: usize = 2048;
+
+impl Plan {
+    /// What a unit of each source (1 mm, 1 rad) does to first order, at every pose, in the workpiece frame: the same as
+    /// [`sensitivities`](crate::lower::sensitivities). One output for each source. `None` for chains that are not compiled.
+    pub fn sensitivities(&self, poses: &Batch<'_>, sources: &[Source], out: &mut [Output<'_>]) -> Option<()> {
+        let links = self.links.as_ref()?;
+        let count = out.iter().map(|out| out.len()).min().unwrap_or(0).min(poses.len());
+        let (origin, gauge) = (self.machine.workpiece(), self.machine.tool().gauge);
+        let responses: Vec<Response> =
+            sources.iter().map(|source| Response::new(links, *source, origin, gauge)).collect();
+        let poses = Slices { axes: poses.axes(), added: &[], whole: poses.len() };
+        super::lanes::run(self.width, Sensitivities { links, responses: &responses, poses, count, out });
+        Some(())
+    }
+
+    /// Normal equations of unknowns against measured position deviations (mm), streamed: memory does not grow with the poses.
+    /// The same bits on any number of threads. `None` for chains that are not compiled, or if lengths differ.
+    pub fn normal_equations(
+        &self,
+        poses: &Batch<'_>,
+        unknowns: &[Unknown<'_>],
+        measured: [&[f64]; 3],
+    ) -> Option<Normal> {
+        let lengths = unknowns.iter().filter_map(|u| u.basis).chain(measured).map(<[f64]>::len);
+        if self.links.is_none() || !lengths.into_iter().all(|len| len == poses.len()) {
+            return None;
+        }
+        let starts: Vec<usize> = (0..poses.len()).step_by(PIECE).collect();
+        let n = unknowns.len();
+        let zero = Normal { matrix: nalgebra::DMatrix::zeros(n, n), right: nalgebra::DVector::zeros(n) };
+        // A few pieces at a time, summed in their order.
+        Some(starts.chunks(64).fold(zero, |sum, starts| {
+            let pieces: Vec<Normal> =
+                starts.par_iter().filter_map(|start| self.piece(poses, unknowns, measured, *start)).collect();
+            pieces
+                .into_iter()
+                .fold(sum, |sum, piece| Normal { matrix: sum.matrix + piece.matrix, right: sum.right + piece.right })
+        }))
+    }
+
+    fn piece(
+        &self,
+        poses: &Batch<'_>,
+        unknowns: &[Unknown<'_>],
+        measured: [&[f64]; 3],
+        start: usize,
+    ) -> Option<Normal> {
+        let (_, rest) = poses.split_at(start);
+        let (part, _) = rest.split_at(PIECE.min(rest.len()));
+        let sources: Vec<Source> = unknowns.iter().map(|u| u.source).collect();
+        let mut columns = vec![super::Columns::new(part.len()); unknowns.len()];
+        let mut out: Vec<Output<'_>> = columns.iter_mut().map(|c| c.output(part.len())).collect();
+        self.sensitivities(&part, &sources, &mut out)?;
+        let range = start..start + part.len();
+        for (unknown, column) in unknowns.iter().zip(&mut columns) {
+            if let Some(basis) = unknown.basis {
+                let scaled = |c: &mut Vec<f64>| c.iter_mut().zip(&basis[range.clone()]).for_each(|(c, b)| *c *= b);
+                column.position.iter_mut().for_each(scaled);
+            }
+        }
+        let n = unknowns.len();
+        let product = |i: usize, j: usize| (0..3).map(|k| sum(&columns[i].position[k], &columns[j].position[k])).sum();
+        let mut matrix = nalgebra::DMatrix::zeros(n, n);
+        for i in 0..n {
+            for j in 0..=i {
+                matrix[(i, j)] = product(i, j);
+                matrix[(j, i)] = matrix[(i, j)];
+            }
+        }
+        let against = |i: usize, _| (0..3).map(|k| sum(&columns[i].position[k], &measured[k][range.clone()])).sum();
+        Some(Normal { matrix, right: nalgebra::DVector::from_fn(n, against) })
+    }
+}
+
+/// Scalar product in eight interleaved sums: one order for any vector width.
+fn sum(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let (a_eights, b_eights) = (a.chunks_exact(8), b.chunks_exact(8));
+    for (k, (x, y)) in a_eights.remainder().iter().zip(b_eights.remainder()).enumerate() {
+        sums[k] += x * y;
+    }
+    for (a, b) in a_eights.zip(b_eights) {
+        for k in 0..8 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    sums.iter().sum()
+}

@@ -1,0 +1,218 @@
+//! Measurements: what was read at a pose, and the unknowns that belong to the instrument rather than the machine.
+
+use crate::diagnostic::Place;
+use crate::evaluate::Frame;
+use crate::identify::model::parameter::{Parameter, lever};
+use crate::lower::Source;
+use crate::machine::{Approach, Direction, Pose};
+use nalgebra::Vector3;
+
+/// One row of a measurement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    /// Positions of the axes as programmed (mm, deg).
+    pub pose: Pose,
+    /// Index in [`crate::machine::Machine::tools`].
+    pub tool: usize,
+    /// From which side the axes came.
+    pub approach: Approach,
+    /// What was read.
+    pub reading: Reading,
+    /// Counts as so many rows.
+    pub weight: f64,
+    /// Is that 1/u^2 (um) of a standard uncertainty? Then readings of unlike quantities can be compared by it.
+    pub known: bool,
+    /// Its run, if runs were named.
+    pub run: Option<String>,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// A reading, actual values in mm (rad where a single error is an angle). Indices are those of
+/// [`Data::nuisances`].
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reading {
+    /// dx, dy, dz of the functional point, actual minus nominal; `None`: not measured.
+    Deviation {
+        /// The three components.
+        values: [Option<f64>; 3],
+        /// In which they are given.
+        frame: Frame,
+        /// Index of the unknown that was subtracted from each: the deviation at the first reading of the run.
+        zero: [Option<usize>; 3],
+    },
+    /// Distance of the functional point from something else.
+    Distance {
+        /// The distance, less the unknown constant.
+        value: f64,
+        /// From where.
+        from: End,
+        /// Index of the unknown constant, if there is one.
+        zero: Option<usize>,
+    },
+    /// Deviation along a straight line, less an unknown constant: a laser interferometer.
+    Along {
+        /// Actual minus nominal.
+        value: f64,
+        /// Unit vector, workpiece frame.
+        direction: Vector3<f64>,
+        /// Index of the unknown constant.
+        zero: usize,
+    },
+    /// A component error itself, as a single-axis measurement gives it.
+    Error {
+        /// mm; of an angle the displacement that it makes over 300 mm, so that unlike errors can be summed.
+        value: f64,
+        /// Which.
+        source: Source,
+    },
+}
+
+/// The other end of a distance.
+#[derive(Debug, Clone, PartialEq)]
+pub enum End {
+    /// A point fixed to the workpiece, its place (from the workpiece origin) three unknowns from this index on.
+    Station(usize),
+    /// The functional point itself at another pose.
+    Pose(Pose),
+}
+
+/// The kinds of rows, in the words of the reports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// dx, dy, dz.
+    Deviation,
+    /// The same relative to the first reading.
+    Relative,
+    /// Distances.
+    Length,
+    /// Along a line.
+    Line,
+    /// Component errors that are lengths.
+    Error,
+    /// Component errors that are angles.
+    Angle,
+}
+
+impl Kind {
+    /// The unit in which people read it, and how many of it a mm of [`Reading`] is.
+    pub fn unit(self) -> (&'static str, f64) {
+        if self == Self::Angle { ("urad", 1e6 / lever(Direction::A)) } else { ("um", 1e3) }
+    }
+
+    /// `deviations`, `relative deviations` ...
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Deviation => "deviations",
+            Self::Relative => "relative deviations",
+            Self::Length => "lengths",
+            Self::Line => "lines",
+            Self::Error => "single errors",
+            Self::Angle => "single angles",
+        }
+    }
+}
+
+impl Measurement {
+    /// Of weight 1, with the first tool, from no side in particular.
+    pub fn new(pose: Pose, reading: Reading, place: Place) -> Self {
+        Self { pose, tool: 0, approach: Approach::Mean, reading, weight: 1.0, known: false, run: None, place }
+    }
+
+    /// Which of the (up to three) numbers of a residual were read.
+    pub fn seen(&self) -> [bool; 3] {
+        match &self.reading {
+            Reading::Deviation { values, .. } => values.map(|value| value.is_some()),
+            _ => [true, false, false],
+        }
+    }
+
+    /// What was read; 0 where nothing was.
+    pub fn values(&self) -> Vector3<f64> {
+        match &self.reading {
+            Reading::Deviation { values, .. } => Vector3::from(values.map(|value| value.unwrap_or(0.0))),
+            Reading::Distance { value, .. } | Reading::Along { value, .. } | Reading::Error { value, .. } => {
+                Vector3::new(*value, 0.0, 0.0)
+            }
+        }
+    }
+
+    /// How many numbers were read.
+    pub fn readings(&self) -> usize {
+        self.seen().into_iter().filter(|seen| *seen).count()
+    }
+
+    /// What kind of row it is.
+    pub fn kind(&self) -> Kind {
+        match &self.reading {
+            Reading::Deviation { zero: [None, None, None], .. } => Kind::Deviation,
+            Reading::Deviation { .. } => Kind::Relative,
+            Reading::Distance { .. } => Kind::Length,
+            Reading::Along { .. } => Kind::Line,
+            Reading::Error { source, .. } if source.direction.is_rotation() => Kind::Angle,
+            Reading::Error { .. } => Kind::Error,
+        }
+    }
+}
+
+const LETTERS: [&str; 3] = ["x", "y", "z"];
+
+/// Measurements of all files, and the unknowns of instruments and set-ups: places of stations, dead paths, first readings.
+#[derive(Debug, Clone, Default)]
+pub struct Data {
+    /// Row by row.
+    pub rows: Vec<Measurement>,
+    /// What has to be fitted beside the machine, and is no error of it.
+    pub nuisances: Vec<Parameter>,
+}
+
+impl Data {
+    /// Adds an unknown of `mm` to begin with; gives its index.
+    pub(crate) fn unknown(&mut self, name: String, start: f64) -> usize {
+        self.nuisances.push(Parameter::nuisance(name, start));
+        self.nuisances.len() - 1
+    }
+
+    /// Adds three unknowns, `.x`, `.y` and `.z`; gives the index of the first.
+    pub(crate) fn unknown_point(&mut self, name: &str, start: Vector3<f64>) -> usize {
+        let first = self.nuisances.len();
+        for (letter, start) in LETTERS.into_iter().zip(start.iter()) {
+            self.unknown(format!("{name}.{letter}"), *start);
+        }
+        first
+    }
+
+    /// Adds an unknown for each component that was read, 0 to begin with; gives their indices.
+    pub(crate) fn unknown_components(&mut self, name: &str, read: [bool; 3]) -> [Option<usize>; 3] {
+        std::array::from_fn(|k| read[k].then(|| self.unknown(format!("{name}.{}", LETTERS[k]), 0.0)))
+    }
+}
+
+impl Data {
+    /// Takes out readings of single errors that nothing fitted moves; says how many of which.
+    pub fn leave_out(&mut self, fitted: &[Parameter]) -> Vec<(Source, usize)> {
+        let mut list: Vec<(Source, usize)> = Vec::new();
+        self.rows.retain(|m| {
+            let Reading::Error { source, .. } = m.reading else { return true };
+            let told = fitted.iter().any(|p| p.terms.iter().any(|t| t.source == source));
+            match list.iter_mut().find(|(known, _)| *known == source) {
+                _ if told => {}
+                Some((_, count)) => *count += 1,
+                None => list.push((source, 1)),
+            }
+            told
+        });
+        list
+    }
+
+    /// How much there is, to go back to.
+    pub(crate) fn extent(&self) -> (usize, usize) {
+        (self.rows.len(), self.nuisances.len())
+    }
+
+    /// Back to what there was.
+    pub(crate) fn truncate(&mut self, (rows, nuisances): (usize, usize)) {
+        self.rows.truncate(rows);
+        self.nuisances.truncate(nuisances);
+    }
+}

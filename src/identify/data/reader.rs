@@ -1,0 +1,484 @@
+//! From a file of measurements to rows: cells to numbers, then what needs the other rows of a run.
+
+use super::columns::{Column, Form, Quantity, columns};
+use super::measurement::{Data, End, Measurement, Reading};
+use super::station;
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, did_you_mean, shown};
+use crate::evaluate::Frame;
+use crate::identify::model::parameter::lever;
+use crate::lower::{Ideal, Source};
+use crate::machine::{Approach, Direction, Machine, Pose};
+use crate::syntax::Files;
+use crate::syntax::sheet::{self, Decimals, Line, read_sheet};
+use nalgebra::Vector3;
+use std::path::Path;
+
+/// Mistakes after which the rest of a file is of the same kind.
+const MISTAKES: usize = 5;
+/// Longest distance (mm) of anything: 1 km.
+const FARTHEST: f64 = 1e6;
+/// Least weight; the greatest is its inverse.
+const LIGHTEST: f64 = 1e-15;
+/// Least distance (mm) that has a direction.
+const NEAREST: f64 = 1.0;
+
+/// One row before its run is known as a whole.
+#[derive(Debug, Clone)]
+struct Draft {
+    row: Measurement,
+    to: Option<Pose>,
+    /// Which length it is.
+    length: Option<(Length, f64)>,
+    along: f64,
+    errors: Vec<(Source, Approach, f64)>,
+    /// Weight of angles, where their uncertainty is given.
+    angles: Option<f64>,
+    station: Option<String>,
+    at: [Option<f64>; 3],
+    ball: String,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Length {
+    Whole,
+    FromNominal,
+    Displacement,
+}
+
+impl Draft {
+    /// Takes a standard uncertainty (mm or rad) for the weight.
+    fn uncertain(&mut self, quantity: Quantity, value: f64, cell: &str) -> Result<(), String> {
+        let angle = quantity == Quantity::Angle;
+        let um = value * 1e3 * if angle { lever(Direction::A) } else { 1.0 };
+        let weight = weight(1.0 / (um * um), cell)?;
+        self.row.known = true;
+        *(if angle { self.angles.get_or_insert(weight) } else { &mut self.row.weight }) = weight;
+        Ok(())
+    }
+}
+
+/// Reads files of measurements of one machine, and collects rows and unknowns.
+pub struct Reader<'a> {
+    machine: &'a Machine,
+    machines: Vec<Machine>,
+    frame: Frame,
+    /// Name of the file in the names of unknowns; empty if there is only one.
+    file: String,
+    form: Form,
+    data: Data,
+}
+
+/// Reads files of measurements, deviations in `frame`; whatever is wrong with one is reported, and it adds nothing.
+pub fn read_measurements(
+    paths: &[impl AsRef<Path>],
+    machine: &Machine,
+    frame: Frame,
+    files: &dyn Files,
+    diagnostics: &mut Diagnostics,
+) -> Data {
+    let with = |name: &str| machine.with_tool(name).unwrap_or_else(|| machine.clone());
+    let machines = machine.tools().iter().map(|tool| with(&tool.name)).collect();
+    let (data, file) = (Data::default(), String::new());
+    let mut reader = Reader { machine, machines, frame, file, form: Form::Deviation, data };
+    for path in paths {
+        let stem = path.as_ref().file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+        reader.file = if paths.len() > 1 { format!("{}/", shown(&stem)) } else { String::new() };
+        reader.read(path.as_ref(), files, diagnostics);
+    }
+    reader.data
+}
+
+/// Columns of a file.
+const COLUMNS: &str = "a measurement file has a column for each axis (mm, deg), and `dx [um]`, `dy [um]`, `dz [um]`, or another kind \
+    of reading: `rel.dx [um]`, `ball`, `length [mm]`, `displacement [mm]`, `dl [um]`, `along [um]`, `EXX [um]`; \
+    optionally `tool`, `run`, `approach`, `weight` or `u [um]`";
+/// Rows of a file.
+const ROWS: &str =
+    "correct the row, or leave it out; of several readings in a row those that were not taken stay empty";
+
+fn refusal(code: &'static str, message: String, place: Option<Place>) -> Diagnostic {
+    let help = match code {
+        "E0505" => {
+            "say with columns `station.x [mm]`, `station.y [mm]`, `station.z [mm]` where it is about, from the workpiece origin"
+        }
+        "E0506" => "leave the row out, or correct its pose: a length has a direction only between different points",
+        "E0507" => {
+            "a line needs at least two poses in different places, and every run of a laser is a `run` of its own"
+        }
+        _ => COLUMNS,
+    };
+    Diagnostic::new(code, message).at(place, "").help(help)
+}
+
+impl Reader<'_> {
+    fn read(&mut self, path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) {
+        let Some(sheet) = read_sheet(path, files, diagnostics) else { return };
+        let lines = sheet.lines();
+        let Some((header, body)) = lines.split_first() else {
+            let name = shown(&path.display().to_string());
+            diagnostics.push(refusal("E0501", format!("the file `{name}` is empty"), None));
+            return;
+        };
+        let separator = sheet::separator(&header.text);
+        let (columns, form) = match columns(self.machine, &header.text, separator) {
+            Ok(found) => found,
+            Err(message) => {
+                diagnostics.push(refusal("E0501", message, Some(header.place.clone())));
+                return;
+            }
+        };
+        self.form = form;
+        if body.is_empty() {
+            let message = "the file has a header and no measurements".to_owned();
+            diagnostics.push(refusal("E0501", message, Some(header.place.clone())));
+        }
+        if let Some(drafts) = self.drafts(&columns, body, separator, diagnostics) {
+            let before = self.data.extent();
+            if let Err(refused) = self.rows(drafts) {
+                diagnostics.push(*refused);
+                self.data.truncate(before);
+            }
+        }
+    }
+
+    fn drafts(
+        &self,
+        columns: &[Column],
+        body: &[Line],
+        separator: char,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<Draft>> {
+        let (mut drafts, mut mistakes, mut decimals) = (Vec::new(), 0, Decimals::default());
+        for line in body {
+            match self.draft(columns, line, separator, &mut decimals) {
+                Ok(draft) => drafts.push(draft),
+                Err(message) if mistakes < MISTAKES => {
+                    mistakes += 1;
+                    diagnostics.push(Diagnostic::new("E0501", message).at(Some(line.place.clone()), "").help(ROWS));
+                }
+                Err(_) => break,
+            }
+        }
+        (mistakes == 0).then_some(drafts)
+    }
+
+    fn blank(&self, place: Place) -> Draft {
+        let tool = self.machine.tools().iter().position(|tool| tool.name == self.machine.tool().name);
+        let reading = Reading::Deviation { values: [None; 3], frame: self.frame, zero: [None; 3] };
+        let nowhere = vec![0.0; self.machine.axes().len()];
+        let row = Measurement { tool: tool.unwrap_or_default(), ..Measurement::new(nowhere, reading, place) };
+        Draft {
+            row,
+            to: None,
+            length: None,
+            along: 0.0,
+            errors: Vec::new(),
+            angles: None,
+            station: None,
+            at: [None; 3],
+            ball: String::new(),
+        }
+    }
+
+    fn draft(
+        &self,
+        columns: &[Column],
+        line: &Line,
+        separator: char,
+        decimals: &mut Decimals,
+    ) -> Result<Draft, String> {
+        let mut cells = sheet::cells(&line.text, separator);
+        sheet::drop_empty(&mut cells, columns.len());
+        if cells.len() != columns.len() {
+            return Err(format!("this row has {} cells, the header has {}", cells.len(), columns.len()));
+        }
+        let mut number = |cell: &str| {
+            decimals.note(cell, separator)?;
+            let said = |failure: crate::units::Failure| failure.to_string();
+            sheet::number(cell, separator)
+                .map_err(|f| if cell.is_empty() { "a cell is empty".to_owned() } else { said(f) })
+        };
+        let mut draft = self.blank(line.place.clone());
+        let mut to: Vec<(usize, f64)> = Vec::new();
+        let mut values = [None; 3];
+        for (cell, column) in cells.iter().zip(columns) {
+            match *column {
+                Column::Axis(axis, factor) => draft.row.pose[axis] = number(cell)? * factor,
+                Column::To(axis, factor) => to.push((axis, number(cell)? * factor)),
+                // Not measured.
+                Column::Deviation(..) | Column::Relative(..) | Column::Error(..) | Column::Tool if cell.is_empty() => {}
+                Column::Deviation(k, factor) | Column::Relative(k, factor) => {
+                    values[k] = Some(near(number(cell)? * factor, cell)?);
+                }
+                Column::Error(source, approach, factor) => {
+                    draft.errors.push((source, approach.unwrap_or_default(), near(number(cell)? * factor, cell)?));
+                }
+                Column::Ball => draft.ball = cell.clone(),
+                Column::Length(factor) => {
+                    let length = positive(number(cell)?, cell, "length")? * factor;
+                    draft.length = Some((Length::Whole, near(length, cell)?));
+                }
+                Column::LengthError(factor) => {
+                    draft.length = Some((Length::FromNominal, near(number(cell)? * factor, cell)?));
+                }
+                Column::Displacement(factor) => {
+                    draft.length = Some((Length::Displacement, near(number(cell)? * factor, cell)?));
+                }
+                Column::Along(factor) => draft.along = near(number(cell)? * factor, cell)?,
+                Column::Station => draft.station = Some(cell.clone()),
+                Column::StationAt(k, factor) => draft.at[k] = Some(near(number(cell)? * factor, cell)?),
+                Column::Tool => draft.row.tool = tool_index(self.machine, cell)?,
+                Column::Weight => {
+                    draft.row.weight = positive(number(cell)?, cell, "weight").and_then(|w| weight(w, cell))?
+                }
+                Column::Uncertainty(quantity, factor) => {
+                    draft.uncertain(quantity, positive(number(cell)?, cell, "uncertainty")? * factor, cell)?;
+                }
+                Column::Run => draft.row.run = Some(cell.clone()),
+                Column::Approach => draft.row.approach = approach(cell)?,
+            }
+        }
+        draft.row.reading = Reading::Deviation { values, frame: self.frame, zero: [None; 3] };
+        if !to.is_empty() {
+            let mut pose = draft.row.pose.clone();
+            to.into_iter().for_each(|(axis, q)| pose[axis] = q);
+            draft.to = Some(pose);
+        }
+        let nothing = match self.form {
+            Form::Deviation | Form::Relative => draft.row.readings() == 0,
+            Form::Error => draft.errors.is_empty(),
+            _ => false,
+        };
+        if nothing { Err("nothing was measured in this row".to_owned()) } else { Ok(draft) }
+    }
+
+    /// The nominal functional point of a row, from the workpiece origin.
+    fn nominal(&self, row: &Measurement, pose: &[f64]) -> Vector3<f64> {
+        Ideal::at(&self.machines[row.tool], pose).pose.translation
+    }
+
+    fn rows(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
+        match self.form {
+            Form::Deviation => self.data.rows.extend(drafts.into_iter().map(|draft| draft.row)),
+            Form::Error => self.errors(drafts),
+            Form::Relative => self.relative(drafts),
+            Form::Ball => self.balls(drafts),
+            Form::Along => self.lines(drafts)?,
+            Form::Distance if drafts.iter().any(|draft| draft.to.is_some()) => self.pairs(drafts)?,
+            Form::Distance => self.stations(drafts)?,
+        }
+        Ok(())
+    }
+
+    fn errors(&mut self, drafts: Vec<Draft>) {
+        for draft in drafts {
+            for (source, approach, value) in draft.errors {
+                let approach = if approach == Approach::Mean { draft.row.approach } else { approach };
+                let reading = Reading::Error { value: value * lever(source.direction), source };
+                let own = if source.direction.is_rotation() { draft.angles } else { None };
+                let weight = own.unwrap_or(draft.row.weight);
+                self.data.rows.push(Measurement { reading, approach, weight, ..draft.row.clone() });
+            }
+        }
+    }
+
+    /// Readings less the first of their run: what was subtracted is unknown, and common to the run.
+    fn relative(&mut self, drafts: Vec<Draft>) {
+        for (run, drafts) in runs(drafts, |_| String::new()) {
+            let name = format!("{}first{}", self.file, run);
+            let read = std::array::from_fn(|k| drafts.iter().any(|draft| draft.row.seen()[k]));
+            let first = self.data.unknown_components(&name, read);
+            for mut draft in drafts {
+                if let Reading::Deviation { zero, .. } = &mut draft.row.reading {
+                    *zero = first;
+                }
+                self.data.rows.push(draft.row);
+            }
+        }
+    }
+
+    /// A ball on the workpiece that the functional point was brought to: the actual point is the same in all poses.
+    fn balls(&mut self, drafts: Vec<Draft>) {
+        for (run, drafts) in runs(drafts, |draft| draft.ball.clone()) {
+            let zero = self.data.unknown_components(&format!("{}ball{run}", self.file), [true; 3]);
+            let Some(first) = drafts.first().map(|draft| self.nominal(&draft.row, &draft.row.pose)) else { continue };
+            for mut draft in drafts {
+                let off = first - self.nominal(&draft.row, &draft.row.pose);
+                let values = [Some(off.x), Some(off.y), Some(off.z)];
+                draft.row.reading = Reading::Deviation { values, frame: Frame::Workpiece, zero };
+                self.data.rows.push(draft.row);
+            }
+        }
+    }
+
+    /// The line of a run goes from its first pose to the one farthest from it.
+    fn lines(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
+        for (run, drafts) in runs(drafts, |_| String::new()) {
+            let points: Vec<Vector3<f64>> = drafts.iter().map(|d| self.nominal(&d.row, &d.row.pose)).collect();
+            let from = |p: &Vector3<f64>| points.first().map_or_else(Vector3::zeros, |first| p - first);
+            let far = points
+                .iter()
+                .map(from)
+                .fold(Vector3::zeros(), |a: Vector3<f64>, b| if b.norm() > a.norm() { b } else { a });
+            if far.norm() < NEAREST {
+                let message = format!("the poses of this run{run} are in one place: they have no line");
+                return Err(Box::new(refusal("E0507", message, drafts.first().map(|d| d.row.place.clone()))));
+            }
+            let zero = self.data.unknown(format!("{}zero{run}", self.file), 0.0);
+            for mut draft in drafts {
+                draft.row.reading = Reading::Along { value: draft.along, direction: far.normalize(), zero };
+                self.data.rows.push(draft.row);
+            }
+        }
+        Ok(())
+    }
+
+    /// Distances between two poses of the functional point.
+    fn pairs(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
+        for (run, drafts) in runs(drafts, |_| String::new()) {
+            let mut lengths = Vec::new();
+            for draft in &drafts {
+                let to = draft.to.as_ref().unwrap_or(&draft.row.pose);
+                let way = self.nominal(&draft.row, to) - self.nominal(&draft.row, &draft.row.pose);
+                lengths.push(long_enough(way.norm(), &draft.row)?);
+            }
+            let zero = self.constant(&run, &drafts, &lengths);
+            for (draft, nominal) in drafts.into_iter().zip(lengths) {
+                let from = End::Pose(draft.to.clone().unwrap_or_default());
+                self.push_distance(draft, nominal, from, zero);
+            }
+        }
+        Ok(())
+    }
+
+    /// Distances from stations whose places are unknown.
+    fn stations(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
+        let mut groups: Vec<(String, Vec<Draft>)> = Vec::new();
+        for draft in drafts {
+            let name = draft.station.clone().unwrap_or_default();
+            match groups.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, group)) => group.push(draft),
+                None => groups.push((name, vec![draft])),
+            }
+        }
+        for (name, drafts) in groups {
+            let label = if name.is_empty() { "station".to_owned() } else { format!("station {}", shown(&name)) };
+            let place = drafts.first().map(|draft| draft.row.place.clone());
+            let at = self.place(&label, &drafts).map_err(|words| Box::new(refusal("E0505", words, place)))?;
+            let first = self.data.unknown_point(&format!("{}{label}", self.file), at);
+            for (run, drafts) in runs(drafts, |_| String::new()) {
+                let distance = |draft: &Draft| (self.nominal(&draft.row, &draft.row.pose) - at).norm();
+                let nominal: Vec<f64> = drafts.iter().map(distance).collect();
+                for (draft, length) in drafts.iter().zip(&nominal) {
+                    long_enough(*length, &draft.row)?;
+                }
+                let zero = self.constant(&format!(" {label}{run}"), &drafts, &nominal);
+                for (draft, nominal) in drafts.into_iter().zip(nominal) {
+                    self.push_distance(draft, nominal, End::Station(first), zero);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Where a station is about: as the file says, or by its own distances.
+    fn place(&self, label: &str, drafts: &[Draft]) -> Result<Vector3<f64>, String> {
+        let Some(first) = drafts.first() else { return Ok(Vector3::zeros()) };
+        if let [Some(x), Some(y), Some(z)] = first.at {
+            if drafts.iter().any(|draft| draft.at != first.at) {
+                return Err(format!("{label} stands in two places: give it two names"));
+            }
+            return Ok(Vector3::new(x, y, z));
+        }
+        let mut names: Vec<Option<&String>> = Vec::new();
+        let rows = drafts.iter().map(|draft| {
+            let run = draft.row.run.as_ref();
+            let index = names.iter().position(|known| *known == run).unwrap_or_else(|| {
+                names.push(run);
+                names.len() - 1
+            });
+            let (length, value) = draft.length.unwrap_or((Length::Whole, 0.0));
+            let point = self.nominal(&draft.row, &draft.row.pose);
+            station::Sight { point, value, run: (length == Length::Displacement).then_some(index) }
+        });
+        let rows: Vec<station::Sight> = rows.collect();
+        station::place(&rows).map_err(|words| format!("{label}: {words}"))
+    }
+
+    /// The unknown constant of displacements.
+    fn constant(&mut self, run: &str, drafts: &[Draft], nominal: &[f64]) -> Option<usize> {
+        let first = drafts.first().and_then(|draft| draft.length)?;
+        if first.0 != Length::Displacement {
+            return None;
+        }
+        let off = drafts.iter().zip(nominal).map(|(d, n)| n - d.length.map_or(0.0, |(_, value)| value));
+        let start = off.sum::<f64>() / drafts.len().max(1) as f64;
+        Some(self.data.unknown(format!("{}constant{run}", self.file), start))
+    }
+
+    fn push_distance(&mut self, draft: Draft, nominal: f64, from: End, zero: Option<usize>) {
+        let (kind, value) = draft.length.unwrap_or((Length::Whole, 0.0));
+        let value = if kind == Length::FromNominal { nominal + value } else { value };
+        self.data.rows.push(Measurement { reading: Reading::Distance { value, from, zero }, ..draft.row });
+    }
+}
+
+/// Rows of each run (and of what else tells them apart), in the order of their first rows; the name is empty or
+/// begins with a blank.
+fn runs(drafts: Vec<Draft>, also: impl Fn(&Draft) -> String) -> Vec<(String, Vec<Draft>)> {
+    let mut groups: indexmap::IndexMap<String, Vec<Draft>> = indexmap::IndexMap::new();
+    for draft in drafts {
+        let words = [draft.row.run.clone().unwrap_or_default(), also(&draft)];
+        let name = words.iter().filter(|w| !w.is_empty()).map(|w| format!(" {}", shown(w))).collect();
+        groups.entry(name).or_default().push(draft);
+    }
+    groups.into_iter().collect()
+}
+
+fn long_enough(length: f64, row: &Measurement) -> Result<f64, Box<Diagnostic>> {
+    if length >= NEAREST {
+        return Ok(length);
+    }
+    let message = format!("the two ends of this length are {} mm apart", crate::units::significant(length, 3));
+    Err(Box::new(refusal("E0506", message, Some(row.place.clone()))))
+}
+
+/// A length (mm) or coordinate that can be measured.
+fn near(value: f64, cell: &str) -> Result<f64, String> {
+    if value.abs() <= FARTHEST {
+        return Ok(value);
+    }
+    Err(format!("`{}` is more than 1 km: compare the unit in the header", shown(cell)))
+}
+
+/// A weight that sums of squares can bear.
+fn weight(value: f64, cell: &str) -> Result<f64, String> {
+    if (LIGHTEST..=1.0 / LIGHTEST).contains(&value) {
+        return Ok(value);
+    }
+    Err(format!("`{}` gives a weight of {value:e}, which is none", shown(cell)))
+}
+
+fn positive(value: f64, cell: &str, word: &str) -> Result<f64, String> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(value);
+    }
+    Err(format!("the {word} `{}` is not above zero; leave the row out", shown(cell)))
+}
+
+fn approach(cell: &str) -> Result<Approach, String> {
+    match cell {
+        "" | "mean" => Ok(Approach::Mean),
+        "+" | "forward" => Ok(Approach::Forward),
+        "-" | "reverse" => Ok(Approach::Reverse),
+        _ => Err(format!("the approach `{}` is none of forward, reverse, mean (or +, -)", shown(cell))),
+    }
+}
+
+fn tool_index(machine: &Machine, name: &str) -> Result<usize, String> {
+    let known: Vec<&str> = machine.tools().iter().map(|tool| tool.name.as_str()).collect();
+    known
+        .iter()
+        .position(|known| *known == name)
+        .ok_or_else(|| format!("the machine has no tool `{}`; {}", shown(name), did_you_mean(name, &known)))
+}

@@ -1,0 +1,172 @@
+//! A fitted machine as a machine file: self-contained, no `extends`, no tables outside.
+
+use super::model::parameter::{Basis, Parameter, Term};
+use super::solve::solution::Solution;
+use crate::lower::{Place, Source};
+use crate::machine::{Approach, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine, MachineParts, written};
+use crate::syntax::IdentifyEntry;
+use crate::units::significant;
+use std::collections::BTreeMap;
+
+/// The text of a machine file that says what `machine` says, the fitted parameters with their new values and expanded
+/// uncertainties (k = 2; of a curve the largest over the travel); `provenance` are further entries of that section (single
+/// lines), `request` is what was fitted, for the next time.
+pub fn fitted_file(
+    machine: &Machine,
+    parameters: &[Parameter],
+    solution: &Solution,
+    provenance: &[(String, String)],
+    request: &IdentifyEntry,
+) -> String {
+    let theta = solution.theta();
+    let mut curves: BTreeMap<(Place, Direction), Directed> = BTreeMap::new();
+    for (parameter, value) in parameters.iter().zip(&theta) {
+        for term in &parameter.terms {
+            let sum = &mut curves.entry((term.source.place, term.source.direction)).or_default()[way(term.approach)];
+            *sum = Some(join(sum.take(), &term.basis, *value * term.factor));
+        }
+    }
+    let mut parts = machine.to_parts();
+    for ((place, direction), curves) in curves {
+        put(&mut parts, place, direction, curves);
+        let half = expanded(machine, parameters, solution, Source { place, direction });
+        state(&mut parts, place, direction, half);
+    }
+    written(&parts, provenance) + &section(request)
+}
+
+/// Places of the travel where the uncertainty of a curve is looked at.
+const SITES: usize = 25;
+
+/// Expanded uncertainty (mm or rad, k = 2) of a fitted error, to three digits: the largest over the travel and both
+/// directions. `None` if the data leave it free somewhere.
+fn expanded(machine: &Machine, parameters: &[Parameter], solution: &Solution, source: Source) -> Option<f64> {
+    let axis = if let Place::Component(axis) = source.place { machine.axes().get(axis) } else { None };
+    let sites: Vec<f64> = axis.map_or_else(
+        || vec![0.0],
+        |axis| {
+            let (min, max) = axis.travel.interval();
+            (0..SITES).map(|i| min + (max - min) * i as f64 / (SITES - 1) as f64).collect()
+        },
+    );
+    let at = |q: f64, from: Approach| {
+        let mine = |t: &&Term| t.source == source && (t.approach == from || t.approach == Approach::Mean);
+        let factor = |p: &Parameter| p.terms.iter().filter(mine).map(|t| t.factor * t.basis.value(q)).sum::<f64>();
+        let sum: Vec<(usize, f64)> = parameters.iter().map(factor).enumerate().collect();
+        solution.uncertainty(&sum)
+    };
+    let both = sites.iter().flat_map(|q| [at(*q, Approach::Forward), at(*q, Approach::Reverse)]);
+    let largest = both.reduce(|a, b| Some(a?.max(b?)))??;
+    let half: f64 = significant(2.0 * largest, 3).parse().ok()?;
+    // What is uncertain by more than any machine has is not stated.
+    (half > 0.0 && half <= crate::machine::largest(source.direction)).then_some(half)
+}
+
+/// What was said of the value before is not said of the fitted one.
+fn state(parts: &mut MachineParts, place: Place, direction: Direction, half: Option<f64>) {
+    let (Place::Location(joint) | Place::Component(joint)) = place else { return };
+    let axis = parts.axes.get(joint).map(|axis| &axis.name).or_else(|| parts.chain.spindle()).cloned();
+    let Some(axis) = axis else { return };
+    let id = ErrorId { axis, location: matches!(place, Place::Location(_)), direction };
+    match half {
+        Some(half) => parts.uncertainty.insert(id, half),
+        None => parts.uncertainty.remove(&id),
+    };
+}
+
+/// The section `identify`, in the JSON that is YAML; nothing for nothing.
+fn section(request: &IdentifyEntry) -> String {
+    match serde_json::to_string(request) {
+        Ok(text) if *request != IdentifyEntry::default() => format!("identify: {text}\n"),
+        _ => String::new(),
+    }
+}
+
+/// Curves of mean, forward and reverse approach, as far as they were fitted.
+type Directed = [Option<Curve>; 3];
+
+/// Where an approach stands in [`Directed`].
+fn way(approach: Approach) -> usize {
+    match approach {
+        Approach::Mean => 0,
+        Approach::Forward => 1,
+        Approach::Reverse => 2,
+    }
+}
+
+/// A fitted source in its place. A location error that was not given and comes out as 0 stays away.
+fn put(parts: &mut MachineParts, place: Place, direction: Direction, curves: Directed) {
+    let constant = curves[0].as_ref().map_or(0.0, |curve| curve.value(0.0));
+    let index = direction.index();
+    match place {
+        Place::Tool => parts.setup.tool[index % 3] = constant,
+        Place::Workpiece => parts.setup.workpiece[index] = constant,
+        Place::Location(joint) => {
+            let slot = &mut parts.errors[joint].location[index];
+            if slot.is_some() || constant != 0.0 {
+                *slot = Some(ErrorTerm::Constant(constant));
+            }
+        }
+        Place::Component(axis) => {
+            let slot = &mut parts.errors[axis].component[index];
+            *slot = Some(ErrorTerm::Component(component(slot.take(), curves)));
+        }
+    }
+}
+
+/// A fitted component error. A direction that was not fitted keeps what the file says.
+fn component(known: Option<ErrorTerm>, [mean, forward, reverse]: Directed) -> ComponentError {
+    let kept = match known {
+        Some(ErrorTerm::Component(ComponentError::Single(curve))) => [curve.clone(), curve],
+        Some(ErrorTerm::Component(ComponentError::Bidirectional { forward, reverse })) => [forward, reverse],
+        _ => [Curve::Polynomial(vec![0.0]), Curve::Polynomial(vec![0.0])],
+    };
+    let [before, behind] = kept;
+    match mean {
+        Some(mean) => ComponentError::Single(mean),
+        None => {
+            ComponentError::Bidirectional { forward: forward.unwrap_or(before), reverse: reverse.unwrap_or(behind) }
+        }
+    }
+}
+
+/// A curve and `amount` of a basis function.
+fn join(known: Option<Curve>, basis: &Basis, amount: f64) -> Curve {
+    match basis {
+        Basis::Constant => power(known, 0, amount),
+        Basis::Power(k) => power(known, usize::from(*k), amount),
+        Basis::Cosine(k) => harmonic(known, usize::from(*k), (amount, 0.0)),
+        Basis::Sine(k) => harmonic(known, usize::from(*k), (0.0, amount)),
+        Basis::Spline(curve) => spline(known, curve, amount),
+    }
+}
+
+fn power(known: Option<Curve>, k: usize, amount: f64) -> Curve {
+    let mut c = if let Some(Curve::Polynomial(c)) = known { c } else { Vec::new() };
+    c.resize(c.len().max(k + 1), 0.0);
+    c[k] += amount;
+    Curve::Polynomial(c)
+}
+
+fn harmonic(known: Option<Curve>, k: usize, (cosine, sine): (f64, f64)) -> Curve {
+    let mut orders = if let Some(Curve::Harmonics(orders)) = known { orders } else { Vec::new() };
+    orders.resize(orders.len().max(k + 1), (0.0, 0.0));
+    orders[k] = (orders[k].0 + cosine, orders[k].1 + sine);
+    Curve::Harmonics(orders)
+}
+
+/// Splines through the same knots add up knot by knot.
+fn spline(known: Option<Curve>, one: &Curve, amount: f64) -> Curve {
+    if let Curve::BSpline(one) = one {
+        let before = if let Some(Curve::BSpline(known)) = &known { known.coefficients() } else { &[] };
+        let sum = |(i, c): (usize, &f64)| before.get(i).unwrap_or(&0.0) + amount * c;
+        return Curve::BSpline(Box::new(one.with_coefficients(one.coefficients().iter().enumerate().map(sum))));
+    }
+    let Some(knots) = one.knots() else { return one.clone() };
+    let before = known.as_ref().and_then(Curve::knots);
+    let value = |i: usize| before.map_or(0.0, |k| k.values()[i]) + amount * knots.values()[i];
+    let points: Vec<(f64, f64)> = knots.positions().iter().enumerate().map(|(i, q)| (*q, value(i))).collect();
+    let smooth = matches!(one, Curve::Cubic(..));
+    let through = |knots| if smooth { Curve::cubic(knots) } else { Curve::Linear(knots) };
+    crate::machine::Knots::new(&points, knots.period()).map_or_else(|_| one.clone(), through)
+}

@@ -1,0 +1,182 @@
+//! What is fitted: each parameter moves one or more error sources, each by a basis function of the axis position.
+
+use crate::lower::{Place, Source};
+use crate::machine::{Approach, AxisKind, Curve, Direction, Knots, Machine, sin_cos_degrees};
+
+/// Lever (mm) by which a rotation counts as a displacement where sizes of unlike parameters are compared.
+const LEVER: f64 = 300.0;
+
+/// Displacement (mm) that a unit of an error makes.
+pub(crate) fn lever(direction: Direction) -> f64 {
+    if direction.is_rotation() { LEVER } else { 1.0 }
+}
+
+/// A function of the programmed position of an axis (mm or deg).
+#[derive(Debug, Clone, PartialEq)]
+pub enum Basis {
+    /// 1.
+    Constant,
+    /// `q^k`.
+    Power(u8),
+    /// `cos k q`, q an angle.
+    Cosine(u8),
+    /// `sin k q`, q an angle.
+    Sine(u8),
+    /// A spline, or straight lines between knots, that is 1 at one knot and 0 at the others; or a B-spline.
+    Spline(Curve),
+}
+
+impl Basis {
+    /// Where its pieces meet.
+    pub(crate) fn knots(&self) -> Option<&[f64]> {
+        if let Self::Spline(curve) = self { curve.knots().map(Knots::positions) } else { None }
+    }
+
+    /// Value at a position (mm or deg).
+    pub fn value(&self, q: f64) -> f64 {
+        match self {
+            Self::Constant => 1.0,
+            Self::Power(k) => (0..*k).fold(1.0, |power, _| power * q),
+            Self::Cosine(k) => sin_cos_degrees(f64::from(*k) * q).1,
+            Self::Sine(k) => sin_cos_degrees(f64::from(*k) * q).0,
+            Self::Spline(curve) => curve.value(q),
+        }
+    }
+}
+
+/// One error source that a parameter moves: by `factor * basis(q)` per unit (mm or rad) of the parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Term {
+    /// The error.
+    pub source: Source,
+    /// As a function of its axis's position.
+    pub basis: Basis,
+    /// Times this.
+    pub factor: f64,
+    /// Acts in this direction of approach only; half in their mean. `Mean`: always.
+    pub approach: Approach,
+}
+
+impl Term {
+    /// A term that acts in both directions.
+    pub(crate) fn new(source: Source, basis: Basis, factor: f64) -> Self {
+        Self { source, basis, factor, approach: Approach::Mean }
+    }
+}
+
+/// How much of what acts in its `own` direction of approach counts in the direction that a machine is `met` in.
+pub(crate) fn share(own: Approach, met: Approach) -> f64 {
+    match (own, met) {
+        (Approach::Mean, _) => 1.0,
+        (_, Approach::Mean) => 0.5,
+        (own, met) => f64::from(u8::from(own == met)),
+    }
+}
+
+/// A fitted parameter. Its value is kept in mm, rad and degrees of position: mm, rad/mm, mm/deg^2 ...
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// `EX0C`, `tool.X`, `workpiece.A`, `EXX:x^2`, `ECC:cos1`, `EYX:125mm`, `EBX:slope`.
+    pub name: String,
+    /// Its unit for people.
+    pub unit: String,
+    /// Multiplies the kept value to give one in `unit`.
+    pub factor: f64,
+    /// What it moves; nothing if it belongs to an instrument or a set-up.
+    pub terms: Vec<Term>,
+    /// Where the fit starts.
+    pub start: f64,
+    /// Displacement (mm) that a unit of it makes over a usual lever: for comparing unlike parameters.
+    pub size: f64,
+}
+
+impl Parameter {
+    /// A parameter of one term.
+    pub(crate) fn single(machine: &Machine, name: String, source: Source, basis: Basis, start: f64) -> Self {
+        let power = if let Basis::Power(k) = basis { k } else { 0 };
+        let term = Term::new(source, basis, 1.0);
+        Self::of_terms(machine, name, source, power, vec![term], start)
+    }
+
+    /// A parameter of several terms, in the unit of its main source over the position to a power.
+    pub(crate) fn of_terms(
+        machine: &Machine,
+        name: String,
+        main: Source,
+        power: u8,
+        terms: Vec<Term>,
+        start: f64,
+    ) -> Self {
+        let rotation = main.direction.is_rotation();
+        let (unit, mut factor) = if rotation { ("urad", 1e6) } else { ("um", 1e3) };
+        let mut size = lever(main.direction);
+        let mut per = "";
+        if let (Place::Component(i), 1..) = (main.place, power) {
+            let axis = &machine.axes()[i];
+            let (min, max) = axis.travel.interval();
+            let reach = min.abs().max(max.abs()).max(1.0);
+            let metre = if axis.kind == AxisKind::Linear { 1e3 } else { 1.0 };
+            per = if axis.kind == AxisKind::Linear { "/m" } else { "/deg" };
+            (0..power).for_each(|_| {
+                factor *= metre;
+                size *= reach;
+            });
+        }
+        let exponent = if power > 1 { format!("^{power}") } else { String::new() };
+        Self { name, unit: format!("{unit}{per}{exponent}"), factor, terms, start, size }
+    }
+
+    /// An unknown length (mm) that is no error of the machine.
+    pub(crate) fn nuisance(name: String, start: f64) -> Self {
+        Self { name, unit: "mm".to_owned(), factor: 1.0, terms: Vec::new(), start, size: 1.0 }
+    }
+
+    /// Does it belong to an instrument or a set-up?
+    pub fn is_nuisance(&self) -> bool {
+        self.terms.is_empty()
+    }
+
+    /// The curve that it is a knot of, and where: `EYX` and `125mm`. Otherwise its name.
+    pub(crate) fn curve(&self) -> (&str, Option<&str>) {
+        let knot = matches!(&self.terms[..], [Term { basis: Basis::Spline(_), .. }]);
+        match self.name.split_once(':') {
+            Some((curve, place)) if knot => (curve, Some(place)),
+            _ => (&self.name, None),
+        }
+    }
+
+    /// The value in `unit`.
+    pub fn shown(&self, value: f64) -> f64 {
+        value * self.factor
+    }
+}
+
+/// A soft bound on the slope of a fitted curve, for where nothing was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SlopeBound {
+    /// The error.
+    pub source: Source,
+    /// Interval of the axis (mm or deg).
+    pub interval: (f64, f64),
+    /// Standard deviation of the slope (mm or rad, per mm or deg).
+    pub slope: f64,
+}
+
+/// Where a slope is taken, evenly over the travel.
+const SLOPES: usize = 25;
+
+impl SlopeBound {
+    /// The slope at even positions over the bound, as coefficients of the parameters. All of them together count as
+    /// one reading of the slope.
+    pub(crate) fn rows(&self, parameters: &[Parameter]) -> Vec<Vec<f64>> {
+        let step = (self.interval.1 - self.interval.0) / SLOPES as f64;
+        let row = |i: usize| {
+            let (low, high) = (self.interval.0 + step * i as f64, self.interval.0 + step * (i + 1) as f64);
+            let rise = |term: &Term| term.factor * (term.basis.value(high) - term.basis.value(low));
+            let slope = |p: &Parameter| p.terms.iter().filter(|t| t.source == self.source).map(rise).sum::<f64>();
+            let scale = step * self.slope * libm::sqrt(SLOPES as f64);
+            parameters.iter().map(|p| slope(p) / scale).collect()
+        };
+        (0..SLOPES).map(row).collect()
+    }
+}

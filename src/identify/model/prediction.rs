@@ -1,0 +1,461 @@
+//! The measurement model: what the machine with given parameters would have been measured as, exactly or to an order
+//! of the dual numbers, and the derivatives by the unknowns. Rows are streamed; the Jacobian as a whole never exists.
+
+use super::parameter::{Basis, Parameter, SlopeBound, Term, lever, share};
+use crate::algebra::linear::{Reduced, Triangle};
+use crate::algebra::{Algebra, Dual};
+use crate::evaluate::{Frame, Order};
+use crate::identify::data::measurement::{End, Measurement, Reading};
+use crate::lower::{ErrorLift, Exact, Ideal, OrderN, Place, Source, Values, point, tangents, values};
+use crate::machine::{Approach, LocationOrder, Machine};
+use nalgebra::{DMatrix, Matrix3, Vector3};
+use rayon::prelude::*;
+
+/// Machine and unknowns: parameters of the machine first, then those of the instruments.
+#[derive(Clone)]
+pub struct Model<'a> {
+    machines: Vec<Machine>,
+    parameters: &'a [Parameter],
+    /// How many of them are the machine's.
+    own: usize,
+    /// Every error that a parameter moves, each once.
+    sources: Vec<Source>,
+    /// The functions of the pose by which they do, with their axis, each once; the first is 1.
+    functions: Vec<(usize, Basis)>,
+    /// The terms of the machine's parameters.
+    links: Vec<Link>,
+    order: Order,
+    /// Slopes of fitted curves over the standard deviations allowed: rows, one coefficient for each unknown.
+    slopes: DMatrix<f64>,
+    /// Do location errors count in the real part?
+    real_locations: bool,
+}
+
+/// What a parameter does to a source: factor times function. Indices are those of the model's lists.
+#[derive(Debug, Clone, Copy)]
+struct Link {
+    parameter: usize,
+    source: usize,
+    function: usize,
+    factor: f64,
+    approach: Approach,
+}
+
+/// What a reading would be, and how it moves; the first [`Measurement::seen`] components count.
+struct Local {
+    predicted: Vector3<f64>,
+    /// By parameters of the machine.
+    by_parameter: Vec<Vector3<f64>>,
+    /// By unknowns of instruments: index and derivative.
+    by_nuisance: Vec<(usize, Vector3<f64>)>,
+}
+
+/// An algebra in which the model is computed.
+trait Scheme: Algebra {
+    type Lift: ErrorLift<Self>;
+    const LIFT: Self::Lift;
+    /// The sum of all degrees.
+    fn total(&self) -> f64 {
+        self.real() + self.nilpotent_sum()
+    }
+    /// Of a derivative, the degrees that belong to the derivative of the truncated model.
+    fn slope(&self, real: bool) -> f64;
+}
+
+impl Scheme for f64 {
+    type Lift = Exact;
+    const LIFT: Exact = Exact;
+    fn slope(&self, _: bool) -> f64 {
+        *self
+    }
+}
+
+impl<const M: usize> Scheme for Dual<M> {
+    type Lift = OrderN;
+    const LIFT: OrderN = OrderN;
+    fn slope(&self, real: bool) -> f64 {
+        // The derivative by a first-order error has one degree less; the real part does not count among degrees.
+        if real { self.total() } else { self.0[..M - 1].iter().rev().sum() }
+    }
+}
+
+impl<'a> Model<'a> {
+    /// The exact model of a machine.
+    pub fn new(machine: &Machine, parameters: &'a [Parameter]) -> Self {
+        let (mut sources, mut functions) = (Vec::new(), vec![(0, Basis::Constant)]);
+        let mut link = |parameter: usize, term: &Term| {
+            let axis = if let Place::Component(axis) = term.source.place { axis } else { 0 };
+            let function = match &term.basis {
+                Basis::Constant => 0,
+                basis => index(&mut functions, (axis, basis.clone())),
+            };
+            let source = index(&mut sources, term.source);
+            Link { parameter, source, function, factor: term.factor, approach: term.approach }
+        };
+        let terms = parameters.iter().enumerate().flat_map(|(j, p)| p.terms.iter().map(move |term| (j, term)));
+        let links = terms.map(|(j, term)| link(j, term)).collect();
+        let with = |name: &str| machine.with_tool(name).unwrap_or_else(|| machine.clone());
+        let machines = machine.tools().iter().map(|tool| with(&tool.name)).collect();
+        let own = parameters.iter().position(Parameter::is_nuisance).unwrap_or(parameters.len());
+        let slopes = DMatrix::zeros(0, parameters.len());
+        let real_locations = machine.conventions().location_order == LocationOrder::Real;
+        Self { machines, parameters, own, sources, functions, links, order: Order::Exact, slopes, real_locations }
+    }
+
+    /// The same to an order of the dual numbers (1 or 2; others count as exact).
+    pub fn to_order(mut self, order: Order) -> Self {
+        self.order = order;
+        self
+    }
+
+    /// The same with curves that are held flat by these bounds.
+    pub fn bounded(mut self, bounds: &[SlopeBound]) -> Self {
+        let rows: Vec<Vec<f64>> = bounds.iter().flat_map(|bound| bound.rows(self.parameters)).collect();
+        self.slopes = DMatrix::from_fn(rows.len(), self.parameters.len(), |i, j| rows[i][j]);
+        self
+    }
+
+    /// Slopes over the standard deviations allowed, linear in the unknowns.
+    pub(crate) fn slopes(&self) -> &DMatrix<f64> {
+        &self.slopes
+    }
+
+    /// The unknowns, the machine's first.
+    pub fn parameters(&self) -> &[Parameter] {
+        self.parameters
+    }
+
+    /// How many unknowns are the machine's.
+    pub fn own(&self) -> usize {
+        self.own
+    }
+
+    /// The machine with each of its tools.
+    pub fn machines(&self) -> &[Machine] {
+        &self.machines
+    }
+
+    /// The machine with the tool of a measurement.
+    pub fn machine(&self, measurement: &Measurement) -> &Machine {
+        &self.machines[measurement.tool]
+    }
+
+    /// What a unit of its parameter adds to the source of each link.
+    fn shares(&self, pose: &[f64], approach: Approach) -> Vec<f64> {
+        let functions: Vec<f64> = self.functions.iter().map(|(axis, basis)| basis.value(pose[*axis])).collect();
+        self.links.iter().map(|l| share(l.approach, approach) * l.factor * functions[l.function]).collect()
+    }
+
+    /// The errors at a pose: fitted sources by the parameters, the others as the machine file says.
+    fn errors(&self, measurement: &Measurement, pose: &[f64], theta: &[f64], shares: &[f64]) -> Values {
+        let mut errors = values(self.machine(measurement), pose, measurement.approach);
+        let mut sums = vec![0.0; self.sources.len()];
+        for (link, share) in self.links.iter().zip(shares) {
+            sums[link.source] += theta[link.parameter] * share;
+        }
+        for (source, sum) in self.sources.iter().zip(sums) {
+            *slot(&mut errors, *source) = sum;
+        }
+        errors
+    }
+
+    /// Derivatives by the parameters of the machine from those by the sources.
+    fn by_parameter(&self, by_source: &[Vector3<f64>], shares: &[f64]) -> Vec<Vector3<f64>> {
+        let mut by = vec![Vector3::zeros(); self.own];
+        for (link, share) in self.links.iter().zip(shares) {
+            by[link.parameter] += by_source[link.source] * *share;
+        }
+        by
+    }
+
+    /// Rotation from the workpiece frame to that of the reading, and the nominal point from the workpiece origin.
+    fn nominal(&self, measurement: &Measurement, frame: Frame) -> (Matrix3<f64>, Vector3<f64>) {
+        let ideal = Ideal::at(self.machine(measurement), &measurement.pose);
+        let rotation = match frame {
+            Frame::Workpiece => Matrix3::identity(),
+            Frame::Machine => ideal.r_work,
+            Frame::Tool => ideal.pose.linear.transpose(),
+        };
+        (rotation, ideal.pose.translation)
+    }
+
+    fn nuisance(&self, theta: &[f64], index: usize) -> f64 {
+        theta[self.own + index]
+    }
+
+    /// What was subtracted from a deviation.
+    fn first(&self, theta: &[f64], zero: &[Option<usize>; 3]) -> Vector3<f64> {
+        Vector3::from(zero.map(|zero| zero.map_or(0.0, |zero| self.nuisance(theta, zero))))
+    }
+
+    fn nuisance_point(&self, theta: &[f64], index: usize) -> Vector3<f64> {
+        Vector3::from_fn(|k, _| self.nuisance(theta, index + k))
+    }
+
+    /// What would be read, as an element.
+    fn reading<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Vector3<S> {
+        let errors = |pose: &[f64]| self.errors(m, pose, theta, &self.shares(pose, m.approach));
+        let at = |pose: &[f64]| point(self.machine(m), pose, &errors(pose), &S::LIFT);
+        let constant = |zero: &Option<usize>| zero.map_or(0.0, |zero| self.nuisance(theta, zero));
+        let single = |x: S| Vector3::new(x, S::zero(), S::zero());
+        match &m.reading {
+            Reading::Deviation { frame, zero, .. } => {
+                let (rotation, nominal) = self.nominal(m, *frame);
+                let first = self.first(theta, zero);
+                turned(&rotation, &minus(&at(&m.pose), &nominal)).zip_map(&first, |x, c| x - S::from_real(c))
+            }
+            Reading::Distance { from, zero, .. } => {
+                let way = match from {
+                    End::Station(first) => minus(&at(&m.pose), &self.nuisance_point(theta, *first)),
+                    End::Pose(to) => at(&m.pose) - at(to),
+                };
+                single(length(&way) - S::from_real(constant(zero)))
+            }
+            Reading::Along { direction, zero, .. } => {
+                let (_, nominal) = self.nominal(m, Frame::Workpiece);
+                let along = along(direction, &minus(&at(&m.pose), &nominal));
+                single(along - S::from_real(self.nuisance(theta, *zero)))
+            }
+            Reading::Error { source, .. } => {
+                let error = S::LIFT.lift(*source, errors(&m.pose).of(*source));
+                single(error.scaled(lever(source.direction)))
+            }
+        }
+    }
+
+    /// What the machine with these unknowns would be read as (mm, in the frame of the reading).
+    pub fn predicted(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
+        match self.order {
+            Order::Degree(1) => self.reading::<Dual<2>>(m, theta).map(|x| x.total()),
+            Order::Degree(2) => self.reading::<Dual<3>>(m, theta).map(|x| x.total()),
+            _ => self.reading::<f64>(m, theta),
+        }
+    }
+
+    /// What the errors add to the ideal machine's reading: the first- and second-order part, and all higher ones
+    /// together where the exact reading is `exact`.
+    pub fn orders(&self, m: &Measurement, theta: &[f64], exact: &Vector3<f64>) -> [Vector3<f64>; 3] {
+        let parts = self.reading::<Dual<3>>(m, theta);
+        let ideal = self.ideal(m, theta);
+        // With location errors of order 0 the real part differs from the ideal one: it counts as first order.
+        let first = parts.zip_map(&ideal, |x, ideal| x.0[1] + (x.0[0] - ideal));
+        let second = parts.map(|x| x.0[2]);
+        [first, second, exact - ideal - first - second]
+    }
+
+    /// The first degree (with what location errors of order 0 do) and the second degree of what would be read.
+    pub(crate) fn degrees(&self, m: &Measurement, theta: &[f64]) -> [Vector3<f64>; 2] {
+        let [first, second, _] = self.orders(m, theta, &Vector3::zeros());
+        [first, second]
+    }
+
+    /// The reading of the ideal machine.
+    fn ideal(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
+        let at = |pose: &[f64]| Ideal::at(self.machine(m), pose).pose.translation;
+        let single = |x| Vector3::new(x, 0.0, 0.0);
+        match &m.reading {
+            Reading::Deviation { zero, .. } => -self.first(theta, zero),
+            Reading::Distance { from, zero, .. } => {
+                let way = match from {
+                    End::Station(first) => at(&m.pose) - self.nuisance_point(theta, *first),
+                    End::Pose(to) => at(&m.pose) - at(to),
+                };
+                single(way.norm() - zero.map_or(0.0, |zero| self.nuisance(theta, zero)))
+            }
+            Reading::Along { zero, .. } => single(-self.nuisance(theta, *zero)),
+            Reading::Error { .. } => Vector3::zeros(),
+        }
+    }
+
+    /// Measured minus predicted (mm); 0 where nothing was measured.
+    pub fn residual(&self, measurement: &Measurement, theta: &[f64]) -> Vector3<f64> {
+        masked(measurement, measurement.values() - self.predicted(measurement, theta))
+    }
+
+    /// Residuals of all measurements.
+    pub fn residuals(&self, data: &[Measurement], theta: &[f64]) -> Vec<Vector3<f64>> {
+        data.par_iter().map(|m| self.residual(m, theta)).collect()
+    }
+
+    /// The linear problem at these unknowns, `min |J step - residual|`, rows times the root of their weights: the triangle
+    /// of all rows, whose singular values are good to the last digits. Rows are folded piece by piece; neither the pieces
+    /// nor their order depend on the number of threads.
+    pub fn triangle(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Reduced {
+        let piece = data.len().div_ceil(16).clamp(32, 4096);
+        let one = |(data, weights): (&[Measurement], &[f64])| {
+            let mut sum = Triangle::new(self.parameters.len());
+            for (measurement, weight) in data.iter().zip(weights) {
+                self.fill(measurement, libm::sqrt(*weight), theta, sum.extend(measurement.readings()));
+            }
+            sum
+        };
+        let pieces: Vec<Triangle> = data.par_chunks(piece).zip(weights.par_chunks(piece)).map(one).collect();
+        let mut whole = Triangle::new(self.parameters.len());
+        pieces.into_iter().for_each(|piece| whole.merge(piece));
+        whole.finish()
+    }
+
+    /// The rows of a measurement, coefficients and residual each, times `root`.
+    fn fill(&self, m: &Measurement, root: f64, theta: &[f64], rows: &mut [f64]) {
+        let local = match self.order {
+            Order::Degree(1) => self.local::<Dual<2>>(m, theta),
+            Order::Degree(2) => self.local::<Dual<3>>(m, theta),
+            _ => self.local::<f64>(m, theta),
+        };
+        let width = self.parameters.len() + 1;
+        let residual = m.values() - local.predicted;
+        let seen = m.seen();
+        for (row, k) in rows.chunks_mut(width).zip((0..3).filter(|k| seen[*k])) {
+            row.iter_mut().zip(&local.by_parameter).for_each(|(place, derivative)| *place = derivative[k] * root);
+            for (index, derivative) in &local.by_nuisance {
+                row[self.own + index] = derivative[k] * root;
+            }
+            row[width - 1] = residual[k] * root;
+        }
+    }
+
+    /// Derivative of the predicted reading by each unknown, and the residual.
+    pub(crate) fn rows(&self, m: &Measurement, theta: &[f64]) -> (Vec<Vector3<f64>>, Vector3<f64>) {
+        let width = self.parameters.len() + 1;
+        let mut rows = vec![0.0; m.readings() * width];
+        self.fill(m, 1.0, theta, &mut rows);
+        let seen: Vec<usize> = (0..3).filter(|k| m.seen()[*k]).collect();
+        let column = |j: usize| {
+            let mut column = Vector3::zeros();
+            seen.iter().enumerate().for_each(|(i, k)| column[*k] = rows[i * width + j]);
+            column
+        };
+        ((0..width - 1).map(column).collect(), column(width - 1))
+    }
+
+    /// How a derivative by a source counts.
+    fn slope<S: Scheme>(&self, source: Source, x: &S) -> f64 {
+        x.slope(self.real_locations && matches!(source.place, Place::Location(_)))
+    }
+
+    fn local<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Local {
+        let machine = self.machine(m);
+        let shares = self.shares(&m.pose, m.approach);
+        let tangents_at = |pose: &[f64], shares: &[f64]| {
+            tangents(machine, pose, &self.errors(m, pose, theta, shares), &S::LIFT, &self.sources)
+        };
+        let by_parameter = |by_source: Vec<Vector3<f64>>| self.by_parameter(&by_source, &shares);
+        let here = || tangents_at(&m.pose, &shares);
+        let unit = |k: usize, x: f64| Vector3::from_fn(|i, _| if i == k { x } else { 0.0 });
+        match &m.reading {
+            Reading::Deviation { frame, zero, .. } => {
+                let (rotation, nominal) = self.nominal(m, *frame);
+                let here = here();
+                let first = self.first(theta, zero);
+                let slope = |(s, d): (&Source, &Vector3<S>)| rotation * d.map(|x| self.slope(*s, &x));
+                Local {
+                    predicted: rotation * minus(&here.point, &nominal).map(|x| x.total()) - first,
+                    by_parameter: by_parameter(self.sources.iter().zip(&here.derivatives).map(slope).collect()),
+                    by_nuisance: (0..3).filter_map(|k| Some((zero[k]?, unit(k, -1.0)))).collect(),
+                }
+            }
+            Reading::Distance { from: End::Station(first), zero, .. } => {
+                let here = here();
+                let way = minus(&here.point, &self.nuisance_point(theta, *first));
+                let (distance, towards) = normalised(way);
+                let slope = |(s, d): (&Source, &Vector3<S>)| unit(0, self.slope(*s, &dot(&towards, d)));
+                let station = (0..3).map(|k| (first + k, unit(0, -towards[k].total())));
+                Local {
+                    predicted: unit(0, distance.total() - zero.map_or(0.0, |z| self.nuisance(theta, z))),
+                    by_parameter: by_parameter(self.sources.iter().zip(&here.derivatives).map(slope).collect()),
+                    by_nuisance: station.chain(zero.map(|z| (z, unit(0, -1.0)))).collect(),
+                }
+            }
+            Reading::Distance { from: End::Pose(to), zero, .. } => {
+                let other = self.shares(to, m.approach);
+                let (here, there) = (here(), tangents_at(to, &other));
+                let (distance, towards) = normalised(here.point.clone() - there.point.clone());
+                let slope = |(s, d): (&Source, &Vector3<S>)| unit(0, self.slope(*s, &dot(&towards, d)));
+                let slopes = |derivatives: &[Vector3<S>]| self.sources.iter().zip(derivatives).map(slope).collect();
+                // The functions of the pose differ at the two ends.
+                let near = by_parameter(slopes(&here.derivatives));
+                let far = self.by_parameter(&slopes(&there.derivatives), &other);
+                Local {
+                    predicted: unit(0, distance.total() - zero.map_or(0.0, |z| self.nuisance(theta, z))),
+                    by_parameter: near.iter().zip(&far).map(|(near, far)| near - far).collect(),
+                    by_nuisance: zero.map(|z| (z, unit(0, -1.0))).into_iter().collect(),
+                }
+            }
+            Reading::Along { direction, zero, .. } => {
+                let (_, nominal) = self.nominal(m, Frame::Workpiece);
+                let here = here();
+                let slope = |(s, d): (&Source, &Vector3<S>)| unit(0, self.slope(*s, &along(direction, d)));
+                let predicted = along(direction, &minus(&here.point, &nominal)).total();
+                Local {
+                    predicted: unit(0, predicted - self.nuisance(theta, *zero)),
+                    by_parameter: by_parameter(self.sources.iter().zip(&here.derivatives).map(slope).collect()),
+                    by_nuisance: vec![(*zero, unit(0, -1.0))],
+                }
+            }
+            Reading::Error { source, .. } => {
+                let lever = lever(source.direction);
+                let slope = |s: &Source| unit(0, if s == source { lever } else { 0.0 });
+                Local {
+                    predicted: unit(0, self.errors(m, &m.pose, theta, &shares).of(*source) * lever),
+                    by_parameter: by_parameter(self.sources.iter().map(slope).collect()),
+                    by_nuisance: Vec::new(),
+                }
+            }
+        }
+    }
+}
+
+/// 0 where nothing was measured.
+pub(crate) fn masked(m: &Measurement, v: Vector3<f64>) -> Vector3<f64> {
+    let seen = m.seen();
+    Vector3::from_fn(|k, _| if seen[k] { v[k] } else { 0.0 })
+}
+
+fn minus<S: Algebra>(x: &Vector3<S>, point: &Vector3<f64>) -> Vector3<S> {
+    x.zip_map(point, |x, p| x - S::from_real(p))
+}
+
+fn turned<S: Algebra>(rotation: &Matrix3<f64>, x: &Vector3<S>) -> Vector3<S> {
+    Vector3::from_fn(|i, _| (0..3).map(|j| x[j].scaled(rotation[(i, j)])).fold(S::zero(), |a, b| a + b))
+}
+
+fn along<S: Algebra>(direction: &Vector3<f64>, x: &Vector3<S>) -> S {
+    (0..3).map(|k| x[k].scaled(direction[k])).fold(S::zero(), |a, b| a + b)
+}
+
+fn dot<S: Algebra>(a: &Vector3<S>, b: &Vector3<S>) -> S {
+    (0..3).map(|k| a[k].clone() * b[k].clone()).fold(S::zero(), |a, b| a + b)
+}
+
+/// Length; 0 of a way without length.
+fn length<S: Algebra>(way: &Vector3<S>) -> S {
+    dot(way, way).sqrt().unwrap_or_else(S::zero)
+}
+
+/// Length and unit vector; both 0 of a way without length.
+fn normalised<S: Algebra>(way: Vector3<S>) -> (S, Vector3<S>) {
+    let length = length(&way);
+    let recip = length.recip().unwrap_or_else(S::zero);
+    let unit = way.map(|x| x * recip.clone());
+    (length, unit)
+}
+
+/// Where something stands in a list; at its end if it was not there.
+pub(crate) fn index<T: PartialEq>(list: &mut Vec<T>, wanted: T) -> usize {
+    list.iter().position(|known| *known == wanted).unwrap_or_else(|| {
+        list.push(wanted);
+        list.len() - 1
+    })
+}
+
+/// The number of a source among the errors.
+fn slot(errors: &mut Values, source: Source) -> &mut f64 {
+    let k = source.direction.index();
+    match source.place {
+        Place::Location(i) if i < errors.axes.len() => &mut errors.axes[i].0[k],
+        Place::Location(_) => &mut errors.spindle.get_or_insert([0.0; 6])[k],
+        Place::Component(i) => &mut errors.axes[i].1[k],
+        Place::Tool => &mut errors.tool[k % 3],
+        Place::Workpiece => &mut errors.workpiece[k],
+    }
+}

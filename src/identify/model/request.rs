@@ -1,0 +1,442 @@
+//! What to fit, in words: groups (`location`, `tool`, `workpiece`, `spindle`, `linear`) and error names, component
+//! errors with a basis (`EXX:poly3`, `ECC:fourier2`, `EYX:spline8`, `EYX:bspline8`, `EBY:blocks4`), each direction of approach for
+//! itself if wanted (`EXX+-:poly3`), and parameters of one's own.
+
+use super::curves;
+use super::parameter::{Basis, Parameter, SlopeBound, Term};
+use crate::algebra::linear::Svd;
+use crate::diagnostic::{Diagnostic, did_you_mean, shown};
+use crate::lower::{Place, Source};
+use crate::machine::{
+    Approach, AxisKind, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine, parse_error_name,
+};
+use crate::syntax::{IdentifyEntry, Scalar};
+use indexmap::IndexMap;
+use nalgebra::{DMatrix, DVector};
+
+/// Highest power of a polynomial.
+pub(crate) const POWERS: u8 = 20;
+
+/// Groups by name.
+const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
+
+pub(crate) type Refused = Box<Diagnostic>;
+
+/// The parameters that `request` asks for, in its order, each once.
+pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refused> {
+    let mut list: Vec<Parameter> = Vec::new();
+    // What is wrong with a parameter of one's own is said whether it is fitted or not.
+    for (name, errors) in &request.parameters {
+        own_parameter(machine, name, errors)?;
+    }
+    for word in &request.fit {
+        for parameter in of_word(machine, word.trim(), request)? {
+            add(&mut list, parameter)?;
+        }
+    }
+    for word in &request.fixed {
+        let fixed = fixed(machine, word.trim(), &list)?;
+        list.retain(|parameter| !fixed.contains(&parameter.name));
+    }
+    for (follower, leaders) in &request.tied {
+        tie(machine, follower, leaders, &mut list)?;
+    }
+    restart(machine, &mut list);
+    if list.is_empty() {
+        let help =
+            "name errors or groups: `--fit location,tool`, or `identify: { fit: [location] }` in the machine file";
+        return Err(Box::new(Diagnostic::new("E0502", "there is nothing to fit").help(help)));
+    }
+    Ok(list)
+}
+
+/// Slopes of `linear` and parameters of one's own start where the curves of the file are, if these are such sums.
+fn restart(machine: &Machine, list: &mut [Parameter]) {
+    let joint: Vec<usize> = (0..list.len()).filter(|j| [SLOPE, OWN].contains(&kind(&list[*j]))).collect();
+    if joint.is_empty() {
+        return;
+    }
+    let mut powers: Vec<(Source, u8)> = Vec::new();
+    let power = |t: &Term| if let Basis::Power(k) = t.basis { (t.source, k) } else { (t.source, 0) };
+    for term in joint.iter().flat_map(|j| &list[*j].terms) {
+        let _ = super::prediction::index(&mut powers, power(term));
+    }
+    let factor =
+        |j: usize, key: (Source, u8)| list[j].terms.iter().filter(|t| power(t) == key).map(|t| t.factor).sum::<f64>();
+    let sums = DMatrix::from_fn(powers.len(), joint.len(), |i, j| factor(joint[j], powers[i]));
+    let given = DVector::from_iterator(powers.len(), powers.iter().map(|key| coefficient(machine, *key)));
+    let svd = Svd::new(&sums);
+    let starts = svd.solve(&given, svd.rank(1e-9));
+    // Each power against its own size: they differ by the reach of the axis.
+    let off = &sums * &starts - &given;
+    if off.iter().zip(given.iter()).all(|(off, given)| off.abs() <= 1e-6 * given.abs()) {
+        joint.into_iter().zip(starts.iter()).for_each(|(j, start)| list[j].start = *start);
+    }
+}
+
+/// A coefficient of the polynomial that the file gives for an error, in both directions; 0 without one.
+fn coefficient(machine: &Machine, (source, power): (Source, u8)) -> f64 {
+    let given = machine.errors().find(|(id, _)| self::source(machine, id) == source).map(|(_, term)| term);
+    match given {
+        Some(ErrorTerm::Component(ComponentError::Single(Curve::Polynomial(list)))) => {
+            list.get(usize::from(power)).copied().unwrap_or(0.0)
+        }
+        _ => 0.0,
+    }
+}
+
+/// The error whose form a word of `fit` says, and that form: `EXX+-:poly3`.
+fn formed(word: &str) -> Option<(ErrorId, &str)> {
+    let (name, form) = word.split_once(':')?;
+    let name = name.trim();
+    let bare = name.strip_suffix("+-").map_or_else(|| directed(name).0, str::trim);
+    Some((parse_error_name(bare)?, form.trim()))
+}
+
+/// What the command line fits goes before what the machine file says: list, and forms of curves. Ties and bounds of what
+/// is then not fitted are left out.
+pub fn overruled(machine: &Machine, mut request: IdentifyEntry, fit: &[String], fixed: &[String]) -> IdentifyEntry {
+    request.fixed.extend(fixed.iter().cloned());
+    if fit.is_empty() && fixed.is_empty() {
+        return request;
+    }
+    if !fit.is_empty() {
+        fitting(&mut request, fit);
+    }
+    let alone = IdentifyEntry { tied: IndexMap::new(), slopes: IndexMap::new(), ..request.clone() };
+    let Ok(list) = parameters(machine, &alone) else { return request };
+    let fitted = |key: &String| {
+        let source = parse_error_name(key).map(|error| source(machine, &error));
+        list.iter().flat_map(|p| &p.terms).any(|t| Some(t.source) == source)
+    };
+    let followed = |leaders: &IndexMap<String, Scalar>| leaders.keys().any(&fitted);
+    let tied = |key: &String, tied: &IndexMap<String, IndexMap<String, Scalar>>| tied.get(key).is_some_and(followed);
+    let known = request.tied.clone();
+    request.tied.retain(|key, _| tied(key, &known));
+    request.slopes.retain(|key, _| fitted(key) || tied(key, &known));
+    request
+}
+
+/// Takes another list, with its forms.
+fn fitting(request: &mut IdentifyEntry, fit: &[String]) {
+    request.fit = fit.to_vec();
+    for (error, form) in fit.iter().filter_map(|word| formed(word.trim())) {
+        let other = |key: &String| parse_error_name(key).as_ref() != Some(&error);
+        request.basis.retain(|key, _| other(key));
+        if form.contains(|c: char| c.is_ascii_digit()) {
+            request.knots.retain(|key, _| other(key));
+        }
+    }
+}
+
+/// What the section says of curves and parameters that are not fitted, or not in that way: `knots of EXX`.
+pub fn unused(machine: &Machine, request: &IdentifyEntry, list: &[Parameter]) -> Vec<String> {
+    let fitted = |key: &String, knots: bool| {
+        let Some(source) = parse_error_name(key).map(|error| source(machine, &error)) else { return false };
+        let mut terms = list.iter().flat_map(|p| &p.terms);
+        terms.any(|t| t.source == source && (!knots || t.basis.knots().is_some()))
+    };
+    let idle = |word: &str, key: &String| format!("{word} of {}", shown(key));
+    let basis = request.basis.keys().filter(|key| !fitted(key, false)).map(|key| idle("basis", key));
+    let knots = request.knots.keys().filter(|key| !fitted(key, true)).map(|key| idle("knots", key));
+    let own = request.parameters.keys().filter(|name| !list.iter().any(|p| p.name == **name));
+    basis.chain(knots).chain(own.map(|name| format!("parameter {}", shown(name)))).collect()
+}
+
+/// The bounds on slopes of fitted curves.
+pub fn slope_bounds(
+    machine: &Machine,
+    request: &IdentifyEntry,
+    list: &[Parameter],
+) -> Result<Vec<SlopeBound>, Refused> {
+    let one = |(word, bound): (&String, &Scalar)| {
+        let error = error(machine, word)?;
+        let source = source(machine, &error);
+        let axis = machine.axis_index(error.axis.as_str()).filter(|_| !error.location).map(|i| &machine.axes()[i]);
+        let help = "write a slope such as `EXX: 20 um/m` or `ECC: 1 urad/deg` of a fitted curve";
+        let Some(axis) = axis.filter(|_| list.iter().any(|p| p.terms.iter().any(|t| t.source == source))) else {
+            return Err(refusal(format!("`{error}` is no curve that is fitted: it has no slope to bound"), help));
+        };
+        let quantity = crate::units::quantity(&bound.to_string()).ok();
+        let per_axis = if axis.kind == AxisKind::Linear { (1, 0) } else { (0, 1) };
+        let value = if error.direction.is_rotation() { (0, 1) } else { (1, 0) };
+        let wanted = (value.0 - per_axis.0, value.1 - per_axis.1);
+        let slope = quantity.filter(|q| (q.dimension.length, q.dimension.angle) == wanted && q.value > 0.0);
+        let Some(slope) = slope else {
+            return Err(refusal(format!("`{bound}` is not a slope of `{error}`"), help));
+        };
+        // Positions of rotary axes are in degrees.
+        let per = if axis.kind == AxisKind::Linear { 1.0 } else { std::f64::consts::PI / 180.0 };
+        Ok(SlopeBound { source, interval: axis.travel.interval(), slope: slope.value * per })
+    };
+    request.slopes.iter().map(one).collect()
+}
+
+/// The same parameter from two words counts once; two forms of curve may not move the same error.
+fn add(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Refused> {
+    if list.iter().any(|known| known.name == parameter.name) {
+        return Ok(());
+    }
+    let meet = |a: Approach, b: Approach| a == b || a == Approach::Mean || b == Approach::Mean;
+    let clash = |known: &&Parameter| {
+        let unlike = kind(known) != kind(&parameter);
+        let at_odds = |a: &Term, b: &Term| {
+            let unlike = unlike || a.basis.knots() != b.basis.knots() || a.approach != b.approach;
+            a.source == b.source && meet(a.approach, b.approach) && unlike
+        };
+        known.terms.iter().any(|a| parameter.terms.iter().any(|b| at_odds(a, b)))
+    };
+    if let Some(known) = list.iter().find(clash) {
+        let message = format!("`{}` and `{}` fit the same error curve in two forms", known.name, parameter.name);
+        return Err(refusal(message, "fit every error once, in one form"));
+    }
+    list.push(parameter);
+    Ok(())
+}
+
+/// `EXX+`, `EXX forward`: the error's name and the direction it is meant for.
+pub(crate) fn directed(name: &str) -> (&str, Option<Approach>) {
+    let cut = |endings: [&str; 2]| endings.iter().find_map(|ending| name.strip_suffix(ending)).map(str::trim);
+    match (cut(["+", " forward"]), cut(["-", " reverse"])) {
+        (Some(bare), _) => (bare, Some(Approach::Forward)),
+        (_, Some(bare)) => (bare, Some(Approach::Reverse)),
+        _ => (name, None),
+    }
+}
+
+/// Lets an error follow another: what moves that one moves this one too.
+fn tie(
+    machine: &Machine,
+    follower: &str,
+    leaders: &IndexMap<String, Scalar>,
+    list: &mut [Parameter],
+) -> Result<(), Refused> {
+    let help = "write one error and a factor: `tied: { EBY: { EBX: -1 } }` is EBY = -EBX; EBX is fitted, EBY is not";
+    let own = error(machine, follower)?;
+    let Some((leader, factor)) = leaders.first().filter(|_| leaders.len() == 1) else {
+        return Err(refusal(format!("`{own}` follows {} errors", leaders.len()), help));
+    };
+    let factor = curves::plain(factor).ok_or_else(|| refusal(format!("`{factor}` is not a factor"), help))?;
+    let leader = error(machine, leader)?;
+    let (from, to) = (source(machine, &leader), source(machine, &own));
+    if own.location != leader.location || own.direction.is_rotation() != leader.direction.is_rotation() {
+        return Err(refusal(format!("`{own}` and `{leader}` are not of one kind: neither follows the other"), help));
+    }
+    if list.iter().any(|p| p.terms.iter().any(|t| t.source == to)) {
+        return Err(refusal(format!("`{own}` follows `{leader}` and is fitted itself"), help));
+    }
+    let mut followed = false;
+    for parameter in list {
+        let copies: Vec<Term> = parameter.terms.iter().filter(|t| t.source == from).cloned().collect();
+        followed |= !copies.is_empty();
+        parameter.terms.extend(copies.into_iter().map(|t| Term { source: to, factor: t.factor * factor, ..t }));
+    }
+    if followed { Ok(()) } else { Err(refusal(format!("`{own}` follows `{leader}`, which is not fitted"), help)) }
+}
+
+/// Slopes of `linear`, and parameters of one's own, among the forms of curves.
+const SLOPE: u8 = 4;
+const OWN: u8 = 5;
+
+/// Which form of curve a parameter belongs to.
+fn kind(parameter: &Parameter) -> u8 {
+    match parameter.terms.first().map(|t| &t.basis) {
+        _ if parameter.name.ends_with(":slope") => SLOPE,
+        _ if !parameter.name.contains(':') && parameter.terms.iter().any(|t| matches!(t.basis, Basis::Power(_))) => OWN,
+        Some(Basis::Power(_)) => 1,
+        Some(Basis::Cosine(_) | Basis::Sine(_)) => 2,
+        Some(Basis::Spline(Curve::Linear(_))) => 3,
+        Some(Basis::Spline(Curve::BSpline(spline))) => 6 + spline.degree() as u8,
+        Some(Basis::Spline(_)) => 6,
+        _ => 0,
+    }
+}
+
+pub(crate) fn refusal(message: String, help: impl Into<String>) -> Refused {
+    Box::new(Diagnostic::new("E0502", message).help(help))
+}
+
+/// Names of the parameters that a word of `fixed` takes out.
+fn fixed(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<String>, Refused> {
+    if GROUPS.contains(&word) {
+        return Ok(of_word(machine, word, &IdentifyEntry::default())?.into_iter().map(|p| p.name).collect());
+    }
+    if list.iter().any(|p| p.name == word) {
+        return Ok(vec![word.to_owned()]);
+    }
+    // Of what is not fitted there is nothing to take out.
+    let clamping = setup(machine, Place::Tool, "tool", &machine.setup().tool).into_iter().chain(setup(
+        machine,
+        Place::Workpiece,
+        "workpiece",
+        &machine.setup().workpiece,
+    ));
+    if formed(word).is_some() || clamping.into_iter().any(|p| p.name == word) {
+        return Ok(Vec::new());
+    }
+    let error = error(machine, word)?;
+    let moved = |p: &&Parameter| p.terms.first().is_some_and(|t| t.source == source(machine, &error));
+    Ok(list.iter().filter(moved).map(|p| p.name.clone()).collect())
+}
+
+fn of_word(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refused> {
+    match word {
+        "location" => Ok(machine.axes().iter().enumerate().flat_map(|(i, _)| six(machine, i)).collect()),
+        "spindle" if machine.spindle_errors().is_none() => {
+            Err(refusal("this chain has no spindle".to_owned(), "write `(S)` before `t` in the chain"))
+        }
+        "spindle" => Ok(six(machine, machine.axes().len()).collect()),
+        "tool" => Ok(setup(machine, Place::Tool, "tool", &machine.setup().tool)),
+        "workpiece" => Ok(setup(machine, Place::Workpiece, "workpiece", &machine.setup().workpiece)),
+        "linear" => Ok(linear(machine)),
+        _ => single(machine, word, request),
+    }
+}
+
+/// The six location errors of a joint.
+fn six(machine: &Machine, joint: usize) -> impl Iterator<Item = Parameter> + '_ {
+    let name = match machine.axes().get(joint) {
+        Some(axis) => Some(&axis.name),
+        None => machine.chain().spindle(),
+    };
+    name.into_iter().flat_map(move |axis| {
+        let one = move |direction| {
+            let error = ErrorId { axis: axis.clone(), location: true, direction };
+            location(machine, &error)
+        };
+        Direction::ALL.into_iter().map(one)
+    })
+}
+
+fn location(machine: &Machine, error: &ErrorId) -> Parameter {
+    let term = |id: &ErrorId| machine.errors().find(|(known, _)| known == id).map(|(_, term)| term.clone());
+    let start = term(error).map_or(0.0, |term| term.value(0.0, Approach::Mean));
+    Parameter::single(machine, error.to_string(), source(machine, error), Basis::Constant, start)
+}
+
+fn setup(machine: &Machine, place: Place, word: &str, starts: &[f64]) -> Vec<Parameter> {
+    let one = |(start, direction): (&f64, Direction)| {
+        let source = Source { place, direction };
+        Parameter::single(machine, format!("{word}.{}", direction.letter()), source, Basis::Constant, *start)
+    };
+    starts.iter().zip(Direction::ALL).map(one).collect()
+}
+
+/// Where an error sits. Its axis is one of the chain's, or the spindle.
+pub(crate) fn source(machine: &Machine, error: &ErrorId) -> Source {
+    let joint = machine.axis_index(error.axis.as_str()).unwrap_or(machine.axes().len());
+    let place = if error.location { Place::Location(joint) } else { Place::Component(joint) };
+    Source { place, direction: error.direction }
+}
+
+fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refused> {
+    let Some(error) = parse_error_name(word) else {
+        let message = format!("`{}` is neither an error nor a group", shown(word));
+        let help = format!("errors such as `EC0Y` or `EXX:poly3`, or a group; {}", did_you_mean(word, &GROUPS));
+        return Err(refusal(message, help));
+    };
+    let spindle = machine.chain().spindle().is_some_and(|name| *name == error.axis);
+    if machine.axis_index(error.axis.as_str()).is_none() && !(spindle && error.location) {
+        let message = format!("`{error}`: the chain has no axis `{}` that could have it", error.axis);
+        let known: Vec<&str> = machine.axes().iter().map(|axis| axis.name.as_str()).collect();
+        return Err(refusal(message, format!("its axes are {}", known.join(", "))));
+    }
+    Ok(error)
+}
+
+/// One error, with the basis that stands behind it, in `identify.basis`, or usual for the axis; or a parameter of
+/// one's own.
+fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refused> {
+    if let Some(errors) = request.parameters.get(word) {
+        return Ok(vec![own_parameter(machine, word, errors)?]);
+    }
+    let (name, form) = word.split_once(':').map_or((word, None), |(name, form)| (name.trim(), Some(form.trim())));
+    let both = name.strip_suffix("+-").map(str::trim);
+    let (bare, approach) = both.map_or_else(|| directed(name), |bare| (bare, None));
+    let error = error(machine, bare)?;
+    let listed = request.basis.iter().find(|(key, _)| parse_error_name(key).as_ref() == Some(&error));
+    if let Some((said, (_, listed))) = form.zip(listed).filter(|(said, (_, listed))| said != listed) {
+        let message = format!("`{error}` is fitted as `{}`, and its basis is `{}`", shown(said), shown(listed));
+        return Err(refusal(message, "say it once: in `fit`, or in `basis`"));
+    }
+    let form = form.or(listed.map(|(_, form)| form.as_str()));
+    if error.location {
+        return match form {
+            None if bare == name => Ok(vec![location(machine, &error)]),
+            _ => Err(refusal(
+                format!("`{error}` is a constant: it has neither basis nor direction"),
+                format!("write `{error}`"),
+            )),
+        };
+    }
+    let knots = request.knots.iter().find(|(key, _)| parse_error_name(key).as_ref() == Some(&error));
+    let knots = knots.map(|(_, knots)| knots.as_slice());
+    if both.is_none() {
+        return curves::parameters(machine, &error, form, knots, approach.unwrap_or_default());
+    }
+    let mut list = curves::parameters(machine, &error, form, knots, Approach::Forward)?;
+    list.extend(curves::parameters(machine, &error, form, knots, Approach::Reverse)?);
+    Ok(list)
+}
+
+/// A parameter of one's own: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`.
+fn own_parameter(machine: &Machine, name: &str, errors: &IndexMap<String, Vec<Scalar>>) -> Result<Parameter, Refused> {
+    let help =
+        "write coefficients by rising power of the position, in mm and rad: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`";
+    if GROUPS.contains(&name) || parse_error_name(name).is_some() || name.contains(':') {
+        return Err(refusal(
+            format!("`{}` cannot be the name of a parameter: it means something else", shown(name)),
+            help,
+        ));
+    }
+    let mut terms: Vec<Term> = Vec::new();
+    for (key, powers) in errors {
+        let error = error(machine, key)?;
+        let source = source(machine, &error);
+        for (k, factor) in powers.iter().enumerate() {
+            let said = || refusal(format!("`{}`: `{factor}` is not a coefficient of `{error}`", shown(name)), help);
+            let factor = curves::plain(factor).ok_or_else(said)?;
+            let power =
+                u8::try_from(k).ok().filter(|k| *k <= POWERS && (*k == 0 || !error.location)).ok_or_else(said)?;
+            if factor != 0.0 {
+                terms.push(Term::new(
+                    source,
+                    if error.location { Basis::Constant } else { Basis::Power(power) },
+                    factor,
+                ));
+            }
+        }
+    }
+    let Some(main) = terms.first().cloned() else {
+        return Err(refusal(format!("`{}` moves no error", shown(name)), help));
+    };
+    let power = if let Basis::Power(k) = main.basis { k } else { 0 };
+    Ok(Parameter::of_terms(machine, name.to_owned(), main.source, power, terms, 0.0))
+}
+
+/// The 2015 paper's parametrisation of every linear axis: positioning and the three angles grow with the
+/// position, and straightness is the integral of the angles (the Abbe principle): `(e x u) q^2 / 2`.
+fn linear(machine: &Machine) -> Vec<Parameter> {
+    let slides = machine.axes().iter().enumerate().filter(|(_, axis)| axis.kind == AxisKind::Linear);
+    slides.flat_map(|(i, axis)| slopes(machine, i, axis.direction)).collect()
+}
+
+fn slopes(machine: &Machine, axis: usize, u: [f64; 3]) -> Vec<Parameter> {
+    let name = &machine.axes()[axis].name;
+    let at = |direction| Source { place: Place::Component(axis), direction };
+    let term = |k: usize, power, factor: f64| Term::new(at(Direction::ALL[k]), Basis::Power(power), factor);
+    let parameter = |main: Direction, terms: Vec<Term>| {
+        let error = ErrorId { axis: name.clone(), location: false, direction: main };
+        let terms = terms.into_iter().filter(|t| t.factor != 0.0).collect();
+        Parameter::of_terms(machine, format!("{error}:slope"), at(main), 1, terms, 0.0)
+    };
+    let own = (0..3).fold(0, |most, k| if u[k].abs() > u[most].abs() { k } else { most });
+    let along = parameter(Direction::ALL[own], (0..3).map(|k| term(k, 1, u[k])).collect());
+    let angle = |k: usize| {
+        let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+        // The unit vector k times u: its component `next` is -u[last], its component `last` is u[next].
+        let terms = vec![term(3 + k, 1, 1.0), term(next, 2, -u[last] / 2.0), term(last, 2, u[next] / 2.0)];
+        parameter(Direction::ALL[3 + k], terms)
+    };
+    std::iter::once(along).chain((0..3).map(angle)).collect()
+}

@@ -1,0 +1,112 @@
+//! What is left after the fit: residuals, outliers, orders apart, and the prediction of data not used.
+
+use super::weighing::{median, solve, standardised};
+use crate::identify::data::measurement::{Kind, Measurement};
+use crate::identify::model::prediction::{Model, masked};
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+/// A measurement this many robust standard deviations off (root mean square of its components) is listed.
+const OUTLYING: f64 = 4.0;
+
+/// A measurement that does not fit the others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outlier {
+    /// Its index among the measurements.
+    pub row: usize,
+    /// Length of its residual (mm).
+    pub residual: f64,
+    /// The same in robust standard deviations, per component.
+    pub deviations: f64,
+}
+
+/// What is left, before and after. Every RMS is that of vector lengths (mm).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Residuals {
+    /// With the machine as the file says.
+    pub before: f64,
+    /// With the fitted machine.
+    pub after: f64,
+    /// Median of the lengths with the machine as the file says, of readings that it predicts by itself.
+    pub typical: f64,
+    /// With the fitted machine, for each kind of rows: how many, and their RMS.
+    pub kinds: Vec<(Kind, usize, f64)>,
+    /// Measurements that stand out, the worst first.
+    pub outliers: Vec<Outlier>,
+    /// RMS of the first-order part of the fitted deviations, of the second, and of all higher ones.
+    pub parts: [f64; 3],
+    /// RMS of what the first order alone, and the first two together, leave of the measurements.
+    pub left: [f64; 2],
+}
+
+/// RMS of vector lengths.
+fn rms(vectors: &[Vector3<f64>]) -> f64 {
+    (vectors.iter().map(|v| v.norm_squared()).sum::<f64>() / vectors.len().max(1) as f64).sqrt()
+}
+
+impl Residuals {
+    /// Compares the measurements with the machine before and after a fit.
+    pub fn of(model: &Model<'_>, data: &[Measurement], theta: &[f64]) -> Self {
+        let start: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+        let (before, after) = (model.residuals(data, &start), model.residuals(data, theta));
+        let orders: Vec<[Vector3<f64>; 3]> =
+            data.par_iter().zip(&after).map(|(m, residual)| orders(model, m, theta, residual)).collect();
+        let part = |k: usize| rms(&orders.iter().map(|o| o[k]).collect::<Vec<_>>());
+        let sum = |k: usize| -> Vec<Vector3<f64>> {
+            after.iter().zip(&orders).map(|(r, o)| r + o[k..].iter().sum::<Vector3<f64>>()).collect()
+        };
+        Self {
+            before: rms(&before),
+            typical: typical(data, &before),
+            after: rms(&after),
+            kinds: kinds(data, &after),
+            outliers: outliers(data, &after),
+            parts: [part(0), part(1), part(2)],
+            left: [rms(&sum(1)), rms(&sum(2))],
+        }
+    }
+}
+
+/// The median length of what does not hang on instruments.
+fn typical(data: &[Measurement], before: &[Vector3<f64>]) -> f64 {
+    let plain = |kind| !matches!(kind, Kind::Length | Kind::Line);
+    let sizes = data.iter().zip(before).filter(|(m, _)| plain(m.kind())).map(|(_, r)| r.norm());
+    median(sizes.collect()).0
+}
+
+/// First-order, second-order and higher part of a fitted deviation, where it was measured.
+fn orders(model: &Model<'_>, m: &Measurement, theta: &[f64], residual: &Vector3<f64>) -> [Vector3<f64>; 3] {
+    model.orders(m, theta, &(m.values() - residual)).map(|v| masked(m, v))
+}
+
+fn kinds(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<(Kind, usize, f64)> {
+    let mut groups: std::collections::BTreeMap<Kind, Vec<Vector3<f64>>> = std::collections::BTreeMap::new();
+    data.iter().zip(residuals).for_each(|(m, r)| groups.entry(m.kind()).or_default().push(*r));
+    groups.into_iter().map(|(kind, residuals)| (kind, residuals.len(), rms(&residuals))).collect()
+}
+
+fn outliers(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<Outlier> {
+    // Residuals of mere rounding have no outliers.
+    let sizes = standardised(data, residuals);
+    let one = |(row, deviations): (usize, f64)| Outlier { row, residual: residuals[row].norm(), deviations };
+    let mut found: Vec<Outlier> = sizes.into_iter().enumerate().map(one).collect();
+    found.retain(|o| o.deviations > OUTLYING && o.residual > 1e-6);
+    found.sort_by(|a, b| b.deviations.total_cmp(&a.deviations));
+    found
+}
+
+/// RMS (mm) of the prediction of data that the fit has not seen: every measurement is left out once, in
+/// `folds` parts taken in turn. `None` with fewer than two parts or measurements than parts.
+pub fn held_out(model: &Model<'_>, data: &[Measurement], folds: usize, robust: bool) -> Option<f64> {
+    if folds < 2 || folds > data.len() {
+        return None;
+    }
+    let part = |fold: usize| {
+        let (held, used): (Vec<_>, Vec<_>) = data.iter().cloned().enumerate().partition(|(i, _)| i % folds == fold);
+        let bare = |list: Vec<(usize, Measurement)>| list.into_iter().map(|(_, m)| m).collect::<Vec<_>>();
+        let (held, used) = (bare(held), bare(used));
+        model.residuals(&held, &solve(model, &used, robust).theta)
+    };
+    let left: Vec<Vector3<f64>> = (0..folds).flat_map(part).collect();
+    Some(rms(&left))
+}

@@ -1,0 +1,119 @@
+//! Are the residuals noise? Three tests that a calibration engineer can act on, per kind of row and component, in the
+//! order in which was measured.
+
+use crate::identify::data::measurement::{Kind, Measurement};
+use nalgebra::Vector3;
+
+/// Fewer residuals than this tell nothing.
+const FEWEST: usize = 20;
+
+/// What the residuals of one component look like. Probabilities are those of noise looking like this or worse.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Randomness {
+    /// Of which rows.
+    pub kind: Kind,
+    /// Which component of a deviation; 0 otherwise.
+    pub component: usize,
+    /// How many residuals.
+    pub count: usize,
+    /// Skewness and kurtosis are those of a normal distribution (Jarque and Bera 1980): low with outliers.
+    pub normality: f64,
+    /// Signs change as often as by chance (Wald and Wolfowitz 1940): low with drift, or with a shape not fitted.
+    pub runs: f64,
+    /// Correlation of a residual with the one before.
+    pub lag1: f64,
+}
+
+impl Randomness {
+    /// `dx`, `rel.dz`, `lengths` ...
+    pub fn name(&self) -> String {
+        let component = ["dx", "dy", "dz"][self.component.min(2)];
+        match self.kind {
+            Kind::Deviation => component.to_owned(),
+            Kind::Relative => format!("rel.{component}"),
+            kind => kind.word().to_owned(),
+        }
+    }
+}
+
+/// The tests for every component that has enough residuals.
+pub fn randomness(data: &[Measurement], residuals: &[Vector3<f64>], weights: &[f64]) -> Vec<Randomness> {
+    let mut groups: std::collections::BTreeMap<(Kind, usize), Vec<f64>> = std::collections::BTreeMap::new();
+    for ((m, r), w) in data.iter().zip(residuals).zip(weights) {
+        for k in (0..3).filter(|k| m.seen()[*k]) {
+            groups.entry((m.kind(), k)).or_default().push(r[k] * libm::sqrt(*w));
+        }
+    }
+    let test = |((kind, component), values): ((Kind, usize), Vec<f64>)| {
+        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+        // Residuals of mere rounding are no noise.
+        (values.len() >= FEWEST && high - low > 1e-9).then(|| Randomness {
+            kind,
+            component,
+            count: values.len(),
+            normality: normality(&values),
+            runs: runs(&values),
+            lag1: lag1(&values),
+        })
+    };
+    groups.into_iter().filter_map(test).collect()
+}
+
+fn moments(values: &[f64]) -> (f64, [f64; 3]) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let moment = |k: usize| values.iter().map(|v| (0..k).fold(1.0, |p, _| p * (v - mean))).sum::<f64>() / n;
+    (mean, [moment(2), moment(3), moment(4)])
+}
+
+fn normality(values: &[f64]) -> f64 {
+    let (_, [second, third, fourth]) = moments(values);
+    let (skewness, excess) = (third / (second * libm::sqrt(second)), fourth / (second * second) - 3.0);
+    let statistic = values.len() as f64 / 6.0 * (skewness * skewness + excess * excess / 4.0);
+    // Chi-squared with two degrees of freedom.
+    libm::exp(-statistic / 2.0)
+}
+
+fn runs(values: &[f64]) -> f64 {
+    let signs: Vec<bool> = values.iter().map(|v| *v > 0.0).collect();
+    let above = signs.iter().filter(|s| **s).count() as f64;
+    let (n, below) = (signs.len() as f64, signs.len() as f64 - above);
+    let product = 2.0 * above * below;
+    if product <= n {
+        return 0.0;
+    }
+    let found = 1.0 + signs.windows(2).filter(|w| w[0] != w[1]).count() as f64;
+    let variance = product * (product - n) / (n * n * (n - 1.0));
+    let z = (found - (product / n + 1.0)) / libm::sqrt(variance);
+    libm::erfc(z.abs() / std::f64::consts::SQRT_2)
+}
+
+fn lag1(values: &[f64]) -> f64 {
+    let (mean, [variance, ..]) = moments(values);
+    let sum: f64 = values.windows(2).map(|w| (w[0] - mean) * (w[1] - mean)).sum();
+    sum / (values.len() as f64 * variance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drift_and_outliers_are_told_from_noise() {
+        // Twelve even draws added up are normal, near enough; splitmix64 (Steele, Lea and Flood 2014) draws them.
+        let mut state = 1_u64;
+        let mut even = || {
+            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let noise: Vec<f64> = (0..300).map(|_| (0..12).map(|_| even()).sum::<f64>() - 6.0).collect();
+        assert!(normality(&noise) > 0.01 && runs(&noise) > 0.01 && lag1(&noise).abs() < 0.15);
+        let drift: Vec<f64> = noise.iter().enumerate().map(|(i, v)| v + i as f64 / 75.0 - 2.0).collect();
+        assert!(runs(&drift) < 1e-6 && lag1(&drift) > 0.4);
+        let mut bumped = noise;
+        bumped[7] = 12.0;
+        assert!(normality(&bumped) < 1e-6);
+    }
+}

@@ -1,0 +1,187 @@
+//! What a fit is worth: rank, null space in words, uncertainty, and what the noise drowns.
+
+use super::fit::Fit;
+use super::student;
+use crate::algebra::linear::Svd;
+use crate::identify::model::parameter::Parameter;
+use crate::identify::words::{drowned, echelon, inseparable, list, named};
+use nalgebra::{DMatrix, DVector};
+
+/// Singular values of the column-scaled Jacobian below this share of the largest are zero.
+const RANK: f64 = 1e-10;
+/// A column is scaled as if it had at least this share of the displacement its parameter usually makes: what
+/// is far smaller consists of the rounding of the model, and scaled to unit length would count as rank.
+const FAINT: f64 = 1e-2;
+/// Parts named of a direction that changes nothing, for people.
+const MOST_LISTED: usize = 12;
+/// A parameter with more than this squared share in the null space has no value of its own.
+const LOST: f64 = 1e-3;
+
+/// A parameter's value and what it is worth; in the parameter's kept unit (mm, rad, degrees of position).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The value. Of parameters that the data do not tell apart, the shortest combination.
+    pub value: f64,
+    /// Standard uncertainty from the scatter of the residuals; `None`: the data leave the value free, or have no reading
+    /// more than the rank, so that nothing scatters.
+    pub sigma: Option<f64>,
+    /// How many standard uncertainties a 95 % interval reaches to either side (Student); `None` without scatter.
+    pub coverage: Option<f64>,
+    /// How many times better its effect on a usual reading is known than one reading is: root mean square of the
+    /// effect of one standard uncertainty over the readings, inverted, in standard deviations of a reading. Depends on
+    /// where was measured, not on what; 0 if the value is free.
+    pub valuation: f64,
+}
+
+/// A fit with its diagnosis.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// One for each parameter.
+    pub estimates: Vec<Estimate>,
+    /// The least valuation of the machine's parameters that have a value: an observability figure.
+    pub valuation: f64,
+    /// Numerical rank of the column-scaled Jacobian at the solution.
+    pub rank: usize,
+    /// How many independent directions the noise does not drown.
+    pub well_determined: usize,
+    /// Parameters without any effect.
+    pub idle: Vec<String>,
+    /// What cannot be told apart, in words: a sentence for each rank that is missing, first those on `idle`.
+    pub null_space: Vec<String>,
+    /// The same, of a few parts each.
+    short: Vec<String>,
+    /// What can in principle, but not with this noise, in words.
+    pub drowned: Vec<String>,
+    /// Singular values of the column-scaled Jacobian, falling.
+    pub singular_values: Vec<f64>,
+    /// Largest over smallest of those within the rank.
+    pub condition: f64,
+    /// Standard deviation of one reading of weight 1 (mm).
+    pub sigma: f64,
+    /// Readings minus rank.
+    pub freedom: usize,
+    /// Covariance of the parameters as displacements over `units`, for readings of unit variance.
+    covariance: DMatrix<f64>,
+    /// Directions (columns) in which these are free.
+    hidden: DMatrix<f64>,
+    units: DVector<f64>,
+}
+
+impl Solution {
+    /// Examines a fit.
+    pub fn of(fit: &Fit, parameters: &[Parameter]) -> Self {
+        let sizes = DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size));
+        let norms = fit.reduced.column_norms();
+        let strongest = norms.component_div(&sizes).iter().copied().fold(0.0, f64::max);
+        let scale = DVector::from_fn(norms.len(), |j, _| norms[j].max(FAINT * strongest * sizes[j]));
+        let unit = fit.reduced.scaled(&scale);
+        let rank = unit.rank(RANK);
+        // In full rank no direction has to be told from the others, and one decomposition will do.
+        let full = rank == parameters.len();
+        let sized = if full { None } else { Some(fit.reduced.scaled(&sizes)) };
+        let freedom = fit.reduced.rows.saturating_sub(rank);
+        let sigma = libm::sqrt(fit.squares / freedom.max(1) as f64);
+        let null = sized.as_ref().map_or_else(Vec::new, |sized| echelon(&sized.null_space(rank)));
+        let (covariance, hidden) = match &sized {
+            Some(sized) => (sized.covariance(rank), sized.null_space(rank)),
+            None => (unit.covariance(rank), DMatrix::zeros(parameters.len(), 0)),
+        };
+        let units = if full { &scale } else { &sizes };
+        // Standard uncertainties for readings of unit variance.
+        let spread = |j: usize| libm::sqrt(covariance[(j, j)].max(0.0)) / units[j];
+        let free = |j: usize| hidden.row(j).norm_squared() > LOST;
+        let theta = at_rest(fit, &null, parameters);
+        let root = libm::sqrt(fit.reduced.rows.max(1) as f64);
+        let mut student = student::Coverage::default();
+        let estimate = |(j, value): (usize, f64)| Estimate {
+            value,
+            sigma: (!free(j) && freedom > 0).then(|| spread(j) * sigma),
+            coverage: (freedom > 0).then(|| student.reach(fit.freedom.get(j).copied().unwrap_or(freedom as f64))),
+            valuation: if free(j) || norms[j] == 0.0 { 0.0 } else { root / (norms[j] * spread(j)) },
+        };
+        let estimates: Vec<Estimate> = theta.into_iter().enumerate().map(estimate).collect();
+        let values = estimates.iter().zip(parameters).filter(|(e, p)| e.valuation > 0.0 && !p.is_nuisance());
+        let valuation = values.map(|(e, _)| e.valuation).reduce(f64::min).unwrap_or(0.0);
+        let well_determined = heard(&unit, rank, fit.reduced.rows);
+        // One standard deviation along a direction, in units of displacement.
+        let along = |k: usize| unit.v.column(k).component_mul(&sizes).component_div(&scale) * (sigma / unit.values[k]);
+        let spreads: Vec<DVector<f64>> = (well_determined..rank).map(along).collect();
+        let sentences = |most| null.iter().map(|row| inseparable(&named(row), parameters, most)).collect();
+        let smallest = if rank > 0 { unit.values[rank - 1] } else { 0.0 };
+        Self {
+            estimates,
+            valuation,
+            rank,
+            well_determined,
+            idle: null.iter().map_while(|row| alone(row).map(|(j, _)| parameters[j].name.clone())).collect(),
+            null_space: sentences(usize::MAX),
+            short: sentences(MOST_LISTED),
+            drowned: drowned(&spreads, &scale.component_div(&sizes), &null, parameters),
+            condition: if smallest > 0.0 { unit.values[0] / smallest } else { f64::INFINITY },
+            singular_values: unit.values.iter().copied().collect(),
+            sigma,
+            freedom,
+            units: units.clone(),
+            covariance,
+            hidden,
+        }
+    }
+
+    /// Standard uncertainty of a sum of so much of each parameter; `None` if the data leave it free, or nothing scatters.
+    pub fn uncertainty(&self, sum: &[(usize, f64)]) -> Option<f64> {
+        let mut row = DVector::zeros(self.units.len());
+        sum.iter().for_each(|(j, factor)| row[*j] += factor / self.units[*j]);
+        let told = self.hidden.tr_mul(&row).norm_squared() <= LOST * row.norm_squared();
+        let variance = row.dot(&(&self.covariance * &row));
+        (told && self.freedom > 0).then(|| libm::sqrt(variance.max(0.0)) * self.sigma)
+    }
+
+    /// The least and the greatest number of standard uncertainties that 95 % intervals reach; `None` without scatter.
+    pub fn coverage(&self) -> Option<(f64, f64)> {
+        let reaches = self.estimates.iter().filter_map(|e| e.coverage).map(|reach| (reach, reach));
+        reaches.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
+    /// What cannot be told apart, in sentences that can be read: those without effect in one, the others of a few parts.
+    pub fn free(&self) -> Vec<String> {
+        let idle: Vec<&str> = self.idle.iter().map(String::as_str).collect();
+        let all = if idle.len() < 2 { None } else { Some(format!("{} have no effect on these data", list(&idle))) };
+        let rest = self.short.iter().skip(if all.is_some() { idle.len() } else { 0 }).cloned();
+        all.into_iter().chain(rest).collect()
+    }
+
+    /// Values of the parameters (mm, rad, degrees of position).
+    pub fn theta(&self) -> Vec<f64> {
+        self.estimates.iter().map(|estimate| estimate.value).collect()
+    }
+}
+
+/// Independent directions in which one standard deviation of the estimate moves the points, parameter by
+/// parameter, less than the noise of a single reading does. It depends on where was measured, not on what.
+fn heard(unit: &Svd, rank: usize, readings: usize) -> usize {
+    let limit = 1.0 / (readings.max(1) as f64).sqrt();
+    (0..rank).filter(|k| unit.values[*k] > limit).count()
+}
+
+/// The only parameter of a direction, and how much of it.
+fn alone(row: &DVector<f64>) -> Option<(usize, f64)> {
+    if let [only] = named(row)[..] { Some(only) } else { None }
+}
+
+/// Puts parameters that have no effect back to where they started: what is left of them is the bend of
+/// the directions they hid in while the others moved.
+fn at_rest(fit: &Fit, null: &[DVector<f64>], parameters: &[Parameter]) -> Vec<f64> {
+    let mut theta = fit.theta.clone();
+    for row in null {
+        let Some((alone, amount)) = alone(row) else { continue };
+        if fit.bounded[alone] {
+            continue;
+        }
+        let away = (theta[alone] - parameters[alone].start) * parameters[alone].size / amount;
+        for (j, parameter) in parameters.iter().enumerate().filter(|(j, _)| *j != alone) {
+            theta[j] -= away * row[j] / parameter.size;
+        }
+        theta[alone] = parameters[alone].start;
+    }
+    theta
+}

@@ -1,0 +1,155 @@
+//! Polar diagrams of deviations that are exaggerated about a nominal circle: of a ball bar about the
+//! least-squares centre, one exaggeration for all planes.
+
+use super::scale::round_step;
+use super::svg::{Anchor, FIRST, Font, INK, LINE, Picture, SECOND, Svg, polygon, polyline};
+use crate::analysis::instrument::BallBar;
+use crate::machine::sin_cos_degrees;
+use crate::units::significant;
+
+/// Circles to be drawn side by side.
+#[derive(Debug, Clone, Copy)]
+pub struct PolarPicture<'a> {
+    /// The first line.
+    pub title: &'a str,
+    /// The second line.
+    pub subtitle: &'a str,
+    /// The circles.
+    pub circles: &'a [BallBar],
+}
+
+const PANEL: f64 = 290.0;
+const LEFT: f64 = 24.0;
+const TOP: f64 = 84.0;
+/// Radius of the nominal circle, px.
+const NOMINAL: f64 = 96.0;
+/// Rings on either side of it.
+const RINGS: i32 = 2;
+/// From ring to ring, px.
+const PITCH: f64 = 19.0;
+const WAYS: [(&str, Stroke); 2] = [
+    ("counter-clockwise", Stroke { colour: FIRST, dashes: "" }),
+    ("clockwise", Stroke { colour: SECOND, dashes: "5 3" }),
+];
+
+/// How a curve is drawn.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stroke {
+    pub colour: &'static str,
+    /// Lengths of dashes and gaps; empty for none.
+    pub dashes: &'static str,
+}
+
+impl Stroke {
+    /// Attributes of a line of this width.
+    pub(crate) fn style(&self, width: f64) -> String {
+        let dashes =
+            if self.dashes.is_empty() { String::new() } else { format!(r#" stroke-dasharray="{}""#, self.dashes) };
+        format!(r#"fill="none" stroke="{}" stroke-width="{width}"{dashes}"#, self.colour)
+    }
+
+    /// A sample of the line with its name; returns where the next one may begin.
+    pub(crate) fn key(&self, svg: &mut Svg, (x, y): (f64, f64), name: &str) -> f64 {
+        svg.line((x, y - 4.0), (x + 26.0, y - 4.0), &self.style(1.8));
+        svg.text((x + 32.0, y), name, Font::plain(12.0), Anchor::Start, 0.0);
+        x + 60.0 + 7.0 * name.chars().count() as f64
+    }
+}
+
+/// The rings of a diagram about a centre, and what one of them is (um).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Dial {
+    centre: (f64, f64),
+    ring: f64,
+}
+
+impl Dial {
+    /// The height and width it takes, px.
+    pub(crate) const SIZE: f64 = PANEL;
+
+    /// A dial for values up to `largest` (um).
+    pub(crate) fn new(centre: (f64, f64), largest: f64) -> Self {
+        // Below a picometre there is nothing but rounding to draw.
+        Self { centre, ring: round_step(largest.max(1e-6), RINGS as usize) }
+    }
+
+    /// Radius of the outermost ring, with some air, px.
+    fn outer() -> f64 {
+        NOMINAL + PITCH * f64::from(RINGS) + 6.0
+    }
+
+    /// Rings and cross, with names of the directions to the right and upwards.
+    pub(crate) fn rings(&self, svg: &mut Svg, right: &str, up: &str) {
+        let (centre, outer) = (self.centre, Self::outer());
+        for k in -RINGS..=RINGS {
+            let colour = if k == 0 { INK } else { LINE };
+            svg.circle(centre, NOMINAL + PITCH * f64::from(k), &format!(r#"fill="none" stroke="{colour}""#));
+        }
+        let faint = format!(r#"stroke="{LINE}""#);
+        svg.line((centre.0 - outer, centre.1), (centre.0 + outer, centre.1), &faint);
+        svg.line((centre.0, centre.1 - outer), (centre.0, centre.1 + outer), &faint);
+        svg.text((centre.0 + outer, centre.1 - 5.0), right, Font::bold(12.0), Anchor::End, 0.0);
+        svg.text((centre.0 + 6.0, centre.1 - outer + 4.0), up, Font::bold(12.0), Anchor::Start, 0.0);
+    }
+
+    /// Values (um) over angles (deg).
+    pub(crate) fn curve(&self, svg: &mut Svg, values: impl Iterator<Item = (f64, f64)>, closed: bool, stroke: Stroke) {
+        let point = |(angle, value): (f64, f64)| {
+            let (sine, cosine) = sin_cos_degrees(angle);
+            let at = NOMINAL + PITCH * value / self.ring;
+            (self.centre.0 + at * cosine, self.centre.1 - at * sine)
+        };
+        let points: Vec<(f64, f64)> = values.map(point).collect();
+        let path = if closed { polygon(&points) } else { polyline(&points) };
+        svg.path(&path, &stroke.style(1.5));
+    }
+
+    /// What stands below it, in bold and faint.
+    fn below(&self, svg: &mut Svg, title: &str, line: &str) {
+        let y = self.centre.1 + Self::outer() + 22.0;
+        svg.text((self.centre.0, y), title, Font::bold(13.0), Anchor::Middle, 0.0);
+        svg.text((self.centre.0, y + 18.0), line, Font::faint(12.0), Anchor::Middle, 0.0);
+    }
+
+    /// What one ring is, in words.
+    pub(crate) fn ring_words(&self) -> String {
+        format!("{} µm", significant(self.ring, 4))
+    }
+}
+
+impl PolarPicture<'_> {
+    /// The picture.
+    pub fn picture(&self) -> Picture {
+        let width = 2.0 * LEFT + PANEL * self.circles.len().max(2) as f64;
+        let mut svg = Svg::new(width, TOP + PANEL + 100.0);
+        svg.heading(LEFT, (self.title, 60), (self.subtitle, (width / 7.5) as usize));
+        let all = self.circles.iter().flat_map(|c| c.centred.iter().flatten());
+        let largest = all.fold(0.0_f64, |max, x| max.max(x.abs()));
+        let dial = |i: usize| Dial::new((LEFT + PANEL * (i as f64 + 0.5), TOP + PANEL * 0.5), largest);
+        self.circles.iter().enumerate().for_each(|(i, circle)| panel(&mut svg, circle, dial(i)));
+        let below = TOP + PANEL + 58.0;
+        let _ = WAYS.iter().fold(LEFT, |x, (name, stroke)| stroke.key(&mut svg, (x, below), name));
+        let note = format!(
+            "One ring is {} of radial deviation; the dark circle is the nominal radius. Outwards: the machine is too far out.",
+            dial(0).ring_words()
+        );
+        svg.text((LEFT, below + 22.0), &note, Font::faint(12.0), Anchor::Start, 0.0);
+        svg.picture(&format!("{}: {}", self.title, self.subtitle))
+    }
+}
+
+fn panel(svg: &mut Svg, circle: &BallBar, dial: Dial) {
+    let [right, up] = circle.plane.directions().map(|i| ["+X", "+Y", "+Z"][i]);
+    dial.rings(svg, right, up);
+    for (way, (_, stroke)) in circle.centred.iter().zip(WAYS) {
+        dial.curve(svg, circle.angles.iter().copied().zip(way.iter().copied()), true, stroke);
+    }
+    let title = format!("{}: G(b) {} µm", circle.plane.name(), significant(circle.bidirectional, 3));
+    let line = format!(
+        "G {} and {} µm, squareness {} µrad",
+        significant(circle.deviation[0], 3),
+        significant(circle.deviation[1], 3),
+        significant(circle.squareness, 3)
+    );
+    dial.below(svg, &title, &line);
+}

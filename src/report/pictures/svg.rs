@@ -1,0 +1,336 @@
+//! A small writer of SVG: numbers short and never `-0`, text escaped, no outside resources, the same
+//! bytes for the same picture. A finished [`Picture`] can be had as PNG too, its text as outlines.
+
+use super::outlines;
+
+/// Where a text hangs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Anchor {
+    /// It begins at the point.
+    Start,
+    /// It is centred on the point.
+    Middle,
+    /// It ends at the point.
+    End,
+}
+
+/// How a text looks: size in px, weight, colour.
+#[derive(Debug, Clone, Copy)]
+pub struct Font {
+    /// Height in px.
+    pub size: f64,
+    /// Bold?
+    pub bold: bool,
+    /// Any CSS colour.
+    pub colour: &'static str,
+}
+
+/// Colour of lines and text.
+pub const INK: &str = "#1f2933";
+
+/// Colour of what stands back.
+pub const FAINT: &str = "#5f6b76";
+
+/// Colour of lines across a diagram.
+pub const LINE: &str = "#c3cad1";
+
+/// Colours of curves and bars: of the first, of the second, of the third kind. A page maps them to its own.
+pub const FIRST: &str = "#1d5fa8";
+/// Of the second.
+pub const SECOND: &str = "#b8590f";
+/// Of the third.
+pub const THIRD: &str = "#1c7a3d";
+
+impl Font {
+    /// Plain text in ink.
+    pub const fn plain(size: f64) -> Self {
+        Self { size, bold: false, colour: INK }
+    }
+
+    /// Bold text in ink.
+    pub const fn bold(size: f64) -> Self {
+        Self { size, bold: true, colour: INK }
+    }
+
+    /// Plain text that stands back.
+    pub const fn faint(size: f64) -> Self {
+        Self { size, bold: false, colour: FAINT }
+    }
+}
+
+/// A picture in the making; coordinates in px, y downwards.
+#[derive(Debug, Clone)]
+pub struct Svg {
+    width: f64,
+    height: f64,
+    body: Vec<Piece>,
+}
+
+/// A piece of the body: text is kept apart, for it is written in two ways.
+#[derive(Debug, Clone)]
+enum Piece {
+    Markup(String),
+    Text(Text),
+}
+
+/// A line of text.
+#[derive(Debug, Clone)]
+pub(crate) struct Text {
+    pub at: (f64, f64),
+    pub text: String,
+    pub font: Font,
+    pub anchor: Anchor,
+    pub turned: f64,
+}
+
+impl Svg {
+    /// An empty picture on white ground.
+    pub fn new(width: f64, height: f64) -> Self {
+        Self { width, height, body: Vec::new() }
+    }
+
+    /// Adds an element whose attributes are ours (nothing of the user's may be in them).
+    pub fn element(&mut self, name: &str, attributes: &str) {
+        self.markup(format!("<{name} {attributes}/>\n"));
+    }
+
+    fn markup(&mut self, text: String) {
+        match self.body.last_mut() {
+            Some(Piece::Markup(body)) => body.push_str(&text),
+            _ => self.body.push(Piece::Markup(text)),
+        }
+    }
+
+    /// What `draw` draws becomes a group with these attributes (ours, like those of [`Self::element`]).
+    pub fn group(&mut self, attributes: &str, draw: impl FnOnce(&mut Self)) {
+        self.markup(format!("<g {attributes}>\n"));
+        draw(self);
+        self.markup("</g>\n".to_owned());
+    }
+
+    /// Puts another picture here, so many times as large.
+    pub fn place(&mut self, corner: (f64, f64), times: f64, other: Self) {
+        let transform = format!(r#"transform="translate({} {}) scale({times})""#, number(corner.0), number(corner.1));
+        self.group(&transform, |svg| {
+            for piece in other.body {
+                match piece {
+                    Piece::Markup(text) => svg.markup(text),
+                    text @ Piece::Text(_) => svg.body.push(text),
+                }
+            }
+        });
+    }
+
+    /// Width and height, px.
+    pub fn size(&self) -> (f64, f64) {
+        (self.width, self.height)
+    }
+
+    /// A straight line.
+    pub fn line(&mut self, from: (f64, f64), to: (f64, f64), style: &str) {
+        let (x1, y1, x2, y2) = (number(from.0), number(from.1), number(to.0), number(to.1));
+        self.element("line", &format!(r#"x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" {style}"#));
+    }
+
+    /// An upright rectangle from its upper left corner.
+    pub fn rect(&mut self, corner: (f64, f64), size: (f64, f64), style: &str) {
+        let (x, y, w, h) = (number(corner.0), number(corner.1), number(size.0), number(size.1));
+        self.element("rect", &format!(r#"x="{x}" y="{y}" width="{w}" height="{h}" {style}"#));
+    }
+
+    /// A circle.
+    pub fn circle(&mut self, centre: (f64, f64), radius: f64, style: &str) {
+        self.element(
+            "circle",
+            &format!(r#"cx="{}" cy="{}" r="{}" {style}"#, number(centre.0), number(centre.1), number(radius)),
+        );
+    }
+
+    /// A path.
+    pub fn path(&mut self, data: &str, style: &str) {
+        self.element("path", &format!(r#"d="{data}" {style}"#));
+    }
+
+    /// A line with a filled head at its end; shorter than a head, the head alone.
+    pub fn arrow(&mut self, from: (f64, f64), to: (f64, f64), width: f64, colour: &str) {
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let length = dx.hypot(dy);
+        if length < 0.5 {
+            return;
+        }
+        let head = (width * 4.5).min(length);
+        let (ux, uy) = (dx / length, dy / length);
+        let neck = (to.0 - ux * head, to.1 - uy * head);
+        self.line(from, neck, &format!(r#"stroke="{colour}" stroke-width="{}""#, number(width)));
+        let half = head * 0.38;
+        let points = [to, (neck.0 - uy * half, neck.1 + ux * half), (neck.0 + uy * half, neck.1 - ux * half)];
+        self.path(&polygon(&points), &format!(r#"fill="{colour}""#));
+    }
+
+    /// A line of text; `turned` by that many degrees about its point. Escaped here.
+    pub fn text(&mut self, at: (f64, f64), text: &str, font: Font, anchor: Anchor, turned: f64) {
+        self.body.push(Piece::Text(Text { at, text: text.to_owned(), font, anchor, turned }));
+    }
+
+    /// The lines at the top, what is shown and how, each cut to so many characters.
+    pub fn heading(&mut self, left: f64, (title, room): (&str, usize), (subtitle, more): (&str, usize)) {
+        self.text((left, 32.0), &fitted(title, room), Font::bold(18.0), Anchor::Start, 0.0);
+        self.text((left, 54.0), &fitted(subtitle, more), Font::faint(13.0), Anchor::Start, 0.0);
+    }
+
+    /// The finished picture. `title` is what a screen reader says.
+    pub fn picture(self, title: &str) -> Picture {
+        Picture { drawing: self, title: title.to_owned() }
+    }
+
+    /// The file, its texts written by `write`.
+    fn file(&self, title: &str, write: impl Fn(&Text) -> String) -> String {
+        let body: String = self
+            .body
+            .iter()
+            .map(|piece| match piece {
+                Piece::Markup(text) => text.clone(),
+                Piece::Text(text) => write(text),
+            })
+            .collect();
+        format!(
+            concat!(
+                r#"<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}" "#,
+                r#"font-family="'DejaVu Sans', Verdana, Helvetica, Arial, sans-serif" role="img">"#,
+                "\n<title>{title}</title>\n",
+                r#"<rect x="0" y="0" width="{w}" height="{h}" fill="white"/>"#,
+                "\n{body}</svg>\n"
+            ),
+            w = number(self.width),
+            h = number(self.height),
+            title = escaped(title),
+            body = body,
+        )
+    }
+}
+
+/// A text element.
+fn text_element(text: &Text) -> String {
+    let (x, y) = (number(text.at.0), number(text.at.1));
+    let anchor = match text.anchor {
+        Anchor::Start => "",
+        Anchor::Middle => r#" text-anchor="middle""#,
+        Anchor::End => r#" text-anchor="end""#,
+    };
+    let weight = if text.font.bold { r#" font-weight="bold""# } else { "" };
+    let turn = if text.turned == 0.0 {
+        String::new()
+    } else {
+        format!(r#" transform="rotate({} {x} {y})""#, number(text.turned))
+    };
+    let (size, colour, words) = (number(text.font.size), text.font.colour, escaped(&text.text));
+    format!("<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" fill=\"{colour}\"{weight}{anchor}{turn}>{words}</text>\n")
+}
+
+/// A finished picture.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    drawing: Svg,
+    title: String,
+}
+
+/// Pixels of a PNG for a px of the drawing: sharp in print at the usual size.
+const PNG_SCALE: f32 = 2.0;
+
+impl Picture {
+    /// As an SVG file.
+    pub fn svg(&self) -> String {
+        self.drawing.file(&self.title, text_element)
+    }
+
+    /// As a PNG file, two pixels for a px; what went wrong, if it cannot be drawn.
+    pub fn png(&self) -> Result<Vec<u8>, String> {
+        let text = self.drawing.file(&self.title, outlines::path_elements);
+        let tree = resvg::usvg::Tree::from_str(&text, &resvg::usvg::Options::default()).map_err(|f| f.to_string())?;
+        let size = tree.size().to_int_size().scale_by(PNG_SCALE).ok_or("the picture is too large")?;
+        let mut pixels =
+            resvg::tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("the picture is too large")?;
+        let scale = resvg::tiny_skia::Transform::from_scale(PNG_SCALE, PNG_SCALE);
+        resvg::render(&tree, scale, &mut pixels.as_mut());
+        pixels.encode_png().map_err(|failure| failure.to_string())
+    }
+}
+
+/// Data of a closed path.
+pub fn polygon(points: &[(f64, f64)]) -> String {
+    let mut data = polyline(points);
+    data.push('Z');
+    data
+}
+
+/// Data of an open path.
+pub fn polyline(points: &[(f64, f64)]) -> String {
+    let step =
+        |(i, (x, y)): (usize, &(f64, f64))| format!("{}{} {}", if i == 0 { "M" } else { "L" }, number(*x), number(*y));
+    points.iter().enumerate().map(step).collect()
+}
+
+/// With two decimals at most; what is not finite has no place in a picture and becomes 0.
+pub fn number(value: f64) -> String {
+    if !value.is_finite() {
+        return "0".to_owned();
+    }
+    let text = format!("{value:.2}");
+    let short = text.trim_end_matches('0').trim_end_matches('.');
+    if short == "-0" { "0".to_owned() } else { short.to_owned() }
+}
+
+/// Text as XML takes it, in elements and in quoted attributes.
+pub fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            // XML 1.0 has no place for these.
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// Lines of at most so many characters, broken at blanks; a longer word is cut.
+pub fn wrapped(text: &str, longest: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        let word = fitted(word, longest);
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= longest => {
+                line.push(' ');
+                line.push_str(&word);
+            }
+            _ => lines.push(word),
+        }
+    }
+    lines
+}
+
+/// At most so many characters, cut with an ellipsis.
+pub fn fitted(text: &str, longest: usize) -> String {
+    if text.chars().count() <= longest {
+        return text.to_owned();
+    }
+    text.chars().take(longest.saturating_sub(1)).chain(['…']).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_text_is_harmless() {
+        assert_eq!([-0.001, 1.5, 100.0, f64::NAN].map(number), ["0", "1.5", "100", "0"]);
+        assert_eq!(escaped("</script>&\"'\u{1}"), "&lt;/script&gt;&amp;&quot;&#39;\u{fffd}");
+        assert_eq!(wrapped("a bc def", 4), ["a bc", "def"]);
+        assert_eq!(fitted("abcdef", 4), "abc…");
+    }
+}
