@@ -16,7 +16,7 @@ mod naive;
 use abbe::analysis::{SurveyTask, View, survey};
 use abbe::cli::files::Disk;
 use abbe::diagnostic::Diagnostics;
-use abbe::evaluate::{Batch, Columns, Field, Nodes, Order, Plan, Planned, Poses, Width};
+use abbe::evaluate::{Batch, Columns, CompiledField, CompiledModel, Field, Nodes, Order, Poses, Width};
 use abbe::machine::{Approach, Machine};
 use std::io::{BufRead, Write};
 use std::path::Path;
@@ -84,7 +84,7 @@ impl Bench {
             }
             ["survey", order, threads] => {
                 let order = order.parse().map_or(Order::Exact, Order::Degree);
-                let field = Planned::new(&self.machine, order);
+                let field = CompiledField::new(&self.machine, order);
                 let poses = Poses::Nodes(Nodes::of(&self.machine));
                 let view = View::default();
                 // As with batches: the plan is compiled and the threads are there before the clock starts.
@@ -126,7 +126,7 @@ fn once(run: impl FnOnce()) -> impl FnMut() {
     move || run.take().expect("called once")()
 }
 
-fn plan(machine: &Machine, order: &str, width: &str) -> Plan {
+fn plan(machine: &Machine, order: &str, width: &str) -> CompiledModel {
     let order = order.parse().map_or(Order::Exact, Order::Degree);
     let width = match width {
         "scalar" => Width::Scalar,
@@ -136,7 +136,7 @@ fn plan(machine: &Machine, order: &str, width: &str) -> Plan {
         "neon" => Width::Neon,
         _ => Width::widest(),
     };
-    Plan::new(machine, order, Approach::Mean).with_width(width)
+    CompiledModel::new(machine, order, Approach::Mean).with_width(width)
 }
 
 fn main() {

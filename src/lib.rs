@@ -11,9 +11,9 @@
 //!    tool, axes, ISO 230-1 errors as constants and curves, conventions. It can only be built valid.
 //! 3. [`lower`] turns a machine at a pose into matrices over an [`algebra`], joint by joint, in one
 //!    documented order, and multiplies them along the chain.
-//! 4. [`evaluate`] subtracts the ideal machine: deviation of the functional point, orientation, E_VE.
+//! 4. [`evaluate`] subtracts the nominal machine: deviation of the functional point, orientation, E_VE.
 //!    Whatever has a deviation at a pose is an [`evaluate::Field`]. For many poses a machine is compiled into an
-//!    [`evaluate::Plan`], which gives the same numbers on the vector unit.
+//!    [`evaluate::CompiledModel`], which gives the same numbers on the vector unit.
 //! 5. [`analysis`] maps and compares fields over a volume, budgets tolerances, ranks arrangements of the axes.
 //! 6. [`convert`] writes a machine under other conventions, and proves that it is the same machine.
 //! 7. [`identify`] fits errors to measured deviations and writes a machine file again.

@@ -1,7 +1,7 @@
 //! What one would write first: every joint a 4x4 matrix, every curve looked up by itself, both chains multiplied out, and
 //! the difference taken. Small angles in the error matrices (`joints: linearised`), default conventions otherwise.
 
-use abbe::evaluate::{Batch, Columns, Frame, Plan, evaluate};
+use abbe::evaluate::{Batch, Columns, CompiledModel, Frame, evaluate};
 use abbe::machine::{AxisKind, Branch, ComponentError, Curve, ErrorTerm, Machine};
 
 type Matrix = [[f64; 4]; 4];
@@ -130,12 +130,12 @@ impl Chain {
     pub fn run(&self, batch: &Batch<'_>, out: &mut Columns, count: usize) {
         for i in 0..count {
             let pose: [f64; 5] = std::array::from_fn(|axis| batch.axes()[axis][i]);
-            let (real, ideal) = (self.chain(&pose, true), self.chain(&pose, false));
+            let (real, nominal) = (self.chain(&pose, true), self.chain(&pose, false));
             for k in 0..3 {
                 let at = |m: &Matrix| m[k][0] * self.tip[0] + m[k][1] * self.tip[1] + m[k][2] * self.tip[2] + m[k][3];
-                out.position[k][i] = at(&real) - at(&ideal);
+                out.position[k][i] = at(&real) - at(&nominal);
             }
-            let relative = |a: usize, b: usize| (0..3).map(|k| real[a][k] * ideal[b][k]).sum::<f64>();
+            let relative = |a: usize, b: usize| (0..3).map(|k| real[a][k] * nominal[b][k]).sum::<f64>();
             let vector = |a: usize, b: usize| 0.5 * (relative(a, b) - relative(b, a));
             out.rotation[0][i] = vector(2, 1);
             out.rotation[1][i] = vector(0, 2);
@@ -145,7 +145,7 @@ impl Chain {
 }
 
 /// One pose over the general algebra.
-pub fn general(plan: &Plan, pose: &[f64], out: &mut Columns, index: usize) {
+pub fn general(plan: &CompiledModel, pose: &[f64], out: &mut Columns, index: usize) {
     let d = evaluate(plan.machine(), pose, plan.order(), plan.approach(), Frame::Workpiece).deviation;
     for k in 0..3 {
         out.position[k][index] = d.position[k];

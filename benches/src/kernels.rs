@@ -6,7 +6,7 @@
 use abbe::analysis::{SurveyTask, View, survey};
 use abbe::cli::files::Disk;
 use abbe::diagnostic::Diagnostics;
-use abbe::evaluate::{Columns, Nodes, Order, Plan, Planned, PoseColumns, Poses, Random, Width};
+use abbe::evaluate::{Columns, Nodes, Order, CompiledModel, CompiledField, PoseColumns, Poses, Random, Width};
 use abbe::machine::{Approach, Machine};
 use divan::Bencher;
 use divan::counter::ItemsCount;
@@ -37,7 +37,7 @@ fn kernels() -> Vec<(Order, Width)> {
 #[divan::bench(args = kernels())]
 fn scattered(bencher: Bencher, (order, width): (Order, Width)) {
     let machine = trunnion();
-    let plan = Plan::new(&machine, order, Approach::Mean).with_width(width);
+    let plan = CompiledModel::new(&machine, order, Approach::Mean).with_width(width);
     let mut poses = PoseColumns::new(machine.axes().len());
     Poses::Random(Random::of(&machine, POSES, 7)).fill(0..POSES, &mut poses);
     let mut out = Columns::new(POSES);
@@ -47,7 +47,7 @@ fn scattered(bencher: Bencher, (order, width): (Order, Width)) {
 #[divan::bench(args = kernels())]
 fn grid(bencher: Bencher, (order, width): (Order, Width)) {
     let machine = trunnion();
-    let grid = Plan::new(&machine, order, Approach::Mean).with_width(width).grid(&Nodes::of(&machine)).unwrap();
+    let grid = CompiledModel::new(&machine, order, Approach::Mean).with_width(width).grid(&Nodes::of(&machine)).unwrap();
     let nodes = POSES / grid.line() * grid.line();
     let mut out = Columns::new(nodes);
     bencher.counter(ItemsCount::new(nodes)).bench_local(|| grid.fill(grid.lines() / 3, out.output(nodes)));
@@ -56,7 +56,7 @@ fn grid(bencher: Bencher, (order, width): (Order, Width)) {
 #[divan::bench(args = ORDERS)]
 fn statistics(bencher: Bencher, order: Order) {
     let machine = trunnion();
-    let (field, poses) = (Planned::new(&machine, order), Poses::Nodes(Nodes::of(&machine)));
+    let (field, poses) = (CompiledField::new(&machine, order), Poses::Nodes(Nodes::of(&machine)));
     let task = SurveyTask { field: &field, poses: &poses, view: View::default(), worst: 5 };
     bencher.counter(ItemsCount::new(poses.len())).bench_local(|| survey(task, &|_| ()));
 }
@@ -64,5 +64,5 @@ fn statistics(bencher: Bencher, order: Order) {
 #[divan::bench(args = ORDERS)]
 fn compilation(bencher: Bencher, order: Order) {
     let machine = trunnion();
-    bencher.bench_local(|| Plan::new(&machine, order, Approach::Mean));
+    bencher.bench_local(|| CompiledModel::new(&machine, order, Approach::Mean));
 }

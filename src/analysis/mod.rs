@@ -34,7 +34,7 @@ pub use inverse::{
 };
 pub use volume::diagonals::{Diagonal, body_diagonals, space_axes};
 pub use volume::lever::{Lever, levers};
-pub use volume::map::{MOST_POSES, Map, TooManyPoses, View, deviation_in, frame_rotation, map};
+pub use volume::map::{MAX_POSES, Map, TooManyPoses, View, deviation_in, frame_rotation, map};
 pub use volume::plane::Plane;
-pub use volume::survey::{Block, MOST_SURVEYED, Survey, Task as SurveyTask, survey, survey_with_rows};
+pub use volume::survey::{Block, MAX_SURVEYED, Survey, Task as SurveyTask, survey, survey_with_rows};
 pub use volume::work::Work;

@@ -1,6 +1,6 @@
 //! The algebra asked for: in the words of the machine file's section `algebra`, or that section itself.
 
-use super::Stop;
+use super::Exit;
 use super::session::Session;
 use crate::diagnostic::{Diagnostic, shown};
 use crate::lower::{Declared, WeilLift};
@@ -8,14 +8,14 @@ use crate::machine::{AlgebraChoice, Machine};
 use crate::syntax::AlgebraEntry;
 
 /// The algebra declared by a text (empty: by the machine file), with its generators.
-pub(super) fn declared(session: &mut Session, machine: &Machine, text: &str) -> Result<Declared, Stop> {
+pub(super) fn declared(session: &mut Session, machine: &Machine, text: &str) -> Result<Declared, Exit> {
     let choice = if text.trim().is_empty() { of_machine(machine) } else { of_text(text) };
     let declared = choice.and_then(|choice| Declared::new(machine, &choice));
     declared.or_else(|refusal| session.refuse(refusal))
 }
 
 /// The same, with its basis.
-pub(super) fn lift(session: &mut Session, machine: &Machine, text: &str) -> Result<WeilLift, Stop> {
+pub(super) fn lift(session: &mut Session, machine: &Machine, text: &str) -> Result<WeilLift, Exit> {
     let declared = declared(session, machine, text)?;
     declared.build().or_else(|refusal| session.refuse(refusal))
 }

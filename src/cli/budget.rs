@@ -6,7 +6,7 @@ use super::session::Session;
 use super::tolerances::ToleranceArgs;
 use super::tool_poses::{self, Reached};
 use super::view::{axes_json, axes_text, table};
-use super::write::{Kind, refuse_outputs, write_picture};
+use super::write::{PictureKind, refuse_outputs, write_picture};
 use super::{Format, Outcome, load};
 use crate::analysis::budget::{
     Bound, Budget, Contribution, PERCENTS, Percentile, Request, Statistic, Totals, budget, budget_poses, known,
@@ -87,7 +87,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let drawn = report.report();
     for (path, picture) in [(&args.pareto, drawn.pareto(args.top)), (&args.waterfall, drawn.waterfall(args.top))] {
         if let Some(path) = path {
-            let kind = Kind::of(path).unwrap_or(Kind::Svg);
+            let kind = PictureKind::of(path).unwrap_or(PictureKind::Svg);
             write_picture(path, &picture, kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
         }
     }

@@ -1,6 +1,6 @@
 //! Budgets of several machines on the same work: for `compare` and for the comparison of `report`.
 
-use super::Stop;
+use super::Exit;
 use super::budget::{TOTALS, TOTALS_NOTE, totals_row};
 use super::progress::Progress;
 use super::session::Session;
@@ -35,7 +35,7 @@ pub(super) fn budgets(
     session: &mut Session,
     sides: &[(&Machine, Vec<Pose>)],
     drawn: Drawn<'_>,
-) -> Result<Option<Budgets>, Stop> {
+) -> Result<Option<Budgets>, Exit> {
     let mut all = Vec::new();
     let mut source = None;
     for (machine, _) in sides {

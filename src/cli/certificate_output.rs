@@ -2,7 +2,9 @@
 
 use super::Format;
 use super::session::Session;
-use crate::controller::{Certificate, ErrorLeft, Figures, Handled, ROUNDING_UM, Raised, Shifted, Target};
+use crate::controller::{
+    Certificate, ControllerTarget, ErrorLeft, Figures, Handled, ROUNDING_UM, RaisedFigure, ZeroShift,
+};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::Summary;
 use crate::machine::{Approach, Axis, AxisKind, Machine};
@@ -11,15 +13,15 @@ use serde_json::json;
 use std::path::Path;
 
 /// What is shown.
-pub(super) struct Shown<'a> {
+pub(super) struct CertificateView<'a> {
     pub machine: &'a Machine,
-    pub target: &'a Target,
+    pub target: &'a ControllerTarget,
     pub certificate: &'a Certificate,
     pub files: Vec<String>,
     pub folder: &'a Path,
 }
 
-impl Shown<'_> {
+impl CertificateView<'_> {
     pub(super) fn print(&self, session: &Session) {
         match session.format() {
             Format::Json => session.print_json(self.json()),
@@ -37,14 +39,14 @@ impl Shown<'_> {
             .map(|e| (e.error.to_string(), json!({"handled": e.handled, "left_um": e.left, "alone_um": e.alone})))
             .collect();
         let shifted = certificate.shifted.as_ref();
-        let shift = |s: &Shifted| {
+        let shift = |s: &ZeroShift| {
             let of = |kind: AxisKind| -> serde_json::Map<_, _> {
                 let axes = self.machine.axes().iter().zip(&s.shift).filter(|(axis, _)| axis.kind == kind);
                 axes.map(|(axis, shift)| (axis.name.to_string(), json!(shift * micro(kind).0))).collect()
             };
             json!({"shift_um": of(AxisKind::Linear), "shift_urad": of(AxisKind::Rotary), "position_um": s.position_um, "without_tables_um": s.alone_um})
         };
-        let raised = |r: &Raised| json!({"direction": r.approach, "figure": r.figure, "before_um": r.before, "after_um": r.after});
+        let raised = |r: &RaisedFigure| json!({"direction": r.approach, "figure": r.figure, "before_um": r.before, "after_um": r.after});
         json!({
             "reference_shift": shifted.map(shift), "raised": certificate.raised.iter().map(raised).collect::<Vec<_>>(),
             "target": self.target.manifest.target, "files": self.files, "poses": certificate.poses,
@@ -233,7 +235,7 @@ fn raised(certificate: &Certificate) -> Option<String> {
         Approach::Forward => " forward",
         Approach::Reverse => " in reverse",
     };
-    let one = |r: &Raised| {
+    let one = |r: &RaisedFigure| {
         format!("{}{} to {} um from {}", r.figure, way(r.approach), significant(r.after, 4), significant(r.before, 4))
     };
     let all: Vec<String> = certificate.raised.iter().map(one).collect();
@@ -294,7 +296,7 @@ fn why_raised(certificate: &Certificate) -> &'static str {
 }
 
 /// The tool in words: a table holds for its length.
-fn tool(machine: &Machine, target: &Target) -> String {
+fn tool(machine: &Machine, target: &ControllerTarget) -> String {
     let tool = machine.tool();
     let length: f64 = (0..3).map(|i| (tool.tip[i] - tool.gauge[i]) * (tool.tip[i] - tool.gauge[i])).sum();
     let length = significant(libm::sqrt(length), 6);

@@ -2,7 +2,7 @@
 
 use super::files::Disk;
 use super::session::Session;
-use super::{Format, Outcome, Stop};
+use super::{Exit, Format, Outcome};
 use crate::algebra::{Inadmissible, Split, split};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::syntax::read_text;
@@ -66,9 +66,9 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     Ok(())
 }
 
-fn read(session: &mut Session, args: &Args) -> Result<(Matrix4<f64>, Matrix4<f64>), Stop> {
+fn read(session: &mut Session, args: &Args) -> Result<(Matrix4<f64>, Matrix4<f64>), Exit> {
     let Some((_, text)) = read_text(&args.matrix, None, &Disk, &mut session.diagnostics) else {
-        return Err(Stop::Refused);
+        return Err(Exit::Refused);
     };
     parse(&text).or_else(|reason| {
         session.refuse(Diagnostic::new("E0815", format!("no matrix over the dual numbers: {}", shown(&reason))).help(

@@ -1,12 +1,14 @@
 //! `abbe compile`: the compensation files of a target, with their certificate.
 
-use super::certificate_output::{Shown, warnings};
+use super::certificate_output::{CertificateView, warnings};
 use super::how::Options;
 use super::module_set::{self, Module};
 use super::session::Session;
-use super::table_set::{self, Made};
+use super::table_set::{self, RenderedTables};
 use super::{Outcome, file_set, load, write};
-use crate::controller::{Certificate, Hashed, Judged, Limits, Lock, NAMES, RenderedFile, Target, certify_kinematics};
+use crate::controller::{
+    Certificate, ControllerTarget, Hashed, JudgedTables, Limits, Lock, NAMES, RenderedFile, certify_kinematics,
+};
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
 use std::path::PathBuf;
@@ -55,8 +57,8 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let lattice = (&args.lattice[..], args.nodes);
     let made =
         table_set::made(session, &machine, &target, lattice, args.options.how.scope(), limits, installed.as_ref())?;
-    let Made { rendered, tables } = made;
-    let judged = Judged { target: &target, tables: &tables, installed: installed.as_ref() };
+    let RenderedTables { rendered, tables } = made;
+    let judged = JudgedTables { target: &target, tables: &tables, installed: installed.as_ref() };
     let certificate = args.options.certificate(&machine, judged);
     target.unplaced(&machine).into_iter().for_each(|warning| session.diagnostics.push(warning));
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
@@ -77,7 +79,7 @@ impl Set {
         self,
         session: &mut Session,
         args: &Args,
-        (machine, target): (&Machine, &Target),
+        (machine, target): (&Machine, &ControllerTarget),
         certificate: &Certificate,
     ) -> Outcome {
         let Self { rendered, words, inputs } = self;
@@ -85,13 +87,19 @@ impl Set {
         let lock = Lock::new(&args.target, machine, words, inputs, files);
         file_set::write(&args.out, &rendered, &lock).or_else(|refusal| session.refuse(refusal))?;
         let files = rendered.into_iter().map(|file| file.name).collect();
-        Shown { machine, target, certificate, files, folder: &args.out }.print(session);
+        CertificateView { machine, target, certificate, files, folder: &args.out }.print(session);
         Ok(())
     }
 }
 
 /// The files of a kinematics module.
-fn module(session: &mut Session, args: &Args, machine: &Machine, target: &Target, inputs: Vec<Hashed>) -> Outcome {
+fn module(
+    session: &mut Session,
+    args: &Args,
+    machine: &Machine,
+    target: &ControllerTarget,
+    inputs: Vec<Hashed>,
+) -> Outcome {
     module_set::refuse_installed(session, args.installed.is_some())?;
     let orientation = args.options.how.orientation();
     let limits = args.max_correction.unwrap_or_default();
@@ -106,7 +114,7 @@ fn module(session: &mut Session, args: &Args, machine: &Machine, target: &Target
 
 /// What rests on memory alone is written only for those who say that they know. A folder of one's own
 /// needs no such word: who wrote its manifest knows.
-fn refuse_unverified(session: &mut Session, target: &Target, accepted: bool) -> Outcome {
+fn refuse_unverified(session: &mut Session, target: &ControllerTarget, accepted: bool) -> Outcome {
     let name = &target.manifest.target;
     if accepted || !target.manifest.unverified() || !NAMES.contains(&&**name) {
         return Ok(());

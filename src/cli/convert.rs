@@ -1,7 +1,7 @@
 //! `abbe convert`: the same machine under other conventions, proved by comparing both.
 
 use super::session::Session;
-use super::{Format, Outcome, Stop, load, write};
+use super::{Exit, Format, Outcome, load, write};
 use crate::convert::{Change, Conversion, Misfit, Proof, ROUNDING, Wish, changes, convert, prove};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{Conventions, Machine, MachineParts, written};
@@ -65,7 +65,7 @@ fn distance(text: &str) -> Result<f64, String> {
     length.filter(|mm| (0.0..=1.0).contains(mm)).ok_or_else(|| "write a length up to 1 mm, such as `10 nm`".to_owned())
 }
 
-fn wish(session: &mut Session, machine: &Machine, args: &Args) -> Result<Wish, Stop> {
+fn wish(session: &mut Session, machine: &Machine, args: &Args) -> Result<Wish, Exit> {
     let text = args.to.as_deref();
     let conventions = text.map_or(Ok(*machine.conventions()), |text| machine.conventions().amended(text));
     let conventions = conventions.or_else(|why| {
@@ -90,7 +90,7 @@ fn wish(session: &mut Session, machine: &Machine, args: &Args) -> Result<Wish, S
 }
 
 /// The machine that the text says: what is proved is what is written.
-fn read_back(session: &mut Session, text: &str) -> Result<Machine, Stop> {
+fn read_back(session: &mut Session, text: &str) -> Result<Machine, Exit> {
     load::own(text).or_else(|why| {
         let message = format!("the converted machine is refused: {}", shown(&why));
         let help = "an error that is plausible in one convention need not be in another: check the large ones; and all tables stand \

@@ -2,22 +2,27 @@
 //! files are there by name; else the one that their content tells.
 
 use super::files::{SET_LIMIT, read_at_most};
-use super::how::{How, StoredArg};
+use super::how::{CompensationOptions, StoredArg};
 use super::session::Session;
-use super::{Stop, file_set};
-use crate::controller::{LOCK_NAME, Lock, NAMES, ReadBack, Recognised, Target, recognise};
+use super::{Exit, file_set};
+use crate::controller::{ControllerTarget, LOCK_NAME, Lock, NAMES, ReadBack, RecognisedSet, recognise};
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
 use std::path::Path;
 
 /// A set's files, in their places.
 pub(super) struct Set {
-    pub target: Target,
+    pub target: ControllerTarget,
     pub files: Vec<ReadBack>,
 }
 
 /// The set in a folder, of whatever target it is, after a killed run is finished there.
-pub(super) fn any_set(session: &mut Session, machine: &Machine, folder: &Path, how: &How) -> Result<Set, Stop> {
+pub(super) fn any_set(
+    session: &mut Session,
+    machine: &Machine,
+    folder: &Path,
+    how: &CompensationOptions,
+) -> Result<Set, Exit> {
     file_set::settle(session, folder)?;
     let set = set(session, machine, folder, None, how)?;
     session.checked()?;
@@ -25,8 +30,8 @@ pub(super) fn any_set(session: &mut Session, machine: &Machine, folder: &Path, h
 }
 
 /// More files than any set has are not looked at, nor more bytes.
-const MOST_FILES: usize = 200;
-const MOST_BYTES: u64 = 4 * SET_LIMIT;
+const MAX_FILES: usize = 200;
+const MAX_BYTES: u64 = 4 * SET_LIMIT;
 
 /// The set in a folder.
 pub(super) fn set(
@@ -34,8 +39,8 @@ pub(super) fn set(
     machine: &Machine,
     folder: &Path,
     named: Option<&str>,
-    how: &How,
-) -> Result<Set, Stop> {
+    how: &CompensationOptions,
+) -> Result<Set, Exit> {
     let lock = file_set::existing_lock(folder);
     let stored = lock.as_ref().and_then(|lock| how.stored.or_else(|| StoredArg::of(&lock.options)));
     let named = named.map(str::to_owned).or_else(|| lock.as_ref().map(|lock| lock.target.clone()));
@@ -54,8 +59,8 @@ pub(super) fn set(
             return Ok(Set { target: target.clone(), files: Vec::new() });
         }
     }
-    let there = |target: &&Target| target.table_files(machine).iter().any(|name| is_there(folder, name));
-    let by_name: Vec<&Target> = candidates.iter().filter(there).collect();
+    let there = |target: &&ControllerTarget| target.table_files(machine).iter().any(|name| is_there(folder, name));
+    let by_name: Vec<&ControllerTarget> = candidates.iter().filter(there).collect();
     if let [target] = by_name[..] {
         let mut wanted = target.table_files(machine);
         wanted.extend(target.index_files());
@@ -76,14 +81,14 @@ fn is_there(folder: &Path, name: &str) -> bool {
 }
 
 /// Those of the binary, then those of the user's folder.
-fn all_targets(session: &mut Session, how: &How) -> Result<Vec<Target>, Stop> {
+fn all_targets(session: &mut Session, how: &CompensationOptions) -> Result<Vec<ControllerTarget>, Exit> {
     let mut names: Vec<String> = NAMES.iter().map(|name| (*name).to_owned()).collect();
     names.extend(how.own_targets().into_iter().filter(|own| !NAMES.contains(&&**own)));
     names.into_iter().map(|name| how.target(session, &name, None)).collect()
 }
 
 /// A table that the set's manifest lists is part of it, whether or not its target could do without.
-fn refuse_incomplete(session: &mut Session, folder: &Path, lock: &Lock, wanted: &[String]) -> Result<(), Stop> {
+fn refuse_incomplete(session: &mut Session, folder: &Path, lock: &Lock, wanted: &[String]) -> Result<(), Exit> {
     let listed = lock.files.iter().filter(|file| wanted.contains(&file.name));
     let missing: Vec<&str> = listed.map(|file| &*file.name).filter(|name| !is_there(folder, name)).collect();
     for name in &missing {
@@ -95,7 +100,12 @@ fn refuse_incomplete(session: &mut Session, folder: &Path, lock: &Lock, wanted: 
 }
 
 /// Files of any name.
-fn by_content(session: &mut Session, machine: &Machine, folder: &Path, targets: Vec<Target>) -> Result<Set, Stop> {
+fn by_content(
+    session: &mut Session,
+    machine: &Machine,
+    folder: &Path,
+    targets: Vec<ControllerTarget>,
+) -> Result<Set, Exit> {
     let only = match &targets[..] {
         [target] => Some((target.manifest.target.clone(), target.table_files(machine).join(", "))),
         _ => None,
@@ -108,7 +118,7 @@ fn by_content(session: &mut Session, machine: &Machine, folder: &Path, targets: 
     let (mut texts, mut bytes) = (Vec::new(), 0);
     for (number, name) in names.into_iter().enumerate() {
         let size = folder.join(&name).metadata().map_or(0, |metadata| metadata.len());
-        if number >= MOST_FILES || bytes + size > MOST_BYTES {
+        if number >= MAX_FILES || bytes + size > MAX_BYTES {
             session.diagnostics.push(left_alone(&name, "the files before it are more than any set has"));
             break;
         }
@@ -120,7 +130,7 @@ fn by_content(session: &mut Session, machine: &Machine, folder: &Path, targets: 
         }
     }
     match recognise(machine, targets, &texts, &mut session.diagnostics) {
-        Some(Recognised { target, files }) => Ok(Set { target, files }),
+        Some(RecognisedSet { target, files }) => Ok(Set { target, files }),
         None => {
             session.checked()?;
             let Some((target, files)) = only else { return session.refuse(nothing_found(folder)) };

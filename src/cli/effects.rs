@@ -1,6 +1,6 @@
 //! What `eval` says besides deviations: `--sensitivity` with `--interactions`, and `--inverse`.
 
-use super::Stop;
+use super::Exit;
 use super::session::Session;
 use super::view::table;
 use crate::analysis::interactions;
@@ -30,7 +30,7 @@ impl Effects {
         poses: &[Pose],
         approach: Approach,
         interacting: bool,
-    ) -> Result<Self, Stop> {
+    ) -> Result<Self, Exit> {
         let calculation =
             interactions(machine, 1 + u8::from(interacting)).or_else(|refusal| session.refuse(refusal))?;
         let at: Vec<Interactions> = poses.iter().map(|pose| calculation.at(pose, approach)).collect();
@@ -129,7 +129,7 @@ pub(super) fn inverse(
     pose: &Pose,
     lift: &WeilLift,
     approach: Approach,
-) -> Result<Vec<(String, f64)>, Stop> {
+) -> Result<Vec<(String, f64)>, Exit> {
     let errors = values(machine, pose, approach);
     let problem = Inverse::new(machine, pose, &errors);
     let solution = problem.solve(lift, lift.basis().order());

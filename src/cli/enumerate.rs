@@ -6,10 +6,10 @@ use super::ranking::{By, Report, Setting};
 use super::session::Session;
 use super::tolerances::ToleranceArgs;
 use super::tool_poses::{self, Reached};
-use super::{Format, Outcome, Stop, load};
+use super::{Exit, Format, Outcome, load};
 use crate::analysis::Work;
 use crate::analysis::budget::known;
-use crate::analysis::enumerate::{Journal, Judge, MOST_ARRANGEMENTS, Rule, Study, TooMany, Walk, ranked, walks};
+use crate::analysis::enumerate::{Journal, Judge, MAX_ARRANGEMENTS, Rule, Study, TooMany, Walk, ranked, walks};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{AxisKind, AxisName, Machine};
 use rayon::prelude::*;
@@ -77,7 +77,7 @@ enum ByArg {
 }
 
 /// Poses times samples: as many figures are kept of the file's own arrangement.
-const MOST_DRAWS: u64 = 20_000_000;
+const MAX_DRAWS: u64 = 20_000_000;
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let part = match args.shard.as_deref().map(shard) {
@@ -129,15 +129,15 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
 /// Refuses more draws than are kept.
 fn draws(session: &mut Session, poses: u64, samples: u64) -> Outcome {
     let draws = poses * samples;
-    if draws <= MOST_DRAWS {
+    if draws <= MAX_DRAWS {
         return Ok(());
     }
-    let message = format!("{poses} poses and {samples} samples are {draws} drawn poses; {MOST_DRAWS} are kept at most");
+    let message = format!("{poses} poses and {samples} samples are {draws} drawn poses; {MAX_DRAWS} are kept at most");
     session.refuse(Diagnostic::new("E0606", message).help("take fewer poses or `--samples`"))
 }
 
 /// The tool poses of the file, or random ones over the machine's volume.
-fn work(session: &mut Session, args: &Args, machine: &Machine) -> Result<(Work, Option<Reached>), Stop> {
+fn work(session: &mut Session, args: &Args, machine: &Machine) -> Result<(Work, Option<Reached>), Exit> {
     let Some(path) = &args.tool_poses else {
         return Ok((Work::random(machine, args.poses as usize, args.seed), None));
     };
@@ -146,7 +146,7 @@ fn work(session: &mut Session, args: &Args, machine: &Machine) -> Result<(Work, 
     Ok((Work::Listed(file.list(machine)), Some(reached)))
 }
 
-fn rules(session: &mut Session, args: &Args, machine: &Machine) -> Result<Vec<Rule>, Stop> {
+fn rules(session: &mut Session, args: &Args, machine: &Machine) -> Result<Vec<Rule>, Exit> {
     let names: Vec<&AxisName> = machine.axes().iter().map(|axis| &axis.name).collect();
     let sugar = args.max_table.map(|n| format!("at most {n} on table"));
     let mut rules = Vec::new();
@@ -163,7 +163,7 @@ fn rules(session: &mut Session, args: &Args, machine: &Machine) -> Result<Vec<Ru
     Ok(rules)
 }
 
-fn listed(session: &mut Session, args: &Args, machine: &Machine, rules: &[Rule]) -> Result<Vec<Walk>, Stop> {
+fn listed(session: &mut Session, args: &Args, machine: &Machine, rules: &[Rule]) -> Result<Vec<Walk>, Exit> {
     let message = match walks(machine, args.rotary, rules) {
         Ok(list) if list.is_empty() => {
             let help = "take one of the rules back";
@@ -176,10 +176,10 @@ fn listed(session: &mut Session, args: &Args, machine: &Machine, rules: &[Rule])
         Err(TooMany::After(count)) => format!("{count} arrangements are left"),
     };
     let help = "exclude what you would not build (`--require`, `--max-table`), take fewer rotary axes (`--rotary 2`), or take axes out of the chain";
-    session.refuse(Diagnostic::new("E0607", format!("{message}; {MOST_ARRANGEMENTS} are listed at most")).help(help))
+    session.refuse(Diagnostic::new("E0607", format!("{message}; {MAX_ARRANGEMENTS} are listed at most")).help(help))
 }
 
-fn judge(session: &mut Session, args: &Args, machine: &Machine) -> Result<(Judge, Option<String>), Stop> {
+fn judge(session: &mut Session, args: &Args, machine: &Machine) -> Result<(Judge, Option<String>), Exit> {
     let bounded = args.tolerances.class.is_some() || machine.errors().count() > known(machine);
     let by = args.by.unwrap_or(if bounded { ByArg::Budget } else { ByArg::Errors });
     if by == ByArg::Errors {

@@ -2,7 +2,7 @@
 
 use super::session::Session;
 use super::{Format, Outcome, targets};
-use crate::controller::Target;
+use crate::controller::ControllerTarget;
 use crate::diagnostic::{CODES, CodeInfo, info};
 use crate::machine::{Direction, ErrorId, parse_error_name};
 use serde_json::json;
@@ -33,8 +33,8 @@ fn explanation(what: &str) -> Option<(String, String)> {
     let code = |code: &CodeInfo| {
         (code.code.to_owned(), format!("{}: {}\n\n{}", code.code, code.title, code.explanation.trim()))
     };
-    let target = |target: Target| (target.manifest.target.clone(), targets::describe(&target));
-    info(what).map(code).or_else(|| Target::embedded(what).map(target)).or_else(|| error_name(what))
+    let target = |target: ControllerTarget| (target.manifest.target.clone(), targets::describe(&target));
+    info(what).map(code).or_else(|| ControllerTarget::embedded(what).map(target)).or_else(|| error_name(what))
 }
 
 fn error_name(what: &str) -> Option<(String, String)> {

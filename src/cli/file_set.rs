@@ -7,7 +7,7 @@ use super::commit::{self, Decided};
 use super::files::{SET_LIMIT, read_at_most};
 use super::session::Session;
 use super::{Outcome, write};
-use crate::controller::{Hashed, LOCK_NAME, Lock, ReadBack, RenderedFile, Target};
+use crate::controller::{ControllerTarget, Hashed, LOCK_NAME, Lock, ReadBack, RenderedFile};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::syntax::ReadFailure;
 use std::fs;
@@ -126,7 +126,7 @@ pub(super) fn inputs(session: &Session) -> Vec<Hashed> {
 }
 
 /// Of rendered files that do not say what was meant.
-pub(super) fn misread(target: &Target) -> Diagnostic {
+pub(super) fn misread(target: &ControllerTarget) -> Diagnostic {
     let name = &target.manifest.target;
     Diagnostic::new("E0707", format!("the files of target `{name}` do not read back as what was to be written"))
         .help("its templates do not write what its manifest says; nothing was written")

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 pub const LIMIT: u64 = 16 * 1024 * 1024;
 
 /// Largest file of a compensation set that is read back: as large as one is written.
-pub const SET_LIMIT: u64 = crate::controller::LARGEST_FILE as u64;
+pub const SET_LIMIT: u64 = crate::controller::MAX_FILE_BYTES as u64;
 
 /// The file system.
 #[derive(Debug, Clone, Copy, Default)]

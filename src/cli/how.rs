@@ -2,9 +2,9 @@
 
 use super::files::Disk;
 use super::session::Session;
-use super::{Outcome, Stop};
+use super::{Exit, Outcome};
 use crate::compensation::{Fit, Goal, Scope, Stored};
-use crate::controller::{Certificate, Depth, Judged, Target, certify, is_plain_name};
+use crate::controller::{Certificate, ControllerTarget, Depth, JudgedTables, certify, is_plain_name};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::Machine;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct Options {
     #[command(flatten)]
-    pub how: How,
+    pub how: CompensationOptions,
     /// Which of the machine's tools.
     #[arg(long)]
     pub tool: Option<String>,
@@ -27,7 +27,7 @@ pub(super) struct Options {
 
 /// How a machine is compensated.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct How {
+pub(super) struct CompensationOptions {
     /// What is corrected: the position (a lattice's default), or the position and the direction of the tool axis (a kinematics module's).
     #[arg(long, value_enum)]
     correct: Option<GoalArg>,
@@ -98,7 +98,7 @@ const LATTICE_DAMPING: f64 = 0.15;
 
 impl Options {
     /// What the tables leave, at the poses asked for.
-    pub(super) fn certificate(&self, machine: &Machine, judged: Judged) -> Certificate {
+    pub(super) fn certificate(&self, machine: &Machine, judged: JudgedTables) -> Certificate {
         certify(machine, judged, self.how.scope(), self.poses as usize, self.seed)
     }
 
@@ -108,7 +108,7 @@ impl Options {
     }
 }
 
-impl How {
+impl CompensationOptions {
     pub(super) fn scope(&self) -> Scope {
         let (goal, usual) = match self.correct.unwrap_or(GoalArg::Position) {
             GoalArg::Position => (Goal::Position, WithArg::Linear),
@@ -148,12 +148,17 @@ impl How {
     }
 
     /// The target of a name, its stored numbers meaning what is asked for.
-    pub(super) fn target(&self, session: &mut Session, name: &str, stored: Option<StoredArg>) -> Result<Target, Stop> {
+    pub(super) fn target(
+        &self,
+        session: &mut Session,
+        name: &str,
+        stored: Option<StoredArg>,
+    ) -> Result<ControllerTarget, Exit> {
         if let Some(folder) = self.templates.as_deref().filter(|_| is_plain_name(name)) {
             refuse_links(session, &folder.join(name))?;
         }
-        let target = Target::find(name, self.templates.as_deref(), &Disk, &mut session.diagnostics);
-        let mut target = target.ok_or(Stop::Refused)?;
+        let target = ControllerTarget::find(name, self.templates.as_deref(), &Disk, &mut session.diagnostics);
+        let mut target = target.ok_or(Exit::Refused)?;
         match stored.or(self.stored) {
             Some(StoredArg::Correction) => target.manifest.mechanism.store(Stored::Correction),
             Some(StoredArg::Error) => target.manifest.mechanism.store(Stored::Error),

@@ -3,7 +3,7 @@
 use super::files::Recorded;
 use super::identify_report::Report;
 use super::session::Session;
-use super::{Format, Outcome, Stop, identify_remarks as remarks, load, monomials, pictures, plan, poses, view, write};
+use super::{Exit, Format, Outcome, identify_remarks as remarks, load, monomials, pictures, plan, poses, view, write};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::evaluate::Order;
 use crate::identify::randomness;
@@ -151,9 +151,9 @@ fn papers_way(session: &mut Session, args: &Args, model: &Model<'_>, data: &[Mea
             "`--method moore-penrose` gives coefficients of monomials, no machine: no --out, --svg, --robust, --folds",
         );
     }
-    if model.own() > MOST_FACTORS {
+    if model.own() > MAX_FACTORS {
         let message = format!("{} parameters have too many products for the papers' way", model.own());
-        let help = format!("at most {MOST_FACTORS}; the joint fit takes more");
+        let help = format!("at most {MAX_FACTORS}; the joint fit takes more");
         return session.refuse(Diagnostic::new("E0508", message).help(help));
     }
     let Some(components) = moore_penrose(model, data) else {
@@ -169,7 +169,7 @@ fn papers_way(session: &mut Session, args: &Args, model: &Model<'_>, data: &[Mea
 }
 
 /// Most parameters whose products are unknowns.
-const MOST_FACTORS: usize = 24;
+const MAX_FACTORS: usize = 24;
 
 /// The orders that can be fitted.
 fn order(text: &str) -> Result<Order, String> {
@@ -187,7 +187,7 @@ fn noise(text: &str) -> Result<f64, String> {
     length.filter(|mm| *mm > 0.0).ok_or_else(|| "write a length above zero, such as `2 um`".to_owned())
 }
 
-fn measurements(session: &mut Session, machine: &Machine, args: &Args, files: &Recorded) -> Result<Data, Stop> {
+fn measurements(session: &mut Session, machine: &Machine, args: &Args, files: &Recorded) -> Result<Data, Exit> {
     let data = read_measurements(&args.data, machine, args.frame.into(), files, &mut session.diagnostics);
     session.checked()?;
     refuse_copies(session, &args.data, files)?;
@@ -202,12 +202,12 @@ fn measurements(session: &mut Session, machine: &Machine, args: &Args, files: &R
 }
 
 /// Most unknowns of a fit: time grows with their third power.
-const MOST_UNKNOWNS: usize = 500;
+const MAX_UNKNOWNS: usize = 500;
 
 fn enough(session: &mut Session, data: &[Measurement], unknowns: &[Parameter]) -> Outcome {
     let readings: usize = data.iter().map(Measurement::readings).sum();
     let instruments = unknowns.iter().filter(|p| p.is_nuisance()).count();
-    if unknowns.len() > MOST_UNKNOWNS {
+    if unknowns.len() > MAX_UNKNOWNS {
         let message = format!("{} unknowns, {instruments} of them of instruments, are too many", unknowns.len());
         let help = "at most 500: fit less, or take runs of the same set-up together under one name";
         return session.refuse(Diagnostic::new("E0508", message).help(help));
@@ -262,7 +262,7 @@ fn refuse_copies(session: &mut Session, list: &[PathBuf], files: &Recorded) -> O
 /// Digits of a hash that are told.
 const DIGITS: usize = 16;
 /// Most files of data that are named one by one.
-const MOST_NAMED: usize = 20;
+const MAX_NAMED: usize = 20;
 /// Longest entry of a provenance that says what was fitted, in characters.
 const ENTRY: usize = 180;
 
@@ -286,7 +286,7 @@ fn provenance(report: &Report<'_>, wanted: &IdentifyEntry, args: &Args, files: &
         ("by".to_owned(), format!("abbe {}", env!("CARGO_PKG_VERSION"))),
         ("machine".to_owned(), hashed(&args.machine)),
     ];
-    for (k, file) in args.data.iter().take(MOST_NAMED).enumerate() {
+    for (k, file) in args.data.iter().take(MAX_NAMED).enumerate() {
         entries.push((if k > 0 { format!("from.{}", k + 1) } else { "from".to_owned() }, hashed(file)));
     }
     entries.push(("how".to_owned(), how.chars().take(ENTRY).collect()));

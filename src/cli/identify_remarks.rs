@@ -3,8 +3,8 @@
 use super::identify_report::Report;
 use super::session::Session;
 use crate::diagnostic::Diagnostic;
-use crate::identify::{Kind, Measurement, Parameter, Reading, Repeats, Term};
-use crate::lower::{Place, Source};
+use crate::identify::{Measurement, Parameter, Reading, ReadingKind, Repeats, Term};
+use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, ErrorId, Machine};
 use crate::units::{counted, significant};
 
@@ -40,7 +40,7 @@ fn warning(code: &'static str, message: String, help: &'static str) -> Diagnosti
 /// Readings that were left out because they are of errors that are not fitted.
 pub(super) fn left_out(session: &mut Session, machine: &Machine, list: &[(Source, usize)]) {
     for (source, count) in list {
-        let Place::Component(axis) = source.place else { continue };
+        let ErrorSite::Component(axis) = source.place else { continue };
         let axis = machine.axes()[axis].name.clone();
         let error = ErrorId { axis, location: false, direction: source.direction };
         let message = format!("{} of {error} left out: it is not fitted", counted(*count, "reading"));
@@ -62,7 +62,7 @@ fn um(mm: f64) -> String {
 }
 
 /// Standard deviation of readings of a kind, as far as the fit leaves it.
-fn scatter(report: &Report<'_>, kind: Kind) -> f64 {
+fn scatter(report: &Report<'_>, kind: ReadingKind) -> f64 {
     let own = report.fit.scatter.iter().find(|s| s.of.is_none_or(|of| of == kind));
     own.map_or(report.solution.sigma, |s| s.sigma)
 }

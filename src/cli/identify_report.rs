@@ -1,7 +1,9 @@
 //! What `abbe identify` prints.
 
 use super::session::Session;
-use crate::identify::{Estimate, Fit, Kind, Measurement, Parameter, Randomness, Repeats, Residuals, Scatter, Solution};
+use crate::identify::{
+    Estimate, Fit, Measurement, Parameter, Randomness, ReadingKind, Repeats, Residuals, Scatter, Solution,
+};
 use crate::machine::Machine;
 use crate::units::significant;
 use serde_json::json;
@@ -25,10 +27,10 @@ pub(super) struct Report<'a> {
 /// Beyond so many sigma 95 % is worth saying: less than 30 degrees of freedom.
 const USUAL: f64 = 2.045;
 /// Lines of one kind in the text; JSON has all.
-const MOST_LINES: usize = 10;
+const MAX_LINES: usize = 10;
 
 /// A size (mm) in the unit of a kind of reading.
-fn shown(kind: Kind, mm: f64) -> String {
+fn shown(kind: ReadingKind, mm: f64) -> String {
     let (unit, factor) = kind.unit();
     format!("{} {unit}", significant(mm * factor, 5))
 }
@@ -66,7 +68,7 @@ impl Report<'_> {
             "singular_values": s.singular_values,
             "rms_um": {"before": um(r.before), "after": um(r.after), "held_out": self.held_out.map(um)},
             "sigma_um": self.fit.scatter.is_empty().then(|| um(s.sigma)), "degrees_of_freedom": s.freedom,
-            "scatter": self.fit.scatter.iter().map(|s| json!({"of": s.of.map_or("uncertainties given", Kind::word), "sigma_um": um(s.sigma)})).collect::<Vec<_>>(),
+            "scatter": self.fit.scatter.iter().map(|s| json!({"of": s.of.map_or("uncertainties given", ReadingKind::word), "sigma_um": um(s.sigma)})).collect::<Vec<_>>(),
             "repeatability_um": self.repeats.first().map(|r| um(r.sigma)),
             "repeats": self.repeats.iter().map(|r| json!({"of": r.of.word(), "sigma_um": um(r.sigma), "degrees_of_freedom": r.freedom})).collect::<Vec<_>>(),
             "orders_um": {"first": um(r.parts[0]), "second": um(r.parts[1]), "higher": um(r.parts[2]),
@@ -118,7 +120,7 @@ impl Report<'_> {
         };
         let kind = match &self.residuals.kinds[..] {
             [(kind, ..)] => *kind,
-            _ => Kind::Deviation,
+            _ => ReadingKind::Deviation,
         };
         match &self.fit.scatter[..] {
             [] if self.data.iter().all(|m| m.known) => format!("; {} per reading", given(self.solution.sigma)),
@@ -178,17 +180,17 @@ impl Report<'_> {
                 &format!("repeated   {size} um per reading{of} where a pose was measured again ({freedom} times)\n");
         }
         s.free().iter().for_each(|words| text += &format!("free       {words}\n"));
-        s.drowned.iter().take(MOST_LINES).for_each(|words| text += &format!("drowned    {words}\n"));
-        if s.drowned.len() > MOST_LINES {
-            text += &format!("           and {} more combinations (--format json)\n", s.drowned.len() - MOST_LINES);
+        s.drowned.iter().take(MAX_LINES).for_each(|words| text += &format!("drowned    {words}\n"));
+        if s.drowned.len() > MAX_LINES {
+            text += &format!("           and {} more combinations (--format json)\n", s.drowned.len() - MAX_LINES);
         }
-        for outlier in r.outliers.iter().take(MOST_LINES) {
+        for outlier in r.outliers.iter().take(MAX_LINES) {
             let size = significant(outlier.deviations, 3);
             text +=
                 &format!("outlier    {}: {} um, {size} sigma\n", self.place(session, outlier.row), n(outlier.residual));
         }
-        if r.outliers.len() > MOST_LINES {
-            text += &format!("           and {} more\n", r.outliers.len() - MOST_LINES);
+        if r.outliers.len() > MAX_LINES {
+            text += &format!("           and {} more\n", r.outliers.len() - MAX_LINES);
         }
         text
     }

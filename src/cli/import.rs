@@ -4,7 +4,7 @@ use super::files::Disk;
 use super::session::Session;
 use super::{Format, Outcome, write};
 use crate::diagnostic::Diagnostic;
-use crate::identify::import::{Figures, Import, Wanted, import};
+use crate::identify::import::{Figures, Import, ImportRequest, import};
 use crate::machine::ErrorId;
 use crate::units::{counted, significant};
 use serde_json::json;
@@ -38,7 +38,7 @@ pub(super) struct Args {
 const LISTED: usize = 12;
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let wanted = Wanted {
+    let wanted = ImportRequest {
         axis: args.axis.clone(),
         error: args.error.clone(),
         unit: args.unit.clone(),
@@ -47,7 +47,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     };
     let found = import(&args.file, &wanted, &Disk, &mut session.diagnostics);
     session.checked()?;
-    let Some(found) = found else { return Err(super::Stop::Refused) };
+    let Some(found) = found else { return Err(super::Exit::Refused) };
     write::refuse_outputs(&args.out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     let table = found.table(args.continuous);
     remarks(session, &found, &table.missing);

@@ -3,8 +3,8 @@
 use super::poses::{check, pose_at};
 use super::session::Session;
 use super::view::{axes_json, axes_text, cell, table};
-use super::write::{Kind, write_picture};
-use super::{Format, Outcome, Stop, load};
+use super::write::{PictureKind, write_picture};
+use super::{Exit, Format, Outcome, load};
 use crate::analysis::Unreachable;
 use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest, ball_bar, diagonals, r_test, within};
 use crate::diagnostic::Diagnostic;
@@ -94,7 +94,7 @@ fn named(machine: &Machine, text: &str, mut pose: Vec<f64>) -> Result<Vec<f64>, 
     Ok(pose)
 }
 
-fn not_driven<T>(session: &mut Session, what: &str, why: Unreachable) -> Result<T, Stop> {
+fn not_driven<T>(session: &mut Session, what: &str, why: Unreachable) -> Result<T, Exit> {
     let help = "take a smaller `--radius`, another place (`--at X=250,Y=200`), or another `--plane` or `--axis`";
     session.refuse(Diagnostic::new("E0612", format!("{what} cannot be driven: {}", why.words())).help(help))
 }
@@ -319,6 +319,6 @@ fn standing(machine: &Machine, at: &[f64], moving: &[usize]) -> String {
 /// Draws the readings if that was asked for.
 fn drawn(session: &mut Session, args: &Args, picture: impl FnOnce() -> Picture) -> Outcome {
     let Some(path) = &args.svg else { return Ok(()) };
-    let kind = Kind::of(path).unwrap_or(Kind::Svg);
+    let kind = PictureKind::of(path).unwrap_or(PictureKind::Svg);
     write_picture(path, &picture(), kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))
 }

@@ -1,7 +1,7 @@
 //! State files of `enumerate`: read, kept while walks are computed, put together. A state file is
 //! always whole: it is written beside and renamed, at most once a second.
 
-use super::Stop;
+use super::Exit;
 use super::files::Disk;
 use super::session::Session;
 use super::write::write_whole;
@@ -38,7 +38,7 @@ struct State {
 
 impl<'a> Keeper<'a> {
     /// With what the state file has of the study already.
-    pub(super) fn new(session: &mut Session, path: Option<&'a Path>, empty: Journal) -> Result<Self, Stop> {
+    pub(super) fn new(session: &mut Session, path: Option<&'a Path>, empty: Journal) -> Result<Self, Exit> {
         let journal = match path {
             Some(path) if path.symlink_metadata().is_ok() => of_study(session, path, &empty)?,
             _ => empty,
@@ -90,7 +90,7 @@ impl<'a> Keeper<'a> {
 }
 
 /// A file's results, if they are of this study.
-fn of_study(session: &mut Session, path: &Path, empty: &Journal) -> Result<Journal, Stop> {
+fn of_study(session: &mut Session, path: &Path, empty: &Journal) -> Result<Journal, Exit> {
     let name = path.display();
     let help = "name another file, or remove this one; it is left as it is";
     let text = match Disk.read(path).map(String::from_utf8) {
@@ -130,7 +130,7 @@ fn why(failure: &ReadFailure) -> String {
 }
 
 /// All parts of a study together.
-pub(super) fn merged(session: &mut Session, paths: &[PathBuf], mut whole: Journal) -> Result<Journal, Stop> {
+pub(super) fn merged(session: &mut Session, paths: &[PathBuf], mut whole: Journal) -> Result<Journal, Exit> {
     for path in paths {
         let part = of_study(session, path, &whole)?;
         for (step, rows) in part.done {

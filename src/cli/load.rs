@@ -1,6 +1,6 @@
 //! From a path to a valid machine.
 
-use super::Stop;
+use super::Exit;
 use super::files::Disk;
 use super::session::Session;
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -10,7 +10,7 @@ use crate::units::counted;
 use std::path::Path;
 
 /// Reads, resolves and checks a machine file; `tool` picks one of its tools.
-pub(super) fn machine(session: &mut Session, path: &Path, tool: Option<&str>) -> Result<Machine, Stop> {
+pub(super) fn machine(session: &mut Session, path: &Path, tool: Option<&str>) -> Result<Machine, Exit> {
     machine_through(session, path, tool, &Disk)
 }
 
@@ -20,7 +20,7 @@ pub(super) fn machine_through(
     path: &Path,
     tool: Option<&str>,
     files: &dyn Files,
-) -> Result<Machine, Stop> {
+) -> Result<Machine, Exit> {
     with_identify(session, path, tool, files).map(|(machine, _)| machine)
 }
 
@@ -30,11 +30,11 @@ pub(super) fn with_identify(
     path: &Path,
     tool: Option<&str>,
     files: &dyn Files,
-) -> Result<(Machine, Option<IdentifyEntry>), Stop> {
+) -> Result<(Machine, Option<IdentifyEntry>), Exit> {
     let document = syntax::load(path, files, &mut session.diagnostics);
     let machine = document.as_ref().and_then(|d| machine::resolve(d, files, &mut session.diagnostics));
     session.checked()?;
-    let Some(machine) = machine else { return Err(Stop::Refused) };
+    let Some(machine) = machine else { return Err(Exit::Refused) };
     let section = document.and_then(|document| document.identify);
     let Some(name) = tool else { return Ok((machine, section)) };
     match machine.with_tool(name) {

@@ -1,6 +1,6 @@
 //! `abbe map`: the error over a volume.
 
-use super::how::How;
+use super::how::CompensationOptions;
 use super::map_output::Outputs;
 use super::map_picture::{Pictures, Subject};
 use super::map_survey::surveyed;
@@ -12,12 +12,12 @@ use super::view::{
     FrameArg, STATISTICS, ViewArgs, axes_json, axes_text, frame_text, order_text, statistics_rows, table,
 };
 use super::write::refuse_outputs;
-use super::{Format, Outcome, Stop, load};
+use super::{Exit, Format, Outcome, load};
 use crate::analysis::map;
-use crate::analysis::{Diagonal, MOST_POSES, MOST_SURVEYED, SurveyTask, View, body_diagonals, rest};
-use crate::controller::{Effect, Target};
+use crate::analysis::{Diagonal, MAX_POSES, MAX_SURVEYED, SurveyTask, View, body_diagonals, rest};
+use crate::controller::{ControllerTarget, Effect};
 use crate::diagnostic::Diagnostic;
-use crate::evaluate::{Deviation, Field, Nodes, Order, Planned, Poses, Random, Spread, Statistics, Tally, worst};
+use crate::evaluate::{CompiledField, Deviation, Field, Nodes, Order, Poses, Random, Spread, Statistics, Tally, worst};
 use crate::machine::Machine;
 use crate::report::{Form, Rows};
 use crate::units::significant;
@@ -30,10 +30,10 @@ pub(super) struct Args {
     /// The machine file; its `volume` is the grid.
     machine: PathBuf,
     /// So many random poses over the volume instead of the grid.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SURVEYED as i64))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SURVEYED as i64))]
     random: Option<u32>,
     /// So many low-discrepancy poses over the volume: spread more evenly than random ones.
-    #[arg(long, value_name = "N", conflicts_with = "random", value_parser = clap::value_parser!(u32).range(1..=MOST_SURVEYED as i64))]
+    #[arg(long, value_name = "N", conflicts_with = "random", value_parser = clap::value_parser!(u32).range(1..=MAX_SURVEYED as i64))]
     low_discrepancy: Option<u32>,
     /// The poses for these tool poses in the workpiece frame instead of the grid: a CSV file with columns X, Y, Z and
     /// I, J, K or rotary axes.
@@ -46,7 +46,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAME")]
     target: Option<String>,
     #[command(flatten)]
-    how: How,
+    how: CompensationOptions,
     #[command(flatten)]
     view: ViewArgs,
     /// Frame of the vectors.
@@ -62,7 +62,7 @@ pub(super) struct Args {
 }
 
 /// A target and what it does.
-type Compensation = (Target, Effect);
+type Compensation = (ControllerTarget, Effect);
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let machine = load::machine(session, &args.machine, args.view.tool.as_deref())?;
@@ -75,11 +75,11 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let place = args.pictures.place(session, &machine, args.target.is_some())?;
     let reached = tool_poses::asked(session, &machine, args.tool_poses.as_deref())?;
     let compensation = compensation(session, args, &machine, order)?;
-    let bare = Planned::new(&machine, order);
+    let bare = CompiledField::new(&machine, order);
     let replayed = compensation.as_ref().map(|(target, effect)| effect.field(&machine, target));
     let field: &dyn Field = replayed.as_ref().map_or(&bare as &dyn Field, |field| &**field);
     let poses = poses(args, &machine, reached.as_ref());
-    if poses.len() > MOST_SURVEYED {
+    if poses.len() > MAX_SURVEYED {
         return session.refuse(too_many(poses.len()));
     }
     let target = args.target.as_deref().unwrap_or_default();
@@ -129,7 +129,7 @@ fn compensation(
     args: &Args,
     machine: &Machine,
     order: Order,
-) -> Result<Option<Compensation>, Stop> {
+) -> Result<Option<Compensation>, Exit> {
     let Some(name) = &args.target else { return Ok(None) };
     if order != Order::Exact {
         return session.usage(
@@ -142,13 +142,13 @@ fn compensation(
 }
 
 fn too_long(count: usize) -> Diagnostic {
-    Diagnostic::new("E0541", format!("a table of {count} poses does not go to standard output: {MOST_POSES} at most"))
+    Diagnostic::new("E0541", format!("a table of {count} poses does not go to standard output: {MAX_POSES} at most"))
         .help("write it to a file with `--csv FILE` or `--parquet FILE`: that takes no memory, but 80 to 200 bytes of disk per pose")
 }
 
 fn too_many(count: usize) -> Diagnostic {
     let count = if count == usize::MAX { "more than can be counted".to_owned() } else { count.to_string() };
-    Diagnostic::new("E0812", format!("the grid of the volume has {count} poses; a map takes {MOST_SURVEYED} at most"))
+    Diagnostic::new("E0812", format!("the grid of the volume has {count} poses; a map takes {MAX_SURVEYED} at most"))
         .help("take random poses (`--random 100000`), or larger steps under `volume` in the machine file")
 }
 
@@ -165,7 +165,7 @@ struct Whole<'a> {
 }
 
 /// What a map has found.
-pub(super) struct Found {
+pub(super) struct SurveyResult {
     pub statistics: Statistics,
     /// The worst poses by number, largest deviation first.
     pub worst: Vec<(usize, Deviation)>,
@@ -177,11 +177,11 @@ pub(super) struct Found {
 
 impl Whole<'_> {
     /// Maps a field; `outputs` are written, if there are any.
-    fn found(&self, session: &mut Session, field: &dyn Field, outputs: Option<&Outputs>) -> Result<Found, Stop> {
+    fn found(&self, session: &mut Session, field: &dyn Field, outputs: Option<&Outputs>) -> Result<SurveyResult, Exit> {
         let printed = session.format() == Format::Csv && outputs.is_some();
         let Self { machine, poses, view, order, target, .. } = *self;
         let rows = Rows { machine, poses, view, order, target };
-        if poses.len() > MOST_POSES {
+        if poses.len() > MAX_POSES {
             if printed {
                 return session.refuse(too_long(self.poses.len()));
             }
@@ -198,7 +198,7 @@ impl Whole<'_> {
         let csv = printed.then(|| text(&rows, &map.deviations));
         let indices = worst(&map.deviations, self.worst);
         let worst = indices.into_iter().map(|i| (i, map.deviations[i])).collect();
-        Ok(Found { statistics: map.statistics, worst, sketched: false, csv })
+        Ok(SurveyResult { statistics: map.statistics, worst, sketched: false, csv })
     }
 }
 
@@ -217,7 +217,7 @@ fn text(rows: &Rows<'_>, deviations: &[Deviation]) -> String {
 /// What is printed.
 struct Report<'a> {
     whole: &'a Whole<'a>,
-    found: Found,
+    found: SurveyResult,
     /// Without compensation, if the map is with.
     before: Option<Statistics>,
     diagonals: Vec<Diagonal>,

@@ -2,7 +2,7 @@
 
 use super::session::Session;
 use super::write::Staged;
-use super::{Outcome, Stop};
+use super::{Exit, Outcome};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::Deviation;
 use crate::report::{Form, Prepared, Rows, Stream};
@@ -72,7 +72,7 @@ pub(super) struct Tables<'a> {
 
 impl<'a> Tables<'a> {
     /// Begins them all.
-    pub(super) fn new(session: &mut Session, outputs: &Outputs, rows: &Rows<'a>) -> Result<Self, Stop> {
+    pub(super) fn new(session: &mut Session, outputs: &Outputs, rows: &Rows<'a>) -> Result<Self, Exit> {
         let begin = |(form, path): (Form, &PathBuf)| {
             let staged = Staged::new(path)?;
             let file = staged.file()?;

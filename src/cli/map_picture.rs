@@ -2,8 +2,8 @@
 
 use super::poses::{check, pose_at};
 use super::session::Session;
-use super::write::{Kind, write_picture};
-use super::{Outcome, Stop};
+use super::write::{PictureKind, write_picture};
+use super::{Exit, Outcome};
 use crate::analysis::{Plane, View, rest};
 use crate::evaluate::{Field, Order};
 use crate::machine::{AxisKind, Machine};
@@ -86,7 +86,7 @@ impl Pictures {
         session: &mut Session,
         machine: &Machine,
         compensated: bool,
-    ) -> Result<Option<Place>, Stop> {
+    ) -> Result<Option<Place>, Exit> {
         if self.svg.is_none() && self.png.is_none() {
             let asked = self.plane.is_some() || self.at.is_some() || self.drawing != DrawingArg::Colours;
             return if asked {
@@ -133,7 +133,7 @@ impl Pictures {
     }
 
     fn files(&self, session: &mut Session, picture: &Picture) -> Outcome {
-        for (path, kind) in [(&self.svg, Kind::Svg), (&self.png, Kind::Png)] {
+        for (path, kind) in [(&self.svg, PictureKind::Svg), (&self.png, PictureKind::Png)] {
             if let Some(path) = path {
                 write_picture(path, picture, kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
             }

@@ -1,7 +1,7 @@
 //! Maps of more poses than are held at once: the deviations are not kept, files are written as they come.
 
-use super::Stop;
-use super::map::Found;
+use super::Exit;
+use super::map::SurveyResult;
 use super::map_output::{Outputs, Tables};
 use super::progress::Progress;
 use super::session::Session;
@@ -15,7 +15,7 @@ pub(super) fn surveyed(
     task: SurveyTask<'_>,
     rows: &Rows<'_>,
     outputs: Option<&Outputs>,
-) -> Result<Found, Stop> {
+) -> Result<SurveyResult, Exit> {
     let progress = Progress::new(task.poses.len(), session.is_quiet());
     let add = |count| progress.add(count);
     let survey = match outputs.filter(|outputs| !outputs.forms().is_empty()) {
@@ -23,7 +23,7 @@ pub(super) fn surveyed(
         Some(outputs) => written(session, task, (rows, outputs), &add)?,
     };
     drop(progress);
-    Ok(Found { statistics: survey.statistics, worst: survey.worst, sketched: true, csv: None })
+    Ok(SurveyResult { statistics: survey.statistics, worst: survey.worst, sketched: true, csv: None })
 }
 
 fn written(
@@ -31,11 +31,11 @@ fn written(
     task: SurveyTask<'_>,
     (rows, outputs): (&Rows<'_>, &Outputs),
     progress: &(dyn Fn(usize) + Sync),
-) -> Result<Survey, Stop> {
+) -> Result<Survey, Exit> {
     let forms = outputs.forms();
     let mut tables = Tables::new(session, outputs, rows)?;
     let make = |block: Block<'_>| rows.prepared(&forms, block.first, block.rows());
     let survey = survey_with_rows(task, &make, &mut |block| tables.put(&block), progress);
     tables.finish(session)?;
-    survey.ok_or(Stop::Refused)
+    survey.ok_or(Exit::Refused)
 }

@@ -166,14 +166,14 @@ enum Verb {
 
 /// Why a verb did not finish; everything there is to say has been said to the session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Stop {
+enum Exit {
     /// The input is refused; the session holds the diagnostics.
     Refused,
     /// The command line makes no sense.
     Usage,
 }
 
-type Outcome = Result<(), Stop>;
+type Outcome = Result<(), Exit>;
 
 /// Runs the program on its arguments.
 pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {

@@ -1,10 +1,10 @@
 //! Kinematics modules, for targets that replace the controller's kinematics: rendered and read back, or found in a folder.
 
-use super::how::How;
+use super::how::CompensationOptions;
 use super::session::Session;
-use super::{Outcome, Stop, detect, file_set};
-use crate::compensation::Tables;
-use crate::controller::{Carried, Limits, ReadBack, RenderedFile, Target};
+use super::{Exit, Outcome, detect, file_set};
+use crate::compensation::CorrectionTables;
+use crate::controller::{ControllerTarget, KinematicsModule, Limits, ReadBack, RenderedFile};
 use crate::machine::Machine;
 use std::path::Path;
 use std::sync::Arc;
@@ -13,26 +13,26 @@ use std::sync::Arc;
 pub(super) struct Module {
     pub(super) rendered: Vec<RenderedFile>,
     /// What the module carries.
-    pub(super) carried: Carried,
+    pub(super) carried: KinematicsModule,
     /// The tables beside it.
-    pub(super) beside: Tables,
+    pub(super) beside: CorrectionTables,
 }
 
 /// Renders a module and reads it back.
 pub(super) fn made(
     session: &mut Session,
     machine: &Machine,
-    target: &Target,
+    target: &ControllerTarget,
     orientation: bool,
     limits: Limits,
-) -> Result<Module, Stop> {
+) -> Result<Module, Exit> {
     let meant = carried(session, machine, target, orientation)?;
     session.checked()?;
     let reversal = Arc::new(target.reversal_tables(machine));
     limits.exceeded(machine, &reversal).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
     session.checked()?;
     let rendered = target.render_kinematics(machine, &meant, &reversal, &mut session.diagnostics);
-    let rendered = rendered.ok_or(Stop::Refused)?;
+    let rendered = rendered.ok_or(Exit::Refused)?;
     session.checked()?;
     let (carried, beside) = read_back(session, machine, target, &rendered, (&meant, &reversal))?;
     Ok(Module { rendered, carried, beside })
@@ -47,24 +47,29 @@ pub(super) fn refuse_installed(session: &Session, given: bool) -> Outcome {
 pub(super) fn found(
     session: &mut Session,
     machine: &Machine,
-    target: &Target,
+    target: &ControllerTarget,
     folder: &Path,
-    how: &How,
+    how: &CompensationOptions,
     texts: &[ReadBack],
-) -> Result<(Carried, Tables), Stop> {
+) -> Result<(KinematicsModule, CorrectionTables), Exit> {
     if texts.is_empty() {
         return session.refuse(detect::nothing_found(folder));
     }
     let meant = carried(session, machine, target, how.orientation())?;
     let Some(read) = target.read_kinematics(machine, &meant, texts, &mut session.diagnostics) else {
-        return Err(Stop::Refused);
+        return Err(Exit::Refused);
     };
     let beside = beside(session, machine, target, texts)?;
     Ok((read.with_tool_of(machine), beside))
 }
 
-fn carried(session: &mut Session, machine: &Machine, target: &Target, orientation: bool) -> Result<Carried, Stop> {
-    match Carried::of(machine, target, orientation) {
+fn carried(
+    session: &mut Session,
+    machine: &Machine,
+    target: &ControllerTarget,
+    orientation: bool,
+) -> Result<KinematicsModule, Exit> {
+    match KinematicsModule::of(machine, target, orientation) {
         Ok(carried) => {
             carried.warnings(machine).into_iter().for_each(|warning| session.diagnostics.push(warning));
             Ok(carried)
@@ -74,7 +79,12 @@ fn carried(session: &mut Session, machine: &Machine, target: &Target, orientatio
 }
 
 /// The tables of the files beside a module; none if there are no such files.
-fn beside(session: &mut Session, machine: &Machine, target: &Target, texts: &[ReadBack]) -> Result<Tables, Stop> {
+fn beside(
+    session: &mut Session,
+    machine: &Machine,
+    target: &ControllerTarget,
+    texts: &[ReadBack],
+) -> Result<CorrectionTables, Exit> {
     let tables = target.read_beside(machine, texts, &mut session.diagnostics);
     session.checked()?;
     Ok(tables)
@@ -84,10 +94,10 @@ fn beside(session: &mut Session, machine: &Machine, target: &Target, texts: &[Re
 fn read_back(
     session: &mut Session,
     machine: &Machine,
-    target: &Target,
+    target: &ControllerTarget,
     files: &[RenderedFile],
-    (meant, reversal): (&Carried, &Tables),
-) -> Result<(Carried, Tables), Stop> {
+    (meant, reversal): (&KinematicsModule, &CorrectionTables),
+) -> Result<(KinematicsModule, CorrectionTables), Exit> {
     let text = |file: &RenderedFile| ReadBack::new(&*file.name, String::from_utf8_lossy(&file.bytes));
     let texts: Vec<_> = files.iter().map(text).collect();
     let read = target.read_kinematics(machine, meant, &texts, &mut session.diagnostics);

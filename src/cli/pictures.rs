@@ -3,7 +3,7 @@
 use super::session::Session;
 use super::{Outcome, write};
 use crate::diagnostic::Diagnostic;
-use crate::identify::{Kind, Measurement, Model};
+use crate::identify::{Measurement, Model, ReadingKind};
 use crate::machine::AxisKind;
 use crate::report::{FitPicture, FitPoint};
 use std::path::Path;
@@ -17,7 +17,8 @@ pub(super) fn write(
     folder: &Path,
 ) -> Outcome {
     let Some(machine) = model.machines().first() else { return Ok(()) };
-    let whole: Vec<&Measurement> = data.iter().filter(|m| m.kind() == Kind::Deviation && m.readings() == 3).collect();
+    let whole: Vec<&Measurement> =
+        data.iter().filter(|m| m.kind() == ReadingKind::Deviation && m.readings() == 3).collect();
     // Axes along one of the letters x, y, z, with the component of the deviation that goes along them.
     let along = |i: usize| (0..3).find(|k| machine.axes()[i].direction[*k].abs() > 0.999);
     let linear: Vec<(usize, usize)> = (0..machine.axes().len())

@@ -3,7 +3,7 @@
 use super::session::Session;
 use super::{Format, Outcome};
 use crate::identify::plan;
-use crate::identify::{Estimate, Measurement, Model, Parameter, Plan};
+use crate::identify::{Estimate, Measurement, MeasurementPlan, Model, Parameter};
 use crate::units::significant;
 use serde_json::json;
 
@@ -20,7 +20,7 @@ pub(super) fn run(session: &Session, model: &Model<'_>, count: usize, noise: f64
 /// What is printed.
 struct Report<'a> {
     model: &'a Model<'a>,
-    plan: Plan,
+    plan: MeasurementPlan,
 }
 
 impl Report<'_> {

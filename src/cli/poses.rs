@@ -1,6 +1,6 @@
 //! Poses from the command line (`--at X=100,C=90`) and from CSV files.
 
-use super::Stop;
+use super::Exit;
 use super::files::Disk;
 use super::session::Session;
 use crate::diagnostic::{Diagnostic, Place, SourceId};
@@ -10,7 +10,7 @@ use crate::units;
 use std::path::{Path, PathBuf};
 
 /// More poses than this belong into a map.
-const MOST_POSES: usize = 200_000;
+const MAX_POSES: usize = 200_000;
 
 /// Which poses to evaluate.
 #[derive(Debug, Clone, clap::Args)]
@@ -24,7 +24,7 @@ pub(super) struct PoseArgs {
 }
 
 /// The poses asked for (the zero pose if none); all positions checked.
-pub(super) fn poses(session: &mut Session, machine: &Machine, args: &PoseArgs) -> Result<Vec<Pose>, Stop> {
+pub(super) fn poses(session: &mut Session, machine: &Machine, args: &PoseArgs) -> Result<Vec<Pose>, Exit> {
     let mut list = Vec::new();
     for text in &args.at {
         match pose_at(machine, text) {
@@ -78,9 +78,9 @@ struct Column {
     factor: f64,
 }
 
-fn from_file(session: &mut Session, machine: &Machine, path: &Path) -> Result<Vec<Pose>, Stop> {
+fn from_file(session: &mut Session, machine: &Machine, path: &Path) -> Result<Vec<Pose>, Exit> {
     let read = read_text(path, None, &Disk, &mut session.diagnostics);
-    let Some((source, text)) = read else { return Err(Stop::Refused) };
+    let Some((source, text)) = read else { return Err(Exit::Refused) };
     let parsed = parse(machine, &text);
     parsed.or_else(|(line, message)| {
         let place = Some(line_place(source, &text, line));
@@ -107,8 +107,8 @@ fn parse(machine: &Machine, text: &str) -> Result<Vec<Pose>, (usize, String)> {
     let mut poses = Vec::new();
     for (number, line) in lines {
         poses.push(row(machine, &columns, line).map_err(|message| (number, message))?);
-        if poses.len() > MOST_POSES {
-            return Err((number, format!("more than {MOST_POSES} poses; use `map` for a whole volume")));
+        if poses.len() > MAX_POSES {
+            return Err((number, format!("more than {MAX_POSES} poses; use `map` for a whole volume")));
         }
     }
     if poses.is_empty() { Err((number, "the file has no poses".to_owned())) } else { Ok(poses) }
@@ -151,7 +151,7 @@ fn row(machine: &Machine, columns: &[Column], line: &str) -> Result<Pose, String
 }
 
 /// Refuses poses where an error curve is not defined; warns about those beyond the travel.
-pub(super) fn check(session: &mut Session, machine: &Machine, poses: &[Pose]) -> Result<(), Stop> {
+pub(super) fn check(session: &mut Session, machine: &Machine, poses: &[Pose]) -> Result<(), Exit> {
     const FARTHEST: f64 = 1e6;
     if poses.iter().flatten().any(|q| q.abs() > FARTHEST) {
         let message = "a position is beyond 1000000 mm or deg: no machine goes there";

@@ -167,7 +167,7 @@ impl Report<'_> {
 }
 
 fn row_json(row: &Row) -> serde_json::Value {
-    let standing = row.standing == Standing::Judged;
+    let standing = row.standing == Standing::JudgedTables;
     json!({
         "chain": row.chain, "on_table": row.table, "reached": row.reached, "unreachable": row.unreachable,
         "um": row.result.filter(|_| standing).map(|r| r.um), "low": row.result.and_then(|r| r.low),

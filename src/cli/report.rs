@@ -9,11 +9,11 @@ use super::set_effect;
 use super::tolerances::ToleranceArgs;
 use super::view::{ApproachArg, order};
 use super::write::{refuse_input, refuse_outputs, write_whole};
-use super::{Format, Outcome, Stop, load, watch};
+use super::{Exit, Format, Outcome, load, watch};
 use crate::analysis::budget::{Bound, Budget, Request, budget, budget_poses};
 use crate::analysis::map;
 use crate::analysis::{Plane, View, rest, space_axes};
-use crate::controller::Target;
+use crate::controller::ControllerTarget;
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Bare, Field, Frame, Order};
 use crate::machine::Machine;
@@ -100,7 +100,7 @@ impl Built {
 }
 
 /// Reads the machines through `files` and computes what the page shows.
-pub(super) fn build(session: &mut Session, args: &Args, files: &dyn Files) -> Result<Built, Stop> {
+pub(super) fn build(session: &mut Session, args: &Args, files: &dyn Files) -> Result<Built, Exit> {
     let mut machines = Vec::new();
     for path in &args.machines {
         let seen = session.diagnostics.iter().count();
@@ -152,7 +152,7 @@ struct Budgeted {
 const BUDGET_POSES: usize = 500;
 
 /// What `budget` would say, if any error is bounded.
-fn budgeted(session: &mut Session, args: &Args, machine: &Machine) -> Result<Option<Budgeted>, Stop> {
+fn budgeted(session: &mut Session, args: &Args, machine: &Machine) -> Result<Option<Budgeted>, Exit> {
     let (bounds, source) = args.tolerances.bounds_if_any(session, machine)?;
     if bounds.is_empty() {
         return Ok(None);
@@ -168,7 +168,7 @@ fn budgeted(session: &mut Session, args: &Args, machine: &Machine) -> Result<Opt
 }
 
 /// Several machines on the same work, with their budgets where all have one.
-fn comparison(session: &mut Session, args: &Args, given: &[Given<'_>]) -> Result<Option<ComparisonData>, Stop> {
+fn comparison(session: &mut Session, args: &Args, given: &[Given<'_>]) -> Result<Option<ComparisonData>, Exit> {
     let Some(work) = ComparisonData::work(given) else { return Ok(None) };
     let drawn = Drawn { tolerances: &args.tolerances, samples: args.samples as usize, seed: args.options.seed };
     let budgets = budgets(session, &work.1, drawn)?;
@@ -200,8 +200,8 @@ impl Subject {
 }
 
 /// What `compile` would write for a target, and its certificate.
-fn compensation(session: &mut Session, args: &Args, machine: &Machine, name: &str) -> Result<Written, Stop> {
-    let target: Target = args.options.how.target(session, name, None)?;
+fn compensation(session: &mut Session, args: &Args, machine: &Machine, name: &str) -> Result<Written, Exit> {
+    let target: ControllerTarget = args.options.how.target(session, name, None)?;
     let depth = (args.options.poses as usize, args.options.seed);
     let (effect, certificate) = set_effect::compiled(session, machine, &target, &args.options.how, depth)?;
     Ok(Written { target, effect, certificate })

@@ -1,6 +1,6 @@
 //! One run of the program: its options, what it found wrong, and its two output streams.
 
-use super::{Color, Format, Global, Outcome, Stop};
+use super::{Color, Exit, Format, Global, Outcome};
 use crate::diagnostic::{Diagnostic, Diagnostics, Rendering, render, summary};
 use std::cell::Cell;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -71,15 +71,15 @@ impl Session {
     }
 
     /// Adds a refusal and stops.
-    pub(super) fn refuse<T>(&mut self, diagnostic: Diagnostic) -> Result<T, Stop> {
+    pub(super) fn refuse<T>(&mut self, diagnostic: Diagnostic) -> Result<T, Exit> {
         self.diagnostics.push(diagnostic);
-        Err(Stop::Refused)
+        Err(Exit::Refused)
     }
 
     /// A command line that parsed but makes no sense.
-    pub(super) fn usage<T>(&self, message: &str) -> Result<T, Stop> {
+    pub(super) fn usage<T>(&self, message: &str) -> Result<T, Exit> {
         let _ = writeln!(std::io::stderr().lock(), "abbe: {message}\nTry `abbe --help`.");
-        Err(Stop::Usage)
+        Err(Exit::Usage)
     }
 
     /// Stops if anything so far refuses the input (or warns, with `--deny warnings`).
@@ -87,7 +87,7 @@ impl Session {
         if self.global.deny.is_some() && self.diagnostics.warnings() > 0 {
             self.diagnostics.deny_warnings();
         }
-        if self.diagnostics.refused() { Err(Stop::Refused) } else { Ok(()) }
+        if self.diagnostics.refused() { Err(Exit::Refused) } else { Ok(()) }
     }
 
     /// Renders the diagnostics and gives the exit code.
@@ -97,7 +97,7 @@ impl Session {
             Color::Always => true,
             Color::Never => false,
         };
-        let refused = outcome == Err(Stop::Refused);
+        let refused = outcome == Err(Exit::Refused);
         if self.diagnostics.iter().next().is_some() && (refused || !self.global.quiet) {
             let text = render(&self.diagnostics, Rendering { color });
             let _ = std::io::stderr().lock().write_all(text.as_bytes());
@@ -111,8 +111,8 @@ impl Session {
         }
         match outcome {
             Ok(()) => ExitCode::SUCCESS,
-            Err(Stop::Refused) => ExitCode::from(1),
-            Err(Stop::Usage) => ExitCode::from(2),
+            Err(Exit::Refused) => ExitCode::from(1),
+            Err(Exit::Usage) => ExitCode::from(2),
         }
     }
 }

@@ -1,11 +1,13 @@
 //! What a set of files does to a machine: one that `compile` would write, or one found in a folder.
 
 use super::certificate_output::warnings;
-use super::how::{How, Options};
+use super::how::{CompensationOptions, Options};
 use super::session::Session;
-use super::table_set::{self, Found};
-use super::{Stop, detect, module_set};
-use crate::controller::{Certificate, Depth, Effect, Judged, Limits, Target, certify, certify_kinematics};
+use super::table_set::{self, FoundTables};
+use super::{Exit, detect, module_set};
+use crate::controller::{
+    Certificate, ControllerTarget, Depth, Effect, JudgedTables, Limits, certify, certify_kinematics,
+};
 use crate::machine::Machine;
 use std::path::Path;
 
@@ -14,10 +16,10 @@ use std::path::Path;
 pub(super) fn compiled(
     session: &mut Session,
     machine: &Machine,
-    target: &Target,
-    how: &How,
+    target: &ControllerTarget,
+    how: &CompensationOptions,
     (poses, seed): (usize, u64),
-) -> Result<(Effect, Certificate), Stop> {
+) -> Result<(Effect, Certificate), Exit> {
     let (effect, certificate) = if target.manifest.kinematics().is_some() {
         let module = module_set::made(session, machine, target, how.orientation(), Limits::default())?;
         let (carried, beside) = (module.carried, module.beside);
@@ -26,9 +28,9 @@ pub(super) fn compiled(
     } else {
         let limits = Limits::default();
         let tables = table_set::made(session, machine, target, (&[], usize::MAX), how.scope(), limits, None)?.tables;
-        let judged = Judged { target, tables: &tables, installed: None };
+        let judged = JudgedTables { target, tables: &tables, installed: None };
         let certificate = certify(machine, judged, how.scope(), poses, seed);
-        (Effect::Tables(tables), certificate)
+        (Effect::CorrectionTables(tables), certificate)
     };
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
@@ -41,11 +43,11 @@ pub(super) fn found(
     machine: &Machine,
     folder: &Path,
     options: &Options,
-) -> Result<(Target, Effect), Stop> {
+) -> Result<(ControllerTarget, Effect), Exit> {
     let set = detect::any_set(session, machine, folder, &options.how)?;
     if set.target.manifest.kinematics().is_none() {
-        let Found { target, tables, .. } = table_set::tables_of(session, machine, folder, set)?;
-        return Ok((target, Effect::Tables(tables)));
+        let FoundTables { target, tables, .. } = table_set::tables_of(session, machine, folder, set)?;
+        return Ok((target, Effect::CorrectionTables(tables)));
     }
     let (carried, beside) = module_set::found(session, machine, &set.target, folder, &options.how, &set.files)?;
     Ok((set.target, Effect::Module(Box::new(carried), beside)))

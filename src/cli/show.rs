@@ -2,7 +2,7 @@
 
 use super::session::Session;
 use super::view::{cell, numbers, table};
-use super::write::{Kind, refuse_outputs, write_picture};
+use super::write::{PictureKind, refuse_outputs, write_picture};
 use super::{Format, Outcome, load};
 use crate::analysis::{Lever, LocationSet, Status, levers};
 use crate::machine::{Axis, AxisKind, Branch, Machine, Sense, Travel};
@@ -44,7 +44,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         session.print(&chain_dot(&machine));
         return Ok(());
     }
-    let shown = Shown { machine: &machine, levers: levers(&machine), set: LocationSet::of(&machine) };
+    let shown = ChainView { machine: &machine, levers: levers(&machine), set: LocationSet::of(&machine) };
     match session.format() {
         Format::Json => session.print_json(shown.json()),
         Format::Csv => session.print(&shown.csv()),
@@ -56,11 +56,11 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
 /// Writes the pictures asked for.
 fn draw(session: &mut Session, args: &Args, machine: &Machine) -> Outcome {
     let mut pictures = Vec::new();
-    for (path, kind) in [(&args.svg, Kind::Svg), (&args.png, Kind::Png)] {
+    for (path, kind) in [(&args.svg, PictureKind::Svg), (&args.png, PictureKind::Png)] {
         pictures.extend(path.as_ref().map(|path| (path, kind, chain_picture(machine))));
     }
     if let Some(path) = &args.curves {
-        let Some(kind) = Kind::of(path) else {
+        let Some(kind) = PictureKind::of(path) else {
             return session.usage("`--curves` takes a file that ends in .svg or .png");
         };
         let Some(picture) = all_curves(machine) else {
@@ -75,7 +75,7 @@ fn draw(session: &mut Session, args: &Args, machine: &Machine) -> Outcome {
 }
 
 /// What is printed.
-struct Shown<'a> {
+struct ChainView<'a> {
     machine: &'a Machine,
     levers: Vec<Lever>,
     set: LocationSet,
@@ -109,7 +109,7 @@ fn word(value: impl serde::Serialize) -> String {
     serde_json::to_value(value).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
-impl Shown<'_> {
+impl ChainView<'_> {
     fn rows(&self) -> impl Iterator<Item = (&Axis, &Lever)> {
         self.machine.axes().iter().zip(&self.levers)
     }

@@ -3,18 +3,18 @@
 use super::detect::{self, Set};
 use super::how::Options;
 use super::session::Session;
-use super::{Outcome, Stop, file_set};
-use crate::compensation::{Fit, LatticeRequest, Scope, Tables, resampled};
-use crate::controller::{Limits, ReadBack, RenderedFile, Target};
+use super::{Exit, Outcome, file_set};
+use crate::compensation::{CorrectionTables, Fit, LatticeRequest, Scope, resampled};
+use crate::controller::{ControllerTarget, Limits, ReadBack, RenderedFile};
 use crate::diagnostic::Diagnostic;
 use crate::machine::{AxisKind, Machine};
 use std::path::Path;
 use std::sync::Arc;
 
 /// A set of files before it is written, and the tables that the controller reads from it.
-pub(super) struct Made {
+pub(super) struct RenderedTables {
     pub rendered: Vec<RenderedFile>,
-    pub tables: Tables,
+    pub tables: CorrectionTables,
 }
 
 /// Fills the tables of a target, renders its files and reads them back as `verify` would. A lattice is
@@ -23,12 +23,12 @@ pub(super) struct Made {
 pub(super) fn made(
     session: &mut Session,
     machine: &Machine,
-    target: &Target,
+    target: &ControllerTarget,
     (lattice, max_nodes): (&[String], usize),
     scope: Scope,
     limits: Limits,
-    installed: Option<&Tables>,
-) -> Result<Made, Stop> {
+    installed: Option<&CorrectionTables>,
+) -> Result<RenderedTables, Exit> {
     if let Some(refusal) = target.refusal(machine) {
         return session.refuse(refusal);
     }
@@ -45,14 +45,14 @@ pub(super) fn made(
     limits.exceeded(machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
     target.violations(machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
     session.checked()?;
-    let rendered = target.render(machine, &tables, &mut session.diagnostics).ok_or(Stop::Refused)?;
+    let rendered = target.render(machine, &tables, &mut session.diagnostics).ok_or(Exit::Refused)?;
     session.checked()?;
     let tables = read_back(session, machine, target, &rendered, &tables)?;
-    Ok(Made { rendered, tables })
+    Ok(RenderedTables { rendered, tables })
 }
 
 /// Indices of the axes that span a lattice: those named, in the order of the chain, or all.
-fn lattice_axes(session: &Session, machine: &Machine, named: &[String]) -> Result<Vec<usize>, Stop> {
+fn lattice_axes(session: &Session, machine: &Machine, named: &[String]) -> Result<Vec<usize>, Exit> {
     let all = 0..machine.axes().len();
     if let Some(unknown) = named.iter().find(|name| machine.axis_index(name).is_none()) {
         return session.usage(&format!("--lattice: the chain has no axis `{}`", unknown.escape_debug()));
@@ -68,7 +68,7 @@ fn lattice_axes(session: &Session, machine: &Machine, named: &[String]) -> Resul
 fn refuse_impossible_lattice(
     session: &mut Session,
     machine: &Machine,
-    target: &Target,
+    target: &ControllerTarget,
     request: &LatticeRequest,
 ) -> Outcome {
     let free = target.manifest.mechanism.lattice.as_ref().filter(|rules| rules.inputs.is_empty());
@@ -91,7 +91,7 @@ fn refuse_impossible_lattice(
 }
 
 /// What does not go into the tables: points beyond the format's limit, travel beyond the volume.
-fn warn_left_out(session: &mut Session, machine: &Machine, target: &Target, tables: &Tables) {
+fn warn_left_out(session: &mut Session, machine: &Machine, target: &ControllerTarget, tables: &CorrectionTables) {
     if let Some(rules) = target.manifest.mechanism.own_axis.as_ref().filter(|rules| rules.fit == Fit::Axis) {
         for (axis, points) in resampled(machine, rules) {
             let (name, most) = (&machine.axes()[axis].name, rules.max_points);
@@ -125,10 +125,10 @@ fn warn_left_out(session: &mut Session, machine: &Machine, target: &Target, tabl
 fn read_back(
     session: &mut Session,
     machine: &Machine,
-    target: &Target,
+    target: &ControllerTarget,
     files: &[RenderedFile],
-    meant: &Tables,
-) -> Result<Tables, Stop> {
+    meant: &CorrectionTables,
+) -> Result<CorrectionTables, Exit> {
     let text = |file: &RenderedFile| ReadBack::new(&*file.name, String::from_utf8_lossy(&file.bytes));
     let wanted = [target.table_files(machine), target.index_files()].concat();
     let texts: Vec<_> = files.iter().filter(|file| wanted.contains(&file.name)).map(text).collect();
@@ -137,27 +137,37 @@ fn read_back(
     // Nothing to compensate may mean no files of tables.
     let tables = target.table_files(machine);
     let none = !files.iter().any(|file| tables.contains(&file.name));
-    match read.or_else(|| none.then(Tables::default)) {
+    match read.or_else(|| none.then(CorrectionTables::default)) {
         Some(read) if read.same_effect(meant) => Ok(read),
         _ => session.refuse(file_set::misread(target)),
     }
 }
 
 /// A set found in a folder.
-pub(super) struct Found {
-    pub target: Target,
-    pub tables: Tables,
+pub(super) struct FoundTables {
+    pub target: ControllerTarget,
+    pub tables: CorrectionTables,
     pub files: Vec<String>,
 }
 
 /// The tables in a folder, of whatever target they are.
-pub(super) fn found(session: &mut Session, machine: &Machine, folder: &Path, options: &Options) -> Result<Found, Stop> {
+pub(super) fn found(
+    session: &mut Session,
+    machine: &Machine,
+    folder: &Path,
+    options: &Options,
+) -> Result<FoundTables, Exit> {
     let set = detect::any_set(session, machine, folder, &options.how)?;
     tables_of(session, machine, folder, set)
 }
 
 /// The tables of a set.
-pub(super) fn tables_of(session: &mut Session, machine: &Machine, folder: &Path, set: Set) -> Result<Found, Stop> {
+pub(super) fn tables_of(
+    session: &mut Session,
+    machine: &Machine,
+    folder: &Path,
+    set: Set,
+) -> Result<FoundTables, Exit> {
     let Set { target, files } = set;
     if target.manifest.kinematics().is_some() {
         let message = format!("`{}` holds a kinematics module, which has no tables", folder.display());
@@ -166,13 +176,13 @@ pub(super) fn tables_of(session: &mut Session, machine: &Machine, folder: &Path,
     }
     let read = target.read(machine, &files, &mut session.diagnostics);
     session.checked()?;
-    let read = read.or_else(|| files.is_empty().then(Tables::default));
+    let read = read.or_else(|| files.is_empty().then(CorrectionTables::default));
     let indices = target.index_files();
     let names = files.into_iter().filter(|file| !indices.contains(&file.name)).map(|file| file.found).collect();
     match read {
         Some(tables) => {
             target.uncovered(machine, &tables).into_iter().for_each(|warning| session.diagnostics.push(warning));
-            Ok(Found { target, tables, files: names })
+            Ok(FoundTables { target, tables, files: names })
         }
         None => session.refuse(detect::nothing_found(folder)),
     }
@@ -182,10 +192,10 @@ pub(super) fn tables_of(session: &mut Session, machine: &Machine, folder: &Path,
 pub(super) fn installed(
     session: &mut Session,
     machine: &Machine,
-    target: &Target,
+    target: &ControllerTarget,
     options: &Options,
     folder: Option<&Path>,
-) -> Result<Option<Tables>, Stop> {
+) -> Result<Option<CorrectionTables>, Exit> {
     let Some(folder) = folder else { return Ok(None) };
     let set = found(session, machine, folder, options)?;
     session.checked()?;

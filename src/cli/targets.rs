@@ -2,12 +2,12 @@
 
 use super::session::Session;
 use super::{Format, Outcome};
-use crate::compensation::{Carries, KinematicsMechanism, Spacing, TableRules};
-use crate::controller::{NAMES, Target};
+use crate::compensation::{KinematicsMechanism, ModuleContent, Spacing, TableRules};
+use crate::controller::{ControllerTarget, NAMES};
 use serde_json::json;
 
 pub(super) fn run(session: &Session) -> Outcome {
-    let targets: Vec<Target> = NAMES.iter().filter_map(|name| Target::embedded(name)).collect();
+    let targets: Vec<ControllerTarget> = NAMES.iter().filter_map(|name| ControllerTarget::embedded(name)).collect();
     match session.format() {
         Format::Json => session.print_json(json!({"targets": targets.iter().map(json).collect::<Vec<_>>()})),
         Format::Csv => session.print(&csv(&targets)),
@@ -17,7 +17,7 @@ pub(super) fn run(session: &Session) -> Outcome {
 }
 
 /// The long text of one target.
-pub(super) fn describe(target: &Target) -> String {
+pub(super) fn describe(target: &ControllerTarget) -> String {
     let m = &target.manifest;
     let mut text = format!("{}: {}\n  corrects: {}\n", m.target, m.title, m.expresses);
     m.cannot.iter().for_each(|line| text.push_str(&format!("  cannot correct: {line}\n")));
@@ -28,7 +28,7 @@ pub(super) fn describe(target: &Target) -> String {
     text
 }
 
-fn limits(target: &Target) -> String {
+fn limits(target: &ControllerTarget) -> String {
     let mechanism = &target.manifest.mechanism;
     let tables = mechanism.iter().map(|(name, rules)| rule(name, rules));
     tables.chain(mechanism.kinematics.iter().map(kinematics_limits)).collect::<Vec<_>>().join("; ")
@@ -57,7 +57,7 @@ fn rule(name: &str, rules: &TableRules) -> String {
     }
 }
 
-fn mechanism(target: &Target) -> String {
+fn mechanism(target: &ControllerTarget) -> String {
     let mechanism = &target.manifest.mechanism;
     let tables = mechanism.iter().map(|(name, _)| name);
     tables.chain(mechanism.kinematics.iter().map(|_| "kinematics")).collect::<Vec<_>>().join(" ")
@@ -65,14 +65,14 @@ fn mechanism(target: &Target) -> String {
 
 fn kinematics_limits(mechanism: &KinematicsMechanism) -> String {
     match mechanism.carries {
-        Carries::FullModel => {
+        ModuleContent::FullModel => {
             "as many axes as the nine words X Y Z A B C U V W can say; numbers as exact as the machine file's; the mean of forward and reverse".to_owned()
         }
         _ => format!("a few constants, {} decimals of each", mechanism.increment.correction_decimals),
     }
 }
 
-fn json(target: &Target) -> serde_json::Value {
+fn json(target: &ControllerTarget) -> serde_json::Value {
     let m = &target.manifest;
     let certainty = |c: &crate::controller::Certainty| json!({"level": c.level.word(), "source": c.source});
     json!({
@@ -82,8 +82,8 @@ fn json(target: &Target) -> serde_json::Value {
     })
 }
 
-fn csv(targets: &[Target]) -> String {
-    let row = |t: &Target| {
+fn csv(targets: &[ControllerTarget]) -> String {
+    let row = |t: &ControllerTarget| {
         let m = &t.manifest;
         format!("{},{},{},{}", m.target, mechanism(t), m.certainty.syntax.level.word(), m.certainty.sign.level.word())
     };

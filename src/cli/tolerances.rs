@@ -1,6 +1,6 @@
 //! Options of the verbs that draw errors between bounds, and the bounds they come to.
 
-use super::Stop;
+use super::Exit;
 use super::session::Session;
 use crate::analysis::budget::{Bound, Class, Distribution, Draws, Statistic, bounds, classes, known, lacks_rotary};
 use crate::diagnostic::{Diagnostic, did_you_mean, shown};
@@ -64,7 +64,7 @@ impl ToleranceArgs {
         &self,
         session: &mut Session,
         machine: &Machine,
-    ) -> Result<(Vec<Bound>, Option<String>), Stop> {
+    ) -> Result<(Vec<Bound>, Option<String>), Exit> {
         let (list, source) = self.bounds_if_any(session, machine)?;
         if list.is_empty() { session.refuse(nothing_bounded(machine)) } else { Ok((list, source)) }
     }
@@ -74,7 +74,7 @@ impl ToleranceArgs {
         &self,
         session: &mut Session,
         machine: &Machine,
-    ) -> Result<(Vec<Bound>, Option<String>), Stop> {
+    ) -> Result<(Vec<Bound>, Option<String>), Exit> {
         let class = match &self.class {
             Some(name) => Some(find(session, machine, name)?),
             None => None,
@@ -83,7 +83,7 @@ impl ToleranceArgs {
     }
 }
 
-fn find(session: &mut Session, machine: &Machine, name: &str) -> Result<Class, Stop> {
+fn find(session: &mut Session, machine: &Machine, name: &str) -> Result<Class, Exit> {
     let mut classes = classes();
     let Some(class) = classes.remove(name) else {
         let known: Vec<&str> = classes.keys().map(String::as_str).collect();

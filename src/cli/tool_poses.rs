@@ -6,7 +6,7 @@
 use super::files::Disk;
 use super::poses::check;
 use super::session::Session;
-use super::{Outcome, Stop};
+use super::{Exit, Outcome};
 use crate::analysis::{Missed, ToolPose, Unreachable, inverse, place, rest, tool_pose};
 use crate::diagnostic::{Diagnostic, Place, SourceId, shown};
 use crate::machine::{AxisKind, Machine, Pose};
@@ -61,9 +61,9 @@ pub(super) struct Reached {
 }
 
 /// Reads a file; rotary columns are those of `machine`.
-pub(super) fn read(session: &mut Session, machine: &Machine, path: &Path) -> Result<ToolPoses, Stop> {
+pub(super) fn read(session: &mut Session, machine: &Machine, path: &Path) -> Result<ToolPoses, Exit> {
     let read = read_text(path, None, &Disk, &mut session.diagnostics);
-    let Some((source, text)) = read else { return Err(Stop::Refused) };
+    let Some((source, text)) = read else { return Err(Exit::Refused) };
     match parse(machine, source, &text) {
         Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows }),
         Err((place, message)) => {
@@ -74,12 +74,12 @@ pub(super) fn read(session: &mut Session, machine: &Machine, path: &Path) -> Res
 }
 
 /// The poses for the tool poses of a file, if there is one.
-pub(super) fn asked(session: &mut Session, machine: &Machine, path: Option<&Path>) -> Result<Option<Reached>, Stop> {
+pub(super) fn asked(session: &mut Session, machine: &Machine, path: Option<&Path>) -> Result<Option<Reached>, Exit> {
     path.map(|path| read(session, machine, path)?.reached(session, machine)).transpose()
 }
 
 impl ToolPoses {
-    /// As poses of the tool: where the ideal `machine`, whose rotary axes the file may give, holds it.
+    /// As poses of the tool: where the nominal `machine`, whose rotary axes the file may give, holds it.
     pub(super) fn list(&self, machine: &Machine) -> Vec<ToolPose> {
         let direction = |aim: &Aim| match aim {
             Aim::Axis(direction) => *direction,
@@ -89,7 +89,7 @@ impl ToolPoses {
     }
 
     /// The poses of a machine for all rows that it reaches. Says what it does not; none at all is refused.
-    pub(super) fn reached(&self, session: &mut Session, machine: &Machine) -> Result<Reached, Stop> {
+    pub(super) fn reached(&self, session: &mut Session, machine: &Machine) -> Result<Reached, Exit> {
         let at_rest = rest(machine);
         let found: Vec<Result<Pose, Unreachable>> =
             self.rows.par_iter().map(|row| pose_at(machine, row, &at_rest)).collect();

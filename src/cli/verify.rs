@@ -1,12 +1,14 @@
 //! `abbe verify`: replay files as the controller would and certify what they leave.
 
-use super::certificate_output::{Shown, warnings};
+use super::certificate_output::{CertificateView, warnings};
 use super::files::{Disk, SET_LIMIT, read_at_most};
 use super::how::Options;
 use super::session::Session;
-use super::table_set::{self, Found};
-use super::{Outcome, Stop, detect, file_set, load, module_set};
-use crate::controller::{Judged, LOCK_NAME, Lock, ReadBack, Replay, Target, certify_kinematics, is_plain_name};
+use super::table_set::{self, FoundTables};
+use super::{Exit, Outcome, detect, file_set, load, module_set};
+use crate::controller::{
+    ControllerTarget, JudgedTables, LOCK_NAME, Lock, ReadBack, Replay, certify_kinematics, is_plain_name,
+};
 use crate::diagnostic::Diagnostic;
 use crate::machine::{Approach, Machine};
 use std::path::{Path, PathBuf};
@@ -44,7 +46,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     if set.target.manifest.kinematics().is_some() {
         return module(session, args, &machine, &set.target, &set.files);
     }
-    let Found { target, tables, files } = table_set::tables_of(session, &machine, &args.folder, set)?;
+    let FoundTables { target, tables, files } = table_set::tables_of(session, &machine, &args.folder, set)?;
     warn_other_tool(session, &machine, &target, lock.as_ref());
     target.unplaced(&machine).into_iter().for_each(|warning| session.diagnostics.push(warning));
     let installed = table_set::installed(session, &machine, &target, &args.options, args.installed.as_deref())?;
@@ -53,16 +55,23 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
         let replay = Replay::new(&machine, &target, &tables);
         return print_replay(session, &machine, &target, &replay, path);
     }
-    let judged = Judged { target: &target, tables: &tables, installed: installed.as_ref() };
+    let judged = JudgedTables { target: &target, tables: &tables, installed: installed.as_ref() };
     let certificate = args.options.certificate(&machine, judged);
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
-    Shown { machine: &machine, target: &target, certificate: &certificate, files, folder: &args.folder }.print(session);
+    CertificateView { machine: &machine, target: &target, certificate: &certificate, files, folder: &args.folder }
+        .print(session);
     Ok(())
 }
 
 /// The certificate of a kinematics module.
-fn module(session: &mut Session, args: &Args, machine: &Machine, target: &Target, texts: &[ReadBack]) -> Outcome {
+fn module(
+    session: &mut Session,
+    args: &Args,
+    machine: &Machine,
+    target: &ControllerTarget,
+    texts: &[ReadBack],
+) -> Outcome {
     module_set::refuse_installed(session, args.installed.is_some())?;
     if args.replay.is_some() {
         return session.usage("--replay: a kinematics module has no tables that hold for a joint alone");
@@ -72,7 +81,7 @@ fn module(session: &mut Session, args: &Args, machine: &Machine, target: &Target
     warnings(&certificate).into_iter().for_each(|warning| session.diagnostics.push(warning));
     session.checked()?;
     let files = texts.iter().map(|file| file.found.clone()).collect();
-    Shown { machine, target, certificate: &certificate, files, folder: &args.folder }.print(session);
+    CertificateView { machine, target, certificate: &certificate, files, folder: &args.folder }.print(session);
     Ok(())
 }
 
@@ -88,7 +97,7 @@ fn warn_other_inputs(session: &mut Session, lock: Option<&Lock>) {
 }
 
 /// Tables that hold for one tool, judged with another.
-fn warn_other_tool(session: &mut Session, machine: &Machine, target: &Target, lock: Option<&Lock>) {
+fn warn_other_tool(session: &mut Session, machine: &Machine, target: &ControllerTarget, lock: Option<&Lock>) {
     let Some(lock) = lock else { return };
     let name = &machine.tool().name;
     if target.manifest.tool_dependent() && lock.tool != *name {
@@ -120,9 +129,15 @@ fn warn_edited(session: &mut Session, folder: &Path, lock: Option<&Lock>) {
 }
 
 /// The replay at single positions: what a test of a real controller compares with.
-fn print_replay(session: &mut Session, machine: &Machine, target: &Target, replay: &Replay, path: &Path) -> Outcome {
+fn print_replay(
+    session: &mut Session,
+    machine: &Machine,
+    target: &ControllerTarget,
+    replay: &Replay,
+    path: &Path,
+) -> Outcome {
     let read = crate::syntax::read_text(path, None, &Disk, &mut session.diagnostics);
-    let Some((_, text)) = read else { return Err(Stop::Refused) };
+    let Some((_, text)) = read else { return Err(Exit::Refused) };
     let letters =
         crate::controller::assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
     let mut out = String::from("joint,direction,position,correction\n");

@@ -6,7 +6,7 @@ use super::files::Recorded;
 use super::report::{Args, Built, build, write};
 use super::serve::{Answer, serve};
 use super::session::Session;
-use super::{Outcome, Stop};
+use super::{Exit, Outcome};
 use crate::diagnostic::{Diagnostic, Rendering, render};
 use crate::report::page::{Data, Rendered, Served, colours};
 use std::net::{Ipv4Addr, TcpListener};
@@ -54,7 +54,7 @@ struct Turn<'a> {
 
 impl Turn<'_> {
     /// Builds the page from the files as they are now.
-    fn take(&mut self, session: &mut Session) -> Result<(Recorded, Answer), Stop> {
+    fn take(&mut self, session: &mut Session) -> Result<(Recorded, Answer), Exit> {
         let files = Recorded::default();
         let mut now = session.fresh();
         let problem = match build(&mut now, self.args, &files) {
@@ -63,8 +63,8 @@ impl Turn<'_> {
                 None
             }
             // The command line itself: no file will mend it.
-            Err(Stop::Usage) => return Err(Stop::Usage),
-            Err(Stop::Refused) => Some(render(&now.diagnostics, Rendering::default())),
+            Err(Exit::Usage) => return Err(Exit::Usage),
+            Err(Exit::Refused) => Some(render(&now.diagnostics, Rendering::default())),
         };
         let good = self.good.get_or_insert_with(nothing);
         let page = good.page(Served::Watched, problem.as_deref()).or_else(|d| session.refuse(d))?;

@@ -111,12 +111,12 @@ mod unnamed {
 
 /// Form of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum PictureKind {
     Svg,
     Png,
 }
 
-impl Kind {
+impl PictureKind {
     /// By the ending of a name.
     pub(super) fn of(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
@@ -128,11 +128,16 @@ impl Kind {
 }
 
 /// Writes a picture, never over a file that was read in this run.
-pub(super) fn write_picture(path: &Path, picture: &Picture, kind: Kind, sources: &Sources) -> Result<(), Diagnostic> {
+pub(super) fn write_picture(
+    path: &Path,
+    picture: &Picture,
+    kind: PictureKind,
+    sources: &Sources,
+) -> Result<(), Diagnostic> {
     refuse_input(path, sources)?;
     match kind {
-        Kind::Svg => write_whole(path, picture.svg().as_bytes()),
-        Kind::Png => {
+        PictureKind::Svg => write_whole(path, picture.svg().as_bytes()),
+        PictureKind::Png => {
             let undrawable = |why: String| {
                 Diagnostic::new("E0632", format!("`{}` cannot be drawn: {why}", path.display()))
                     .help("write SVG instead")

@@ -1,8 +1,8 @@
 //! Corrections of many poses at once: the iteration of [`correct()`](super::correct()) on the compiled evaluator.
 
-use super::correct::{MOST_STEPS, SMALL_STEP, settled};
+use super::correct::{MAX_STEPS, SMALL_STEP, settled};
 use super::{Corrected, Correction, Jacobian, Scope};
-use crate::evaluate::{Columns, Plan, PoseColumns};
+use crate::evaluate::{Columns, CompiledModel, PoseColumns};
 use crate::machine::Pose;
 
 /// A pose that is being corrected.
@@ -13,17 +13,17 @@ struct Open {
     closed: bool,
 }
 
-/// Solves actual(q + c) = ideal(q) at many poses (mm, deg), every pose by at most as many steps as [`correct()`](super::correct())
+/// Solves actual(q + c) = nominal(q) at many poses (mm, deg), every pose by at most as many steps as [`correct()`](super::correct())
 /// takes. What is left is computed without a difference of positions, and so better than there by the rounding of those.
 /// `None` unless the plan is exact.
-pub fn correct_all(plan: &Plan, poses: &[Pose], scope: Scope) -> Option<Vec<Corrected>> {
+pub fn correct_all(plan: &CompiledModel, poses: &[Pose], scope: Scope) -> Option<Vec<Corrected>> {
     let none = Correction::none(plan.machine());
     correct_all_from(plan, poses, vec![none; poses.len()], scope)
 }
 
 /// The same when something is added to the commands already: one correction for each pose.
 pub(super) fn correct_all_from(
-    plan: &Plan,
+    plan: &CompiledModel,
     poses: &[Pose],
     starts: Vec<Correction>,
     scope: Scope,
@@ -43,7 +43,7 @@ pub(super) fn correct_all_from(
         plan.commanded(&at.batch(), &added.batch(), left.output(poses.len()))
     };
     evaluate(&open, &mut left)?;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let mut small = vec![true; poses.len()];
         for (i, pose) in open.iter_mut().enumerate().filter(|(_, pose)| !pose.closed) {
             let step = pose.jacobian.correction(&left.get(i), &pose.correction, scope);

@@ -1,6 +1,6 @@
 //! What a controller's compensation can hold: the `mechanism:` of a target's manifest.
 
-use super::{Table, Tables};
+use super::{CorrectionTable, CorrectionTables};
 use crate::machine::{AxisKind, Direction, Machine};
 use serde::Deserialize;
 
@@ -41,11 +41,11 @@ pub struct Mechanisms {
 #[serde(deny_unknown_fields)]
 pub struct KinematicsMechanism {
     /// What the module carries.
-    pub carries: Carries,
+    pub carries: ModuleContent,
     /// Sine of the angle from a singular pose below which corrections of rotary axes are bounded.
     #[serde(default)]
     pub damping: f64,
-    /// The controller's names of the constants, in the order of [`Carries`]; none for a full model.
+    /// The controller's names of the constants, in the order of [`ModuleContent`]; none for a full model.
     #[serde(default)]
     pub constants: Vec<String>,
     /// The controller's names of the modules that have them: one, or of rotary centres that for A and that for B.
@@ -58,7 +58,7 @@ pub struct KinematicsMechanism {
 /// What a kinematics module can carry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Carries {
+pub enum ModuleContent {
     /// The chain with every error.
     FullModel,
     /// A 3x3 matrix from the axes X, Y, Z to their joints; constants row by row.
@@ -322,7 +322,7 @@ impl TableRules {
     }
 
     /// Rounds a lattice to what the controller stores of it with the least magnification that brings all within its range.
-    fn magnify(&self, machine: &Machine, table: &mut Table) {
+    fn magnify(&self, machine: &Machine, table: &mut CorrectionTable) {
         let decimals = self.increment.correction_decimals;
         let (scales, width) = (self.scales(machine, table), table.corrected.len());
         let within = |number: f64| self.largest.is_none_or(|most| number.abs() <= most);
@@ -334,7 +334,7 @@ impl TableRules {
     }
 
     /// The magnification of a rounded lattice: the least with which every number is stored as it is.
-    pub fn magnification_of(&self, machine: &Machine, table: &Table) -> f64 {
+    pub fn magnification_of(&self, machine: &Machine, table: &CorrectionTable) -> f64 {
         /// Of the last place: what division and multiplication leave.
         const ROUNDING: f64 = 1e-6;
         let last = libm::pow(10.0, f64::from(self.increment.correction_decimals));
@@ -348,7 +348,7 @@ impl TableRules {
     }
 
     /// Stored units in one mm or deg of each corrected axis.
-    fn scales(&self, machine: &Machine, table: &Table) -> Vec<f64> {
+    fn scales(&self, machine: &Machine, table: &CorrectionTable) -> Vec<f64> {
         table.corrected.iter().map(|axis| self.increment.correction_scale.of(machine.axes()[*axis].kind)).collect()
     }
 }
@@ -402,7 +402,7 @@ impl Mechanisms {
     }
 
     /// The rules under which a table stands.
-    pub fn rules(&self, table: &Table) -> Option<&TableRules> {
+    pub fn rules(&self, table: &CorrectionTable) -> Option<&TableRules> {
         let narrow = match (table.axes.len(), table.corrected.len()) {
             (1, 1) if table.is_own_axis() => self.own_axis.as_ref().or(self.cross_axis.as_ref().filter(|c| c.own)),
             (1, 1) => self.cross_axis.as_ref(),
@@ -413,17 +413,17 @@ impl Mechanisms {
     }
 
     /// Is a table written as products?
-    pub fn is_product(&self, table: &Table) -> bool {
+    pub fn is_product(&self, table: &CorrectionTable) -> bool {
         self.plane.is_none() && self.product.is_some() && (table.axes.len(), table.corrected.len()) == (2, 1)
     }
 
     /// How many of the controller's tables a table takes.
-    pub fn count(&self, table: &Table) -> usize {
+    pub fn count(&self, table: &CorrectionTable) -> usize {
         table.count(self.rules(table).is_some_and(|rules| rules.apart))
     }
 
     /// Rounds every stored number. Where the controller multiplies tables these are the factors.
-    pub fn round(&self, machine: &Machine, tables: &mut Tables) {
+    pub fn round(&self, machine: &Machine, tables: &mut CorrectionTables) {
         for table in &mut tables.tables {
             if let Some(rules) = self.rules(table).filter(|rules| rules.magnification > 1) {
                 rules.magnify(machine, table);
@@ -438,7 +438,7 @@ impl Mechanisms {
     }
 
     /// Rounds every stored number but those of products, whose factors are stored.
-    pub fn round_sums(&self, machine: &Machine, tables: &mut Tables) {
+    pub fn round_sums(&self, machine: &Machine, tables: &mut CorrectionTables) {
         tables.quantise(machine, |table| {
             self.rules(table).filter(|_| !self.is_product(table)).map(|rules| &rules.increment)
         });

@@ -1,22 +1,22 @@
 //! Tables on top of tables: a machine measured with tables in force needs the old ones plus the new.
 
 use super::curves::straight;
-use super::{ErrorCurve, Table, Tables};
+use super::{CorrectionTable, CorrectionTables, ErrorCurve};
 
 /// What a table adds at the nodes of another one over the same axes, node by node, and whether approached in reverse.
-pub type LookUp<'a> = dyn Fn(&Table, &Table, bool) -> Vec<f64> + 'a;
+pub type LookUp<'a> = dyn Fn(&CorrectionTable, &CorrectionTable, bool) -> Vec<f64> + 'a;
 
-impl Tables {
+impl CorrectionTables {
     /// These tables plus others, on the nodes of these; what only the others have is taken over as it is.
     /// The values of the others between their nodes come from `at`.
     pub fn plus(mut self, others: &Self, at: &LookUp) -> Self {
         for other in &others.tables {
-            let same = |t: &&mut Table| (&t.axes, &t.corrected) == (&other.axes, &other.corrected);
+            let same = |t: &&mut CorrectionTable| (&t.axes, &t.corrected) == (&other.axes, &other.corrected);
             let Some(table) = self.tables.iter_mut().find(same) else {
                 self.tables.push(other.clone());
                 continue;
             };
-            let sum = |table: &Table, reverse: bool| -> Vec<f64> {
+            let sum = |table: &CorrectionTable, reverse: bool| -> Vec<f64> {
                 let values = if reverse { table.reverse.as_ref().unwrap_or(&table.values) } else { &table.values };
                 values.iter().zip(at(other, table, reverse)).map(|(v, o)| v + o).collect()
             };
@@ -48,7 +48,7 @@ fn united(positions: &[f64], more: &[f64], most: usize) -> Option<Vec<f64>> {
     (all.len() > positions.len() && all.len() <= most).then_some(all)
 }
 
-impl Table {
+impl CorrectionTable {
     /// Puts points into a table over one axis without changing what it adds, if it then has no more than `most`.
     pub fn add_points(&mut self, more: &[f64], most: usize) {
         let Some(nodes) = united(&self.nodes[0], more, most) else { return };

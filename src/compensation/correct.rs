@@ -1,8 +1,8 @@
-//! Correction of a command: Newton's iteration on actual(q + c) = ideal(q).
+//! Correction of a command: Newton's iteration on actual(q + c) = nominal(q).
 
 use super::{Correction, Jacobian};
 use crate::evaluate::{Deviation, command_deviation};
-use crate::lower::Ideal;
+use crate::lower::NominalPose;
 use crate::machine::{Approach, Machine};
 
 /// What is corrected.
@@ -41,23 +41,23 @@ pub struct Corrected {
 }
 
 /// The chord iteration contracts by the relative size of the errors, about 1e-4 a step.
-pub(super) const MOST_STEPS: usize = 12;
+pub(super) const MAX_STEPS: usize = 12;
 
 /// A step below this (mm, deg) is rounding.
 pub(super) const SMALL_STEP: f64 = 1e-11;
 
-/// Solves actual(q + c) = ideal(q) for the exact model at a pose (mm, deg). The Jacobian is that of
-/// the ideal machine at q: the chord form of Newton's iteration, whose contraction is the size of the
+/// Solves actual(q + c) = nominal(q) for the exact model at a pose (mm, deg). The Jacobian is that of
+/// the nominal machine at q: the chord form of Newton's iteration, whose contraction is the size of the
 /// errors. Least squares where the axes are too few; then, and near singular poses, something is left.
 pub fn correct(machine: &Machine, pose: &[f64], approach: Approach, scope: Scope) -> Corrected {
     let mut correction = Correction::none(machine);
-    let ideal = Ideal::at(machine, pose).pose;
+    let nominal = NominalPose::at(machine, pose).pose;
     let jacobian = Jacobian::at(machine, pose);
-    let mut left = command_deviation(machine, &ideal, &correction.applied(pose), approach);
-    for _ in 0..MOST_STEPS {
+    let mut left = command_deviation(machine, &nominal, &correction.applied(pose), approach);
+    for _ in 0..MAX_STEPS {
         let step = jacobian.correction(&left, &correction, scope);
         correction.0.iter_mut().zip(&step.0).for_each(|(c, s)| *c += s);
-        left = command_deviation(machine, &ideal, &correction.applied(pose), approach);
+        left = command_deviation(machine, &nominal, &correction.applied(pose), approach);
         if step.0.iter().all(|s| s.abs() < SMALL_STEP) || settled(&left, scope) {
             break;
         }

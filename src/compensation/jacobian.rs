@@ -1,4 +1,4 @@
-//! First-order motion of the ideal machine, and the one place where a deviation becomes a correction.
+//! First-order motion of the nominal machine, and the one place where a deviation becomes a correction.
 
 use super::{Goal, Scope};
 use crate::evaluate::Deviation;
@@ -28,7 +28,7 @@ pub(super) fn against(deviation: f64) -> f64 {
     -deviation
 }
 
-/// What the axes do to the tool at a pose of the ideal machine, workpiece frame.
+/// What the axes do to the tool at a pose of the nominal machine, workpiece frame.
 #[derive(Debug, Clone)]
 pub struct Jacobian {
     kinds: Vec<AxisKind>,
@@ -43,7 +43,7 @@ pub struct Jacobian {
 impl Jacobian {
     /// At a pose (mm, deg).
     pub fn at(machine: &Machine, pose: &[f64]) -> Self {
-        let chain = Chain::<f64>::ideal(machine, pose);
+        let chain = Chain::<f64>::nominal(machine, pose);
         let t_wt = chain.t_wt();
         let tip = t_wt.apply(&machine.tool().tip);
         let across = across(&t_wt.linear.column(2).into_owned());

@@ -1,7 +1,7 @@
 //! A lattice of corrections over any of the axes, and how many nodes each axis gets.
 
-use super::{Corrected, Correction, Jacobian, Scope, Table, TableRules, correct_all};
-use crate::evaluate::{Bare, Field, Order, Plan, node_count, node_positions, random_poses};
+use super::{Corrected, Correction, CorrectionTable, Jacobian, Scope, TableRules, correct_all};
+use crate::evaluate::{Bare, CompiledModel, Field, Order, node_count, node_positions, random_poses};
 use crate::machine::{Approach, AxisKind, Grid, Machine, Pose};
 use rayon::prelude::*;
 
@@ -20,13 +20,13 @@ pub struct LatticeRequest {
 const BLOCK: usize = 256;
 
 /// Fills a lattice. Nodes are solved for the mean of forward and reverse.
-pub fn lattice(machine: &Machine, rules: &TableRules, request: &LatticeRequest) -> Table {
+pub fn lattice(machine: &Machine, rules: &TableRules, request: &LatticeRequest) -> CorrectionTable {
     let scope = Scope { rotary: request.scope.rotary && rules.corrects_rotary, ..request.scope };
     let kept = |axis: &usize| scope.rotary || machine.axes()[*axis].kind == AxisKind::Linear;
     let max_nodes = request.max_nodes.min(rules.max_points);
     let nodes = lattice_nodes(machine, &request.axes, max_nodes);
     let distinct = |(axis, nodes): (&usize, Vec<f64>)| rules.increment.distinct(nodes, machine.axes()[*axis].kind);
-    let mut lattice = Table {
+    let mut lattice = CorrectionTable {
         axes: request.axes.clone(),
         nodes: request.axes.iter().zip(nodes).map(distinct).collect(),
         corrected: (0..machine.axes().len()).filter(kept).collect(),
@@ -34,7 +34,7 @@ pub fn lattice(machine: &Machine, rules: &TableRules, request: &LatticeRequest) 
         reverse: None,
         factors: Vec::new(),
     };
-    let plan = Plan::new(machine, Order::Exact, Approach::Mean);
+    let plan = CompiledModel::new(machine, Order::Exact, Approach::Mean);
     let blocks: Vec<usize> = (0..lattice.len()).step_by(BLOCK).collect();
     lattice.values = blocks
         .into_par_iter()

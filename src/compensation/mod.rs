@@ -1,6 +1,6 @@
-//! Compensation: what must be added to commands so that the real machine does what the ideal one would.
+//! Compensation: what must be added to commands so that the real machine does what the nominal one would.
 //!
-//! - [`correct()`] solves actual(q + c) = ideal(q) for one pose by Newton's iteration;
+//! - [`correct()`] solves actual(q + c) = nominal(q) for one pose by Newton's iteration;
 //! - [`Mechanisms`] says what a controller can hold;
 //! - [`tables()`] decides what is compensated where and fills its tables, rounded.
 //!
@@ -23,7 +23,8 @@ mod tables;
 
 pub use batch::correct_all;
 pub use capability::{
-    Carries, Fit, Holds, Increment, KinematicsMechanism, Mechanisms, Reference, Scale, Spacing, Stored, TableRules,
+    Fit, Holds, Increment, KinematicsMechanism, Mechanisms, ModuleContent, Reference, Scale, Spacing, Stored,
+    TableRules,
 };
 pub use correct::{Corrected, Goal, Scope, correct};
 pub use curves::model_correction;
@@ -32,4 +33,4 @@ pub use lattice::{LatticeRequest, lattice, lattice_nodes};
 pub use own_axis::{own_axis_error, own_axis_table, own_axis_wanted, resampled, reversal_tables};
 pub use plan::{lacking, single_error_tables, tables};
 pub use product::{Factors, TABLES_OF_A_PRODUCT};
-pub use tables::{ErrorCurve, Table, Tables};
+pub use tables::{CorrectionTable, CorrectionTables, ErrorCurve};

@@ -2,7 +2,7 @@
 
 use super::jacobian::against;
 use super::nodes::{Columns, Curves, interval};
-use super::{Holds, Table, TableRules, Tables};
+use super::{CorrectionTable, CorrectionTables, Holds, TableRules};
 use crate::algebra::skew_vector;
 use crate::lower::{JointElements, Position, joint};
 use crate::machine::{Approach, AxisKind, Direction, Machine};
@@ -17,11 +17,11 @@ pub fn own_axis_error(machine: &Machine, axis: usize, command: f64, wanted: f64,
     let component = Some(machine.component_values(axis, command, approach));
     let at = |position| Position::at(this, position);
     let real = joint(this, machine.conventions(), &at(command), &JointElements { location: None, component });
-    let ideal = joint(this, machine.conventions(), &at(wanted), &none);
+    let nominal = joint(this, machine.conventions(), &at(wanted), &none);
     let direction = Vector3::from(this.direction) * this.sign();
     match this.kind {
-        AxisKind::Linear => direction.dot(&(real.apply(&this.origin) - ideal.apply(&this.origin))),
-        AxisKind::Rotary => direction.dot(&skew_vector(&(real.linear * ideal.linear.transpose()))).to_degrees(),
+        AxisKind::Linear => direction.dot(&(real.apply(&this.origin) - nominal.apply(&this.origin))),
+        AxisKind::Rotary => direction.dot(&skew_vector(&(real.linear * nominal.linear.transpose()))).to_degrees(),
     }
 }
 
@@ -31,7 +31,12 @@ pub fn own_axis_wanted(machine: &Machine, axis: usize, (command, wanted): (f64, 
 }
 
 /// The table of an axis, at given positions or where the rules have its points.
-pub fn own_axis_table(machine: &Machine, axis: usize, rules: &TableRules, positions: Option<Vec<f64>>) -> Table {
+pub fn own_axis_table(
+    machine: &Machine,
+    axis: usize,
+    rules: &TableRules,
+    positions: Option<Vec<f64>>,
+) -> CorrectionTable {
     let mean = |q: f64| match rules.holds {
         Holds::All => 0.0,
         Holds::Reversal => own_correction(machine, axis, q, Approach::Mean),
@@ -51,19 +56,19 @@ pub fn own_axis_table(machine: &Machine, axis: usize, rules: &TableRules, positi
     let rows: Vec<Vec<f64>> = positions.iter().map(|q| row(*q)).collect();
     let values = rows.iter().map(|row| row[0]).collect();
     let reverse = rules.bidirectional.then(|| rows.iter().map(|row| row[1]).collect());
-    Table { reverse, ..Table::curve(axis, positions, axis, values) }
+    CorrectionTable { reverse, ..CorrectionTable::curve(axis, positions, axis, values) }
 }
 
 /// The tables of all axes whose own error depends on the direction of approach, rounded: for a controller that holds
 /// everything else by other means.
-pub fn reversal_tables(machine: &Machine, rules: &TableRules) -> Tables {
+pub fn reversal_tables(machine: &Machine, rules: &TableRules) -> CorrectionTables {
     let two_sided = |axis: &usize| {
         let name = &machine.axes()[*axis].name;
         machine.filtered(|id| id.axis == *name).is_bidirectional()
     };
     let axes = (0..machine.axes().len()).filter(two_sided);
     let tables = axes.map(|axis| own_axis_table(machine, axis, rules, None)).collect();
-    let mut all = Tables { tables, ..Tables::default() };
+    let mut all = CorrectionTables { tables, ..CorrectionTables::default() };
     all.quantise(machine, |_| Some(&rules.increment));
     let zero = |values: &Vec<f64>| values.iter().all(|c| *c == 0.0);
     all.tables.retain(|table| !(zero(&table.values) && table.reverse.as_ref().is_none_or(zero)));

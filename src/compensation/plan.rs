@@ -10,16 +10,16 @@ use super::batch::correct_all_from;
 use super::curves::{error_curves, straight};
 use super::nodes::{Columns, Curves, interval, rolling};
 use super::product::{self, Factors, TABLES_OF_A_PRODUCT};
-use super::sum::{Filler, Traits, Wanted};
+use super::sum::{Demand, Filler, Traits};
 use super::{
-    Correction, Fit, Jacobian, LatticeRequest, Mechanisms, Reference, Scope, Spacing, Table, TableRules, Tables,
-    lattice, own_axis_table,
+    Correction, CorrectionTable, CorrectionTables, Fit, Jacobian, LatticeRequest, Mechanisms, Reference, Scope,
+    Spacing, TableRules, lattice, own_axis_table,
 };
-use crate::evaluate::{Order, Plan, error_by_error};
+use crate::evaluate::{CompiledModel, Order, error_by_error};
 use crate::machine::{Approach, AxisKind, Direction, ErrorId, ErrorTerm, Machine, Pose};
 
 /// Fills what the mechanisms can hold and rounds it to their increments.
-pub fn tables(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) -> Tables {
+pub fn tables(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) -> CorrectionTables {
     let mut tables = filled(machine, mechanisms, request);
     for table in &mut tables.tables {
         if let Some(rules) = mechanisms.rules(table).filter(|rules| rules.reference == Reference::Zero) {
@@ -38,19 +38,19 @@ pub fn tables(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeReque
     tables.merged()
 }
 
-fn filled(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) -> Tables {
+fn filled(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) -> CorrectionTables {
     if let Some(rules) = &mechanisms.error_curves {
-        return Tables { errors: error_curves(machine, rules), tables: Vec::new() };
+        return CorrectionTables { errors: error_curves(machine, rules), tables: Vec::new() };
     }
     if let Some(rules) = mechanisms.lattice.as_ref().filter(|rules| rules.inputs.is_empty()) {
-        return Tables { tables: vec![lattice(machine, rules, request)], errors: Vec::new() };
+        return CorrectionTables { tables: vec![lattice(machine, rules, request)], errors: Vec::new() };
     }
     Planner { machine, mechanisms }.tables()
 }
 
 /// Zero at position 0, between points too, or at the end of the table nearest to it. What reverse differs from forward stays, unless the
 /// controller has a number for it there that cannot be negative.
-fn vanish_at_reference(table: &mut Table, positive_backlash: bool) {
+fn vanish_at_reference(table: &mut CorrectionTable, positive_backlash: bool) {
     let width = table.corrected.len();
     let nearest = |nodes: &Vec<f64>| {
         nodes.iter().enumerate().min_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map_or(0, |(i, _)| i)
@@ -69,7 +69,7 @@ fn vanish_at_reference(table: &mut Table, positive_backlash: bool) {
 }
 
 /// A table over a turn ends with the values with which it begins.
-fn close(table: &mut Table, place: usize) {
+fn close(table: &mut CorrectionTable, place: usize) {
     let stride: usize = table.nodes[place + 1..].iter().map(Vec::len).product();
     let (count, width) = (table.nodes[place].len(), table.corrected.len());
     let last = (0..table.len()).filter(|node| node / stride % count == count - 1);
@@ -83,18 +83,22 @@ fn close(table: &mut Table, place: usize) {
 
 /// The tables of single errors, each for a machine with this error alone, to first order: laid out as
 /// the given ones.
-pub fn single_error_tables(machine: &Machine, mechanisms: &Mechanisms, tables: &Tables) -> Vec<(ErrorId, Tables)> {
+pub fn single_error_tables(
+    machine: &Machine,
+    mechanisms: &Mechanisms,
+    tables: &CorrectionTables,
+) -> Vec<(ErrorId, CorrectionTables)> {
     let ids: Vec<ErrorId> = machine.errors().map(|(id, _)| id).collect();
     let planner = Planner { machine, mechanisms };
     let (own, mut sums): (Vec<_>, Vec<_>) = tables.tables.iter().cloned().partition(|t| planner.is_by_own_error(t));
     // As they were filled: planes take what tables over one axis leave.
     sums.sort_by_key(|table| table.axes.len());
-    let alone: Vec<Vec<Table>> = ids
+    let alone: Vec<Vec<CorrectionTable>> = ids
         .iter()
         .map(|id| {
             let machine = machine.filtered(|other| other == id);
             let rules = own.first().and_then(|table| mechanisms.rules(table));
-            let has = |table: &Table| own.iter().any(|t| t.axes == table.axes);
+            let has = |table: &CorrectionTable| own.iter().any(|t| t.axes == table.axes);
             rules.map_or_else(Vec::new, |rules| {
                 let axes = 0..machine.axes().len();
                 let all = axes.map(|axis| own_axis_table(&machine, axis, rules, None));
@@ -129,8 +133,8 @@ pub fn single_error_tables(machine: &Machine, mechanisms: &Mechanisms, tables: &
         .collect()
     };
     let half = |poses: &[Pose], axis: usize| poses.iter().map(|pose| half_at(pose, axis)).collect();
-    let mut sets = Filler::new(machine, Wanted { mean: &mean, half: &half }).fill(&sums, &planner.traits(&sums));
-    sets.resize_with(ids.len(), Tables::default);
+    let mut sets = Filler::new(machine, Demand { mean: &mean, half: &half }).fill(&sums, &planner.traits(&sums));
+    sets.resize_with(ids.len(), CorrectionTables::default);
     sets.iter_mut().zip(alone).for_each(|(set, own)| set.tables.extend(own));
     for table in sets.iter_mut().flat_map(|set| &mut set.tables) {
         if let Some(rules) = mechanisms.rules(table).filter(|rules| rules.reference == Reference::Zero) {
@@ -141,7 +145,7 @@ pub fn single_error_tables(machine: &Machine, mechanisms: &Mechanisms, tables: &
 }
 
 /// What own-axis tables add at a pose, straight lines between their nodes.
-fn own_added(tables: &[Table], pose: &[f64], approach: Approach) -> Vec<f64> {
+fn own_added(tables: &[CorrectionTable], pose: &[f64], approach: Approach) -> Vec<f64> {
     let mut added = vec![0.0; pose.len()];
     for table in tables {
         let (nodes, axis) = (&table.nodes[0], table.axes[0]);
@@ -161,7 +165,7 @@ fn own_added(tables: &[Table], pose: &[f64], approach: Approach) -> Vec<f64> {
 }
 
 /// Corrections of all axes at poses with the own-error tables in force: what they leave, by the linear axes.
-fn wanted(plan: &Plan, own: &[Table], poses: &[Pose]) -> Vec<Vec<f64>> {
+fn wanted(plan: &CompiledModel, own: &[CorrectionTable], poses: &[Pose]) -> Vec<Vec<f64>> {
     let start = |pose: &Pose| Correction(own_added(own, pose, plan.approach()));
     let all = correct_all_from(plan, poses, poses.iter().map(start).collect(), Scope::POSITION);
     // The plan is exact: there is always an answer.
@@ -174,29 +178,30 @@ struct Planner<'a> {
 }
 
 impl Planner<'_> {
-    fn tables(&self) -> Tables {
+    fn tables(&self) -> CorrectionTables {
         let own = self.own_error_tables();
         let alone: Vec<Machine> =
             self.machine.axes().iter().map(|axis| self.machine.filtered(|id| id.axis == axis.name)).collect();
-        let exact = |machine: &Machine, way| Plan::new(machine, Order::Exact, way);
+        let exact = |machine: &Machine, way| CompiledModel::new(machine, Order::Exact, way);
         let plan = exact(self.machine, Approach::Mean);
         let mean = |poses: &[Pose]| wanted(&plan, &own, poses);
         let ways = |machine: &Machine| {
             machine.is_bidirectional().then(|| [Approach::Forward, Approach::Reverse].map(|way| exact(machine, way)))
         };
-        let both: Vec<Option<[Plan; 2]>> = alone.iter().map(ways).collect();
+        let both: Vec<Option<[CompiledModel; 2]>> = alone.iter().map(ways).collect();
         let half = |poses: &[Pose], axis: usize| {
             let Some([forward, reverse]) = &both[axis] else { return vec![vec![0.0; both.len()]; poses.len()] };
             let (forward, reverse) = (wanted(forward, &[], poses), wanted(reverse, &[], poses));
             let half = |(f, r): (Vec<f64>, Vec<f64>)| f.iter().zip(&r).map(|(f, r)| 0.5 * (f - r)).collect();
             forward.into_iter().zip(reverse).map(half).collect()
         };
-        let mut filler = Filler::new(self.machine, Wanted { mean: &mean, half: &half });
-        let mut sets = |layout: &[Table]| filler.fill(layout, &self.traits(layout)).pop().unwrap_or_default().tables;
+        let mut filler = Filler::new(self.machine, Demand { mean: &mean, half: &half });
+        let mut sets =
+            |layout: &[CorrectionTable]| filler.fill(layout, &self.traits(layout)).pop().unwrap_or_default().tables;
         let mut layout = self.chosen(sets(&self.curve_layout()), &own);
         if let Some(rules) = &self.mechanisms.plane {
             let trial = sets(&[layout.clone(), self.plane_layout(rules, true)].concat());
-            let planes: Vec<Table> = trial.into_iter().filter(|t| t.axes.len() == 2).collect();
+            let planes: Vec<CorrectionTable> = trial.into_iter().filter(|t| t.axes.len() == 2).collect();
             let chosen = self.limited(planes, rules, self.room(&[&own, &layout]));
             layout.extend(chosen.iter().map(|t| self.plane(&t.axes, t.corrected.clone(), rules, false)));
         }
@@ -211,11 +216,11 @@ impl Planner<'_> {
         let mut tables = sets(&layout);
         tables.extend(own.iter().cloned());
         self.complete(&mut tables);
-        Tables { tables, errors: Vec::new() }
+        CorrectionTables { tables, errors: Vec::new() }
     }
 
-    fn traits(&self, layout: &[Table]) -> Vec<Traits> {
-        let of = |table: &Table| {
+    fn traits(&self, layout: &[CorrectionTable]) -> Vec<Traits> {
+        let of = |table: &CorrectionTable| {
             let rules = self.mechanisms.rules(table);
             let straight = rules.is_some_and(|rules| rules.spacing == Spacing::Line);
             // A trial of products has no factors yet: it holds all of the plane.
@@ -239,12 +244,12 @@ impl Planner<'_> {
 
     /// Does a table come from its axis's own error? Those of rotary axes do, and of linear ones if the
     /// target says so.
-    fn is_by_own_error(&self, table: &Table) -> bool {
+    fn is_by_own_error(&self, table: &CorrectionTable) -> bool {
         let by_axis = self.own_rules().is_some_and(|rules| rules.fit == Fit::Axis);
         table.is_own_axis() && (by_axis || self.machine.axes()[table.axes[0]].kind == AxisKind::Rotary)
     }
 
-    fn own_error_tables(&self) -> Vec<Table> {
+    fn own_error_tables(&self) -> Vec<CorrectionTable> {
         let Some(rules) = self.own_rules() else { return Vec::new() };
         let alone = self.mechanisms.cross_axis.is_none() && self.mechanisms.plane.is_none();
         let kinds: &[AxisKind] =
@@ -259,18 +264,18 @@ impl Planner<'_> {
     }
 
     /// Tables of zeros for axes without any where the controller wants one for each.
-    fn complete(&self, tables: &mut Vec<Table>) {
+    fn complete(&self, tables: &mut Vec<CorrectionTable>) {
         let Some(rules) = self.mechanisms.own_axis.as_ref().filter(|rules| rules.every_axis) else { return };
         for axis in 0..self.machine.axes().len() {
             if !tables.iter().any(|table| table.is_own_axis() && table.axes[0] == axis) {
                 let (min, max) = interval(self.machine, axis, rules);
-                tables.push(Table::curve(axis, vec![min, max], axis, vec![0.0; 2]));
+                tables.push(CorrectionTable::curve(axis, vec![min, max], axis, vec![0.0; 2]));
             }
         }
     }
 
     /// Is anything stored but zeros?
-    fn counts(&self, table: &Table) -> bool {
+    fn counts(&self, table: &CorrectionTable) -> bool {
         let Some(rules) = self.mechanisms.rules(table) else { return false };
         let width = table.corrected.len();
         let all = table.values.chunks(width).chain(table.reverse.iter().flat_map(|r| r.chunks(width)));
@@ -278,7 +283,7 @@ impl Planner<'_> {
             .any(|(c, axis)| c.abs() > rules.increment.half_correction(self.machine.axes()[*axis].kind))
     }
 
-    fn curve_layout(&self) -> Vec<Table> {
+    fn curve_layout(&self) -> Vec<CorrectionTable> {
         let linear = |axis: &usize| self.machine.axes()[*axis].kind == AxisKind::Linear;
         let axes = 0..self.machine.axes().len();
         let outputs: Vec<usize> = axes.clone().filter(linear).collect();
@@ -286,7 +291,7 @@ impl Planner<'_> {
         pairs.filter_map(|(input, output)| self.curve(input, output)).collect()
     }
 
-    fn curve(&self, input: usize, output: usize) -> Option<Table> {
+    fn curve(&self, input: usize, output: usize) -> Option<CorrectionTable> {
         let own = input == output;
         let rules = if own {
             self.own_rules().filter(|rules| rules.fit == Fit::FunctionalPoint)
@@ -300,8 +305,11 @@ impl Planner<'_> {
         if !allowed || (axes[input].kind == AxisKind::Rotary && !rules.rotary_inputs) {
             return None;
         }
-        let table = Table::curve(input, self.positions(input, rules), output, Vec::new());
-        Some(Table { reverse: (rules.bidirectional && self.machine.is_bidirectional()).then(Vec::new), ..table })
+        let table = CorrectionTable::curve(input, self.positions(input, rules), output, Vec::new());
+        Some(CorrectionTable {
+            reverse: (rules.bidirectional && self.machine.is_bidirectional()).then(Vec::new),
+            ..table
+        })
     }
 
     /// Nodes over an axis for the deviation of the functional point. Free points stand at the knots of
@@ -315,17 +323,17 @@ impl Planner<'_> {
     }
 
     /// How many of the controller's tables are left beside those that are taken.
-    fn room(&self, taken: &[&[Table]]) -> usize {
+    fn room(&self, taken: &[&[CorrectionTable]]) -> usize {
         let count: usize =
             taken.iter().flat_map(|tables| tables.iter()).map(|table| self.mechanisms.count(table)).sum();
         self.mechanisms.tables.map_or(usize::MAX, |all| all.saturating_sub(count))
     }
 
     /// Those of the filled tables that do something, as many as the rules allow, beside tables that are there already.
-    fn chosen(&self, tables: Vec<Table>, there: &[Table]) -> Vec<Table> {
+    fn chosen(&self, tables: Vec<CorrectionTable>, there: &[CorrectionTable]) -> Vec<CorrectionTable> {
         let own = self.mechanisms.own_axis.is_some();
         let (own, cross): (Vec<_>, Vec<_>) = tables.into_iter().partition(|t| own && t.is_own_axis());
-        let limit = |tables: Vec<Table>, rules: &Option<TableRules>, room: usize| {
+        let limit = |tables: Vec<CorrectionTable>, rules: &Option<TableRules>, room: usize| {
             rules.as_ref().map_or_else(Vec::new, |rules| self.limited(tables, rules, room))
         };
         let mut all = limit(own, &self.mechanisms.own_axis, self.room(&[there]));
@@ -334,11 +342,11 @@ impl Planner<'_> {
         all
     }
 
-    fn limited(&self, tables: Vec<Table>, rules: &TableRules, mut room: usize) -> Vec<Table> {
-        let mut ranked: Vec<(f64, Table)> =
+    fn limited(&self, tables: Vec<CorrectionTable>, rules: &TableRules, mut room: usize) -> Vec<CorrectionTable> {
+        let mut ranked: Vec<(f64, CorrectionTable)> =
             tables.into_iter().filter(|t| self.counts(t)).map(|t| (strength(&t), t)).collect();
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut taken: Vec<Table> = Vec::new();
+        let mut taken: Vec<CorrectionTable> = Vec::new();
         for (_, table) in ranked {
             let second = rules.one_per_output && taken.iter().any(|t| t.corrected == table.corrected);
             let count = self.mechanisms.count(&table);
@@ -352,27 +360,27 @@ impl Planner<'_> {
     }
 
     /// Tables for the strongest products of the given planes, as many as there is room for.
-    fn products(&self, planes: Vec<Table>, rules: &TableRules, room: usize) -> Vec<Table> {
+    fn products(&self, planes: Vec<CorrectionTable>, rules: &TableRules, room: usize) -> Vec<CorrectionTable> {
         // Below a tenth of a micrometre a product is not worth its tables.
         const WORTH: f64 = 1e-4;
-        const MOST_PARTS: usize = 4;
-        let of = |(i, plane): (usize, &Table)| {
-            let parts = product::parts(&plane.values, plane.nodes[1].len(), MOST_PARTS, WORTH);
+        const MAX_PARTS: usize = 4;
+        let of = |(i, plane): (usize, &CorrectionTable)| {
+            let parts = product::parts(&plane.values, plane.nodes[1].len(), MAX_PARTS, WORTH);
             parts.into_iter().map(move |part| (product::strength(&part), i)).collect::<Vec<_>>()
         };
         let mut ranked: Vec<(f64, usize)> = planes.iter().enumerate().flat_map(of).collect();
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
         ranked.truncate((room / TABLES_OF_A_PRODUCT).min(rules.max_tables));
-        let table = |(i, plane): (usize, &Table)| {
+        let table = |(i, plane): (usize, &CorrectionTable)| {
             let count = ranked.iter().filter(|(_, plane)| *plane == i).count();
             let layout = (count > 0).then(|| self.plane(&plane.axes, plane.corrected.clone(), rules, false))?;
-            Some(Table { factors: vec![Factors::default(); count], ..layout })
+            Some(CorrectionTable { factors: vec![Factors::default(); count], ..layout })
         };
         planes.iter().enumerate().filter_map(table).collect()
     }
 
     /// A plane over every two axes for every linear axis.
-    fn plane_layout(&self, rules: &TableRules, coarse: bool) -> Vec<Table> {
+    fn plane_layout(&self, rules: &TableRules, coarse: bool) -> Vec<CorrectionTable> {
         let axes = self.machine.axes();
         let listed =
             |axis: usize, names: &[String]| names.is_empty() || names.iter().any(|n| n == axes[axis].name.as_str());
@@ -391,7 +399,7 @@ impl Planner<'_> {
             .collect()
     }
 
-    fn plane(&self, axes: &[usize], corrected: Vec<usize>, rules: &TableRules, coarse: bool) -> Table {
+    fn plane(&self, axes: &[usize], corrected: Vec<usize>, rules: &TableRules, coarse: bool) -> CorrectionTable {
         // Products and tables that roll over do with 15 deg, and with 60 deg for a trial.
         let product = self.mechanisms.product.as_ref() == Some(rules);
         let turning = rules.as_many || product;
@@ -424,7 +432,7 @@ impl Planner<'_> {
             let start = rules.increment.position(min, kind);
             rules.increment.distinct((0..count).map(|i| start + i as f64 * step), kind)
         });
-        Table {
+        CorrectionTable {
             axes: axes.to_vec(),
             nodes: nodes.collect(),
             corrected,
@@ -435,7 +443,7 @@ impl Planner<'_> {
     }
 
     /// A lattice over the axes that the rules name.
-    fn fixed_lattice(&self, rules: &TableRules) -> Option<Table> {
+    fn fixed_lattice(&self, rules: &TableRules) -> Option<CorrectionTable> {
         let axes: Option<Vec<usize>> = rules.inputs.iter().map(|name| self.machine.axis_index(name)).collect();
         let named: Vec<usize> = rules.outputs.iter().filter_map(|name| self.machine.axis_index(name)).collect();
         let all = if rules.outputs.is_empty() { (0..self.machine.axes().len()).collect() } else { named };
@@ -452,7 +460,7 @@ const PRODUCT_INTERVALS: usize = 12;
 const PRODUCT_ANGLE: f64 = 15.0;
 
 /// Mean square of a table's values about their mean.
-fn strength(table: &Table) -> f64 {
+fn strength(table: &CorrectionTable) -> f64 {
     let count = table.values.len().max(1) as f64;
     let mean = table.values.iter().sum::<f64>() / count;
     table.values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count

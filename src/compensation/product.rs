@@ -5,7 +5,7 @@
 //! controller twice, as f g and as (-f) (-g), and each time as half of it: no manual says whether the values of the
 //! factors are added besides their product, and so they cancel out if they are.
 
-use super::{Increment, Table};
+use super::{CorrectionTable, Increment};
 use crate::machine::AxisKind;
 
 /// The factors of a product: at the nodes of the first and of the second axis that span a table.
@@ -99,7 +99,7 @@ fn outer([f, g]: &Factors) -> impl Iterator<Item = f64> {
     f.iter().flat_map(move |a| g.iter().map(move |b| a * b))
 }
 
-impl Table {
+impl CorrectionTable {
     /// How many of the controller's tables it takes if directions stand apart or not.
     pub fn count(&self, apart: bool) -> usize {
         match (self.factors.len(), &self.reverse) {

@@ -8,7 +8,7 @@
 //! the mean square most. The volume is sampled by one list of poses for all nodes: differences
 //! between nodes do not depend on its choice where they do not depend on the other axes.
 
-use super::{Table, Tables, product};
+use super::{CorrectionTable, CorrectionTables, product};
 use crate::evaluate::node_positions;
 use crate::machine::{Machine, Pose};
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ type OfAxis<'a> = dyn Fn(&[Pose], usize) -> Vec<Vec<f64>> + Sync + 'a;
 /// Corrections at poses: for each those of all axes, for one channel after another (one for the whole
 /// machine, or one for every error).
 #[derive(Clone, Copy)]
-pub(super) struct Wanted<'a> {
+pub(super) struct Demand<'a> {
     /// The mean of forward and reverse.
     pub mean: &'a (dyn Fn(&[Pose]) -> Vec<Vec<f64>> + Sync),
     /// Half of forward less reverse, from the errors of one axis.
@@ -47,14 +47,14 @@ fn background(machine: &Machine) -> Vec<Pose> {
 
 /// The value of a set of tables at a pose, channel by channel: tables between nodes are straight.
 struct Filled<'a> {
-    layout: &'a [Table],
+    layout: &'a [CorrectionTable],
     /// Values of each table filled so far: by node, then channel.
     values: Vec<Vec<Vec<f64>>>,
 }
 
 impl Filled<'_> {
     /// The mean over poses around a node of what is filled for the axes that a table corrects: channel by channel.
-    fn mean(&self, table: &Table, around: &[Pose], channels: usize) -> Vec<f64> {
+    fn mean(&self, table: &CorrectionTable, around: &[Pose], channels: usize) -> Vec<f64> {
         let width = table.corrected.len();
         let mut sum = vec![0.0; channels * width];
         for (other, rows) in self.layout.iter().zip(&self.values) {
@@ -74,7 +74,7 @@ impl Filled<'_> {
 }
 
 /// Nodes around a pose with their weights, held at the ends.
-fn corners(table: &Table, pose: &[f64]) -> Vec<(usize, f64)> {
+fn corners(table: &CorrectionTable, pose: &[f64]) -> Vec<(usize, f64)> {
     let mut corners = vec![(0, 1.0)];
     for (axis, nodes) in table.axes.iter().zip(&table.nodes) {
         let q = pose[*axis].clamp(nodes[0], nodes[nodes.len() - 1]);
@@ -106,7 +106,7 @@ type Known = Vec<((Vec<usize>, Vec<Vec<f64>>), Vec<Vec<f64>>)>;
 /// Fills tables; one look at the machine serves the tables of all corrected axes over the same nodes.
 pub(super) struct Filler<'a> {
     machine: &'a Machine,
-    wanted: Wanted<'a>,
+    wanted: Demand<'a>,
     background: Vec<Pose>,
     mean: Vec<f64>,
     means: Known,
@@ -117,14 +117,14 @@ pub(super) struct Filler<'a> {
 const PLACES: usize = 33;
 
 impl<'a> Filler<'a> {
-    pub fn new(machine: &'a Machine, wanted: Wanted<'a>) -> Self {
+    pub fn new(machine: &'a Machine, wanted: Demand<'a>) -> Self {
         let background = background(machine);
         let mean = mean(&(wanted.mean)(&background));
         Self { machine, wanted, background, mean, means: Vec::new(), halves: Vec::new() }
     }
 
     /// Fills tables of a given layout (axes, nodes, corrected axes): one set for every channel.
-    pub fn fill(&mut self, layout: &[Table], traits: &[Traits]) -> Vec<Tables> {
+    pub fn fill(&mut self, layout: &[CorrectionTable], traits: &[Traits]) -> Vec<CorrectionTables> {
         let axes = self.machine.axes().len();
         let mut filled = Filled { layout, values: Vec::new() };
         let mut halves: Vec<Option<Vec<Vec<f64>>>> = Vec::new();
@@ -177,12 +177,12 @@ impl<'a> Filler<'a> {
     }
 
     /// The mean of what is wanted over some of the background at each node of a table.
-    fn means(&mut self, table: &Table, count: usize) -> Vec<Vec<f64>> {
+    fn means(&mut self, table: &CorrectionTable, count: usize) -> Vec<Vec<f64>> {
         let background = &self.background[..count];
         known(&mut self.means, table, || effect(table, background, self.wanted.mean))
     }
 
-    fn half(&mut self, table: &Table) -> Vec<Vec<f64>> {
+    fn half(&mut self, table: &CorrectionTable) -> Vec<Vec<f64>> {
         let (axis, nodes) = (table.axes[0], &table.nodes[0]);
         let half = |poses: &[Pose]| (self.wanted.half)(poses, axis);
         let line = over(axis, nodes);
@@ -190,7 +190,7 @@ impl<'a> Filler<'a> {
     }
 }
 
-fn known(all: &mut Known, table: &Table, fresh: impl FnOnce() -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+fn known(all: &mut Known, table: &CorrectionTable, fresh: impl FnOnce() -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let key = (&table.axes, &table.nodes);
     if let Some((_, rows)) = all.iter().find(|((axes, nodes), _)| (axes, nodes) == key) {
         return rows.clone();
@@ -201,12 +201,12 @@ fn known(all: &mut Known, table: &Table, fresh: impl FnOnce() -> Vec<Vec<f64>>) 
 }
 
 /// A table over one axis, to be asked about its nodes.
-fn over(axis: usize, nodes: &[f64]) -> Table {
-    Table::curve(axis, nodes.to_vec(), axis, Vec::new())
+fn over(axis: usize, nodes: &[f64]) -> CorrectionTable {
+    CorrectionTable::curve(axis, nodes.to_vec(), axis, Vec::new())
 }
 
 /// The least-squares slope over the places, as values at the two nodes of a line through position 0.
-fn line(places: &[f64], table: &Table, rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
+fn line(places: &[f64], table: &CorrectionTable, rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let centre = places.iter().sum::<f64>() / places.len() as f64;
     let spread: f64 = places.iter().map(|q| (q - centre) * (q - centre)).sum();
     let width = rows.first().map_or(0, Vec::len);
@@ -224,7 +224,7 @@ type Rows<'a> = dyn Fn(&[Pose]) -> Vec<Vec<f64>> + Sync + 'a;
 const BLOCK: usize = 256;
 
 /// The mean over the background at each node of a table.
-fn effect(table: &Table, background: &[Pose], at: &Rows) -> Vec<Vec<f64>> {
+fn effect(table: &CorrectionTable, background: &[Pose], at: &Rows) -> Vec<Vec<f64>> {
     let block = |numbers: &[usize]| {
         let rows = at(&numbers.iter().flat_map(|number| moved(table, *number, background)).collect::<Vec<Pose>>());
         rows.chunks(background.len()).map(mean).collect::<Vec<_>>()
@@ -234,7 +234,7 @@ fn effect(table: &Table, background: &[Pose], at: &Rows) -> Vec<Vec<f64>> {
 }
 
 /// The background with the axes of a table at one of its nodes.
-fn moved(table: &Table, number: usize, background: &[Pose]) -> Vec<Pose> {
+fn moved(table: &CorrectionTable, number: usize, background: &[Pose]) -> Vec<Pose> {
     let positions = table.node(number);
     let at_node = |pose: &Pose| {
         let mut pose = pose.clone();
@@ -255,7 +255,7 @@ fn mean(rows: &[Vec<f64>]) -> Vec<f64> {
 }
 
 /// What so many products hold of a table over two axes, channel by channel.
-fn by_products(table: &Table, rows: &[Vec<f64>], most: usize) -> Vec<Vec<f64>> {
+fn by_products(table: &CorrectionTable, rows: &[Vec<f64>], most: usize) -> Vec<Vec<f64>> {
     let columns = table.nodes[1].len();
     let channel = |c: usize| {
         let values: Vec<f64> = rows.iter().map(|row| row[c]).collect();
@@ -266,7 +266,11 @@ fn by_products(table: &Table, rows: &[Vec<f64>], most: usize) -> Vec<Vec<f64>> {
 }
 
 /// One set of tables for every channel.
-fn sets(layout: &[Table], values: &[Vec<Vec<f64>>], halves: &[Option<Vec<Vec<f64>>>]) -> Vec<Tables> {
+fn sets(
+    layout: &[CorrectionTable],
+    values: &[Vec<Vec<f64>>],
+    halves: &[Option<Vec<Vec<f64>>>],
+) -> Vec<CorrectionTables> {
     let width = |i: usize| layout[i].corrected.len();
     let channels = values.first().and_then(|rows| rows.first()).map_or(0, |row| row.len() / width(0));
     let column = |i: usize, channel: usize, rows: &[Vec<f64>]| -> Vec<f64> {
@@ -275,11 +279,14 @@ fn sets(layout: &[Table], values: &[Vec<Vec<f64>>], halves: &[Option<Vec<Vec<f64
     let table = |i: usize, channel: usize| {
         let mean = column(i, channel, &values[i]);
         let Some(half) = halves[i].as_ref().map(|rows| column(i, channel, rows)) else {
-            return Table { values: mean, reverse: None, ..layout[i].clone() };
+            return CorrectionTable { values: mean, reverse: None, ..layout[i].clone() };
         };
         let both = |sign: f64| mean.iter().zip(&half).map(|(m, h)| m + sign * h).collect();
-        Table { values: both(1.0), reverse: Some(both(-1.0)), ..layout[i].clone() }
+        CorrectionTable { values: both(1.0), reverse: Some(both(-1.0)), ..layout[i].clone() }
     };
-    let set = |channel| Tables { tables: (0..layout.len()).map(|i| table(i, channel)).collect(), errors: Vec::new() };
+    let set = |channel| CorrectionTables {
+        tables: (0..layout.len()).map(|i| table(i, channel)).collect(),
+        errors: Vec::new(),
+    };
     (0..channels).map(set).collect()
 }

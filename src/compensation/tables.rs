@@ -6,7 +6,7 @@ use crate::machine::{AxisKind, ErrorId, Machine};
 
 /// Corrections on a lattice of positions: of one axis a curve, of two a plane, of any number a lattice.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
+pub struct CorrectionTable {
     /// Indices of the axes that span it.
     pub axes: Vec<usize>,
     /// Strictly rising nodes of each of them (mm or deg).
@@ -37,14 +37,14 @@ pub struct ErrorCurve {
 /// What a target's files hold: the controller adds up what its tables say and what its model makes of
 /// the error curves.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Tables {
+pub struct CorrectionTables {
     /// Tables of corrections.
-    pub tables: Vec<Table>,
+    pub tables: Vec<CorrectionTable>,
     /// Curves of errors.
     pub errors: Vec<ErrorCurve>,
 }
 
-impl Table {
+impl CorrectionTable {
     /// A table over one axis that corrects another, or the same.
     pub fn curve(axis: usize, positions: Vec<f64>, corrected: usize, values: Vec<f64>) -> Self {
         Self {
@@ -101,9 +101,9 @@ impl Table {
     }
 }
 
-impl Tables {
+impl CorrectionTables {
     /// Rounds every stored number to the increments that `of` gives for a table.
-    pub fn quantise<'a>(&mut self, machine: &Machine, of: impl Fn(&Table) -> Option<&'a Increment>) {
+    pub fn quantise<'a>(&mut self, machine: &Machine, of: impl Fn(&CorrectionTable) -> Option<&'a Increment>) {
         let kind = |axis: usize| machine.axes()[axis].kind;
         for table in &mut self.tables {
             let Some(increment) = of(table).copied() else { continue };
@@ -121,10 +121,11 @@ impl Tables {
     /// Tables that say the same of both directions need no second column; several over the same nodes
     /// for the same axes are one. Sets that add the same to every command then are equal.
     pub fn merged(self) -> Self {
-        let mut tables: Vec<Table> = Vec::new();
+        let mut tables: Vec<CorrectionTable> = Vec::new();
         for table in self.tables {
-            let same =
-                |t: &&mut Table| (&t.axes, &t.nodes, &t.corrected) == (&table.axes, &table.nodes, &table.corrected);
+            let same = |t: &&mut CorrectionTable| {
+                (&t.axes, &t.nodes, &t.corrected) == (&table.axes, &table.nodes, &table.corrected)
+            };
             let Some(known) = tables.iter_mut().find(same) else {
                 tables.push(table);
                 continue;
@@ -146,11 +147,11 @@ impl Tables {
 
     /// Do both add the same to every command? Tables of zeros count for nothing.
     pub fn same_effect(&self, other: &Self) -> bool {
-        let zero = |t: &Table| t.values.iter().chain(t.reverse.iter().flatten()).all(|c| *c == 0.0);
+        let zero = |t: &CorrectionTable| t.values.iter().chain(t.reverse.iter().flatten()).all(|c| *c == 0.0);
         let some = |all: &Self| {
             let kept = all.tables.iter().filter(|t| !zero(t)).cloned();
             Self {
-                tables: kept.map(|table| Table { factors: Vec::new(), ..table }).collect(),
+                tables: kept.map(|table| CorrectionTable { factors: Vec::new(), ..table }).collect(),
                 errors: all.errors.clone(),
             }
             .merged()
@@ -161,7 +162,7 @@ impl Tables {
     /// Largest correction of the linear axes (mm) and of the rotary axes (deg), with the axis.
     pub fn largest(&self, machine: &Machine) -> [Option<(usize, f64)>; 2] {
         [AxisKind::Linear, AxisKind::Rotary].map(|kind| {
-            let all = self.tables.iter().flat_map(Table::corrections).map(|(_, axis, value)| (axis, value));
+            let all = self.tables.iter().flat_map(CorrectionTable::corrections).map(|(_, axis, value)| (axis, value));
             let of_kind = all.filter(|(axis, _)| machine.axes()[*axis].kind == kind);
             of_kind.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
         })

@@ -2,7 +2,7 @@
 
 use crate::algebra::{Htm, skew_vector};
 use crate::evaluate::{Nodes, Poses, Random};
-use crate::lower::{Chain, Exact, Values, values};
+use crate::lower::{Chain, ErrorValues, Exact, values};
 use crate::machine::{Approach, Grid, Machine, Pose};
 
 /// What two machines that ought to be the same differ by.
@@ -65,16 +65,16 @@ fn difference(old: &Machine, new: &Machine, pose: &Pose, approach: Approach) -> 
     let over: Vec<bool> = old.axes().iter().zip(new.axes()).map(|(a, b)| a.sign() != b.sign()).collect();
     let turned: Pose = pose.iter().zip(&over).map(|(q, over)| if *over { -q } else { *q }).collect();
     let errors = approached(new, &turned, approach, &over);
-    let before = Chain::real(old, pose, &values(old, pose, approach), &Exact).tool_in_workpiece(&old.workpiece());
-    let after = Chain::real(new, &turned, &errors, &Exact).tool_in_workpiece(&new.workpiece());
-    let ideal = [(old, pose), (new, &turned)]
-        .map(|(machine, pose)| Chain::<f64>::ideal(machine, pose).tool_in_workpiece(&machine.workpiece()));
-    let [real, nominal] = [apart(&before, &after), apart(&ideal[0], &ideal[1])];
+    let before = Chain::actual(old, pose, &values(old, pose, approach), &Exact).tool_in_workpiece(&old.workpiece());
+    let after = Chain::actual(new, &turned, &errors, &Exact).tool_in_workpiece(&new.workpiece());
+    let nominal = [(old, pose), (new, &turned)]
+        .map(|(machine, pose)| Chain::<f64>::nominal(machine, pose).tool_in_workpiece(&machine.workpiece()));
+    let [real, nominal] = [apart(&before, &after), apart(&nominal[0], &nominal[1])];
     [largest(real[0], nominal[0]), largest(real[1], nominal[1])]
 }
 
 /// A rising position of an axis that counts the other way is a falling one.
-fn approached(machine: &Machine, pose: &Pose, approach: Approach, over: &[bool]) -> Values {
+fn approached(machine: &Machine, pose: &Pose, approach: Approach, over: &[bool]) -> ErrorValues {
     let opposite = match approach {
         Approach::Mean => Approach::Mean,
         Approach::Forward => Approach::Reverse,

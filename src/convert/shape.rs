@@ -39,7 +39,7 @@ pub fn shape(
         return (known.clone(), 0.0);
     }
     let scale = if direction.is_rotation() { 1e-3 } else { 1.0 };
-    let target = Target {
+    let target = ConvertedForm {
         errors,
         old,
         direction,
@@ -73,7 +73,7 @@ fn given(component: ComponentError, known: bool) -> Option<ErrorTerm> {
 }
 
 /// The function that a curve is wanted for.
-struct Target<'a> {
+struct ConvertedForm<'a> {
     errors: &'a ComponentErrors<'a>,
     old: &'a [Option<ErrorTerm>; 6],
     direction: Direction,
@@ -84,7 +84,7 @@ struct Target<'a> {
     finer: bool,
 }
 
-impl Target<'_> {
+impl ConvertedForm<'_> {
     fn value(&self, position: f64, approach: Approach) -> f64 {
         self.errors.six(position, approach)[self.direction.index()]
     }

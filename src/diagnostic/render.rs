@@ -19,8 +19,8 @@ pub fn render(diagnostics: &Diagnostics, rendering: Rendering) -> String {
     let renderer = if rendering.color { Renderer::styled() } else { Renderer::plain() };
     let renderer = renderer.term_width(160);
     let mut text: String =
-        diagnostics.iter().take(MOST_SHOWN).map(|d| renderer.render(&[group(diagnostics, d)]) + "\n\n").collect();
-    let more = diagnostics.iter().count().saturating_sub(MOST_SHOWN);
+        diagnostics.iter().take(MAX_SHOWN).map(|d| renderer.render(&[group(diagnostics, d)]) + "\n\n").collect();
+    let more = diagnostics.iter().count().saturating_sub(MAX_SHOWN);
     if more > 0 {
         text.push_str(&format!("and {more} more of the kind\n\n"));
     }
@@ -28,7 +28,7 @@ pub fn render(diagnostics: &Diagnostics, rendering: Rendering) -> String {
 }
 
 /// Nobody reads more, and a hostile file has millions.
-const MOST_SHOWN: usize = 50;
+const MAX_SHOWN: usize = 50;
 
 /// One line for the end of the run: `2 mistakes, 1 warning`; empty if there is nothing to say.
 pub fn summary(diagnostics: &Diagnostics) -> String {

@@ -1,7 +1,7 @@
 //! Deviation, rotation and E_VE at one pose, exact or to order n.
 
 use crate::algebra::{Algebra, Dual, Htm, difference, rotation_vector, skew_vector};
-use crate::lower::{Chain, ErrorLift, Exact, Ideal, OrderN, Values, values};
+use crate::lower::{Chain, ErrorLift, ErrorValues, Exact, NominalPose, OrderN, values};
 use crate::machine::{Approach, Joints, Machine};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
@@ -42,11 +42,11 @@ pub struct Deviation {
 /// Everything `eval` prints about a pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
-    /// Ideal position of the functional point from the workpiece origin, mm.
+    /// Nominal position of the functional point from the workpiece origin, mm.
     pub nominal: Vector3<f64>,
     /// Actual minus nominal.
     pub deviation: Deviation,
-    /// (T_tool^-1 T_work) real minus ideal, between workpiece frame and tool frame.
+    /// (T_tool^-1 T_work) real minus nominal, between workpiece frame and tool frame.
     pub e_ve: Matrix4<f64>,
 }
 
@@ -79,7 +79,7 @@ pub fn evaluate_over<S: Algebra>(
 /// The elements behind an evaluation: what each interference of errors does. Workpiece frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response<S: Algebra> {
-    /// Ideal position of the functional point from the workpiece origin, mm.
+    /// Nominal position of the functional point from the workpiece origin, mm.
     pub nominal: Vector3<f64>,
     /// Its deviation, mm.
     pub position: Vector3<S>,
@@ -88,14 +88,19 @@ pub struct Response<S: Algebra> {
 }
 
 /// Deviations as elements of the algebra, errors entering through `lift`.
-pub fn response<S: Algebra>(machine: &Machine, pose: &[f64], errors: &Values, lift: &impl ErrorLift<S>) -> Response<S> {
+pub fn response<S: Algebra>(
+    machine: &Machine,
+    pose: &[f64],
+    errors: &ErrorValues,
+    lift: &impl ErrorLift<S>,
+) -> Response<S> {
     let origin = machine.workpiece();
-    let real = Chain::real(machine, pose, errors, lift).tool_in_workpiece(&origin);
-    let ideal = Chain::<f64>::ideal(machine, pose).tool_in_workpiece(&origin);
+    let real = Chain::actual(machine, pose, errors, lift).tool_in_workpiece(&origin);
+    let nominal = Chain::<f64>::nominal(machine, pose).tool_in_workpiece(&origin);
     Response {
-        nominal: ideal.translation,
-        position: Vector3::from_fn(|i, _| real.translation[i].clone() - S::from_real(ideal.translation[i])),
-        rotation: rotation(&real.linear, &ideal.linear.map(S::from_real), machine.conventions().joints),
+        nominal: nominal.translation,
+        position: Vector3::from_fn(|i, _| real.translation[i].clone() - S::from_real(nominal.translation[i])),
+        rotation: rotation(&real.linear, &nominal.linear.map(S::from_real), machine.conventions().joints),
     }
 }
 
@@ -103,19 +108,19 @@ pub fn response<S: Algebra>(machine: &Machine, pose: &[f64], errors: &Values, li
 fn framed(evaluation: Evaluation, machine: &Machine, pose: &[f64], frame: Frame) -> Evaluation {
     match frame {
         Frame::Workpiece => evaluation,
-        Frame::Machine => turned(evaluation, &Ideal::at(machine, pose).r_work),
-        Frame::Tool => turned(evaluation, &Ideal::at(machine, pose).pose.linear.transpose()),
+        Frame::Machine => turned(evaluation, &NominalPose::at(machine, pose).r_work),
+        Frame::Tool => turned(evaluation, &NominalPose::at(machine, pose).pose.linear.transpose()),
     }
 }
 
-/// Where the exact model of the machine is at a *command*, compared with where the ideal machine
+/// Where the exact model of the machine is at a *command*, compared with where the nominal machine
 /// would be at a *pose* (both mm, deg): workpiece frame, actual minus nominal.
-pub fn command_deviation(machine: &Machine, ideal: &Htm<f64>, command: &[f64], approach: Approach) -> Deviation {
+pub fn command_deviation(machine: &Machine, nominal: &Htm<f64>, command: &[f64], approach: Approach) -> Deviation {
     let errors = values(machine, command, approach);
-    let real = Chain::real(machine, command, &errors, &Exact).tool_in_workpiece(&machine.workpiece());
+    let real = Chain::actual(machine, command, &errors, &Exact).tool_in_workpiece(&machine.workpiece());
     Deviation {
-        position: real.translation - ideal.translation,
-        rotation: rotation(&real.linear, &ideal.linear, machine.conventions().joints),
+        position: real.translation - nominal.translation,
+        rotation: rotation(&real.linear, &nominal.linear, machine.conventions().joints),
     }
 }
 
@@ -140,34 +145,34 @@ impl At<'_> {
     fn over<S: Algebra>(&self, lift: &impl ErrorLift<S>) -> Evaluation {
         let origin = self.machine.workpiece();
         let errors = values(self.machine, self.pose, self.approach);
-        let real = Chain::real(self.machine, self.pose, &errors, lift).tool_in_workpiece(&origin);
-        let ideal = Chain::<f64>::ideal(self.machine, self.pose).tool_in_workpiece(&origin);
+        let real = Chain::actual(self.machine, self.pose, &errors, lift).tool_in_workpiece(&origin);
+        let nominal = Chain::<f64>::nominal(self.machine, self.pose).tool_in_workpiece(&origin);
         Evaluation {
-            nominal: ideal.translation,
+            nominal: nominal.translation,
             deviation: Deviation {
-                position: Vector3::from_fn(|i, _| difference(&real.translation[i], ideal.translation[i])),
-                rotation: rotation(&real.linear, &ideal.linear.map(S::from_real), self.machine.conventions().joints)
+                position: Vector3::from_fn(|i, _| difference(&real.translation[i], nominal.translation[i])),
+                rotation: rotation(&real.linear, &nominal.linear.map(S::from_real), self.machine.conventions().joints)
                     .map(|x| difference(&x, 0.0)),
             },
-            e_ve: e_ve(&real, &ideal),
+            e_ve: e_ve(&real, &nominal),
         }
     }
 }
 
 /// Vector of log(R_real R_ideal^T); with linearised joints, of the skew part (R_real is not orthogonal).
-pub fn rotation<S: Algebra>(real: &Matrix3<S>, ideal: &Matrix3<S>, joints: Joints) -> Vector3<S> {
-    let relative = real * ideal.transpose();
+pub fn rotation<S: Algebra>(real: &Matrix3<S>, nominal: &Matrix3<S>, joints: Joints) -> Vector3<S> {
+    let relative = real * nominal.transpose();
     match joints {
         Joints::Orthogonal => rotation_vector(&relative),
         Joints::Linearised => skew_vector(&relative),
     }
 }
 
-fn e_ve<S: Algebra>(real: &Htm<S>, ideal: &Htm<f64>) -> Matrix4<f64> {
-    match (real.inverse(), ideal.inverse()) {
-        (Some(real), Some(ideal)) => {
-            let (real, ideal) = (real.to_matrix(), ideal.to_matrix());
-            Matrix4::from_fn(|i, j| difference(&real[(i, j)], ideal[(i, j)]))
+fn e_ve<S: Algebra>(real: &Htm<S>, nominal: &Htm<f64>) -> Matrix4<f64> {
+    match (real.inverse(), nominal.inverse()) {
+        (Some(real), Some(nominal)) => {
+            let (real, nominal) = (real.to_matrix(), nominal.to_matrix());
+            Matrix4::from_fn(|i, j| difference(&real[(i, j)], nominal[(i, j)]))
         }
         // Products of joints near rotations always have an inverse.
         _ => Matrix4::zeros(),

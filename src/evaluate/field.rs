@@ -1,7 +1,7 @@
 //! Fields of deviations over the poses of a machine.
 
-use super::{Batch, Deviation, Frame, Order, Output, Plan, command_deviation, evaluate};
-use crate::lower::{Ideal, sensitivities};
+use super::{Batch, CompiledModel, Deviation, Frame, Order, Output, command_deviation, evaluate};
+use crate::lower::{NominalPose, sensitivities};
 use crate::machine::{Approach, ErrorId, Machine};
 use std::sync::OnceLock;
 
@@ -21,7 +21,7 @@ pub trait Field: Sync {
     }
 
     /// The compiled evaluator behind it, if there is one.
-    fn plan(&self, _approach: Approach) -> Option<&Plan> {
+    fn plan(&self, _approach: Approach) -> Option<&CompiledModel> {
         None
     }
 }
@@ -46,36 +46,36 @@ impl Field for Bare<'_> {
 
     /// Compiled for the batch: worth it from some ten poses on.
     fn deviations(&self, poses: &Batch<'_>, approach: Approach, out: Output<'_>) {
-        Plan::new(self.machine, self.order, approach).deviations(poses, out);
+        CompiledModel::new(self.machine, self.order, approach).deviations(poses, out);
     }
 }
 
 /// A machine without compensation, compiled: the same deviations up to rounding, at many poses a second.
 #[derive(Debug, Clone)]
-pub struct Planned {
+pub struct CompiledField {
     machine: Machine,
     order: Order,
     /// By side of approach, each compiled when it is first asked for.
-    plans: [OnceLock<Plan>; 3],
+    plans: [OnceLock<CompiledModel>; 3],
 }
 
-impl Planned {
+impl CompiledField {
     /// A machine and how far its errors are followed.
     pub fn new(machine: &Machine, order: Order) -> Self {
         Self { machine: machine.clone(), order, plans: Default::default() }
     }
 
-    fn compiled(&self, approach: Approach) -> &Plan {
+    fn compiled(&self, approach: Approach) -> &CompiledModel {
         let slot = match approach {
             Approach::Mean => 0,
             Approach::Forward => 1,
             Approach::Reverse => 2,
         };
-        self.plans[slot].get_or_init(|| Plan::new(&self.machine, self.order, approach))
+        self.plans[slot].get_or_init(|| CompiledModel::new(&self.machine, self.order, approach))
     }
 }
 
-impl Field for Planned {
+impl Field for CompiledField {
     fn machine(&self) -> &Machine {
         &self.machine
     }
@@ -88,14 +88,14 @@ impl Field for Planned {
         self.compiled(approach).deviations(poses, out);
     }
 
-    fn plan(&self, approach: Approach) -> Option<&Plan> {
+    fn plan(&self, approach: Approach) -> Option<&CompiledModel> {
         Some(self.compiled(approach))
     }
 }
 
 /// Deviation at a pose when the controller sends another command instead (both mm, deg): exact model.
 pub fn commanded_deviation(machine: &Machine, pose: &[f64], command: &[f64], approach: Approach) -> Deviation {
-    command_deviation(machine, &Ideal::at(machine, pose).pose, command, approach)
+    command_deviation(machine, &NominalPose::at(machine, pose).pose, command, approach)
 }
 
 /// What each error alone does at a pose, to first order, in the order of [`Machine::errors`].
@@ -113,6 +113,6 @@ pub fn error_by_error(machine: &Machine, pose: &[f64], approach: Approach) -> Ve
 /// The part of a rotation that tilts the tool axis (workpiece frame, rad): the rotation about the
 /// tool axis itself, which no compensation corrects and a turning tool does not show, is taken off.
 pub fn tool_axis_tilt(machine: &Machine, pose: &[f64], rotation: &nalgebra::Vector3<f64>) -> nalgebra::Vector3<f64> {
-    let axis = Ideal::at(machine, pose).pose.linear.column(2).into_owned();
+    let axis = NominalPose::at(machine, pose).pose.linear.column(2).into_owned();
     rotation - axis * axis.dot(rotation)
 }

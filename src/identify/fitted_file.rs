@@ -2,7 +2,7 @@
 
 use super::model::parameter::{Basis, Parameter, Term};
 use super::solve::solution::Solution;
-use crate::lower::{Place, Source};
+use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine, MachineParts, written};
 use crate::syntax::IdentifyEntry;
 use crate::units::significant;
@@ -19,7 +19,7 @@ pub fn fitted_file(
     request: &IdentifyEntry,
 ) -> String {
     let theta = solution.theta();
-    let mut curves: BTreeMap<(Place, Direction), Directed> = BTreeMap::new();
+    let mut curves: BTreeMap<(ErrorSite, Direction), Directed> = BTreeMap::new();
     for (parameter, value) in parameters.iter().zip(&theta) {
         for term in &parameter.terms {
             let sum = &mut curves.entry((term.source.place, term.source.direction)).or_default()[way(term.approach)];
@@ -41,7 +41,7 @@ const SITES: usize = 25;
 /// Expanded uncertainty (mm or rad, k = 2) of a fitted error, to three digits: the largest over the travel and both
 /// directions. `None` if the data leave it free somewhere.
 fn expanded(machine: &Machine, parameters: &[Parameter], solution: &Solution, source: Source) -> Option<f64> {
-    let axis = if let Place::Component(axis) = source.place { machine.axes().get(axis) } else { None };
+    let axis = if let ErrorSite::Component(axis) = source.place { machine.axes().get(axis) } else { None };
     let sites: Vec<f64> = axis.map_or_else(
         || vec![0.0],
         |axis| {
@@ -63,11 +63,11 @@ fn expanded(machine: &Machine, parameters: &[Parameter], solution: &Solution, so
 }
 
 /// What was said of the value before is not said of the fitted one.
-fn state(parts: &mut MachineParts, place: Place, direction: Direction, half: Option<f64>) {
-    let (Place::Location(joint) | Place::Component(joint)) = place else { return };
+fn state(parts: &mut MachineParts, place: ErrorSite, direction: Direction, half: Option<f64>) {
+    let (ErrorSite::Location(joint) | ErrorSite::Component(joint)) = place else { return };
     let axis = parts.axes.get(joint).map(|axis| &axis.name).or_else(|| parts.chain.spindle()).cloned();
     let Some(axis) = axis else { return };
-    let id = ErrorId { axis, location: matches!(place, Place::Location(_)), direction };
+    let id = ErrorId { axis, location: matches!(place, ErrorSite::Location(_)), direction };
     match half {
         Some(half) => parts.uncertainty.insert(id, half),
         None => parts.uncertainty.remove(&id),
@@ -95,19 +95,19 @@ fn way(approach: Approach) -> usize {
 }
 
 /// A fitted source in its place. A location error that was not given and comes out as 0 stays away.
-fn put(parts: &mut MachineParts, place: Place, direction: Direction, curves: Directed) {
+fn put(parts: &mut MachineParts, place: ErrorSite, direction: Direction, curves: Directed) {
     let constant = curves[0].as_ref().map_or(0.0, |curve| curve.value(0.0));
     let index = direction.index();
     match place {
-        Place::Tool => parts.setup.tool[index % 3] = constant,
-        Place::Workpiece => parts.setup.workpiece[index] = constant,
-        Place::Location(joint) => {
+        ErrorSite::Tool => parts.setup.tool[index % 3] = constant,
+        ErrorSite::Workpiece => parts.setup.workpiece[index] = constant,
+        ErrorSite::Location(joint) => {
             let slot = &mut parts.errors[joint].location[index];
             if slot.is_some() || constant != 0.0 {
                 *slot = Some(ErrorTerm::Constant(constant));
             }
         }
-        Place::Component(axis) => {
+        ErrorSite::Component(axis) => {
             let slot = &mut parts.errors[axis].component[index];
             *slot = Some(ErrorTerm::Component(component(slot.take(), curves)));
         }

@@ -19,7 +19,7 @@ mod solve;
 mod words;
 
 pub use data::import;
-pub use data::measurement::{Data, End, Kind, Measurement, Reading};
+pub use data::measurement::{Data, End, Measurement, Reading, ReadingKind};
 pub use data::reader::read_measurements;
 pub use data::repeats::{Repeats, repeats};
 pub use fitted_file::fitted_file;
@@ -29,7 +29,7 @@ pub use model::prediction::Model;
 pub use model::request::{overruled, parameters, slope_bounds, unused};
 pub use solve::checks::{Outlier, Residuals, held_out};
 pub use solve::fit::{Fit, fit};
-pub use solve::plan::{Plan, plan};
+pub use solve::plan::{MeasurementPlan, plan};
 pub use solve::randomness::{Randomness, randomness};
 pub use solve::solution::{Estimate, Solution};
 pub use solve::weighing::{Scatter, solve};

@@ -116,7 +116,7 @@ fn signed(value: f64) -> String {
 }
 
 /// Parameters named of a direction that the noise drowns: those with the largest part.
-const MOST_NAMED: usize = 6;
+const MAX_NAMED: usize = 6;
 /// What moves points by more than this (mm) is no error of a machine: less of it is named.
 const LARGE: f64 = 1.0;
 
@@ -159,7 +159,7 @@ fn hidden(spread: &DVector<f64>, scale: &DVector<f64>, parameters: &[Parameter])
             false => format!("{name} is hardly known: the noise (one standard deviation) cannot be told from {amount}"),
         };
     }
-    let others = direction.split_off(direction.len().min(MOST_NAMED)).len();
+    let others = direction.split_off(direction.len().min(MAX_NAMED)).len();
     let mut parts: Vec<String> =
         direction.iter().map(|part| format!("{} {}", parameters[part.0].name, amount(part))).collect();
     let mut names = names(&direction, parameters);

@@ -1,7 +1,7 @@
 //! The chain: joints on the walk from workpiece to tool, their product and its halves.
 
 use super::joint::{JointElements, Position, error_motion, invert_if, joint};
-use super::source::{ErrorLift, Place, Source, Values};
+use super::source::{ErrorLift, ErrorSite, ErrorValues, Source};
 use crate::algebra::{Algebra, Htm};
 use crate::machine::{Branch, Direction, LocationOrder, Machine};
 use nalgebra::Vector3;
@@ -23,26 +23,26 @@ pub struct Chain<S: Algebra> {
 
 impl<S: Algebra> Chain<S> {
     /// The real machine: errors as given by `values`, entering the algebra through `lift`.
-    pub fn real(machine: &Machine, pose: &[f64], values: &Values, lift: &impl ErrorLift<S>) -> Self {
+    pub fn actual(machine: &Machine, pose: &[f64], values: &ErrorValues, lift: &impl ErrorLift<S>) -> Self {
         Self::real_at(machine, &positions(machine, pose), values, lift)
     }
 
     /// The real machine at positions that are elements of the algebra themselves.
-    pub fn real_at(machine: &Machine, at: &[Position<S>], values: &Values, lift: &impl ErrorLift<S>) -> Self {
+    pub fn actual_at(machine: &Machine, at: &[Position<S>], values: &ErrorValues, lift: &impl ErrorLift<S>) -> Self {
         let conventions = machine.conventions();
         let elements = Elements { lift, real_locations: conventions.location_order == LocationOrder::Real };
         let axis = |i: usize| {
             let (location, component) = &values.axes[i];
             let errors = JointElements {
-                location: elements.six(Place::Location(i), location),
-                component: elements.six(Place::Component(i), component),
+                location: elements.six(ErrorSite::Location(i), location),
+                component: elements.six(ErrorSite::Component(i), component),
             };
             joint(&machine.axes()[i], conventions, &at[i], &errors)
         };
         let motion = |place, six: &[f64; 6]| elements.six(place, six).map(|six| error_motion(&six, conventions.joints));
         let gauge = machine.tool().gauge;
-        let spindle = values.spindle.and_then(|six| motion(Place::Location(at.len()), &six));
-        let clamping = motion(Place::Workpiece, &values.workpiece);
+        let spindle = values.spindle.and_then(|six| motion(ErrorSite::Location(at.len()), &six));
+        let clamping = motion(ErrorSite::Workpiece, &values.workpiece);
         Self {
             joints: (0..at.len()).map(axis).collect(),
             spindle: spindle.map_or_else(Htm::identity, |g| Htm::about(&gauge, g)),
@@ -52,13 +52,13 @@ impl<S: Algebra> Chain<S> {
         }
     }
 
-    /// The ideal machine: no errors at all.
-    pub fn ideal(machine: &Machine, pose: &[f64]) -> Self {
-        Self::ideal_at(machine, &positions(machine, pose))
+    /// The nominal machine: no errors at all.
+    pub fn nominal(machine: &Machine, pose: &[f64]) -> Self {
+        Self::nominal_at(machine, &positions(machine, pose))
     }
 
-    /// The ideal machine at positions that are elements of the algebra.
-    pub fn ideal_at(machine: &Machine, at: &[Position<S>]) -> Self {
+    /// The nominal machine at positions that are elements of the algebra.
+    pub fn nominal_at(machine: &Machine, at: &[Position<S>]) -> Self {
         let none = JointElements { location: None, component: None };
         let axes = machine.axes().iter().zip(at);
         Self {
@@ -126,7 +126,7 @@ struct Elements<'a, L> {
 
 impl<L> Elements<'_, L> {
     /// `None` where all six are zero: the identity then costs nothing.
-    fn six<S: Algebra>(&self, place: Place, six: &[f64; 6]) -> Option<[S; 6]>
+    fn six<S: Algebra>(&self, place: ErrorSite, six: &[f64; 6]) -> Option<[S; 6]>
     where
         L: ErrorLift<S>,
     {
@@ -139,7 +139,7 @@ impl<L> Elements<'_, L> {
         L: ErrorLift<S>,
     {
         match source.place {
-            Place::Location(_) if self.real_locations => self.lift.real(source, value),
+            ErrorSite::Location(_) if self.real_locations => self.lift.real(source, value),
             _ => self.lift.lift(source, value),
         }
     }
@@ -152,26 +152,26 @@ impl<L> Elements<'_, L> {
             let displacement = if clamping[i] == 0.0 {
                 S::zero()
             } else {
-                self.one(Source { place: Place::Tool, direction: Direction::ALL[i] }, clamping[i])
+                self.one(Source { place: ErrorSite::Tool, direction: Direction::ALL[i] }, clamping[i])
             };
             S::from_real(tip[i]) + displacement
         })
     }
 }
 
-/// The ideal machine at a pose: where the functional point and the tool axis are.
+/// The nominal machine at a pose: where the functional point and the tool axis are.
 #[derive(Debug, Clone)]
-pub struct Ideal {
+pub struct NominalPose {
     /// T_wt between workpiece frame and tool frame.
     pub pose: Htm<f64>,
     /// Rotation of T_work.
     pub r_work: nalgebra::Matrix3<f64>,
 }
 
-impl Ideal {
-    /// The ideal machine at a pose (mm, deg).
+impl NominalPose {
+    /// The nominal machine at a pose (mm, deg).
     pub fn at(machine: &Machine, pose: &[f64]) -> Self {
-        let chain = Chain::<f64>::ideal(machine, pose);
+        let chain = Chain::<f64>::nominal(machine, pose);
         Self { pose: chain.tool_in_workpiece(&machine.workpiece()), r_work: chain.t_work_inverse().linear.transpose() }
     }
 }

@@ -1,6 +1,6 @@
 //! Which error has which generator: a declared algebra on a machine.
 
-use super::source::{ErrorLift, Place, Source, Values};
+use super::source::{ErrorLift, ErrorSite, ErrorValues, Source};
 use crate::algebra::weil::{Basis, BasisFailure, Ideal, Monomial, Weil};
 use crate::diagnostic::{Diagnostic, did_you_mean, shown};
 use crate::machine::{AlgebraChoice, Direction, ErrorId, Generators, LocationOrder, Machine, parse_error_name};
@@ -22,10 +22,10 @@ pub struct Given {
 pub fn given(machine: &Machine) -> Vec<Given> {
     let joint = |(id, _): (ErrorId, _)| {
         let index = machine.axis_index(id.axis.as_str()).unwrap_or(machine.axes().len());
-        let place = if id.location { Place::Location(index) } else { Place::Component(index) };
+        let place = if id.location { ErrorSite::Location(index) } else { ErrorSite::Component(index) };
         Given { source: Source { place, direction: id.direction }, name: id.to_string(), error: Some(id) }
     };
-    let clamped = |place: Place, word: &str, values: &[f64]| {
+    let clamped = |place: ErrorSite, word: &str, values: &[f64]| {
         let given = Direction::ALL.into_iter().zip(values).filter(|(_, value)| **value != 0.0);
         let one = |(direction, _): (Direction, _)| Given {
             source: Source { place, direction },
@@ -36,26 +36,26 @@ pub fn given(machine: &Machine) -> Vec<Given> {
     };
     let setup = machine.setup();
     let mut all: Vec<Given> = machine.errors().map(joint).collect();
-    all.extend(clamped(Place::Tool, "tool", &setup.tool));
-    all.extend(clamped(Place::Workpiece, "workpiece", &setup.workpiece));
+    all.extend(clamped(ErrorSite::Tool, "tool", &setup.tool));
+    all.extend(clamped(ErrorSite::Workpiece, "workpiece", &setup.workpiece));
     all
 }
 
 /// One for every error that is given, zero elsewhere: errors as large as their generators.
-pub fn presence(machine: &Machine) -> Values {
+pub fn presence(machine: &Machine) -> ErrorValues {
     let errors = given(machine);
-    let has = |place: Place| {
+    let has = |place: ErrorSite| {
         let mut six = [0.0; 6];
         errors.iter().filter(|e| e.source.place == place).for_each(|e| six[e.source.direction.index()] = 1.0);
         six
     };
     let axes = machine.axes().len();
-    let [x, y, z, ..] = has(Place::Tool);
-    Values {
-        axes: (0..axes).map(|i| (has(Place::Location(i)), has(Place::Component(i)))).collect(),
-        spindle: machine.spindle_errors().map(|_| has(Place::Location(axes))),
+    let [x, y, z, ..] = has(ErrorSite::Tool);
+    ErrorValues {
+        axes: (0..axes).map(|i| (has(ErrorSite::Location(i)), has(ErrorSite::Component(i)))).collect(),
+        spindle: machine.spindle_errors().map(|_| has(ErrorSite::Location(axes))),
         tool: [x, y, z],
-        workpiece: has(Place::Workpiece),
+        workpiece: has(ErrorSite::Workpiece),
     }
 }
 
@@ -76,7 +76,7 @@ impl Declared {
             _ => Vec::new(),
         };
         let mut generators = BTreeMap::new();
-        for given in given(machine).iter().filter(|g| !(real && matches!(g.source.place, Place::Location(_)))) {
+        for given in given(machine).iter().filter(|g| !(real && matches!(g.source.place, ErrorSite::Location(_)))) {
             let name = generator_name(&choice.generators, given);
             let index = names.iter().position(|n| *n == name).unwrap_or_else(|| {
                 names.push(name);

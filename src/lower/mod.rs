@@ -5,7 +5,7 @@
 //! 3. [`joint()`] builds the matrix G of one joint from them, as the conventions say.
 //! 4. [`Chain`] multiplies the joints on the walk from the workpiece to the tool.
 //!
-//! [`sensitivities`] are derivatives at the ideal machine, [`tangents`] at the actual errors.
+//! [`sensitivities`] are derivatives at the nominal machine, [`position_jacobian`] at the actual errors.
 
 mod chain;
 mod generators;
@@ -14,9 +14,9 @@ mod sensitivity;
 mod source;
 mod tangent;
 
-pub use chain::{Chain, Ideal, positions};
+pub use chain::{Chain, NominalPose, positions};
 pub use generators::{Declared, Given, WeilLift, given, presence};
 pub use joint::{JointElements, Position, error_motion, error_outside, invert_if, joint};
 pub use sensitivity::{Sensitivity, sensitivities, sensitivities_to};
-pub use source::{ErrorLift, Exact, OrderN, Place, Source, Values, values};
-pub use tangent::{Tangents, actual_point, point, tangents};
+pub use source::{ErrorLift, ErrorSite, ErrorValues, Exact, OrderN, Source, values};
+pub use tangent::{PositionJacobian, actual_point, point, position_jacobian};

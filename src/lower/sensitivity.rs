@@ -1,5 +1,5 @@
 //! First-order sensitivities in the structured form: each error source lives in one joint, so
-//! dT = P dG S with the ideal prefix P and suffix S of the walk.
+//! dT = P dG S with the nominal prefix P and suffix S of the walk.
 
 use super::joint::{JointElements, Position, joint};
 use crate::algebra::{Algebra, Dual, Htm};
@@ -29,7 +29,7 @@ pub fn sensitivities_to(machine: &Machine, pose: &[f64], errors: &[ErrorId]) -> 
     errors.iter().map(|error| frames.sensitivity(machine, pose, error.clone())).collect()
 }
 
-/// Ideal prefixes and suffixes of every joint.
+/// Nominal prefixes and suffixes of every joint.
 struct Frames {
     prefix: Vec<Htm<f64>>,
     suffix: Vec<Htm<f64>>,
@@ -38,7 +38,7 @@ struct Frames {
 
 impl Frames {
     fn new(machine: &Machine, pose: &[f64]) -> Self {
-        let chain = super::Chain::<f64>::ideal(machine, pose);
+        let chain = super::Chain::<f64>::nominal(machine, pose);
         let mut prefix = vec![Htm::identity()];
         for (i, joint) in chain.joints.iter().enumerate() {
             prefix.push(prefix[i].compose(joint));

@@ -5,7 +5,7 @@ use crate::machine::{Approach, Direction, Machine};
 
 /// Which part of the machine an error belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Place {
+pub enum ErrorSite {
     /// Location error of the joint with this index (the spindle comes after the axes).
     Location(usize),
     /// Component error of the axis with this index.
@@ -20,7 +20,7 @@ pub enum Place {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Source {
     /// Where it sits.
-    pub place: Place,
+    pub place: ErrorSite,
     /// Which of the six.
     pub direction: Direction,
 }
@@ -58,7 +58,7 @@ impl<const M: usize> ErrorLift<Dual<M>> for OrderN {
 
 /// The errors of a machine at a pose, in mm and rad.
 #[derive(Debug, Clone)]
-pub struct Values {
+pub struct ErrorValues {
     /// Location and component errors of each axis, in the order of [`Machine::axes`].
     pub axes: Vec<([f64; 6], [f64; 6])>,
     /// Location errors of the spindle.
@@ -70,12 +70,12 @@ pub struct Values {
 }
 
 /// Looks up every error at a pose (mm, deg).
-pub fn values(machine: &Machine, pose: &[f64], approach: Approach) -> Values {
+pub fn values(machine: &Machine, pose: &[f64], approach: Approach) -> ErrorValues {
     let axis = |(i, q): (usize, &f64)| {
         let errors = machine.axis_errors(i);
         (errors.location_values(), errors.component_values(*q, approach))
     };
-    Values {
+    ErrorValues {
         axes: pose.iter().enumerate().map(axis).collect(),
         spindle: machine.spindle_errors().map(crate::machine::JointErrors::location_values),
         tool: machine.setup().tool,
@@ -83,18 +83,18 @@ pub fn values(machine: &Machine, pose: &[f64], approach: Approach) -> Values {
     }
 }
 
-impl Values {
+impl ErrorValues {
     /// The value of one error, mm or rad.
     pub fn of(&self, source: Source) -> f64 {
         let direction = source.direction.index();
         match source.place {
-            Place::Location(i) => match self.axes.get(i) {
+            ErrorSite::Location(i) => match self.axes.get(i) {
                 Some((location, _)) => location[direction],
                 None => self.spindle.map_or(0.0, |six| six[direction]),
             },
-            Place::Component(i) => self.axes.get(i).map_or(0.0, |(_, component)| component[direction]),
-            Place::Tool => self.tool.get(direction).copied().unwrap_or(0.0),
-            Place::Workpiece => self.workpiece[direction],
+            ErrorSite::Component(i) => self.axes.get(i).map_or(0.0, |(_, component)| component[direction]),
+            ErrorSite::Tool => self.tool.get(direction).copied().unwrap_or(0.0),
+            ErrorSite::Workpiece => self.workpiece[direction],
         }
     }
 }

@@ -4,14 +4,14 @@
 
 use super::chain::Chain;
 use super::joint::{Position, error_motion, error_outside, invert_if, nominal};
-use super::source::{ErrorLift, Exact, Place, Source, Values};
+use super::source::{ErrorLift, ErrorSite, ErrorValues, Exact, Source};
 use crate::algebra::{Algebra, Htm, left_jacobian, product, transform};
 use crate::machine::{AxisKind, Branch, Direction, ErrorsAre, Joints, Location, LocationOrder, Machine};
 use nalgebra::{Matrix3, Vector3};
 
 /// Where the functional point really is, and how it moves with single errors.
 #[derive(Debug, Clone)]
-pub struct Tangents<S: Algebra> {
+pub struct PositionJacobian<S: Algebra> {
     /// The actual functional point from the workpiece origin (mm, workpiece frame).
     pub point: Vector3<S>,
     /// Its derivative by each source asked for (mm per mm or per rad, workpiece frame).
@@ -19,13 +19,18 @@ pub struct Tangents<S: Algebra> {
 }
 
 /// The actual functional point from the workpiece origin (mm, workpiece frame): exact model.
-pub fn actual_point(machine: &Machine, pose: &[f64], values: &Values) -> Vector3<f64> {
+pub fn actual_point(machine: &Machine, pose: &[f64], values: &ErrorValues) -> Vector3<f64> {
     point(machine, pose, values, &Exact)
 }
 
 /// The actual functional point from the workpiece origin (mm, workpiece frame) over an algebra.
-pub fn point<S: Algebra>(machine: &Machine, pose: &[f64], values: &Values, lift: &impl ErrorLift<S>) -> Vector3<S> {
-    let chain = Chain::real(machine, pose, values, lift);
+pub fn point<S: Algebra>(
+    machine: &Machine,
+    pose: &[f64],
+    values: &ErrorValues,
+    lift: &impl ErrorLift<S>,
+) -> Vector3<S> {
+    let chain = Chain::actual(machine, pose, values, lift);
     let image =
         chain.walk().rev().fold(chain.tip.clone(), |x, joint| transform(&joint.linear, &x) + &joint.translation);
     minus(image, &machine.workpiece())
@@ -40,13 +45,13 @@ fn plus<S: Algebra>(x: Vector3<S>, point: &[f64; 3]) -> Vector3<S> {
 }
 
 /// The actual functional point at a pose (mm, deg) with its derivatives by `sources`, at these errors.
-pub fn tangents<S: Algebra>(
+pub fn position_jacobian<S: Algebra>(
     machine: &Machine,
     pose: &[f64],
-    values: &Values,
+    values: &ErrorValues,
     lift: &impl ErrorLift<S>,
     sources: &[Source],
-) -> Tangents<S> {
+) -> PositionJacobian<S> {
     let lowering = Lowering { machine, lift };
     let mut walk = vec![lowering.clamping(values)];
     walk.extend((0..pose.len()).map(|i| lowering.joint(i, pose[i], &values.axes[i])));
@@ -63,13 +68,13 @@ pub fn tangents<S: Algebra>(
     let derivative = |source: &Source| {
         let k = source.direction.index();
         match source.place {
-            Place::Workpiece => moved[0][0][k].clone(),
-            Place::Location(i) => moved[i + 1][0][k].clone(),
-            Place::Component(i) => moved[i + 1][1][k].clone(),
-            Place::Tool => prefix.column(k % 3).into_owned(),
+            ErrorSite::Workpiece => moved[0][0][k].clone(),
+            ErrorSite::Location(i) => moved[i + 1][0][k].clone(),
+            ErrorSite::Component(i) => moved[i + 1][1][k].clone(),
+            ErrorSite::Tool => prefix.column(k % 3).into_owned(),
         }
     };
-    Tangents { point: minus(x, &machine.workpiece()), derivatives: sources.iter().map(derivative).collect() }
+    PositionJacobian { point: minus(x, &machine.workpiece()), derivatives: sources.iter().map(derivative).collect() }
 }
 
 /// What an error matrix of a factor is, and how it moves with its six errors.
@@ -190,12 +195,12 @@ struct Lowering<'a, L> {
 }
 
 impl<L> Lowering<'_, L> {
-    fn motion<S: Algebra>(&self, place: Place, six: &[f64; 6]) -> Motion<S>
+    fn motion<S: Algebra>(&self, place: ErrorSite, six: &[f64; 6]) -> Motion<S>
     where
         L: ErrorLift<S>,
     {
         let conventions = self.machine.conventions();
-        let real = conventions.location_order == LocationOrder::Real && matches!(place, Place::Location(_));
+        let real = conventions.location_order == LocationOrder::Real && matches!(place, ErrorSite::Location(_));
         let element = |direction: Direction| {
             let (source, value) = (Source { place, direction }, six[direction.index()]);
             if real { self.lift.real(source, value) } else { self.lift.lift(source, value) }
@@ -207,31 +212,31 @@ impl<L> Lowering<'_, L> {
         Motion { matrix: Htm::identity(), jacobian: None }
     }
 
-    fn tip<S: Algebra>(&self, values: &Values) -> Vector3<S>
+    fn tip<S: Algebra>(&self, values: &ErrorValues) -> Vector3<S>
     where
         L: ErrorLift<S>,
     {
         let tip = self.machine.tool().tip;
         Vector3::from_fn(|i, _| {
-            let source = Source { place: Place::Tool, direction: Direction::ALL[i] };
+            let source = Source { place: ErrorSite::Tool, direction: Direction::ALL[i] };
             S::from_real(tip[i]) + self.lift.lift(source, values.tool[i])
         })
     }
 
-    fn clamping<S: Algebra>(&self, values: &Values) -> Joint<S>
+    fn clamping<S: Algebra>(&self, values: &ErrorValues) -> Joint<S>
     where
         L: ErrorLift<S>,
     {
-        let motion = self.motion(Place::Workpiece, &values.workpiece);
+        let motion = self.motion(ErrorSite::Workpiece, &values.workpiece);
         let inverse = invert_if(true, motion.matrix.clone());
         Joint::new(self.machine.workpiece(), [motion, self.none()], vec![Kind::Error(0, Some(inverse))])
     }
 
-    fn spindle<S: Algebra>(&self, values: &Values) -> Joint<S>
+    fn spindle<S: Algebra>(&self, values: &ErrorValues) -> Joint<S>
     where
         L: ErrorLift<S>,
     {
-        let motion = self.motion(Place::Location(values.axes.len()), &values.spindle.unwrap_or_default());
+        let motion = self.motion(ErrorSite::Location(values.axes.len()), &values.spindle.unwrap_or_default());
         Joint::new(self.machine.tool().gauge, [motion, self.none()], vec![Kind::Error(0, None)])
     }
 
@@ -243,8 +248,8 @@ impl<L> Lowering<'_, L> {
         let (axis, conventions) = (&self.machine.axes()[i], self.machine.conventions());
         let body = conventions.errors_are == ErrorsAre::Body && axis.branch == Branch::Workpiece;
         let carried = conventions.location == Location::CarriedBody;
-        let location = self.motion(Place::Location(i), location);
-        let component = self.motion(Place::Component(i), component);
+        let location = self.motion(ErrorSite::Location(i), location);
+        let component = self.motion(ErrorSite::Component(i), component);
         let nominal = nominal(axis, &Position::<S>::at(axis, position));
         let inverse = |wanted: bool, motion: &Motion<S>| wanted.then(|| invert_if(true, motion.matrix.clone()));
         let error = Kind::Error(1, inverse(body, &component));

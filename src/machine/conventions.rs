@@ -58,7 +58,7 @@ pub enum ErrorsAre {
 pub enum LocationOrder {
     /// First order, like all errors.
     Nilpotent,
-    /// In the real part of the joint, while the ideal machine stays without them (2015 paper).
+    /// In the real part of the joint, while the nominal machine stays without them (2015 paper).
     Real,
 }
 

@@ -38,17 +38,17 @@ pub fn index(text: &str, source: SourceId, places: &mut Places, diagnostics: &mu
 type Refused = Box<Diagnostic>;
 
 /// A mapping or list that is not finished.
-struct Frame {
+struct OpenNode {
     start: usize,
     /// Entries so far, with this one.
     nodes: usize,
     anchor: usize,
     /// End of the last entry: block collections have no end of their own.
     last: usize,
-    kind: Kind,
+    kind: NodeKind,
 }
 
-enum Kind {
+enum NodeKind {
     /// Keys so far, and the key that waits for its value.
     Map(BTreeMap<String, Place>, Option<(String, Place)>),
     /// Members so far.
@@ -60,7 +60,7 @@ struct Indexer<'a> {
     /// Character index -> byte index.
     offsets: Vec<usize>,
     places: &'a mut Places,
-    frames: Vec<Frame>,
+    frames: Vec<OpenNode>,
     keys: Keys,
     anchors: BTreeMap<usize, usize>,
     nodes: usize,
@@ -100,11 +100,11 @@ impl Indexer<'_> {
             }
             Event::SequenceStart(anchor, tag) => {
                 tagless(tag, &place)?;
-                self.open(anchor, Kind::List(0), place)?;
+                self.open(anchor, NodeKind::List(0), place)?;
             }
             Event::MappingStart(anchor, tag) => {
                 tagless(tag, &place)?;
-                self.open(anchor, Kind::Map(BTreeMap::new(), None), place)?;
+                self.open(anchor, NodeKind::Map(BTreeMap::new(), None), place)?;
             }
             Event::SequenceEnd | Event::MappingEnd => self.close(place),
             Event::Alias(anchor) => self.alias(anchor, place)?,
@@ -124,7 +124,7 @@ impl Indexer<'_> {
 
     /// Is the next node a key?
     fn expects_key(&self) -> bool {
-        matches!(self.frames.last(), Some(Frame { kind: Kind::Map(_, None), .. }))
+        matches!(self.frames.last(), Some(OpenNode { kind: NodeKind::Map(_, None), .. }))
     }
 
     fn scalar(&mut self, text: &str, anchor: usize, place: Place) -> Result<(), Refused> {
@@ -144,7 +144,7 @@ impl Indexer<'_> {
         if text == "<<" {
             return Err(unsupported("a merge key `<<`", place, "write the entries out, or use `extends: base.yaml`"));
         }
-        if let Some(Frame { kind: Kind::Map(seen, waiting), .. }) = self.frames.last_mut() {
+        if let Some(OpenNode { kind: NodeKind::Map(seen, waiting), .. }) = self.frames.last_mut() {
             if let Some(first) = seen.get(text) {
                 self.duplicates.push(duplicate(text, &place, first));
             } else {
@@ -158,8 +158,8 @@ impl Indexer<'_> {
     /// Steps down to the entry that begins.
     fn enter(&mut self) {
         match self.frames.last().map(|f| &f.kind) {
-            Some(Kind::Map(_, Some((key, _)))) => self.keys.push(key.clone()),
-            Some(Kind::List(index)) => self.keys.push(index.to_string()),
+            Some(NodeKind::Map(_, Some((key, _)))) => self.keys.push(key.clone()),
+            Some(NodeKind::List(index)) => self.keys.push(index.to_string()),
             _ => {}
         }
     }
@@ -172,15 +172,15 @@ impl Indexer<'_> {
             frame.nodes += nodes;
             frame.last = place.range.end;
             match &mut frame.kind {
-                Kind::Map(_, waiting) => key = waiting.take().map(|(_, place)| place),
-                Kind::List(index) => *index += 1,
+                NodeKind::Map(_, waiting) => key = waiting.take().map(|(_, place)| place),
+                NodeKind::List(index) => *index += 1,
             }
             self.keys.pop();
         }
         self.places.insert(keys, Spot { key, value: place });
     }
 
-    fn open(&mut self, anchor: usize, kind: Kind, place: Place) -> Result<(), Refused> {
+    fn open(&mut self, anchor: usize, kind: NodeKind, place: Place) -> Result<(), Refused> {
         self.count(1, &place)?;
         if self.expects_key() {
             return Err(unsupported("a list or mapping as a key", place, "keys are plain words"));
@@ -189,7 +189,7 @@ impl Indexer<'_> {
             return Err(limit(format!("nested deeper than {DEPTH} levels"), place));
         }
         self.enter();
-        self.frames.push(Frame { start: place.range.start, nodes: 1, anchor, last: place.range.end, kind });
+        self.frames.push(OpenNode { start: place.range.start, nodes: 1, anchor, last: place.range.end, kind });
         Ok(())
     }
 

@@ -27,7 +27,7 @@ pub use places::{Keys, Places, Spot, below, keys};
 pub use read::read_text;
 pub use scalar::Scalar;
 pub use schema::schema;
-pub use table::{Column, ColumnDirection, Table, read_table};
+pub use table::{ColumnDirection, CsvColumn, CsvTable, read_table};
 pub use term::{BSplineEntry, CurveEntry, TermEntry};
 
 use crate::diagnostic::Diagnostics;

@@ -15,16 +15,16 @@ const ROWS: usize = 100_000;
 
 /// A table with at least one row, its first column strictly rising.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
+pub struct CsvTable {
     /// The columns, the axis first; all of the same length.
-    pub columns: Vec<Column>,
+    pub columns: Vec<CsvColumn>,
     /// Where each row stands.
     pub rows: Vec<Place>,
 }
 
 /// A column.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Column {
+pub struct CsvColumn {
     /// Its name without direction and unit.
     pub name: String,
     /// Measured forward or reverse only.
@@ -52,7 +52,7 @@ pub fn read_table(
     named: Option<Place>,
     files: &dyn Files,
     diagnostics: &mut Diagnostics,
-) -> Option<Table> {
+) -> Option<CsvTable> {
     let (source, text) = read_text(path, named, files, diagnostics)?;
     let before = diagnostics.iter().count();
     let table = TableReader { source, text: &text, diagnostics }.table();
@@ -78,7 +78,7 @@ impl TableReader<'_> {
         self.diagnostics.push(Diagnostic::new(code, message).at(place, "").help(help));
     }
 
-    fn table(mut self) -> Option<Table> {
+    fn table(mut self) -> Option<CsvTable> {
         let lines = lines(self.text);
         let Some((header, body)) = lines.split_first() else {
             let help = "start with a header such as `X [mm], EXX [um]`, then one position a line";
@@ -92,7 +92,7 @@ impl TableReader<'_> {
             self.refuse("E0110", "the table has no header", header.clone(), help);
             return None;
         }
-        let columns: Vec<Option<Column>> = titles.into_iter().map(|cell| self.column(cell)).collect();
+        let columns: Vec<Option<CsvColumn>> = titles.into_iter().map(|cell| self.column(cell)).collect();
         if body.is_empty() {
             self.refuse("E0110", "the table has no rows", header.clone(), "add one position a line below the header");
         }
@@ -106,15 +106,15 @@ impl TableReader<'_> {
             );
             return None;
         }
-        let mut columns: Vec<Column> = columns.into_iter().collect::<Option<_>>()?;
+        let mut columns: Vec<CsvColumn> = columns.into_iter().collect::<Option<_>>()?;
         self.fill(&mut columns, body, separator);
         self.unique(&columns);
         self.rising(&columns[0].values, body);
         let rows = body.iter().filter_map(|r| self.place(r.clone())).collect();
-        Some(Table { columns, rows })
+        Some(CsvTable { columns, rows })
     }
 
-    fn column(&mut self, cell: Range<usize>) -> Option<Column> {
+    fn column(&mut self, cell: Range<usize>) -> Option<CsvColumn> {
         let text = &self.text[cell.clone()];
         let (title, unit) = units::header(text);
         let (name, direction) = direction(title);
@@ -128,7 +128,7 @@ impl TableReader<'_> {
             return None;
         };
         match units::unit(unit) {
-            Ok((factor, dimension)) => Some(Column {
+            Ok((factor, dimension)) => Some(CsvColumn {
                 name: name.to_owned(),
                 direction,
                 unit: (unit.to_owned(), factor, dimension),
@@ -143,7 +143,7 @@ impl TableReader<'_> {
         }
     }
 
-    fn fill(&mut self, columns: &mut [Column], body: &[Range<usize>], separator: char) {
+    fn fill(&mut self, columns: &mut [CsvColumn], body: &[Range<usize>], separator: char) {
         let mut mistakes = 0;
         for row in body {
             if mistakes >= MISTAKES {
@@ -200,9 +200,9 @@ impl TableReader<'_> {
         self.refuse("E0111", message, cell, help);
     }
 
-    fn unique(&mut self, columns: &[Column]) {
+    fn unique(&mut self, columns: &[CsvColumn]) {
         for (i, column) in columns.iter().enumerate() {
-            let same = |c: &&Column| c.name == column.name && c.direction == column.direction;
+            let same = |c: &&CsvColumn| c.name == column.name && c.direction == column.direction;
             if let Some(first) = columns[..i].iter().find(same) {
                 let message = format!("the column `{}` stands here twice", shown(&column.name));
                 self.diagnostics.push(

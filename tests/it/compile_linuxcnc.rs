@@ -10,14 +10,14 @@ use crate::oracle::program::Folder;
 use crate::oracle::random::Random;
 use crate::oracle::rigid::{Axis, Conventions, Machine};
 use crate::oracle::yaml;
-use crate::support::comp::Table;
+use crate::support::comp::CorrectionTable;
 use crate::support::config::sample;
 use crate::support::{Run, compile, config, left, names, verify};
 
 /// A set of tables with the axis that each is for.
 struct Set {
     /// Name of the axis in the machine file, and its table, in the order of the joints.
-    joints: Vec<(String, Table)>,
+    joints: Vec<(String, CorrectionTable)>,
 }
 
 impl Set {
@@ -30,7 +30,7 @@ impl Set {
         let strange = || axes.iter().find(|axis| !letters.contains(axis)).unwrap();
         let read = |(joint, (name, letter)): (usize, (&String, &String))| {
             assert_eq!(name, &format!("joint_{joint}_{letter}.comp"));
-            let table = Table::read(&std::fs::read_to_string(folder.join(name)).unwrap());
+            let table = CorrectionTable::read(&std::fs::read_to_string(folder.join(name)).unwrap());
             let axis = if axes.contains(letter) { letter } else { strange() };
             (axis.clone(), table.unwrap_or_else(|fault| panic!("{name}: {fault}")))
         };
@@ -102,7 +102,7 @@ fn every_config_gives_tables_that_the_controller_takes() {
 }
 
 /// From end to end of the travel; two turns about zero of a continuous axis.
-fn covers(extra: &Extra, table: &Table) {
+fn covers(extra: &Extra, table: &CorrectionTable) {
     let [low, high] = extra.travel.unwrap_or([-360.0, 360.0]);
     assert_eq!([table.nominal[0], table.nominal[table.nominal.len() - 1]], [low, high]);
 }
@@ -125,7 +125,7 @@ fn limits(fragment: &str, set: &Set, machine: &Sample) {
 }
 
 /// Trims against the curves themselves: the error along the axis at the corrected command, by a fixed point.
-fn trims(machine: &Sample, index: usize, table: &Table) {
+fn trims(machine: &Sample, index: usize, table: &CorrectionTable) {
     let axis = &machine.rigid.walk[index];
     let extra = &machine.axes[index];
     let c = machine.rigid.conventions;
@@ -263,7 +263,7 @@ fn one_axis(rotary: bool, workpiece: bool, direct: bool, body: bool, own_sense: 
 }
 
 /// Compiles a machine of one axis.
-fn table_of(machine: &Sample) -> Table {
+fn table_of(machine: &Sample) -> CorrectionTable {
     let folder = Folder::new();
     yaml::write(machine, &folder);
     compile(&folder.path("machine.yaml"), "linuxcnc", &folder.path("out"), &["--poses", "10"]).json();
@@ -271,7 +271,7 @@ fn table_of(machine: &Sample) -> Table {
 }
 
 /// The tip of the corrected command is where the ideal tip of the nominal one is.
-fn arrives(machine: &Sample, table: &Table) {
+fn arrives(machine: &Sample, table: &CorrectionTable) {
     for position in [-180.0, -10.0, 0.0, 33.0, 150.0] {
         for (reverse, travel) in [(false, Travel::Forward), (true, Travel::Reverse)] {
             let pose = vec![position];
@@ -310,7 +310,7 @@ fn solved(sample: &Sample, out: &Path, run: &Run, text: &str) -> usize {
     assert_eq!(files.len(), sample.rigid.walk.len(), "{text}");
     for file in &files {
         let letter = file.trim_end_matches(".comp").rsplit('_').next().unwrap();
-        let table = Table::read(&std::fs::read_to_string(out.join(file)).unwrap()).unwrap();
+        let table = CorrectionTable::read(&std::fs::read_to_string(out.join(file)).unwrap()).unwrap();
         let index = sample.rigid.walk.iter().position(|axis| axis.name == letter || renamed(run, &axis.name, letter));
         let index = index.unwrap_or_else(|| panic!("{file} is nobody's: {}\n{text}", run.err));
         let rotary = sample.rigid.walk[index].rotary;

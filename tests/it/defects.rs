@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use abbe::controller::{Replay, Target};
+use abbe::controller::{ControllerTarget, Replay};
 use abbe::diagnostic::Diagnostics;
 use abbe::machine::Machine;
 
@@ -119,7 +119,7 @@ struct Case<'a> {
     name: &'static str,
     machine: &'a Machine,
     sample: crate::oracle::machines::Sample,
-    target: Target,
+    target: ControllerTarget,
     files: Files,
 }
 
@@ -181,7 +181,7 @@ fn damaged_files_are_refused_or_read_as_the_controller_would() {
         let machine = loaded::machine(path);
         let out = folder.path(name);
         compile(path, name, &out, &["--accept-unverified", "--poses", "1", "--nodes", "300"]).json();
-        let target = Target::embedded(name).unwrap();
+        let target = ControllerTarget::embedded(name).unwrap();
         let mut files = replays::files(&out);
         files.remove("abbe.lock.json");
         let tables: Vec<String> =
@@ -239,7 +239,7 @@ fn damaged_set(folder: &Folder, name: &str, machine: &Path, seed: u64) {
     let out = folder.path(&format!("set-{name}"));
     compile(machine, name, &out, &["--accept-unverified", "--poses", "1", "--nodes", "100"]).json();
     let loaded = loaded::machine(machine);
-    let target = Target::embedded(name).unwrap();
+    let target = ControllerTarget::embedded(name).unwrap();
     let tables = target.table_files(&loaded);
     let file = tables.iter().map(|file| out.join(file)).find(|path| path.exists()).unwrap();
     let sound = std::fs::read(&file).unwrap();

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use abbe::controller::Target;
+use abbe::controller::ControllerTarget;
 use abbe::machine::Machine;
 
 use crate::loaded;
@@ -98,7 +98,12 @@ fn outcome(name: &str, defect: &str) -> Outcome {
     listed.map_or(if defect == "CRLF" { Same } else { Refused }, |(.., outcome)| *outcome)
 }
 
-fn found(target: &Target, machine: &Machine, files: &Files, sound: &abbe::compensation::Tables) -> Option<Outcome> {
+fn found(
+    target: &ControllerTarget,
+    machine: &Machine,
+    files: &Files,
+    sound: &abbe::compensation::CorrectionTables,
+) -> Option<Outcome> {
     match replays::read(target, machine, files) {
         Err(diagnostics) => {
             let placed =
@@ -123,7 +128,7 @@ fn every_defect_of_every_target_is_refused_or_read_and_said() {
         let machine = loaded::machine(path);
         let out = folder.path(name);
         compile(path, name, &out, &["--accept-unverified", "--poses", "1", "--nodes", "300"]).json();
-        let target = Target::embedded(name).unwrap();
+        let target = ControllerTarget::embedded(name).unwrap();
         let files = replays::files(&out);
         let sound = replays::read(&target, &machine, &files).ok().unwrap();
         assert!(target.uncovered(&machine, &sound).is_empty(), "{name}");

@@ -14,7 +14,7 @@ use abbe::identify::{
     Fit, Measurement, Model, Parameter, Reading, Solution, fit, fitted_file, held_out, parameters, read_measurements,
     solve as weigh,
 };
-use abbe::lower::{Exact, Place, Source, actual_point, tangents, values};
+use abbe::lower::{ErrorSite, Exact, Source, actual_point, position_jacobian, values};
 use abbe::machine::{Approach, Direction, Machine, written};
 use abbe::syntax::IdentifyEntry;
 use nalgebra::{DMatrix, Vector3};
@@ -63,16 +63,17 @@ fn tangents_are_the_derivatives_of_the_actual_point() {
         let sample = Sample::random(&mut random, conventions, 1e-4);
         let machine = of_sample(&sample);
         let joints = machine.axes().len() + usize::from(machine.spindle_errors().is_some());
-        let locations = (0..joints).map(Place::Location);
-        let places =
-            locations.chain((0..machine.axes().len()).map(Place::Component)).chain([Place::Workpiece, Place::Tool]);
+        let locations = (0..joints).map(ErrorSite::Location);
+        let places = locations
+            .chain((0..machine.axes().len()).map(ErrorSite::Component))
+            .chain([ErrorSite::Workpiece, ErrorSite::Tool]);
         let sources: Vec<Source> = places
             .flat_map(|place| Direction::ALL.map(|direction| Source { place, direction }))
-            .filter(|s| s.place != Place::Tool || !s.direction.is_rotation())
+            .filter(|s| s.place != ErrorSite::Tool || !s.direction.is_rotation())
             .collect();
         let pose = &sample.poses(&mut random, 1)[0];
         let at = values(&machine, pose, Approach::Mean);
-        let found = tangents(&machine, pose, &at, &Exact, &sources);
+        let found = position_jacobian(&machine, pose, &at, &Exact, &sources);
         assert!((found.point - actual_point(&machine, pose, &at)).norm() < 1e-10);
         for (source, derivative) in sources.iter().zip(&found.derivatives) {
             let h = 1e-4;
@@ -80,11 +81,11 @@ fn tangents_are_the_derivatives_of_the_actual_point() {
                 let mut changed = at.clone();
                 let k = source.direction.index();
                 match source.place {
-                    Place::Location(i) if i < pose.len() => changed.axes[i].0[k] += by,
-                    Place::Location(_) => changed.spindle.as_mut().unwrap()[k] += by,
-                    Place::Component(i) => changed.axes[i].1[k] += by,
-                    Place::Workpiece => changed.workpiece[k] += by,
-                    Place::Tool => changed.tool[k] += by,
+                    ErrorSite::Location(i) if i < pose.len() => changed.axes[i].0[k] += by,
+                    ErrorSite::Location(_) => changed.spindle.as_mut().unwrap()[k] += by,
+                    ErrorSite::Component(i) => changed.axes[i].1[k] += by,
+                    ErrorSite::Workpiece => changed.workpiece[k] += by,
+                    ErrorSite::Tool => changed.tool[k] += by,
                 }
                 actual_point(&machine, pose, &changed)
             };

@@ -217,7 +217,8 @@ fn intervals_of_a_joint_fit_of_several_kinds_cover_the_truth() {
     let (words, known) = (["EC0Y", "EB0Z", "EX0C", "EA0C"], [12.0, -20.0, 6.0, 15.0]);
     let mut random = Random::new(83);
     let poses = five_poses(&mut random, 24);
-    let nominal: Vec<Vector3<f64>> = poses.iter().map(|p| abbe::lower::Ideal::at(&blank, p).pose.translation).collect();
+    let nominal: Vec<Vector3<f64>> =
+        poses.iter().map(|p| abbe::lower::NominalPose::at(&blank, p).pose.translation).collect();
     let off: Vec<Vector3<f64>> = poses.iter().map(|p| Vector3::from(deviation(&truth, p))).collect();
     let station = Vector3::new(700.0, -500.0, 400.0);
     let folder = Folder::new();

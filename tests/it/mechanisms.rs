@@ -131,7 +131,8 @@ fn a_tilt_times_a_lever() {
     );
     let left = [&json, &without].map(|json| number(json, "/compensated/position_um/p95"));
     assert!(left[0] < 0.02 && left[1] > 0.5, "{left:?}");
-    let tables = cec::Tables::read(&std::fs::read_to_string(folder.path("with/_N_NC_CEC_INI")).unwrap()).unwrap();
+    let tables =
+        cec::CorrectionTables::read(&std::fs::read_to_string(folder.path("with/_N_NC_CEC_INI")).unwrap()).unwrap();
     assert_eq!(tables.0.values().filter(|table| table.times > 0).count() % 2, 0);
     assert!(tables.0.values().any(|table| table.times > 0));
     for [x, z] in [[-200.0, 100.0], [200.0, 100.0], [-120.0, 30.0], [37.0, 0.0], [150.0, 71.0]] {
@@ -182,7 +183,8 @@ fn products_on_a_whole_machine() {
         number(&json.json(), "/compensated/position_um/p95")
     });
     assert!(left[0] * factor < left[1], "{name}: {left:?}");
-    let tables = cec::Tables::read(&std::fs::read_to_string(folder.path("with/_N_NC_CEC_INI")).unwrap()).unwrap();
+    let tables =
+        cec::CorrectionTables::read(&std::fs::read_to_string(folder.path("with/_N_NC_CEC_INI")).unwrap()).unwrap();
     assert!(tables.0.len() <= 62 && *tables.0.keys().last().unwrap() == tables.0.len() - 1);
     let again = verify(&config(name), &folder.path("with"), &["--poses", "200"]).json();
     assert_eq!(number(&again, "/compensated/position_um/p95"), left[0]);
@@ -198,7 +200,7 @@ fn pmac_plane_by_hand() {
         "#1 DEFINE COMP 2.4,#1D,#2D,#1,4000000,1000000\n160 320 -160 0\n16 176 336 -144 16\n0 160 320 -160 0\nI51=1\n";
     let mut diagnostics = abbe::diagnostic::Diagnostics::default();
     let machine = crate::loaded::machine(&path);
-    let target = abbe::controller::Target::embedded("pmac").unwrap();
+    let target = abbe::controller::ControllerTarget::embedded("pmac").unwrap();
     let tables =
         target.read(&machine, &[abbe::controller::ReadBack::new("compensation.pmc", list)], &mut diagnostics).unwrap();
     let replay = abbe::controller::Replay::new(&machine, &target, &tables);
@@ -371,7 +373,8 @@ fn limits_hold_on_random_machines() {
 
 fn cec_limits(texts: &[String]) {
     let tables =
-        cec::Tables::read(texts.iter().find(|text| text.starts_with("%_N_NC_CEC")).map_or("", |text| text)).unwrap();
+        cec::CorrectionTables::read(texts.iter().find(|text| text.starts_with("%_N_NC_CEC")).map_or("", |text| text))
+            .unwrap();
     assert!(tables.0.len() <= 62);
     for table in tables.0.values() {
         assert!(table.values().len() <= 2000);

@@ -10,10 +10,10 @@ use crate::oracle::yaml;
 use abbe::analysis::{SurveyTask, View, deviation_in, map, survey};
 use abbe::compensation::{Goal, Scope, correct, correct_all};
 use abbe::evaluate::{
-    Bare, Batch, Columns, Deviation, Frame, Nodes, Order, Plan, Planned, PoseColumns, Poses, Tally, Unknown, Width,
-    command_deviation, evaluate,
+    Bare, Batch, Columns, CompiledField, CompiledModel, Deviation, Frame, Nodes, Order, PoseColumns, Poses, Tally,
+    Unknown, Width, command_deviation, evaluate,
 };
-use abbe::lower::{Ideal, given, sensitivities};
+use abbe::lower::{NominalPose, given, sensitivities};
 use abbe::machine::{Approach, Grid, Machine};
 
 fn random_machine(random: &mut Random, conventions: Conventions, size: f64) -> (Machine, Vec<Vec<f64>>) {
@@ -28,7 +28,7 @@ fn columns(machine: &Machine, poses: &[Vec<f64>]) -> PoseColumns {
     PoseColumns::of(machine.axes().len(), poses.iter().map(Vec::as_slice))
 }
 
-fn planned(plan: &Plan, poses: &[Vec<f64>]) -> Vec<Deviation> {
+fn planned(plan: &CompiledModel, poses: &[Vec<f64>]) -> Vec<Deviation> {
     let columns = columns(plan.machine(), poses);
     let mut out = Columns::new(poses.len());
     plan.deviations(&columns.batch(), out.output(poses.len()));
@@ -53,7 +53,7 @@ const APPROACHES: [Approach; 3] = [Approach::Mean, Approach::Forward, Approach::
 /// Asserts that plan and general algebra agree; `rounding` is that of the general algebra (mm, rad).
 fn agree(machine: &Machine, poses: &[Vec<f64>], order: Order, rounding: [f64; 2]) {
     for approach in APPROACHES {
-        let plan = Plan::new(machine, order, approach);
+        let plan = CompiledModel::new(machine, order, approach);
         let general: Vec<_> =
             poses.iter().map(|pose| evaluate(machine, pose, order, approach, Frame::Workpiece).deviation).collect();
         let (size, gap) = (largest(&general), largest(&differences(&planned(&plan, poses), &general)));
@@ -69,7 +69,7 @@ fn every_convention(seed: u64, size: f64, linearised: bool, order: Order, roundi
     for conventions in combinations() {
         let conventions = Conventions { linearised, ..conventions };
         let (machine, poses) = random_machine(&mut random, conventions, size);
-        assert!(Plan::new(&machine, order, Approach::Mean).is_compiled());
+        assert!(CompiledModel::new(&machine, order, Approach::Mean).is_compiled());
         agree(&machine, &poses, order, rounding);
     }
 }
@@ -113,7 +113,7 @@ fn the_bits_depend_on_no_width_and_no_batch() {
         // More than two chunks of what is found out ahead.
         let poses: Vec<Vec<f64>> = poses.iter().cycle().take(77).cloned().collect();
         for order in [Order::Degree(1), Order::Degree(2), Order::Exact] {
-            let plan = Plan::new(&machine, order, Approach::Mean);
+            let plan = CompiledModel::new(&machine, order, Approach::Mean);
             let scalar = planned(&plan.clone().with_width(Width::Scalar), &poses);
             let one_by_one: Vec<_> = poses.iter().map(|pose| plan.deviation(pose)).collect();
             assert_eq!(scalar, one_by_one, "{order:?}");
@@ -137,7 +137,7 @@ fn large_batches_have_the_bits_of_small_ones() {
     let few = columns(&machine, &few);
     let many: Vec<Vec<f64>> =
         few.axes.iter().map(|column| column.iter().copied().cycle().take(count).collect()).collect();
-    let plan = Plan::new(&machine, Order::Degree(1), Approach::Mean);
+    let plan = CompiledModel::new(&machine, Order::Degree(1), Approach::Mean);
     let mut small = Columns::new(29);
     plan.deviations(&few.batch(), small.output(29));
     for width in widths() {
@@ -159,7 +159,7 @@ fn the_last_piece_of_a_large_batch_may_be_small() {
     let mut random = Random::new(88);
     let (machine, few) = random_machine(&mut random, Conventions::default(), 1e-4);
     let few = columns(&machine, &few);
-    let plan = Plan::new(&machine, Order::Degree(1), Approach::Mean);
+    let plan = CompiledModel::new(&machine, Order::Degree(1), Approach::Mean);
     let mut small = Columns::new(29);
     plan.deviations(&few.batch(), small.output(29));
     for (tail, skipped) in (1..=17).zip([0, 1, 2, 3, 4, 5, 6, 7].into_iter().cycle()) {
@@ -184,10 +184,10 @@ fn what_no_kernel_covers_goes_through_the_general_algebra() {
         let conventions = Conventions { real: true, linearised, ..Conventions::default() };
         let (machine, poses) = random_machine(&mut random, conventions, 1e-3);
         for order in [Order::Degree(1), Order::Degree(2), Order::Degree(3)] {
-            assert!(!Plan::new(&machine, order, Approach::Mean).is_compiled());
+            assert!(!CompiledModel::new(&machine, order, Approach::Mean).is_compiled());
             agree(&machine, &poses, order, [0.0; 2]);
         }
-        assert!(Plan::new(&machine, Order::Exact, Approach::Mean).is_compiled());
+        assert!(CompiledModel::new(&machine, Order::Exact, Approach::Mean).is_compiled());
         agree(&machine, &poses, Order::Exact, ROUNDING);
     }
     // Rotations of half a radian: beyond the series.
@@ -199,11 +199,11 @@ fn what_no_kernel_covers_goes_through_the_general_algebra() {
     );
     let machine = crate::loaded::machine(&folder.write("machine.yaml", &text));
     let poses = abbe::evaluate::random_poses(&machine, 29, 1);
-    let turned = planned(&Plan::new(&machine, Order::Exact, Approach::Mean), &poses);
+    let turned = planned(&CompiledModel::new(&machine, Order::Exact, Approach::Mean), &poses);
     assert!(turned.iter().all(|d| d.rotation.norm() > 0.35), "{turned:?}");
     agree(&machine, &poses, Order::Exact, ROUNDING);
     // Then a grid is no more than its nodes.
-    assert!(Plan::new(&machine, Order::Exact, Approach::Mean).grid(&nodes(&machine)).is_none());
+    assert!(CompiledModel::new(&machine, Order::Exact, Approach::Mean).grid(&nodes(&machine)).is_none());
 }
 
 /// Linear and cubic B-splines are compiled with the tables beside them; the second derivatives of quadratic ones jump.
@@ -219,7 +219,7 @@ fn b_splines_run_with_the_tables() {
         let machine = five(&errors(degree, more));
         let poses = five_poses(&mut Random::new(74), 60);
         for order in [Order::Degree(1), Order::Degree(2), Order::Exact] {
-            assert_eq!(Plan::new(&machine, order, Approach::Mean).is_compiled(), compiled);
+            assert_eq!(CompiledModel::new(&machine, order, Approach::Mean).is_compiled(), compiled);
             agree(&machine, &poses, order, [2e-12, 1e-15]);
         }
     }
@@ -269,7 +269,7 @@ fn sensitivities_are_those_of_the_general_algebra() {
     for (index, conventions) in combinations().enumerate() {
         let conventions = Conventions { linearised: index % 2 == 0, ..conventions };
         let (machine, poses) = random_machine(&mut random, conventions, 1e-3);
-        let plan = Plan::new(&machine, Order::Degree(1), Approach::Mean);
+        let plan = CompiledModel::new(&machine, Order::Degree(1), Approach::Mean);
         let given: Vec<_> = given(&machine).into_iter().filter(|g| g.error.is_some()).collect();
         let sources: Vec<_> = given.iter().map(|g| g.source).collect();
         let mut columns = vec![Columns::new(poses.len()); sources.len()];
@@ -289,7 +289,7 @@ fn sensitivities_are_those_of_the_general_algebra() {
 #[test]
 fn first_order_is_linear_in_the_sensitivities_and_the_normal_equations_find_them() {
     let (machine, poses) = random_machine(&mut Random::new(84), Conventions::default(), 1e-3);
-    let plan = Plan::new(&machine, Order::Degree(1), Approach::Mean);
+    let plan = CompiledModel::new(&machine, Order::Degree(1), Approach::Mean);
     let poses: Vec<_> = poses.into_iter().cycle().take(5000).collect();
     let sources: Vec<_> = given(&machine).into_iter().map(|g| g.source).take(6).collect();
     let columns = self::columns(&machine, &poses);
@@ -318,13 +318,13 @@ fn commands_are_those_of_the_general_algebra() {
         let (machine, poses) = random_machine(&mut random, conventions, 1e-4);
         let added: Vec<Vec<f64>> =
             poses.iter().map(|pose| pose.iter().map(|_| random.around(0.05)).collect()).collect();
-        let plan = Plan::new(&machine, Order::Exact, Approach::Mean);
+        let plan = CompiledModel::new(&machine, Order::Exact, Approach::Mean);
         let mut out = Columns::new(poses.len());
         let (at, by) = (columns(&machine, &poses), columns(&machine, &added));
         plan.commanded(&at.batch(), &by.batch(), out.output(poses.len())).unwrap();
         for (i, (pose, added)) in poses.iter().zip(&added).enumerate() {
             let command: Vec<f64> = pose.iter().zip(added).map(|(q, c)| q + c).collect();
-            let expected = command_deviation(&machine, &Ideal::at(&machine, pose).pose, &command, Approach::Mean);
+            let expected = command_deviation(&machine, &NominalPose::at(&machine, pose).pose, &command, Approach::Mean);
             let gap = [out.get(i).position - expected.position, out.get(i).rotation - expected.rotation];
             let gap = gap.map(|v| v.amax());
             // Positions of a metre; curves are looked up at the sum, which is rounded.
@@ -344,7 +344,7 @@ fn nodes(machine: &Machine) -> Nodes {
 }
 
 /// Deviations at the nodes of a grid from a line on.
-fn filled(plan: &Plan, nodes: &Nodes, first: usize) -> Vec<Deviation> {
+fn filled(plan: &CompiledModel, nodes: &Nodes, first: usize) -> Vec<Deviation> {
     let grid = plan.grid(nodes).unwrap();
     assert_eq!(grid.lines() * grid.line(), nodes.len());
     let mut out = Columns::new(nodes.len() - first * grid.line());
@@ -358,7 +358,7 @@ fn grid_agrees(machine: &Machine, order: Order) {
     let nodes = nodes(machine);
     let poses: Vec<Vec<f64>> = (0..nodes.len()).map(|i| nodes.get(i)).collect();
     for approach in APPROACHES {
-        let plan = Plan::new(machine, order, approach);
+        let plan = CompiledModel::new(machine, order, approach);
         let (scattered, whole) = (planned(&plan, &poses), filled(&plan, &nodes, 0));
         let (size, gap) = (largest(&scattered), largest(&differences(&whole, &scattered)));
         assert!(gap[0] <= 1e-12 * size[0] && gap[1] <= 1e-12 * size[1], "{gap:?} of {size:?}");
@@ -418,7 +418,7 @@ fn a_survey_is_a_map_that_is_not_kept() {
     let mut random = Random::new(87);
     for order in [Order::Degree(1), Order::Exact] {
         let (machine, _) = random_machine(&mut random, Conventions::default(), 1e-4);
-        let field = Planned::new(&machine, order);
+        let field = CompiledField::new(&machine, order);
         let grid = Poses::Nodes(nodes(&machine));
         for (poses, frame) in [
             (grid.clone(), Frame::Workpiece),
@@ -457,7 +457,7 @@ fn a_survey_is_a_map_that_is_not_kept() {
 fn corrections_in_batches_are_those_one_by_one() {
     for name in ["trunnion", "hh-bd-ram", "ht-nut45-c", "vmc-cframe-754", "millturn-bc"] {
         let machine = crate::loaded::machine(&crate::support::config(&format!("{name}.yaml")));
-        let plan = Plan::new(&machine, Order::Exact, Approach::Mean);
+        let plan = CompiledModel::new(&machine, Order::Exact, Approach::Mean);
         let poses = abbe::evaluate::random_poses(&machine, 40, 5);
         for scope in [Scope::POSITION, Scope { goal: Goal::Pose, rotary: true, damping: 0.05 }] {
             let all = correct_all(&plan, &poses, scope).unwrap();
@@ -470,7 +470,7 @@ fn corrections_in_batches_are_those_one_by_one() {
                 assert!((one.left.position - found.left.position).amax() < 1e-10, "{name} {scope:?}");
             }
         }
-        let first = Plan::new(&machine, Order::Degree(1), Approach::Mean);
+        let first = CompiledModel::new(&machine, Order::Degree(1), Approach::Mean);
         assert!(correct_all(&first, &poses, Scope::POSITION).is_none());
     }
 }

@@ -4,7 +4,7 @@ use super::identify::{deviation, five, five_poses, measured, normal, solve, want
 use super::oracle::random::Random;
 use abbe::evaluate::Frame;
 use abbe::identify::{Fit, Measurement, Model, Reading, fit, slope_bounds};
-use abbe::lower::{Place, Source};
+use abbe::lower::{ErrorSite, Source};
 use abbe::machine::Direction;
 use abbe::syntax::{IdentifyEntry, Scalar};
 use nalgebra::{DMatrix, DVector};
@@ -29,7 +29,7 @@ fn is_the_best_cubic(found: &Fit, points: &[(f64, f64)], places: &[f64], within:
 /// A single reading of EXX (mm) or EBX (rad) at a position of X, as the reader makes it.
 fn single(k: usize, x: f64, value: f64) -> Measurement {
     let mut one = measured(&[0.0, 0.0, 0.0, x, 0.0], [0.0; 3]);
-    let source = Source { place: Place::Component(3), direction: Direction::ALL[k] };
+    let source = Source { place: ErrorSite::Component(3), direction: Direction::ALL[k] };
     one.reading = Reading::Error { source, value: if k < 3 { value } else { 300.0 * value } };
     one
 }

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use abbe::controller::{ReadBack, Replay, Target};
+use abbe::controller::{ControllerTarget, ReadBack, Replay};
 use abbe::diagnostic::{Diagnostics, Rendering, render};
 use abbe::machine::{Approach, Machine};
 
@@ -25,7 +25,11 @@ pub fn files(out: &Path) -> Files {
 }
 
 /// What the program reads of a set.
-pub fn read(target: &Target, machine: &Machine, files: &Files) -> Result<abbe::compensation::Tables, Diagnostics> {
+pub fn read(
+    target: &ControllerTarget,
+    machine: &Machine,
+    files: &Files,
+) -> Result<abbe::compensation::CorrectionTables, Diagnostics> {
     let mut diagnostics = Diagnostics::default();
     let wanted = [target.table_files(machine), target.index_files()].concat();
     let found = files.iter().filter(|(name, _)| wanted.contains(name));
@@ -35,7 +39,7 @@ pub fn read(target: &Target, machine: &Machine, files: &Files) -> Result<abbe::c
 }
 
 /// Controller order: letter and whether it turns without end, with the index in the machine.
-pub fn order(machine: &Machine, target: &Target) -> (Vec<(char, bool)>, Vec<usize>) {
+pub fn order(machine: &Machine, target: &ControllerTarget) -> (Vec<(char, bool)>, Vec<usize>) {
     let letters = abbe::controller::assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap();
     let axes = letters.iter().map(|(axis, letter)| (letter.chars().next().unwrap(), machine.is_continuous(*axis)));
     (axes.collect(), letters.iter().map(|(axis, _)| *axis).collect())
@@ -55,7 +59,7 @@ fn positions(machine: &Machine, random: &mut Random) -> Vec<f64> {
 /// The largest difference between the program's replay and the controller's.
 fn difference(path: &Path, sample: &Sample, name: &str, out: &Path, rounds: usize) -> (f64, f64) {
     let machine = loaded::machine(path);
-    let target = Target::embedded(name).unwrap();
+    let target = ControllerTarget::embedded(name).unwrap();
     let files = files(out);
     let tables = read(&target, &machine, &files)
         .unwrap_or_else(|diagnostics| panic!("{name}: {}", render(&diagnostics, Rendering::default())));

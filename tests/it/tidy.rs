@@ -23,8 +23,8 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
 ];
 
 const OPEN_TO_ALL: [&str; 3] = ["units", "diagnostic", "algebra"];
-const LONGEST_FILE: usize = 800;
-const LONGEST_FUNCTION: usize = 100;
+const MAX_FILE_LINES: usize = 800;
+const MAX_FUNCTION_LINES: usize = 100;
 
 /// All files with an ending below a folder.
 fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
@@ -103,11 +103,11 @@ fn files_and_functions_are_short() {
             for path in files(Path::new(folder), ending) {
                 let text = std::fs::read_to_string(&path).unwrap();
                 let lines = text.lines().count();
-                if lines > LONGEST_FILE {
+                if lines > MAX_FILE_LINES {
                     long.push(format!("{}: {lines} lines", path.display()));
                 }
                 let functions = if ending == "rs" { functions(&text) } else { Vec::new() };
-                let too_long = functions.into_iter().filter(|(_, lines)| *lines > LONGEST_FUNCTION);
+                let too_long = functions.into_iter().filter(|(_, lines)| *lines > MAX_FUNCTION_LINES);
                 long.extend(
                     too_long.map(|(line, lines)| format!("{}:{line}: {lines} lines in one function", path.display())),
                 );

@@ -3,8 +3,8 @@
 use super::identify::{deviation, five, five_poses, json, measured, normal, wanted};
 use super::measurements::identified;
 use super::oracle::random::Random;
-use abbe::identify::{Fit, Kind, Measurement, Model, Parameter, Reading, Solution, solve};
-use abbe::lower::{Place, Source};
+use abbe::identify::{Fit, Measurement, Model, Parameter, Reading, ReadingKind, Solution, solve};
+use abbe::lower::{ErrorSite, Source};
 use abbe::machine::{Approach, Direction, Machine};
 
 /// How often intervals of so many standard uncertainties hold the truth.
@@ -75,7 +75,7 @@ fn robust_intervals_cover_the_truth_with_and_without_bumped_points() {
 
 /// An error curve read by itself: a measurement of X at one position.
 fn single(direction: Direction, x: f64, value: f64) -> Measurement {
-    let source = Source { place: Place::Component(3), direction };
+    let source = Source { place: ErrorSite::Component(3), direction };
     let mut one = measured(&[0.0, 0.0, 0.0, x, 0.0], [0.0; 3]);
     let lever = if direction.is_rotation() { 300.0 } else { 1.0 };
     one.reading = Reading::Error { value: value * lever, source };
@@ -101,8 +101,8 @@ fn unlike_quantities_have_variances_of_their_own() {
             }
             let (found, solution) = weighed(&model, &data, robust);
             coverage.count(&parameters, &solution, &KNOWN, None);
-            let kinds: Vec<Option<Kind>> = found.scatter.iter().map(|s| s.of).collect();
-            assert_eq!(kinds, [Some(Kind::Deviation), Some(Kind::Error), Some(Kind::Angle)]);
+            let kinds: Vec<Option<ReadingKind>> = found.scatter.iter().map(|s| s.of).collect();
+            assert_eq!(kinds, [Some(ReadingKind::Deviation), Some(ReadingKind::Error), Some(ReadingKind::Angle)]);
             sigmas.iter_mut().zip(&found.scatter).for_each(|(sum, s)| *sum += s.sigma / 400.0);
         }
     }

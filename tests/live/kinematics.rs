@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 /// Ideal positions agree to 1e-9 mm at random offsets, pivots and joint positions.
-pub fn ideal() {
+pub fn nominal() {
     let data = script_json("kinematics.py", &["--seed", "1"]);
     let mut items: BTreeMap<u64, Vec<&Value>> = BTreeMap::new();
     for item in data["items"].as_array().unwrap() {

@@ -89,8 +89,8 @@ pub fn launcher() {
     let result = script_json("kins.py", &[&out, "--launcher"]);
     let [on, off, again] = ["on", "off", "again"].map(|key| bench.command(&result[key]));
     // X100 Y150 Z100 from the workpiece origin at A = -20, C = 30, found from the ideal machine at its command.
-    let [_, ideal] = bench.sample.holds(&off, Travel::Mean);
-    assert!(norm(minus(ideal.tip, [100.0, 150.0, 100.0])) < 1e-9, "{off:?} {ideal:?}");
+    let [_, nominal] = bench.sample.holds(&off, Travel::Mean);
+    assert!(norm(minus(nominal.tip, [100.0, 150.0, 100.0])) < 1e-9, "{off:?} {nominal:?}");
     let [real, _] = bench.sample.holds(&on, Travel::Mean);
     assert!(norm(minus(real.tip, [100.0, 150.0, 100.0])) < TIP, "{on:?} {real:?}");
     assert_eq!(on, again);
@@ -129,12 +129,12 @@ impl Bench {
     }
 
     fn line(&self, pose: &[f64]) -> String {
-        let [_, ideal] = self.sample.holds(&pose.to_vec(), Travel::Mean);
+        let [_, nominal] = self.sample.holds(&pose.to_vec(), Travel::Mean);
         let mut line = "G0".to_owned();
         for axis in &self.joints {
             let known = &self.sample.rigid.walk[*axis];
             let linear = "XYZ".find(&known.name);
-            let value = linear.map_or(pose[*axis], |k| ideal.tip[k]);
+            let value = linear.map_or(pose[*axis], |k| nominal.tip[k]);
             line += &format!(" {}{value:.12}", known.name);
         }
         line

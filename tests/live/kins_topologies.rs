@@ -65,8 +65,8 @@ pub fn robot() {
     let middle = [16.0, -65.0, 85.5, -45.0, 97.0, -4.5];
     let poses: Vec<Vec<f64>> = (0..20).map(|_| middle.iter().map(|q| q + random.around(12.0)).collect()).collect();
     let mdi = |pose: &Vec<f64>| {
-        let [_, ideal] = bench.sample.holds(pose, Travel::Mean);
-        let ([x, y, z], [a, b, c]) = (ideal.tip, angles(&ideal.rotation));
+        let [_, nominal] = bench.sample.holds(pose, Travel::Mean);
+        let ([x, y, z], [a, b, c]) = (nominal.tip, angles(&nominal.rotation));
         format!("G1 X{x:.12} Y{y:.12} Z{z:.12} A{a:.12} B{b:.12} C{c:.12}")
     };
     let mut lines = vec![line("F100000".to_owned(), false)];

@@ -28,7 +28,7 @@ const CHECKS: [checks::Check; 13] = [
     ("three-axis tables in the running controller", tables::three_axis),
     ("five-axis tables in the running controller", tables::five_axis),
     ("malformed tables: what the controller swallows never comes out of compile", tables::malformed),
-    ("ideal kinematics of xyzac-trt, xyzbc-trt and 5axiskins", kinematics::ideal),
+    ("ideal kinematics of xyzac-trt, xyzbc-trt and 5axiskins", kinematics::nominal),
     ("fitted centres in xyzac-trt and xyzbc-trt", kinematics::centres),
     ("error model in the kinematics, three axes", kins::three_axis),
     ("error model in the kinematics, tilting table", kins::table_table),

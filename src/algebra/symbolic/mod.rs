@@ -9,7 +9,7 @@ mod rules;
 #[cfg(test)]
 mod tests;
 
-pub use rules::{Kind, MOST_PRODUCTS, Rules};
+pub use rules::{Kind, MAX_PRODUCTS, Rules};
 
 use super::Algebra;
 use super::weil::Monomial;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Most products of terms of one calculation: half a minute and up to 1 GB. Beyond it all products are NaN.
-pub const MOST_PRODUCTS: u64 = 10_000_000;
+pub const MAX_PRODUCTS: u64 = 10_000_000;
 
 /// What a symbol stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,7 +36,7 @@ pub struct Rules {
 impl Rules {
     /// Symbols in their order; the ideal is one of the generators.
     pub fn new(symbols: Vec<Kind>, ideal: Ideal) -> Self {
-        Self { symbols, ideal, products: AtomicU64::new(0), most: MOST_PRODUCTS }
+        Self { symbols, ideal, products: AtomicU64::new(0), most: MAX_PRODUCTS }
     }
 
     /// With another limit.

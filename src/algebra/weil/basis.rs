@@ -1,13 +1,13 @@
 //! The basis of a Weil algebra: its surviving monomials and their products.
 
 use super::monomials::{Ideal, Monomial, Size};
-use super::table::Table;
+use super::table::ProductTable;
 use crate::algebra::MAX_ORDER;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Memory that no algebra may need.
-const MOST_BYTES: f64 = 1e9;
+const MAX_BYTES: f64 = 1e9;
 
 /// Why there is no such algebra.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +31,7 @@ pub struct Basis {
     monomials: Vec<Monomial>,
     index: BTreeMap<Monomial, u32>,
     /// Which products make which monomial.
-    table: Table,
+    table: ProductTable,
 }
 
 impl Basis {
@@ -47,8 +47,8 @@ impl Basis {
         if let Some(unknown) = named.into_iter().find(|g| *g >= generators) {
             return Err(BasisFailure::Generator(unknown));
         }
-        let size = ideal.size(generators, MOST_BYTES);
-        if size.bytes() > MOST_BYTES {
+        let size = ideal.size(generators, MAX_BYTES);
+        if size.bytes() > MAX_BYTES {
             return Err(BasisFailure::Size(size));
         }
         Ok(Arc::new(Self::within_limits(generators, ideal)))
@@ -65,9 +65,9 @@ impl Basis {
         };
         let packed = ideal.degree == 2 && monomials.len() == packed_length(generators);
         let table = if packed {
-            Table::Quadratic(usize::from(generators))
+            ProductTable::Quadratic(usize::from(generators))
         } else {
-            Table::new(monomials.iter().map(row), generators)
+            ProductTable::new(monomials.iter().map(row), generators)
         };
         Self { generators, ideal, monomials, index, table }
     }
@@ -98,7 +98,7 @@ impl Basis {
     }
 
     #[cfg(test)]
-    pub(super) fn table(&self) -> &Table {
+    pub(super) fn table(&self) -> &ProductTable {
         &self.table
     }
 

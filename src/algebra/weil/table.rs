@@ -6,7 +6,7 @@
 
 /// How elements are multiplied.
 #[derive(Debug, PartialEq)]
-pub enum Table {
+pub enum ProductTable {
     /// All monomials to degree 2 in so many generators: nothing to look up.
     Quadratic(usize),
     /// At most 256 monomials: an index is a byte, and cannot miss.
@@ -15,7 +15,7 @@ pub enum Table {
     Rows(Rows),
 }
 
-impl Table {
+impl ProductTable {
     /// From the pairs of factors of each monomial, by rising left factor.
     pub fn new(rows: impl Iterator<Item = Vec<[u32; 2]>>, generators: u16) -> Self {
         let rows: Vec<Vec<[u32; 2]>> = rows.collect();
@@ -268,7 +268,7 @@ mod tests {
             let [a, b]: [Vec<f64>; 2] = std::array::from_fn(|_| (0..n).map(|_| next()).collect());
             let mut out = vec![f64::NAN; n];
             basis.multiply(&a, &b, &mut out);
-            let mirrored = matches!(basis.table(), super::Table::Small(_));
+            let mirrored = matches!(basis.table(), super::ProductTable::Small(_));
             assert_eq!(out, plainly(&basis, &a, &b, mirrored), "{generators} {n}");
             kinds.insert(std::mem::discriminant(basis.table()));
         }

@@ -5,7 +5,7 @@ use crate::algebra::Weil;
 use crate::algebra::weil::Monomial;
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::response;
-use crate::lower::{Declared, ErrorLift, Source, Values, WeilLift, given, presence, values};
+use crate::lower::{Declared, ErrorLift, ErrorValues, Source, WeilLift, given, presence, values};
 use crate::machine::{AlgebraChoice, Approach, LocationOrder, Machine};
 use nalgebra::Vector3;
 
@@ -48,7 +48,7 @@ impl Interactions {
 pub struct Calculation<'a> {
     machine: &'a Machine,
     lift: WeilLift,
-    units: Values,
+    units: ErrorValues,
 }
 
 /// Prepares the algebra of a machine: a generator for every error, to degree 2 (or 1).
@@ -88,7 +88,7 @@ impl Calculation<'_> {
     }
 
     /// Values of the errors in the order of the generators.
-    fn sizes(&self, errors: &Values) -> Vec<f64> {
+    fn sizes(&self, errors: &ErrorValues) -> Vec<f64> {
         let mut sizes = vec![0.0; self.lift.declared().names().len()];
         for given in given(self.machine) {
             if let Some(generator) = self.lift.declared().of(given.source) {

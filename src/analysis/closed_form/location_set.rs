@@ -6,7 +6,7 @@
 //! spindle's own EC0S, is not.
 
 use crate::evaluate::{Poses, Random};
-use crate::lower::{Ideal, sensitivities_to};
+use crate::lower::{NominalPose, sensitivities_to};
 use crate::machine::{Axis, AxisKind, AxisName, Direction, ErrorId, ErrorTerm, Machine};
 use nalgebra::{DMatrix, Vector3};
 
@@ -129,10 +129,10 @@ impl Columns {
         let mut setup = vec![Vec::new(); 6];
         let intervals = machine.axes().iter().map(|axis| axis.travel.interval()).collect();
         for pose in Poses::Random(Random::new(intervals, POSES, 0)).iter() {
-            let ideal = Ideal::at(machine, &pose).pose;
+            let nominal = NominalPose::at(machine, &pose).pose;
             // Without a spindle a tilt of the tool has no name: one length is observed, the second is the first.
             let longer = if machine.chain().spindle().is_some() { LONGER } else { 0.0 };
-            let along = ideal.linear * Vector3::new(0.0, 0.0, -longer);
+            let along = nominal.linear * Vector3::new(0.0, 0.0, -longer);
             let push = |column: &mut Vec<f64>, d: Vector3<f64>, w: Vector3<f64>| {
                 column.extend(d.iter().chain((d + w.cross(&along)).iter()));
             };
@@ -142,7 +142,7 @@ impl Columns {
             for i in 0..3 {
                 let unit = Vector3::ith(i, 1.0);
                 push(&mut setup[i], unit, Vector3::zeros());
-                push(&mut setup[i + 3], unit.cross(&ideal.translation), unit);
+                push(&mut setup[i + 3], unit.cross(&nominal.translation), unit);
             }
         }
         let unit = |columns: Vec<Vec<f64>>| columns.into_iter().map(unit).collect();

@@ -1,7 +1,7 @@
 //! First-order effects of the errors of every joint, in the structured form: each error lives in one
 //! joint, so an error twist about the joint's origin acts either before or after the joint's motion.
 //!
-//! With R the ideal rotation up to the joint and r the arm from its origin to the functional point,
+//! With R the nominal rotation up to the joint and r the arm from its origin to the functional point,
 //! a small displacement (delta, eps) there moves the point by `R (delta + eps x r)`. *Outer* is the
 //! side of the workpiece, before the motion; *inner* the side of the tool, after it. Conventions only
 //! decide how much of either a component or location error takes: [`Share`].
@@ -74,7 +74,7 @@ fn turned(axis: &Axis, q: f64) -> Matrix3<f64> {
     }
 }
 
-/// Where the ideal motion takes a point.
+/// Where the nominal motion takes a point.
 fn moved(axis: &Axis, q: f64, point: &Vector3<f64>) -> Vector3<f64> {
     match axis.kind {
         AxisKind::Linear => point + Vector3::from(axis.direction) * (axis.sign() * q),

@@ -1,5 +1,5 @@
 //! Machines side by side on the same work: the same tool poses in the workpiece frame, reached by
-//! each machine's own ideal inverse kinematics.
+//! each machine's own nominal inverse kinematics.
 
 use crate::analysis::inverse::{ToolPose, Unreachable, inverse, rest};
 use crate::analysis::volume::work::Work;
@@ -65,7 +65,7 @@ impl Missed {
 /// What every machine does at one tool pose.
 type Row = Vec<Result<(Pose, Deviation), Unreachable>>;
 
-/// Compares machines on the same work, which may be what the first one's ideal takes at its poses. Of several ways to
+/// Compares machines on the same work, which may be what the first one's nominal takes at its poses. Of several ways to
 /// a tool pose each machine takes the one nearest to its zero pose. `progress` is told how many
 /// tool poses were done.
 pub fn compare(

@@ -13,7 +13,7 @@ pub use diagonal::{Diagonal, diagonals};
 pub use r_test::{RTest, r_test};
 
 use super::inverse::{Unreachable, place};
-use crate::lower::{Chain, Exact, Ideal, Values, values};
+use crate::lower::{Chain, ErrorValues, Exact, NominalPose, values};
 use crate::machine::{Approach, AxisKind, Machine, Pose};
 use nalgebra::Vector3;
 
@@ -73,9 +73,9 @@ pub fn deviation_from(machine: &Machine, pose: &[f64], sides: &[Approach]) -> Ve
         Approach::Forward => forward.axes[i],
         Approach::Reverse => reverse.axes[i],
     };
-    let errors = Values { axes: sides.iter().enumerate().map(axis).collect(), ..mean.clone() };
-    let real = Chain::<f64>::real(machine, pose, &errors, &Exact).tool_in_workpiece(&machine.workpiece());
-    real.translation - Ideal::at(machine, pose).pose.translation
+    let errors = ErrorValues { axes: sides.iter().enumerate().map(axis).collect(), ..mean.clone() };
+    let real = Chain::<f64>::actual(machine, pose, &errors, &Exact).tool_in_workpiece(&machine.workpiece());
+    real.translation - NominalPose::at(machine, pose).pose.translation
 }
 
 /// Rotary axes at rest, linear ones at a share of their volume.

@@ -3,7 +3,7 @@
 
 use super::{Path, range};
 use crate::analysis::inverse::{Unreachable, place, tool_pose};
-use crate::lower::Ideal;
+use crate::lower::NominalPose;
 use crate::machine::{Machine, Pose};
 use nalgebra::Vector3;
 
@@ -45,7 +45,7 @@ pub fn r_test(machine: &Machine, at: &[f64], axis: usize, points: usize) -> Resu
     }
     let skipped = last + 1 - poses.len();
     let path = Path { poses, closed: false };
-    let in_machine = |(d, pose): (Vector3<f64>, &Pose)| Ideal::at(machine, pose).r_work * d * 1e3;
+    let in_machine = |(d, pose): (Vector3<f64>, &Pose)| NominalPose::at(machine, pose).r_work * d * 1e3;
     let seen: Vec<Vector3<f64>> = path.driven(machine).into_iter().zip(&path.poses).map(in_machine).collect();
     let readings: Vec<Vector3<f64>> = seen.iter().map(|d| d - seen[0]).collect();
     Ok(RTest {

@@ -1,5 +1,5 @@
 //! Inverse kinematics of the real machine over an algebra: which displacements of the axes bring the
-//! functional point and the tool axis to where the ideal machine has them at a pose.
+//! functional point and the tool axis to where the nominal machine has them at a pose.
 //!
 //! The displacements are elements: their coefficient of a monomial is what an interference of errors
 //! asks of the axes. Newton's iteration starts from the real solution and is exact after
@@ -7,7 +7,7 @@
 //! second order, is not followed.
 
 use crate::algebra::{Algebra, Singular, Tangent, newton_step, newton_steps};
-use crate::lower::{Chain, ErrorLift, Ideal, Position, Values};
+use crate::lower::{Chain, ErrorLift, ErrorValues, NominalPose, Position};
 use crate::machine::{AxisKind, Machine};
 use nalgebra::Vector3;
 
@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 pub struct Inverse<'a> {
     machine: &'a Machine,
     pose: &'a [f64],
-    errors: &'a Values,
+    errors: &'a ErrorValues,
     /// Axes that move, as many as there are conditions.
     moved: Vec<usize>,
     /// Where the functional point shall be.
@@ -30,15 +30,15 @@ const REAL_STEPS: usize = 12;
 
 impl<'a> Inverse<'a> {
     /// Three linear axes hold the point; two rotary axes besides, if there are just two, the tool axis.
-    pub fn new(machine: &'a Machine, pose: &'a [f64], errors: &'a Values) -> Self {
-        let ideal = Ideal::at(machine, pose).pose;
+    pub fn new(machine: &'a Machine, pose: &'a [f64], errors: &'a ErrorValues) -> Self {
+        let nominal = NominalPose::at(machine, pose).pose;
         let axes =
             |kind: AxisKind| machine.axes().iter().enumerate().filter(move |(_, a)| a.kind == kind).map(|(i, _)| i);
         let rotary: Vec<usize> = axes(AxisKind::Rotary).collect();
         let holds_axis = rotary.len() == 2;
         let moved = axes(AxisKind::Linear).chain(rotary.into_iter().filter(|_| holds_axis)).collect();
-        let [x, y, _] = [0, 1, 2].map(|k| ideal.linear.column(k).into_owned());
-        Self { machine, pose, errors, moved, tip: ideal.translation, across: holds_axis.then_some([x, y]) }
+        let [x, y, _] = [0, 1, 2].map(|k| nominal.linear.column(k).into_owned());
+        Self { machine, pose, errors, moved, tip: nominal.translation, across: holds_axis.then_some([x, y]) }
     }
 
     /// The axes that move, by their index.
@@ -57,7 +57,7 @@ impl<'a> Inverse<'a> {
             |axis: usize| self.moved.iter().position(|m| *m == axis).map_or(S::zero(), |k| by[k].clone());
         let axes = self.machine.axes().iter().zip(self.pose).enumerate();
         let at: Vec<Position<S>> = axes.map(|(i, (axis, q))| Position::displaced(axis, *q, &displacement(i))).collect();
-        let real = Chain::real_at(self.machine, &at, self.errors, lift).tool_in_workpiece(&self.machine.workpiece());
+        let real = Chain::actual_at(self.machine, &at, self.errors, lift).tool_in_workpiece(&self.machine.workpiece());
         let place = (0..3).map(|i| real.translation[i].clone() - S::from_real(self.tip[i]));
         let tilt = |across: &Vector3<f64>| {
             (0..3).map(|i| real.linear[(i, 2)].scaled(across[i])).fold(S::zero(), |sum, x| sum + x)

@@ -1,4 +1,4 @@
-//! Ideal inverse kinematics of any serial chain the language can say: where the axes must be for the
+//! Nominal inverse kinematics of any serial chain the language can say: where the axes must be for the
 //! functional point to be at a place of the workpiece and the tool to point in a direction.
 //!
 //! 1. [`rotary`] finds the positions of the rotary axes that give the direction: all of them where
@@ -6,7 +6,7 @@
 //! 2. [`linear`] finds those of the linear axes that give the place, moving them as little as it can.
 //! 3. Where the linear axes span a plane only, [`turning`] brings the place into it by a rotary axis about the tool axis.
 //! 4. The first of the candidates, nearest to the reference first, that is within the travel is taken,
-//!    and the ideal machine is asked whether it gets there.
+//!    and the nominal machine is asked whether it gets there.
 
 mod algebra;
 mod linear;
@@ -15,7 +15,7 @@ mod turning;
 
 pub use algebra::Inverse;
 
-use crate::lower::Ideal;
+use crate::lower::NominalPose;
 use crate::machine::{Axis, Machine, Pose, Travel};
 use nalgebra::Vector3;
 use rotary::Directions;
@@ -58,10 +58,10 @@ impl Unreachable {
     }
 }
 
-/// Where the ideal machine holds its tool at a pose (mm, deg).
+/// Where the nominal machine holds its tool at a pose (mm, deg).
 pub fn tool_pose(machine: &Machine, pose: &[f64]) -> ToolPose {
-    let ideal = Ideal::at(machine, pose).pose;
-    ToolPose { tip: ideal.translation, direction: ideal.linear.column(2).into_owned() }
+    let nominal = NominalPose::at(machine, pose).pose;
+    ToolPose { tip: nominal.translation, direction: nominal.linear.column(2).into_owned() }
 }
 
 /// The pose of zeros, each held within its axis's travel (mm, deg).
@@ -69,7 +69,7 @@ pub fn rest(machine: &Machine) -> Pose {
     machine.axes().iter().map(|axis| held(axis, 0.0)).collect()
 }
 
-/// The pose (mm, deg) within the travel that brings the tool of the ideal machine there. Of several
+/// The pose (mm, deg) within the travel that brings the tool of the nominal machine there. Of several
 /// the one whose rotary axes, then linear axes, are nearest to `reference`; an axis the tool pose does
 /// not depend on stays at its reference.
 pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Result<Pose, Unreachable> {

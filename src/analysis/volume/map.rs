@@ -1,13 +1,15 @@
 //! A field over many poses.
 
-use crate::evaluate::{Batch, Columns, Deviation, Field, Frame, Order, Output, Plan, PoseColumns, Poses, Statistics};
-use crate::lower::Ideal;
+use crate::evaluate::{
+    Batch, Columns, CompiledModel, Deviation, Field, Frame, Order, Output, PoseColumns, Poses, Statistics,
+};
+use crate::lower::NominalPose;
 use crate::machine::{Approach, Machine};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
 /// Exact quantiles need all deviations at once; more poses are surveyed ([`survey`](super::survey::survey())) instead.
-pub const MOST_POSES: usize = 1_000_000;
+pub const MAX_POSES: usize = 1_000_000;
 
 /// Poses per task: long enough to be worth one, short enough for a progress bar.
 const BLOCK: usize = 512;
@@ -30,7 +32,7 @@ pub struct Map {
     pub statistics: Statistics,
 }
 
-/// A map of so many poses is refused: see [`MOST_POSES`].
+/// A map of so many poses is refused: see [`MAX_POSES`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TooManyPoses(pub usize);
 
@@ -42,7 +44,7 @@ pub fn map(
     view: View,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Result<Map, TooManyPoses> {
-    if poses.len() > MOST_POSES {
+    if poses.len() > MAX_POSES {
         return Err(TooManyPoses(poses.len()));
     }
     let mut deviations = vec![Deviation { position: Vector3::zeros(), rotation: Vector3::zeros() }; poses.len()];
@@ -60,12 +62,12 @@ pub fn map(
 }
 
 /// A plan that knows the frames of a field's machine.
-pub(crate) fn frames(field: &dyn Field) -> Plan {
-    Plan::new(field.machine(), Order::Degree(1), Approach::Mean)
+pub(crate) fn frames(field: &dyn Field) -> CompiledModel {
+    CompiledModel::new(field.machine(), Order::Degree(1), Approach::Mean)
 }
 
 /// Turns deviations into the frame asked for.
-pub(crate) fn into_frame(frames: Option<&Plan>, frame: Frame, poses: &Batch<'_>, out: Output<'_>) {
+pub(crate) fn into_frame(frames: Option<&CompiledModel>, frame: Frame, poses: &Batch<'_>, out: Output<'_>) {
     if let Some(frames) = frames {
         frames.to_frame(frame, poses, out);
     }
@@ -80,11 +82,11 @@ pub fn deviation_in(field: &dyn Field, pose: &[f64], view: View) -> Deviation {
     }
 }
 
-/// The rotation from the workpiece frame, of the ideal machine; `None` is no rotation.
+/// The rotation from the workpiece frame, of the nominal machine; `None` is no rotation.
 pub fn frame_rotation(machine: &Machine, pose: &[f64], frame: Frame) -> Option<nalgebra::Matrix3<f64>> {
     match frame {
         Frame::Workpiece => None,
-        Frame::Machine => Some(Ideal::at(machine, pose).r_work),
-        Frame::Tool => Some(Ideal::at(machine, pose).pose.linear.transpose()),
+        Frame::Machine => Some(NominalPose::at(machine, pose).r_work),
+        Frame::Tool => Some(NominalPose::at(machine, pose).pose.linear.transpose()),
     }
 }

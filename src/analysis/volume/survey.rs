@@ -1,7 +1,9 @@
 //! A field over any number of poses: statistics without keeping the deviations.
 
 use super::map::{View, into_frame};
-use crate::evaluate::{Batch, Columns, Deviation, Field, Frame, GridPlan, Plan, PoseColumns, Poses, Statistics, Tally};
+use crate::evaluate::{
+    Batch, Columns, CompiledGrid, CompiledModel, Deviation, Field, Frame, PoseColumns, Poses, Statistics, Tally,
+};
 use crate::machine::Pose;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -9,7 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// More poses than this take hours.
-pub const MOST_SURVEYED: usize = 1_000_000_000;
+pub const MAX_SURVEYED: usize = 1_000_000_000;
 
 /// Poses of a block: the unit in which sums are formed. Its poses and deviations stay in the second cache.
 const BLOCK: usize = 1 << 12;
@@ -109,8 +111,8 @@ struct Run<'a> {
     count: usize,
     /// Poses of a block: of a grid whole lines.
     block: usize,
-    grid: Option<GridPlan>,
-    frames: Option<Plan>,
+    grid: Option<CompiledGrid>,
+    frames: Option<CompiledModel>,
     /// Are the positions of the poses needed? A grid knows its own.
     positions: bool,
     progress: &'a (dyn Fn(usize) + Sync),

@@ -7,7 +7,7 @@ use crate::machine::Machine;
 /// Tool poses, made by index or listed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Work {
-    /// Those that the ideal machine takes at these poses.
+    /// Those that the nominal machine takes at these poses.
     Taken(Poses),
     /// As listed.
     Listed(Vec<ToolPose>),

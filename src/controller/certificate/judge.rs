@@ -6,9 +6,10 @@
 //! the real ones; on a lattice to first order (relative difference about 1e-4).
 
 use crate::compensation::{
-    Correction, Jacobian, Reference, Scope, Spacing, Table, TableRules, Tables, own_axis_wanted, single_error_tables,
+    Correction, CorrectionTable, CorrectionTables, Jacobian, Reference, Scope, Spacing, TableRules, own_axis_wanted,
+    single_error_tables,
 };
-use crate::controller::Target;
+use crate::controller::ControllerTarget;
 use crate::controller::replay::tables::{Compensated, Replay};
 use crate::evaluate::{
     Bare, Columns, Deviation, Field, Order, PoseColumns, Statistics, Summary, error_by_error, random_poses,
@@ -68,16 +69,16 @@ pub struct Certificate {
     /// What is added with all axes at 0, approaching forward and reverse (mm, deg).
     pub at_reference: [Vec<f64>; 2],
     /// What a new reference position would take away besides, where tables must vanish at it.
-    pub shifted: Option<Shifted>,
+    pub shifted: Option<ZeroShift>,
     /// What is larger with the files than without them.
-    pub raised: Vec<Raised>,
+    pub raised: Vec<RaisedFigure>,
     /// The entry by which the sign is best tested; none if nothing is corrected.
     pub strongest: Option<Strongest>,
 }
 
 /// A figure of the position deviation that the files make worse.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Raised {
+pub struct RaisedFigure {
     /// Approaching from this side.
     pub approach: Approach,
     /// Which.
@@ -97,17 +98,17 @@ pub(crate) fn is_worse(before: f64, after: f64) -> bool {
 }
 
 /// What a set raises of the position deviation, approaching from one side.
-pub(crate) fn raised(approach: Approach, before: &Figures, after: &Figures) -> Vec<Raised> {
+pub(crate) fn raised(approach: Approach, before: &Figures, after: &Figures) -> Vec<RaisedFigure> {
     let (before, after) = (before.all.position_um, after.all.position_um);
     let figures = [("95 %", before.p95, after.p95), ("rms", before.rms, after.rms), ("max", before.max, after.max)];
     let worse = figures.into_iter().filter(|(_, before, after)| is_worse(*before, *after));
-    worse.map(|(figure, before, after)| Raised { approach, figure, before, after }).collect()
+    worse.map(|(figure, before, after)| RaisedFigure { approach, figure, before, after }).collect()
 }
 
 /// Tables that vanish at the reference position leave a constant part of the deviation: a shift of the
 /// machine zero takes it away.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shifted {
+pub struct ZeroShift {
     /// What to add to the zero of each axis (mm, deg).
     pub shift: Vec<f64>,
     /// What is then left of the position, um.
@@ -116,7 +117,7 @@ pub struct Shifted {
     pub alone_um: Summary,
 }
 
-impl Shifted {
+impl ZeroShift {
     /// Are the tables worth having where the machine zero is set anew in any case?
     pub fn is_better(&self) -> bool {
         !is_worse(self.alone_um.rms, self.position_um.rms)
@@ -159,18 +160,18 @@ fn best_shift(
 
 /// What is judged.
 #[derive(Debug, Clone, Copy)]
-pub struct Judged<'a> {
+pub struct JudgedTables<'a> {
     /// The controller.
-    pub target: &'a Target,
+    pub target: &'a ControllerTarget,
     /// Its tables.
-    pub tables: &'a Tables,
+    pub tables: &'a CorrectionTables,
     /// The tables that were in force when the machine was measured, of the same controller.
-    pub installed: Option<&'a Tables>,
+    pub installed: Option<&'a CorrectionTables>,
 }
 
 /// Compares the machine with and without tables on `count` seeded poses.
-pub fn certify(machine: &Machine, judged: Judged, scope: Scope, count: usize, seed: u64) -> Certificate {
-    let Judged { target, tables, installed } = judged;
+pub fn certify(machine: &Machine, judged: JudgedTables, scope: Scope, count: usize, seed: u64) -> Certificate {
+    let JudgedTables { target, tables, installed } = judged;
     let mechanisms = &target.manifest.mechanism;
     let poses: Vec<Pose> = random_poses(machine, count, seed);
     let bare = Bare { machine, order: Order::Exact };
@@ -184,7 +185,7 @@ pub fn certify(machine: &Machine, judged: Judged, scope: Scope, count: usize, se
         let (shift, position_um) =
             best_shift(&compensated, &poses, approach, |pose| compensated.replay.added(pose, approach));
         let nothing = |pose: &Pose| vec![0.0; pose.len()];
-        Shifted { shift, position_um, alone_um: best_shift(&bare, &poses, approach, nothing).1 }
+        ZeroShift { shift, position_um, alone_um: best_shift(&bare, &poses, approach, nothing).1 }
     };
     let replay = load(tables);
     let added = |pose: &Pose, approach: Approach| replay.added(pose, approach);
@@ -194,7 +195,7 @@ pub fn certify(machine: &Machine, judged: Judged, scope: Scope, count: usize, se
     } else {
         strongest_at(machine, (&poses, approaches(machine)), added)
     };
-    let single = Singles { machine, target, poses: &poses[..poses.len().min(MOST_SINGLE_POSES)], scope };
+    let single = Singles { machine, target, poses: &poses[..poses.len().min(MAX_SINGLE_POSES)], scope };
     Certificate {
         poses: count,
         approach,
@@ -213,7 +214,7 @@ pub(crate) struct Judgement {
     pub approach: Approach,
     pub uncompensated: Figures,
     pub compensated: Figures,
-    pub raised: Vec<Raised>,
+    pub raised: Vec<RaisedFigure>,
 }
 
 /// Compares a machine without and with files.
@@ -305,7 +306,7 @@ pub(crate) fn worse_p95(machine: &Machine, of: impl Fn(Approach) -> Vec<Deviatio
 }
 
 /// Poses for the figures of single errors: every one costs a cell of the lattice.
-pub(crate) const MOST_SINGLE_POSES: usize = 200;
+pub(crate) const MAX_SINGLE_POSES: usize = 200;
 
 /// Poses that are evaluated at once.
 const BLOCK: usize = 256;
@@ -334,13 +335,13 @@ type EachError = Vec<(Deviation, Deviation)>;
 /// The single-error part of a certificate.
 struct Singles<'a> {
     machine: &'a Machine,
-    target: &'a Target,
+    target: &'a ControllerTarget,
     poses: &'a [Pose],
     scope: Scope,
 }
 
 impl Singles<'_> {
-    fn errors(&self, tables: &Tables) -> Vec<ErrorLeft> {
+    fn errors(&self, tables: &CorrectionTables) -> Vec<ErrorLeft> {
         match &tables.tables[..] {
             // A lattice over all axes: only the cells around the poses are worth solving.
             [lattice] if self.target.manifest.mechanism.lattice.as_ref().is_some_and(|r| r.inputs.is_empty()) => {
@@ -358,23 +359,23 @@ impl Singles<'_> {
     }
 
     /// Tables for every error alone, replayed on a machine with that error alone.
-    fn by_tables(&self, tables: &Tables) -> Vec<ErrorLeft> {
+    fn by_tables(&self, tables: &CorrectionTables) -> Vec<ErrorLeft> {
         let sets = single_error_tables(self.machine, &self.target.manifest.mechanism, tables);
         let known: Vec<(usize, ErrorId)> = self.known().collect();
         known.into_par_iter().map(|(index, error)| self.replayed(error, &sets[index].1)).collect()
     }
 
     /// The curves of every error alone.
-    fn by_model(&self, tables: &Tables) -> Vec<ErrorLeft> {
+    fn by_model(&self, tables: &CorrectionTables) -> Vec<ErrorLeft> {
         let known: Vec<(usize, ErrorId)> = self.known().collect();
         let alone = |(_, error): (usize, ErrorId)| {
             let errors = tables.errors.iter().filter(|curve| curve.error == error).cloned().collect();
-            self.replayed(error, &Tables { errors, tables: Vec::new() })
+            self.replayed(error, &CorrectionTables { errors, tables: Vec::new() })
         };
         known.into_par_iter().map(alone).collect()
     }
 
-    fn replayed(&self, error: ErrorId, tables: &Tables) -> ErrorLeft {
+    fn replayed(&self, error: ErrorId, tables: &CorrectionTables) -> ErrorLeft {
         let machine = self.machine.filtered(|id| *id == error);
         let replay = Replay::new(&machine, self.target, tables);
         let compensated = Compensated { machine: &machine, replay };
@@ -383,7 +384,7 @@ impl Singles<'_> {
     }
 
     /// All errors at once: they are independent to first order, and only the cells around the poses count.
-    fn on_lattice(&self, lattice: &Table, tables: &Tables) -> Vec<ErrorLeft> {
+    fn on_lattice(&self, lattice: &CorrectionTable, tables: &CorrectionTables) -> Vec<ErrorLeft> {
         let replay = Replay::new(self.machine, self.target, tables);
         let rows: Vec<Vec<EachError>> =
             self.poses.par_iter().map(|pose| self.each_error_left(lattice, &replay, pose)).collect();
@@ -398,7 +399,7 @@ impl Singles<'_> {
     }
 
     /// For every direction of approach and every error alone: the deviation at a pose before and after compensation.
-    fn each_error_left(&self, lattice: &Table, replay: &Replay, pose: &[f64]) -> Vec<EachError> {
+    fn each_error_left(&self, lattice: &CorrectionTable, replay: &Replay, pose: &[f64]) -> Vec<EachError> {
         let mut added = vec![vec![0.0; pose.len()]; self.machine.errors().count()];
         let scope = self.scope(lattice);
         for (node, weight) in replay.lattice_corners(pose) {
@@ -422,7 +423,7 @@ impl Singles<'_> {
     }
 
     /// What the tables correct: without rotary columns, the rotary axes were left alone.
-    fn scope(&self, lattice: &Table) -> Scope {
+    fn scope(&self, lattice: &CorrectionTable) -> Scope {
         let rotary = lattice.corrected.iter().any(|axis| self.machine.axes()[*axis].kind == AxisKind::Rotary);
         Scope { rotary, ..self.scope }
     }

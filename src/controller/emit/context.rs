@@ -1,9 +1,9 @@
 //! What templates see of a set of tables: everything rounded and as text.
 
 use super::render::{fixed, push_fixed};
-use super::stored::{Column, Place, differences};
-use crate::compensation::{ErrorCurve, Spacing, TABLES_OF_A_PRODUCT, Table, TableRules, Tables};
-use crate::controller::Target;
+use super::stored::{StoredColumn, StoredPlace, differences};
+use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve, Spacing, TABLES_OF_A_PRODUCT, TableRules};
+use crate::controller::ControllerTarget;
 use crate::controller::manifest::description::{Layout, OutsideTable};
 use crate::machine::{AxisKind, Branch, ErrorId, Location, Machine, Tool};
 use minijinja::{Value, context};
@@ -18,10 +18,10 @@ fn tool_direction(tool: &Tool) -> [f64; 3] {
 
 /// The axes, tables and numbers of a set in the controller's words.
 #[derive(Clone, Copy)]
-pub(crate) struct Words<'a> {
-    pub target: &'a Target,
+pub(crate) struct TableWords<'a> {
+    pub target: &'a ControllerTarget,
     pub machine: &'a Machine,
-    pub tables: &'a Arc<Tables>,
+    pub tables: &'a Arc<CorrectionTables>,
     /// (index of the axis, letter) in the controller's order.
     pub letters: &'a [(usize, String)],
 }
@@ -33,7 +33,7 @@ struct Ways {
     number: usize,
 }
 
-impl Words<'_> {
+impl TableWords<'_> {
     fn kind(&self, axis: usize) -> AxisKind {
         self.machine.axes()[axis].kind
     }
@@ -46,12 +46,12 @@ impl Words<'_> {
         self.letters.get(self.joint(axis)).map_or("", |(_, letter)| letter)
     }
 
-    fn rules(&self, table: &Table) -> Option<&TableRules> {
+    fn rules(&self, table: &CorrectionTable) -> Option<&TableRules> {
         self.target.manifest.mechanism.rules(table)
     }
 
     /// Does a table stand under a mechanism?
-    pub fn is_of(&self, table: &Table, mechanism: Option<&str>) -> bool {
+    pub fn is_of(&self, table: &CorrectionTable, mechanism: Option<&str>) -> bool {
         let of = |name: &str| self.target.manifest.mechanism.iter().find(|(n, _)| *n == name).map(|(_, rules)| rules);
         mechanism.is_none_or(|name| self.rules(table) == of(name))
     }
@@ -92,7 +92,7 @@ impl Words<'_> {
     }
 
     /// Tables that `keep` accepts, numbered among all.
-    pub fn tables(&self, keep: impl Fn(&Table) -> bool) -> Value {
+    pub fn tables(&self, keep: impl Fn(&CorrectionTable) -> bool) -> Value {
         let mut number = 0;
         let mut seen = Vec::new();
         for table in &self.tables.tables {
@@ -108,7 +108,7 @@ impl Words<'_> {
         seen.into()
     }
 
-    fn table(&self, table: &Table, rules: &TableRules, ways: &[Ways]) -> Value {
+    fn table(&self, table: &CorrectionTable, rules: &TableRules, ways: &[Ways]) -> Value {
         let (input, output) = (table.axes[0], table.corrected[0]);
         let kind = match (table.axes.len(), table.is_own_axis()) {
             (1, true) => "own",
@@ -150,9 +150,9 @@ impl Words<'_> {
         context! { letter => self.letter(axis), name => this.name.as_str(), joint, number => joint + 1, unit => this.unit() }
     }
 
-    fn input(&self, table: &Table, rules: &TableRules, i: usize) -> Value {
+    fn input(&self, table: &CorrectionTable, rules: &TableRules, i: usize) -> Value {
         let (axis, nodes) = (table.axes[i], &table.nodes[i]);
-        let place = Place { rules, kind: self.kind(axis) };
+        let place = StoredPlace { rules, kind: self.kind(axis) };
         let text = |q: f64| fixed(place.stored(q), place.decimals());
         let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
         let step = if nodes.len() > 1 { nodes[1] - nodes[0] } else { 0.0 };
@@ -167,9 +167,9 @@ impl Words<'_> {
     }
 
     /// Points of a table over one axis; with a direction, only its values.
-    fn points(&self, table: &Table, rules: &TableRules, direction: i32) -> Value {
-        let column = Column::new(rules, self.kind(table.corrected[0]));
-        let place = Place { rules, kind: self.kind(table.axes[0]) };
+    fn points(&self, table: &CorrectionTable, rules: &TableRules, direction: i32) -> Value {
+        let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
+        let place = StoredPlace { rules, kind: self.kind(table.axes[0]) };
         let own = |i: usize| table.is_own_axis().then(|| table.nodes[0][i]);
         let reverse = table.reverse.as_ref().unwrap_or(&table.values);
         let stored = |values: &[f64]| -> Vec<f64> {
@@ -192,15 +192,15 @@ impl Words<'_> {
         (0..table.nodes[0].len()).map(point).collect()
     }
 
-    fn value(&self, table: &Table, rules: &TableRules, (node, column): (usize, usize), times: f64) -> String {
+    fn value(&self, table: &CorrectionTable, rules: &TableRules, (node, column): (usize, usize), times: f64) -> String {
         let axis = table.corrected[column];
         let own = table.axes.iter().position(|a| *a == axis).map(|i| table.node(node)[i]);
-        let cell = Column { times, ..Column::new(rules, self.kind(axis)) };
+        let cell = StoredColumn { times, ..StoredColumn::new(rules, self.kind(axis)) };
         fixed(cell.stored(table.values[node * table.corrected.len() + column], own), cell.decimals())
     }
 
     /// Nodes of a table over several axes, the last axis fastest.
-    fn cells(&self, table: &Table, rules: &TableRules) -> Value {
+    fn cells(&self, table: &CorrectionTable, rules: &TableRules) -> Value {
         let index = |mut number: usize| {
             let mut index = vec![0; table.nodes.len()];
             for (slot, nodes) in index.iter_mut().zip(&table.nodes).rev() {
@@ -212,7 +212,7 @@ impl Words<'_> {
         let times = rules.magnification_of(self.machine, table);
         let cell = |node: usize| {
             let place = |(axis, q): (&usize, f64)| {
-                let place = Place { rules, kind: self.kind(*axis) };
+                let place = StoredPlace { rules, kind: self.kind(*axis) };
                 fixed(place.stored(q), place.decimals())
             };
             let positions: Vec<String> = table.axes.iter().zip(table.node(node)).map(place).collect();
@@ -224,7 +224,7 @@ impl Words<'_> {
     }
 
     /// A table over two axes: a row for every node of the second.
-    fn matrix(&self, table: &Table, rules: &TableRules) -> Value {
+    fn matrix(&self, table: &CorrectionTable, rules: &TableRules) -> Value {
         let (width, rows) = (table.nodes[0].len(), table.nodes[1].len());
         let times = rules.magnification_of(self.machine, table);
         let row = |j: usize| (0..width).map(|i| self.value(table, rules, (i * rows + j, 0), times)).collect::<Vec<_>>();
@@ -233,8 +233,8 @@ impl Words<'_> {
 
     /// The factors of products, with numbers from one on and the number (from 1) of the table by which each is multiplied,
     /// 0 for none: f times g, then -f times -g. The sense of what is stored goes with the first.
-    fn factors(&self, table: &Table, rules: &TableRules, number: usize) -> Value {
-        let column = Column::new(rules, self.kind(table.corrected[0]));
+    fn factors(&self, table: &CorrectionTable, rules: &TableRules, number: usize) -> Value {
+        let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
         let factor = |k: usize, place: usize, sign: f64| {
             let number = number + TABLES_OF_A_PRODUCT * k + place + if sign < 0.0 { 2 } else { 0 };
             let stored = |c: f64| sign * if place == 0 { column.stored(c, None) } else { column.weight(c) };
@@ -262,8 +262,8 @@ impl Words<'_> {
     /// Values from position 0 on, those of negative positions after the last, and again that of 0; of a plane line
     /// by line. The entries begin one step behind 0, so that the first value is left out. A table over whole turns
     /// does without its last node.
-    fn rolled(&self, table: &Table, rules: &TableRules) -> Value {
-        let column = Column::new(rules, self.kind(table.corrected[0]));
+    fn rolled(&self, table: &CorrectionTable, rules: &TableRules) -> Value {
+        let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
         let number = |x: f64| fixed(x, column.decimals());
         let around: Vec<Vec<usize>> = (0..table.axes.len()).map(|place| self.around(table, place)).collect();
         let node = |indices: &[usize]| indices.iter().zip(&table.nodes).fold(0, |n, (i, nodes)| n * nodes.len() + i);
@@ -278,7 +278,7 @@ impl Words<'_> {
         let entries: Vec<String> = order.iter().skip(1).map(|node| number(stored(*node))).collect();
         let lengths: Vec<String> = (0..table.axes.len())
             .map(|place| {
-                let cell = Place { rules, kind: self.kind(table.axes[place]) };
+                let cell = StoredPlace { rules, kind: self.kind(table.axes[place]) };
                 let step = cell.stored(table.nodes[place][1] - table.nodes[place][0]);
                 fixed(step * (around[place].len() - 1) as f64, cell.decimals())
             })
@@ -297,7 +297,7 @@ impl Words<'_> {
     }
 
     /// Indices of the nodes over one axis in the order of a table that rolls over, from position 0 to it again.
-    fn around(&self, table: &Table, place: usize) -> Vec<usize> {
+    fn around(&self, table: &CorrectionTable, place: usize) -> Vec<usize> {
         let nodes = &table.nodes[place];
         let count = nodes.len() - usize::from(self.machine.is_continuous(table.axes[place]));
         let zero = nodes.iter().position(|q| *q >= 0.0).unwrap_or(0);
@@ -305,8 +305,8 @@ impl Words<'_> {
     }
 
     /// The value of a line through position 0 at its far node.
-    fn slope(&self, table: &Table, rules: &TableRules) -> Option<String> {
-        let column = Column::new(rules, self.kind(table.corrected[0]));
+    fn slope(&self, table: &CorrectionTable, rules: &TableRules) -> Option<String> {
+        let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
         let last = *table.values.last()?;
         (rules.spacing == Spacing::Line).then(|| fixed(column.stored(last, None), column.decimals()))
     }
@@ -316,7 +316,7 @@ impl Words<'_> {
         let Some(rules) = &self.target.manifest.mechanism.error_curves else { return Value::UNDEFINED };
         let number = |curve: &ErrorCurve, i: usize| {
             let kind = if curve.error.direction.is_rotation() { AxisKind::Rotary } else { AxisKind::Linear };
-            let column = Column::new(rules, kind);
+            let column = StoredColumn::new(rules, kind);
             fixed(curve.values[i] * rules.increment.correction_scale.of(kind), column.decimals())
         };
         let all = &self.tables.errors;
@@ -330,7 +330,7 @@ impl Words<'_> {
                 .iter()
                 .filter(|c| !c.positions.is_empty() && c.error.axis == self.machine.axes()[axis].name)
                 .collect();
-            let place = Place { rules, kind: self.kind(axis) };
+            let place = StoredPlace { rules, kind: self.kind(axis) };
             let row = |i: usize, q: f64| {
                 context! {
                     position => fixed(place.stored(q), place.decimals()),
@@ -376,7 +376,7 @@ impl Words<'_> {
 }
 
 /// One way for both directions, or one for each: with a number of its own if they stand apart.
-fn ways(table: &Table, number: usize, apart: bool) -> Vec<Ways> {
+fn ways(table: &CorrectionTable, number: usize, apart: bool) -> Vec<Ways> {
     if table.reverse.is_none() {
         return vec![Ways { direction: 0, number }];
     }
@@ -388,7 +388,7 @@ fn short(error: &ErrorId) -> String {
     error.to_string().trim_start_matches('E').to_owned()
 }
 
-fn row(lattice: &Table, number: usize, [position, correction]: [u8; 2]) -> String {
+fn row(lattice: &CorrectionTable, number: usize, [position, correction]: [u8; 2]) -> String {
     let width = lattice.corrected.len();
     let mut text = String::with_capacity(128);
     let mut cell = |value: f64, decimals: u8| {

@@ -1,17 +1,17 @@
 //! From a machine to a target's rounded tables, and what of them the target's manifest forbids.
 
 use super::limits::steepest_along;
-use super::stored::{Column, differences};
-use crate::compensation::{LatticeRequest, Table, TableRules, Tables, lacking, tables};
-use crate::controller::Target;
+use super::stored::{StoredColumn, differences};
+use crate::compensation::{CorrectionTable, CorrectionTables, LatticeRequest, TableRules, lacking, tables};
+use crate::controller::ControllerTarget;
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
 use crate::units::significant;
 
-impl Target {
+impl ControllerTarget {
     /// Fills the tables of the target's mechanisms and rounds them to its increments. The request is for
     /// lattices over any axes; the others have nothing to choose.
-    pub fn tables(&self, machine: &Machine, request: &LatticeRequest) -> Tables {
+    pub fn tables(&self, machine: &Machine, request: &LatticeRequest) -> CorrectionTables {
         tables(machine, &self.manifest.mechanism, request)
     }
 
@@ -23,8 +23,8 @@ impl Target {
     }
 
     /// What the tables hold that the controller does not take: E0709.
-    pub fn violations(&self, machine: &Machine, tables: &Tables) -> Vec<Diagnostic> {
-        let of = |table: &Table| {
+    pub fn violations(&self, machine: &Machine, tables: &CorrectionTables) -> Vec<Diagnostic> {
+        let of = |table: &CorrectionTable| {
             let rules = self.manifest.mechanism.rules(table);
             rules.map_or_else(Vec::new, |rules| forbidden(machine, table, rules))
         };
@@ -49,7 +49,7 @@ fn refusal(message: String) -> Diagnostic {
 }
 
 /// What a table holds beyond its rules, in words.
-fn forbidden(machine: &Machine, table: &Table, rules: &TableRules) -> Vec<Diagnostic> {
+fn forbidden(machine: &Machine, table: &CorrectionTable, rules: &TableRules) -> Vec<Diagnostic> {
     let names: Vec<&str> = table.axes.iter().map(|axis| machine.axes()[*axis].name.as_str()).collect();
     let over = names.join(" and ");
     let mut all = Vec::new();
@@ -63,7 +63,8 @@ fn forbidden(machine: &Machine, table: &Table, rules: &TableRules) -> Vec<Diagno
     for (values, (column, axis)) in columns.flat_map(|v| table.corrected.iter().enumerate().map(move |c| (v, c))) {
         let name = &machine.axes()[*axis].name;
         let kind = machine.axes()[*axis].kind;
-        let stored = stored_column(table, rules, values, column, Column { times, ..Column::new(rules, kind) });
+        let stored =
+            stored_column(table, rules, values, column, StoredColumn { times, ..StoredColumn::new(rules, kind) });
         let largest = stored.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         if rules.largest.is_some_and(|most| largest > most) {
             let most = rules.largest.unwrap_or_default();
@@ -85,7 +86,13 @@ fn forbidden(machine: &Machine, table: &Table, rules: &TableRules) -> Vec<Diagno
 }
 
 /// The numbers of a column as they are stored.
-fn stored_column(table: &Table, rules: &TableRules, values: &[f64], column: usize, cell: Column) -> Vec<f64> {
+fn stored_column(
+    table: &CorrectionTable,
+    rules: &TableRules,
+    values: &[f64],
+    column: usize,
+    cell: StoredColumn,
+) -> Vec<f64> {
     let own = table.axes.iter().position(|axis| *axis == table.corrected[column]);
     let number = |node: usize| {
         let position = own.map(|place| table.node(node)[place]);

@@ -1,17 +1,22 @@
 //! What is on the machine now, and what is to be written on top of it.
 
-use crate::compensation::{ErrorCurve, LatticeRequest, Spacing, Table, Tables};
-use crate::controller::{Replay, Target};
+use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve, LatticeRequest, Spacing};
+use crate::controller::{ControllerTarget, Replay};
 use crate::diagnostic::Diagnostic;
 use crate::machine::{Approach, AxisKind, Machine};
 use crate::units::significant;
 
-impl Target {
+impl ControllerTarget {
     /// The tables for a machine whose errors were measured with other tables in force: the old plus the new,
     /// rounded like any tables of the target.
-    pub fn tables_over(&self, machine: &Machine, request: &LatticeRequest, installed: &Tables) -> Tables {
+    pub fn tables_over(
+        &self,
+        machine: &Machine,
+        request: &LatticeRequest,
+        installed: &CorrectionTables,
+    ) -> CorrectionTables {
         let mechanisms = &self.manifest.mechanism;
-        let at = |old: &Table, new: &Table, reverse: bool| -> Vec<f64> {
+        let at = |old: &CorrectionTable, new: &CorrectionTable, reverse: bool| -> Vec<f64> {
             let alone = alone(old);
             let replay = Replay::new(machine, self, &alone);
             at_nodes(machine, (&replay, old), new, if reverse { Approach::Reverse } else { Approach::Forward })
@@ -24,7 +29,7 @@ impl Target {
     }
 
     /// Where points are free, the new tables get the points of the old ones besides their own, as far as there is room.
-    fn share_points(&self, fresh: &mut Tables, installed: &Tables) {
+    fn share_points(&self, fresh: &mut CorrectionTables, installed: &CorrectionTables) {
         let mechanisms = &self.manifest.mechanism;
         for table in fresh.tables.iter_mut().filter(|table| table.axes.len() == 1) {
             let rules = mechanisms.rules(table).filter(|rules| rules.spacing == Spacing::Free);
@@ -45,10 +50,15 @@ impl Target {
     }
 
     /// What of the installed tables falls between the points of the new ones: W0704.
-    pub fn resampling_losses(&self, machine: &Machine, tables: &Tables, installed: &Tables) -> Vec<Diagnostic> {
+    pub fn resampling_losses(
+        &self,
+        machine: &Machine,
+        tables: &CorrectionTables,
+        installed: &CorrectionTables,
+    ) -> Vec<Diagnostic> {
         let mut all = Vec::new();
         for old in &installed.tables {
-            let same = |new: &&Table| (&new.axes, &new.corrected) == (&old.axes, &old.corrected);
+            let same = |new: &&CorrectionTable| (&new.axes, &new.corrected) == (&old.axes, &old.corrected);
             if let Some(new) = tables.tables.iter().find(same) {
                 all.extend(self.table_loss(machine, new, old));
             }
@@ -60,13 +70,13 @@ impl Target {
         all
     }
 
-    fn table_loss(&self, machine: &Machine, new: &Table, old: &Table) -> Option<Diagnostic> {
+    fn table_loss(&self, machine: &Machine, new: &CorrectionTable, old: &CorrectionTable) -> Option<Diagnostic> {
         let rules = self.manifest.mechanism.rules(old)?;
         let sides = [Approach::Forward, Approach::Reverse];
         let before = alone(old);
         let was = Replay::new(machine, self, &before);
         let [values, reverse] = sides.map(|side| at_nodes(machine, (&was, old), new, side));
-        let resampled = Table { values, reverse: Some(reverse), ..new.clone() };
+        let resampled = CorrectionTable { values, reverse: Some(reverse), ..new.clone() };
         let after = alone(&resampled);
         let is = Replay::new(machine, self, &after);
         // Both are straight between the points of either; those of the new one agree.
@@ -121,15 +131,15 @@ fn curve_loss(new: &ErrorCurve, old: &ErrorCurve) -> Option<Diagnostic> {
     (most > least).then(|| loss(&format!("`{}`", old.error), most * scale, unit))
 }
 
-fn alone(table: &Table) -> Tables {
-    Tables { tables: vec![table.clone()], errors: Vec::new() }
+fn alone(table: &CorrectionTable) -> CorrectionTables {
+    CorrectionTables { tables: vec![table.clone()], errors: Vec::new() }
 }
 
 /// A table, and what the controller does with it alone.
-type Loaded<'a> = (&'a Replay<'a>, &'a Table);
+type Loaded<'a> = (&'a Replay<'a>, &'a CorrectionTable);
 
 /// What a table adds at the nodes of another one, node by node.
-fn at_nodes(machine: &Machine, old: Loaded, new: &Table, approach: Approach) -> Vec<f64> {
+fn at_nodes(machine: &Machine, old: Loaded, new: &CorrectionTable, approach: Approach) -> Vec<f64> {
     (0..new.len()).flat_map(|node| added(machine, old, &new.node(node), approach)).collect()
 }
 

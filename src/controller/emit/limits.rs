@@ -1,7 +1,7 @@
 //! Plausibility limits on corrections: a file that moves a machine further is refused unless the
 //! person raises the limit.
 
-use crate::compensation::{Table, Tables};
+use crate::compensation::{CorrectionTable, CorrectionTables};
 use crate::diagnostic::Diagnostic;
 use crate::machine::{AxisKind, Machine};
 use crate::units::{self, Dimension, significant};
@@ -50,7 +50,7 @@ impl Limits {
     }
 
     /// Every limit that the tables exceed.
-    pub fn exceeded(&self, machine: &Machine, tables: &Tables) -> Vec<Diagnostic> {
+    pub fn exceeded(&self, machine: &Machine, tables: &CorrectionTables) -> Vec<Diagnostic> {
         let [linear, rotary] = tables.largest(machine);
         let name = |axis: usize| machine.axes()[axis].name.as_str();
         let length = linear.filter(|(_, c)| c.abs() > self.length).map(|(axis, c)| {
@@ -88,9 +88,9 @@ fn refusal(message: String) -> Diagnostic {
 }
 
 /// The steepest correction of an axis along its own travel.
-fn steepest(machine: &Machine, tables: &Tables) -> Option<(usize, f64)> {
+fn steepest(machine: &Machine, tables: &CorrectionTables) -> Option<(usize, f64)> {
     let linear = |axis: usize| machine.axes()[axis].kind == AxisKind::Linear;
-    let of = |table: &Table| {
+    let of = |table: &CorrectionTable| {
         let along = table.corrected.iter().filter(|axis| table.is_own_axis() || linear(**axis));
         along.map(|axis| (*axis, slope(table, *axis))).collect::<Vec<_>>()
     };
@@ -98,7 +98,7 @@ fn steepest(machine: &Machine, tables: &Tables) -> Option<(usize, f64)> {
 }
 
 /// The steepest correction of an axis in a table along that axis's own nodes.
-fn slope(table: &Table, axis: usize) -> f64 {
+fn slope(table: &CorrectionTable, axis: usize) -> f64 {
     let Some(place) = table.axes.iter().position(|a| *a == axis) else { return 0.0 };
     let Some(column) = table.corrected.iter().position(|a| *a == axis) else { return 0.0 };
     let all = std::iter::once(&table.values).chain(&table.reverse);
@@ -106,7 +106,7 @@ fn slope(table: &Table, axis: usize) -> f64 {
 }
 
 /// The largest change of a column per change of the position between neighbours along one axis.
-pub(crate) fn steepest_along(table: &Table, values: &[f64], place: usize, column: usize) -> f64 {
+pub(crate) fn steepest_along(table: &CorrectionTable, values: &[f64], place: usize, column: usize) -> f64 {
     let stride: usize = table.nodes[place + 1..].iter().map(Vec::len).product();
     let nodes = &table.nodes[place];
     let value = |node: usize| values[node * table.corrected.len() + column];

@@ -3,10 +3,10 @@
 //! Numbers reach a template rounded and as text: [`fixed`] is the only formatter, and it knows
 //! neither `-0` nor NaN nor a locale. Templates run with fuel and cannot read files.
 
-use super::context::Words;
+use super::context::TableWords;
 use super::timed::{afresh, within};
-use crate::compensation::{Table, Tables};
-use crate::controller::Target;
+use crate::compensation::{CorrectionTable, CorrectionTables};
+use crate::controller::ControllerTarget;
 use crate::controller::manifest::description::{AxisLetters, FileSpec, Per};
 use crate::controller::manifest::library;
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -19,7 +19,7 @@ use std::sync::Arc;
 const FUEL: u64 = 100_000_000;
 
 /// Largest file of a set, in bytes: 200,000 nodes of nine axes, all corrected, are less.
-pub const LARGEST_FILE: usize = 64 << 20;
+pub const MAX_FILE_BYTES: usize = 64 << 20;
 
 /// What a template has written so far: no more than anybody reads back.
 #[derive(Default)]
@@ -27,7 +27,7 @@ struct Bounded(Vec<u8>);
 
 impl std::io::Write for Bounded {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        if self.0.len() + bytes.len() > LARGEST_FILE {
+        if self.0.len() + bytes.len() > MAX_FILE_BYTES {
             return Err(std::io::Error::other("too large"));
         }
         self.0.extend_from_slice(bytes);
@@ -48,17 +48,17 @@ pub struct RenderedFile {
     pub bytes: Vec<u8>,
 }
 
-impl Target {
+impl ControllerTarget {
     /// Writes the target's files for (rounded) tables. Diagnostics: a template that fails (E0702).
     pub fn render(
         &self,
         machine: &Machine,
-        tables: &Arc<Tables>,
+        tables: &Arc<CorrectionTables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
         afresh();
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
-        let words = Words { target: self, machine, tables, letters: &letters };
+        let words = TableWords { target: self, machine, tables, letters: &letters };
         let writer = Writer { words, environment: environment() };
         match writer.files(|_| true) {
             Ok(files) => Some(files),
@@ -75,12 +75,12 @@ impl Target {
         &self,
         machine: &Machine,
         own: &Value,
-        beside: &Arc<Tables>,
+        beside: &Arc<CorrectionTables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
         afresh();
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
-        let words = Words { target: self, machine, tables: beside, letters: &letters };
+        let words = TableWords { target: self, machine, tables: beside, letters: &letters };
         let writer = Writer { words, environment: environment() };
         let files = || {
             let tables = writer.files(FileSpec::is_of_tables)?;
@@ -178,7 +178,7 @@ fn file_name(environment: &Environment, spec: &FileSpec, own: Value) -> Result<S
     if library::is_plain_name(&name) { Ok(name) } else { Err(format!("`{name}` is not a plain file name")) }
 }
 
-impl Target {
+impl ControllerTarget {
     /// The name of a file; what it is made of may come from the user.
     fn file_name(&self, shared: &Environment, spec: &FileSpec, own: Value) -> Result<String, String> {
         if !self.own {
@@ -234,7 +234,7 @@ fn rendered(
     let compiled = environment.template_from_str(template).map_err(|failure| describe(&failure))?;
     let mut text = Bounded::default();
     let _ = compiled.render_captured_to(context, &mut text).map_err(|failure| match failure.kind() {
-        minijinja::ErrorKind::WriteFailure => format!("`{name}` would have more than {} MB", LARGEST_FILE >> 20),
+        minijinja::ErrorKind::WriteFailure => format!("`{name}` would have more than {} MB", MAX_FILE_BYTES >> 20),
         _ => describe(&failure),
     })?;
     Ok(RenderedFile { name, bytes: text.0 })
@@ -242,7 +242,7 @@ fn rendered(
 
 /// What a file is rendered from.
 struct Writer<'a> {
-    words: Words<'a>,
+    words: TableWords<'a>,
     environment: Environment<'static>,
 }
 
@@ -335,12 +335,12 @@ impl Writer<'_> {
 
 impl Per {
     /// Is there a file for an axis?
-    fn wants(self, axis: usize, tables: &[Table]) -> bool {
+    fn wants(self, axis: usize, tables: &[CorrectionTable]) -> bool {
         self == Self::Axis || tables.iter().any(|table| self.holds(axis, table))
     }
 
     /// Does the file of an axis hold a table?
-    fn holds(self, axis: usize, table: &Table) -> bool {
+    fn holds(self, axis: usize, table: &CorrectionTable) -> bool {
         match self {
             Self::Machine => true,
             Self::Axis | Self::Output => table.corrected[0] == axis,

@@ -6,14 +6,14 @@ use crate::machine::AxisKind;
 
 /// The column of a table: how the corrections of one axis are stored.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Column<'a> {
+pub(crate) struct StoredColumn<'a> {
     pub rules: &'a TableRules,
     pub kind: AxisKind,
     /// By how much the controller multiplies the numbers of the table.
     pub times: f64,
 }
 
-impl<'a> Column<'a> {
+impl<'a> StoredColumn<'a> {
     pub fn new(rules: &'a TableRules, kind: AxisKind) -> Self {
         Self { rules, kind, times: 1.0 }
     }
@@ -61,12 +61,12 @@ impl<'a> Column<'a> {
 
 /// How the positions of an axis are stored.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Place<'a> {
+pub(crate) struct StoredPlace<'a> {
     pub rules: &'a TableRules,
     pub kind: AxisKind,
 }
 
-impl Place<'_> {
+impl StoredPlace<'_> {
     /// The number stored for a position.
     pub fn stored(self, position: f64) -> f64 {
         position * self.rules.increment.position_scale.of(self.kind)

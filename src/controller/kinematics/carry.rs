@@ -2,14 +2,14 @@
 
 use super::constants::{Centres, LinearMap};
 use super::data::{Model, WORLD};
-use super::{Carries, KinematicsMechanism, topology};
-use crate::controller::{Target, assigned_letters};
+use super::{KinematicsMechanism, ModuleContent, topology};
+use crate::controller::{ControllerTarget, assigned_letters};
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
 
 /// The numbers of a module.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Carried {
+pub enum KinematicsModule {
     /// The chain with every error.
     FullModel(Model),
     /// X, Y, Z to their joints.
@@ -18,17 +18,17 @@ pub enum Carried {
     RotaryCentres(Centres),
 }
 
-impl Carried {
+impl KinematicsModule {
     /// Takes from a machine what the target's module carries. Refusals: E0601, E0750, E0751, E0752.
-    pub fn of(machine: &Machine, target: &Target, orientation: bool) -> Result<Self, Diagnostic> {
+    pub fn of(machine: &Machine, target: &ControllerTarget, orientation: bool) -> Result<Self, Diagnostic> {
         let Some(mechanism) = target.manifest.kinematics() else {
             return Err(Diagnostic::new("E0703", "this target does not replace the kinematics"));
         };
         let letters = || letters(machine, target);
         let carried = match mechanism.carries {
-            Carries::FullModel => Self::FullModel(Model::of(machine, mechanism.damping, orientation)?),
-            Carries::LinearMap => Self::LinearMap(LinearMap::fitted(machine, &letters()?)?),
-            Carries::RotaryCentres => Self::RotaryCentres(Centres::fitted(machine, &letters()?)?),
+            ModuleContent::FullModel => Self::FullModel(Model::of(machine, mechanism.damping, orientation)?),
+            ModuleContent::LinearMap => Self::LinearMap(LinearMap::fitted(machine, &letters()?)?),
+            ModuleContent::RotaryCentres => Self::RotaryCentres(Centres::fitted(machine, &letters()?)?),
         };
         Ok(carried.quantised(mechanism))
     }
@@ -76,7 +76,7 @@ impl Carried {
 }
 
 /// For each axis of the walk its coordinate in [`WORLD`] and its joint.
-fn letters(machine: &Machine, target: &Target) -> Result<Vec<(usize, usize)>, Diagnostic> {
+fn letters(machine: &Machine, target: &ControllerTarget) -> Result<Vec<(usize, usize)>, Diagnostic> {
     let assigned = assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).ok_or_else(|| {
         Diagnostic::new("E0601", "the controller has not letters enough for the axes of this machine")
             .help("this target knows the letters X Y Z, U V W and A B C")

@@ -1,11 +1,11 @@
 //! The certificate of a kinematics module.
 
-use super::{Carried, Driven};
-use crate::compensation::Tables;
+use super::{KinematicsModule, ModuleField};
+use crate::compensation::CorrectionTables;
 use crate::controller::certificate::judge::{
-    Judgement, MOST_SINGLE_POSES, Strongest, deviations, judge, strongest_at, verdict, worse_p95,
+    Judgement, MAX_SINGLE_POSES, Strongest, deviations, judge, strongest_at, verdict, worse_p95,
 };
-use crate::controller::{Certificate, ErrorLeft, Limits, Replay, Target};
+use crate::controller::{Certificate, ControllerTarget, ErrorLeft, Limits, Replay};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::{Bare, Field, Order, random_poses};
 use crate::machine::{Approach, ErrorId, ErrorTerm, Machine, Pose};
@@ -25,12 +25,12 @@ pub struct Depth {
 /// forward and reverse; the direction of approach that is worse counts.
 pub fn certify_kinematics(
     machine: &Machine,
-    target: &Target,
-    (carried, beside): (&Carried, &Tables),
+    target: &ControllerTarget,
+    (carried, beside): (&KinematicsModule, &CorrectionTables),
     depth: Depth,
 ) -> Certificate {
     let poses: Vec<Pose> = random_poses(machine, depth.poses, depth.seed);
-    let driven = Driven::new(machine, carried).beside(Replay::new(machine, target, beside));
+    let driven = ModuleField::new(machine, carried).beside(Replay::new(machine, target, beside));
     let bare = Bare { machine, order: Order::Exact };
     let Judgement { approach, uncompensated, compensated, raised } = judge(&bare, &driven, &poses);
     let zero = vec![0.0; machine.axes().len()];
@@ -39,7 +39,7 @@ pub fn certify_kinematics(
         approach,
         uncompensated,
         compensated,
-        errors: singles(machine, target, carried.orientation(), &poses[..poses.len().min(MOST_SINGLE_POSES)]),
+        errors: singles(machine, target, carried.orientation(), &poses[..poses.len().min(MAX_SINGLE_POSES)]),
         at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.added(&zero, approach)),
         shifted: None,
         raised,
@@ -48,7 +48,7 @@ pub fn certify_kinematics(
 }
 
 /// Every error alone, with a module made for it alone.
-fn singles(machine: &Machine, target: &Target, orientation: bool, poses: &[Pose]) -> Vec<ErrorLeft> {
+fn singles(machine: &Machine, target: &ControllerTarget, orientation: bool, poses: &[Pose]) -> Vec<ErrorLeft> {
     let known = machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_)));
     let ids: Vec<ErrorId> = known.map(|(id, _)| id).collect();
     let alone = |error: &ErrorId| {
@@ -56,17 +56,19 @@ fn singles(machine: &Machine, target: &Target, orientation: bool, poses: &[Pose]
         let p95 = |field: &dyn Field| worse_p95(&machine, |approach| deviations(field, poses, approach));
         let before = p95(&Bare { machine: &machine, order: Order::Exact });
         let tables = target.reversal_tables(&machine);
-        let driven = |own: &Carried| p95(&Driven::new(&machine, own).beside(Replay::new(&machine, target, &tables)));
-        let after = Carried::of(&machine, target, orientation).map(|own| driven(&own));
+        let driven = |own: &KinematicsModule| {
+            p95(&ModuleField::new(&machine, own).beside(Replay::new(&machine, target, &tables)))
+        };
+        let after = KinematicsModule::of(&machine, target, orientation).map(|own| driven(&own));
         verdict(error.clone(), before, after.unwrap_or(before))
     };
     ids.par_iter().map(alone).collect()
 }
 
 /// Where the sign is best tested: the largest motion that the module alone adds to correct the position.
-fn strongest(machine: &Machine, carried: &Carried, poses: &[Pose]) -> Option<Strongest> {
+fn strongest(machine: &Machine, carried: &KinematicsModule, poses: &[Pose]) -> Option<Strongest> {
     let carried = carried.clone().without_orientation();
-    let module = Driven::new(machine, &carried);
+    let module = ModuleField::new(machine, &carried);
     strongest_at(machine, (poses, &[Approach::Mean]), |pose, approach| module.added(pose, approach))
 }
 

@@ -96,7 +96,7 @@ impl Centres {
         Ok(nominal.shifted(&shift))
     }
 
-    /// The lines of the ideal machine; `None` if it is not such a machine.
+    /// The lines of the nominal machine; `None` if it is not such a machine.
     fn nominal(machine: &Machine, letters: &[(usize, usize)]) -> Option<Self> {
         let axes = xyz(machine, letters)?;
         let rotary = [0, 1];

@@ -1,8 +1,8 @@
 //! The resolved machine as data for templates. Numbers arrive as text that reads back as the same
 //! double; constants as plain decimals.
 
-use super::data::{CurveData, Joint, Model, WORLD, Words};
-use super::{Carried, KinematicsMechanism};
+use super::data::{CurveData, Joint, Model, ModuleWords, WORLD};
+use super::{KinematicsMechanism, KinematicsModule};
 use crate::controller::emit::render::fixed;
 use crate::machine::{Axis, Grid, Machine, Travel};
 use minijinja::{Value, context};
@@ -20,11 +20,13 @@ fn list(numbers: &[f64]) -> Vec<String> {
 const MARGIN: f64 = 1.0;
 
 /// What templates see besides the machine's name and the version.
-pub fn context(machine: &Machine, carried: &Carried, mechanism: &KinematicsMechanism) -> Value {
+pub fn context(machine: &Machine, carried: &KinematicsModule, mechanism: &KinematicsMechanism) -> Value {
     match carried {
-        Carried::FullModel(model) => full_model(machine, model, mechanism),
-        Carried::LinearMap(map) => constants(&map.matrix, mechanism, "none"),
-        Carried::RotaryCentres(centres) => constants(&centres.lines, mechanism, ["a", "b"][centres.tilt.min(1)]),
+        KinematicsModule::FullModel(model) => full_model(machine, model, mechanism),
+        KinematicsModule::LinearMap(map) => constants(&map.matrix, mechanism, "none"),
+        KinematicsModule::RotaryCentres(centres) => {
+            constants(&centres.lines, mechanism, ["a", "b"][centres.tilt.min(1)])
+        }
     }
 }
 
@@ -72,9 +74,9 @@ fn full_model(machine: &Machine, model: &Model, mechanism: &KinematicsMechanism)
 /// The letters of the program's words, with what each of them moves.
 fn coordinates(machine: &Machine, model: &Model) -> Vec<Value> {
     let held = match model.words {
-        Words::Tip => "XYZ",
-        Words::Pose => "XYZABC",
-        Words::Axes => "",
+        ModuleWords::Tip => "XYZ",
+        ModuleWords::Pose => "XYZABC",
+        ModuleWords::Axes => "",
     };
     let coordinate = |(index, letter): (usize, char)| {
         let own = model.joints.iter().position(|joint| joint.letter == Some(index));
@@ -93,18 +95,18 @@ fn coordinates(machine: &Machine, model: &Model) -> Vec<Value> {
 /// Where the program's zero is in machine coordinates: the workpiece origin, where a word is a place.
 fn program_zero(model: &Model, k: usize) -> f64 {
     let along = |joint: &Joint| joint.letter == Some(k) && !joint.rotary && joint.direction[k] > 0.5;
-    let placed = model.words != Words::Axes || model.joints.iter().any(along);
+    let placed = model.words != ModuleWords::Axes || model.joints.iter().any(along);
     if placed { model.workpiece[k] - model.gauge[k] } else { 0.0 }
 }
 
 /// Where a joint stands after homing: at 0, or in the middle of the volume where 0 may be a singular pose.
-fn home(words: Words, volume: &Grid, (min, max): (f64, f64)) -> f64 {
+fn home(words: ModuleWords, volume: &Grid, (min, max): (f64, f64)) -> f64 {
     let middle = 0.5 * (volume.min + volume.max);
-    (if words == Words::Pose { middle } else { 0.0 }).clamp(min, max)
+    (if words == ModuleWords::Pose { middle } else { 0.0 }).clamp(min, max)
 }
 
 fn joint_context(
-    words: Words,
+    words: ModuleWords,
     joint: &Joint,
     (axis, volume): (&Axis, &Grid),
     mechanism: &KinematicsMechanism,

@@ -13,7 +13,7 @@ pub const WORLD: &str = "XYZABCUVW";
 
 /// What the words of a program mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Words {
+pub enum ModuleWords {
     /// X Y Z are the tip of the tool, the others axes.
     Tip = 0,
     /// X Y Z are the tip of the tool and A B C its roll, pitch and yaw, the others axes.
@@ -22,7 +22,7 @@ pub enum Words {
     Axes = 2,
 }
 
-impl Words {
+impl ModuleWords {
     /// All, by their number.
     pub const ALL: [Self; 3] = [Self::Tip, Self::Pose, Self::Axes];
 }
@@ -31,7 +31,7 @@ impl Words {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
     /// What the words of its programs mean.
-    pub words: Words,
+    pub words: ModuleWords,
     /// Its axes on the walk from workpiece to tool.
     pub joints: Vec<Joint>,
     /// Error curves; never empty.
@@ -164,7 +164,7 @@ impl Model {
             curves.push(CurveData { form: Form::Polynomial, period: 0.0, numbers: vec![0.0] });
         }
         Self {
-            words: Words::Axes,
+            words: ModuleWords::Axes,
             joints,
             curves,
             carried_body: conventions.location == Location::CarriedBody,

@@ -1,7 +1,7 @@
 //! A machine whose controller has a kinematics module loaded: mapped like a bare one.
 
-use super::ideal::to_roll_pitch_yaw;
-use super::{Carried, Model, Words, World};
+use super::nominal::to_roll_pitch_yaw;
+use super::{KinematicsModule, Model, ModuleWords, World};
 use crate::algebra::rotation_about;
 use crate::controller::Replay;
 use crate::evaluate::{Bare, Deviation, Field, Frame, Order, commanded_deviation, evaluate};
@@ -10,16 +10,16 @@ use nalgebra::{Matrix3, Vector3};
 
 /// A machine driven through a module.
 #[derive(Debug, Clone)]
-pub struct Driven<'a> {
+pub struct ModuleField<'a> {
     machine: &'a Machine,
-    carried: &'a Carried,
+    carried: &'a KinematicsModule,
     /// Tables beside the module, looked up at its joint commands.
     beside: Option<Replay<'a>>,
 }
 
-impl<'a> Driven<'a> {
+impl<'a> ModuleField<'a> {
     /// Loads what a module carries.
-    pub fn new(machine: &'a Machine, carried: &'a Carried) -> Self {
+    pub fn new(machine: &'a Machine, carried: &'a KinematicsModule) -> Self {
         Self { machine, carried, beside: None }
     }
 
@@ -32,9 +32,11 @@ impl<'a> Driven<'a> {
     pub fn command(&self, pose: &[f64]) -> Option<Vec<f64>> {
         let tip = ideal_tip(self.machine, pose);
         match self.carried {
-            Carried::FullModel(model) => model.command(&model.setting(), &world(self.machine, model, &tip, pose), pose),
-            Carried::LinearMap(map) => Some(map.command(pose)),
-            Carried::RotaryCentres(centres) => Some(centres.command(&tip, pose)),
+            KinematicsModule::FullModel(model) => {
+                model.command(&model.setting(), &world(self.machine, model, &tip, pose), pose)
+            }
+            KinematicsModule::LinearMap(map) => Some(map.command(pose)),
+            KinematicsModule::RotaryCentres(centres) => Some(centres.command(&tip, pose)),
         }
     }
 
@@ -53,7 +55,7 @@ impl<'a> Driven<'a> {
     }
 }
 
-/// The tip of the ideal machine in the world: from where it is with all axes at 0, turning with the workpiece.
+/// The tip of the nominal machine in the world: from where it is with all axes at 0, turning with the workpiece.
 fn ideal_tip(machine: &Machine, pose: &[f64]) -> Vector3<f64> {
     let nominal = evaluate(machine, pose, Order::Exact, Approach::Mean, Frame::Workpiece).nominal;
     nominal + Vector3::from(machine.workpiece()) - Vector3::from(machine.tool().tip)
@@ -62,10 +64,10 @@ fn ideal_tip(machine: &Machine, pose: &[f64]) -> Vector3<f64> {
 /// A pose as a program says it.
 fn world(machine: &Machine, model: &Model, tip: &Vector3<f64>, pose: &[f64]) -> World {
     let mut world = [0.0; 9];
-    if model.words != Words::Axes {
+    if model.words != ModuleWords::Axes {
         world[..3].copy_from_slice(tip.as_slice());
     }
-    if model.words == Words::Pose {
+    if model.words == ModuleWords::Pose {
         world[3..6].copy_from_slice(&to_roll_pitch_yaw(&ideal_rotation(machine, pose)));
     }
     for (joint, q) in model.joints.iter().zip(pose) {
@@ -76,7 +78,7 @@ fn world(machine: &Machine, model: &Model, tip: &Vector3<f64>, pose: &[f64]) -> 
     world
 }
 
-/// How the ideal machine has turned its tool.
+/// How the nominal machine has turned its tool.
 fn ideal_rotation(machine: &Machine, pose: &[f64]) -> Matrix3<f64> {
     let rotary = machine.axes().iter().zip(pose).filter(|(axis, _)| axis.kind == AxisKind::Rotary);
     rotary.fold(Matrix3::identity(), |turned, (axis, q)| {
@@ -84,7 +86,7 @@ fn ideal_rotation(machine: &Machine, pose: &[f64]) -> Matrix3<f64> {
     })
 }
 
-impl Field for Driven<'_> {
+impl Field for ModuleField<'_> {
     fn machine(&self) -> &Machine {
         self.machine
     }

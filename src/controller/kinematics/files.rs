@@ -2,19 +2,19 @@
 
 use super::arrays::{Arrays, Fault};
 use super::context::context;
-use super::data::{CurveData, Form, Joint, Model, Words};
-use super::{Carried, Carries};
-use crate::compensation::{Tables, reversal_tables};
+use super::data::{CurveData, Form, Joint, Model, ModuleWords};
+use super::{KinematicsModule, ModuleContent};
+use crate::compensation::{CorrectionTables, reversal_tables};
 use crate::controller::manifest::description::Layout;
 use crate::controller::read::{ReadBack, at_line};
-use crate::controller::{Manifest, RenderedFile, Target, assigned_letters};
+use crate::controller::{ControllerTarget, Manifest, RenderedFile, assigned_letters};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::machine::Machine;
 use crate::units;
 use std::sync::Arc;
 
 /// The controller has so many joints at the most.
-const MOST_AXES: usize = 16;
+const MAX_AXES: usize = 16;
 
 impl Manifest {
     /// The mechanism, if it replaces the kinematics.
@@ -23,17 +23,17 @@ impl Manifest {
     }
 }
 
-impl Target {
+impl ControllerTarget {
     /// Writes the files of a kinematics module. Diagnostics: a template that fails (E0702).
     pub fn render_kinematics(
         &self,
         machine: &Machine,
-        carried: &Carried,
-        reversal: &Arc<Tables>,
+        carried: &KinematicsModule,
+        reversal: &Arc<CorrectionTables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
         // The words of a full model are its own.
-        if !matches!(carried, Carried::FullModel(_)) {
+        if !matches!(carried, KinematicsModule::FullModel(_)) {
             let _ = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         }
         let context = context(machine, carried, self.manifest.kinematics()?);
@@ -41,8 +41,8 @@ impl Target {
     }
 
     /// The tables beside a module: what its joints need added when they are approached from one side.
-    pub fn reversal_tables(&self, machine: &Machine) -> Tables {
-        self.manifest.reversal().map_or_else(Tables::default, |rules| reversal_tables(machine, rules))
+    pub fn reversal_tables(&self, machine: &Machine) -> CorrectionTables {
+        self.manifest.reversal().map_or_else(CorrectionTables::default, |rules| reversal_tables(machine, rules))
     }
 
     /// Reads the numbers of a module back. `meant` says which axes of the machine they are for.
@@ -50,10 +50,10 @@ impl Target {
     pub fn read_kinematics(
         &self,
         machine: &Machine,
-        meant: &Carried,
+        meant: &KinematicsModule,
         files: &[ReadBack],
         diagnostics: &mut Diagnostics,
-    ) -> Option<Carried> {
+    ) -> Option<KinematicsModule> {
         let spec = self.manifest.files.iter().find(|spec| spec.layout.is_some())?;
         let Some(ReadBack { found: name, text, .. }) = files.iter().find(|file| file.name == spec.path) else {
             diagnostics.push(
@@ -68,19 +68,21 @@ impl Target {
             names: &mechanism.constants,
         };
         let read = match (&spec.layout, meant) {
-            (Some(Layout::CArrays), Carried::FullModel(meant)) => {
-                Arrays::read(text).and_then(|arrays| model(&arrays, machine, meant)).map(Carried::FullModel)
+            (Some(Layout::CArrays), KinematicsModule::FullModel(meant)) => {
+                Arrays::read(text).and_then(|arrays| model(&arrays, machine, meant)).map(KinematicsModule::FullModel)
             }
-            (Some(Layout::HalConstants), Carried::LinearMap(meant)) => pins(0).set(text).map(|matrix| {
+            (Some(Layout::HalConstants), KinematicsModule::LinearMap(meant)) => pins(0).set(text).map(|matrix| {
                 let mut map = meant.clone();
                 map.matrix = matrix;
-                Carried::LinearMap(map)
+                KinematicsModule::LinearMap(map)
             }),
-            (Some(Layout::HalConstants), Carried::RotaryCentres(meant)) => pins(meant.tilt).set(text).map(|lines| {
-                let mut centres = meant.clone();
-                centres.lines = lines;
-                Carried::RotaryCentres(centres)
-            }),
+            (Some(Layout::HalConstants), KinematicsModule::RotaryCentres(meant)) => {
+                pins(meant.tilt).set(text).map(|lines| {
+                    let mut centres = meant.clone();
+                    centres.lines = lines;
+                    KinematicsModule::RotaryCentres(centres)
+                })
+            }
             _ => Err(Fault { line: 0, message: "the manifest's layout is none of its mechanism".to_owned() }),
         };
         match read {
@@ -94,24 +96,24 @@ impl Target {
     }
 }
 
-impl Target {
+impl ControllerTarget {
     /// Is a text the numbers of this module, whatever the machine?
     pub(in crate::controller) fn tells_kinematics(&self, text: &str) -> Result<(), Fault> {
         let Some(mechanism) = self.manifest.kinematics() else { return Ok(()) };
         let pins = Pins { modules: &mechanism.components, names: &mechanism.constants };
         match mechanism.carries {
-            Carries::FullModel => Arrays::read(text)?.take("abbe_options", 3).map(|_| ()),
-            Carries::LinearMap => pins.set::<9>(text).map(|_| ()),
-            Carries::RotaryCentres => pins.set::<7>(text).map(|_| ()),
+            ModuleContent::FullModel => Arrays::read(text)?.take("abbe_options", 3).map(|_| ()),
+            ModuleContent::LinearMap => pins.set::<9>(text).map(|_| ()),
+            ModuleContent::RotaryCentres => pins.set::<7>(text).map(|_| ()),
         }
     }
 }
 
 /// Which layout belongs to what is carried.
-pub fn layout_fits(carries: Carries, layout: &Layout) -> bool {
+pub fn layout_fits(carries: ModuleContent, layout: &Layout) -> bool {
     match carries {
-        Carries::FullModel => *layout == Layout::CArrays,
-        Carries::LinearMap | Carries::RotaryCentres => *layout == Layout::HalConstants,
+        ModuleContent::FullModel => *layout == Layout::CArrays,
+        ModuleContent::LinearMap | ModuleContent::RotaryCentres => *layout == Layout::HalConstants,
     }
 }
 
@@ -169,7 +171,7 @@ impl Pins<'_> {
 
 /// A full model for the same axes as `meant`.
 fn model(arrays: &Arrays, machine: &Machine, meant: &Model) -> Result<Model, Fault> {
-    let axes = machine.axes().len().min(MOST_AXES);
+    let axes = machine.axes().len().min(MAX_AXES);
     let curves = curves(arrays)?;
     let flags = |name: &str| Ok(arrays.whole(name, axes, 2)?.into_iter().map(|x| x == 1).collect::<Vec<_>>());
     let (letters, numbers) =
@@ -204,7 +206,7 @@ fn model(arrays: &Arrays, machine: &Machine, meant: &Model) -> Result<Model, Fau
         );
     }
     let options = arrays.whole("abbe_options", 3, 2)?;
-    let words = Words::ALL[arrays.whole("abbe_words", 1, Words::ALL.len())?[0]];
+    let words = ModuleWords::ALL[arrays.whole("abbe_words", 1, ModuleWords::ALL.len())?[0]];
     if words != meant.words {
         return Err(arrays.fault("abbe_words", "the words of the program mean something else on this machine"));
     }

@@ -4,8 +4,8 @@
 //! Gram matrices are inverted by `g(s) = 1 / (s + l^2(s))`, which is the inverse above a threshold and
 //! bounded and smooth below it: nothing jumps at a singular pose.
 
-use super::data::{Model, Words};
-use super::ideal::{Place, Setting};
+use super::data::{Model, ModuleWords};
+use super::nominal::{BodyPlace, Setting};
 use super::topology::FLAT;
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Matrix6, Matrix6xX, MatrixXx3, Vector3, Vector6};
 
@@ -28,10 +28,10 @@ impl Hold {
 
 impl Model {
     /// At a place; `None` where linear axes that must span the room do not.
-    pub fn hold(&self, place: &Place, setting: &Setting) -> Option<Hold> {
+    pub fn hold(&self, place: &BodyPlace, setting: &Setting) -> Option<Hold> {
         match self.words {
-            Words::Pose => Some(self.whole(place)),
-            Words::Tip | Words::Axes => self.by_turns(place, setting),
+            ModuleWords::Pose => Some(self.whole(place)),
+            ModuleWords::Tip | ModuleWords::Axes => self.by_turns(place, setting),
         }
     }
 
@@ -41,12 +41,12 @@ impl Model {
 
     /// Linear axes hold the tip. Rotary axes, if they are to correct at all, hold what of the tip these cannot,
     /// then the tool axis with what is free for it.
-    fn by_turns(&self, place: &Place, setting: &Setting) -> Option<Hold> {
+    fn by_turns(&self, place: &BodyPlace, setting: &Setting) -> Option<Hold> {
         let linear = self.chosen(|i| self.joints[i].solved && !self.joints[i].rotary);
         let rotary = self.chosen(|i| setting.orientation && self.joints[i].rotary);
         let ways = columns(&linear, |i| place.lever[i]);
         let (back, left) = match self.words {
-            Words::Tip => (self.spanned(&ways)?, Matrix3::zeros()),
+            ModuleWords::Tip => (self.spanned(&ways)?, Matrix3::zeros()),
             _ => {
                 let gram = self.bounded(&(&ways * ways.transpose()));
                 let back = ways.transpose() * gram;
@@ -91,7 +91,7 @@ impl Model {
     }
 
     /// Six axes hold all of the tool.
-    fn whole(&self, place: &Place) -> Hold {
+    fn whole(&self, place: &BodyPlace) -> Hold {
         let solved = self.chosen(|i| self.joints[i].solved);
         // In arms and rad.
         let unit = |i: usize| if self.joints[i].rotary { 1.0 } else { self.arm };

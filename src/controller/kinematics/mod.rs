@@ -1,9 +1,9 @@
 //! Targets that replace the controller's kinematics: instead of tables beside the motion, the way from
 //! the programmed pose to the joints itself.
 //!
-//! 1. [`Carried::of`] takes from the machine what such a module can carry, as plain numbers;
-//! 2. [`render_kinematics`](super::Target::render_kinematics) writes the files, [`read_kinematics`](super::Target::read_kinematics) reads the numbers back;
-//! 3. [`Driven`] does what the module does with them, in own arithmetic: nothing here uses the lowering
+//! 1. [`KinematicsModule::of`] takes from the machine what such a module can carry, as plain numbers;
+//! 2. [`render_kinematics`](super::ControllerTarget::render_kinematics) writes the files, [`read_kinematics`](super::ControllerTarget::read_kinematics) reads the numbers back;
+//! 3. [`ModuleField`] does what the module does with them, in own arithmetic: nothing here uses the lowering
 //!    of the machine, and only numbers that were read from the files count;
 //! 4. [`certify_kinematics`] says what is left.
 //!
@@ -21,27 +21,27 @@ mod data;
 mod driven;
 mod files;
 mod hold;
-mod ideal;
+mod nominal;
 mod real;
 mod solve;
 mod topology;
 
 pub(super) use files::layout_fits;
 
-pub use carry::Carried;
+pub use carry::KinematicsModule;
 pub use certificate::{Depth, certify_kinematics};
-pub use data::{Model, Words};
-pub use driven::Driven;
-pub use ideal::Setting;
+pub use data::{Model, ModuleWords};
+pub use driven::ModuleField;
+pub use nominal::Setting;
 pub use solve::World;
 
-pub use crate::compensation::{Carries, KinematicsMechanism};
+pub use crate::compensation::{KinematicsMechanism, ModuleContent};
 
 impl KinematicsMechanism {
     /// What makes it impossible to work with, in words.
     pub fn fault(&self) -> Option<String> {
         let damped = self.damping > 0.0 && self.damping <= 0.5;
-        if self.carries == Carries::FullModel && !damped {
+        if self.carries == ModuleContent::FullModel && !damped {
             return Some("damping: the sine of an angle, above 0 and at most 0.5".to_owned());
         }
         let wanted = self.carries.constants();
@@ -59,7 +59,7 @@ impl KinematicsMechanism {
     }
 }
 
-impl Carries {
+impl ModuleContent {
     /// How many modules of the controller have them.
     fn components(self) -> usize {
         match self {

@@ -1,7 +1,7 @@
 //! The real machine from the numbers of the files: joints with their errors, curves.
 
 use super::data::{CurveData, Form, Joint, Model};
-use super::ideal::{Setting, motion};
+use super::nominal::{Setting, motion};
 use crate::algebra::{Htm, exp_hat, hat};
 use crate::machine::sin_cos_degrees;
 use nalgebra::{Matrix3, Vector3};

@@ -1,12 +1,12 @@
-//! What the generated module does, in own arithmetic: ideal inverse kinematics, and the chord form of
+//! What the generated module does, in own arithmetic: nominal inverse kinematics, and the chord form of
 //! Newton's iteration for the erroneous machine.
 //!
-//! For an ideal command q the command q + c has the tip, and as far as the axes can the orientation, that
-//! the ideal machine has at q. The total x of the corrections solves `x = S (J x + missing)`, with J of the
-//! ideal machine at q and S its bounded inverse ([`Hold`](super::hold::Hold)).
+//! For a nominal command q the command q + c has the tip, and as far as the axes can the orientation, that
+//! the nominal machine has at q. The total x of the corrections solves `x = S (J x + missing)`, with J of the
+//! nominal machine at q and S its bounded inverse ([`Hold`](super::hold::Hold)).
 
-use super::data::{Model, WORLD, Words};
-use super::ideal::{Place, Setting, from_roll_pitch_yaw, rotation_vector};
+use super::data::{Model, ModuleWords, WORLD};
+use super::nominal::{BodyPlace, Setting, from_roll_pitch_yaw, rotation_vector};
 use crate::algebra::Htm;
 use nalgebra::{DVector, Vector3, Vector6};
 
@@ -14,31 +14,31 @@ use nalgebra::{DVector, Vector3, Vector6};
 pub type World = [f64; WORLD.len()];
 
 /// Steps after which the iteration has failed; it contracts by the size of the errors.
-const MOST_STEPS: usize = 16;
+const MAX_STEPS: usize = 16;
 
 /// A linear step (mm) and a rotary step (rad) that are rounding.
 const SMALL: (f64, f64) = (1e-9, 1e-12);
 
 /// Steps, and the longest of them (arms, rad), of the way to a pose of the tool.
-const MOST_WAY: (usize, f64) = (48, 0.3);
+const MAX_STEP: (usize, f64) = (48, 0.3);
 
-/// How far the ideal tool may be from its pose, mm and rad.
+/// How far the nominal tool may be from its pose, mm and rad.
 const THERE: (f64, f64) = (1e-10, 1e-12);
 
 impl Model {
     /// The command that the module gives for a pose, from the joints where they are; `None` if it reports
     /// a failure.
     pub fn command(&self, setting: &Setting, world: &World, joints: &[f64]) -> Option<Vec<f64>> {
-        let ideal = self.ideal(setting, world, joints)?;
-        self.corrected(setting, &ideal)
+        let nominal = self.nominal(setting, world, joints)?;
+        self.corrected(setting, &nominal)
     }
 
-    /// The ideal command with all of its correction.
-    pub fn corrected(&self, setting: &Setting, ideal: &[f64]) -> Option<Vec<f64>> {
-        let place = self.place(setting, ideal);
+    /// The nominal command with all of its correction.
+    pub fn corrected(&self, setting: &Setting, nominal: &[f64]) -> Option<Vec<f64>> {
+        let place = self.place(setting, nominal);
         let hold = self.hold(&place, setting)?;
-        let (mut command, mut made) = (ideal.to_vec(), DVector::zeros(ideal.len()));
-        for _ in 0..MOST_STEPS {
+        let (mut command, mut made) = (nominal.to_vec(), DVector::zeros(nominal.len()));
+        for _ in 0..MAX_STEPS {
             let real = self.real(setting, &command);
             let total = hold.total(&made, &self.missing(&place, &real), setting);
             let (mut largest, mut widest) = (0.0_f64, 0.0_f64);
@@ -60,29 +60,29 @@ impl Model {
         None
     }
 
-    /// From where the real tool is to where the ideal one is: the tip, and the rotation that this machine
+    /// From where the real tool is to where the nominal one is: the tip, and the rotation that this machine
     /// can make.
-    fn missing(&self, place: &Place, real: &Htm<f64>) -> Vector6<f64> {
+    fn missing(&self, place: &BodyPlace, real: &Htm<f64>) -> Vector6<f64> {
         let p = place.tip - real.translation;
         let t = match self.words {
-            Words::Pose => skew(place, real),
-            Words::Tip | Words::Axes => real.linear.column(2).cross(&place.axis()),
+            ModuleWords::Pose => skew(place, real),
+            ModuleWords::Tip | ModuleWords::Axes => real.linear.column(2).cross(&place.axis()),
         };
         Vector6::new(p[0], p[1], p[2], t[0], t[1], t[2])
     }
 
-    /// Ideal inverse kinematics.
-    fn ideal(&self, setting: &Setting, world: &World, joints: &[f64]) -> Option<Vec<f64>> {
+    /// Nominal inverse kinematics.
+    fn nominal(&self, setting: &Setting, world: &World, joints: &[f64]) -> Option<Vec<f64>> {
         let start = self.joints.iter().zip(joints).map(|(joint, q)| joint.letter.map_or(*q, |letter| world[letter]));
         let mut command: Vec<f64> = start.collect();
         let wanted = Vector3::new(world[0], world[1], world[2]) + self.tip(setting);
         match self.words {
-            Words::Axes => Some(command),
-            Words::Pose => {
+            ModuleWords::Axes => Some(command),
+            ModuleWords::Pose => {
                 let linear = from_roll_pitch_yaw(&[world[3], world[4], world[5]]);
                 self.reached(setting, &Htm { linear, translation: wanted }, command)
             }
-            Words::Tip => {
+            ModuleWords::Tip => {
                 let solved = |i: &usize| self.joints[*i].letter.is_none();
                 (0..command.len()).filter(solved).for_each(|i| command[i] = 0.0);
                 let place = self.place(setting, &command);
@@ -97,12 +97,12 @@ impl Model {
         }
     }
 
-    /// The joints at which the ideal tool has a pose, from near ones.
+    /// The joints at which the nominal tool has a pose, from near ones.
     fn reached(&self, setting: &Setting, wanted: &Htm<f64>, start: Vec<f64>) -> Option<Vec<f64>> {
         let (mut command, mut distance) = (start.clone(), None);
         let unit: Vec<f64> = self.joints.iter().map(|j| if j.rotary { 1f64.to_degrees() } else { self.arm }).collect();
         let whole = Setting { orientation: true, ..*setting };
-        for _ in 0..MOST_WAY.0 {
+        for _ in 0..MAX_STEP.0 {
             let place = self.place(setting, &command);
             let p = wanted.translation - place.tip;
             let t = rotation_vector(&(wanted.linear * place.rotation.transpose()));
@@ -116,15 +116,15 @@ impl Model {
             let step = self.hold(&place, &whole)?.total(&DVector::zeros(command.len()), &missing, &whole);
             let turns = |i: usize| if self.joints[i].rotary { step[i] } else { step[i] / self.arm };
             let longest = (0..command.len()).map(|i| turns(i).abs()).fold(0.0, f64::max);
-            let part = if longest > MOST_WAY.1 { MOST_WAY.1 / longest } else { 1.0 };
+            let part = if longest > MAX_STEP.1 { MAX_STEP.1 / longest } else { 1.0 };
             (0..command.len()).for_each(|i| command[i] += part * turns(i) * unit[i]);
         }
         None
     }
 }
 
-/// The rotation from the real tool to the ideal one, as far as it is small; with linearised joints there is no other.
-fn skew(place: &Place, real: &Htm<f64>) -> Vector3<f64> {
+/// The rotation from the real tool to the nominal one, as far as it is small; with linearised joints there is no other.
+fn skew(place: &BodyPlace, real: &Htm<f64>) -> Vector3<f64> {
     let m = place.rotation * real.linear.transpose();
     Vector3::new(m[(2, 1)] - m[(1, 2)], m[(0, 2)] - m[(2, 0)], m[(1, 0)] - m[(0, 1)]) * 0.5
 }

@@ -6,7 +6,7 @@
 //!
 //! Further axes have words of their own.
 
-use super::data::{Joint, Model, WORLD, Words};
+use super::data::{Joint, Model, ModuleWords, WORLD};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::random_poses;
 use crate::machine::{Axis, AxisKind, Machine, Pose};
@@ -22,7 +22,7 @@ const SEED: u64 = 0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Topology {
     /// What they mean.
-    pub words: Words,
+    pub words: ModuleWords,
     /// For each axis of the walk whether it is found (or, where words are axes, corrected) to hold the tip.
     pub solved: Vec<bool>,
     /// The coordinate of its own, if it has one.
@@ -43,10 +43,10 @@ impl Topology {
         let arm = arm(model, &poses);
         let linear = linear_by_letter(machine);
         let (words, solved) = match spanning(machine, &linear) {
-            Some(three) => (Words::Tip, three),
+            Some(three) => (ModuleWords::Tip, three),
             None => match six(model, &poses, arm, flat) {
-                Some(six) => (Words::Pose, six),
-                None => (Words::Axes, independent(machine, &linear, flat)),
+                Some(six) => (ModuleWords::Pose, six),
+                None => (ModuleWords::Axes, independent(machine, &linear, flat)),
             },
         };
         let count = machine.axes().len();
@@ -67,7 +67,7 @@ impl Topology {
 /// What a programmer has to know. Warnings: W0601, W0760, W0761.
 pub fn warnings(machine: &Machine, model: &Model) -> Vec<Diagnostic> {
     let mut all = Vec::new();
-    if model.words == Words::Axes {
+    if model.words == ModuleWords::Axes {
         let message =
             "the axes cannot bring the tool everywhere: words of the program are positions of axes, not of the tip";
         all.push(
@@ -183,14 +183,15 @@ fn arm(model: &Model, poses: &[Pose]) -> f64 {
 }
 
 /// Coordinates of the axes that are programmed themselves: their own letters, then whatever is free.
-fn letters(machine: &Machine, words: Words, solved: &[usize]) -> Result<Vec<Option<usize>>, Diagnostic> {
+fn letters(machine: &Machine, words: ModuleWords, solved: &[usize]) -> Result<Vec<Option<usize>>, Diagnostic> {
     let free = match words {
-        Words::Tip => "ABCUVW",
-        Words::Pose => "UVW",
-        Words::Axes => WORLD,
+        ModuleWords::Tip => "ABCUVW",
+        ModuleWords::Pose => "UVW",
+        ModuleWords::Axes => WORLD,
     };
     let axes = machine.axes();
-    let programmed: Vec<usize> = (0..axes.len()).filter(|i| words == Words::Axes || !solved.contains(i)).collect();
+    let programmed: Vec<usize> =
+        (0..axes.len()).filter(|i| words == ModuleWords::Axes || !solved.contains(i)).collect();
     let usual = |axis: &Axis| if axis.kind == AxisKind::Linear { "XYZUVW" } else { "ABC" };
     let mut letters = vec![None; axes.len()];
     let mut taken = String::new();
@@ -215,11 +216,11 @@ fn letters(machine: &Machine, words: Words, solved: &[usize]) -> Result<Vec<Opti
     }
 }
 
-fn no_letter(axis: &Axis, words: Words) -> Diagnostic {
+fn no_letter(axis: &Axis, words: ModuleWords) -> Diagnostic {
     let taken = match words {
-        Words::Tip => "X, Y and Z are the tip; ",
-        Words::Pose => "X, Y, Z, A, B and C are the pose of the tool; ",
-        Words::Axes => "",
+        ModuleWords::Tip => "X, Y and Z are the tip; ",
+        ModuleWords::Pose => "X, Y, Z, A, B and C are the pose of the tool; ",
+        ModuleWords::Axes => "",
     };
     let message = format!("the controller has no letter left for axis `{}`", axis.name);
     Diagnostic::new("E0752", message).help(format!(

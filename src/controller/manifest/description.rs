@@ -370,8 +370,8 @@ impl Manifest {
 
 fn decimals_fault(increment: Increment) -> Option<String> {
     let decimals = increment.position_decimals.max(increment.correction_decimals);
-    (decimals > MOST_DECIMALS)
-        .then(|| format!("{decimals} decimals are more than the {MOST_DECIMALS} that a double has to give"))
+    (decimals > MAX_DECIMALS)
+        .then(|| format!("{decimals} decimals are more than the {MAX_DECIMALS} that a double has to give"))
 }
 
 fn can_be_magnified(mechanism: &str, rules: &TableRules) -> bool {
@@ -382,7 +382,7 @@ fn fault(name: &str, rules: &TableRules) -> Option<String> {
     let increment = rules.increment;
     let scales = [increment.position_scale, increment.correction_scale].map(|s| [s.mm, s.deg]).concat();
     let points = rules.max_points.min(rules.max_points_per_axis);
-    let most = if name == "lattice" { MOST_NODES } else { MOST_POINTS };
+    let most = if name == "lattice" { MAX_NODES } else { MAX_POINTS };
     if let Some(fault) = decimals_fault(increment) {
         Some(fault)
     } else if !scales.iter().all(|s| (1e-9..=1e9).contains(s)) {
@@ -431,13 +431,13 @@ impl FileSpec {
 }
 
 /// Digits behind the point that still mean something at 1000 mm.
-const MOST_DECIMALS: u8 = 12;
+const MAX_DECIMALS: u8 = 12;
 
 /// More points than any controller's table.
-const MOST_POINTS: usize = 100_000;
+const MAX_POINTS: usize = 100_000;
 
 /// A lattice of so many nodes of six axes is half a gigabyte of text.
-const MOST_NODES: usize = 5_000_000;
+const MAX_NODES: usize = 5_000_000;
 
 impl Layout {
     fn fault(&self, bidirectional: bool) -> Option<String> {

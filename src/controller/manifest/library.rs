@@ -89,7 +89,7 @@ const EMBEDDED: [(&str, &str); 55] = [
 
 /// A target: its manifest and the text of its templates, in the order of the manifest's files.
 #[derive(Debug, Clone)]
-pub struct Target {
+pub struct ControllerTarget {
     /// What it can do.
     pub manifest: Manifest,
     pub(crate) templates: Vec<String>,
@@ -97,7 +97,7 @@ pub struct Target {
     pub(crate) own: bool,
 }
 
-impl Target {
+impl ControllerTarget {
     /// Finds a target by name, in the binary or in `folder/NAME/`.
     pub fn find(name: &str, folder: Option<&Path>, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Self> {
         if let Some(target) = Self::embedded(name) {
@@ -174,6 +174,6 @@ mod tests {
         found.sort();
         embedded.sort();
         assert_eq!(found, embedded);
-        assert!(NAMES.iter().all(|name| Target::embedded(name).is_some_and(|t| t.manifest.target == *name)));
+        assert!(NAMES.iter().all(|name| ControllerTarget::embedded(name).is_some_and(|t| t.manifest.target == *name)));
     }
 }

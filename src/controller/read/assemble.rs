@@ -3,15 +3,15 @@
 use super::lines::{Fields, Record};
 use super::products::{Numbered, multiplied};
 use super::{Fault, Reading, number};
-use crate::compensation::{ErrorCurve, Table, TableRules, Tables};
-use crate::controller::emit::stored::{Column, Place};
+use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve, TableRules};
+use crate::controller::emit::stored::{StoredColumn, StoredPlace};
 use crate::machine::{AxisKind, Direction, parse_error_name};
 
 /// Tables and error curves of all records. What is said before the first named record holds for all.
-pub(super) fn tables(reading: &Reading, records: &[Record]) -> Result<Tables, Fault> {
+pub(super) fn tables(reading: &Reading, records: &[Record]) -> Result<CorrectionTables, Fault> {
     let named = records.iter().any(|record| !record.name.is_empty());
     let common = records.iter().find(|record| named && record.name.is_empty());
-    let mut all = Tables::default();
+    let mut all = CorrectionTables::default();
     let mut read: Vec<Numbered> = Vec::new();
     for record in records.iter().filter(|record| !named || !record.name.is_empty()) {
         let assembly = Assembly { reading, record, common: common.map(|c| &c.fields) };
@@ -103,10 +103,16 @@ impl Assembly<'_> {
         }
     }
 
-    fn table(&self) -> Result<Table, Fault> {
+    fn table(&self) -> Result<CorrectionTable, Fault> {
         let (axes, corrected) = (self.axes("input")?, self.axes("output")?);
-        let mut table =
-            Table { axes, nodes: Vec::new(), corrected, values: Vec::new(), reverse: None, factors: Vec::new() };
+        let mut table = CorrectionTable {
+            axes,
+            nodes: Vec::new(),
+            corrected,
+            values: Vec::new(),
+            reverse: None,
+            factors: Vec::new(),
+        };
         let rules = self.reading.target.manifest.mechanism.rules(&table);
         let rules = rules.ok_or_else(|| self.fault("the controller has no table of this kind"))?;
         if let Some((_, line)) = self.said("slope") {
@@ -130,13 +136,13 @@ impl Assembly<'_> {
     }
 
     /// A line through position 0.
-    fn line(&self, mut table: Table, rules: &TableRules, line: usize) -> Result<Table, Fault> {
+    fn line(&self, mut table: CorrectionTable, rules: &TableRules, line: usize) -> Result<CorrectionTable, Fault> {
         let kind = self.kind(table.corrected[0]);
         let slope = self.needed("slope")?;
         if rules.largest.is_some_and(|most| slope.abs() > most) {
             return Err(Fault::new(line, "the controller would refuse this factor"));
         }
-        let far = Column::new(rules, kind).correction(slope, None);
+        let far = StoredColumn::new(rules, kind).correction(slope, None);
         table.nodes = vec![vec![0.0, 1000.0]];
         table.values = vec![0.0, far];
         Ok(table)
@@ -147,8 +153,14 @@ impl Assembly<'_> {
     }
 
     /// Nodes of one dimension: as listed, or from a start and a step.
-    fn nodes(&self, table: &Table, place: usize, suffix: &str, rules: &TableRules) -> Result<Vec<f64>, Fault> {
-        let place_of = Place { rules, kind: self.kind(table.axes[place]) };
+    fn nodes(
+        &self,
+        table: &CorrectionTable,
+        place: usize,
+        suffix: &str,
+        rules: &TableRules,
+    ) -> Result<Vec<f64>, Fault> {
+        let place_of = StoredPlace { rules, kind: self.kind(table.axes[place]) };
         let key = format!("position{suffix}");
         if self.record.points.values().any(|fields| fields.contains_key(&key)) {
             let listed = self.record.points.iter().map(|(index, fields)| {
@@ -194,7 +206,7 @@ impl Assembly<'_> {
     }
 
     /// Rising nodes, no more than the controller takes.
-    pub fn check(&self, table: &Table, rules: &TableRules) -> Result<(), Fault> {
+    pub fn check(&self, table: &CorrectionTable, rules: &TableRules) -> Result<(), Fault> {
         if table.nodes.iter().any(|nodes| nodes.is_empty()) {
             return Err(self.fault("the table is empty"));
         }
@@ -209,7 +221,7 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    fn values(&self, table: &mut Table, rules: &TableRules) -> Result<(), Fault> {
+    fn values(&self, table: &mut CorrectionTable, rules: &TableRules) -> Result<(), Fault> {
         if !self.record.rows.is_empty() {
             return self.rows(table, rules);
         }
@@ -241,7 +253,7 @@ impl Assembly<'_> {
 
     fn value(
         &self,
-        table: &Table,
+        table: &CorrectionTable,
         rules: &TableRules,
         fields: &Fields,
         (node, output): (usize, usize),
@@ -255,7 +267,7 @@ impl Assembly<'_> {
 
     fn correction(
         &self,
-        table: &Table,
+        table: &CorrectionTable,
         rules: &TableRules,
         (node, output): (usize, usize),
         stored: f64,
@@ -267,7 +279,7 @@ impl Assembly<'_> {
         let axis = table.corrected[output];
         let own = table.axes.iter().position(|a| *a == axis).map(|place| table.node(node)[place]);
         let times = self.magnification(rules)?;
-        Ok(Column { times, ..Column::new(rules, self.kind(axis)) }.correction(stored, own))
+        Ok(StoredColumn { times, ..StoredColumn::new(rules, self.kind(axis)) }.correction(stored, own))
     }
 
     /// By how much the controller multiplies the numbers of a lattice.
@@ -283,7 +295,7 @@ impl Assembly<'_> {
     }
 
     /// A line of numbers for each node of the second axis.
-    fn rows(&self, table: &mut Table, rules: &TableRules) -> Result<(), Fault> {
+    fn rows(&self, table: &mut CorrectionTable, rules: &TableRules) -> Result<(), Fault> {
         let (width, height) = (table.nodes[0].len(), table.nodes.get(1).map_or(1, Vec::len));
         if self.record.rows.len() != height {
             return Err(self.fault(format!("{} lines of numbers instead of {height}", self.record.rows.len())));
@@ -303,7 +315,7 @@ impl Assembly<'_> {
     }
 
     /// A table for one direction of approach adds nothing in the other.
-    fn directed(&self, table: &mut Table) -> Result<(), Fault> {
+    fn directed(&self, table: &mut CorrectionTable) -> Result<(), Fault> {
         let count = table.values.len();
         let none = || vec![0.0; count];
         let Some((word, line)) = self.said("direction") else { return Ok(()) };
@@ -320,7 +332,7 @@ impl Assembly<'_> {
     }
 
     /// The ends of a table that repeats itself agree.
-    fn closed(&self, table: &Table) -> Result<(), Fault> {
+    fn closed(&self, table: &CorrectionTable) -> Result<(), Fault> {
         let Some((word, line)) = self.said("modulo") else { return Ok(()) };
         let differ = std::iter::once(&table.values).chain(&table.reverse).any(|v| v.first() != v.last());
         match &**word {
@@ -343,7 +355,7 @@ impl Assembly<'_> {
             let value = error_value(rules, error.direction, self.needed("constant")?);
             return Ok(ErrorCurve { error, positions: Vec::new(), values: vec![value] });
         }
-        let place = Place { rules, kind: self.kind(axis) };
+        let place = StoredPlace { rules, kind: self.kind(axis) };
         let mut curve = ErrorCurve { error, positions: Vec::new(), values: Vec::new() };
         for fields in self.record.points.values() {
             let part = |key: &str| {
@@ -372,7 +384,7 @@ pub(super) fn error_value(rules: &TableRules, direction: Direction, stored: f64)
 }
 
 /// The index of a node, dimension by dimension.
-fn index_of(table: &Table, mut number: usize) -> [usize; 3] {
+fn index_of(table: &CorrectionTable, mut number: usize) -> [usize; 3] {
     let mut index = [0; 3];
     for (place, nodes) in table.nodes.iter().enumerate().rev() {
         index[place.min(2)] = number % nodes.len();

@@ -1,19 +1,19 @@
 //! Lines of numbers between blanks and nothing else: the table of one axis.
 
 use super::{Fault, Reading, number};
-use crate::compensation::Table;
+use crate::compensation::CorrectionTable;
 use crate::controller::emit::stored;
 use crate::controller::manifest::description::Column;
 use crate::machine::AxisKind;
 
 /// Three numbers need a quarter of it; LinuxCNC's buffer takes no more and reads the rest as a line of its own.
-const LONGEST_LINE: usize = 254;
+const MAX_LINE: usize = 254;
 
 /// Reads the table of the file's axis.
-pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Result<Table, Fault> {
+pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Result<CorrectionTable, Fault> {
     let axis = reading.axis.unwrap_or(0);
     let most = reading.target.manifest.mechanism.own_axis.as_ref().map_or(usize::MAX, |rules| rules.max_points);
-    let mut table = Table::curve(axis, Vec::new(), axis, Vec::new());
+    let mut table = CorrectionTable::curve(axis, Vec::new(), axis, Vec::new());
     let mut reverse = Vec::new();
     for (line, cells) in text.lines().enumerate() {
         let at = |message: String| Fault { line, message };
@@ -42,9 +42,9 @@ pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Res
 }
 
 /// From stored numbers to positions and corrections.
-fn in_millimetres(reading: &Reading, mut table: Table, kind: AxisKind) -> Table {
+fn in_millimetres(reading: &Reading, mut table: CorrectionTable, kind: AxisKind) -> CorrectionTable {
     let Some(rules) = reading.target.manifest.mechanism.own_axis.as_ref() else { return table };
-    let (place, column) = (stored::Place { rules, kind }, stored::Column::new(rules, kind));
+    let (place, column) = (stored::StoredPlace { rules, kind }, stored::StoredColumn::new(rules, kind));
     table.nodes[0].iter_mut().for_each(|q| *q = place.position(*q));
     let nodes = table.nodes[0].clone();
     for values in std::iter::once(&mut table.values).chain(&mut table.reverse) {
@@ -55,7 +55,7 @@ fn in_millimetres(reading: &Reading, mut table: Table, kind: AxisKind) -> Table 
 
 /// The numbers on a line, or what is wrong with it.
 fn point(columns: &[Column], line: &str) -> Result<Vec<f64>, String> {
-    if line.len() > LONGEST_LINE {
+    if line.len() > MAX_LINE {
         return Err(format!("{} characters in a line: the controller would cut it in pieces", line.len()));
     }
     let cells: Vec<&str> = line.split_ascii_whitespace().collect();

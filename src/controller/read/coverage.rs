@@ -1,13 +1,13 @@
 //! Tables that end before the axis does, as files do that were cut off where a line ends.
 
-use crate::compensation::{Spacing, Table, Tables};
-use crate::controller::Target;
+use crate::compensation::{CorrectionTable, CorrectionTables, Spacing};
+use crate::controller::ControllerTarget;
 use crate::controller::manifest::description::OutsideTable;
 use crate::diagnostic::Diagnostic;
 use crate::machine::{Axis, AxisKind, AxisName, ErrorId, ErrorTerm, Machine};
 use crate::units::significant;
 
-impl Target {
+impl ControllerTarget {
     /// Warns of a model in the controller that has no points about which linear axes turn, if the machine has (W0609).
     pub fn unplaced(&self, machine: &Machine) -> Option<Diagnostic> {
         let _ = self.manifest.mechanism.error_curves.as_ref()?;
@@ -26,8 +26,8 @@ impl Target {
     }
 
     /// Warns of tables and curves whose points do not reach the ends of the volume (W0705).
-    pub fn uncovered(&self, machine: &Machine, tables: &Tables) -> Vec<Diagnostic> {
-        let of_table = |table: &Table| -> Vec<Diagnostic> {
+    pub fn uncovered(&self, machine: &Machine, tables: &CorrectionTables) -> Vec<Diagnostic> {
+        let of_table = |table: &CorrectionTable| -> Vec<Diagnostic> {
             let rules = self.manifest.mechanism.rules(table);
             if rules.is_none_or(|rules| rules.spacing == Spacing::Line) {
                 return Vec::new();

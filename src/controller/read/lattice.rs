@@ -1,12 +1,12 @@
 //! A lattice of corrections with named columns: as CSV, as JSON.
 
 use super::{Fault, number};
-use crate::compensation::Table;
+use crate::compensation::CorrectionTable;
 use crate::machine::Machine;
 use crate::units;
 
 /// A lattice in CSV: header of `X [mm]` and `dX [mm]` columns, rows in lattice order.
-pub(super) fn csv(machine: &Machine, text: &str) -> Result<Table, Fault> {
+pub(super) fn csv(machine: &Machine, text: &str) -> Result<CorrectionTable, Fault> {
     let mut lines = text.lines().enumerate();
     let (_, header) = lines.next().ok_or(Fault { line: 0, message: "the file is empty".to_owned() })?;
     let (axes, corrected) = lattice_columns(machine, header).map_err(|message| Fault { line: 0, message })?;
@@ -34,7 +34,7 @@ pub(super) fn csv(machine: &Machine, text: &str) -> Result<Table, Fault> {
     if rows == 0 {
         return Err(Fault { line: 0, message: "there are no rows under the header".to_owned() });
     }
-    let lattice = Table { axes, nodes: positions, corrected, values, reverse: None, factors: Vec::new() };
+    let lattice = CorrectionTable { axes, nodes: positions, corrected, values, reverse: None, factors: Vec::new() };
     if rows == lattice.len() {
         Ok(lattice)
     } else {
@@ -88,7 +88,7 @@ fn lattice_columns(machine: &Machine, header: &str) -> Result<(Vec<usize>, Vec<u
 }
 
 /// The same as JSON: `{"columns": ["X [mm]", "dX [mm]"], "rows": [[0, 0.001], ...]}` with any other keys.
-pub(super) fn json(machine: &Machine, text: &str) -> Result<Table, Fault> {
+pub(super) fn json(machine: &Machine, text: &str) -> Result<CorrectionTable, Fault> {
     #[derive(serde::Deserialize)]
     struct Grid {
         columns: Vec<String>,

@@ -36,7 +36,7 @@ const OF_POINTS: [&str; 9] =
     ["position", "position_2", "position_3", "value", "value_2", "value_3", "forward", "reverse", "increment"];
 
 /// Larger indices are no table's.
-const MOST_POINTS: usize = 5_000_000;
+const MAX_POINTS: usize = 5_000_000;
 
 /// Reads the lines of a file.
 pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> Result<Vec<Record>, Fault> {
@@ -126,7 +126,7 @@ fn index(said: &mut BTreeMap<String, String>, next: usize) -> Result<[usize; 3],
     for (slot, key) in index.iter_mut().zip(["index", "index_2", "index_3"]) {
         let Some(text) = said.remove(key) else { continue };
         given = true;
-        let parsed: Option<usize> = text.trim().parse().ok().filter(|i| *i < MOST_POINTS);
+        let parsed: Option<usize> = text.trim().parse().ok().filter(|i| *i < MAX_POINTS);
         *slot = parsed.ok_or_else(|| format!("`{text}` is no number of a point"))?;
     }
     Ok(if given { index } else { [next, 0, 0] })

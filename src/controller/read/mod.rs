@@ -17,12 +17,12 @@ mod products;
 mod recognise;
 mod rolled;
 
-pub use recognise::{Found, Recognised, recognise};
+pub use recognise::{Found, RecognisedSet, recognise};
 
-use super::Target;
+use super::ControllerTarget;
 use super::emit::render::assigned_letters;
 use super::manifest::description::{FileSpec, Layout, Per};
-use crate::compensation::Tables;
+use crate::compensation::CorrectionTables;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 use crate::machine::Machine;
 use crate::units;
@@ -48,7 +48,7 @@ impl ReadBack {
 
 /// What is known while a file is read.
 pub(super) struct Reading<'a> {
-    pub target: &'a Target,
+    pub target: &'a ControllerTarget,
     pub machine: &'a Machine,
     /// (index of the axis, letter) in the controller's order.
     pub letters: Vec<(usize, String)>,
@@ -69,7 +69,7 @@ impl Reading<'_> {
     }
 }
 
-impl Target {
+impl ControllerTarget {
     /// Names of the files that a set for this machine can have tables in.
     pub fn table_files(&self, machine: &Machine) -> Vec<String> {
         let with_layout = self.manifest.files.iter().filter(|spec| spec.layout.is_some());
@@ -102,12 +102,22 @@ impl Target {
     }
 
     /// Reads the tables out of files with these names. Diagnostics: E0704 and its place.
-    pub fn read(&self, machine: &Machine, files: &[ReadBack], diagnostics: &mut Diagnostics) -> Option<Tables> {
+    pub fn read(
+        &self,
+        machine: &Machine,
+        files: &[ReadBack],
+        diagnostics: &mut Diagnostics,
+    ) -> Option<CorrectionTables> {
         self.read_of(machine, files, |_| true, diagnostics)
     }
 
     /// Reads the tables that stand beside a kinematics module: those of files that are there.
-    pub fn read_beside(&self, machine: &Machine, files: &[ReadBack], diagnostics: &mut Diagnostics) -> Tables {
+    pub fn read_beside(
+        &self,
+        machine: &Machine,
+        files: &[ReadBack],
+        diagnostics: &mut Diagnostics,
+    ) -> CorrectionTables {
         self.read_of(machine, files, FileSpec::is_of_tables, diagnostics).unwrap_or_default()
     }
 
@@ -117,13 +127,13 @@ impl Target {
         files: &[ReadBack],
         keep: impl Fn(&FileSpec) -> bool,
         diagnostics: &mut Diagnostics,
-    ) -> Option<Tables> {
+    ) -> Option<CorrectionTables> {
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
         if let Some((at, fault)) = place::index_fault(self, &letters, files) {
             fault.said_of(&files[at], diagnostics);
         }
         let mut reading = Reading { target: self, machine, letters, axis: None };
-        let mut all = Tables::default();
+        let mut all = CorrectionTables::default();
         let mut any = false;
         for spec in self.manifest.files.iter().filter(|spec| keep(spec)) {
             let Some(layout) = &spec.layout else { continue };
@@ -165,20 +175,20 @@ impl Target {
 }
 
 impl Reading<'_> {
-    fn file(&self, layout: &Layout, text: &str) -> Result<Tables, Fault> {
+    fn file(&self, layout: &Layout, text: &str) -> Result<CorrectionTables, Fault> {
         if text.trim().is_empty() {
             return Err(Fault::new(
                 0,
                 "the file is empty: it was cut off, and the controller would have nothing of it",
             ));
         }
-        let one = |table| Tables { tables: vec![table], errors: Vec::new() };
+        let one = |table| CorrectionTables { tables: vec![table], errors: Vec::new() };
         match layout {
             Layout::Columns { columns } => columns::own_axis(self, columns, text).map(one),
             Layout::CsvLattice => lattice::csv(self.machine, text).map(one),
             Layout::JsonLattice => lattice::json(self.machine, text).map(one),
             // Those of kinematics modules have a reader of their own.
-            Layout::CArrays | Layout::HalConstants => Ok(Tables::default()),
+            Layout::CArrays | Layout::HalConstants => Ok(CorrectionTables::default()),
             Layout::Lines { comment, lines } => {
                 let records = lines::records(comment.as_deref(), lines, text)?;
                 assemble::tables(self, &records)

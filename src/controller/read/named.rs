@@ -2,8 +2,8 @@
 
 use super::assemble::error_value;
 use super::{Fault, Reading, lines, number};
-use crate::compensation::{ErrorCurve, Table, Tables};
-use crate::controller::emit::stored::{Column, Place};
+use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve};
+use crate::controller::emit::stored::{StoredColumn, StoredPlace};
 use crate::controller::manifest::description::Frame;
 use crate::machine::{AxisKind, parse_error_name};
 use nalgebra::Vector3;
@@ -53,8 +53,8 @@ fn is_argument(reading: &Reading, name: &str) -> bool {
 
 /// Blocks of columns under a line of names, `//` before a comment, a line with `#` between blocks: one
 /// row of constants, or an axis and its errors.
-pub(super) fn error_columns(reading: &Reading, text: &str) -> Result<Tables, Fault> {
-    let mut all = Tables::default();
+pub(super) fn error_columns(reading: &Reading, text: &str) -> Result<CorrectionTables, Fault> {
+    let mut all = CorrectionTables::default();
     let mut header: Option<(usize, Vec<&str>)> = None;
     let mut rows: Vec<(usize, Vec<f64>)> = Vec::new();
     for (line, words) in text.lines().enumerate() {
@@ -81,7 +81,7 @@ fn block(
     reading: &Reading,
     header: Option<(usize, Vec<&str>)>,
     rows: &[(usize, Vec<f64>)],
-    all: &mut Tables,
+    all: &mut CorrectionTables,
 ) -> Result<(), Fault> {
     let Some((line, names)) = header else { return Ok(()) };
     let Some(rules) = reading.target.manifest.mechanism.error_curves.as_ref() else { return Ok(()) };
@@ -103,7 +103,7 @@ fn block(
     if argument.is_none() && rows.len() != 1 {
         return Err(Fault::new(rows[1].0, "constants have one row"));
     }
-    let place = argument.map(|axis| Place { rules, kind: reading.machine.axes()[axis].kind });
+    let place = argument.map(|axis| StoredPlace { rules, kind: reading.machine.axes()[axis].kind });
     let positions: Vec<f64> =
         place.map_or_else(Vec::new, |place| rows.iter().map(|(_, row)| place.position(row[0])).collect());
     if let Some(i) = positions.windows(2).position(|w| w[1] <= w[0]) {
@@ -163,7 +163,7 @@ fn framed<'a>(frame: &Frame, text: &'a str) -> Result<Vec<(usize, &'a str)>, Fau
 
 /// A line of names, then rows: number, position, and a column for every corrected axis. The file's axis is
 /// the input. A column for the negative direction is accepted as long as it says nothing.
-pub(super) fn axis_columns(reading: &Reading, header: &Header, text: &str) -> Result<Tables, Fault> {
+pub(super) fn axis_columns(reading: &Reading, header: &Header, text: &str) -> Result<CorrectionTables, Fault> {
     let input = reading.axis.unwrap_or(0);
     let mut names: Option<Vec<&str>> = None;
     let mut rows: Vec<(usize, Vec<Option<f64>>)> = Vec::new();
@@ -191,7 +191,7 @@ pub(super) fn axis_columns(reading: &Reading, header: &Header, text: &str) -> Re
         let message = format!("a value under `{}`: what the controller makes of it is not public", header.reversal);
         return Err(Fault::new(*line, message));
     }
-    let mut all = Tables::default();
+    let mut all = CorrectionTables::default();
     for (at, name) in names.iter().enumerate() {
         if at == position || Some(at) == reversal || *name == "NR" {
             continue;
@@ -208,12 +208,12 @@ fn axis_column(
     (input, output): (usize, usize),
     rows: &[(usize, Vec<Option<f64>>)],
     (position, value): (usize, usize),
-) -> Result<Table, Fault> {
-    let mut table = Table::curve(input, Vec::new(), output, Vec::new());
+) -> Result<CorrectionTable, Fault> {
+    let mut table = CorrectionTable::curve(input, Vec::new(), output, Vec::new());
     let rules = reading.target.manifest.mechanism.rules(&table);
     let rules = rules.ok_or_else(|| Fault::new(0, "the controller has no table of this kind"))?;
     let axes = reading.machine.axes();
-    let (place, cell) = (Place { rules, kind: axes[input].kind }, Column::new(rules, axes[output].kind));
+    let (place, cell) = (StoredPlace { rules, kind: axes[input].kind }, StoredColumn::new(rules, axes[output].kind));
     for (line, row) in rows {
         let Some(stored) = row[value] else { continue };
         let q = row[position].ok_or_else(|| Fault::new(*line, "a point without position"))?;

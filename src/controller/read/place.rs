@@ -2,7 +2,7 @@
 //! first lines, from its positions.
 
 use super::{Fault, ReadBack};
-use crate::controller::Target;
+use crate::controller::ControllerTarget;
 use crate::controller::manifest::description::{Index, Layout};
 use crate::machine::Machine;
 
@@ -89,7 +89,7 @@ pub(super) fn by_frame(layout: &Layout, names: &[(Option<usize>, String)], text:
 }
 
 /// Do positions span the travel of an axis from end to end, as tables do?
-pub(super) fn spans(target: &Target, machine: &Machine, axis: usize, positions: &[f64]) -> bool {
+pub(super) fn spans(target: &ControllerTarget, machine: &Machine, axis: usize, positions: &[f64]) -> bool {
     let continuous = target.manifest.mechanism.iter().next().map_or((0.0, 360.0), |(_, rules)| rules.continuous);
     let (min, max) = if machine.is_continuous(axis) { continuous } else { machine.axes()[axis].travel.interval() };
     let near = |a: f64, b: f64| (a - b).abs() < 1e-3;
@@ -97,7 +97,11 @@ pub(super) fn spans(target: &Target, machine: &Machine, axis: usize, positions: 
 }
 
 /// Files that are assigned otherwise than by their names, or read otherwise than here.
-pub(super) fn index_fault(target: &Target, letters: &[(usize, String)], files: &[ReadBack]) -> Option<(usize, Fault)> {
+pub(super) fn index_fault(
+    target: &ControllerTarget,
+    letters: &[(usize, String)],
+    files: &[ReadBack],
+) -> Option<(usize, Fault)> {
     let indices = target.manifest.files.iter().filter_map(|spec| Some((spec, spec.index.as_ref()?)));
     indices.into_iter().find_map(|(spec, index)| {
         let at = files.iter().position(|file| file.name == spec.path)?;

@@ -2,12 +2,12 @@
 
 use super::lines::Record;
 use super::{Fault, Reading};
-use crate::compensation::Table;
-use crate::controller::emit::stored::Column;
+use crate::compensation::CorrectionTable;
+use crate::controller::emit::stored::StoredColumn;
 
 /// A table as its file names it.
 pub(super) struct Numbered<'a> {
-    pub table: Table,
+    pub table: CorrectionTable,
     /// The number, from 1, of the table by which it is multiplied; 0 for none.
     pub times: usize,
     pub record: &'a Record,
@@ -15,8 +15,8 @@ pub(super) struct Numbered<'a> {
 
 /// What the tables of a file come to: those that stand alone, and the products. Whether the controller adds the values
 /// of factors besides their product is documented nowhere, so they are only read where they cancel out.
-pub(super) fn multiplied(reading: &Reading, read: Vec<Numbered>) -> Result<Vec<Table>, Fault> {
-    let mut products: Vec<Table> = Vec::new();
+pub(super) fn multiplied(reading: &Reading, read: Vec<Numbered>) -> Result<Vec<CorrectionTable>, Fault> {
+    let mut products: Vec<CorrectionTable> = Vec::new();
     let mut factors: Vec<usize> = Vec::new();
     for (at, numbered) in read.iter().enumerate().filter(|(_, numbered)| numbered.times > 0) {
         let name = (numbered.times - 1).to_string();
@@ -30,13 +30,13 @@ pub(super) fn multiplied(reading: &Reading, read: Vec<Numbered>) -> Result<Vec<T
     without_repetition(&mut products);
     factors.sort_unstable();
     factors.dedup();
-    let mut alone: Vec<Table> = Vec::new();
+    let mut alone: Vec<CorrectionTable> = Vec::new();
     for (at, numbered) in read.iter().enumerate() {
         if !factors.contains(&at) {
             alone.push(numbered.table.clone());
             continue;
         }
-        let same = |other: &Table| (&other.axes, &other.nodes, &other.corrected) == key(&numbered.table);
+        let same = |other: &CorrectionTable| (&other.axes, &other.nodes, &other.corrected) == key(&numbered.table);
         let others = factors.iter().map(|at| &read[*at].table).filter(|table| same(table));
         let sums = others.fold(vec![0.0; numbered.table.values.len()], |sums, table| {
             sums.iter().zip(&table.values).map(|(sum, value)| sum + value).collect()
@@ -51,13 +51,13 @@ pub(super) fn multiplied(reading: &Reading, read: Vec<Numbered>) -> Result<Vec<T
     Ok(alone)
 }
 
-fn key(table: &Table) -> (&Vec<usize>, &Vec<Vec<f64>>, &Vec<usize>) {
+fn key(table: &CorrectionTable) -> (&Vec<usize>, &Vec<Vec<f64>>, &Vec<usize>) {
     (&table.axes, &table.nodes, &table.corrected)
 }
 
 /// The table over two axes of a product.
-fn product(reading: &Reading, first: &Table, second: &Table) -> Result<Table, String> {
-    let plain = |table: &Table| table.axes.len() == 1 && table.reverse.is_none();
+fn product(reading: &Reading, first: &CorrectionTable, second: &CorrectionTable) -> Result<CorrectionTable, String> {
+    let plain = |table: &CorrectionTable| table.axes.len() == 1 && table.reverse.is_none();
     if !plain(first) || !plain(second) {
         return Err("only tables over one axis and for both directions are multiplied".to_owned());
     }
@@ -66,16 +66,16 @@ fn product(reading: &Reading, first: &Table, second: &Table) -> Result<Table, St
     }
     let mechanism = &reading.target.manifest.mechanism;
     let rules = mechanism.product.as_ref().ok_or("the controller has no products of tables")?;
-    let column = Column::new(rules, reading.machine.axes()[first.corrected[0]].kind);
+    let column = StoredColumn::new(rules, reading.machine.axes()[first.corrected[0]].kind);
     let weights = second.values.iter().map(|c| column.as_weight(*c)).collect();
-    Ok(Table::product(first, second, [first.values.clone(), weights]))
+    Ok(CorrectionTable::product(first, second, [first.values.clone(), weights]))
 }
 
 /// The product of the opposite factors is the same once more: its factors are no others.
-fn without_repetition(products: &mut [Table]) {
+fn without_repetition(products: &mut [CorrectionTable]) {
     for at in 1..products.len() {
         let (before, rest) = products.split_at_mut(at);
-        let opposite = |other: &Table| {
+        let opposite = |other: &CorrectionTable| {
             let negated = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| *a == 0.0 - *b);
             key(other) == key(&rest[0])
                 && other

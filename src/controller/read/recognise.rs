@@ -9,7 +9,7 @@
 
 use super::place::{assigned, by_frame, spans};
 use super::{Fault, ReadBack, Reading};
-use crate::controller::Target;
+use crate::controller::ControllerTarget;
 use crate::controller::emit::render::assigned_letters;
 use crate::controller::manifest::description::{FileSpec, Layout, Per};
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -17,9 +17,9 @@ use crate::machine::Machine;
 
 /// Files that a target reads.
 #[derive(Debug)]
-pub struct Recognised {
+pub struct RecognisedSet {
     /// Which.
-    pub target: Target,
+    pub target: ControllerTarget,
     /// Its files, in their places of the set.
     pub files: Vec<ReadBack>,
 }
@@ -39,7 +39,7 @@ struct Placed {
 
 /// What a target makes of all files.
 struct Fitted {
-    target: Target,
+    target: ControllerTarget,
     placed: Vec<Placed>,
     /// Where the reading of a file ended that fits nowhere.
     failed: Vec<(usize, Fault)>,
@@ -49,10 +49,10 @@ struct Fitted {
 /// the first line of a file, what is wrong there is said (E0704).
 pub fn recognise(
     machine: &Machine,
-    targets: Vec<Target>,
+    targets: Vec<ControllerTarget>,
     files: &[Found],
     diagnostics: &mut Diagnostics,
-) -> Option<Recognised> {
+) -> Option<RecognisedSet> {
     let fitted: Vec<Fitted> = targets.into_iter().filter_map(|target| Fitted::of(target, machine, files)).collect();
     let Some(best) = fitted.iter().max_by_key(|fitted| fitted.placed.len()).filter(|best| !best.placed.is_empty())
     else {
@@ -93,7 +93,7 @@ fn ambiguous(best: &Fitted, rivals: &[&Fitted], files: &[Found]) -> Diagnostic {
 
 impl Fitted {
     /// None if the machine is none for this target.
-    fn of(target: Target, machine: &Machine, files: &[Found]) -> Option<Self> {
+    fn of(target: ControllerTarget, machine: &Machine, files: &[Found]) -> Option<Self> {
         let letters = assigned_letters(machine, target.manifest.axis_letters.as_ref(), None)?;
         let (mut placed, mut failed) = (Vec::new(), Vec::new());
         for (file, (_, text)) in files.iter().enumerate() {
@@ -121,7 +121,7 @@ impl Fitted {
     }
 
     /// Every file in one place.
-    fn settled(&self, machine: &Machine, files: &[Found], diagnostics: &mut Diagnostics) -> Option<Recognised> {
+    fn settled(&self, machine: &Machine, files: &[Found], diagnostics: &mut Diagnostics) -> Option<RecognisedSet> {
         let target = &self.target;
         let letters = assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
         let axes = self.axes(machine, &letters, files, diagnostics)?;
@@ -142,7 +142,7 @@ impl Fitted {
             found.push(ReadBack { name, found: own.clone(), text: text.clone() });
         }
         self.left_alone(files, diagnostics);
-        Some(Recognised { target: target.clone(), files: found })
+        Some(RecognisedSet { target: target.clone(), files: found })
     }
 
     /// The axis of every file; none for a file of the machine's.
@@ -265,7 +265,7 @@ impl Fitted {
 
 /// One file against the places of one target.
 struct Trial<'a> {
-    target: &'a Target,
+    target: &'a ControllerTarget,
     machine: &'a Machine,
     letters: &'a [(usize, String)],
     text: &'a str,
@@ -306,7 +306,7 @@ impl Trial<'_> {
         (!axes.is_empty()).then_some((axes, positions))
     }
 
-    fn read(&mut self, layout: &Layout, axis: Option<usize>) -> Option<crate::compensation::Tables> {
+    fn read(&mut self, layout: &Layout, axis: Option<usize>) -> Option<crate::compensation::CorrectionTables> {
         let reading = Reading { target: self.target, machine: self.machine, letters: self.letters.to_vec(), axis };
         let read = reading.file(layout, self.text).and_then(|tables| {
             let empty = tables.tables.is_empty() && tables.errors.is_empty();
@@ -333,7 +333,7 @@ impl Trial<'_> {
 }
 
 /// The axis that the tables of a file are for, and the ends of the only one.
-fn of(per: Per, read: crate::compensation::Tables) -> (Option<usize>, Vec<f64>) {
+fn of(per: Per, read: crate::compensation::CorrectionTables) -> (Option<usize>, Vec<f64>) {
     let Some(table) = read.tables.first() else { return (None, Vec::new()) };
     let axis = if per == Per::Input { table.axes[0] } else { table.corrected[0] };
     let ends = table.nodes[0].first().into_iter().chain(table.nodes[0].last()).copied().collect();

@@ -2,8 +2,8 @@
 
 use super::assemble::Assembly;
 use super::{Fault, number};
-use crate::compensation::{Table, TableRules};
-use crate::controller::emit::stored::{Column, Place};
+use crate::compensation::{CorrectionTable, TableRules};
+use crate::controller::emit::stored::{StoredColumn, StoredPlace};
 
 impl Assembly<'_> {
     fn required(&self, name: &str) -> Result<usize, Fault> {
@@ -12,7 +12,7 @@ impl Assembly<'_> {
 
     /// Differences between neighbours, numbered through: zero at the reference number. For travel in the negative
     /// direction there may be as many more, which begin with a value of their own at the reference point.
-    pub fn incremental(&self, mut table: Table, rules: &TableRules) -> Result<Table, Fault> {
+    pub fn incremental(&self, mut table: CorrectionTable, rules: &TableRules) -> Result<CorrectionTable, Fault> {
         let axis = table.axes[0];
         let (kind, turns) = (self.kind(table.corrected[0]), self.reading.machine.is_continuous(axis));
         let (reference, first, last) =
@@ -43,7 +43,7 @@ impl Assembly<'_> {
         if let Some((index, _)) = self.record.points.iter().find(|(index, _)| !ours(index[0])) {
             return Err(self.fault(format!("point {} is outside {first} to {last}", index[0])));
         }
-        let (place, column) = (Place { rules, kind: self.kind(axis) }, Column::new(rules, kind));
+        let (place, column) = (StoredPlace { rules, kind: self.kind(axis) }, StoredColumn::new(rules, kind));
         let step = self.needed("step")?;
         let position = |n: usize| place.position((n as f64 - reference as f64) * step);
         let correction = |sums: &[f64], start: f64| -> Vec<f64> {
@@ -93,8 +93,8 @@ impl Assembly<'_> {
 
     /// Entries from one step behind 0 on, of a plane line by line; what lies beyond the travel stands for negative
     /// positions.
-    pub fn rolled(&self, mut table: Table, rules: &TableRules) -> Result<Table, Fault> {
-        let column = Column::new(rules, self.kind(table.corrected[0]));
+    pub fn rolled(&self, mut table: CorrectionTable, rules: &TableRules) -> Result<CorrectionTable, Fault> {
+        let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
         let counts = self.counts(table.axes.len())?;
         let entries = self.entries(&counts)?;
         let cells = |c: f64| column.correction(c, None);
@@ -119,18 +119,18 @@ impl Assembly<'_> {
 
     /// What is taken away besides when an axis is approached in reverse: a constant, and a table of what it differs
     /// from that. None if there is nothing.
-    pub fn reversal(&self) -> Result<Option<Table>, Fault> {
+    pub fn reversal(&self) -> Result<Option<CorrectionTable>, Fault> {
         let Some((word, line)) = self.said("reversal") else { return Ok(None) };
         let axis = self.reading.by_number(word);
         let axis = axis.ok_or_else(|| Fault::new(*line, format!("the machine has no axis `{word}`")))?;
-        let table = Table::curve(axis, Vec::new(), axis, Vec::new());
+        let table = CorrectionTable::curve(axis, Vec::new(), axis, Vec::new());
         let rules = self.reading.target.manifest.mechanism.rules(&table).filter(|rules| rules.bidirectional);
         let rules = rules.ok_or_else(|| self.fault("the controller has no table of this kind"))?;
         let constant = self.number("constant")?.unwrap_or(0.0);
         if constant < 0.0 && rules.positive_backlash {
             return Err(self.fault("a backlash constant cannot be negative"));
         }
-        let column = Column::new(rules, self.kind(axis));
+        let column = StoredColumn::new(rules, self.kind(axis));
         let taken = |stored: f64| 0.0 - column.correction(stored + constant, None);
         let (nodes, reverse): (Vec<f64>, Vec<f64>) = if self.said("length").is_some() {
             let counts = self.counts(1)?;
@@ -143,7 +143,7 @@ impl Assembly<'_> {
         };
         let values = vec![0.0; nodes.len()];
         Ok((constant != 0.0 || reverse.iter().any(|c| *c != 0.0))
-            .then(|| Table { reverse: Some(reverse), ..Table::curve(axis, nodes, axis, values) }))
+            .then(|| CorrectionTable { reverse: Some(reverse), ..CorrectionTable::curve(axis, nodes, axis, values) }))
     }
 
     /// Steps over each axis.
@@ -189,7 +189,7 @@ impl Assembly<'_> {
 
     /// Positions of the entries over an axis with their numbers, rising. A turn has its first one at its end too.
     fn around(&self, axis: usize, count: usize, length: &str, rules: &TableRules) -> Result<Vec<(f64, usize)>, Fault> {
-        let place = Place { rules, kind: self.kind(axis) };
+        let place = StoredPlace { rules, kind: self.kind(axis) };
         let length = self.needed(length)?;
         let step = length / count as f64;
         let turns = self.reading.machine.is_continuous(axis);

@@ -1,7 +1,7 @@
 //! What a target does to a machine, whatever its mechanism is: mapped like a bare machine.
 
-use crate::compensation::Tables;
-use crate::controller::{Carried, Compensated, Driven, Replay, Target};
+use crate::compensation::CorrectionTables;
+use crate::controller::{Compensated, ControllerTarget, KinematicsModule, ModuleField, Replay};
 use crate::evaluate::Field;
 use crate::machine::{Approach, Machine};
 
@@ -12,32 +12,34 @@ pub type Added<'a> = Box<dyn Fn(&[f64], Approach) -> Vec<f64> + 'a>;
 #[derive(Debug, Clone)]
 pub enum Effect {
     /// Tables beside the motion.
-    Tables(Tables),
+    CorrectionTables(CorrectionTables),
     /// A module in place of the kinematics, and the tables beside it.
-    Module(Box<Carried>, Tables),
+    Module(Box<KinematicsModule>, CorrectionTables),
 }
 
 impl Effect {
     /// What the controller adds to commands.
-    pub fn added<'a>(&'a self, machine: &'a Machine, target: &'a Target) -> Added<'a> {
+    pub fn added<'a>(&'a self, machine: &'a Machine, target: &'a ControllerTarget) -> Added<'a> {
         match self {
-            Self::Tables(tables) => {
+            Self::CorrectionTables(tables) => {
                 let replay = Replay::new(machine, target, tables);
                 Box::new(move |pose, approach| replay.added(pose, approach))
             }
             Self::Module(carried, beside) => {
-                let driven = Driven::new(machine, carried).beside(Replay::new(machine, target, beside));
+                let driven = ModuleField::new(machine, carried).beside(Replay::new(machine, target, beside));
                 Box::new(move |pose, approach| driven.added(pose, approach))
             }
         }
     }
 
     /// The machine with it.
-    pub fn field<'a>(&'a self, machine: &'a Machine, target: &'a Target) -> Box<dyn Field + 'a> {
+    pub fn field<'a>(&'a self, machine: &'a Machine, target: &'a ControllerTarget) -> Box<dyn Field + 'a> {
         match self {
-            Self::Tables(tables) => Box::new(Compensated { machine, replay: Replay::new(machine, target, tables) }),
+            Self::CorrectionTables(tables) => {
+                Box::new(Compensated { machine, replay: Replay::new(machine, target, tables) })
+            }
             Self::Module(carried, beside) => {
-                Box::new(Driven::new(machine, carried).beside(Replay::new(machine, target, beside)))
+                Box::new(ModuleField::new(machine, carried).beside(Replay::new(machine, target, beside)))
             }
         }
     }

@@ -1,17 +1,17 @@
 //! What the controller does with its tables, in its own arithmetic. Written from what was measured
 //! on or documented of each controller, not from the code that filled the tables.
 
-use crate::compensation::{Spacing, Table, Tables, model_correction};
-use crate::controller::Target;
+use crate::compensation::{CorrectionTable, CorrectionTables, Spacing, model_correction};
+use crate::controller::ControllerTarget;
 use crate::controller::manifest::description::{Arithmetic, Controller, Lookup, OutsideTable};
-use crate::evaluate::{Batch, Deviation, Field, Order, Output, Plan, PoseColumns, commanded_deviation};
+use crate::evaluate::{Batch, CompiledModel, Deviation, Field, Order, Output, PoseColumns, commanded_deviation};
 use crate::machine::{Approach, Machine};
 
 /// A controller with tables loaded.
 #[derive(Debug, Clone)]
 pub struct Replay<'a> {
     machine: &'a Machine,
-    tables: &'a Tables,
+    tables: &'a CorrectionTables,
     controller: Controller,
     /// Which tables are looked up modulo 360 deg on continuous axes.
     modulo: Vec<bool>,
@@ -23,7 +23,7 @@ pub struct Replay<'a> {
 
 impl<'a> Replay<'a> {
     /// Loads tables of a target.
-    pub fn new(machine: &'a Machine, target: &Target, tables: &'a Tables) -> Self {
+    pub fn new(machine: &'a Machine, target: &ControllerTarget, tables: &'a CorrectionTables) -> Self {
         let mechanisms = &target.manifest.mechanism;
         let modulo = tables.tables.iter().map(|t| mechanisms.rules(t).is_some_and(|rules| rules.modulo)).collect();
         let line = |t| mechanisms.rules(t).is_some_and(|rules| rules.spacing == Spacing::Line);
@@ -45,7 +45,7 @@ impl<'a> Replay<'a> {
         match self.controller.lookup {
             Lookup::Command => self.add_tables(command, approach, &mut added, |_| true),
             Lookup::LinesThenPlanes => {
-                let line = |table: &Table| table.axes.len() == 1;
+                let line = |table: &CorrectionTable| table.axes.len() == 1;
                 self.add_tables(command, approach, &mut added, line);
                 let at: Vec<f64> = command.iter().zip(&added).map(|(q, c)| q + c).collect();
                 self.add_tables(&at, approach, &mut added, |table| !line(table));
@@ -68,7 +68,7 @@ impl<'a> Replay<'a> {
         added
     }
 
-    fn add_tables(&self, at: &[f64], approach: Approach, added: &mut [f64], keep: impl Fn(&Table) -> bool) {
+    fn add_tables(&self, at: &[f64], approach: Approach, added: &mut [f64], keep: impl Fn(&CorrectionTable) -> bool) {
         let looked_up = self.modulo.iter().zip(&self.factors);
         for (table, (modulo, factor)) in self.tables.tables.iter().zip(looked_up).filter(|(table, _)| keep(table)) {
             if let ([axis], [corrected]) = (&table.axes[..], &table.corrected[..]) {
@@ -85,7 +85,7 @@ impl<'a> Replay<'a> {
     }
 
     /// A table over one axis at a position.
-    fn curve(&self, table: &Table, position: f64, approach: Approach, outside: OutsideTable) -> f64 {
+    fn curve(&self, table: &CorrectionTable, position: f64, approach: Approach, outside: OutsideTable) -> f64 {
         let column = |values: &[f64]| match (self.controller.arithmetic, outside) {
             (Arithmetic::Float32TrimAndSlope, _) => single_precision(&table.nodes[0], values, position),
             (Arithmetic::Float64, outside) => double_precision(&table.nodes[0], values, position, outside),
@@ -99,7 +99,7 @@ impl<'a> Replay<'a> {
     }
 
     /// The position at which a table is looked up.
-    fn turned(&self, table: &Table, place: usize, axis: usize, position: f64, modulo: bool) -> f64 {
+    fn turned(&self, table: &CorrectionTable, place: usize, axis: usize, position: f64, modulo: bool) -> f64 {
         let nodes = &table.nodes[place];
         let first = nodes[0];
         if modulo && self.machine.is_continuous(axis) {
@@ -112,7 +112,7 @@ impl<'a> Replay<'a> {
     }
 
     /// Nodes of the cell of a lattice around a command, with their multilinear weights.
-    pub fn corners(&self, lattice: &Table, command: &[f64], modulo: bool) -> Vec<(usize, f64)> {
+    pub fn corners(&self, lattice: &CorrectionTable, command: &[f64], modulo: bool) -> Vec<(usize, f64)> {
         let mut corners = vec![(0, 1.0)];
         for (place, (axis, nodes)) in lattice.axes.iter().zip(&lattice.nodes).enumerate() {
             let position = self.turned(lattice, place, *axis, command[*axis], modulo);
@@ -218,6 +218,6 @@ impl Field for Compensated<'_> {
         let mut added = PoseColumns::new(poses.axes().len());
         (0..poses.len()).for_each(|i| added.push(&self.replay.added(&poses.pose(i), approach)));
         // The plan is exact, and as many commands as poses: there is always an answer.
-        let _ = Plan::new(self.machine, Order::Exact, approach).commanded(poses, &added.batch(), out);
+        let _ = CompiledModel::new(self.machine, Order::Exact, approach).commanded(poses, &added.batch(), out);
     }
 }

@@ -9,10 +9,10 @@
 //! ```
 //!
 //! The last term is a product of errors: order 1 goes without, at order 2 it is of second degree, the exact model has it whole. The
-//! rotation relative to the ideal one is 1 + G A^T.
+//! rotation relative to the nominal one is 1 + G A^T.
 
 use super::batch::FARTHEST;
-use super::chain::{Link, Links, Motion, cross, dot, minus, plus, plus_cross, plus_times, times};
+use super::chain::{CompiledChain, CompiledJoint, Motion, cross, dot, minus, plus, plus_cross, plus_times, times};
 use super::curves::Six;
 use super::lookup::Inputs;
 
@@ -59,7 +59,7 @@ impl Inputs<f64> for Node {
 /// An order that can be asked for one section alone.
 pub trait Sections {
     /// The chain.
-    fn links(&self) -> &Links;
+    fn chain(&self) -> &CompiledChain;
     /// The displacement of a point by its errors, of first and of second degree (exact: all in the first), and a number that is
     /// above [`FARTHEST`] if it must not be trusted.
     fn displaced(&self, section: Section, point: Vector3) -> ([Vector3; 2], f64);
@@ -113,18 +113,18 @@ impl Linear {
         Self { columns: [self.turned(a), self.turned(b), self.turned(c)], shift: self.turned(other.shift) }
     }
 
-    /// After the ideal motion of a section.
+    /// After the nominal motion of a section.
     #[inline(always)]
     fn past(&self, inner: &Affine) -> Self {
-        let columns = if inner.turns { self.after(&inner.ideal).columns } else { self.columns };
-        Self { columns, shift: self.image(inner.ideal.shift) }
+        let columns = if inner.turns { self.after(&inner.nominal).columns } else { self.columns };
+        Self { columns, shift: self.image(inner.nominal.shift) }
     }
 }
 
-/// A section: its ideal motion, and the displacement by degree.
+/// A section: its nominal motion, and the displacement by degree.
 #[derive(Debug, Clone, Copy)]
 pub struct Affine {
-    pub ideal: Linear,
+    pub nominal: Linear,
     pub displacement: [Linear; 2],
     /// Does it turn (ideally)?
     turns: bool,
@@ -137,7 +137,7 @@ impl Affine {
     /// In coordinates about the functional point of the zero pose, for the machine's zero point may be far away. `None` where the
     /// numbers must not be trusted.
     pub fn of(sections: &impl Sections, section: Section) -> Option<Self> {
-        let base = sections.links().tip;
+        let base = sections.chain().tip;
         let asked = |point: Vector3| {
             let (displaced, far) = sections.displaced(section, plus(base, point));
             (far <= FARTHEST).then_some(displaced)
@@ -150,17 +150,17 @@ impl Affine {
                 displacement[degree].columns[k] = times(minus(there[degree], origin[degree]), 1.0 / PROBE);
             }
         }
-        let (ideal, turns) = match section {
-            Section::Joint(axis, at) => moved(&sections.links().joints[axis], base, &at),
+        let (nominal, turns) = match section {
+            Section::Joint(axis, at) => moved(&sections.chain().joints[axis], base, &at),
             Section::Clamping | Section::Spindle => (UNIT, false),
         };
-        Some(Self { ideal, displacement, turns })
+        Some(Self { nominal, displacement, turns })
     }
 
     /// This one outside another.
     #[inline(always)]
     pub fn times(&self, inner: &Self, product: Product) -> Self {
-        let (a, [first, second]) = (&self.ideal, &self.displacement);
+        let (a, [first, second]) = (&self.nominal, &self.displacement);
         let [of_first, of_second] = &inner.displacement;
         let displacement = match product {
             Product::Nowhere => [first.past(inner).plus(&a.after(of_first)), Linear::default()],
@@ -170,13 +170,13 @@ impl Affine {
             ],
             Product::Whole => [first.past(inner).plus(&a.plus(first).after(of_first)), Linear::default()],
         };
-        Self { ideal: a.past(inner), displacement, turns: self.turns || inner.turns }
+        Self { nominal: a.past(inner), displacement, turns: self.turns || inner.turns }
     }
 
     /// The displacement of the base, by degree, that is already displaced from where it ideally is.
     pub fn displaced(&self, by: Vector3, product: Product) -> [Vector3; 2] {
         let [first, second] = self.displacement.map(|displacement| displacement.shift);
-        let (first, again) = (plus(first, self.ideal.turned(by)), self.displacement[0].turned(by));
+        let (first, again) = (plus(first, self.nominal.turned(by)), self.displacement[0].turned(by));
         match product {
             Product::Nowhere => [first, second],
             Product::Second => [first, plus(second, again)],
@@ -187,7 +187,7 @@ impl Affine {
     /// By degree, the vector of the rotation's antisymmetric part: the sine of the angle, along the axis.
     #[inline(always)]
     pub fn rotation(&self) -> [Vector3; 2] {
-        let ([a, b, c], mut sines) = (self.ideal.columns, [[0.0; 3]; 2]);
+        let ([a, b, c], mut sines) = (self.nominal.columns, [[0.0; 3]; 2]);
         for degree in 0..2 {
             let [x, y, z] = self.displacement[degree].columns;
             sines[degree] = times(plus_cross(plus_cross(cross(a, x), b, y), c, z), 0.5);
@@ -195,13 +195,13 @@ impl Affine {
         sines
     }
 
-    /// The rotation relative to the ideal one less 1: columns of G A^T.
+    /// The rotation relative to the nominal one less 1: columns of G A^T.
     pub fn relative(&self) -> [Vector3; 3] {
         let displaced = &self.displacement[0];
-        std::array::from_fn(|k| displaced.turned(self.ideal.columns.map(|column| column[k])))
+        std::array::from_fn(|k| displaced.turned(self.nominal.columns.map(|column| column[k])))
     }
 
-    /// The angle (rad) by which it turns off the ideal orientation, up to a quarter turn.
+    /// The angle (rad) by which it turns off the nominal orientation, up to a quarter turn.
     pub fn angle(&self) -> f64 {
         let sines = self.rotation()[0];
         libm::asin(dot(sines, sines).sqrt().min(1.0))
@@ -211,7 +211,7 @@ impl Affine {
 const UNIT: Linear = Linear { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], shift: [0.0; 3] };
 
 /// The nominal motion of a joint about a base; does it turn?
-fn moved(link: &Link, base: Vector3, at: &Node) -> (Linear, bool) {
+fn moved(link: &CompiledJoint, base: Vector3, at: &Node) -> (Linear, bool) {
     match link.motion {
         Motion::Slide(u) => (Linear { shift: times(u, at.position), ..UNIT }, false),
         Motion::Turn(about) => {

@@ -2,7 +2,7 @@
 
 use super::chain::Vector;
 use super::lanes::{Kernel, Lanes, expect, settle};
-use super::lookup::{Ahead, CHUNK, Part, Scattered};
+use super::lookup::{CHUNK, Lookup, Part, Scattered};
 
 /// Poses by columns: one slice of positions (mm or deg) per axis, in the order of the machine's axes.
 #[derive(Debug, Clone)]
@@ -190,7 +190,7 @@ pub trait Task {
     const ROOM: Self::Room;
 
     /// Does for a chunk of poses what can be done ahead.
-    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], room: &mut Self::Room, part: Part<'_>);
+    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], room: &mut Self::Room, part: Part<'_>);
 
     /// Position, rotation, and a number that is above [`FARTHEST`] where they must not be trusted.
     fn at<V: Lanes>(&self, room: &Self::Room, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V);
@@ -237,7 +237,7 @@ enum Traffic {
 impl<T: Task> Kernel for Pass<'_, '_, T> {
     #[inline(always)]
     fn run<V: Lanes>(mut self) {
-        let mut ahead = (vec![Ahead::NONE; self.poses.axes.len()], T::ROOM);
+        let mut lookup = (vec![Lookup::NONE; self.poses.axes.len()], T::ROOM);
         let count = self.out.len();
         let traffic = match self.poses.whole {
             0..=IN_CACHE => Traffic::Near,
@@ -255,7 +255,7 @@ impl<T: Task> Kernel for Pass<'_, '_, T> {
                 0 if before > 0 => (before.next_multiple_of(V::COUNT), before),
                 _ => (start + room.min(CHUNK), start + room.min(CHUNK)),
             };
-            self.chunk::<V>(&mut ahead, start, end, traffic);
+            self.chunk::<V>(&mut lookup, start, end, traffic);
             from = next;
         }
         if traffic == Traffic::Past {
@@ -286,8 +286,8 @@ impl<T: Task> Pass<'_, '_, T> {
     }
 
     #[inline(always)]
-    fn chunk<V: Lanes>(&mut self, (axes, room): &mut (Vec<Ahead>, T::Room), from: usize, to: usize, traffic: Traffic) {
-        self.task.ahead::<V>(axes, room, Part { poses: self.poses, from, count: to - from });
+    fn chunk<V: Lanes>(&mut self, (axes, room): &mut (Vec<Lookup>, T::Room), from: usize, to: usize, traffic: Traffic) {
+        self.task.lookup::<V>(axes, room, Part { poses: self.poses, from, count: to - from });
         let mut at = from;
         while at < to {
             if (at - from).is_multiple_of(LINE) {

@@ -2,7 +2,7 @@
 
 use super::curves::{Curves, Six};
 use super::lanes::Lanes;
-use super::lookup::Wanted;
+use super::lookup::LookupRequest;
 use crate::machine::{
     Approach, Axis, AxisKind, Branch, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, Machine, RotaryOrder,
 };
@@ -12,9 +12,9 @@ pub type Vector<V> = [V; 3];
 
 /// A machine from the tool to the workpiece, ready for any order.
 #[derive(Debug, Clone)]
-pub struct Links {
+pub struct CompiledChain {
     /// Joints in the order of the machine's axes: from the workpiece to the tool.
-    pub joints: Vec<Link>,
+    pub joints: Vec<CompiledJoint>,
     /// The functional point at the zero pose.
     pub tip: [f64; 3],
     /// Its displacement by clamping.
@@ -42,7 +42,7 @@ pub struct Placed {
 
 /// A joint.
 #[derive(Debug, Clone)]
-pub struct Link {
+pub struct CompiledJoint {
     /// Its nominal motion.
     pub motion: Motion,
     /// Point of a rotary axis; that about which the errors turn.
@@ -63,11 +63,11 @@ pub struct Link {
     pub located: Located,
 }
 
-impl Link {
+impl CompiledJoint {
     /// What a walk wants to know at it.
     #[inline(always)]
-    pub fn wanted(&self) -> Wanted<'_> {
-        Wanted { turns: self.turns, curves: if self.errors { Some(&self.curves) } else { None } }
+    pub fn wanted(&self) -> LookupRequest<'_> {
+        LookupRequest { turns: self.turns, curves: if self.errors { Some(&self.curves) } else { None } }
     }
 }
 
@@ -100,7 +100,7 @@ pub enum About {
     Oblique([f64; 3]),
 }
 
-impl Links {
+impl CompiledChain {
     /// `None` if its curves cannot be compiled.
     pub fn new(machine: &Machine, approach: Approach) -> Option<Self> {
         let conventions = machine.conventions();
@@ -119,7 +119,7 @@ impl Links {
     }
 }
 
-fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Option<Link> {
+fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Option<CompiledJoint> {
     let conventions = machine.conventions();
     let errors = machine.axis_errors(index);
     let inverse = conventions.errors_are == ErrorsAre::Body && axis.branch == Branch::Workpiece;
@@ -130,7 +130,7 @@ fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Opt
     };
     let six = errors.location_values();
     let (motion, curves) = (motion(axis), Curves::new(errors, approach)?);
-    Some(Link {
+    Some(CompiledJoint {
         errors: !curves.is_zero(),
         turns: matches!(motion, Motion::Turn(_)) || curves.has_waves(),
         motion,

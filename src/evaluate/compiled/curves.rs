@@ -20,7 +20,7 @@ pub type Six = [f64; 6];
 pub struct Curves {
     /// Added everywhere.
     constant: Six,
-    table: Option<Table>,
+    table: Option<CurveTable>,
     /// Coefficients of the powers of the position from the first on.
     powers: Vec<Six>,
     /// Cosine and sine parts of the orders from the first on.
@@ -28,7 +28,7 @@ pub struct Curves {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-struct Table {
+struct CurveTable {
     rows: Vec<Row>,
     /// Second derivatives, if cubic.
     seconds: Vec<Row>,
@@ -75,7 +75,7 @@ impl Curves {
                 Curve::BSpline(spline) => tables.push((column, weight, piecewise(spline)?)),
             }
         }
-        curves.table = if tables.is_empty() { None } else { Some(Table::union(&tables)?) };
+        curves.table = if tables.is_empty() { None } else { Some(CurveTable::union(&tables)?) };
         Some(curves.plus(&[0.0; 6]))
     }
 
@@ -285,7 +285,7 @@ impl<'a> Piece<'a> {
     }
 }
 
-impl Table {
+impl CurveTable {
     fn union(curves: &[(usize, f64, Curve)]) -> Option<Self> {
         let all: Vec<&Knots> = curves.iter().filter_map(|(_, _, curve)| curve.knots()).collect();
         let period = all.first()?.period();

@@ -1,7 +1,7 @@
 //! The exact model in closed form: every joint by its increments, so that nothing small is a difference of large numbers.
 //!
-//! From the tool to the workpiece are carried the ideal functional point p, the displacement d of the actual one, and
-//! the actual rotation relative to the ideal one. An error motion about o with the linear part 1 + K adds
+//! From the tool to the workpiece are carried the nominal functional point p, the displacement d of the actual one, and
+//! the actual rotation relative to the nominal one. An error motion about o with the linear part 1 + K adds
 //! `delta + K (p + d - o)` to d. With orthogonal joints K = a hat(eps) + b hat(eps)^2 with the series of sin t / t and
 //! (1 - cos t) / t^2, and the rotation is a quaternion; with linearised joints a and b are rational, and the
 //! rotation is a matrix, which need not be orthogonal.
@@ -9,11 +9,11 @@
 use super::affine::{Section, Sections};
 use super::batch::{FARTHEST, Task};
 use super::chain::{
-    About, Link, Links, Located, Motion, Placed, Vector, cross, dot, minus, plus, plus_cross, plus_times, slid, splat,
-    times,
+    About, CompiledChain, CompiledJoint, Located, Motion, Placed, Vector, cross, dot, minus, plus, plus_cross,
+    plus_times, slid, splat, times,
 };
 use super::lanes::Lanes;
-use super::lookup::{Ahead, Inputs, Part, Scattered, look_up};
+use super::lookup::{Inputs, Lookup, Part, Scattered, look_up};
 use super::trigonometry::RADIAN;
 
 /// Terms of the series: good to the last bit up to [`super::batch::FARTHEST`].
@@ -73,7 +73,7 @@ struct Small<V> {
     inverse: bool,
 }
 
-/// The actual rotation relative to the ideal one.
+/// The actual rotation relative to the nominal one.
 trait Relative<V: Lanes>: Copy {
     fn none() -> Self;
     /// The error motion of six numbers; a number too large where the series are not good enough.
@@ -265,7 +265,7 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
         self.apply(&fixed.motion.splat(), &fixed.about);
     }
 
-    /// The axis turned further than the ideal one: by an angle that need not be small.
+    /// The axis turned further than the nominal one: by an angle that need not be small.
     #[inline(always)]
     fn further(&mut self, about: &About, angle: V, origin: &[f64; 3]) {
         let [x, y, z] = times(splat(&about.direction()), angle * V::splat(RADIAN));
@@ -276,7 +276,7 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
     }
 
     #[inline(always)]
-    fn link<I: Inputs<V>>(&mut self, link: &Link, axis: usize, location: Option<&Fixed>, inputs: I) {
+    fn link<I: Inputs<V>>(&mut self, link: &CompiledJoint, axis: usize, location: Option<&Fixed>, inputs: I) {
         let zero = V::splat(0.0);
         let (q, added) = (inputs.position(axis), inputs.added(axis));
         let there = match added {
@@ -338,7 +338,7 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
 /// The plan of the exact model.
 #[derive(Debug, Clone)]
 pub struct Exact {
-    links: Links,
+    chain: CompiledChain,
     locations: Vec<Option<Fixed>>,
     spindle: Option<Fixed>,
     clamping: Option<Fixed>,
@@ -346,27 +346,27 @@ pub struct Exact {
 
 impl Exact {
     /// `None` if a constant error is too large for the series.
-    pub fn new(links: Links) -> Option<Self> {
+    pub fn new(chain: CompiledChain) -> Option<Self> {
         let fixed = |placed: &Option<Placed>| match placed {
-            Some(placed) => Fixed::new(placed, links.linearised).map(Some),
+            Some(placed) => Fixed::new(placed, chain.linearised).map(Some),
             None => Some(None),
         };
         Some(Self {
-            locations: links.joints.iter().map(|link| fixed(&link.location)).collect::<Option<_>>()?,
-            spindle: fixed(&links.spindle)?,
-            clamping: fixed(&links.clamping)?,
-            links,
+            locations: chain.joints.iter().map(|link| fixed(&link.location)).collect::<Option<_>>()?,
+            spindle: fixed(&chain.spindle)?,
+            clamping: fixed(&chain.clamping)?,
+            chain,
         })
     }
 
     #[inline(always)]
     fn chain<V: Lanes, R: Relative<V>>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
-        let links = &self.links;
-        let mut state = State::<V, R>::at(splat(&links.tip), splat(&links.tool));
+        let chain = &self.chain;
+        let mut state = State::<V, R>::at(splat(&chain.tip), splat(&chain.tool));
         if let Some(spindle) = &self.spindle {
             state.fixed(spindle);
         }
-        for (axis, link) in links.joints.iter().enumerate().rev() {
+        for (axis, link) in chain.joints.iter().enumerate().rev() {
             state.link(link, axis, self.locations[axis].as_ref(), inputs);
         }
         if let Some(clamping) = &self.clamping {
@@ -380,7 +380,7 @@ impl Exact {
         let mut state = State::<f64, R>::at(point, [0.0; 3]);
         match section {
             Section::Joint(axis, at) => {
-                state.link(&self.links.joints[axis], axis, self.locations[axis].as_ref(), at);
+                state.link(&self.chain.joints[axis], axis, self.locations[axis].as_ref(), at);
             }
             Section::Spindle => self.spindle.iter().for_each(|spindle| state.fixed(spindle)),
             Section::Clamping => self.clamping.iter().for_each(|clamping| state.fixed(clamping)),
@@ -390,12 +390,12 @@ impl Exact {
 }
 
 impl Sections for Exact {
-    fn links(&self) -> &Links {
-        &self.links
+    fn chain(&self) -> &CompiledChain {
+        &self.chain
     }
 
     fn displaced(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
-        let (displacement, far) = match self.links.linearised {
+        let (displacement, far) = match self.chain.linearised {
             true => self.past::<Matrix<f64>>(section, point),
             false => self.past::<Quaternion<f64>>(section, point),
         };
@@ -408,12 +408,12 @@ impl Task for Exact {
     const ROOM: () = ();
 
     #[inline(always)]
-    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], _: &mut (), part: Part<'_>) {
-        look_up::<V>(&self.links, axes, part);
+    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], _: &mut (), part: Part<'_>) {
+        look_up::<V>(&self.chain, axes, part);
     }
 
     #[inline(always)]
     fn at<V: Lanes>(&self, _: &(), inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
-        if self.links.linearised { self.chain::<V, Matrix<V>>(inputs) } else { self.chain::<V, Quaternion<V>>(inputs) }
+        if self.chain.linearised { self.chain::<V, Matrix<V>>(inputs) } else { self.chain::<V, Quaternion<V>>(inputs) }
     }
 }

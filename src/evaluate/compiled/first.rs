@@ -6,10 +6,12 @@
 //! `delta + eps x (r - o)`: that is folded into the tables, and so are location errors.
 
 use super::batch::Task;
-use super::chain::{About, Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, plus_cross, splat};
+use super::chain::{
+    About, CompiledChain, CompiledJoint, Located, Motion, Placed, Vector, cross, minus, plus, plus_cross, splat,
+};
 use super::curves::{Curves, Six, splat_six};
 use super::lanes::Lanes;
-use super::lookup::{Ahead, CHUNK, Part, Scattered, Wanted};
+use super::lookup::{CHUNK, Lookup, LookupRequest, Part, Scattered};
 use super::steps::{self, Step, Sum};
 
 /// The plan of order 1.
@@ -62,14 +64,14 @@ fn sum(a: Option<Six>, b: Option<Six>) -> Option<Six> {
 
 impl FirstOrder {
     /// `None` where location errors count in the real part.
-    pub fn new(links: &Links) -> Option<Self> {
-        if links.real_locations {
+    pub fn new(chain: &CompiledChain) -> Option<Self> {
+        if chain.real_locations {
             return None;
         }
         // The constant twist on the workpiece's side of what comes next, from the workpiece on.
-        let mut pending = links.clamping.as_ref().map(placed);
+        let mut pending = chain.clamping.as_ref().map(placed);
         let mut joints: Vec<Joint> = Vec::new();
-        for link in &links.joints {
+        for link in &chain.joints {
             let [outer, inner] = constants(link);
             let sign = if link.inverse { -1.0 } else { 1.0 };
             let mut curves = link.curves.clone().mapped(|six| twist(six, &link.origin, sign));
@@ -93,14 +95,14 @@ impl FirstOrder {
                 bend: bend(link),
             });
         }
-        let end = sum(pending, links.spindle.as_ref().map(placed));
-        let point = minus(links.tip, steps::reference(&joints, joints.len()));
-        Some(Self { steps: steps::of(&joints, end), joints, point, tool: links.tool })
+        let end = sum(pending, chain.spindle.as_ref().map(placed));
+        let point = minus(chain.tip, steps::reference(&joints, joints.len()));
+        Some(Self { steps: steps::of(&joints, end), joints, point, tool: chain.tool })
     }
 
     /// A chunk of poses from the tool past all steps.
     #[inline(always)]
-    fn walk<V: Lanes>(&self, states: &mut States, axes: &[Ahead], part: Part<'_>) {
+    fn walk<V: Lanes>(&self, states: &mut States, axes: &[Lookup], part: Part<'_>) {
         states.begin::<V>(self, part.count);
         for step in &self.steps {
             if let Some(axis) = step.motion {
@@ -124,10 +126,10 @@ impl Task for FirstOrder {
     const ROOM: States = States::NONE;
 
     #[inline(always)]
-    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], states: &mut States, part: Part<'_>) {
+    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], states: &mut States, part: Part<'_>) {
         for axis in 0..axes.len() {
             let joint = &self.joints[axis];
-            axes[axis].look::<V>(Wanted { turns: joint.turns, curves: joint.curves.as_ref() }, axis, part);
+            axes[axis].look::<V>(LookupRequest { turns: joint.turns, curves: joint.curves.as_ref() }, axis, part);
         }
         for step in &self.steps {
             if let Some((axis, curves)) = &step.errors {
@@ -221,21 +223,21 @@ impl States {
 
     /// By a joint's own motion.
     #[inline(always)]
-    fn moved<V: Lanes>(&mut self, joint: &Joint, step: &Step, ahead: &Ahead, positions: &[f64]) {
+    fn moved<V: Lanes>(&mut self, joint: &Joint, step: &Step, lookup: &Lookup, positions: &[f64]) {
         match joint.motion {
             Motion::Slide(direction) => self.slid::<V>(&direction, joint.bend.as_ref(), step.rotated, positions),
             // Each by itself: the compiler leaves out what stays as it is.
             Motion::Turn(About::Principal(0, sense)) => {
-                self.turned::<V>(&About::Principal(0, sense), ahead, positions.len());
+                self.turned::<V>(&About::Principal(0, sense), lookup, positions.len());
             }
             Motion::Turn(About::Principal(1, sense)) => {
-                self.turned::<V>(&About::Principal(1, sense), ahead, positions.len());
+                self.turned::<V>(&About::Principal(1, sense), lookup, positions.len());
             }
             Motion::Turn(About::Principal(_, sense)) => {
-                self.turned::<V>(&About::Principal(2, sense), ahead, positions.len());
+                self.turned::<V>(&About::Principal(2, sense), lookup, positions.len());
             }
             Motion::Turn(About::Oblique(direction)) => {
-                self.turned::<V>(&About::Oblique(direction), ahead, positions.len());
+                self.turned::<V>(&About::Oblique(direction), lookup, positions.len());
             }
         }
         if let Some(shift) = &step.shift {
@@ -288,10 +290,10 @@ impl States {
 
     /// About an axis through the point of reference.
     #[inline(always)]
-    fn turned<V: Lanes>(&mut self, about: &About, ahead: &Ahead, count: usize) {
+    fn turned<V: Lanes>(&mut self, about: &About, lookup: &Lookup, count: usize) {
         let mut i = 0;
         while i < count {
-            let turn = ahead.turn::<V>(i);
+            let turn = lookup.turn::<V>(i);
             self.point.put(i, about.turned(turn, self.point.get(i)));
             self.displacement.put(i, about.turned(turn, self.displacement.get(i)));
             self.rotation.put(i, about.turned(turn, self.rotation.get(i)));
@@ -301,7 +303,7 @@ impl States {
 
     /// The errors of several axes, transposed once.
     #[inline(always)]
-    fn summed<V: Lanes>(&mut self, sum: &Sum, axes: &[Ahead], part: Part<'_>) {
+    fn summed<V: Lanes>(&mut self, sum: &Sum, axes: &[Lookup], part: Part<'_>) {
         let mut i = 0;
         while i < part.count {
             let mut rows = sum.first.1.rows::<V, CHUNK>(axes[sum.first.0].spots(i));
@@ -325,10 +327,10 @@ impl States {
     }
 
     #[inline(always)]
-    fn add_errors<V: Lanes>(&mut self, ahead: &Ahead, count: usize) {
+    fn add_errors<V: Lanes>(&mut self, lookup: &Lookup, count: usize) {
         let mut i = 0;
         while i < count {
-            self.add::<V>(i, ahead.errors(i));
+            self.add::<V>(i, lookup.errors(i));
             i += V::COUNT;
         }
     }
@@ -351,7 +353,7 @@ impl States {
 }
 
 /// Constant twists of a joint on the workpiece's side and on the tool's side.
-fn constants(link: &Link) -> [Option<Six>; 2] {
+fn constants(link: &CompiledJoint) -> [Option<Six>; 2] {
     let Some(location) = &link.location else { return [None, None] };
     match (link.located, link.motion) {
         (Located::Around, Motion::Slide(_)) => [None, None],
@@ -365,7 +367,7 @@ fn constants(link: &Link) -> [Option<Six>; 2] {
 }
 
 /// `eps x u`: the direction of an axis that is not square.
-fn bend(link: &Link) -> Option<[f64; 3]> {
+fn bend(link: &CompiledJoint) -> Option<[f64; 3]> {
     match (link.motion, &link.location) {
         (Motion::Slide(u), Some(location)) if link.located == Located::Around => {
             let [.., a, b, c] = location.six;

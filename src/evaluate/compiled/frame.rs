@@ -1,12 +1,12 @@
-//! Deviations in another frame: turned by the ideal rotations of the joints passed.
+//! Deviations in another frame: turned by the nominal rotations of the joints passed.
 
-use super::Plan;
+use super::CompiledModel;
 use super::batch::{Batch, Output, Slices};
 use super::chain::{About, Motion};
 use super::lanes::{Kernel, Lanes};
 use super::trigonometry::sin_cos;
 use crate::evaluate::Frame;
-use crate::lower::Ideal;
+use crate::lower::NominalPose;
 use crate::machine::Branch;
 
 struct Turned<'a, 'o> {
@@ -48,7 +48,7 @@ impl Turned<'_, '_> {
     }
 }
 
-impl Plan {
+impl CompiledModel {
     /// Turns deviations from the workpiece frame into another one.
     pub fn to_frame(&self, frame: Frame, poses: &Batch<'_>, mut out: Output<'_>) {
         let on_the_way = |axis: usize| match frame {
@@ -56,8 +56,8 @@ impl Plan {
             Frame::Machine => self.machine.axes()[axis].branch == Branch::Workpiece,
             Frame::Tool => true,
         };
-        let Some(links) = &self.links else { return self.to_frame_one_by_one(frame, poses, &mut out) };
-        let turns = links.joints.iter().enumerate().filter(|(axis, _)| on_the_way(*axis));
+        let Some(chain) = &self.chain else { return self.to_frame_one_by_one(frame, poses, &mut out) };
+        let turns = chain.joints.iter().enumerate().filter(|(axis, _)| on_the_way(*axis));
         let joints: Vec<(usize, About)> = turns
             .filter_map(|(axis, link)| if let Motion::Turn(about) = link.motion { Some((axis, about)) } else { None })
             .collect();
@@ -67,11 +67,11 @@ impl Plan {
 
     fn to_frame_one_by_one(&self, frame: Frame, poses: &Batch<'_>, out: &mut Output<'_>) {
         for i in 0..out.len() {
-            let ideal = Ideal::at(&self.machine, &poses.pose(i));
+            let nominal = NominalPose::at(&self.machine, &poses.pose(i));
             let rotation = match frame {
                 Frame::Workpiece => return,
-                Frame::Machine => ideal.r_work,
-                Frame::Tool => ideal.pose.linear.transpose(),
+                Frame::Machine => nominal.r_work,
+                Frame::Tool => nominal.pose.linear.transpose(),
             };
             for columns in [&mut out.position, &mut out.rotation] {
                 let turned = rotation * nalgebra::Vector3::from_fn(|k, _| columns[k][i]);

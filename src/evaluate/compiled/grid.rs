@@ -6,28 +6,28 @@
 
 use super::affine::Product;
 use super::batch::Output;
-use super::grid_lines::{Composed, Lines};
+use super::grid_lines::{GridLines, Lines};
 use super::lanes::run;
 use super::second::SecondOrder;
-use super::{Plan, Walk};
+use super::{CompiledModel, Walk};
 use crate::evaluate::Nodes;
 use rayon::prelude::*;
 
 /// A plan with the nodes of a grid.
 #[derive(Debug, Clone)]
-pub struct GridPlan {
-    plan: Plan,
+pub struct CompiledGrid {
+    plan: CompiledModel,
     counts: Vec<usize>,
-    composed: Box<Composed>,
+    composed: Box<GridLines>,
 }
 
 /// Lines that one thread does at a time, in nodes.
 const BLOCK: usize = 1 << 15;
 
 /// Nodes of all axes together of which 300 bytes each are kept.
-const MOST_KNOWN: usize = 1 << 16;
+const MAX_KNOWN: usize = 1 << 16;
 
-impl GridPlan {
+impl CompiledGrid {
     /// Nodes of a line: of the inner axis.
     pub fn line(&self) -> usize {
         self.counts.last().copied().unwrap_or(1)
@@ -66,22 +66,22 @@ impl GridPlan {
     }
 }
 
-impl Plan {
+impl CompiledModel {
     /// The plan on the nodes of a grid; `None` if it is not compiled or has no axes, where the errors of the exact model may turn by
     /// more than 0.3 rad together, and of axes with so many nodes that what is known at each of them had no end.
-    pub fn grid(&self, nodes: &Nodes) -> Option<GridPlan> {
+    pub fn grid(&self, nodes: &Nodes) -> Option<CompiledGrid> {
         let known = nodes.counts().fold(0, usize::saturating_add);
-        if known > MOST_KNOWN || nodes.counts().count() != self.machine.axes().len() {
+        if known > MAX_KNOWN || nodes.counts().count() != self.machine.axes().len() {
             return None;
         }
         let positions = nodes.positions();
         let composed = match &self.kernel {
-            Walk::First(_) => Composed::new(&SecondOrder::new(self.links.clone()?)?, Product::Nowhere, &positions),
-            Walk::Second(task) => Composed::new(task, Product::Second, &positions),
-            Walk::Exact(task) => Composed::new(task.as_ref(), Product::Whole, &positions),
+            Walk::First(_) => GridLines::new(&SecondOrder::new(self.chain.clone()?)?, Product::Nowhere, &positions),
+            Walk::Second(task) => GridLines::new(task, Product::Second, &positions),
+            Walk::Exact(task) => GridLines::new(task.as_ref(), Product::Whole, &positions),
             Walk::General => None,
         };
-        Some(GridPlan { plan: self.clone(), counts: nodes.counts().collect(), composed: Box::new(composed?) })
+        Some(CompiledGrid { plan: self.clone(), counts: nodes.counts().collect(), composed: Box::new(composed?) })
     }
 }
 

@@ -25,7 +25,7 @@ use super::trigonometry::sin_cos;
 
 /// A plan with the nodes of a grid.
 #[derive(Debug, Clone)]
-pub struct Composed {
+pub struct GridLines {
     product: Product,
     /// Is the rotation vector to be made of its sine?
     arc: bool,
@@ -50,11 +50,11 @@ const WIDEST: f64 = 0.3;
 /// asin s / s by powers of s^2, up to the sine of [`WIDEST`].
 const ARCSINE: [f64; 14] = arcsine();
 
-impl Composed {
+impl GridLines {
     /// On the nodes of a grid: their positions, axis by axis. `None` without axes, and where the errors together might turn
     /// by more than the series can bear.
     pub fn new(sections: &impl Sections, product: Product, positions: &[Vec<f64>]) -> Option<Self> {
-        let links = sections.links();
+        let chain = sections.chain();
         let (spindle, clamping) = (Affine::of(sections, Section::Spindle)?, Affine::of(sections, Section::Clamping)?);
         let mut outer: Vec<Vec<Affine>> = Vec::new();
         for (axis, positions) in positions.iter().enumerate() {
@@ -62,13 +62,13 @@ impl Composed {
             outer.push(positions.iter().map(at).collect::<Option<_>>()?);
         }
         let inner: Vec<Affine> = outer.pop()?.iter().map(|joint| joint.times(&spindle, product)).collect();
-        let arc = product == Product::Whole && !links.linearised;
+        let arc = product == Product::Whole && !chain.linearised;
         let widest = |nodes: &Vec<Affine>| nodes.iter().map(Affine::angle).fold(0.0, f64::max);
         let angle = clamping.angle() + outer.iter().map(widest).sum::<f64>() + widest(&inner);
         if arc && angle > WIDEST {
             return None;
         }
-        let inner = Inner::new(&inner, links.tool, product);
+        let inner = Inner::new(&inner, chain.tool, product);
         Some(Self { product, arc, clamping, outer, inner })
     }
 
@@ -83,7 +83,7 @@ impl Composed {
 
 fn node(sections: &impl Sections, axis: usize, position: f64) -> Node {
     let turn = sin_cos(position);
-    let curves = sections.links().joints[axis].wanted().curves;
+    let curves = sections.chain().joints[axis].wanted().curves;
     Node { position, turn, six: curves.map_or([0.0; 6], |curves| curves.alone(position, turn)) }
 }
 
@@ -100,7 +100,7 @@ impl Inner {
             }
         };
         let displaced = |node: &Affine| node.displaced(tool, product);
-        padded(&mut inner.displacement, &|node| node.ideal.shift);
+        padded(&mut inner.displacement, &|node| node.nominal.shift);
         match product {
             Product::Nowhere => {
                 padded(&mut inner.displacement, &|node| displaced(node)[0]);
@@ -126,7 +126,7 @@ impl Inner {
 /// Whole lines of a grid.
 pub struct Lines<'a, 'o> {
     /// The grid.
-    pub grid: &'a Composed,
+    pub grid: &'a GridLines,
     /// The first line, by the node of every outer axis.
     pub first: Vec<usize>,
     /// As many lines as there is room for.
@@ -172,7 +172,7 @@ struct Whole<const ARC: bool>;
 impl Order<6, 3> for First {
     #[inline(always)]
     fn line(outer: &Affine) -> Line<6, 3> {
-        let ([a, b, c], displaced) = (outer.ideal.columns, &outer.displacement[0]);
+        let ([a, b, c], displaced) = (outer.nominal.columns, &outer.displacement[0]);
         let [g, h, i] = displaced.columns;
         Line {
             displacement: [g, h, i, a, b, c],
@@ -186,7 +186,7 @@ impl Order<6, 3> for First {
 impl Order<9, 6> for Second {
     #[inline(always)]
     fn line(outer: &Affine) -> Line<9, 6> {
-        let ([a, b, c], [first, second]) = (outer.ideal.columns, &outer.displacement);
+        let ([a, b, c], [first, second]) = (outer.nominal.columns, &outer.displacement);
         let ([d, e, f], sum) = (first.columns, second.plus(first));
         let [g, h, i] = sum.columns;
         let [w, ww] = outer.rotation();
@@ -205,9 +205,9 @@ impl<const ARC: bool> Order<6, 9> for Whole<ARC> {
     fn line(outer: &Affine) -> Line<6, 9> {
         let displaced = &outer.displacement[0];
         let [g, h, i] = displaced.columns;
-        let Linear { columns: [a, b, c], .. } = outer.ideal.plus(displaced);
+        let Linear { columns: [a, b, c], .. } = outer.nominal.plus(displaced);
         // The axial vector of u v^T is v x u / 2.
-        let [p, q, r] = outer.ideal.columns.map(|column| times(column, 0.5));
+        let [p, q, r] = outer.nominal.columns.map(|column| times(column, 0.5));
         let rotation = [
             cross(p, a),
             cross(p, b),

@@ -42,7 +42,7 @@ impl Cells {
 pub type Found<V> = ([u32; MOST], V, V);
 
 /// Cells are at most so many times the intervals.
-const MOST_CELLS: usize = 4;
+const MAX_CELLS: usize = 4;
 
 impl Intervals {
     /// Between knots that rise; there are at least two.
@@ -54,7 +54,7 @@ impl Intervals {
             return Self::Even { per_unit: count as f64 / span, last: (count - 1) as f64, width: span / count as f64 };
         }
         let mut cells = count;
-        while cells <= MOST_CELLS * count {
+        while cells <= MAX_CELLS * count {
             if let Some(rows) = (0..cells).map(|cell| row(knots, (cell, cells))).collect() {
                 return Self::Apart { cells: Cells::new(cells, span), rows };
             }
@@ -159,7 +159,7 @@ mod tests {
         for count in [3, 21, 128, 4097] {
             let knots = jittered(count);
             let Intervals::Apart { cells, rows } = Intervals::new(&knots) else { panic!("{count}") };
-            assert!(rows.len() <= MOST_CELLS * count);
+            assert!(rows.len() <= MAX_CELLS * count);
             agrees(&knots, |x| {
                 let (at, share, width) = apart(&rows, &cells.of(x - knots[0]), x);
                 (at[0], share, width)

@@ -7,7 +7,7 @@
 //! (6 % less time); order 1, which sums them, does not: its walk is short, and the stores would take what is won.
 
 use super::batch::Slices;
-use super::chain::Links;
+use super::chain::CompiledChain;
 use super::curves::{Curves, Spots};
 use super::lanes::Lanes;
 use super::trigonometry::{sin_cos, sines_cosines};
@@ -18,7 +18,7 @@ pub const CHUNK: usize = 32;
 /// Of one axis, at the poses of a chunk.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
-pub struct Ahead {
+pub struct Lookup {
     spots: Spots<CHUNK>,
     sine: [f64; CHUNK],
     cosine: [f64; CHUNK],
@@ -47,21 +47,21 @@ impl Part<'_> {
 
 /// What a walk wants to know at an axis.
 #[derive(Debug, Clone, Copy)]
-pub struct Wanted<'a> {
+pub struct LookupRequest<'a> {
     /// The sine and cosine of the position?
     pub turns: bool,
     /// These curves at it.
     pub curves: Option<&'a Curves>,
 }
 
-impl Ahead {
+impl Lookup {
     /// Of nothing yet.
     pub const NONE: Self =
         Self { spots: Spots::NONE, sine: [0.0; CHUNK], cosine: [0.0; CHUNK], errors: [[0.0; CHUNK]; 6] };
 
     /// Sines, cosines and places of an axis.
     #[inline(always)]
-    pub fn look<V: Lanes>(&mut self, wanted: Wanted<'_>, axis: usize, part: Part<'_>) {
+    pub fn look<V: Lanes>(&mut self, wanted: LookupRequest<'_>, axis: usize, part: Part<'_>) {
         let positions = part.positions(axis);
         if wanted.turns {
             self.turns::<V>(positions);
@@ -170,7 +170,7 @@ pub struct Scattered<'a> {
     /// The first pose of the vector.
     pub at: usize,
     /// What was found out, by axis.
-    pub axes: &'a [Ahead],
+    pub axes: &'a [Lookup],
     /// The first pose within the chunk.
     pub i: usize,
 }
@@ -202,9 +202,9 @@ impl<V: Lanes> Inputs<V> for Scattered<'_> {
 
 /// What orders 2 and exact find out ahead: everything that their walk reads.
 #[inline(always)]
-pub fn look_up<V: Lanes>(links: &Links, axes: &mut [Ahead], part: Part<'_>) {
+pub fn look_up<V: Lanes>(chain: &CompiledChain, axes: &mut [Lookup], part: Part<'_>) {
     for axis in 0..axes.len() {
-        let wanted = links.joints[axis].wanted();
+        let wanted = chain.joints[axis].wanted();
         axes[axis].look::<V>(wanted, axis, part);
         if let Some(curves) = wanted.curves {
             axes[axis].six::<V>(curves, axis, part);

@@ -3,13 +3,13 @@
 //! The general algebra of [`lower`](crate::lower) defines the result; a plan gives the same numbers at the speed of
 //! the vector unit. Compilation goes once through the chain:
 //!
-//! 1. `links`: geometry and conventions become joints with motions, and points about which errors turn;
+//! 1. `chain`: geometry and conventions become joints with motions, and points about which errors turn;
 //! 2. `curves`: the six curves of an axis become one table that is read row by row;
 //! 3. `first`, `second`, `exact`: the joints become the walk of one order, constants folded, and at order 1 (`steps`) neighbouring
 //!    axes summed.
 //!
 //! Running is a walk from the tool to the workpiece, many poses abreast (`lanes`); what does not depend on the walk, such as the
-//! places of positions in the tables, is found out a chunk of poses ahead (`ahead`).
+//! places of positions in the tables, is found out a chunk of poses ahead (`lookup`).
 //!
 //! What is promised: numbers do not depend on the vector width nor on the number of threads, to the bit. They agree with
 //! [`evaluate`](super::evaluate()) up to rounding: order 1 to 1e-12 of the batch's largest deviation; the others to 1e-12
@@ -44,35 +44,35 @@ mod trigonometry;
 mod width;
 
 pub use batch::{Batch, Columns, Output, PoseColumns};
-pub use grid::GridPlan;
+pub use grid::CompiledGrid;
 pub use sensitivity::{Normal, Unknown};
 pub use width::Width;
 
 use super::{Deviation, Frame, Order, command_deviation, evaluate};
-use crate::lower::Ideal;
+use crate::lower::NominalPose;
 use crate::machine::{Approach, Machine};
 use batch::{Pass, Slices};
-use chain::Links;
+use chain::CompiledChain;
 
 /// Axes that kernels have room for; longer chains go through the general algebra.
-const MOST_AXES: usize = 16;
+const MAX_AXES: usize = 16;
 
 /// Poses that one thread does at a time, at least.
 const BLOCK: usize = 4096;
 
 /// Of a larger batch that many pieces are made, so that threads end together; but none is of more blocks than this.
 const PIECES: usize = 64;
-const MOST_BLOCKS: usize = 8;
+const MAX_BLOCKS: usize = 8;
 
 /// A machine compiled for an order and a side of approach. Deviations are those of the workpiece frame.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct CompiledModel {
     machine: Machine,
     order: Order,
     approach: Approach,
     width: Width,
     /// `None` if the chain cannot be compiled.
-    links: Option<Links>,
+    chain: Option<CompiledChain>,
     kernel: Walk,
 }
 
@@ -85,18 +85,18 @@ enum Walk {
     General,
 }
 
-impl Plan {
+impl CompiledModel {
     /// Compiles. The machine is copied: a plan stands alone.
     pub fn new(machine: &Machine, order: Order, approach: Approach) -> Self {
-        let links = Links::new(machine, approach).filter(|links| links.joints.len() <= MOST_AXES);
-        let kernel = links.as_ref().and_then(|links| match order {
-            Order::Degree(0 | 1) => first::FirstOrder::new(links).map(Walk::First),
-            Order::Degree(2) => second::SecondOrder::new(links.clone()).map(Walk::Second),
+        let chain = CompiledChain::new(machine, approach).filter(|chain| chain.joints.len() <= MAX_AXES);
+        let kernel = chain.as_ref().and_then(|chain| match order {
+            Order::Degree(0 | 1) => first::FirstOrder::new(chain).map(Walk::First),
+            Order::Degree(2) => second::SecondOrder::new(chain.clone()).map(Walk::Second),
             Order::Degree(_) => None,
-            Order::Exact => exact::Exact::new(links.clone()).map(|exact| Walk::Exact(Box::new(exact))),
+            Order::Exact => exact::Exact::new(chain.clone()).map(|exact| Walk::Exact(Box::new(exact))),
         });
         let kernel = kernel.unwrap_or(Walk::General);
-        Self { machine: machine.clone(), order, approach, width: Width::widest(), links, kernel }
+        Self { machine: machine.clone(), order, approach, width: Width::widest(), chain, kernel }
     }
 
     /// The same plan with narrower vectors; one that the processor has not is the scalar one.
@@ -134,7 +134,7 @@ impl Plan {
     /// The same on all threads of rayon's pool.
     pub fn deviations_parallel(&self, poses: &Batch<'_>, out: Output<'_>) {
         let whole = poses.len().min(out.len());
-        let piece = (whole / PIECES).clamp(BLOCK, MOST_BLOCKS * BLOCK).next_multiple_of(BLOCK);
+        let piece = (whole / PIECES).clamp(BLOCK, MAX_BLOCKS * BLOCK).next_multiple_of(BLOCK);
         self.parallel(poses, out, piece, whole);
     }
 
@@ -148,7 +148,7 @@ impl Plan {
         rayon::join(|| self.parallel(&low, low_out, piece, whole), || self.parallel(&high, high_out, piece, whole));
     }
 
-    /// Exact deviations of commands, `added` to the positions, from where the ideal machine would be without: what is left
+    /// Exact deviations of commands, `added` to the positions, from where the nominal machine would be without: what is left
     /// of a correction. `None` unless the order is exact.
     pub fn commanded(&self, poses: &Batch<'_>, added: &Batch<'_>, out: Output<'_>) -> Option<()> {
         let fits = self.order == Order::Exact && added.len() == poses.len() && added.axes().len() == poses.axes().len();
@@ -185,7 +185,7 @@ impl Plan {
                 self.general(&pose)
             } else {
                 let command: Vec<f64> = pose.iter().zip(poses.added).map(|(q, column)| q + column[index]).collect();
-                command_deviation(&self.machine, &Ideal::at(&self.machine, &pose).pose, &command, self.approach)
+                command_deviation(&self.machine, &NominalPose::at(&self.machine, &pose).pose, &command, self.approach)
             };
             out.put(index, &deviation);
         }

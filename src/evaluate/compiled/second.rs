@@ -7,16 +7,17 @@
 use super::affine::{Section, Sections};
 use super::batch::Task;
 use super::chain::{
-    About, Link, Links, Located, Motion, Placed, Vector, cross, minus, plus, plus_cross, plus_times, slid, splat, times,
+    About, CompiledChain, CompiledJoint, Located, Motion, Placed, Vector, cross, minus, plus, plus_cross, plus_times,
+    slid, splat, times,
 };
 use super::curves::splat_six;
 use super::lanes::Lanes;
-use super::lookup::{Ahead, Inputs, Part, Scattered, look_up};
+use super::lookup::{Inputs, Lookup, Part, Scattered, look_up};
 
 /// The plan of order 2.
 #[derive(Debug, Clone)]
 pub struct SecondOrder {
-    links: Links,
+    chain: CompiledChain,
 }
 
 /// What is carried from the tool to the workpiece: by degree.
@@ -31,10 +32,10 @@ struct State<V> {
 impl<V: Lanes> State<V> {
     /// A point and its displacement, before any rotation.
     #[inline(always)]
-    fn at(links: &Links, point: Vector<V>, displacement: Vector<V>) -> Self {
+    fn at(chain: &CompiledChain, point: Vector<V>, displacement: Vector<V>) -> Self {
         let zero = [V::splat(0.0); 3];
         // exp: 1/2 and 1/2; 1 + hat: none, and 1 in its inverse.
-        let squares = if links.linearised { [0.0, 1.0] } else { [0.5, 0.5] };
+        let squares = if chain.linearised { [0.0, 1.0] } else { [0.5, 0.5] };
         Self {
             point,
             displacement: [displacement, zero],
@@ -92,7 +93,7 @@ impl<V: Lanes> State<V> {
     }
 
     #[inline(always)]
-    fn link<I: Inputs<V>>(&mut self, link: &Link, axis: usize, inputs: I) {
+    fn link<I: Inputs<V>>(&mut self, link: &CompiledJoint, axis: usize, inputs: I) {
         let zero = V::splat(0.0);
         let q = inputs.position(axis);
         let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
@@ -120,22 +121,22 @@ impl<V: Lanes> State<V> {
 
 impl SecondOrder {
     /// `None` where location errors count in the real part.
-    pub fn new(links: Links) -> Option<Self> {
-        (!links.real_locations).then_some(Self { links })
+    pub fn new(chain: CompiledChain) -> Option<Self> {
+        (!chain.real_locations).then_some(Self { chain })
     }
 }
 
 impl Sections for SecondOrder {
-    fn links(&self) -> &Links {
-        &self.links
+    fn chain(&self) -> &CompiledChain {
+        &self.chain
     }
 
     fn displaced(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
-        let mut state = State::at(&self.links, point, [0.0; 3]);
+        let mut state = State::at(&self.chain, point, [0.0; 3]);
         match section {
-            Section::Joint(axis, at) => state.link(&self.links.joints[axis], axis, at),
-            Section::Spindle => self.links.spindle.iter().for_each(|spindle| state.placed(spindle, false)),
-            Section::Clamping => self.links.clamping.iter().for_each(|clamping| state.placed(clamping, false)),
+            Section::Joint(axis, at) => state.link(&self.chain.joints[axis], axis, at),
+            Section::Spindle => self.chain.spindle.iter().for_each(|spindle| state.placed(spindle, false)),
+            Section::Clamping => self.chain.clamping.iter().for_each(|clamping| state.placed(clamping, false)),
         }
         (state.displacement, 0.0)
     }
@@ -146,21 +147,21 @@ impl Task for SecondOrder {
     const ROOM: () = ();
 
     #[inline(always)]
-    fn ahead<V: Lanes>(&self, axes: &mut [Ahead], _: &mut (), part: Part<'_>) {
-        look_up::<V>(&self.links, axes, part);
+    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], _: &mut (), part: Part<'_>) {
+        look_up::<V>(&self.chain, axes, part);
     }
 
     #[inline(always)]
     fn at<V: Lanes>(&self, _: &(), inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
-        let links = &self.links;
-        let mut state = State::<V>::at(links, splat(&links.tip), splat(&links.tool));
-        if let Some(spindle) = &links.spindle {
+        let chain = &self.chain;
+        let mut state = State::<V>::at(chain, splat(&chain.tip), splat(&chain.tool));
+        if let Some(spindle) = &chain.spindle {
             state.placed(spindle, false);
         }
-        for (axis, link) in links.joints.iter().enumerate().rev() {
+        for (axis, link) in chain.joints.iter().enumerate().rev() {
             state.link(link, axis, inputs);
         }
-        if let Some(clamping) = &links.clamping {
+        if let Some(clamping) = &chain.clamping {
             state.placed(clamping, false);
         }
         let [d, dd] = state.displacement;

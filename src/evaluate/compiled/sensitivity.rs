@@ -1,14 +1,16 @@
 //! First-order sensitivities over a batch, and the normal equations of a fit.
 //!
-//! A unit error at a joint is a twist in the ideal frame of that joint: from the frames of the chain, which all sources
+//! A unit error at a joint is a twist in the nominal frame of that joint: from the frames of the chain, which all sources
 //! share, each source costs one cross product.
 
 use super::batch::{Batch, Output, Slices};
-use super::chain::{Link, Links, Located, Motion, Vector, cross, minus, plus, plus_times, splat, times};
+use super::chain::{
+    CompiledChain, CompiledJoint, Located, Motion, Vector, cross, minus, plus, plus_times, splat, times,
+};
 use super::lanes::{Kernel, Lanes};
 use super::trigonometry::sin_cos;
-use super::{MOST_AXES, Plan};
-use crate::lower::{Place, Source};
+use super::{CompiledModel, MAX_AXES};
+use crate::lower::{ErrorSite, Source};
 use rayon::prelude::*;
 
 /// A unit error, compiled.
@@ -27,25 +29,25 @@ enum Response {
 }
 
 impl Response {
-    fn new(links: &Links, source: Source, origin: [f64; 3], gauge: [f64; 3]) -> Self {
+    fn new(chain: &CompiledChain, source: Source, origin: [f64; 3], gauge: [f64; 3]) -> Self {
         let direction = source.direction.index();
-        let last = links.joints.len();
+        let last = chain.joints.len();
         match source.place {
-            Place::Workpiece => Self::Twist { frame: 0, about: origin, sign: -1.0, direction },
-            Place::Tool if direction < 3 => Self::Tip { direction },
-            Place::Tool => Self::Nothing,
-            Place::Component(i) => links.joints.get(i).map_or(Self::Nothing, |link| {
+            ErrorSite::Workpiece => Self::Twist { frame: 0, about: origin, sign: -1.0, direction },
+            ErrorSite::Tool if direction < 3 => Self::Tip { direction },
+            ErrorSite::Tool => Self::Nothing,
+            ErrorSite::Component(i) => chain.joints.get(i).map_or(Self::Nothing, |link| {
                 let frame = if link.outside { i } else { i + 1 };
                 Self::Twist { frame, about: link.origin, sign: sign(link.inverse), direction }
             }),
-            Place::Location(i) => match links.joints.get(i) {
+            ErrorSite::Location(i) => match chain.joints.get(i) {
                 Some(link) => Self::location(link, i, direction),
                 None => Self::Twist { frame: last, about: gauge, sign: 1.0, direction },
             },
         }
     }
 
-    fn location(link: &Link, axis: usize, direction: usize) -> Self {
+    fn location(link: &CompiledJoint, axis: usize, direction: usize) -> Self {
         let (about, frame) = (link.origin, axis);
         match (link.located, link.motion) {
             (Located::Around, Motion::Slide(_)) if direction < 3 => Self::Nothing,
@@ -64,11 +66,11 @@ fn sign(inverse: bool) -> f64 {
     if inverse { -1.0 } else { 1.0 }
 }
 
-/// Ideal frames of the chain: images of the unit vectors and of the machine's zero point.
-type Frames<V> = [([Vector<V>; 3], Vector<V>); MOST_AXES + 1];
+/// Nominal frames of the chain: images of the unit vectors and of the machine's zero point.
+type Frames<V> = [([Vector<V>; 3], Vector<V>); MAX_AXES + 1];
 
 struct Sensitivities<'a, 'o> {
-    links: &'a Links,
+    chain: &'a CompiledChain,
     responses: &'a [Response],
     poses: Slices<'a>,
     count: usize,
@@ -94,8 +96,8 @@ impl Sensitivities<'_, '_> {
     #[inline(always)]
     fn step<V: Lanes>(&mut self, at: usize) {
         let frames = self.frames::<V>(at);
-        let last = &frames[self.links.joints.len()];
-        let tip = image(last, &self.links.tip);
+        let last = &frames[self.chain.joints.len()];
+        let tip = image(last, &self.chain.tip);
         for (index, response) in self.responses.iter().enumerate() {
             let (d, w) = self.response(response, &frames, tip, at);
             let out = &mut self.out[index];
@@ -110,8 +112,8 @@ impl Sensitivities<'_, '_> {
     fn frames<V: Lanes>(&self, at: usize) -> Frames<V> {
         let zero = V::splat(0.0);
         let unit: [Vector<V>; 3] = [splat(&[1.0, 0.0, 0.0]), splat(&[0.0, 1.0, 0.0]), splat(&[0.0, 0.0, 1.0])];
-        let mut frames = [(unit, [zero; 3]); MOST_AXES + 1];
-        for (axis, link) in self.links.joints.iter().enumerate() {
+        let mut frames = [(unit, [zero; 3]); MAX_AXES + 1];
+        for (axis, link) in self.chain.joints.iter().enumerate() {
             let q = V::load(&self.poses.axes[axis][at..]);
             let (columns, place) = frames[axis];
             frames[axis + 1] = match &link.motion {
@@ -156,7 +158,7 @@ impl Sensitivities<'_, '_> {
                 let q = V::load(&self.poses.axes[*axis][at..]);
                 (times(combined(&frames[*axis].0, splat(by)), q), zero)
             }
-            Response::Tip { direction } => (frames[self.links.joints.len()].0[*direction], zero),
+            Response::Tip { direction } => (frames[self.chain.joints.len()].0[*direction], zero),
             Response::Nothing => (zero, zero),
         }
     }
@@ -205,17 +207,17 @@ pub struct Normal {
 /// Poses whose products are summed by themselves: the sums do not depend on the threads.
 const PIECE: usize = 2048;
 
-impl Plan {
+impl CompiledModel {
     /// What a unit of each source (1 mm, 1 rad) does to first order, at every pose, in the workpiece frame: the same as
     /// [`sensitivities`](crate::lower::sensitivities). One output for each source. `None` for chains that are not compiled.
     pub fn sensitivities(&self, poses: &Batch<'_>, sources: &[Source], out: &mut [Output<'_>]) -> Option<()> {
-        let links = self.links.as_ref()?;
+        let chain = self.chain.as_ref()?;
         let count = out.iter().map(|out| out.len()).min().unwrap_or(0).min(poses.len());
         let (origin, gauge) = (self.machine.workpiece(), self.machine.tool().gauge);
         let responses: Vec<Response> =
-            sources.iter().map(|source| Response::new(links, *source, origin, gauge)).collect();
+            sources.iter().map(|source| Response::new(chain, *source, origin, gauge)).collect();
         let poses = Slices { axes: poses.axes(), added: &[], whole: poses.len() };
-        super::lanes::run(self.width, Sensitivities { links, responses: &responses, poses, count, out });
+        super::lanes::run(self.width, Sensitivities { chain, responses: &responses, poses, count, out });
         Some(())
     }
 
@@ -228,7 +230,7 @@ impl Plan {
         measured: [&[f64]; 3],
     ) -> Option<Normal> {
         let lengths = unknowns.iter().filter_map(|u| u.basis).chain(measured).map(<[f64]>::len);
-        if self.links.is_none() || !lengths.into_iter().all(|len| len == poses.len()) {
+        if self.chain.is_none() || !lengths.into_iter().all(|len| len == poses.len()) {
             return None;
         }
         let starts: Vec<usize> = (0..poses.len()).step_by(PIECE).collect();

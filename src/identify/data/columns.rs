@@ -1,7 +1,7 @@
 //! The header of a file of measurements: which column holds what.
 
 use crate::diagnostic::{did_you_mean, shown};
-use crate::lower::{Place, Source};
+use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, AxisKind, Machine, parse_error_name};
 use crate::syntax::sheet;
 use crate::units::{self, Dimension};
@@ -142,7 +142,7 @@ pub fn columns(machine: &Machine, header: &str, separator: char) -> Result<(Vec<
 /// A component error is nothing without the position of its own axis.
 fn positions(machine: &Machine, columns: &[Column]) -> Result<(), String> {
     for column in columns {
-        let Column::Error(Source { place: Place::Component(axis), .. }, ..) = *column else { continue };
+        let Column::Error(Source { place: ErrorSite::Component(axis), .. }, ..) = *column else { continue };
         if !columns.iter().any(|known| matches!(known, Column::Axis(known, _) if *known == axis)) {
             let axis = &machine.axes()[axis].name;
             return Err(format!("errors of `{axis}` are read at positions of `{axis}`: there is no column `{axis}`"));
@@ -255,7 +255,11 @@ fn error(machine: &Machine, name: &str, unit: Option<&str>) -> Result<Column, St
         Ok((factor, dimension))
             if dimension == wanted || (dimension == Dimension::RATIO && wanted == Dimension::ANGLE) =>
         {
-            Ok(Column::Error(Source { place: Place::Component(axis), direction: error.direction }, approach, factor))
+            Ok(Column::Error(
+                Source { place: ErrorSite::Component(axis), direction: error.direction },
+                approach,
+                factor,
+            ))
         }
         _ => Err(format!("`{}` is not a unit of `{error}`", shown(unit))),
     }

@@ -79,7 +79,7 @@ pub enum End {
 
 /// The kinds of rows, in the words of the reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum ReadingKind {
     /// dx, dy, dz.
     Deviation,
     /// The same relative to the first reading.
@@ -94,7 +94,7 @@ pub enum Kind {
     Angle,
 }
 
-impl Kind {
+impl ReadingKind {
     /// The unit in which people read it, and how many of it a mm of [`Reading`] is.
     pub fn unit(self) -> (&'static str, f64) {
         if self == Self::Angle { ("urad", 1e6 / lever(Direction::A)) } else { ("um", 1e3) }
@@ -143,14 +143,14 @@ impl Measurement {
     }
 
     /// What kind of row it is.
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> ReadingKind {
         match &self.reading {
-            Reading::Deviation { zero: [None, None, None], .. } => Kind::Deviation,
-            Reading::Deviation { .. } => Kind::Relative,
-            Reading::Distance { .. } => Kind::Length,
-            Reading::Along { .. } => Kind::Line,
-            Reading::Error { source, .. } if source.direction.is_rotation() => Kind::Angle,
-            Reading::Error { .. } => Kind::Error,
+            Reading::Deviation { zero: [None, None, None], .. } => ReadingKind::Deviation,
+            Reading::Deviation { .. } => ReadingKind::Relative,
+            Reading::Distance { .. } => ReadingKind::Length,
+            Reading::Along { .. } => ReadingKind::Line,
+            Reading::Error { source, .. } if source.direction.is_rotation() => ReadingKind::Angle,
+            Reading::Error { .. } => ReadingKind::Error,
         }
     }
 }

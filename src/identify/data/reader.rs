@@ -6,7 +6,7 @@ use super::station;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, did_you_mean, shown};
 use crate::evaluate::Frame;
 use crate::identify::model::parameter::lever;
-use crate::lower::{Ideal, Source};
+use crate::lower::{NominalPose, Source};
 use crate::machine::{Approach, Direction, Machine, Pose};
 use crate::syntax::Files;
 use crate::syntax::sheet::{self, Decimals, Line, read_sheet};
@@ -254,7 +254,7 @@ impl Reader<'_> {
 
     /// The nominal functional point of a row, from the workpiece origin.
     fn nominal(&self, row: &Measurement, pose: &[f64]) -> Vector3<f64> {
-        Ideal::at(&self.machines[row.tool], pose).pose.translation
+        NominalPose::at(&self.machines[row.tool], pose).pose.translation
     }
 
     fn rows(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {

@@ -1,6 +1,6 @@
 //! Poses that were measured more than once: how well they repeat, and whether they contradict each other.
 
-use super::measurement::{Kind, Measurement, Reading};
+use super::measurement::{Measurement, Reading, ReadingKind};
 use std::collections::BTreeMap;
 
 /// A difference beyond so many standard deviations of what the other repeats differ by is a contradiction.
@@ -16,7 +16,7 @@ const PAIRS: usize = 6;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Repeats {
     /// Of which readings.
-    pub of: Kind,
+    pub of: ReadingKind,
     /// Standard deviation of a reading of weight 1 (mm).
     pub sigma: f64,
     /// Degrees of freedom that it rests on.
@@ -33,7 +33,7 @@ pub struct Repeats {
 type One = (usize, f64, f64);
 
 /// Readings of one component (absolute, or of one run) in one pose, from one side, with one tool.
-fn groups(data: &[Measurement], kind: Kind) -> Vec<Vec<One>> {
+fn groups(data: &[Measurement], kind: ReadingKind) -> Vec<Vec<One>> {
     let mut groups: BTreeMap<(Vec<u64>, usize, Option<usize>), Vec<One>> = BTreeMap::new();
     for (row, m) in data.iter().enumerate().filter(|(_, m)| m.kind() == kind) {
         let Reading::Deviation { values, zero, .. } = &m.reading else { continue };
@@ -65,10 +65,10 @@ fn apart(group: &[One]) -> (One, One, f64) {
 
 /// How poses repeat that were measured more than once, deviations and relative ones each for themselves.
 pub fn repeats(data: &[Measurement]) -> Vec<Repeats> {
-    [Kind::Deviation, Kind::Relative].into_iter().filter_map(|kind| repeats_of(data, kind)).collect()
+    [ReadingKind::Deviation, ReadingKind::Relative].into_iter().filter_map(|kind| repeats_of(data, kind)).collect()
 }
 
-fn repeats_of(data: &[Measurement], of: Kind) -> Option<Repeats> {
+fn repeats_of(data: &[Measurement], of: ReadingKind) -> Option<Repeats> {
     let groups = groups(data, of);
     let (mut sum, mut freedom) = (0.0, 0);
     for group in &groups {

@@ -4,7 +4,7 @@
 
 use super::prediction::{Model, masked};
 use crate::algebra::linear::{Svd, Triangle};
-use crate::identify::data::measurement::{Kind, Measurement};
+use crate::identify::data::measurement::{Measurement, ReadingKind};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
@@ -65,7 +65,7 @@ fn monomials(count: usize) -> Vec<Monomial> {
 
 /// The fit of each component that was measured. Rows other than deviations are not in the papers: `None`.
 pub fn moore_penrose(model: &Model<'_>, data: &[Measurement]) -> Option<Vec<Component>> {
-    if !data.iter().all(|m| m.kind() == Kind::Deviation) {
+    if !data.iter().all(|m| m.kind() == ReadingKind::Deviation) {
         return None;
     }
     let list = monomials(model.own());

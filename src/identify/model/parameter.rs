@@ -1,6 +1,6 @@
 //! What is fitted: each parameter moves one or more error sources, each by a basis function of the axis position.
 
-use crate::lower::{Place, Source};
+use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, AxisKind, Curve, Direction, Knots, Machine, sin_cos_degrees};
 
 /// Lever (mm) by which a rotation counts as a displacement where sizes of unlike parameters are compared.
@@ -111,7 +111,7 @@ impl Parameter {
         let (unit, mut factor) = if rotation { ("urad", 1e6) } else { ("um", 1e3) };
         let mut size = lever(main.direction);
         let mut per = "";
-        if let (Place::Component(i), 1..) = (main.place, power) {
+        if let (ErrorSite::Component(i), 1..) = (main.place, power) {
             let axis = &machine.axes()[i];
             let (min, max) = axis.travel.interval();
             let reach = min.abs().max(max.abs()).max(1.0);

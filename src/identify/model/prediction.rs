@@ -6,7 +6,9 @@ use crate::algebra::linear::{Reduced, Triangle};
 use crate::algebra::{Algebra, Dual};
 use crate::evaluate::{Frame, Order};
 use crate::identify::data::measurement::{End, Measurement, Reading};
-use crate::lower::{ErrorLift, Exact, Ideal, OrderN, Place, Source, Values, point, tangents, values};
+use crate::lower::{
+    ErrorLift, ErrorSite, ErrorValues, Exact, NominalPose, OrderN, Source, point, position_jacobian, values,
+};
 use crate::machine::{Approach, LocationOrder, Machine};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rayon::prelude::*;
@@ -84,7 +86,7 @@ impl<'a> Model<'a> {
     pub fn new(machine: &Machine, parameters: &'a [Parameter]) -> Self {
         let (mut sources, mut functions) = (Vec::new(), vec![(0, Basis::Constant)]);
         let mut link = |parameter: usize, term: &Term| {
-            let axis = if let Place::Component(axis) = term.source.place { axis } else { 0 };
+            let axis = if let ErrorSite::Component(axis) = term.source.place { axis } else { 0 };
             let function = match &term.basis {
                 Basis::Constant => 0,
                 basis => index(&mut functions, (axis, basis.clone())),
@@ -147,7 +149,7 @@ impl<'a> Model<'a> {
     }
 
     /// The errors at a pose: fitted sources by the parameters, the others as the machine file says.
-    fn errors(&self, measurement: &Measurement, pose: &[f64], theta: &[f64], shares: &[f64]) -> Values {
+    fn errors(&self, measurement: &Measurement, pose: &[f64], theta: &[f64], shares: &[f64]) -> ErrorValues {
         let mut errors = values(self.machine(measurement), pose, measurement.approach);
         let mut sums = vec![0.0; self.sources.len()];
         for (link, share) in self.links.iter().zip(shares) {
@@ -170,13 +172,13 @@ impl<'a> Model<'a> {
 
     /// Rotation from the workpiece frame to that of the reading, and the nominal point from the workpiece origin.
     fn nominal(&self, measurement: &Measurement, frame: Frame) -> (Matrix3<f64>, Vector3<f64>) {
-        let ideal = Ideal::at(self.machine(measurement), &measurement.pose);
+        let nominal = NominalPose::at(self.machine(measurement), &measurement.pose);
         let rotation = match frame {
             Frame::Workpiece => Matrix3::identity(),
-            Frame::Machine => ideal.r_work,
-            Frame::Tool => ideal.pose.linear.transpose(),
+            Frame::Machine => nominal.r_work,
+            Frame::Tool => nominal.pose.linear.transpose(),
         };
-        (rotation, ideal.pose.translation)
+        (rotation, nominal.pose.translation)
     }
 
     fn nuisance(&self, theta: &[f64], index: usize) -> f64 {
@@ -232,15 +234,15 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// What the errors add to the ideal machine's reading: the first- and second-order part, and all higher ones
+    /// What the errors add to the nominal machine's reading: the first- and second-order part, and all higher ones
     /// together where the exact reading is `exact`.
     pub fn orders(&self, m: &Measurement, theta: &[f64], exact: &Vector3<f64>) -> [Vector3<f64>; 3] {
         let parts = self.reading::<Dual<3>>(m, theta);
-        let ideal = self.ideal(m, theta);
-        // With location errors of order 0 the real part differs from the ideal one: it counts as first order.
-        let first = parts.zip_map(&ideal, |x, ideal| x.0[1] + (x.0[0] - ideal));
+        let nominal = self.nominal_reading(m, theta);
+        // With location errors of order 0 the real part differs from the nominal one: it counts as first order.
+        let first = parts.zip_map(&nominal, |x, nominal| x.0[1] + (x.0[0] - nominal));
         let second = parts.map(|x| x.0[2]);
-        [first, second, exact - ideal - first - second]
+        [first, second, exact - nominal - first - second]
     }
 
     /// The first degree (with what location errors of order 0 do) and the second degree of what would be read.
@@ -249,9 +251,9 @@ impl<'a> Model<'a> {
         [first, second]
     }
 
-    /// The reading of the ideal machine.
-    fn ideal(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
-        let at = |pose: &[f64]| Ideal::at(self.machine(m), pose).pose.translation;
+    /// The reading of the nominal machine.
+    fn nominal_reading(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
+        let at = |pose: &[f64]| NominalPose::at(self.machine(m), pose).pose.translation;
         let single = |x| Vector3::new(x, 0.0, 0.0);
         match &m.reading {
             Reading::Deviation { zero, .. } => -self.first(theta, zero),
@@ -330,14 +332,14 @@ impl<'a> Model<'a> {
 
     /// How a derivative by a source counts.
     fn slope<S: Scheme>(&self, source: Source, x: &S) -> f64 {
-        x.slope(self.real_locations && matches!(source.place, Place::Location(_)))
+        x.slope(self.real_locations && matches!(source.place, ErrorSite::Location(_)))
     }
 
     fn local<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Local {
         let machine = self.machine(m);
         let shares = self.shares(&m.pose, m.approach);
         let tangents_at = |pose: &[f64], shares: &[f64]| {
-            tangents(machine, pose, &self.errors(m, pose, theta, shares), &S::LIFT, &self.sources)
+            position_jacobian(machine, pose, &self.errors(m, pose, theta, shares), &S::LIFT, &self.sources)
         };
         let by_parameter = |by_source: Vec<Vector3<f64>>| self.by_parameter(&by_source, &shares);
         let here = || tangents_at(&m.pose, &shares);
@@ -449,13 +451,13 @@ pub(crate) fn index<T: PartialEq>(list: &mut Vec<T>, wanted: T) -> usize {
 }
 
 /// The number of a source among the errors.
-fn slot(errors: &mut Values, source: Source) -> &mut f64 {
+fn slot(errors: &mut ErrorValues, source: Source) -> &mut f64 {
     let k = source.direction.index();
     match source.place {
-        Place::Location(i) if i < errors.axes.len() => &mut errors.axes[i].0[k],
-        Place::Location(_) => &mut errors.spindle.get_or_insert([0.0; 6])[k],
-        Place::Component(i) => &mut errors.axes[i].1[k],
-        Place::Tool => &mut errors.tool[k % 3],
-        Place::Workpiece => &mut errors.workpiece[k],
+        ErrorSite::Location(i) if i < errors.axes.len() => &mut errors.axes[i].0[k],
+        ErrorSite::Location(_) => &mut errors.spindle.get_or_insert([0.0; 6])[k],
+        ErrorSite::Component(i) => &mut errors.axes[i].1[k],
+        ErrorSite::Tool => &mut errors.tool[k % 3],
+        ErrorSite::Workpiece => &mut errors.workpiece[k],
     }
 }

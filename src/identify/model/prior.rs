@@ -9,7 +9,7 @@ use super::prediction::Model;
 use crate::algebra::linear::{Reduced, Svd, Triangle};
 use crate::evaluate::Order;
 use crate::identify::data::measurement::Measurement;
-use crate::lower::{Place, Source};
+use crate::lower::{ErrorSite, Source};
 use crate::machine::Approach;
 use nalgebra::{DMatrix, DVector};
 
@@ -135,7 +135,7 @@ fn effects(model: &Model<'_>, (source, approach): (Source, Approach)) -> Vec<Vec
         .iter()
         .flat_map(|p| &p.terms)
         .any(|t| (t.source, t.approach) == (source, approach) && t.basis != Basis::Constant);
-    let Place::Component(axis) = source.place else { return vec![row(0.0)] };
+    let ErrorSite::Component(axis) = source.place else { return vec![row(0.0)] };
     if !is_curve {
         return vec![row(0.0)];
     }

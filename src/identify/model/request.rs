@@ -6,7 +6,7 @@ use super::curves;
 use super::parameter::{Basis, Parameter, SlopeBound, Term};
 use crate::algebra::linear::Svd;
 use crate::diagnostic::{Diagnostic, did_you_mean, shown};
-use crate::lower::{Place, Source};
+use crate::lower::{ErrorSite, Source};
 use crate::machine::{
     Approach, AxisKind, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine, parse_error_name,
 };
@@ -265,9 +265,9 @@ fn fixed(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<String
         return Ok(vec![word.to_owned()]);
     }
     // Of what is not fitted there is nothing to take out.
-    let clamping = setup(machine, Place::Tool, "tool", &machine.setup().tool).into_iter().chain(setup(
+    let clamping = setup(machine, ErrorSite::Tool, "tool", &machine.setup().tool).into_iter().chain(setup(
         machine,
-        Place::Workpiece,
+        ErrorSite::Workpiece,
         "workpiece",
         &machine.setup().workpiece,
     ));
@@ -286,8 +286,8 @@ fn of_word(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec
             Err(refusal("this chain has no spindle".to_owned(), "write `(S)` before `t` in the chain"))
         }
         "spindle" => Ok(six(machine, machine.axes().len()).collect()),
-        "tool" => Ok(setup(machine, Place::Tool, "tool", &machine.setup().tool)),
-        "workpiece" => Ok(setup(machine, Place::Workpiece, "workpiece", &machine.setup().workpiece)),
+        "tool" => Ok(setup(machine, ErrorSite::Tool, "tool", &machine.setup().tool)),
+        "workpiece" => Ok(setup(machine, ErrorSite::Workpiece, "workpiece", &machine.setup().workpiece)),
         "linear" => Ok(linear(machine)),
         _ => single(machine, word, request),
     }
@@ -314,7 +314,7 @@ fn location(machine: &Machine, error: &ErrorId) -> Parameter {
     Parameter::single(machine, error.to_string(), source(machine, error), Basis::Constant, start)
 }
 
-fn setup(machine: &Machine, place: Place, word: &str, starts: &[f64]) -> Vec<Parameter> {
+fn setup(machine: &Machine, place: ErrorSite, word: &str, starts: &[f64]) -> Vec<Parameter> {
     let one = |(start, direction): (&f64, Direction)| {
         let source = Source { place, direction };
         Parameter::single(machine, format!("{word}.{}", direction.letter()), source, Basis::Constant, *start)
@@ -325,7 +325,7 @@ fn setup(machine: &Machine, place: Place, word: &str, starts: &[f64]) -> Vec<Par
 /// Where an error sits. Its axis is one of the chain's, or the spindle.
 pub(crate) fn source(machine: &Machine, error: &ErrorId) -> Source {
     let joint = machine.axis_index(error.axis.as_str()).unwrap_or(machine.axes().len());
-    let place = if error.location { Place::Location(joint) } else { Place::Component(joint) };
+    let place = if error.location { ErrorSite::Location(joint) } else { ErrorSite::Component(joint) };
     Source { place, direction: error.direction }
 }
 
@@ -423,7 +423,7 @@ fn linear(machine: &Machine) -> Vec<Parameter> {
 
 fn slopes(machine: &Machine, axis: usize, u: [f64; 3]) -> Vec<Parameter> {
     let name = &machine.axes()[axis].name;
-    let at = |direction| Source { place: Place::Component(axis), direction };
+    let at = |direction| Source { place: ErrorSite::Component(axis), direction };
     let term = |k: usize, power, factor: f64| Term::new(at(Direction::ALL[k]), Basis::Power(power), factor);
     let parameter = |main: Direction, terms: Vec<Term>| {
         let error = ErrorId { axis: name.clone(), location: false, direction: main };

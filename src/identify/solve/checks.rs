@@ -1,7 +1,7 @@
 //! What is left after the fit: residuals, outliers, orders apart, and the prediction of data not used.
 
 use super::weighing::{median, solve, standardised};
-use crate::identify::data::measurement::{Kind, Measurement};
+use crate::identify::data::measurement::{Measurement, ReadingKind};
 use crate::identify::model::prediction::{Model, masked};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -30,7 +30,7 @@ pub struct Residuals {
     /// Median of the lengths with the machine as the file says, of readings that it predicts by itself.
     pub typical: f64,
     /// With the fitted machine, for each kind of rows: how many, and their RMS.
-    pub kinds: Vec<(Kind, usize, f64)>,
+    pub kinds: Vec<(ReadingKind, usize, f64)>,
     /// Measurements that stand out, the worst first.
     pub outliers: Vec<Outlier>,
     /// RMS of the first-order part of the fitted deviations, of the second, and of all higher ones.
@@ -69,7 +69,7 @@ impl Residuals {
 
 /// The median length of what does not hang on instruments.
 fn typical(data: &[Measurement], before: &[Vector3<f64>]) -> f64 {
-    let plain = |kind| !matches!(kind, Kind::Length | Kind::Line);
+    let plain = |kind| !matches!(kind, ReadingKind::Length | ReadingKind::Line);
     let sizes = data.iter().zip(before).filter(|(m, _)| plain(m.kind())).map(|(_, r)| r.norm());
     median(sizes.collect()).0
 }
@@ -79,8 +79,8 @@ fn orders(model: &Model<'_>, m: &Measurement, theta: &[f64], residual: &Vector3<
     model.orders(m, theta, &(m.values() - residual)).map(|v| masked(m, v))
 }
 
-fn kinds(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<(Kind, usize, f64)> {
-    let mut groups: std::collections::BTreeMap<Kind, Vec<Vector3<f64>>> = std::collections::BTreeMap::new();
+fn kinds(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<(ReadingKind, usize, f64)> {
+    let mut groups: std::collections::BTreeMap<ReadingKind, Vec<Vector3<f64>>> = std::collections::BTreeMap::new();
     data.iter().zip(residuals).for_each(|(m, r)| groups.entry(m.kind()).or_default().push(*r));
     groups.into_iter().map(|(kind, residuals)| (kind, residuals.len(), rms(&residuals))).collect()
 }

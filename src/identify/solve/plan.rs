@@ -15,7 +15,7 @@ const BEFORE: f64 = 3.0;
 
 /// Poses worth measuring, and what they will tell.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct MeasurementPlan {
     /// In the order in which they help most; nothing is measured in them.
     pub poses: Vec<Measurement>,
     /// Uncertainties, rank and null space to be expected; the values are those of the machine file.
@@ -25,7 +25,7 @@ pub struct Plan {
 /// Chooses `count` poses from the volume (and the tools) of the machine, one after the other the one that
 /// shrinks the uncertainty of all parameters together most (the determinant of their covariance), all three
 /// components measured with a standard deviation of `noise` (mm).
-pub fn plan(model: &Model<'_>, count: usize, noise: f64, seed: u64) -> Plan {
+pub fn plan(model: &Model<'_>, count: usize, noise: f64, seed: u64) -> MeasurementPlan {
     let candidates = candidates(model, seed);
     let theta: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
     let rows: Vec<DMatrix<f64>> = candidates.iter().map(|c| scaled_rows(model, c, &theta, noise)).collect();
@@ -39,7 +39,7 @@ pub fn plan(model: &Model<'_>, count: usize, noise: f64, seed: u64) -> Plan {
         poses.push(candidates[best.0].clone());
     }
     let expected = expected(model, &poses, &theta, noise);
-    Plan { poses, expected }
+    MeasurementPlan { poses, expected }
 }
 
 fn candidates(model: &Model<'_>, seed: u64) -> Vec<Measurement> {

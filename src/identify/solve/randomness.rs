@@ -1,7 +1,7 @@
 //! Are the residuals noise? Three tests that a calibration engineer can act on, per kind of row and component, in the
 //! order in which was measured.
 
-use crate::identify::data::measurement::{Kind, Measurement};
+use crate::identify::data::measurement::{Measurement, ReadingKind};
 use nalgebra::Vector3;
 
 /// Fewer residuals than this tell nothing.
@@ -11,7 +11,7 @@ const FEWEST: usize = 20;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Randomness {
     /// Of which rows.
-    pub kind: Kind,
+    pub kind: ReadingKind,
     /// Which component of a deviation; 0 otherwise.
     pub component: usize,
     /// How many residuals.
@@ -29,8 +29,8 @@ impl Randomness {
     pub fn name(&self) -> String {
         let component = ["dx", "dy", "dz"][self.component.min(2)];
         match self.kind {
-            Kind::Deviation => component.to_owned(),
-            Kind::Relative => format!("rel.{component}"),
+            ReadingKind::Deviation => component.to_owned(),
+            ReadingKind::Relative => format!("rel.{component}"),
             kind => kind.word().to_owned(),
         }
     }
@@ -38,13 +38,13 @@ impl Randomness {
 
 /// The tests for every component that has enough residuals.
 pub fn randomness(data: &[Measurement], residuals: &[Vector3<f64>], weights: &[f64]) -> Vec<Randomness> {
-    let mut groups: std::collections::BTreeMap<(Kind, usize), Vec<f64>> = std::collections::BTreeMap::new();
+    let mut groups: std::collections::BTreeMap<(ReadingKind, usize), Vec<f64>> = std::collections::BTreeMap::new();
     for ((m, r), w) in data.iter().zip(residuals).zip(weights) {
         for k in (0..3).filter(|k| m.seen()[*k]) {
             groups.entry((m.kind(), k)).or_default().push(r[k] * libm::sqrt(*w));
         }
     }
-    let test = |((kind, component), values): ((Kind, usize), Vec<f64>)| {
+    let test = |((kind, component), values): ((ReadingKind, usize), Vec<f64>)| {
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
         // Residuals of mere rounding are no noise.
         (values.len() >= FEWEST && high - low > 1e-9).then(|| Randomness {

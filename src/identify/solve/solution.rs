@@ -13,7 +13,7 @@ const RANK: f64 = 1e-10;
 /// is far smaller consists of the rounding of the model, and scaled to unit length would count as rank.
 const FAINT: f64 = 1e-2;
 /// Parts named of a direction that changes nothing, for people.
-const MOST_LISTED: usize = 12;
+const MAX_LISTED: usize = 12;
 /// A parameter with more than this squared share in the null space has no value of its own.
 const LOST: f64 = 1e-3;
 
@@ -115,7 +115,7 @@ impl Solution {
             well_determined,
             idle: null.iter().map_while(|row| alone(row).map(|(j, _)| parameters[j].name.clone())).collect(),
             null_space: sentences(usize::MAX),
-            short: sentences(MOST_LISTED),
+            short: sentences(MAX_LISTED),
             drowned: drowned(&spreads, &scale.component_div(&sizes), &null, parameters),
             condition: if smallest > 0.0 { unit.values[0] / smallest } else { f64::INFINITY },
             singular_values: unit.values.iter().copied().collect(),

@@ -4,7 +4,7 @@
 
 use super::fit::{Fit, Search};
 use crate::algebra::linear::{Reduced, Triangle};
-use crate::identify::data::measurement::{Kind, Measurement};
+use crate::identify::data::measurement::{Measurement, ReadingKind};
 use crate::identify::model::prediction::Model;
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -32,7 +32,7 @@ const RANK: f64 = 1e-10;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scatter {
     /// Which; `None`: those whose uncertainty the files give.
-    pub of: Option<Kind>,
+    pub of: Option<ReadingKind>,
     /// Standard deviation of a reading of weight 1 (mm); in units of 1 um of the uncertainty where that is given.
     pub sigma: f64,
 }
@@ -74,7 +74,7 @@ pub fn solve(model: &Model<'_>, data: &[Measurement], robust: bool) -> Fit {
 
 /// Which readings are of one quantity.
 struct Groups {
-    kinds: Vec<Option<Kind>>,
+    kinds: Vec<Option<ReadingKind>>,
     /// Of each measurement, index in `kinds`.
     of: Vec<usize>,
 }

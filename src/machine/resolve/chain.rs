@@ -14,7 +14,7 @@ struct Link {
 
 /// What the file says of the chain; both lists from the bed outwards.
 #[derive(Default)]
-struct Links {
+struct ChainLinks {
     axes: Vec<Link>,
     spindle: Option<(AxisName, Option<Place>)>,
 }
@@ -52,7 +52,7 @@ pub fn chain(context: &mut Context<'_>) -> Option<KinematicChain> {
 }
 
 /// Axes declared, none twice, at least one.
-fn check(context: &mut Context<'_>, links: &Links) -> Option<()> {
+fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<()> {
     let before = context.diagnostics.iter().count();
     let declared: Vec<&str> = context.document.axes.keys().map(String::as_str).collect();
     for (i, link) in links.axes.iter().enumerate() {
@@ -87,9 +87,9 @@ fn twice(context: &mut Context<'_>, name: &AxisName, again: &Option<Place>, firs
     context.diagnostics.push(refusal);
 }
 
-fn from_lists(context: &mut Context<'_>, workpiece: &[String], tool: &[String]) -> Option<Links> {
+fn from_lists(context: &mut Context<'_>, workpiece: &[String], tool: &[String]) -> Option<ChainLinks> {
     let before = context.diagnostics.iter().count();
-    let mut links = Links::default();
+    let mut links = ChainLinks::default();
     for (branch, key, list) in [(Branch::Workpiece, "workpiece", workpiece), (Branch::Tool, "tool", tool)] {
         for (i, text) in list.iter().enumerate() {
             let at = below(&keys(["branches", key]), i);
@@ -102,7 +102,7 @@ fn from_lists(context: &mut Context<'_>, workpiece: &[String], tool: &[String]) 
 }
 
 /// One axis or spindle. `side` is the branch it stands in, if that is settled.
-fn link(context: &mut Context<'_>, token: &Token, side: Option<Branch>, may_be_spindle: bool, links: &mut Links) {
+fn link(context: &mut Context<'_>, token: &Token, side: Option<Branch>, may_be_spindle: bool, links: &mut ChainLinks) {
     let inner = token.text.strip_prefix('(').and_then(|t| t.strip_suffix(')'));
     let bare = inner.unwrap_or(&token.text);
     let unprimed = bare.trim_end_matches(['\'', '’', '′']);
@@ -138,7 +138,7 @@ fn refuse_name(context: &mut Context<'_>, token: &Token) {
 }
 
 /// The string as ISO prints it.
-fn walk(context: &mut Context<'_>, text: &str) -> Option<Links> {
+fn walk(context: &mut Context<'_>, text: &str) -> Option<ChainLinks> {
     let before = context.diagnostics.iter().count();
     let tokens = tokens(context, text);
     let find = |word: &str| tokens.iter().position(|t| t.text == word);
@@ -155,7 +155,7 @@ fn walk(context: &mut Context<'_>, text: &str) -> Option<Links> {
         context.at_value("E0302", &keys(["chain"]), "the chain does not run from `w` over `b` to `t`", help);
         return None;
     }
-    let mut links = Links::default();
+    let mut links = ChainLinks::default();
     for token in tokens[w + 1..b].iter().rev() {
         left_of_bed(context, token, &mut links);
     }
@@ -165,7 +165,7 @@ fn walk(context: &mut Context<'_>, text: &str) -> Option<Links> {
     (context.diagnostics.iter().count() == before).then_some(links)
 }
 
-fn left_of_bed(context: &mut Context<'_>, token: &Token, links: &mut Links) {
+fn left_of_bed(context: &mut Context<'_>, token: &Token, links: &mut ChainLinks) {
     let primed = token.text.ends_with(['\'', '’', '′']);
     if !primed && AxisName::new(&token.text).is_some() {
         let message = format!("axis `{}` stands on the workpiece side of the bed without a prime", token.text);

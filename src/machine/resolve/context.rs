@@ -1,7 +1,7 @@
 //! What every pass of resolution works with: the document, the way to files, the diagnostics.
 
 use crate::diagnostic::{Diagnostic, Diagnostics, shown};
-use crate::syntax::{Document, Files, Keys, Table, below, read_table};
+use crate::syntax::{CsvTable, Document, Files, Keys, below, read_table};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -12,7 +12,7 @@ pub struct Context<'a> {
     pub diagnostics: &'a mut Diagnostics,
     files: &'a dyn Files,
     /// Tables are read once, however many errors they carry.
-    tables: BTreeMap<PathBuf, Option<Rc<Table>>>,
+    tables: BTreeMap<PathBuf, Option<Rc<CsvTable>>>,
 }
 
 impl<'a> Context<'a> {
@@ -39,7 +39,7 @@ impl<'a> Context<'a> {
     }
 
     /// The table that an entry names.
-    pub fn table(&mut self, at: &Keys, written: &str) -> Option<Rc<Table>> {
+    pub fn table(&mut self, at: &Keys, written: &str) -> Option<Rc<CsvTable>> {
         let path = self.document.places.resolve_path(at, written);
         if let Some(known) = self.tables.get(&path) {
             return known.clone();

@@ -5,7 +5,7 @@ use super::context::Context;
 use super::names::{in_other_letters, readings};
 use crate::diagnostic::{Diagnostic, Place, did_you_mean, shown};
 use crate::machine::{AxisKind, BSpline, BSplineFailure, ComponentError, Curve, ErrorId, Knots, KnotsFailure, Travel};
-use crate::syntax::{BSplineEntry, Column, ColumnDirection, CurveEntry, Keys, Scalar, Table, below, keys};
+use crate::syntax::{BSplineEntry, ColumnDirection, CsvColumn, CsvTable, CurveEntry, Keys, Scalar, below, keys};
 use crate::units::Dimension;
 use std::rc::Rc;
 
@@ -255,7 +255,7 @@ fn from_points(
 pub fn from_table(
     context: &mut Context<'_>,
     of: &CurveOf<'_>,
-    table: &Rc<Table>,
+    table: &Rc<CsvTable>,
     cubic: bool,
     named: Option<Place>,
 ) -> Option<ComponentError> {
@@ -290,11 +290,11 @@ pub fn from_table(
     }
 }
 
-fn carries(column: &Column, of: &CurveOf<'_>) -> bool {
+fn carries(column: &CsvColumn, of: &CurveOf<'_>) -> bool {
     readings(&column.name).iter().any(|r| r.error == *of.error)
 }
 
-fn missing(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: Option<Place>) {
+fn missing(context: &mut Context<'_>, of: &CurveOf<'_>, table: &CsvTable, named: Option<Place>) {
     let header = table.columns.first().map(|c| c.place.clone());
     let names: Vec<&str> = table.columns[1..].iter().map(|c| c.name.as_str()).collect();
     let help =
@@ -305,7 +305,7 @@ fn missing(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: Op
 }
 
 /// The first column, in mm or deg.
-fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: &Option<Place>) -> Option<Vec<f64>> {
+fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &CsvTable, named: &Option<Place>) -> Option<Vec<f64>> {
     let first = table.columns.first()?;
     if first.name != of.error.axis.as_str() {
         let message = format!("the table's first column is `{}`, not the axis `{}`", shown(&first.name), of.error.axis);
@@ -342,9 +342,9 @@ fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &Table, named: 
 fn from_column(
     context: &mut Context<'_>,
     of: &CurveOf<'_>,
-    table: &Table,
+    table: &CsvTable,
     positions: &[f64],
-    column: &Column,
+    column: &CsvColumn,
     cubic: bool,
 ) -> Option<Curve> {
     let (written, factor, dimension) = &column.unit;

@@ -70,7 +70,7 @@ struct Doubles<'a> {
 }
 
 /// What was found: how much, of what, in which curve.
-struct Found {
+struct DoubledEntry {
     amount: f64,
     peak: f64,
     direction: Direction,
@@ -114,7 +114,7 @@ impl Doubles<'_> {
         let rivals = self.location_errors(|axis, d| {
             d == direction && (d.is_rotation() || axis.kind == AxisKind::Rotary) && self.moves(axis)
         });
-        self.report(context, &Found { amount, peak, direction, what: "a constant" }, &rivals);
+        self.report(context, &DoubledEntry { amount, peak, direction, what: "a constant" }, &rivals);
     }
 
     /// The straight line in a straightness error is squareness. Like a constant it counts only if it
@@ -140,7 +140,7 @@ impl Doubles<'_> {
         let amount = common(line, at_home);
         let rotation = largest(across);
         let rivals = self.location_errors(|axis, d| d.index() == 3 + rotation && axis.kind == AxisKind::Linear);
-        self.report(context, &Found { amount, peak, direction, what: "a straight line" }, &rivals);
+        self.report(context, &DoubledEntry { amount, peak, direction, what: "a straight line" }, &rivals);
     }
 
     /// Run-out or tilt that turns with the axis is its own displacement or inclination.
@@ -166,7 +166,7 @@ impl Doubles<'_> {
             axis.name == self.axis.name && d.is_rotation() == tilts && u[d.index() % 3].abs() < 0.999
         });
         let what = "a part that turns with the axis";
-        self.report(context, &Found { amount: norm(turned), peak, direction, what }, &rivals);
+        self.report(context, &DoubledEntry { amount: norm(turned), peak, direction, what }, &rivals);
     }
 
     /// Is it this axis, or one that it carries?
@@ -193,7 +193,7 @@ impl Doubles<'_> {
         list
     }
 
-    fn report(&self, context: &mut Context<'_>, found: &Found, rivals: &[ErrorId]) {
+    fn report(&self, context: &mut Context<'_>, found: &DoubledEntry, rivals: &[ErrorId]) {
         let noise = if found.direction.is_rotation() { NOISE_ANGLE } else { NOISE };
         let large = found.amount > LARGE * noise;
         // NaN compares as false and stays quiet.

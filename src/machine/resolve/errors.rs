@@ -10,8 +10,8 @@ use crate::syntax::{ColumnDirection, CurveEntry, Keys, TermEntry, below, keys};
 use std::collections::BTreeMap;
 
 /// Errors above these are mistakes of unit (mm, rad).
-const LARGEST_TRANSLATION: f64 = 10.0;
-const LARGEST_ROTATION: f64 = 0.1;
+const MAX_TRANSLATION: f64 = 10.0;
+const MAX_ROTATION: f64 = 0.1;
 
 /// The errors by joint, and where each one stands.
 #[derive(Default)]
@@ -298,7 +298,7 @@ fn peak(of: &CurveOf<'_>, curve: &crate::machine::Curve) -> f64 {
 
 /// The size (mm or rad) beyond which an error can only be a mistake of unit.
 pub fn largest(direction: Direction) -> f64 {
-    if direction.is_rotation() { LARGEST_ROTATION } else { LARGEST_TRANSLATION }
+    if direction.is_rotation() { MAX_ROTATION } else { MAX_TRANSLATION }
 }
 
 impl Context<'_> {

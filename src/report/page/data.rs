@@ -6,7 +6,7 @@ use super::field::FieldData;
 use super::instruments::Instruments;
 use crate::analysis::sources;
 use crate::analysis::{LocationSet, Map, Source, Status, body_diagonals, levers, rest};
-use crate::controller::{Certificate, Effect, Handled, Target};
+use crate::controller::{Certificate, ControllerTarget, Effect, Handled};
 use crate::evaluate::{Bare, Order, Poses, Random, Summary, worst};
 use crate::machine::{Approach, Axis, ErrorTerm, Machine, Pose, Travel};
 use crate::report::{Bar, BudgetReport, ParetoPicture, Picture};
@@ -40,7 +40,7 @@ pub struct Given<'a> {
 #[derive(Debug, Clone)]
 pub struct Written {
     /// The controller.
-    pub target: Target,
+    pub target: ControllerTarget,
     /// Its tables, or its kinematics.
     pub effect: Effect,
     /// What is left.

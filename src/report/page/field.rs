@@ -72,13 +72,13 @@ struct LayerAt {
 }
 
 /// Numbers in all layers together, about: what keeps a page small.
-const MOST_NUMBERS: usize = 340_000;
+const MAX_NUMBERS: usize = 340_000;
 
 /// Nodes of a grid axis, most and least. Odd, so that there is a middle.
 const NODES: [usize; 5] = [11, 9, 7, 5, 3];
 
 /// Stations at most.
-const MOST_STATIONS: usize = 8;
+const MAX_STATIONS: usize = 8;
 
 impl FieldData {
     /// Evaluates all layers.
@@ -89,7 +89,7 @@ impl FieldData {
         let groups = groups(machine);
         let layers = 1 + groups.len() + 2 * given.written.len();
         let numbers = |n: usize| 3 * layers * poses.len() * n.pow(u32::try_from(axes.len()).unwrap_or(3));
-        let count = NODES.into_iter().find(|n| numbers(*n) <= MOST_NUMBERS).unwrap_or(NODES[NODES.len() - 1]);
+        let count = NODES.into_iter().find(|n| numbers(*n) <= MAX_NUMBERS).unwrap_or(NODES[NODES.len() - 1]);
         let lattice = Lattice { given, axes, count };
         let stations: Vec<Sampled> = poses.iter().map(|pose| lattice.sample(pose, &groups)).collect();
         let layers = lattice.layers(&stations, &groups);
@@ -131,7 +131,7 @@ fn stations(machine: &Machine, grid: &[usize]) -> Vec<Pose> {
             list.push(pose);
         }
     }
-    list.truncate(MOST_STATIONS);
+    list.truncate(MAX_STATIONS);
     list
 }
 

@@ -1,6 +1,6 @@
 //! Bars of a budget: the Pareto chart of contributions, and the waterfall of what uses the budget up.
 
-use super::frame::{Axis, Frame};
+use super::frame::{Axis, PlotFrame};
 use super::svg::{Anchor, FAINT, FIRST, Font, INK, Picture, SECOND, Svg, fitted, number, polyline};
 use crate::units::significant;
 
@@ -45,7 +45,7 @@ pub struct WaterfallPicture {
 
 const WIDTH: f64 = 880.0;
 const HEIGHT: f64 = 460.0;
-const FRAME: Frame = Frame { left: 78.0, top: 84.0, width: 740.0, height: 270.0 };
+const FRAME: PlotFrame = PlotFrame { left: 78.0, top: 84.0, width: 740.0, height: 270.0 };
 const GREY: &str = "#8a94a0";
 
 /// Where column `i` of `count` begins, and how wide its bar is.

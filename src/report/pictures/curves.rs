@@ -69,7 +69,7 @@ fn word(axis: &Axis, direction: Direction) -> String {
 struct Panel {
     name: String,
     word: String,
-    curves: Vec<Drawn>,
+    curves: Vec<PanelKind>,
     /// Expanded uncertainty of the values, if it is known.
     band: Option<f64>,
     /// Said where there is no curve.
@@ -77,7 +77,7 @@ struct Panel {
 }
 
 /// A curve as it is drawn.
-struct Drawn {
+struct PanelKind {
     line: Vec<(f64, f64)>,
     points: Vec<(f64, f64)>,
 }
@@ -111,7 +111,7 @@ impl<'a> Block<'a> {
             let scale = scale(panels);
             for (column, panel) in panels.iter().enumerate() {
                 let corner = (LEFT + STEP.0 * column as f64, top + HEAD + STEP.1 * row as f64);
-                Frame { corner, x: self.interval, y: scale, unit: ["µm", "µrad"][row] }.draw(svg, panel);
+                PanelFrame { corner, x: self.interval, y: scale, unit: ["µm", "µrad"][row] }.draw(svg, panel);
             }
         }
     }
@@ -135,7 +135,7 @@ fn panel(machine: &Machine, index: usize, interval: (f64, f64), direction: Direc
     Panel { name: id.to_string(), word: word(axis, direction) + &sure, curves, band, instead }
 }
 
-fn drawn(component: &ComponentError, interval: (f64, f64), factor: f64) -> Vec<Drawn> {
+fn drawn(component: &ComponentError, interval: (f64, f64), factor: f64) -> Vec<PanelKind> {
     let approaches = match component {
         ComponentError::Single(_) => vec![Approach::Mean],
         ComponentError::Bidirectional { .. } => vec![Approach::Forward, Approach::Reverse],
@@ -149,7 +149,7 @@ fn drawn(component: &ComponentError, interval: (f64, f64), factor: f64) -> Vec<D
         let mut places: Vec<f64> = even.chain(points.iter().map(|p| p.0).filter(within)).collect();
         places.sort_by(f64::total_cmp);
         let line = places.iter().map(|p| (*p, component.value(*p, approach) * factor)).collect();
-        Drawn { line, points: points.into_iter().filter(|p| within(&p.0)).collect() }
+        PanelKind { line, points: points.into_iter().filter(|p| within(&p.0)).collect() }
     };
     approaches.into_iter().zip(component.curves()).map(of).collect()
 }
@@ -166,7 +166,7 @@ fn scale(panels: &[Panel]) -> (f64, f64, f64) {
 }
 
 /// Where a panel is, and what its sides mean.
-struct Frame {
+struct PanelFrame {
     corner: (f64, f64),
     x: (f64, f64),
     /// Least, largest, step.
@@ -174,7 +174,7 @@ struct Frame {
     unit: &'static str,
 }
 
-impl Frame {
+impl PanelFrame {
     fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
         let (low, high, _) = self.y;
         let share = (x - self.x.0) / (self.x.1 - self.x.0).max(1e-9);

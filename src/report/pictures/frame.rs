@@ -14,7 +14,7 @@ pub struct Axis {
 
 /// A rectangle in px.
 #[derive(Debug, Clone, Copy)]
-pub struct Frame {
+pub struct PlotFrame {
     /// Its left edge.
     pub left: f64,
     /// Its upper edge.
@@ -48,7 +48,7 @@ impl Axis {
     }
 }
 
-impl Frame {
+impl PlotFrame {
     /// Where a value is, from above.
     pub fn y(&self, axis: &Axis, value: f64) -> f64 {
         self.top + self.height * (1.0 - axis.share(value))

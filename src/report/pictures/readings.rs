@@ -1,7 +1,7 @@
 //! Diagrams of what instruments read along a path: an R-test over the turn of a rotary axis, a laser along the
 //! diagonals there and back. All panels of a picture have one scale.
 
-use super::frame::{Axis, Frame};
+use super::frame::{Axis, PlotFrame};
 use super::polar::{Dial, Stroke};
 use super::svg::{Anchor, FIRST, Font, Picture, SECOND, Svg, THIRD, polyline};
 use crate::analysis::instrument::{Diagonal, RTest};
@@ -83,7 +83,7 @@ impl RTestPicture<'_> {
         let (axis, largest) = (scale(all()), all().fold(0.0_f64, |max, x| max.max(x.abs())));
         for (i, (name, test)) in self.tests.iter().enumerate() {
             let top = TOP + ROW * i as f64;
-            let frame = Frame { left: LEFT + MARGIN, top: top + 16.0, width: 470.0, height: Dial::SIZE - 70.0 };
+            let frame = PlotFrame { left: LEFT + MARGIN, top: top + 16.0, width: 470.0, height: Dial::SIZE - 70.0 };
             let dial = Dial::new((LEFT + 730.0, top + 0.5 * Dial::SIZE - 12.0), largest);
             row(&mut svg, name, test, (frame, &axis), dial);
         }
@@ -98,7 +98,7 @@ impl RTestPicture<'_> {
     }
 }
 
-fn row(svg: &mut Svg, name: &str, test: &RTest, (frame, axis): (Frame, &Axis), dial: Dial) {
+fn row(svg: &mut Svg, name: &str, test: &RTest, (frame, axis): (PlotFrame, &Axis), dial: Dial) {
     let ends = (test.positions.first().copied().unwrap_or(0.0), test.positions.last().copied().unwrap_or(0.0));
     let across = Axis::degrees(ends.0.min(ends.1), ends.0.max(ends.1));
     let ranges = test.range.map(|um| significant(um, 3)).join(", ");
@@ -129,7 +129,7 @@ impl DiagonalPicture<'_> {
         for (i, d) in self.diagonals.iter().enumerate() {
             let (column, line) = ((i % 2) as f64, (i / 2) as f64);
             let (left, top) = (LEFT + MARGIN + STEP.0 * column, TOP + 14.0 + STEP.1 * line);
-            let frame = Frame { left, top, width: PANEL.0, height: PANEL.1 };
+            let frame = PlotFrame { left, top, width: PANEL.0, height: PANEL.1 };
             panel(&mut svg, d, frame, &axis);
         }
         let below = height - 18.0;
@@ -141,7 +141,7 @@ impl DiagonalPicture<'_> {
     }
 }
 
-fn panel(svg: &mut Svg, d: &Diagonal, frame: Frame, axis: &Axis) {
+fn panel(svg: &mut Svg, d: &Diagonal, frame: PlotFrame, axis: &Axis) {
     let across = Axis::new(0.0, d.ways.last().copied().unwrap_or(1.0));
     let (e, b) = (significant(d.systematic, 3), significant(d.reversal, 3));
     let title = format!("{}: E_d {e} µm, B_d {b} µm", d.name);

@@ -65,9 +65,9 @@ pub trait Stream {
 }
 
 /// What a file has to be able to do.
-pub trait Target: Write + Seek + Send {}
+pub trait ControllerTarget: Write + Seek + Send {}
 
-impl<T: Write + Seek + Send> Target for T {}
+impl<T: Write + Seek + Send> ControllerTarget for T {}
 
 /// Names of the six columns of a deviation.
 const DEVIATION: [&str; 6] = ["dx [um]", "dy [um]", "dz [um]", "wx [urad]", "wy [urad]", "wz [urad]"];
@@ -98,7 +98,7 @@ impl<'a> Rows<'a> {
     }
 
     /// Begins a table.
-    pub fn stream<'o>(&self, form: Form, out: impl Target + 'o) -> io::Result<Box<dyn Stream + 'o>>
+    pub fn stream<'o>(&self, form: Form, out: impl ControllerTarget + 'o) -> io::Result<Box<dyn Stream + 'o>>
     where
         'a: 'o,
     {

@@ -136,14 +136,14 @@ impl<'a> Bench<'a> {
 
     pub fn ask(&self, pose: &Pose, share: f64) -> Ask {
         let rigid = &self.sample.rigid;
-        let [_, ideal] = self.sample.holds(pose, Travel::Mean);
+        let [_, nominal] = self.sample.holds(pose, Travel::Mean);
         let [_, zero] = self.sample.holds(&vec![0.0; pose.len()], Travel::Mean);
         let (mut world, mut start) = ([0.0; 9], [0.0; 9]);
         if self.words != AXES {
-            world[..3].copy_from_slice(&minus(ideal.tip, zero.tip));
+            world[..3].copy_from_slice(&minus(nominal.tip, zero.tip));
         }
         if self.words == POSE {
-            world[3..6].copy_from_slice(&angles(&ideal.rotation));
+            world[3..6].copy_from_slice(&angles(&nominal.rotation));
         }
         for (i, q) in pose.iter().enumerate() {
             start[self.joints[i]] = q + 0.2 * f64::from(i as u32).cos();
@@ -355,9 +355,9 @@ impl<'a> Bench<'a> {
                 let gap = |i: usize| (answer.back[i] - world[i]).abs();
                 worst[2] = (0..9).map(gap).fold(worst[2], f64::max);
             }
-            let (ideal, middle) = (self.command(off), self.command(half));
+            let (nominal, middle) = (self.command(off), self.command(half));
             for axis in 0..pose.len() {
-                assert!((ideal[axis] - pose[axis]).abs() < self.rounded(), "{ideal:?} {pose:?}");
+                assert!((nominal[axis] - pose[axis]).abs() < self.rounded(), "{nominal:?} {pose:?}");
                 assert!((middle[axis] - 0.5 * (pose[axis] + command[axis])).abs() < self.rounded());
             }
         }

@@ -6,7 +6,7 @@ mod topologies;
 
 use std::path::PathBuf;
 
-use abbe::controller::{Carried, Driven, Target};
+use abbe::controller::{ControllerTarget, KinematicsModule, ModuleField};
 
 use crate::configs;
 use crate::oracle::machines::{Pose, Sample, combinations};
@@ -59,9 +59,9 @@ fn every_config_is_held_where_the_program_wants_it() {
 /// The replay of the certificate is another implementation of the same numbers.
 fn replay_agrees(name: &str, bench: &Bench, module: &Module, poses: &[Pose]) {
     let machine = configs::machine(name);
-    let target = Target::embedded("linuxcnc-kins").unwrap();
-    let carried = Carried::of(&machine, &target, true).unwrap();
-    let driven = Driven::new(&machine, &carried);
+    let target = ControllerTarget::embedded("linuxcnc-kins").unwrap();
+    let carried = KinematicsModule::of(&machine, &target, true).unwrap();
+    let driven = ModuleField::new(&machine, &carried);
     let asked: Vec<Ask> = poses.iter().map(|pose| bench.ask(pose, 1.0)).collect();
     for (pose, answer) in poses.iter().zip(module.answers(&asked)) {
         let (ours, theirs) = (driven.command(pose).unwrap(), bench.command(&answer));

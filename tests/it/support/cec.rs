@@ -8,7 +8,7 @@ use super::controllers::{Points, numbered, pieces, real};
 
 /// One table.
 #[derive(Clone, Debug)]
-pub struct Table {
+pub struct CorrectionTable {
     /// Number of the axis that is looked up, from 1.
     pub input: usize,
     /// Number of the axis that is corrected, from 1.
@@ -20,7 +20,7 @@ pub struct Table {
     points: Points,
 }
 
-impl Table {
+impl CorrectionTable {
     /// Values at the points.
     pub fn values(&self) -> &[f64] {
         &self.points.values
@@ -33,9 +33,9 @@ impl Table {
 
 /// All tables of a file by their index.
 #[derive(Clone, Debug)]
-pub struct Tables(pub BTreeMap<usize, Table>);
+pub struct CorrectionTables(pub BTreeMap<usize, CorrectionTable>);
 
-impl Tables {
+impl CorrectionTables {
     /// None if something is missing or no number.
     pub fn read(text: &str) -> Option<Self> {
         let mut values: BTreeMap<usize, BTreeMap<usize, f64>> = BTreeMap::new();
@@ -59,9 +59,9 @@ impl Tables {
             let points = Points { start: of("MIN")?, step: of("STEP")?, values: numbered(values)?, turn };
             let (input, output) = (of("INPUT_AXIS")? as usize, of("OUTPUT_AXIS")? as usize);
             let (direction, times) = (of("DIRECTION")?, of("MULT_BY_TABLE")? as usize);
-            Some((number, Table { input, output, direction, times, points }))
+            Some((number, CorrectionTable { input, output, direction, times, points }))
         };
-        let all: BTreeMap<usize, Table> = values.iter().map(|(n, v)| table(*n, v)).collect::<Option<_>>()?;
+        let all: BTreeMap<usize, CorrectionTable> = values.iter().map(|(n, v)| table(*n, v)).collect::<Option<_>>()?;
         let whole = all.values().all(|table| table.times == 0 || all.contains_key(&(table.times - 1)));
         whole.then_some(Self(all))
     }
@@ -69,8 +69,8 @@ impl Tables {
     /// The sum for an axis, the values of first and second factors added by themselves or not.
     pub fn sum(&self, output: usize, position: &[f64], reverse: bool, [first, second]: [bool; 2]) -> f64 {
         let seconds: Vec<usize> = self.0.values().filter(|t| t.times > 0).map(|t| t.times - 1).collect();
-        let acts = |table: &Table| table.direction == 0.0 || (table.direction < 0.0) == reverse;
-        let of = |(index, table): (&usize, &Table)| {
+        let acts = |table: &CorrectionTable| table.direction == 0.0 || (table.direction < 0.0) == reverse;
+        let of = |(index, table): (&usize, &CorrectionTable)| {
             let own = match (table.times > 0, seconds.contains(index)) {
                 (true, _) => first,
                 (_, true) => second,

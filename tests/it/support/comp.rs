@@ -3,14 +3,14 @@
 
 /// A table.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
+pub struct CorrectionTable {
     /// Rising positions.
     pub nominal: Vec<f64>,
     /// Trims forward and reverse.
     pub trims: [Vec<f64>; 2],
 }
 
-impl Table {
+impl CorrectionTable {
     /// Reads a table that the loader would take line by line as it stands; says what it would not.
     pub fn read(text: &str) -> Result<Self, String> {
         if !text.is_ascii() || text.contains('\r') || !text.ends_with('\n') {
@@ -76,7 +76,7 @@ pub fn plain(word: &str) -> Option<f64> {
 #[test]
 fn the_reader_takes_what_the_controller_takes_and_nothing_it_would_misread() {
     let good = "0.0 0.001 -0.001\n10.0 0.002 -0.003\n";
-    let table = Table::read(good).unwrap();
+    let table = CorrectionTable::read(good).unwrap();
     assert_eq!(table.nominal, [0.0, 10.0]);
     let bad =
         ["", "# x\n0.0 0.0 0.0\n", "0.0 0.0 0.0\n\n", "0.0,0.0,0.0\n", "0.0 0.0\n", "0.0 nan 0.0\n", "0.0 1e-3 0.0\n"];
@@ -86,15 +86,15 @@ fn the_reader_takes_what_the_controller_takes_and_nothing_it_would_misread() {
         "0.0 0.0 0.0",
         "\u{feff}0.0 0.0 0.0\n",
     ]) {
-        assert!(Table::read(text).is_err(), "{text:?}");
+        assert!(CorrectionTable::read(text).is_err(), "{text:?}");
     }
     let rows = |n: usize| (0..n).map(|i| format!("{i}.0 0.0 0.0\n")).collect::<String>();
-    assert!(Table::read(&rows(256)).is_ok() && Table::read(&rows(257)).is_err());
+    assert!(CorrectionTable::read(&rows(256)).is_ok() && CorrectionTable::read(&rows(257)).is_err());
 }
 
 #[test]
 fn the_replay_holds_its_ends_and_rounds_to_single_precision() {
-    let table = Table::read("0.0 0.1 0.5\n10.0 0.3 0.7\n").unwrap();
+    let table = CorrectionTable::read("0.0 0.1 0.5\n10.0 0.3 0.7\n").unwrap();
     let single = |x: f32| f64::from(x);
     assert_eq!(
         [table.added(-5.0, false), table.added(10.0, false), table.added(50.0, true)],

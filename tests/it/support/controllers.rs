@@ -88,8 +88,8 @@ pub(super) fn numbered(values: &BTreeMap<usize, f64>) -> Option<Vec<f64>> {
 /// LinuxCNC, compute_screw_comp and usrmotintf.cc: single precision, the end values held.
 fn linuxcnc(files: &Files, axes: Axes) -> Option<Controller> {
     let name = |(joint, (letter, _)): (usize, &(char, bool))| format!("joint_{joint}_{letter}.comp");
-    let tables: Option<Vec<comp::Table>> =
-        axes.iter().enumerate().map(|axis| comp::Table::read(files.get(&name(axis))?).ok()).collect();
+    let tables: Option<Vec<comp::CorrectionTable>> =
+        axes.iter().enumerate().map(|axis| comp::CorrectionTable::read(files.get(&name(axis))?).ok()).collect();
     let tables = tables?;
     Some(Box::new(move |q, reverse| tables.iter().zip(q).map(|(table, q)| table.added(*q, reverse)).collect()))
 }
@@ -127,7 +127,7 @@ fn encoder_error(files: &Files, axes: Axes) -> Option<Controller> {
 
 /// The same with tables over other axes ([`cec`]); both factors of a product count by themselves besides.
 fn cross_error(files: &Files, axes: Axes) -> Option<Controller> {
-    let tables = cec::Tables::read(files.get("_N_NC_CEC_INI")?)?;
+    let tables = cec::CorrectionTables::read(files.get("_N_NC_CEC_INI")?)?;
     let count = axes.len();
     Some(Box::new(move |q, reverse| (0..count).map(|axis| -tables.sum(axis + 1, q, reverse, [true, true])).collect()))
 }

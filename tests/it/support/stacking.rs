@@ -63,7 +63,7 @@ impl Errors {
 }
 
 /// The walk from the tool to the workpiece: the tool, and how far it is from where it should be.
-struct Carried {
+struct KinematicsModule {
     tool: V,
     delta: V,
     /// Directions of the linear axes passed so far, with their place in the walk.
@@ -96,7 +96,7 @@ pub fn controller(errors: Errors, axes: Axes, machine: &Sample) -> Option<Contro
     errors.0.keys().all(known).then_some(())?;
     let count = axes.len();
     Some(Box::new(move |q, _| {
-        let mut seen = Carried { tool: add(rigid.gauge, rigid.offset), delta: [0.0; 3], ways: Vec::new() };
+        let mut seen = KinematicsModule { tool: add(rigid.gauge, rigid.offset), delta: [0.0; 3], ways: Vec::new() };
         for (k, axis) in rigid.walk.iter().enumerate().rev() {
             let programmed = q[order[k]];
             // A workpiece-side axis that is `direct` moves the workpiece in +, the tool in -.

@@ -9,11 +9,11 @@ mod symbols;
 
 pub use symbols::{Meaning, Naming, Symbol};
 
-use crate::algebra::symbolic::{Kind, MOST_PRODUCTS, Rules, Symbolic};
+use crate::algebra::symbolic::{Kind, MAX_PRODUCTS, Rules, Symbolic};
 use crate::algebra::{Algebra, Htm};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::rotation;
-use crate::lower::{Chain, Declared, ErrorLift, Given, Place, Position, Source, given, presence};
+use crate::lower::{Chain, Declared, ErrorLift, ErrorSite, Given, Position, Source, given, presence};
 use crate::machine::{AxisKind, Joints, Location, LocationOrder, Machine};
 use nalgebra::{Matrix4, Vector3};
 use num_traits::Zero;
@@ -40,7 +40,7 @@ pub struct Equations {
     pub t_tool: Htm<Symbolic>,
     /// From the bed to the workpiece.
     pub t_work: Htm<Symbolic>,
-    /// (T_tool^-1 T_work) real minus ideal, between workpiece frame and tool frame.
+    /// (T_tool^-1 T_work) real minus nominal, between workpiece frame and tool frame.
     pub e_ve: Matrix4<Symbolic>,
     /// Deviation of the functional point, mm.
     pub position: Vector3<Symbolic>,
@@ -56,15 +56,15 @@ pub fn equations(machine: &Machine, declared: &Declared, options: Options) -> Re
     }
     let alphabet = Alphabet::new(machine, declared, &errors, options);
     let at = alphabet.positions(machine);
-    let mut real = Chain::real_at(machine, &at, &presence(machine), &alphabet);
-    let mut ideal = Chain::ideal_at(machine, &at);
+    let mut real = Chain::actual_at(machine, &at, &presence(machine), &alphabet);
+    let mut nominal = Chain::nominal_at(machine, &at);
     if let Some(length) = alphabet.find(|m| m == Meaning::ToolLength) {
         let number = Symbolic::from_real(machine.tool().tip[2] - machine.tool().gauge[2]);
-        for tip in [&mut real.tip, &mut ideal.tip] {
+        for tip in [&mut real.tip, &mut nominal.tip] {
             tip[2] += length.clone() - number.clone();
         }
     }
-    let found = collected(machine, &real, &ideal);
+    let found = collected(machine, &real, &nominal);
     if alphabet.rules.exhausted() {
         return Err(too_long());
     }
@@ -73,10 +73,10 @@ pub fn equations(machine: &Machine, declared: &Declared, options: Options) -> Re
 }
 
 /// `None` if anything in it is no polynomial.
-fn collected(machine: &Machine, real: &Chain<Symbolic>, ideal: &Chain<Symbolic>) -> Option<Equations> {
+fn collected(machine: &Machine, real: &Chain<Symbolic>, nominal: &Chain<Symbolic>) -> Option<Equations> {
     let origin = machine.workpiece();
-    let pose = (real.tool_in_workpiece(&origin), ideal.tool_in_workpiece(&origin));
-    let backwards = (inverse_pose(real, &origin)?, inverse_pose(ideal, &origin)?);
+    let pose = (real.tool_in_workpiece(&origin), nominal.tool_in_workpiece(&origin));
+    let backwards = (inverse_pose(real, &origin)?, inverse_pose(nominal, &origin)?);
     let names = machine.axes().iter().map(|axis| axis.name.to_string());
     let mut joints: Vec<(String, Htm<Symbolic>)> = names.zip(real.joints.iter().cloned()).collect();
     if let (Some(name), true) = (machine.chain().spindle(), real.spindle != Htm::identity()) {
@@ -120,7 +120,7 @@ fn inverse_pose(chain: &Chain<Symbolic>, origin: &[f64; 3]) -> Option<Htm<Symbol
 /// Under `location_order: real` only squareness is a polynomial.
 fn is_polynomial(machine: &Machine, error: &Given) -> bool {
     let conventions = machine.conventions();
-    let Place::Location(index) = error.source.place else { return true };
+    let ErrorSite::Location(index) = error.source.place else { return true };
     let linear = machine.axes().get(index).is_some_and(|axis| axis.kind == AxisKind::Linear);
     let squareness = linear && conventions.location == Location::AxisOnly && conventions.joints == Joints::Linearised;
     conventions.location_order == LocationOrder::Nilpotent || squareness
@@ -132,7 +132,7 @@ fn no_polynomial(culprit: &str) -> Diagnostic {
 }
 
 fn too_long() -> Diagnostic {
-    let message = format!("the equations take more than {MOST_PRODUCTS} products of terms");
+    let message = format!("the equations take more than {MAX_PRODUCTS} products of terms");
     let help = "ask for a lower `--order`, or an algebra in which more products vanish, such as \
                 `--algebra 'degree: 6, generators: per-axis, vanish: ...'`; `abbe eval --order 6` has no such limit";
     Diagnostic::new("E0523", message).help(help)

@@ -1,6 +1,6 @@
 //! Names of symbols: ISO's, or those of the papers.
 
-use crate::lower::{Given, Place, Source};
+use crate::lower::{ErrorSite, Given, Source};
 use crate::machine::{Axis, AxisKind, Conventions, Direction, Location, Machine};
 
 /// Whose letters.
@@ -49,8 +49,8 @@ impl Symbol {
 /// The symbol of an error.
 pub(crate) fn error(machine: &Machine, given: &Given, naming: Naming) -> Symbol {
     let axis = match given.source.place {
-        Place::Location(i) | Place::Component(i) => machine.axes().get(i),
-        Place::Tool | Place::Workpiece => None,
+        ErrorSite::Location(i) | ErrorSite::Component(i) => machine.axes().get(i),
+        ErrorSite::Tool | ErrorSite::Workpiece => None,
     };
     let paper = axis.filter(|_| naming == Naming::Paper).map(|axis| paper(axis, given.source, machine.conventions()));
     let (text, latex, sign) = paper.unwrap_or_else(|| iso(given));
@@ -70,7 +70,7 @@ fn paper(axis: &Axis, source: Source, conventions: &Conventions) -> (String, Str
     let letter = ['x', 'y', 'z'][source.direction.index() % 3];
     let (small, rotation) = (axis.name.as_str().to_lowercase(), source.direction.is_rotation());
     let linear = axis.kind == AxisKind::Linear;
-    if let Place::Location(_) = source.place {
+    if let ErrorSite::Location(_) = source.place {
         return match squareness(&small, source.direction).filter(|_| conventions.location == Location::AxisOnly) {
             Some((pair, sign)) => (format!("S{pair}"), format!("S_{{{pair}}}"), sign),
             None if rotation => (format!("g{letter}({})", axis.name), format!("\\gamma_{letter}({})", axis.name), 1),

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 
 #[derive(Debug, Deserialize)]
-struct Table {
+struct ClassTable {
     least_travel_m: f64,
     classes: BTreeMap<String, Class>,
 }
@@ -41,7 +41,7 @@ struct Rotary {
 
 /// All classes by name. The table is part of the program; a test reads it.
 pub fn classes() -> BTreeMap<String, Class> {
-    let table: Option<Table> = serde_yaml::from_str(include_str!("classes.yaml")).ok();
+    let table: Option<ClassTable> = serde_yaml::from_str(include_str!("classes.yaml")).ok();
     let Some(table) = table else { return BTreeMap::new() };
     let complete = |(name, class)| (name, Class { least_travel: table.least_travel_m * 1e3, ..class });
     table.classes.into_iter().map(complete).collect()

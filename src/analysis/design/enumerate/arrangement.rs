@@ -5,10 +5,10 @@ use super::rule::Rule;
 use crate::machine::{AxisKind, AxisName, Branch, Machine};
 
 /// More than this many are not listed.
-pub const MOST_ARRANGEMENTS: usize = 50_000;
+pub const MAX_ARRANGEMENTS: usize = 50_000;
 
 /// More axes than this are not tried: 9! * 10 is over three millions, before any exclusion.
-const MOST_AXES: usize = 8;
+const MAX_AXES: usize = 8;
 
 /// One walk, and the places of the bed in it that are wanted.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,7 +44,7 @@ pub fn walks(machine: &Machine, rotary: Option<usize>, rules: &[Rule]) -> Result
     let take = rotary.unwrap_or(turning.len()).min(turning.len());
     let count = linear.len() + take;
     let raw = (1..=count).fold(binomial(turning.len(), take).saturating_mul(count + 1), usize::saturating_mul);
-    if count > MOST_AXES || turning.len() > 24 {
+    if count > MAX_AXES || turning.len() > 24 {
         return Err(TooMany::Before(raw));
     }
     let mut walks = Vec::new();
@@ -61,7 +61,7 @@ pub fn walks(machine: &Machine, rotary: Option<usize>, rules: &[Rule]) -> Result
         });
     }
     let total: usize = walks.iter().map(|walk| walk.tables.len()).sum();
-    if total > MOST_ARRANGEMENTS { Err(TooMany::After(total)) } else { Ok(walks) }
+    if total > MAX_ARRANGEMENTS { Err(TooMany::After(total)) } else { Ok(walks) }
 }
 
 fn binomial(n: usize, k: usize) -> usize {

@@ -1,4 +1,4 @@
-//! The budget of all arrangements of a walk at once. Where the bed stands does not change the ideal
+//! The budget of all arrangements of a walk at once. Where the bed stands does not change the nominal
 //! machine, only on which side of its motion each axis errs. So what every joint does is computed once
 //! for either side, and an arrangement is a sum of table-side joints before the bed and tool-side ones
 //! after it, always added up in the same order.

@@ -2,7 +2,7 @@
 //!
 //! 1. [`walks`] lists them, walk by walk, without those that a [`Rule`] excludes.
 //! 2. The [`Work`] is a list of tool poses in the workpiece frame, drawn from the volume of the machine as
-//!    its file has it, or given. Every walk reaches them by its ideal inverse kinematics, or does not.
+//!    its file has it, or given. Every walk reaches them by its nominal inverse kinematics, or does not.
 //! 3. A walk that cannot turn the tool as the work asks is set apart.
 //! 4. The others are judged by a budget (the same drawn errors for all) or by the errors given.
 //! 5. [`ranked`] puts them in order; [`Journal`] keeps results walk by walk, so that a run can be
@@ -15,7 +15,7 @@ mod drawn;
 mod journal;
 mod rule;
 
-pub use arrangement::{MOST_ARRANGEMENTS, TooMany, Walk, walks};
+pub use arrangement::{MAX_ARRANGEMENTS, TooMany, Walk, walks};
 pub use journal::{Journal, JournalFailure};
 pub use rule::Rule;
 
@@ -74,7 +74,7 @@ enum Base {
 #[serde(rename_all = "snake_case")]
 pub enum Standing {
     /// It reaches tool poses and has a value.
-    Judged,
+    JudgedTables,
     /// Its rotary axes cannot turn the tool in as many ways as the work asks.
     CannotTurn,
     /// It reaches none of the tool poses.
@@ -170,7 +170,7 @@ impl<'a> Study<'a> {
         let mut rows = Vec::new();
         let machines: Vec<Machine> =
             walk.tables.iter().filter_map(|table| self.machine.rearranged(&walk.sides(self.machine, *table))).collect();
-        // Axes whose sense hangs on their side (`direct`) make another ideal machine of each arrangement.
+        // Axes whose sense hangs on their side (`direct`) make another nominal machine of each arrangement.
         let sense = |machine: &Machine| machine.axes().iter().map(|axis| axis.sign() > 0.0).collect::<Vec<_>>();
         let mut from = 0;
         while from < machines.len() {
@@ -181,9 +181,9 @@ impl<'a> Study<'a> {
         rows
     }
 
-    /// Arrangements with the same ideal machine.
+    /// Arrangements with the same nominal machine.
     fn alike(&self, walk: &Walk, machines: &[Machine], tables: &[usize]) -> Vec<Row> {
-        let ideal = &machines[0];
+        let nominal = &machines[0];
         let row = |(machine, table): (&Machine, &usize), standing, missed: Missed| Row {
             chain: machine.chain().to_string(),
             table: *table,
@@ -193,13 +193,13 @@ impl<'a> Study<'a> {
             result: None,
         };
         let each = || machines.iter().zip(tables);
-        if freedom(ideal) < self.freedom {
+        if freedom(nominal) < self.freedom {
             let missed = Missed { total: self.work.len(), direction: self.work.len(), ..Missed::default() };
             return each().map(|of| row(of, Standing::CannotTurn, missed)).collect();
         }
-        let at_rest = rest(ideal);
+        let at_rest = rest(nominal);
         let found: Vec<Result<Pose, Unreachable>> =
-            self.work.iter().map(|target| inverse(ideal, target, &at_rest)).collect();
+            self.work.iter().map(|target| inverse(nominal, target, &at_rest)).collect();
         let missed = Missed::count(found.iter().filter_map(|pose| pose.as_ref().err()));
         let (reached, poses): (Vec<usize>, Vec<Pose>) =
             found.into_iter().enumerate().filter_map(|(i, pose)| Some((i, pose.ok()?))).unzip();
@@ -207,8 +207,9 @@ impl<'a> Study<'a> {
             return each().map(|of| row(of, Standing::ReachesNothing, missed)).collect();
         }
         let results = self.results(walk, machines, tables, &reached, &poses);
-        let judged =
-            each().zip(results).map(|(of, result)| Row { result: Some(result), ..row(of, Standing::Judged, missed) });
+        let judged = each()
+            .zip(results)
+            .map(|(of, result)| Row { result: Some(result), ..row(of, Standing::JudgedTables, missed) });
         judged.collect()
     }
 

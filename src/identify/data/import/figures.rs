@@ -17,7 +17,7 @@ pub struct Repeated {
 
 /// What was read at one target.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Target {
+pub struct TargetReadings {
     /// mm or deg.
     pub position: f64,
     /// Approached with rising position.
@@ -28,7 +28,7 @@ pub struct Target {
     pub unknown: Option<Repeated>,
 }
 
-impl Target {
+impl TargetReadings {
     /// Whatever there is, of one direction.
     pub fn any(&self) -> Option<Repeated> {
         self.forward.or(self.reverse).or(self.unknown)
@@ -56,7 +56,7 @@ impl Target {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figures {
     /// By rising position.
-    pub targets: Vec<Target>,
+    pub targets: Vec<TargetReadings>,
     /// How many runs each target saw in a direction, at least.
     pub runs: usize,
     /// Largest reversal, with its sign; `None` without two directions.
@@ -78,25 +78,25 @@ pub struct Figures {
 impl Figures {
     pub(crate) fn of(samples: &[&Sample]) -> Option<Self> {
         let targets = targets(samples);
-        let means = || targets.iter().flat_map(Target::all).map(|r| r.mean);
-        let middle = |t: &Target| {
+        let means = || targets.iter().flat_map(TargetReadings::all).map(|r| r.mean);
+        let middle = |t: &TargetReadings| {
             let all: Vec<f64> = t.all().map(|r| r.mean).collect();
             all.iter().sum::<f64>() / all.len().max(1) as f64
         };
-        let reversals: Vec<f64> = targets.iter().filter_map(Target::reversal).collect();
+        let reversals: Vec<f64> = targets.iter().filter_map(TargetReadings::reversal).collect();
         let largest = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
-        let repeated = targets.iter().flat_map(Target::all).all(|r| r.deviation.is_some());
+        let repeated = targets.iter().flat_map(TargetReadings::all).all(|r| r.deviation.is_some());
         let edge = |sign: f64| {
             let one = move |r: Repeated| r.mean + sign * 2.0 * r.deviation.unwrap_or(0.0);
-            targets.iter().flat_map(Target::all).map(one).collect::<Vec<f64>>()
+            targets.iter().flat_map(TargetReadings::all).map(one).collect::<Vec<f64>>()
         };
         let points: Vec<(f64, f64)> = targets.iter().map(|t| (t.position, middle(t))).collect();
         let spread = range(edge(1.0).into_iter().chain(edge(-1.0)));
         Some(Self {
-            runs: targets.iter().flat_map(Target::all).map(|r| r.count).min()?,
+            runs: targets.iter().flat_map(TargetReadings::all).map(|r| r.count).min()?,
             reversal: reversals.iter().copied().reduce(largest),
             mean_reversal: (!reversals.is_empty()).then(|| reversals.iter().sum::<f64>() / reversals.len() as f64),
-            repeatability: targets.iter().filter_map(Target::repeatability).reduce(f64::max),
+            repeatability: targets.iter().filter_map(TargetReadings::repeatability).reduce(f64::max),
             systematic: range(means()),
             mean: range(points.iter().map(|p| p.1)),
             accuracy: repeated.then_some(spread),
@@ -116,14 +116,14 @@ fn range(values: impl Iterator<Item = f64>) -> f64 {
     if high >= low { high - low } else { 0.0 }
 }
 
-fn targets(samples: &[&Sample]) -> Vec<Target> {
+fn targets(samples: &[&Sample]) -> Vec<TargetReadings> {
     let mut sorted: Vec<&Sample> = samples.to_vec();
     sorted.sort_by(|a, b| a.position.total_cmp(&b.position));
     let groups = sorted.chunk_by(|a, b| a.position == b.position);
     let of = |group: &[&Sample], way: Option<ColumnDirection>| {
         repeated(group.iter().filter(|s| s.direction == way).map(|s| s.value).collect())
     };
-    let target = |group: &[&Sample]| Target {
+    let target = |group: &[&Sample]| TargetReadings {
         position: group[0].position,
         forward: of(group, Some(ColumnDirection::Forward)),
         reverse: of(group, Some(ColumnDirection::Reverse)),

@@ -1,7 +1,7 @@
 //! Rows to samples; what is left out, and why.
 
 use super::header::{Header, Role, component_error, direction, fits, index, own_axis, reading_unit};
-use super::{Import, LeftOut, Sample, Wanted, error_name, order, refusal};
+use super::{Import, ImportRequest, LeftOut, Sample, error_name, order, refusal};
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::machine::{AxisName, ErrorId};
 use crate::syntax::ColumnDirection;
@@ -12,7 +12,7 @@ const FARTHEST: f64 = 1e6;
 /// Largest readings (mm, rad) that are believed.
 const LARGEST: (f64, f64) = (10.0, 0.1);
 
-pub(crate) fn gather(lines: &[Line], header: Header, wanted: &Wanted) -> Result<Import, Box<Diagnostic>> {
+pub(crate) fn gather(lines: &[Line], header: Header, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
     let Header { form, axis, rotary, errors, roles, separator, place, body, metadata, .. } = header;
     let mut import =
         Import { form, axis, rotary, errors, samples: Vec::new(), metadata, left_out: Vec::new(), inferred: false };
@@ -89,7 +89,7 @@ fn row(
     cells: &[String],
     roles: &[Role],
     separator: char,
-    wanted: &Wanted,
+    wanted: &ImportRequest,
     import: &mut Import,
 ) -> Result<Vec<Sample>, String> {
     let Import { errors, axis, rotary, .. } = import;

@@ -1,6 +1,6 @@
 //! Where the table begins, what its columns are, and what stands before it.
 
-use super::{Wanted, error_name, refusal};
+use super::{ImportRequest, error_name, refusal};
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::machine::ErrorId;
 use crate::syntax::ColumnDirection;
@@ -206,7 +206,7 @@ fn begins(cells: &[String], axis: Option<&str>) -> Option<(String, Option<String
     if cells.len() < 2 || said { None } else { cells.iter().map(|cell| sheet::title(cell)).find(position) }
 }
 
-pub(crate) fn find(lines: &[Line], wanted: &Wanted) -> Result<Header, Box<Diagnostic>> {
+pub(crate) fn find(lines: &[Line], wanted: &ImportRequest) -> Result<Header, Box<Diagnostic>> {
     understood(wanted).map_err(|why| Box::new(refusal(why, None)))?;
     let mut known: Vec<(String, String)> = Vec::new();
     let mut other = None;
@@ -240,7 +240,7 @@ pub(crate) fn find(lines: &[Line], wanted: &Wanted) -> Result<Header, Box<Diagno
 }
 
 /// What is asked for holds whether or not the file says it too.
-fn understood(wanted: &Wanted) -> Result<(), String> {
+fn understood(wanted: &ImportRequest) -> Result<(), String> {
     wanted.error.as_deref().map(component_error).transpose()?;
     wanted.unit.as_deref().map(reading_unit).transpose()?;
     Ok(())
@@ -268,7 +268,7 @@ fn is_deviation(name: &str) -> bool {
 
 struct Reading<'a> {
     lines: &'a [Line],
-    wanted: &'a Wanted,
+    wanted: &'a ImportRequest,
     metadata: &'a [(String, String)],
     separator: char,
 }

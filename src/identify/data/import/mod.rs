@@ -22,7 +22,7 @@ use std::path::Path;
 
 /// What the file itself may leave open.
 #[derive(Debug, Clone, Default)]
-pub struct Wanted {
+pub struct ImportRequest {
     /// The axis that moved.
     pub axis: Option<String>,
     /// The error whose runs the columns are.
@@ -35,7 +35,7 @@ pub struct Wanted {
     pub continuous: bool,
 }
 
-impl Wanted {
+impl ImportRequest {
     /// ` of EXX`, if one error is asked for.
     fn of(&self) -> String {
         self.error.as_deref().map(|error| format!(" of `{}`", shown(error))).unwrap_or_default()
@@ -89,7 +89,7 @@ pub struct Import {
 
 /// A table of error curves.
 #[derive(Debug, Clone)]
-pub struct Table {
+pub struct ImportedTable {
     /// As it is written.
     pub text: String,
     /// How many positions it has.
@@ -102,7 +102,7 @@ pub struct Table {
 const ROWS: usize = 200_000;
 
 /// Reads an export; what cannot be understood as a whole is refused, single rows are left out.
-pub fn import(path: &Path, wanted: &Wanted, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Import> {
+pub fn import(path: &Path, wanted: &ImportRequest, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Import> {
     let sheet = read_sheet(path, files, diagnostics)?;
     let lines = sheet.lines();
     let found = if lines.len() > ROWS {
@@ -151,7 +151,7 @@ impl Import {
     }
 
     /// The table as a machine file takes it, means over the runs.
-    pub fn table(&self, continuous: bool) -> Table {
+    pub fn table(&self, continuous: bool) -> ImportedTable {
         let figures: Vec<Figures> = (0..self.errors.len()).filter_map(|k| self.figures(k)).collect();
         let unit = if self.rotary { "deg" } else { "mm" };
         let mut header = vec![format!("{} [{unit}]", self.axis)];
@@ -185,7 +185,7 @@ impl Import {
             let cells: Vec<String> = values.iter().map(|v| format!("{}", rounded(*v))).collect();
             text += &format!("{}, {}\n", position + 0.0, cells.join(", "));
         }
-        Table { text, rows: rows.len(), missing }
+        ImportedTable { text, rows: rows.len(), missing }
     }
 
     /// The cells of one position, um and urad.

@@ -1,4 +1,4 @@
-//! The ideal machine from the numbers of the files: where its tool is, and how every axis moves it.
+//! The nominal machine from the numbers of the files: where its tool is, and how every axis moves it.
 
 use super::data::{Joint, Model};
 use crate::algebra::{Htm, rotation_about};
@@ -14,8 +14,8 @@ pub struct Setting {
     pub orientation: bool,
 }
 
-/// The ideal machine at a command.
-pub struct Place {
+/// The nominal machine at a command.
+pub struct BodyPlace {
     /// The tip of the tool.
     pub tip: Vector3<f64>,
     /// How the tool is turned from where it is with all axes at 0.
@@ -26,7 +26,7 @@ pub struct Place {
     pub turn: Vec<Vector3<f64>>,
 }
 
-impl Place {
+impl BodyPlace {
     /// The direction of the tool axis.
     pub fn axis(&self) -> Vector3<f64> {
         self.rotation.column(2).into_owned()
@@ -44,8 +44,8 @@ impl Model {
         Vector3::from(self.gauge) - Vector3::from(setting.tool)
     }
 
-    /// The ideal machine at a command.
-    pub fn place(&self, setting: &Setting, command: &[f64]) -> Place {
+    /// The nominal machine at a command.
+    pub fn place(&self, setting: &Setting, command: &[f64]) -> BodyPlace {
         let (mut walk, mut lines) = (Htm::identity(), Vec::new());
         for (joint, q) in self.joints.iter().zip(command) {
             lines.push((walk.linear * Vector3::from(joint.direction), walk.apply(&joint.origin)));
@@ -57,7 +57,7 @@ impl Model {
             false => (way, Vector3::zeros()),
         });
         let (lever, turn) = both.unzip();
-        Place { tip, rotation: walk.linear, lever, turn }
+        BodyPlace { tip, rotation: walk.linear, lever, turn }
     }
 }
 
