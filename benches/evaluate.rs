@@ -14,7 +14,7 @@
 mod naive;
 
 use abbe::analysis::{SurveyTask, View, survey};
-use abbe::cli::files::Disk;
+use abbe::cli::store::files::Disk;
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::{Batch, Columns, CompiledField, CompiledModel, Field, Nodes, Order, Poses, Width};
 use abbe::machine::{Approach, Machine};

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 use abbe::algebra::linear::Triangle;
-use abbe::cli::files::Disk;
+use abbe::cli::store::files::Disk;
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::{Frame, Order, evaluate, random_poses};
 use abbe::identify::{Measurement, Model, Parameter, Reading, Solution, fit, parameters};

@@ -1,7 +1,7 @@
 //! Runs with templates of one's own are done by a child of the program that may take only so much memory: the fuel
 //! of a template bounds its steps, not the size of its values, and memory that runs out ends a process without a word.
 
-use super::session::Session;
+use super::output::session::Session;
 use crate::diagnostic::Diagnostic;
 use std::ffi::OsString;
 use std::process::ExitCode;

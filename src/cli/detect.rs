@@ -1,10 +1,11 @@
 //! Which target's files a folder holds: the one that is named, or that the set's manifest names; else the one whose
 //! files are there by name; else the one that their content tells.
 
-use super::files::{SET_LIMIT, read_at_most};
+use super::Exit;
 use super::how::{CompensationOptions, StoredArg};
-use super::session::Session;
-use super::{Exit, file_set};
+use super::output::session::Session;
+use super::store::file_set;
+use super::store::files::{SET_LIMIT, read_at_most};
 use crate::controller::{ControllerTarget, LOCK_NAME, Lock, NAMES, ReadBack, RecognisedSet, recognise};
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;

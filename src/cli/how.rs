@@ -1,7 +1,7 @@
 //! How a machine is compensated: the options that `compile`, `verify`, `diff`, `map` and `report` share.
 
-use super::files::Disk;
-use super::session::Session;
+use super::output::session::Session;
+use super::store::files::Disk;
 use super::{Exit, Outcome};
 use crate::compensation::{Fit, Goal, Scope, Stored};
 use crate::controller::{Certificate, ControllerTarget, Depth, JudgedTables, certify, is_plain_name};

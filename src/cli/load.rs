@@ -1,8 +1,8 @@
 //! From a path to a valid machine.
 
 use super::Exit;
-use super::files::Disk;
-use super::session::Session;
+use super::output::session::Session;
+use super::store::files::Disk;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::machine::{self, ErrorTerm, Machine};
 use crate::syntax::{self, Files, IdentifyEntry, ReadFailure};

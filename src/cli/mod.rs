@@ -2,64 +2,30 @@
 //!
 //! Exit codes: 0 done, 1 input refused, 2 usage, 3 our own fault.
 
-mod algebra;
-mod budget;
-mod budgets;
-mod certificate_output;
-mod check;
-mod classify;
-mod commit;
-mod compare;
-mod compile;
 mod confined;
-mod convert;
 mod detect;
-mod diff;
-mod effects;
-mod enumerate;
-mod equations;
-mod eval;
-mod explain;
-mod file_set;
-pub mod files;
 mod how;
-mod identify;
-mod identify_remarks;
-mod identify_report;
-mod import;
-mod init;
-mod instrument;
-mod journal;
 mod load;
-mod map;
-mod map_output;
-mod map_picture;
-mod map_survey;
 mod module_set;
-mod monomials;
-mod pictures;
-mod plan;
+mod output;
 mod poses;
-mod progress;
-mod ranking;
-mod report;
 mod serve;
-mod session;
 mod set_effect;
-mod show;
+pub mod store;
 mod table_set;
-mod targets;
 mod tolerances;
 mod tool_poses;
-mod verify;
-mod view;
+mod verbs;
 mod watch;
-mod write;
 
 use clap::{Parser, Subcommand, ValueEnum};
-use session::Session;
+use output::session::Session;
 use std::ffi::OsString;
 use std::process::ExitCode;
+use verbs::{
+    budget, check, classify, compare, compile, convert, diff, enumerate, equations, eval, explain, identify, import,
+    init, instrument, map, report, show, targets, verify,
+};
 
 /// A compiler from machine-tool configurations to volumetric compensation.
 #[derive(Debug, Parser)]

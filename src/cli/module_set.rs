@@ -1,8 +1,9 @@
 //! Kinematics modules, for targets that replace the controller's kinematics: rendered and read back, or found in a folder.
 
 use super::how::CompensationOptions;
-use super::session::Session;
-use super::{Exit, Outcome, detect, file_set};
+use super::output::session::Session;
+use super::store::file_set;
+use super::{Exit, Outcome, detect};
 use crate::compensation::CorrectionTables;
 use crate::controller::{ControllerTarget, KinematicsModule, Limits, ReadBack, RenderedFile};
 use crate::machine::Machine;

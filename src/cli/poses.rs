@@ -1,8 +1,8 @@
 //! Poses from the command line (`--at X=100,C=90`) and from CSV files.
 
 use super::Exit;
-use super::files::Disk;
-use super::session::Session;
+use super::output::session::Session;
+use super::store::files::Disk;
 use crate::diagnostic::{Diagnostic, Place, SourceId};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::syntax::read_text;

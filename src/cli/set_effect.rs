@@ -1,8 +1,8 @@
 //! What a set of files does to a machine: one that `compile` would write, or one found in a folder.
 
-use super::certificate_output::warnings;
 use super::how::{CompensationOptions, Options};
-use super::session::Session;
+use super::output::certificate::warnings;
+use super::output::session::Session;
 use super::table_set::{self, FoundTables};
 use super::{Exit, detect, module_set};
 use crate::controller::{

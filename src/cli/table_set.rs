@@ -2,8 +2,9 @@
 
 use super::detect::{self, Set};
 use super::how::Options;
-use super::session::Session;
-use super::{Exit, Outcome, file_set};
+use super::output::session::Session;
+use super::store::file_set;
+use super::{Exit, Outcome};
 use crate::compensation::{CorrectionTables, Fit, LatticeRequest, Scope, resampled};
 use crate::controller::{ControllerTarget, Limits, ReadBack, RenderedFile};
 use crate::diagnostic::Diagnostic;

@@ -1,7 +1,7 @@
 //! Options of the verbs that draw errors between bounds, and the bounds they come to.
 
 use super::Exit;
-use super::session::Session;
+use super::output::session::Session;
 use crate::analysis::budget::{Bound, Class, Distribution, Draws, Statistic, bounds, classes, known, lacks_rotary};
 use crate::diagnostic::{Diagnostic, did_you_mean, shown};
 use crate::machine::Machine;

@@ -3,9 +3,9 @@
 //!
 //! What a machine cannot reach is left out, named row by row, and counted.
 
-use super::files::Disk;
+use super::output::session::Session;
 use super::poses::check;
-use super::session::Session;
+use super::store::files::Disk;
 use super::{Exit, Outcome};
 use crate::analysis::{Missed, ToolPose, Unreachable, inverse, place, rest, tool_pose};
 use crate::diagnostic::{Diagnostic, Place, SourceId, shown};

@@ -2,10 +2,10 @@
 //!
 //! A file that is refused leaves the last good page in place, with the diagnostics above it.
 
-use super::files::Recorded;
-use super::report::{Args, Built, build, write};
+use super::output::session::Session;
 use super::serve::{Answer, serve};
-use super::session::Session;
+use super::store::files::Recorded;
+use super::verbs::report::{Args, Built, build, write};
 use super::{Exit, Outcome};
 use crate::diagnostic::{Diagnostic, Rendering, render};
 use crate::report::page::{Data, Rendered, Served, colours};

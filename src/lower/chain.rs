@@ -24,7 +24,7 @@ pub struct Chain<S: Algebra> {
 impl<S: Algebra> Chain<S> {
     /// The real machine: errors as given by `values`, entering the algebra through `lift`.
     pub fn actual(machine: &Machine, pose: &[f64], values: &ErrorValues, lift: &impl ErrorLift<S>) -> Self {
-        Self::real_at(machine, &positions(machine, pose), values, lift)
+        Self::actual_at(machine, &positions(machine, pose), values, lift)
     }
 
     /// The real machine at positions that are elements of the algebra themselves.

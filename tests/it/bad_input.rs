@@ -1,7 +1,7 @@
 //! Hostile and broken input: always a diagnostic that says what to do, soon, and never a panic.
 
 use super::language::{Memory, TRUNNION, read};
-use abbe::cli::files::{Disk, LIMIT};
+use abbe::cli::store::files::{Disk, LIMIT};
 use abbe::diagnostic::{Diagnostics, Rendering, render};
 use abbe::machine;
 use abbe::syntax::{self, Files, ReadFailure};

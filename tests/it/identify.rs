@@ -7,7 +7,7 @@ use super::oracle::program::Folder;
 use super::oracle::random::Random;
 use super::oracle::rigid::Frame as OracleFrame;
 use super::oracle::yaml;
-use abbe::cli::files::Disk;
+use abbe::cli::store::files::Disk;
 use abbe::diagnostic::{Diagnostics, Place as InFile};
 use abbe::evaluate::{Frame, Order, evaluate};
 use abbe::identify::{

@@ -1,6 +1,6 @@
 //! Machine files as the library reads them.
 
-use abbe::cli::files::Disk;
+use abbe::cli::store::files::Disk;
 use abbe::diagnostic::{Diagnostics, Rendering, render};
 use abbe::machine::Machine;
 use std::path::Path;

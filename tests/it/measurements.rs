@@ -7,7 +7,7 @@ use super::oracle::machines::Sample;
 use super::oracle::program::Folder;
 use super::oracle::random::Random;
 use super::oracle::rigid::Frame as OracleFrame;
-use abbe::cli::files::Disk;
+use abbe::cli::store::files::Disk;
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::Frame;
 use abbe::identify::{Data, Fit, Model, Parameter, Solution, fit, read_measurements};

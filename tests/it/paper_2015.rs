@@ -305,7 +305,7 @@ fn taylor(coefficients: &Coefficients, at: &[V3]) -> Vec<[f64; 3]> {
     let machine = silent(&[("machine.yaml", &coefficients.yaml(true))]);
     let one = |p: &V3| {
         let errors = values(&machine, p, Approach::Mean);
-        let chain = Chain::<Dual<3>>::real(&machine, p, &errors, &OrderN);
+        let chain = Chain::<Dual<3>>::actual(&machine, p, &errors, &OrderN);
         chain.tool_in_workpiece(&machine.workpiece()).translation.x.0
     };
     at.iter().map(one).collect()

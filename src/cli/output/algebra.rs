@@ -1,0 +1,44 @@
+//! The algebra asked for: in the words of the machine file's section `algebra`, or that section itself.
+
+use super::session::Session;
+use crate::cli::Exit;
+use crate::diagnostic::{Diagnostic, shown};
+use crate::lower::{Declared, WeilLift};
+use crate::machine::{AlgebraChoice, Machine};
+use crate::syntax::AlgebraEntry;
+
+/// The algebra declared by a text (empty: by the machine file), with its generators.
+pub(crate) fn declared(session: &mut Session, machine: &Machine, text: &str) -> Result<Declared, Exit> {
+    let choice = if text.trim().is_empty() { of_machine(machine) } else { of_text(text) };
+    let declared = choice.and_then(|choice| Declared::new(machine, &choice));
+    declared.or_else(|refusal| session.refuse(refusal))
+}
+
+/// The same, with its basis.
+pub(crate) fn lift(session: &mut Session, machine: &Machine, text: &str) -> Result<WeilLift, Exit> {
+    let declared = declared(session, machine, text)?;
+    declared.build().or_else(|refusal| session.refuse(refusal))
+}
+
+/// As printed beside results.
+pub(crate) fn name(lift: &WeilLift) -> String {
+    let basis = lift.basis();
+    let (generators, monomials) = (lift.declared().names().len(), basis.monomials().len());
+    format!("{} in {generators} generators, {monomials} monomials", lift.declared().ideal().degree)
+}
+
+fn of_machine(machine: &Machine) -> Result<AlgebraChoice, Diagnostic> {
+    machine.algebra().cloned().ok_or_else(|| {
+        Diagnostic::new("E0814", "the machine file names no algebra")
+            .help("add a section `algebra: { degree: 2 }`, or write `--algebra \"degree: 2\"`")
+    })
+}
+
+fn of_text(text: &str) -> Result<AlgebraChoice, Diagnostic> {
+    let entry: AlgebraEntry = serde_yaml::from_str(&format!("{{{text}}}")).map_err(|failure| {
+        let reason = failure.to_string();
+        Diagnostic::new("E0814", format!("`{}` is not an algebra: {}", shown(text), shown(&reason)))
+            .help("write it as in a machine file: `--algebra \"degree: 3, generators: per-axis, vanish: [X^2]\"`")
+    })?;
+    AlgebraChoice::new(&entry)
+}

@@ -1,0 +1,85 @@
+//! Progress on standard error: only on a terminal, and only for what lasts over a second.
+
+use std::io::{IsTerminal, Write};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// Silence before the first word.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Time between two words.
+const PACE: Duration = Duration::from_millis(100);
+
+/// How far a long computation has come.
+pub(crate) struct Progress {
+    total: usize,
+    visible: bool,
+    begun: Instant,
+    state: Mutex<State>,
+}
+
+struct State {
+    done: usize,
+    next: Instant,
+    shown: bool,
+}
+
+impl Progress {
+    /// Of so many steps; `quiet` says nothing whatever happens.
+    pub(crate) fn new(total: usize, quiet: bool) -> Self {
+        let begun = Instant::now();
+        let state = State { done: 0, next: begun + PATIENCE, shown: false };
+        Self { total, begun, visible: !quiet && std::io::stderr().is_terminal(), state: Mutex::new(state) }
+    }
+
+    /// So many more are done.
+    pub(crate) fn add(&self, count: usize) {
+        if !self.visible {
+            return;
+        }
+        let Ok(mut state) = self.state.lock() else { return };
+        state.done += count;
+        let now = Instant::now();
+        if now >= state.next {
+            state.next = now + PACE;
+            state.shown = true;
+            let percent = 100 * state.done / self.total.max(1);
+            let left = remaining(now - self.begun, state.done, self.total);
+            let _ = write!(std::io::stderr(), "\r{percent:3} % of {}, {left} left\x1b[K", self.total);
+        }
+    }
+}
+
+/// How long the rest will take at the pace so far: `45 s`, `12 min`, `3.5 h`.
+fn remaining(elapsed: Duration, done: usize, total: usize) -> String {
+    let seconds = elapsed.as_secs_f64() * (total.saturating_sub(done)) as f64 / done.max(1) as f64;
+    match seconds {
+        s if s < 90.0 => format!("{} s", s.ceil()),
+        s if s < 5400.0 => format!("{} min", (s / 60.0).ceil()),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+/// The line is taken back: what follows on the terminal begins on a clean one.
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if self.state.get_mut().is_ok_and(|state| state.shown) {
+            let _ = write!(std::io::stderr(), "\r\x1b[K");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rest_takes_as_long_per_step_as_what_is_done() {
+        let left = |seconds, done, total| remaining(Duration::from_secs(seconds), done, total);
+        assert_eq!(
+            [left(10, 1, 4), left(60, 1, 11), left(3600, 1, 3), left(5, 7, 7)],
+            ["30 s", "10 min", "2.0 h", "0 s"]
+        );
+        assert_eq!(left(1, 0, 5), "5 s");
+    }
+}

@@ -1,0 +1,136 @@
+//! Options that the verbs about whole volumes share, and how their numbers are printed.
+
+use crate::evaluate::{Frame, MAX_DUAL_ORDER, Order, Statistics, Summary};
+use crate::machine::{Approach, Machine};
+use crate::units::significant;
+
+/// An object of axis names and positions (mm, deg).
+pub(crate) use crate::report::positions as axes_json;
+
+/// How errors are followed and looked at.
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct ViewArgs {
+    /// 1 to 6, or `exact` (the default, unless the conventions' preset names an order).
+    #[arg(long, value_parser = order)]
+    order: Option<Order>,
+    /// Direction of approach where forward and reverse curves were given.
+    #[arg(long, value_enum, default_value = "mean")]
+    direction: ApproachArg,
+    /// Which of the machine's tools.
+    #[arg(long)]
+    pub(crate) tool: Option<String>,
+}
+
+impl ViewArgs {
+    /// The order asked for, or the one the machine's conventions name.
+    pub(crate) fn order(&self, machine: &Machine) -> Order {
+        self.order.unwrap_or_else(|| machine.conventions().default_order.map_or(Order::Exact, Order::Degree))
+    }
+
+    pub(crate) fn approach(&self) -> Approach {
+        self.direction.into()
+    }
+}
+
+/// Frame of vectors.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+pub(crate) enum FrameArg {
+    Workpiece,
+    Machine,
+    Tool,
+}
+
+impl From<FrameArg> for Frame {
+    fn from(arg: FrameArg) -> Self {
+        match arg {
+            FrameArg::Workpiece => Self::Workpiece,
+            FrameArg::Machine => Self::Machine,
+            FrameArg::Tool => Self::Tool,
+        }
+    }
+}
+
+/// Direction of approach.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+pub(crate) enum ApproachArg {
+    Mean,
+    Forward,
+    Reverse,
+}
+
+impl From<ApproachArg> for Approach {
+    fn from(arg: ApproachArg) -> Self {
+        match arg {
+            ApproachArg::Mean => Self::Mean,
+            ApproachArg::Forward => Self::Forward,
+            ApproachArg::Reverse => Self::Reverse,
+        }
+    }
+}
+
+/// `exact` or a number of 1..=6.
+pub(crate) fn order(text: &str) -> Result<Order, String> {
+    match text.parse::<u8>() {
+        Ok(n) if (1..=MAX_DUAL_ORDER).contains(&n) => Ok(Order::Degree(n)),
+        _ if text == "exact" => Ok(Order::Exact),
+        _ => Err(format!("an order is 1 to {MAX_DUAL_ORDER}, or `exact`")),
+    }
+}
+
+/// As printed.
+pub(crate) fn order_text(order: Order) -> String {
+    match order {
+        Order::Exact => "exact".to_owned(),
+        Order::Degree(n) => n.to_string(),
+    }
+}
+
+/// As printed.
+pub(crate) fn frame_text(frame: Frame) -> &'static str {
+    match frame {
+        Frame::Workpiece => "workpiece",
+        Frame::Machine => "machine",
+        Frame::Tool => "tool",
+    }
+}
+
+/// `-0` is nobody's result: adding zero turns it into 0.
+pub(crate) fn plain(value: f64) -> f64 {
+    value + 0.0
+}
+
+/// `X = 100 mm, C = 90 deg`.
+pub(crate) fn axes_text(machine: &Machine, pose: &[f64]) -> String {
+    let entry =
+        |(axis, q): (&crate::machine::Axis, &f64)| format!("{} = {} {}", axis.name, significant(*q, 7), axis.unit());
+    machine.axes().iter().zip(pose).map(entry).collect::<Vec<_>>().join(", ")
+}
+
+/// A table for the terminal, with its header.
+pub(crate) fn table(header: &[&str]) -> comfy_table::Table {
+    let mut table = comfy_table::Table::new();
+    let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN).set_header(header);
+    table
+}
+
+/// Header of tables of statistics.
+pub(crate) const STATISTICS: [&str; 9] = ["", "", "max", "mean", "rms", "95 %", "range x", "range y", "range z"];
+
+/// Two rows: position and rotation.
+pub(crate) fn statistics_rows(name: &str, statistics: &Statistics) -> [Vec<String>; 2] {
+    let row = |name: &str, what: &str, s: &Summary| {
+        let numbers = [s.max, s.mean, s.rms, s.p95].into_iter().chain(s.range).map(|x| significant(x, 4));
+        [name.to_owned(), what.to_owned()].into_iter().chain(numbers).collect()
+    };
+    [row(name, "position, um", &statistics.position_um), row("", "rotation, urad", &statistics.rotation_urad)]
+}
+
+/// A cell of a CSV file, quoted where it has to be.
+pub(crate) fn cell(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}
+
+/// Numbers of a CSV line.
+pub(crate) fn numbers(values: impl IntoIterator<Item = f64>) -> String {
+    values.into_iter().map(|x| plain(x).to_string()).collect::<Vec<_>>().join(",")
+}

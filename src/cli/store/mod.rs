@@ -1,0 +1,7 @@
+//! Files: reading, writing whole or not at all, sets of compensation files and journals.
+
+pub(super) mod commit;
+pub(super) mod file_set;
+pub mod files;
+pub(super) mod journal;
+pub(super) mod write;

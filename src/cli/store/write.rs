@@ -1,0 +1,335 @@
+//! Files are written whole or not at all: into a temporary file beside the target, then renamed.
+
+use crate::diagnostic::{Diagnostic, Sources};
+use crate::report::Picture;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// Writes a file so that a reader sees either what was there before or all of `bytes`.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
+    let staged = Staged::new(path)?;
+    staged.file()?.write_all(bytes).map_err(|failure| staged.failed(&failure))?;
+    staged.commit()
+}
+
+/// A file in the making, beside the one it becomes; gone if it is not finished. Where the system has files without a
+/// name it is one until then: nothing is left of a program that was killed.
+pub(crate) struct Staged {
+    path: PathBuf,
+    target: PathBuf,
+    temporary: PathBuf,
+    file: File,
+    /// Has it no name yet?
+    unnamed: bool,
+}
+
+impl Staged {
+    /// Opens it.
+    pub(crate) fn new(path: &Path) -> Result<Self, Diagnostic> {
+        let target = replaceable(path)?;
+        let temporary = temporary(&target).ok_or_else(|| unwritable(path, "the path names no file"))?;
+        let (unnamed, opened) = match unnamed::open(folder_of(&target)) {
+            Some(file) => (true, Ok(file)),
+            None => (false, OpenOptions::new().write(true).create_new(true).open(&temporary)),
+        };
+        let file = opened.map_err(|failure| unwritable(path, &failure.to_string()))?;
+        Ok(Self { path: path.to_owned(), target, temporary, file, unnamed })
+    }
+
+    /// For writing.
+    pub(crate) fn file(&self) -> Result<File, Diagnostic> {
+        self.file.try_clone().map_err(|failure| self.failed(&failure))
+    }
+
+    /// What is said when it cannot be written.
+    pub(crate) fn failed(&self, failure: &io::Error) -> Diagnostic {
+        unwritable(&self.path, &failure.to_string())
+    }
+
+    /// All of it is there: it takes its place.
+    pub(crate) fn commit(self) -> Result<(), Diagnostic> {
+        let finished = || {
+            if let Ok(metadata) = fs::metadata(&self.target) {
+                self.file.set_permissions(metadata.permissions())?;
+            }
+            self.file.sync_all()?;
+            if self.unnamed {
+                unnamed::name(&self.file, &self.temporary)?;
+            }
+            fs::rename(&self.temporary, &self.target)
+        };
+        finished().map_err(|failure| self.failed(&failure))
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        // What is left of a failed attempt is ours alone; if it cannot go either, there is no more to say.
+        // After a commit there is nothing of this name.
+        let _ = fs::remove_file(&self.temporary);
+    }
+}
+
+/// Files without a name.
+#[cfg(target_os = "linux")]
+mod unnamed {
+    use rustix::fs::{AtFlags, CWD, Mode, OFlags, linkat, open as open_at};
+    use std::os::fd::AsRawFd;
+    use std::path::{Path, PathBuf};
+    use std::{fs::File, io};
+
+    /// How the system calls it.
+    fn own(file: &File) -> PathBuf {
+        PathBuf::from(format!("/proc/self/fd/{}", file.as_raw_fd()))
+    }
+
+    /// `None` if the file system has none, or could not give it a name later.
+    pub(crate) fn open(folder: &Path) -> Option<File> {
+        let flags = OFlags::TMPFILE | OFlags::WRONLY | OFlags::CLOEXEC;
+        let file = File::from(open_at(folder, flags, Mode::from_raw_mode(0o666)).ok()?);
+        own(&file).exists().then_some(file)
+    }
+
+    pub(crate) fn name(file: &File, path: &Path) -> io::Result<()> {
+        Ok(linkat(CWD, own(file), CWD, path, AtFlags::SYMLINK_FOLLOW)?)
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+mod unnamed {
+    use std::{fs::File, io, path::Path};
+
+    pub(crate) fn open(_: &Path) -> Option<File> {
+        None
+    }
+
+    pub(crate) fn name(_: &File, _: &Path) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Form of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum PictureKind {
+    Svg,
+    Png,
+}
+
+impl PictureKind {
+    /// By the ending of a name.
+    pub(crate) fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "svg" => Some(Self::Svg),
+            "png" => Some(Self::Png),
+            _ => None,
+        }
+    }
+}
+
+/// Writes a picture, never over a file that was read in this run.
+pub(crate) fn write_picture(
+    path: &Path,
+    picture: &Picture,
+    kind: PictureKind,
+    sources: &Sources,
+) -> Result<(), Diagnostic> {
+    refuse_input(path, sources)?;
+    match kind {
+        PictureKind::Svg => write_whole(path, picture.svg().as_bytes()),
+        PictureKind::Png => {
+            let undrawable = |why: String| {
+                Diagnostic::new("E0632", format!("`{}` cannot be drawn: {why}", path.display()))
+                    .help("write SVG instead")
+            };
+            write_whole(path, &picture.png().map_err(undrawable)?)
+        }
+    }
+}
+
+/// Refuses to write over a file that was read in this run: a machine file, a table, a measurement.
+pub(crate) fn refuse_input(path: &Path, sources: &Sources) -> Result<(), Diagnostic> {
+    let Some(own) = identity(path) else { return Ok(()) };
+    let read = sources.iter().any(|(name, _)| identity(Path::new(name)).is_some_and(|other| other == own));
+    if !read {
+        return Ok(());
+    }
+    let message = format!("`{}` is an input of this run", path.display());
+    Err(Diagnostic::new("E0630", message).help("give the output another name; nothing was written"))
+}
+
+/// Refuses, before any work, outputs that cannot all be written: over an input, two to one file, or where there is no folder.
+pub(crate) fn refuse_outputs<'a>(
+    paths: impl IntoIterator<Item = &'a PathBuf>,
+    sources: &Sources,
+) -> Result<(), Diagnostic> {
+    let mut seen: Vec<&PathBuf> = Vec::new();
+    for path in paths {
+        refuse_input(path, sources)?;
+        let _ = replaceable(path)?;
+        let folder = folder_of(path);
+        if !folder.is_dir() {
+            return Err(unwritable(path, &format!("there is no folder `{}`", folder.display())));
+        }
+        let own = identity(path);
+        if seen.iter().any(|other| *other == path || own.is_some() && identity(other) == own) {
+            let message = format!("two outputs of this run are to be `{}`", path.display());
+            return Err(Diagnostic::new("E0630", message).help("give each a name of its own; nothing was written"));
+        }
+        seen.push(path);
+    }
+    Ok(())
+}
+
+/// Makes a folder for outputs, if it is not there.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), Diagnostic> {
+    refuse_no_folder(folder)?;
+    fs::create_dir_all(folder).map_err(|failure| unwritable_folder(folder, &failure.to_string()))
+}
+
+/// Refuses, before any work, a folder for outputs that is a file.
+pub(crate) fn refuse_no_folder(folder: &Path) -> Result<(), Diagnostic> {
+    let other = fs::metadata(folder).is_ok_and(|metadata| !metadata.is_dir());
+    if other { Err(unwritable_folder(folder, "it is a file, not a folder")) } else { Ok(()) }
+}
+
+pub(crate) fn unwritable_folder(folder: &Path, why: &str) -> Diagnostic {
+    Diagnostic::new("E0810", format!("cannot write to `{}`: {why}", folder.display()))
+        .help("name a folder that you may write to; nothing was written")
+}
+
+/// What makes two paths the same file.
+#[cfg(unix)]
+fn identity(path: &Path) -> Option<(u64, u64)> {
+    use std::os::unix::fs::MetadataExt;
+    fs::metadata(path).ok().map(|m| (m.dev(), m.ino()))
+}
+
+#[cfg(not(unix))]
+fn identity(path: &Path) -> Option<PathBuf> {
+    fs::canonicalize(path).ok()
+}
+
+/// Like [`write_whole`], but a file that is there already is refused.
+pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
+    if path.symlink_metadata().is_ok() {
+        let message = format!("`{}` is there already", path.display());
+        return Err(Diagnostic::new("E0811", message)
+            .help("give another name, or remove it first: nothing is overwritten here"));
+    }
+    write_whole(path, bytes)
+}
+
+/// The regular file behind the path, or the path itself if there is nothing yet.
+fn replaceable(path: &Path) -> Result<PathBuf, Diagnostic> {
+    let Ok(metadata) = fs::metadata(path) else {
+        let link = path.symlink_metadata().is_ok();
+        return if link { Err(unwritable(path, "it is a link to nothing")) } else { Ok(path.to_owned()) };
+    };
+    if metadata.is_dir() {
+        return Err(unwritable(path, "it is a directory"));
+    }
+    // Renaming over a device or FIFO would replace it.
+    if !metadata.is_file() {
+        return Err(unwritable(path, "it is not a regular file"));
+    }
+    if metadata.permissions().readonly() {
+        return Err(unwritable(path, "it is read-only"));
+    }
+    // A link stays a link: its target is replaced.
+    fs::canonicalize(path).map_err(|failure| unwritable(path, &failure.to_string()))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+fn temporary(target: &Path) -> Option<PathBuf> {
+    let mut name = std::ffi::OsString::from(".");
+    name.push(target.file_name()?);
+    name.push(format!(".{}.tmp", std::process::id()));
+    Some(target.with_file_name(name))
+}
+
+fn unwritable(path: &Path, why: &str) -> Diagnostic {
+    let help = "name a file in a folder that exists and that you may write to; nothing was written";
+    Diagnostic::new("E0810", format!("cannot write `{}`: {why}", path.display())).help(help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder of its own, removed at the end.
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn new(name: &str) -> Self {
+            let path = std::env::temp_dir().join(format!("abbe-write-{name}-{}", std::process::id()));
+            fs::create_dir_all(&path).unwrap();
+            Self(path)
+        }
+
+        fn entries(&self) -> usize {
+            fs::read_dir(&self.0).unwrap().count()
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+
+    #[test]
+    fn a_file_is_replaced_whole_and_nothing_is_left_beside_it() {
+        let folder = Folder::new("whole");
+        let path = folder.0.join("map.csv");
+        write_whole(&path, b"old and long").unwrap();
+        write_whole(&path, b"new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(folder.entries(), 1);
+        assert_eq!(write_new(&path, b"other").unwrap_err().code, "E0811");
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
+
+    /// As after a kill: with nameless files there is nothing to see before the end.
+    #[test]
+    fn a_file_in_the_making_has_no_name_where_the_system_can() {
+        let folder = Folder::new("unfinished");
+        let path = folder.0.join("map.csv");
+        let staged = Staged::new(&path).unwrap();
+        staged.file().unwrap().write_all(b"all of it").unwrap();
+        assert_eq!(folder.entries(), usize::from(!staged.unnamed));
+        staged.commit().unwrap();
+        assert_eq!((fs::read(&path).unwrap().as_slice(), folder.entries()), (&b"all of it"[..], 1));
+        drop(Staged::new(&path).unwrap());
+        assert_eq!(folder.entries(), 1);
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_said_and_leaves_nothing() {
+        let folder = Folder::new("refused");
+        for path in [
+            folder.0.clone(),
+            folder.0.join("none/map.csv"),
+            PathBuf::from("/dev/null"),
+            PathBuf::from("/"),
+            PathBuf::new(),
+        ] {
+            let diagnostic = write_whole(&path, b"x").unwrap_err();
+            assert_eq!(diagnostic.code, "E0810", "{path:?}");
+        }
+        assert_eq!(folder.entries(), 0);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_nothing_stays_one() {
+        let folder = Folder::new("link");
+        let path = folder.0.join("map.csv");
+        std::os::unix::fs::symlink(folder.0.join("none.csv"), &path).unwrap();
+        assert_eq!(write_whole(&path, b"x").unwrap_err().code, "E0810");
+        assert!(path.symlink_metadata().unwrap().is_symlink());
+    }
+}

@@ -1,0 +1,263 @@
+//! `abbe budget`: tolerances to the volumetric error.
+
+use crate::analysis::budget::{
+    Bound, Budget, Contribution, PERCENTS, Percentile, Request, Statistic, Totals, budget, budget_poses, known,
+};
+use crate::cli::output::progress::Progress;
+use crate::cli::output::session::Session;
+use crate::cli::output::view::{axes_json, axes_text, table};
+use crate::cli::poses::{check, pose_at};
+use crate::cli::store::write::{PictureKind, refuse_outputs, write_picture};
+use crate::cli::tolerances::ToleranceArgs;
+use crate::cli::tool_poses;
+use crate::cli::tool_poses::Reached;
+use crate::cli::{Format, Outcome, load};
+use crate::machine::Machine;
+use crate::report::{BudgetReport, Drawing, tolerance, tolerance_unit};
+use crate::units::{angle, length, significant};
+use serde_json::json;
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The machine file; errors with a `tolerance` are budgeted.
+    machine: PathBuf,
+    #[command(flatten)]
+    tolerances: ToleranceArgs,
+    /// Seed of poses and errors.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// How many random poses, besides the corners of the volume.
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    poses: u32,
+    /// Instead of these poses, those for tool poses in the workpiece frame: a CSV file with columns X, Y, Z and
+    /// I, J, K or rotary axes.
+    #[arg(long, value_name = "FILE", conflicts_with = "poses")]
+    tool_poses: Option<PathBuf>,
+    /// How many machines are drawn.
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    samples: u32,
+    /// The contributions at this pose too, mm and deg; axes left out are at 0.
+    #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true)]
+    at: Option<String>,
+    /// How many contributions to list.
+    #[arg(long, value_name = "K", default_value_t = 12)]
+    top: usize,
+    /// Which of the machine's tools.
+    #[arg(long)]
+    tool: Option<String>,
+    /// Draw what each error does at its bound, and what they add up to (SVG, or PNG by the file's ending).
+    #[arg(long, value_name = "FILE")]
+    pareto: Option<PathBuf>,
+    /// Draw how the budget is used up, tolerance by tolerance (SVG, or PNG by the file's ending).
+    #[arg(long, value_name = "FILE")]
+    waterfall: Option<PathBuf>,
+}
+
+pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
+    let machine = load::machine(session, &args.machine, args.tool.as_deref())?;
+    let outputs = args.pareto.iter().chain(&args.waterfall);
+    refuse_outputs(outputs, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
+    let at = match &args.at {
+        Some(text) => Some(pose_at(&machine, text).or_else(|message| session.usage(&message))?),
+        None => None,
+    };
+    check(session, &machine, at.as_slice())?;
+    let (bounds, source) = args.tolerances.bounds(session, &machine)?;
+    let draws = args.tolerances.draws(args.seed);
+    let reached = tool_poses::asked(session, &machine, args.tool_poses.as_deref())?;
+    let poses = match &reached {
+        Some(reached) => reached.poses.clone(),
+        None => budget_poses(&machine, args.poses as usize, args.seed),
+    };
+    let samples = args.samples as usize;
+    let request = Request {
+        machine: &machine,
+        bounds: &bounds,
+        poses: &poses,
+        at: at.as_deref(),
+        draws: &draws,
+        samples,
+        statistic: args.tolerances.statistic(),
+    };
+    let progress = Progress::new(2 * samples, session.is_quiet());
+    let budget = budget(request, &|count| progress.add(count));
+    drop(progress);
+    let drawing = args.tolerances.drawing(source, samples, args.seed);
+    let report = Report { args, machine: &machine, bounds: &bounds, drawing, poses: poses.len(), reached, at, budget };
+    let drawn = report.report();
+    for (path, picture) in [(&args.pareto, drawn.pareto(args.top)), (&args.waterfall, drawn.waterfall(args.top))] {
+        if let Some(path) = path {
+            let kind = PictureKind::of(path).unwrap_or(PictureKind::Svg);
+            write_picture(path, &picture, kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
+        }
+    }
+    match session.format() {
+        Format::Json => session.print_json(report.json()),
+        Format::Csv => session.print(&report.csv()),
+        Format::Text => session.print(&report.text()),
+    }
+    Ok(())
+}
+
+/// What is printed.
+struct Report<'a> {
+    args: &'a Args,
+    machine: &'a Machine,
+    bounds: &'a [Bound],
+    drawing: Drawing,
+    poses: usize,
+    reached: Option<Reached>,
+    at: Option<Vec<f64>>,
+    budget: Budget,
+}
+
+fn short(value: f64) -> String {
+    significant(value, 4)
+}
+
+impl Report<'_> {
+    fn report(&self) -> BudgetReport<'_> {
+        let (machine, bounds, budget) = (self.machine, self.bounds, &self.budget);
+        BudgetReport { machine, bounds, budget, poses: self.poses, drawing: &self.drawing }
+    }
+
+    fn json(&self) -> serde_json::Value {
+        let report = self.report();
+        let mut json = report.json();
+        json.extend([
+            ("machine".to_owned(), json!(self.machine.name())),
+            ("chain".to_owned(), json!(self.machine.chain().to_string())),
+        ]);
+        if let Some(reached) = &self.reached {
+            let _ = json.insert("tool_poses".to_owned(), reached.json());
+        }
+        if let (Some(pose), Some(list)) = (&self.at, &self.budget.at) {
+            let at = json!({"axes": axes_json(self.machine, pose), "contributions": report.contributions(list)});
+            let _ = json.insert("at".to_owned(), at);
+        }
+        json.into()
+    }
+
+    /// One line for each error.
+    fn csv(&self) -> String {
+        let um = |list: &[Contribution], i: usize| list.iter().find(|c| c.bound == i).map_or(0.0, |c| c.um);
+        let mut csv =
+            "error,tolerance,unit,at worst [um],on average [um],of the 95 % value [um],sigma [um],um per unit\n"
+                .to_owned();
+        for i in self.report().order() {
+            let (bound, t) = (&self.bounds[i], self.budget.position.tighten[i]);
+            csv += &format!(
+                "{},{},{},{},{},{},{},{}\n",
+                bound.error,
+                tolerance(bound),
+                tolerance_unit(&bound.error),
+                um(&self.budget.worst, i),
+                um(&self.budget.average, i),
+                t.effect + 0.0,
+                t.sigma,
+                t.effect / tolerance(bound) + 0.0
+            );
+        }
+        csv
+    }
+
+    fn text(&self) -> String {
+        let what = match self.args.tolerances.statistic() {
+            Statistic::Max => "largest deviation over the poses",
+            Statistic::P95 => "95 % deviation over the poses",
+        };
+        let own = self.bounds.iter().filter(|bound| !bound.of_class).count();
+        let mut text = format!("{}, {}\n", self.machine.name(), self.machine.chain());
+        text += &format!("{} errors bounded: {own} by the machine file", self.bounds.len());
+        if let Some((class, source)) = &self.drawing.class {
+            text += &format!(", {} by class {class} ({source})", self.bounds.len() - own);
+        }
+        text += &match known(self.machine) {
+            0 => "\n".to_owned(),
+            n => format!("; {n} errors with values are left out\n"),
+        };
+        text += &format!(
+            "{} {}; {} machines drawn, {} distribution, seed {}; counted is the {what} of each\n",
+            self.poses,
+            self.reached.as_ref().map_or_else(|| "poses".to_owned(), Reached::words),
+            self.args.samples,
+            self.args.tolerances.distribution().name(),
+            self.args.seed
+        );
+        text += &self.totals_table();
+        text += &format!("Worst case at {}\n", axes_text(self.machine, &self.budget.position.worst_pose));
+        text += &format!("RSS largest at {}\n", axes_text(self.machine, &self.budget.position.rss_pose));
+        text += &self.pareto_table();
+        text + &self.tighten_table()
+    }
+
+    fn totals_table(&self) -> String {
+        let mut rows = table(&TOTALS);
+        for (name, t) in [("position, um", &self.budget.position), ("rotation, urad", &self.budget.rotation)] {
+            let _ = rows.add_row(totals_row(name, t));
+        }
+        format!("{rows}\n{TOTALS_NOTE}\n")
+    }
+
+    fn pareto_table(&self) -> String {
+        let b = &self.budget;
+        let mut header = vec!["error", "tolerance", "at worst, um", "share", "on average, um"];
+        if b.at.is_some() {
+            header.push("at the pose, um");
+        }
+        let mut rows = table(&header);
+        let um =
+            |list: &[Contribution], i: usize| list.iter().find(|c| c.bound == i).map_or(String::new(), |c| short(c.um));
+        for c in b.worst.iter().take(self.args.top) {
+            let mut row = vec![
+                self.bounds[c.bound].error.to_string(),
+                bound_text(&self.bounds[c.bound]),
+                short(c.um),
+                format!("{:.1} %", 100.0 * c.share),
+                um(&b.average, c.bound),
+            ];
+            row.extend(b.at.iter().map(|list| um(list, c.bound)));
+            let _ = rows.add_row(row);
+        }
+        format!("\nEach error at its bound, where the RSS is largest (share of the sum of squares):\n{rows}\n")
+    }
+
+    fn tighten_table(&self) -> String {
+        let mut rows = table(&["tighten first", "tolerance", "um per um or urad", "10 % tighter wins, um"]);
+        for i in self.report().order().into_iter().take(self.args.top) {
+            let (bound, t) = (&self.bounds[i], self.budget.position.tighten[i]);
+            let per = 1.0 / tolerance(bound);
+            let _ = rows.add_row([
+                bound.error.to_string(),
+                bound_text(bound),
+                format!("{} ± {}", significant(t.effect * per, 3), significant(t.sigma * per, 2)),
+                format!("{} ± {}", significant(t.effect * 0.1, 3), significant(t.sigma * 0.1, 2)),
+            ]);
+        }
+        format!("\nBy the derivative of the 95 % value of the drawn machines (± its standard error):\n{rows}\n")
+    }
+}
+
+/// Heads of a table of totals.
+pub(crate) const TOTALS: [&str; 9] =
+    ["", "worst case", "RSS", "mean of both", "Monte Carlo: mean", "median", "90 %", "95 %", "99 %"];
+
+/// What is said below it.
+pub(crate) const TOTALS_NOTE: &str =
+    "In brackets: 95 % confidence by the number of machines drawn; - where they are too few.";
+
+/// A row of it.
+pub(crate) fn totals_row(name: &str, t: &Totals) -> Vec<String> {
+    let interval = |p: Percentile| {
+        let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
+        format!("{} ({}..{})", short(p.value), end(p.low), end(p.high))
+    };
+    let head = [name.to_owned(), short(t.worst_case), short(t.rss), short(t.mean_of_both()), short(t.mean.0)];
+    head.into_iter().chain(PERCENTS.map(|p| interval(t.percentile(p)))).collect()
+}
+
+fn bound_text(bound: &Bound) -> String {
+    let value = if bound.error.direction.is_rotation() { angle(bound.tolerance) } else { length(bound.tolerance) };
+    format!("± {value}")
+}
