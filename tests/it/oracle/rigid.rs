@@ -124,30 +124,30 @@ impl Machine {
             tip: minus(apply(&walk, tip), self.workpiece_origin),
             rotation: rotation_of(&walk),
         };
-        [held(self.real(states), plus(tip, self.tool_setup)), held(self.nominal(states, |_| true), tip)]
+        [held(self.real(states), plus(tip, self.tool_setup)), held(self.ideal(states, |_| true), tip)]
     }
 
     /// The answer at a pose, `states` in the order of the walk.
     pub fn evaluate(&self, states: &[State], frame: Frame) -> Answer {
-        let nominal = self.nominal(states, |_| true);
+        let ideal = self.ideal(states, |_| true);
         let real = self.real(states);
         let tip = plus(self.gauge, self.offset);
         let real_tip = plus(tip, self.tool_setup);
         let (there, back) = (translation(self.workpiece_origin), inverse(&translation(self.workpiece_origin)));
-        let (nominal, actual) = (mul(&back, &nominal), mul(&back, &real));
-        let turned = mul(&rotation_of(&real), &transposed(&rotation_of(&nominal)));
-        let in_frame = |v| self.express(states, &nominal, frame, v);
+        let (nominal, actual) = (mul(&back, &ideal), mul(&back, &real));
+        let turned = mul(&rotation_of(&real), &transposed(&rotation_of(&ideal)));
+        let in_frame = |v| self.express(states, &ideal, frame, v);
         let tool_to_workpiece = |walk: &M4, tip| product(&[inverse(&translation(tip)), inverse(walk), there]);
         Answer {
             nominal: in_frame(apply(&nominal, tip)),
             deviation: in_frame(minus(apply(&actual, real_tip), apply(&nominal, tip))),
             rotation: in_frame(if self.conventions.linearised { skew(&turned) } else { log(&turned) }),
-            e_ve: combine(&tool_to_workpiece(&real, real_tip), -1.0, &tool_to_workpiece(&nominal, tip)),
+            e_ve: combine(&tool_to_workpiece(&real, real_tip), -1.0, &tool_to_workpiece(&ideal, tip)),
         }
     }
 
     /// The ideal walk over the axes that `which` selects.
-    fn nominal(&self, states: &[State], which: impl Fn(&Axis) -> bool) -> M4 {
+    fn ideal(&self, states: &[State], which: impl Fn(&Axis) -> bool) -> M4 {
         let used = self.walk.iter().zip(states).filter(|(axis, _)| which(axis));
         used.fold(ONE, |walk, (axis, state)| mul(&walk, &self.motion(axis, state.position)))
     }
@@ -211,11 +211,11 @@ impl Machine {
     }
 
     /// A vector of the workpiece frame in another one.
-    fn express(&self, states: &[State], nominal: &M4, frame: Frame, v: V3) -> V3 {
+    fn express(&self, states: &[State], ideal: &M4, frame: Frame, v: V3) -> V3 {
         match frame {
             Frame::Workpiece => v,
-            Frame::Machine => turn(&inverse(&rotation_of(&self.nominal(states, |axis| axis.workpiece))), v),
-            Frame::Tool => turn(&inverse(&rotation_of(nominal)), v),
+            Frame::Machine => turn(&inverse(&rotation_of(&self.ideal(states, |axis| axis.workpiece))), v),
+            Frame::Tool => turn(&inverse(&rotation_of(ideal)), v),
         }
     }
 }
@@ -298,9 +298,9 @@ mod tests {
             |i: usize| State { position: 0.3 + i as f64, errors: std::array::from_fn(|k| 1e-7 * (k + 2 * i) as f64) };
         let states: Vec<_> = (0..6).map(state).collect();
         let answer = machine.evaluate(&states, Frame::Workpiece);
-        let nominal = machine.nominal(&states, |_| true);
+        let ideal = machine.ideal(&states, |_| true);
         let expected = minus(cross(answer.rotation, answer.nominal), answer.deviation);
-        let expected = turn(&transposed(&rotation_of(&nominal)), expected);
+        let expected = turn(&transposed(&rotation_of(&ideal)), expected);
         let column = std::array::from_fn(|r| answer.e_ve[r][3]);
         assert!(norm(answer.deviation) > 1e-4, "no error to speak of: {:?}", answer.deviation);
         // Squares of a few urad over 200 mm.

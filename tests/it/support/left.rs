@@ -13,13 +13,13 @@ pub fn actual(sample: &Sample, command: &Pose, travel: Travel) -> V3 {
 }
 
 /// Position of the ideal tip at a pose.
-pub fn nominal(sample: &Sample, pose: &Pose) -> V3 {
+pub fn ideal(sample: &Sample, pose: &Pose) -> V3 {
     sample.evaluate(pose, Travel::Mean, Frame::Workpiece).nominal
 }
 
 /// Actual position at a command minus ideal position at a pose, mm.
 pub fn position(sample: &Sample, pose: &Pose, command: &Pose, travel: Travel) -> V3 {
-    minus(actual(sample, command, travel), nominal(sample, pose))
+    minus(actual(sample, command, travel), ideal(sample, pose))
 }
 
 /// Between the actual tool axis at a command and the ideal one at a pose, rad: two tools' tips show the axis.
@@ -29,7 +29,7 @@ pub fn tilt(sample: &Sample, pose: &Pose, command: &Pose, travel: Travel) -> f64
     longer.rigid.offset[2] -= APART;
     let axes = [
         minus(actual(sample, command, travel), actual(&longer, command, travel)),
-        minus(nominal(sample, pose), nominal(&longer, pose)),
+        minus(ideal(sample, pose), ideal(&longer, pose)),
     ];
     norm(minus(axes[0], axes[1])) / APART
 }
