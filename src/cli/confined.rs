@@ -2,7 +2,7 @@
 //! of a template bounds its steps, not the size of its values, and memory that runs out ends a process without a word.
 
 use super::output::session::Session;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &[OsString], mut session: Session) -> Option<ExitCo
         (None, Some(ABORTED)) => {
             let refused = session.refuse::<()>(
                 Diagnostic::new(
-                    "E0740",
+                    codes::E0740,
                     format!("the templates asked for more than {GIBIBYTES} GiB of memory: the run was stopped"),
                 )
                 .help("keep no text in variables that grow, write it as it comes; nothing was written"),

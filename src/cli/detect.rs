@@ -7,7 +7,7 @@ use super::output::session::Session;
 use super::store::file_set;
 use super::store::files::{SET_LIMIT, read_at_most};
 use crate::controller::{ControllerTarget, LOCK_NAME, Lock, NAMES, ReadBack, RecognisedSet, recognise};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::Machine;
 use std::path::Path;
 
@@ -95,7 +95,7 @@ fn refuse_incomplete(session: &mut Session, folder: &Path, lock: &Lock, wanted: 
     for name in &missing {
         let message = format!("the file `{name}` is missing");
         let help = format!("{LOCK_NAME} lists it: a set of compensation files is only whole with all of them");
-        session.diagnostics.push(Diagnostic::new("E0705", message).help(help));
+        session.diagnostics.push(Diagnostic::new(codes::E0705, message).help(help));
     }
     session.checked()
 }
@@ -137,17 +137,20 @@ fn by_content(
             let Some((target, files)) = only else { return session.refuse(nothing_found(folder)) };
             let message =
                 format!("there are no files of target `{target}` in `{}`, by name or by content", folder.display());
-            session.refuse(Diagnostic::new("E0705", message).help(format!("its tables are in {files}")))
+            session.refuse(Diagnostic::new(codes::E0705, message).help(format!("its tables are in {files}")))
         }
     }
 }
 
 fn left_alone(name: &str, why: &str) -> Diagnostic {
     let message = format!("`{}` is left alone: {why}", crate::diagnostic::shown(name));
-    Diagnostic::new("W0711", message).help("what is certified is the set without this file")
+    Diagnostic::new(codes::W0711, message).help("what is certified is the set without this file")
 }
 
 pub(super) fn nothing_found(folder: &Path) -> Diagnostic {
-    Diagnostic::new("E0705", format!("there are no compensation files of a known target in `{}`", folder.display()))
-        .help("name the folder that `compile --out` was given, and the target with --target")
+    Diagnostic::new(
+        codes::E0705,
+        format!("there are no compensation files of a known target in `{}`", folder.display()),
+    )
+    .help("name the folder that `compile --out` was given, and the target with --target")
 }

@@ -5,7 +5,7 @@ use super::store::files::Disk;
 use super::{Exit, Outcome};
 use crate::compensation::{Fit, Goal, Scope, Stored};
 use crate::controller::{Certificate, ControllerTarget, Depth, JudgedTables, certify, is_plain_name};
-use crate::diagnostic::{Diagnostic, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::Machine;
 use std::path::{Path, PathBuf};
 
@@ -187,5 +187,5 @@ fn refuse_links(session: &mut Session, folder: &Path) -> Outcome {
     let mut links = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_symlink()));
     let Some(link) = links.next() else { return Ok(()) };
     let message = format!("`{}` is a link", shown(&link.path().display().to_string()));
-    session.refuse(Diagnostic::new("E0703", message).help("copy the file: a target's folder holds its own files"))
+    session.refuse(Diagnostic::new(codes::E0703, message).help("copy the file: a target's folder holds its own files"))
 }

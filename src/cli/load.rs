@@ -3,7 +3,7 @@
 use super::Exit;
 use super::output::session::Session;
 use super::store::files::Disk;
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::{self, ErrorTerm, Machine};
 use crate::syntax::{self, Files, IdentifyEntry, ReadFailure};
 use crate::units::counted;
@@ -49,7 +49,7 @@ pub(super) fn warn_bounded(session: &mut Session, machine: &Machine) {
     if count > 0 && machine.errors().all(|(_, term)| matches!(term, ErrorTerm::Tolerance(_))) {
         let message = format!("all {} are only bounded, and count as 0", counted(count, "error"));
         let help = "`abbe budget` says what the bounds come to; give values for what was measured";
-        session.diagnostics.push(Diagnostic::new("W0802", message).help(help));
+        session.diagnostics.push(Diagnostic::new(codes::W0802, message).help(help));
     }
 }
 
@@ -60,7 +60,7 @@ fn unknown_tool(machine: &Machine, name: &str) -> Diagnostic {
     } else {
         format!("its tools are {}", known.join(", "))
     };
-    Diagnostic::new("E0801", format!("the machine has no tool `{name}`")).help(help)
+    Diagnostic::new(codes::E0801, format!("the machine has no tool `{name}`")).help(help)
 }
 
 /// One file in memory.

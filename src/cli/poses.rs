@@ -3,7 +3,7 @@
 use super::Exit;
 use super::output::session::Session;
 use super::store::files::Disk;
-use crate::diagnostic::{Diagnostic, Place, SourceId};
+use crate::diagnostic::{Diagnostic, Place, SourceId, codes};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::syntax::read_text;
 use crate::units;
@@ -85,7 +85,7 @@ fn from_file(session: &mut Session, machine: &Machine, path: &Path) -> Result<Ve
     parsed.or_else(|(line, message)| {
         let place = Some(line_place(source, &text, line));
         session.refuse(
-            Diagnostic::new("E0802", message)
+            Diagnostic::new(codes::E0802, message)
                 .at(place, "")
                 .help("a pose file has a header of axis names (`X, Y, C` or `X [mm]`) and one pose a line, mm and deg"),
         )
@@ -155,13 +155,13 @@ pub(super) fn check(session: &mut Session, machine: &Machine, poses: &[Pose]) ->
     const FARTHEST: f64 = 1e6;
     if poses.iter().flatten().any(|q| q.abs() > FARTHEST) {
         let message = "a position is beyond 1000000 mm or deg: no machine goes there";
-        return session.refuse(Diagnostic::new("E0802", message).help("positions are in mm and deg"));
+        return session.refuse(Diagnostic::new(codes::E0802, message).help("positions are in mm and deg"));
     }
     for pose in poses {
         if let Some(outside) = machine.outside(pose) {
             return session.refuse(
                 Diagnostic::new(
-                    "E0803",
+                    codes::E0803,
                     format!("{} is not known at {} = {}", outside.error, outside.error.axis, outside.position),
                 )
                 .help(format!(
@@ -178,7 +178,7 @@ pub(super) fn check(session: &mut Session, machine: &Machine, poses: &[Pose]) ->
     for name in beyond {
         session
             .diagnostics
-            .push(Diagnostic::new("W0801", format!("poses beyond the travel of `{name}` were evaluated")));
+            .push(Diagnostic::new(codes::W0801, format!("poses beyond the travel of `{name}` were evaluated")));
     }
     session.checked()
 }

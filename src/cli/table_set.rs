@@ -7,7 +7,7 @@ use super::store::file_set;
 use super::{Exit, Outcome};
 use crate::compensation::{CorrectionTables, Fit, LatticeRequest, Scope, resampled};
 use crate::controller::{ControllerTarget, Limits, ReadBack, RenderedFile};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{AxisKind, Machine};
 use std::path::Path;
 use std::sync::Arc;
@@ -79,14 +79,14 @@ fn refuse_impossible_lattice(
     if least > most {
         let message = format!("a lattice over {} axes has more than {most} nodes at the least", request.axes.len());
         let help = "span it over fewer axes with --lattice X,Y,Z, or allow more with --nodes";
-        return session.refuse(Diagnostic::new("E0603", message).help(help));
+        return session.refuse(Diagnostic::new(codes::E0603, message).help(help));
     }
     let linear = machine.axes().iter().any(|axis| axis.kind == AxisKind::Linear);
     let able = linear || (request.scope.rotary && rules.corrects_rotary);
     if !able {
         let message = "the machine has no linear axis to correct the position with";
         let help = "let the rotary axes correct: --with all, or --correct pose";
-        return session.refuse(Diagnostic::new("E0603", message).help(help));
+        return session.refuse(Diagnostic::new(codes::E0603, message).help(help));
     }
     Ok(())
 }
@@ -99,7 +99,7 @@ fn warn_left_out(session: &mut Session, machine: &Machine, target: &ControllerTa
             let message =
                 format!("the curves of `{name}` have {points} points, the format holds {most}: they were resampled");
             let help = "thin the curve out yourself if certain points matter";
-            session.diagnostics.push(Diagnostic::new("W0604", message).help(help));
+            session.diagnostics.push(Diagnostic::new(codes::W0604, message).help(help));
         }
     }
     let free = target.manifest.mechanism.lattice.as_ref().is_some_and(|rules| rules.inputs.is_empty());
@@ -117,7 +117,7 @@ fn warn_left_out(session: &mut Session, machine: &Machine, target: &ControllerTa
                 this.unit()
             );
             let help = "leave the bounds out of `volume:` to cover the whole travel";
-            session.diagnostics.push(Diagnostic::new("W0605", message).help(help));
+            session.diagnostics.push(Diagnostic::new(codes::W0605, message).help(help));
         }
     }
 }
@@ -173,7 +173,7 @@ pub(super) fn tables_of(
     if target.manifest.kinematics().is_some() {
         let message = format!("`{}` holds a kinematics module, which has no tables", folder.display());
         let help = "a module is written anew from the machine file, not on top of another one";
-        return session.refuse(Diagnostic::new("E0711", message).help(help));
+        return session.refuse(Diagnostic::new(codes::E0711, message).help(help));
     }
     let read = target.read(machine, &files, &mut session.diagnostics);
     session.checked()?;
@@ -206,5 +206,5 @@ pub(super) fn installed(
     let (old, new) = (&set.target.manifest.target, &target.manifest.target);
     let message = format!("the files in `{}` are of target `{old}`, not of `{new}`", folder.display());
     let help = "only tables of the same target can be written on top of each other";
-    session.refuse(Diagnostic::new("E0711", message).help(help))
+    session.refuse(Diagnostic::new(codes::E0711, message).help(help))
 }

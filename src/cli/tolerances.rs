@@ -3,7 +3,7 @@
 use super::Exit;
 use super::output::session::Session;
 use crate::analysis::budget::{Bound, Class, Distribution, Draws, Statistic, bounds, classes, known, lacks_rotary};
-use crate::diagnostic::{Diagnostic, did_you_mean, shown};
+use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::Machine;
 use crate::report::Drawing;
 
@@ -88,12 +88,12 @@ fn find(session: &mut Session, machine: &Machine, name: &str) -> Result<Class, E
     let Some(class) = classes.remove(name) else {
         let known: Vec<&str> = classes.keys().map(String::as_str).collect();
         let message = format!("there is no class of machines `{}`", shown(name));
-        return session.refuse(Diagnostic::new("E0605", message).help(did_you_mean(name, &known)));
+        return session.refuse(Diagnostic::new(codes::E0605, message).help(did_you_mean(name, &known)));
     };
     if lacks_rotary(machine, &class) {
         let message = format!("the class `{name}` knows nothing of rotary axes, and the machine has some");
         let help = "take another class, or write the tolerances of the rotary axes into a variant of the file and leave `--class` out";
-        return session.refuse(Diagnostic::new("E0605", message).help(help));
+        return session.refuse(Diagnostic::new(codes::E0605, message).help(help));
     }
     Ok(class)
 }
@@ -103,7 +103,7 @@ fn nothing_bounded(machine: &Machine) -> Diagnostic {
     let message = format!("`{}` has no error that is only bounded", shown(machine.name()));
     let values =
         if given > 0 { format!("its {given} errors have values, which a budget leaves out; ") } else { String::new() };
-    Diagnostic::new("E0604", message).help(format!(
+    Diagnostic::new(codes::E0604, message).help(format!(
         "{values}write bounds, `EAY: {{ tolerance: 20 urad }}`, or take those of a class: `--class production`"
     ))
 }

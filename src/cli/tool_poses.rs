@@ -8,7 +8,7 @@ use super::poses::check;
 use super::store::files::Disk;
 use super::{Exit, Outcome};
 use crate::analysis::{Missed, ToolPose, Unreachable, inverse, place, rest, tool_pose};
-use crate::diagnostic::{Diagnostic, Place, SourceId, shown};
+use crate::diagnostic::{Diagnostic, Place, SourceId, codes, shown};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::syntax::read_text;
 use crate::units::{self, Dimension};
@@ -68,7 +68,7 @@ pub(super) fn read(session: &mut Session, machine: &Machine, path: &Path) -> Res
         Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows }),
         Err((place, message)) => {
             let help = "columns are X, Y, Z (mm, from the workpiece origin), and I, J, K of the tool axis or positions of rotary axes (deg)";
-            session.refuse(Diagnostic::new("E0817", message).at(Some(place), "").help(help))
+            session.refuse(Diagnostic::new(codes::E0817, message).at(Some(place), "").help(help))
         }
     }
 }
@@ -114,11 +114,11 @@ impl ToolPoses {
             let reasons = reasons(missed.iter().map(|(_, why)| why));
             let message = format!("`{name}` reaches none of the {} tool poses: {reasons}", missed.len());
             let help = "tips count from the workpiece origin, in the workpiece frame: check that origin, the tool and the travels";
-            return session.refuse(Diagnostic::new("E0613", message).help(help));
+            return session.refuse(Diagnostic::new(codes::E0613, message).help(help));
         }
         for (i, why) in missed.iter().take(NAMED) {
             let message = format!("`{name}` does not reach this tool pose: {}", why.words());
-            let diagnostic = Diagnostic::new("W0608", message).at(Some(self.rows[*i].place.clone()), "left out");
+            let diagnostic = Diagnostic::new(codes::W0608, message).at(Some(self.rows[*i].place.clone()), "left out");
             session.diagnostics.push(diagnostic);
         }
         if missed.len() > NAMED {
@@ -128,7 +128,7 @@ impl ToolPoses {
                 rest.len(),
                 reasons(rest.iter().map(|(_, why)| why))
             );
-            session.diagnostics.push(Diagnostic::new("W0608", message).help("`--format json` lists all of them"));
+            session.diagnostics.push(Diagnostic::new(codes::W0608, message).help("`--format json` lists all of them"));
         }
         session.checked()
     }

@@ -7,7 +7,7 @@ use super::serve::{Answer, serve};
 use super::store::files::Recorded;
 use super::verbs::report::{Args, Built, build, write};
 use super::{Exit, Outcome};
-use crate::diagnostic::{Diagnostic, Rendering, render};
+use crate::diagnostic::{Diagnostic, Rendering, codes, render};
 use crate::report::page::{Data, Rendered, Served, colours};
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::{Arc, Mutex};
@@ -19,7 +19,7 @@ const PACE: Duration = Duration::from_millis(150);
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, args.port)).or_else(|failure| {
         let message = format!("127.0.0.1 port {} cannot be opened: {failure}", args.port);
-        session.refuse(Diagnostic::new("E0631", message).help("leave `--port` out: any free port is taken then"))
+        session.refuse(Diagnostic::new(codes::E0631, message).help("leave `--port` out: any free port is taken then"))
     })?;
     let port = listener.local_addr().map_or(args.port, |address| address.port());
     let mut turn = Turn { args, good: None };

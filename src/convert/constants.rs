@@ -2,7 +2,7 @@
 
 use super::{TINY, Wish, only_bounded, regroups};
 use crate::algebra::{Htm, rotation_vector, skew_vector};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::lower::{error_motion, invert_if};
 use crate::machine::{
     Approach, Axis, AxisKind, AxisName, Branch, Conventions, Direction, ErrorTerm, ErrorsAre, JointErrors, Joints,
@@ -114,7 +114,7 @@ impl Constants {
         if wish.datum.is_some() {
             let message =
                 "`--datum` names one frame for all axes, `carried_body` refers each to the body that carries it";
-            return Err(Diagnostic::new("E0528", message).help("leave one of them out"));
+            return Err(Diagnostic::new(codes::E0528, message).help("leave one of them out"));
         }
         let axes = machine.axes();
         let side = |k: usize| axes.get(k).map(|axis| axis.branch);
@@ -171,9 +171,8 @@ impl Constants {
         if let (Some(tool), true) = (elsewhere, old.is_none_or(|old| tidied(&six, &old) != old)) {
             let message =
                 format!("the spindle's errors would differ from tool to tool: `{}` has another gauge point", tool.name);
-            return Err(
-                Diagnostic::new("E0529", message).help("give all tools one gauge point, their lengths as `offset`")
-            );
+            return Err(Diagnostic::new(codes::E0529, message)
+                .help("give all tools one gauge point, their lengths as `offset`"));
         }
         if old.is_none() {
             let name = new_spindle(machine)?;
@@ -194,7 +193,7 @@ fn new_spindle(machine: &Machine) -> Result<AxisName, Diagnostic> {
     names.filter_map(AxisName::new).next().ok_or_else(|| {
         let message =
             "what turns the tool against the last axis needs a spindle, and `S`, `SP`, `SPINDLE` are axes here";
-        Diagnostic::new("E0529", message).help("put a spindle into the chain, such as `(C9)` before `t`")
+        Diagnostic::new(codes::E0529, message).help("put a spindle into the chain, such as `(C9)` before `t`")
     })
 }
 

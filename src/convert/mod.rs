@@ -21,7 +21,7 @@ pub use constants::Constants;
 pub use proof::{Proof, prove};
 pub use shape::shape;
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::lower::error_outside;
 use crate::machine::{
     Approach, Axis, AxisName, Branch, Conventions, Direction, ErrorId, ErrorTerm, Grid, JointErrors, Location, Machine,
@@ -123,7 +123,7 @@ fn tolerances(machine: &Machine, axis: usize, errors: &ComponentErrors<'_>) -> R
 fn only_bounded(id: &ErrorId) -> Diagnostic {
     let message = format!("`{id}` is only bounded by a tolerance, and would become part of several other errors");
     let help = "give it a value, leave it out, or keep the convention that it would have to change";
-    Diagnostic::new("E0527", message).help(help)
+    Diagnostic::new(codes::E0527, message).help(help)
 }
 
 /// The six component errors of an axis, each as a curve.

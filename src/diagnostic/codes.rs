@@ -2,179 +2,220 @@
 //!
 //! E01xx reading, E02xx language, E03xx chain, E04xx joints and errors, E05xx numerical, E06xx
 //! capability and quantisation, E07xx rendering and read-back, E08xx command line; W.... warnings
-//! likewise. The long texts are in `explain/`.
+//! likewise. The long texts are in `explain/`. The constants bear the codes themselves: that is the name by which users
+//! and the documentation know them.
 
-/// One code.
+/// A code: `E....` refuses an input, `W....` warns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct CodeInfo {
+pub struct Code {
     /// Such as `E0203`.
-    pub code: &'static str,
+    pub id: &'static str,
     /// A few words.
     pub title: &'static str,
     /// What `abbe explain CODE` prints: Markdown with an example of wrong and right.
     pub explanation: &'static str,
 }
 
-/// A line of the table; the text is in `explain/CODE.md`.
-macro_rules! code {
-    ($code:literal, $title:literal) => {
-        CodeInfo { code: $code, title: $title, explanation: include_str!(concat!("explain/", $code, ".md")) }
+impl Code {
+    /// True if the code is that of a warning.
+    pub fn is_warning(self) -> bool {
+        self.id.starts_with('W')
+    }
+}
+
+impl PartialEq<&str> for Code {
+    fn eq(&self, id: &&str) -> bool {
+        self.id == *id
+    }
+}
+
+impl PartialEq<str> for Code {
+    fn eq(&self, id: &str) -> bool {
+        self.id == id
+    }
+}
+
+impl std::fmt::Display for Code {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.id)
+    }
+}
+
+impl serde::Serialize for Code {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.id)
+    }
+}
+
+/// One constant a line, and the list of all; the text is in `explain/CODE.md`.
+macro_rules! codes {
+    ($($id:ident $title:literal,)*) => {
+        $(
+            #[doc = $title]
+            pub const $id: Code = Code {
+                id: stringify!($id),
+                title: $title,
+                explanation: include_str!(concat!("explain/", stringify!($id), ".md")),
+            };
+        )*
+
+        /// All codes, by stage.
+        pub const CODES: &[Code] = &[$($id),*];
     };
 }
 
-/// All codes, by stage.
-pub const CODES: &[CodeInfo] = &[
-    code!("E0101", "a file cannot be read"),
-    code!("E0102", "not a file"),
-    code!("E0103", "a file is too large"),
-    code!("E0104", "a file is not UTF-8"),
-    code!("E0105", "the file is not YAML"),
-    code!("E0106", "the file is beyond all measure"),
-    code!("E0107", "a key stands twice"),
-    code!("E0108", "YAML that is not part of the language"),
-    code!("E0109", "the file holds no machine"),
-    code!("E0110", "the header of a table is not understood"),
-    code!("E0111", "a cell is not a number"),
-    code!("E0112", "a row has too many or too few cells"),
-    code!("E0113", "positions do not rise"),
-    code!("E0114", "a column is missing"),
-    code!("E0201", "unknown key"),
-    code!("E0202", "a value does not have the right form"),
-    code!("E0203", "something is missing"),
-    code!("E0204", "a unit is missing"),
-    code!("E0205", "the unit is of the wrong kind"),
-    code!("E0206", "not a quantity"),
-    code!("E0207", "a point has three coordinates"),
-    code!("E0208", "`extends` does not end"),
-    code!("E0209", "entries exclude each other"),
-    code!("E0210", "not one of the choices"),
-    code!("E0211", "another version of the language"),
-    code!("E0212", "a name is refused"),
-    code!("E0213", "a length or position is not plausible"),
-    code!("E0214", "the volume is refused"),
-    code!("E0215", "a word of `algebra` or `identify` is refused"),
-    code!("E0301", "the chain is not understood"),
-    code!("E0302", "the chain does not run from workpiece to tool"),
-    code!("E0303", "an axis of the chain is not declared"),
-    code!("E0304", "an axis stands twice"),
-    code!("E0305", "a prime on the wrong side"),
-    code!("E0306", "not the name of an axis"),
-    code!("E0401", "an axis needs its kind or direction"),
-    code!("E0402", "a direction is refused"),
-    code!("E0403", "a travel or interval is refused"),
-    code!("E0405", "not the name of an error"),
-    code!("E0406", "an error of an axis that is not declared"),
-    code!("E0407", "an error is given twice"),
-    code!("E0408", "this form does not fit this error"),
-    code!("E0409", "a table does not cover the travel"),
-    code!("E0410", "points are not a curve"),
-    code!("E0411", "a tolerance is negative"),
-    code!("E0412", "an error is not plausible"),
-    code!("E0501", "measurements are not understood"),
-    code!("E0502", "what is to be fitted is not understood"),
-    code!("E0503", "fewer readings than parameters"),
-    code!("E0504", "the fitted machine is not plausible"),
-    code!("E0505", "a station without a place"),
-    code!("E0506", "a length without a direction"),
-    code!("E0507", "a line without a direction"),
-    code!("E0508", "too many unknowns"),
-    code!("E0509", "an export is not understood"),
-    code!("E0510", "not for the papers' way"),
-    code!("E0511", "no plane to draw"),
-    code!("E0521", "unknown generator"),
-    code!("E0522", "an ideal that contains 1"),
-    code!("E0523", "an algebra that is too large"),
-    code!("E0524", "a singular division"),
-    code!("E0525", "no polynomial"),
-    code!("E0526", "no exact conversion"),
-    code!("E0527", "a tolerance that would have to be split"),
-    code!("E0528", "conventions are not understood"),
-    code!("E0529", "the converted machine is refused"),
-    code!("E0541", "a table too long to be printed"),
-    code!("W0501", "a fit has not settled"),
-    code!("W0502", "the fit does not explain the data"),
-    code!("W0503", "what is left is not noise"),
-    code!("W0504", "rows are left out"),
-    code!("W0505", "readings of an unlikely size"),
-    code!("W0506", "a direction without readings"),
-    code!("W0507", "readings contradict each other"),
-    code!("W0508", "nothing is told of what is fitted"),
-    code!("W0509", "what is said for nothing"),
-    code!("W0510", "noise goes to a machine file"),
-    code!("E0601", "no letter for an axis"),
-    code!("E0602", "a correction is above the limit"),
-    code!("E0603", "a lattice that cannot be"),
-    code!("E0604", "no error is bounded"),
-    code!("E0605", "a class of machines is refused"),
-    code!("E0606", "too many drawn poses"),
-    code!("E0607", "too many arrangements"),
-    code!("E0608", "a rule of arrangements is not understood"),
-    code!("E0609", "no arrangement is left"),
-    code!("E0610", "a state file is refused"),
-    code!("E0611", "parts do not make a whole"),
-    code!("E0612", "an instrument's path cannot be driven"),
-    code!("E0613", "no tool pose is reached"),
-    code!("E0630", "an output is an input"),
-    code!("E0631", "a port cannot be opened"),
-    code!("E0632", "a picture or page cannot be drawn"),
-    code!("E0701", "unknown target"),
-    code!("E0702", "a template failed"),
-    code!("E0703", "a manifest is not understood"),
-    code!("E0704", "a compensation file is not what the controller would read"),
-    code!("E0705", "a compensation file is missing"),
-    code!("E0706", "a file is not ours to replace"),
-    code!("E0707", "files do not read back"),
-    code!("E0708", "a target has nothing for this machine"),
-    code!("E0709", "a number the controller does not take"),
-    code!("E0710", "a target known from memory only"),
-    code!("E0711", "two sets that do not belong together"),
-    code!("E0730", "files that several targets read"),
-    code!("E0731", "a file that does not say its axis"),
-    code!("E0732", "two files for one place"),
-    code!("E0733", "a half replaced set"),
-    code!("E0740", "templates that need too much memory"),
-    code!("E0750", "a letter that is no coordinate of the controller"),
-    code!("E0751", "a machine that the controller's module is not for"),
-    code!("E0752", "the controller has no letter left"),
-    code!("E0810", "a file cannot be written"),
-    code!("E0811", "a file is there already"),
-    code!("E0812", "too many poses for a map"),
-    code!("E0813", "no tool pose in common"),
-    code!("E0814", "not an algebra"),
-    code!("E0815", "not a matrix over the dual numbers"),
-    code!("E0817", "tool poses are not understood"),
-    code!("W0201", "no version of the language"),
-    code!("W0401", "an axis is left out"),
-    code!("W0402", "a location error cannot act"),
-    code!("W0403", "a curve repeats a location error"),
-    code!("W0601", "an axis is written under another letter"),
-    code!("W0602", "tables that make it worse, or do nothing"),
-    code!("W0603", "the orientation gets worse"),
-    code!("W0604", "a curve is resampled"),
-    code!("W0605", "a lattice covers less than the travel"),
-    code!("W0607", "budgets are not compared"),
-    code!("W0608", "a tool pose is out of reach"),
-    code!("W0609", "points of linear axes that no file has"),
-    code!("W0701", "a file has been edited"),
-    code!("W0702", "tables of another machine file"),
-    code!("W0703", "no manifest to compare with"),
-    code!("W0704", "points of installed tables are lost"),
-    code!("W0705", "a table that ends before the axis"),
-    code!("W0706", "tables judged with another tool"),
-    code!("W0710", "a file's axis told by its positions"),
-    code!("W0711", "a file left alone"),
-    code!("W0712", "a killed run was finished"),
-    code!("W0713", "a run was killed before it changed anything"),
-    code!("W0760", "words of the program are axes, not the tip"),
-    code!("W0761", "a rotary axis with the letter of a linear one"),
-    code!("E0801", "the machine has no such tool"),
-    code!("E0802", "poses are not understood"),
-    code!("E0803", "an error is not known at a pose"),
-    code!("W0801", "poses beyond the travel"),
-    code!("W0802", "errors that are only bounded"),
-];
+codes! {
+    E0101 "a file cannot be read",
+    E0102 "not a file",
+    E0103 "a file is too large",
+    E0104 "a file is not UTF-8",
+    E0105 "the file is not YAML",
+    E0106 "the file is beyond all measure",
+    E0107 "a key stands twice",
+    E0108 "YAML that is not part of the language",
+    E0109 "the file holds no machine",
+    E0110 "the header of a table is not understood",
+    E0111 "a cell is not a number",
+    E0112 "a row has too many or too few cells",
+    E0113 "positions do not rise",
+    E0114 "a column is missing",
+    E0201 "unknown key",
+    E0202 "a value does not have the right form",
+    E0203 "something is missing",
+    E0204 "a unit is missing",
+    E0205 "the unit is of the wrong kind",
+    E0206 "not a quantity",
+    E0207 "a point has three coordinates",
+    E0208 "`extends` does not end",
+    E0209 "entries exclude each other",
+    E0210 "not one of the choices",
+    E0211 "another version of the language",
+    E0212 "a name is refused",
+    E0213 "a length or position is not plausible",
+    E0214 "the volume is refused",
+    E0215 "a word of `algebra` or `identify` is refused",
+    E0301 "the chain is not understood",
+    E0302 "the chain does not run from workpiece to tool",
+    E0303 "an axis of the chain is not declared",
+    E0304 "an axis stands twice",
+    E0305 "a prime on the wrong side",
+    E0306 "not the name of an axis",
+    E0401 "an axis needs its kind or direction",
+    E0402 "a direction is refused",
+    E0403 "a travel or interval is refused",
+    E0405 "not the name of an error",
+    E0406 "an error of an axis that is not declared",
+    E0407 "an error is given twice",
+    E0408 "this form does not fit this error",
+    E0409 "a table does not cover the travel",
+    E0410 "points are not a curve",
+    E0411 "a tolerance is negative",
+    E0412 "an error is not plausible",
+    E0501 "measurements are not understood",
+    E0502 "what is to be fitted is not understood",
+    E0503 "fewer readings than parameters",
+    E0504 "the fitted machine is not plausible",
+    E0505 "a station without a place",
+    E0506 "a length without a direction",
+    E0507 "a line without a direction",
+    E0508 "too many unknowns",
+    E0509 "an export is not understood",
+    E0510 "not for the papers' way",
+    E0511 "no plane to draw",
+    E0521 "unknown generator",
+    E0522 "an ideal that contains 1",
+    E0523 "an algebra that is too large",
+    E0524 "a singular division",
+    E0525 "no polynomial",
+    E0526 "no exact conversion",
+    E0527 "a tolerance that would have to be split",
+    E0528 "conventions are not understood",
+    E0529 "the converted machine is refused",
+    E0541 "a table too long to be printed",
+    W0501 "a fit has not settled",
+    W0502 "the fit does not explain the data",
+    W0503 "what is left is not noise",
+    W0504 "rows are left out",
+    W0505 "readings of an unlikely size",
+    W0506 "a direction without readings",
+    W0507 "readings contradict each other",
+    W0508 "nothing is told of what is fitted",
+    W0509 "what is said for nothing",
+    W0510 "noise goes to a machine file",
+    E0601 "no letter for an axis",
+    E0602 "a correction is above the limit",
+    E0603 "a lattice that cannot be",
+    E0604 "no error is bounded",
+    E0605 "a class of machines is refused",
+    E0606 "too many drawn poses",
+    E0607 "too many arrangements",
+    E0608 "a rule of arrangements is not understood",
+    E0609 "no arrangement is left",
+    E0610 "a state file is refused",
+    E0611 "parts do not make a whole",
+    E0612 "an instrument's path cannot be driven",
+    E0613 "no tool pose is reached",
+    E0630 "an output is an input",
+    E0631 "a port cannot be opened",
+    E0632 "a picture or page cannot be drawn",
+    E0701 "unknown target",
+    E0702 "a template failed",
+    E0703 "a manifest is not understood",
+    E0704 "a compensation file is not what the controller would read",
+    E0705 "a compensation file is missing",
+    E0706 "a file is not ours to replace",
+    E0707 "files do not read back",
+    E0708 "a target has nothing for this machine",
+    E0709 "a number the controller does not take",
+    E0710 "a target known from memory only",
+    E0711 "two sets that do not belong together",
+    E0730 "files that several targets read",
+    E0731 "a file that does not say its axis",
+    E0732 "two files for one place",
+    E0733 "a half replaced set",
+    E0740 "templates that need too much memory",
+    E0750 "a letter that is no coordinate of the controller",
+    E0751 "a machine that the controller's module is not for",
+    E0752 "the controller has no letter left",
+    E0810 "a file cannot be written",
+    E0811 "a file is there already",
+    E0812 "too many poses for a map",
+    E0813 "no tool pose in common",
+    E0814 "not an algebra",
+    E0815 "not a matrix over the dual numbers",
+    E0817 "tool poses are not understood",
+    W0201 "no version of the language",
+    W0401 "an axis is left out",
+    W0402 "a location error cannot act",
+    W0403 "a curve repeats a location error",
+    W0601 "an axis is written under another letter",
+    W0602 "tables that make it worse, or do nothing",
+    W0603 "the orientation gets worse",
+    W0604 "a curve is resampled",
+    W0605 "a lattice covers less than the travel",
+    W0607 "budgets are not compared",
+    W0608 "a tool pose is out of reach",
+    W0609 "points of linear axes that no file has",
+    W0701 "a file has been edited",
+    W0702 "tables of another machine file",
+    W0703 "no manifest to compare with",
+    W0704 "points of installed tables are lost",
+    W0705 "a table that ends before the axis",
+    W0706 "tables judged with another tool",
+    W0710 "a file's axis told by its positions",
+    W0711 "a file left alone",
+    W0712 "a killed run was finished",
+    W0713 "a run was killed before it changed anything",
+    W0760 "words of the program are axes, not the tip",
+    W0761 "a rotary axis with the letter of a linear one",
+    E0801 "the machine has no such tool",
+    E0802 "poses are not understood",
+    E0803 "an error is not known at a pose",
+    W0801 "poses beyond the travel",
+    W0802 "errors that are only bounded",
+}
 
-/// What is known of a code.
-pub fn info(code: &str) -> Option<&'static CodeInfo> {
-    CODES.iter().find(|c| c.code.eq_ignore_ascii_case(code))
+/// Finds a code by its name, in any case.
+pub fn info(id: &str) -> Option<&'static Code> {
+    CODES.iter().find(|code| code.id.eq_ignore_ascii_case(id))
 }

@@ -4,12 +4,12 @@
 //! A stage collects as many as it can into [`Diagnostics`] and goes on; the command line
 //! renders them all at the end. Nothing here prints.
 
-mod codes;
+pub mod codes;
 mod render;
 mod shown;
 mod suggest;
 
-pub use codes::{CODES, CodeInfo, info};
+pub use codes::{CODES, Code, info};
 pub use render::{Rendering, render, summary};
 pub(crate) use shown::is_layout;
 pub use shown::shown;
@@ -49,11 +49,11 @@ pub struct Label {
     pub text: String,
 }
 
-/// One thing that is wrong.
+/// One thing that is wrong. As text it is one line; [`render`] shows the place as well.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
     /// Stable code such as `E0203`; `abbe explain CODE` prints its long text.
-    pub code: &'static str,
+    pub code: Code,
     /// Whether it stops the run.
     pub severity: Severity,
     /// What is wrong, in the field's words, with value and unit.
@@ -66,8 +66,8 @@ pub struct Diagnostic {
 
 impl Diagnostic {
     /// A refusal (codes `E....`) or a warning (codes `W....`), by the code's first letter.
-    pub fn new(code: &'static str, message: impl Into<String>) -> Self {
-        let severity = if code.starts_with('W') { Severity::Warning } else { Severity::Refusal };
+    pub fn new(code: Code, message: impl Into<String>) -> Self {
+        let severity = if code.is_warning() { Severity::Warning } else { Severity::Refusal };
         Self { code, severity, message: message.into(), labels: Vec::new(), help: None }
     }
 
@@ -85,6 +85,14 @@ impl Diagnostic {
         self
     }
 }
+
+impl std::fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {}", self.code, self.message)
+    }
+}
+
+impl std::error::Error for Diagnostic {}
 
 /// The files read in this run: name as the user would write it, and text.
 #[derive(Debug, Default, Clone)]
@@ -154,5 +162,20 @@ impl Diagnostics {
     /// Turns every warning into a refusal (`--deny warnings`).
     pub fn deny_warnings(&mut self) {
         self.list.iter_mut().for_each(|d| d.severity = Severity::Refusal);
+    }
+}
+
+/// All of them as the program prints them, with the places in their files.
+impl std::fmt::Display for Diagnostics {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(render(self, Rendering { color: false }).trim_end())
+    }
+}
+
+impl std::error::Error for Diagnostics {}
+
+impl From<Diagnostic> for Diagnostics {
+    fn from(diagnostic: Diagnostic) -> Self {
+        Self { sources: Sources::default(), list: vec![diagnostic] }
     }
 }

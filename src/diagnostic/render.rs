@@ -52,7 +52,7 @@ fn level(severity: Severity) -> Level<'static> {
 }
 
 fn group<'a>(diagnostics: &'a Diagnostics, diagnostic: &'a Diagnostic) -> Group<'a> {
-    let title = level(diagnostic.severity).primary_title(&diagnostic.message).id(diagnostic.code);
+    let title = level(diagnostic.severity).primary_title(&diagnostic.message).id(diagnostic.code.id);
     let mut group = Group::with_title(title);
     for (source, labels) in by_source(&diagnostic.labels) {
         group = group.element(snippet(diagnostics, source, &labels));

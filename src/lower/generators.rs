@@ -2,7 +2,7 @@
 
 use super::source::{ErrorLift, ErrorSite, ErrorValues, Source};
 use crate::algebra::weil::{Basis, BasisFailure, Ideal, Monomial, Weil};
-use crate::diagnostic::{Diagnostic, did_you_mean, shown};
+use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::{AlgebraChoice, Direction, ErrorId, Generators, LocationOrder, Machine, parse_error_name};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -125,7 +125,7 @@ impl Declared {
         } else {
             did_you_mean(name, &known)
         };
-        Diagnostic::new("E0521", format!("there is no generator `{}`", shown(name))).help(help)
+        Diagnostic::new(codes::E0521, format!("there is no generator `{}`", shown(name))).help(help)
     }
 
     /// Names of the generators.
@@ -163,9 +163,9 @@ impl Declared {
         let (count, degree) = (self.names.len(), self.ideal.degree);
         match failure {
             BasisFailure::KillsOne => {
-                Diagnostic::new("E0522", "the ideal contains 1: nothing would be left of the algebra")
+                Diagnostic::new(codes::E0522, "the ideal contains 1: nothing would be left of the algebra")
             }
-            BasisFailure::Degree(degree) => Diagnostic::new("E0215", format!("an algebra of degree {degree}")),
+            BasisFailure::Degree(degree) => Diagnostic::new(codes::E0215, format!("an algebra of degree {degree}")),
             BasisFailure::Generator(k) => self.unknown(&format!("x{}", k + 1)),
             BasisFailure::Size(size) => {
                 let message = format!(
@@ -173,7 +173,7 @@ impl Declared {
                     size.monomials,
                     crate::units::significant(size.bytes() * 1e-9, 3)
                 );
-                Diagnostic::new("E0523", message).help(
+                Diagnostic::new(codes::E0523, message).help(
                     "1 GB is the limit: lower the degree, group the errors (`generators: per-axis`), or let more monomials vanish",
                 )
             }

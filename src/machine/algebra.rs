@@ -2,7 +2,7 @@
 //! the command line.
 
 use super::{ErrorId, parse_error_name};
-use crate::diagnostic::{Diagnostic, did_you_mean, shown};
+use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::syntax::{AlgebraEntry, GeneratorsEntry};
 
 /// What has a nilpotent generator of its own.
@@ -49,7 +49,7 @@ impl AlgebraChoice {
         let degree = entry.degree.unwrap_or(2);
         if !(1..=Self::DEGREE).contains(&degree) {
             let help = format!("write 1 to {}", Self::DEGREE);
-            return Err(Diagnostic::new("E0215", format!("an algebra of degree {degree}")).help(help));
+            return Err(Diagnostic::new(codes::E0215, format!("an algebra of degree {degree}")).help(help));
         }
         let generators = entry.generators.as_ref().map_or(Ok(Generators::PerError), generators)?;
         let vanish = entry.vanish.iter().map(|text| named_monomial(text));
@@ -64,7 +64,7 @@ fn generators(entry: &GeneratorsEntry) -> Result<Generators, Diagnostic> {
         GeneratorsEntry::Word(word) if word == "single" => Ok(Generators::Single),
         GeneratorsEntry::Word(word) => {
             let message = format!("`{}` is not a choice for `generators`", shown(word));
-            Err(Diagnostic::new("E0210", message).help(did_you_mean(word, &AlgebraChoice::WORDS)))
+            Err(Diagnostic::new(codes::E0210, message).help(did_you_mean(word, &AlgebraChoice::WORDS)))
         }
         GeneratorsEntry::Groups(map) => {
             let group = |(name, errors): (&String, &Vec<String>)| {
@@ -79,7 +79,7 @@ fn generators(entry: &GeneratorsEntry) -> Result<Generators, Diagnostic> {
 fn named_error(text: &str) -> Result<ErrorId, Diagnostic> {
     parse_error_name(text).ok_or_else(|| {
         let message = format!("`{}` is not the name of an error", shown(text));
-        Diagnostic::new("E0405", message).help("names are `EXX` (component error) or `EC0Y` (location error)")
+        Diagnostic::new(codes::E0405, message).help("names are `EXX` (component error) or `EC0Y` (location error)")
     })
 }
 
@@ -93,12 +93,14 @@ pub(super) fn named_monomial(text: &str) -> Result<NamedMonomial, Diagnostic> {
     };
     let factors: Option<NamedMonomial> = text.split('*').map(factor).collect();
     let factors = factors.ok_or_else(|| {
-        Diagnostic::new("E0215", format!("`{}` is not a monomial", shown(text)))
+        Diagnostic::new(codes::E0215, format!("`{}` is not a monomial", shown(text)))
             .help("write names with `*` and `^`, such as `EXX*EYX` or `EXX^2`")
     })?;
     if factors.iter().all(|(name, power)| *power == 0 || name == "1") {
         let message = format!("the ideal contains 1 (`{}`): nothing would be left of the algebra", shown(text));
-        return Err(Diagnostic::new("E0522", message).help("only products of generators can vanish, such as `x1^2`"));
+        return Err(
+            Diagnostic::new(codes::E0522, message).help("only products of generators can vanish, such as `x1^2`")
+        );
     }
     Ok(factors)
 }

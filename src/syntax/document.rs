@@ -6,7 +6,7 @@ use super::forms::{Forms, forms};
 use super::places::{Keys, Places, below, keys};
 use super::scalar::Scalar;
 use super::term::TermEntry;
-use crate::diagnostic::{Diagnostic, Diagnostics, did_you_mean, shown};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes, did_you_mean, shown};
 use indexmap::IndexMap;
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
@@ -273,7 +273,7 @@ impl Reader<'_> {
             Some(Value::Mapping(map)) => map.into_iter().map(|(name, value)| self.named(&at, name, value)).collect(),
             Some(_) => {
                 self.places.mar(&at);
-                let refusal = Diagnostic::new("E0202", format!("`{key}` must be a mapping of names to entries"));
+                let refusal = Diagnostic::new(codes::E0202, format!("`{key}` must be a mapping of names to entries"));
                 let help = format!("write `{key}:` and below it one indented `NAME: ...` a line");
                 self.diagnostics.push(refusal.at(self.places.value(&at), "").help(help));
                 Entries::new()
@@ -291,7 +291,7 @@ impl Reader<'_> {
 
     fn unknown(&mut self) {
         for key in self.map.keys().filter_map(Value::as_str) {
-            let refusal = Diagnostic::new("E0201", format!("unknown key `{}`", shown(key)));
+            let refusal = Diagnostic::new(codes::E0201, format!("unknown key `{}`", shown(key)));
             let refusal = refusal.at(self.places.key(&keys([key])), "").help(did_you_mean(key, &SECTIONS));
             self.diagnostics.push(refusal);
         }

@@ -2,7 +2,7 @@
 //! that part is reported, cut out, and the rest is tried again, so that all of it is found.
 
 use super::places::{Keys, Places};
-use crate::diagnostic::{Diagnostic, Diagnostics, did_you_mean, shown};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes, did_you_mean, shown};
 use serde::de::DeserializeOwned;
 use serde_path_to_error::Segment;
 use serde_yaml::Value;
@@ -64,17 +64,17 @@ fn explain(message: &str, keys: &Keys, places: &Places) -> Diagnostic {
     let owner = keys.len().checked_sub(2).map(|n| format!(" in `{}`", keys[..=n].join("."))).unwrap_or_default();
     if unknown_field(message).is_some() {
         let help = did_you_mean(name, &candidates(message));
-        return Diagnostic::new("E0201", format!("unknown key `{}`{owner}", shown(name)))
+        return Diagnostic::new(codes::E0201, format!("unknown key `{}`{owner}", shown(name)))
             .at(places.key(keys), "")
             .help(help);
     }
     if let Some(word) = quoted_after(message, "unknown variant ") {
         let help = did_you_mean(word, &candidates(message));
-        return Diagnostic::new("E0210", format!("`{}` is not a choice for `{name}`", shown(word)))
+        return Diagnostic::new(codes::E0210, format!("`{}` is not a choice for `{name}`", shown(word)))
             .at(places.value(keys), "")
             .help(help);
     }
-    Diagnostic::new("E0202", format!("`{}` does not have the right form", shown(&keys.join("."))))
+    Diagnostic::new(codes::E0202, format!("`{}` does not have the right form", shown(&keys.join("."))))
         .at(places.value(keys), found(message))
         .help(sample(name).map_or_else(|| expected(message), |sample| format!("write it as `{name}: {sample}`")))
 }

@@ -9,7 +9,7 @@ use super::index::index;
 use super::places::{Keys, Places, below, keys};
 use super::read::read_text;
 use super::tree;
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, shown};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, shown};
 use serde_yaml::{Mapping, Value};
 use std::path::{Component, Path, PathBuf};
 
@@ -47,8 +47,9 @@ fn layer(
         Some(Value::String(base)) => own.places.resolve_path(&here, &base),
         Some(_) => {
             let message = "`extends` must be the path of one file";
-            diagnostics
-                .push(Diagnostic::new("E0202", message).at(own.places.value(&here), "").help("extends: base.yaml"));
+            diagnostics.push(
+                Diagnostic::new(codes::E0202, message).at(own.places.value(&here), "").help("extends: base.yaml"),
+            );
             return None;
         }
     };
@@ -59,10 +60,10 @@ fn layer(
 fn endless(path: &Path, trail: &[PathBuf], tidy: &PathBuf) -> Diagnostic {
     let file = shown(&path.display().to_string());
     if trail.contains(tidy) {
-        Diagnostic::new("E0208", format!("`extends` runs in a circle: `{file}` extends itself in the end"))
+        Diagnostic::new(codes::E0208, format!("`extends` runs in a circle: `{file}` extends itself in the end"))
             .help("let one of the files stand alone")
     } else {
-        Diagnostic::new("E0208", format!("`extends` goes on for more than {DEPTH} files"))
+        Diagnostic::new(codes::E0208, format!("`extends` goes on for more than {DEPTH} files"))
             .help("merge some of the files")
     }
 }
@@ -93,7 +94,7 @@ fn read_layer(path: &Path, named: Option<Place>, files: &dyn Files, diagnostics:
         Ok(Value::Mapping(map)) => Some(Layer { map, places }),
         Ok(_) => {
             let help = "start with `abbe: 1`, then `machine:`, `chain:`, `axes:`; `abbe init` writes an example";
-            diagnostics.push(Diagnostic::new("E0109", "the file holds no machine").at(start(), "").help(help));
+            diagnostics.push(Diagnostic::new(codes::E0109, "the file holds no machine").at(start(), "").help(help));
             None
         }
         Err(failure) => {
@@ -102,7 +103,7 @@ fn read_layer(path: &Path, named: Option<Place>, files: &dyn Files, diagnostics:
                 .map(|l| Place { source, range: l.index().min(text.len())..l.index().min(text.len()) });
             let help = "the text is not YAML here; look for a missing quote, bracket or space after `:`";
             let message = format!("not YAML: {}", shown(&failure.to_string()));
-            diagnostics.push(Diagnostic::new("E0105", message).at(at.or_else(start), "").help(help));
+            diagnostics.push(Diagnostic::new(codes::E0105, message).at(at.or_else(start), "").help(help));
             None
         }
     }

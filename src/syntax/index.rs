@@ -3,7 +3,7 @@
 //! duplicate keys, so nothing reaches it unguarded.
 
 use super::places::{Keys, Places, Spot};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes};
 use saphyr_parser::{Event, Parser, Span, StrInput, Tag};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -78,7 +78,9 @@ impl Indexer<'_> {
                 let place = Place { source: self.source, range: at..at };
                 let help = "the text is not YAML here; look for a missing quote, bracket or space after `:`";
                 Box::new(
-                    Diagnostic::new("E0105", format!("not YAML: {}", failure.info())).at(Some(place), "").help(help),
+                    Diagnostic::new(codes::E0105, format!("not YAML: {}", failure.info()))
+                        .at(Some(place), "")
+                        .help(help),
                 )
             })?;
             self.event(event, self.range(span))?;
@@ -238,17 +240,21 @@ fn tagless(tag: Option<Cow<'_, Tag>>, place: &Place) -> Result<(), Refused> {
 
 fn unsupported(what: &str, place: Place, help: &str) -> Refused {
     Box::new(
-        Diagnostic::new("E0108", format!("{what} is not part of the machine language")).at(Some(place), "").help(help),
+        Diagnostic::new(codes::E0108, format!("{what} is not part of the machine language"))
+            .at(Some(place), "")
+            .help(help),
     )
 }
 
 fn limit(what: String, place: Place) -> Refused {
     let help = "a machine file is small; put measured data into CSV tables";
-    Box::new(Diagnostic::new("E0106", format!("the file is beyond all measure: {what}")).at(Some(place), "").help(help))
+    Box::new(
+        Diagnostic::new(codes::E0106, format!("the file is beyond all measure: {what}")).at(Some(place), "").help(help),
+    )
 }
 
 fn duplicate(key: &str, again: &Place, first: &Place) -> Diagnostic {
-    Diagnostic::new("E0107", format!("the key `{key}` stands here twice"))
+    Diagnostic::new(codes::E0107, format!("the key `{key}` stands here twice"))
         .at(Some(again.clone()), "again here")
         .at(Some(first.clone()), "first here")
         .help("keep one of them")

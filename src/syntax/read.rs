@@ -1,7 +1,7 @@
 //! Bytes to text: refusals of the file itself.
 
 use super::files::{Files, ReadFailure};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, shown};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes, shown};
 use std::path::Path;
 
 /// Reads a file as UTF-8 text without its byte order mark and keeps it among the sources.
@@ -33,20 +33,20 @@ pub(super) fn keep(path: &Path, text: String, diagnostics: &mut Diagnostics) -> 
 pub(super) fn unreadable(path: &Path, failure: &ReadFailure) -> Diagnostic {
     let file = format!("`{}`", shown(&path.display().to_string()));
     match failure {
-        ReadFailure::NotFound => Diagnostic::new("E0101", format!("there is no file {file}"))
+        ReadFailure::NotFound => Diagnostic::new(codes::E0101, format!("there is no file {file}"))
             .help("paths are relative to the file that names them"),
         ReadFailure::Denied => {
-            Diagnostic::new("E0101", format!("{file} may not be read")).help("change its permissions")
+            Diagnostic::new(codes::E0101, format!("{file} may not be read")).help("change its permissions")
         }
         ReadFailure::NotAFile(word) => {
-            Diagnostic::new("E0102", format!("{file} is {word}, not a file")).help("name a regular file")
+            Diagnostic::new(codes::E0102, format!("{file} is {word}, not a file")).help("name a regular file")
         }
         ReadFailure::TooLarge(size, limit) => {
             let mb = |bytes: &u64| bytes.div_ceil(1 << 20);
-            Diagnostic::new("E0103", format!("{file} has {} MB; the limit is {} MB", mb(size), mb(limit)))
+            Diagnostic::new(codes::E0103, format!("{file} has {} MB; the limit is {} MB", mb(size), mb(limit)))
                 .help("thin the table out: 100000 rows are the most that is read")
         }
-        ReadFailure::Other(words) => Diagnostic::new("E0101", format!("{file} cannot be read: {}", shown(words)))
+        ReadFailure::Other(words) => Diagnostic::new(codes::E0101, format!("{file} cannot be read: {}", shown(words)))
             .help("check the path and the medium"),
     }
 }
@@ -62,7 +62,7 @@ fn decode(path: &Path, bytes: Vec<u8>, named: Option<Place>, diagnostics: &mut D
             let message = format!("`{}` {found}", shown(&path.display().to_string()));
             let encoding = if utf16 { "UTF-16" } else { "ISO-8859-1" };
             let help = format!("save it as UTF-8, for example: iconv -f {encoding} -t UTF-8 old > new");
-            diagnostics.push(Diagnostic::new("E0104", message).at(named, "").help(help));
+            diagnostics.push(Diagnostic::new(codes::E0104, message).at(named, "").help(help));
             None
         }
     }

@@ -4,7 +4,7 @@
 
 use super::files::Files;
 use super::read::{keep, unreadable};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, shown};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes, shown};
 use crate::units::{self, Failure};
 use std::path::Path;
 
@@ -39,7 +39,7 @@ pub fn read_sheet(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics)
     let Some(text) = decoded(&bytes) else {
         let message = format!("`{}` is no text in UTF-8, UTF-16 or Windows-1252", shown(&path.display().to_string()));
         let help = "export it as text; for example: iconv -f IBM850 -t UTF-8 old > new";
-        diagnostics.push(Diagnostic::new("E0104", message).help(help));
+        diagnostics.push(Diagnostic::new(codes::E0104, message).help(help));
         return None;
     };
     let (source, text) = keep(path, text, diagnostics);

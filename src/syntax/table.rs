@@ -5,7 +5,7 @@
 
 use super::files::Files;
 use super::read::read_text;
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, shown};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes, shown};
 use crate::units::{self, Dimension, Failure};
 use std::ops::Range;
 use std::path::Path;
@@ -73,7 +73,7 @@ impl TableReader<'_> {
         Some(Place { source: self.source, range })
     }
 
-    fn refuse(&mut self, code: &'static str, message: impl Into<String>, at: Range<usize>, help: &str) {
+    fn refuse(&mut self, code: codes::Code, message: impl Into<String>, at: Range<usize>, help: &str) {
         let place = self.place(at);
         self.diagnostics.push(Diagnostic::new(code, message).at(place, "").help(help));
     }
@@ -82,24 +82,29 @@ impl TableReader<'_> {
         let lines = lines(self.text);
         let Some((header, body)) = lines.split_first() else {
             let help = "start with a header such as `X [mm], EXX [um]`, then one position a line";
-            self.refuse("E0110", "the table is empty", 0..0, help);
+            self.refuse(codes::E0110, "the table is empty", 0..0, help);
             return None;
         };
         let separator = separator(&self.text[header.clone()]);
         let titles = cells(self.text, header.clone(), separator);
         if titles.iter().all(|cell| units::number(&self.text[cell.clone()]).is_ok()) {
             let help = "put a line such as `X [mm], EXX [um]` before it";
-            self.refuse("E0110", "the table has no header", header.clone(), help);
+            self.refuse(codes::E0110, "the table has no header", header.clone(), help);
             return None;
         }
         let columns: Vec<Option<CsvColumn>> = titles.into_iter().map(|cell| self.column(cell)).collect();
         if body.is_empty() {
-            self.refuse("E0110", "the table has no rows", header.clone(), "add one position a line below the header");
+            self.refuse(
+                codes::E0110,
+                "the table has no rows",
+                header.clone(),
+                "add one position a line below the header",
+            );
         }
         if body.len() > ROWS {
             let help = "thin it out, or split the measurement";
             self.refuse(
-                "E0103",
+                codes::E0103,
                 format!("the table has {} rows; the limit is {ROWS}", body.len()),
                 body[ROWS].clone(),
                 help,
@@ -119,12 +124,12 @@ impl TableReader<'_> {
         let (title, unit) = units::header(text);
         let (name, direction) = direction(title);
         if name.is_empty() {
-            self.refuse("E0110", "a column without a name", cell, "the header is like `X [mm], EXX [um]`");
+            self.refuse(codes::E0110, "a column without a name", cell, "the header is like `X [mm], EXX [um]`");
             return None;
         }
         let Some(unit) = unit else {
             let help = "write it as `EXX [um]`; positions as `X [mm]` or `C [deg]`";
-            self.refuse("E0110", format!("column `{}` has no unit", shown(name)), cell, help);
+            self.refuse(codes::E0110, format!("column `{}` has no unit", shown(name)), cell, help);
             return None;
         };
         match units::unit(unit) {
@@ -137,7 +142,7 @@ impl TableReader<'_> {
             }),
             Err(_) => {
                 let message = format!("unknown unit `{}` of column `{}`", shown(unit), shown(name));
-                self.refuse("E0206", message, cell, "lengths: nm um mm m in; angles: urad mrad rad arcsec deg");
+                self.refuse(codes::E0206, message, cell, "lengths: nm um mm m in; angles: urad mrad rad arcsec deg");
                 None
             }
         }
@@ -175,7 +180,7 @@ impl TableReader<'_> {
         } else {
             "give every row a value for every column; leave out rows that were not measured"
         };
-        self.refuse("E0112", message, row.clone(), help);
+        self.refuse(codes::E0112, message, row.clone(), help);
     }
 
     fn cell(&mut self, column: &str, failure: &Failure, cell: Range<usize>) {
@@ -197,7 +202,7 @@ impl TableReader<'_> {
         } else {
             shown(&failure.to_string())
         };
-        self.refuse("E0111", message, cell, help);
+        self.refuse(codes::E0111, message, cell, help);
     }
 
     fn unique(&mut self, columns: &[CsvColumn]) {
@@ -206,7 +211,7 @@ impl TableReader<'_> {
             if let Some(first) = columns[..i].iter().find(same) {
                 let message = format!("the column `{}` stands here twice", shown(&column.name));
                 self.diagnostics.push(
-                    Diagnostic::new("E0107", message)
+                    Diagnostic::new(codes::E0107, message)
                         .at(Some(column.place.clone()), "again here")
                         .at(Some(first.place.clone()), "first here")
                         .help("keep one of them"),
@@ -227,7 +232,7 @@ impl TableReader<'_> {
             format!("the position {here} follows {before}: positions must rise")
         };
         let help = "sort the rows by position; put forward and reverse runs into columns `EXX+` and `EXX-`; `abbe import` makes such a table of runs there and back";
-        self.refuse("E0113", message, body[i + 1].clone(), help);
+        self.refuse(codes::E0113, message, body[i + 1].clone(), help);
     }
 }
 

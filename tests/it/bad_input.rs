@@ -51,7 +51,7 @@ fn codes(text: &str) -> Vec<&'static str> {
     let start = Instant::now();
     let (machine, diagnostics) = read(&[("machine.yaml", text)]);
     assert!(machine.is_none() && start.elapsed() < SOON, "{:?}", start.elapsed());
-    diagnostics.iter().map(|d| d.code).collect()
+    diagnostics.iter().map(|d| d.code.id).collect()
 }
 
 /// A small machine with one more line.
@@ -92,7 +92,7 @@ fn a_table_of_too_many_rows_is_refused() {
     let table = format!("X [mm], EXX [um]\n{rows}");
     let (machine, diagnostics) = read(&[("machine.yaml", &small("measured: [x.csv]")), ("x.csv", &table)]);
     assert!(machine.is_none());
-    assert_eq!(diagnostics.iter().map(|d| d.code).collect::<Vec<_>>(), ["E0103"]);
+    assert_eq!(diagnostics.iter().map(|d| d.code.id).collect::<Vec<_>>(), ["E0103"]);
 }
 
 #[cfg(unix)]
@@ -238,7 +238,7 @@ fn extends_ends_after_eight_files() {
         assert_eq!(found.is_some(), machine, "{}", render(&diagnostics, Rendering::default()));
     }
     let (_, diagnostics) = read(&[("a/m.yaml", "extends: ../a/../a/m.yaml")]);
-    assert_eq!(diagnostics.iter().map(|d| d.code).collect::<Vec<_>>(), ["E0208"]);
+    assert_eq!(diagnostics.iter().map(|d| d.code.id).collect::<Vec<_>>(), ["E0208"]);
 }
 
 /// Everything at once on some bytes: read, resolved, rendered in colour.

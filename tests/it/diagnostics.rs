@@ -32,7 +32,7 @@ fn shown(folder: &Path) -> (String, BTreeSet<&'static str>) {
     let machine = document.and_then(|d| machine::resolve(&d, &files, &mut diagnostics));
     assert_eq!(machine.is_none(), diagnostics.refused(), "{}", folder.display());
     let text = render(&diagnostics, Rendering::default()) + &summary(&diagnostics) + "\n";
-    (text, diagnostics.iter().map(|d| d.code).collect())
+    (text, diagnostics.iter().map(|d| d.code.id).collect())
 }
 
 #[test]
@@ -59,16 +59,16 @@ fn every_code_that_a_file_can_cause_has_an_example() {
     // E0103 needs a file of 100 MB or 100000 rows: bad_input.rs. From E05 on: later stages.
     let elsewhere = |code: &str| code == "E0103" || code[1..].starts_with("05") || &code[1..3] >= "05";
     let seen: BTreeSet<&str> = examples().iter().flat_map(|f| shown(f).1).collect();
-    let missing: Vec<&str> = CODES.iter().map(|c| c.code).filter(|c| !elsewhere(c) && !seen.contains(c)).collect();
+    let missing: Vec<&str> = CODES.iter().map(|c| c.id).filter(|c| !elsewhere(c) && !seen.contains(c)).collect();
     assert!(missing.is_empty(), "no example for {missing:?}");
 }
 
 #[test]
 fn every_code_is_in_the_table_once_and_explained() {
-    let codes: BTreeSet<&str> = CODES.iter().map(|c| c.code).collect();
+    let codes: BTreeSet<&str> = CODES.iter().map(|c| c.id).collect();
     assert_eq!(codes.len(), CODES.len());
     for code in CODES {
-        assert!(code.explanation.len() > 60 && !code.title.is_empty(), "{}", code.code);
+        assert!(code.explanation.len() > 60 && !code.title.is_empty(), "{}", code.id);
     }
     let used = codes_in(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"));
     let unknown: Vec<_> = used.iter().filter(|c| !codes.contains(c.as_str())).collect();

@@ -409,7 +409,7 @@ fn the_order_of_the_sections_does_not_matter() {
 fn warnings(lines: &str) -> Vec<&'static str> {
     let (machine, diagnostics) = read(&[("m.yaml", &small(lines))]);
     assert!(machine.is_some(), "{}", render(&diagnostics, Rendering::default()));
-    diagnostics.iter().map(|d| d.code).collect()
+    diagnostics.iter().map(|d| d.code.id).collect()
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::session::Session;
 use crate::cli::Exit;
-use crate::diagnostic::{Diagnostic, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::lower::{Declared, WeilLift};
 use crate::machine::{AlgebraChoice, Machine};
 use crate::syntax::AlgebraEntry;
@@ -29,7 +29,7 @@ pub(crate) fn name(lift: &WeilLift) -> String {
 
 fn of_machine(machine: &Machine) -> Result<AlgebraChoice, Diagnostic> {
     machine.algebra().cloned().ok_or_else(|| {
-        Diagnostic::new("E0814", "the machine file names no algebra")
+        Diagnostic::new(codes::E0814, "the machine file names no algebra")
             .help("add a section `algebra: { degree: 2 }`, or write `--algebra \"degree: 2\"`")
     })
 }
@@ -37,7 +37,7 @@ fn of_machine(machine: &Machine) -> Result<AlgebraChoice, Diagnostic> {
 fn of_text(text: &str) -> Result<AlgebraChoice, Diagnostic> {
     let entry: AlgebraEntry = serde_yaml::from_str(&format!("{{{text}}}")).map_err(|failure| {
         let reason = failure.to_string();
-        Diagnostic::new("E0814", format!("`{}` is not an algebra: {}", shown(text), shown(&reason)))
+        Diagnostic::new(codes::E0814, format!("`{}` is not an algebra: {}", shown(text), shown(&reason)))
             .help("write it as in a machine file: `--algebra \"degree: 3, generators: per-axis, vanish: [X^2]\"`")
     })?;
     AlgebraChoice::new(&entry)

@@ -7,7 +7,7 @@ use crate::analysis::budget::{Bound, BoundedError, Budget, Request, beside, budg
 use crate::cli::Exit;
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::verbs::budget::{TOTALS, TOTALS_NOTE, totals_row};
-use crate::diagnostic::{Diagnostic, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{Machine, Pose};
 use crate::report::{BudgetReport, Drawing, budgets_json};
 use crate::units::significant;
@@ -55,7 +55,7 @@ pub(crate) fn budgets(
     if !without.is_empty() {
         let message = format!("budgets are not compared: {} bounds no error", without.join(" and "));
         let help = "write tolerances into every file, or take those of a class: `--class production`";
-        session.diagnostics.push(Diagnostic::new("W0607", message).help(help));
+        session.diagnostics.push(Diagnostic::new(codes::W0607, message).help(help));
         session.checked()?;
         return Ok(None);
     }

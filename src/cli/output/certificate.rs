@@ -5,7 +5,7 @@ use crate::cli::Format;
 use crate::controller::{
     Certificate, ControllerTarget, ErrorLeft, Figures, Handled, ROUNDING_UM, RaisedFigure, ZeroShift,
 };
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Summary;
 use crate::machine::{Approach, Axis, AxisKind, Machine};
 use crate::units::significant;
@@ -264,9 +264,9 @@ pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
         lessened(&before.all.position_um, &after.all.position_um) || lessened(&before.tool_axis, &after.tool_axis);
     if certificate.strongest.is_none() && !lessens {
         let help = "no error of this machine is within the target's reach, or the files hold nothing: a target with a lattice, such as grid-csv, takes away what depends on several axes";
-        found.push(Diagnostic::new("W0602", "the tables correct nothing").help(help));
+        found.push(Diagnostic::new(codes::W0602, "the tables correct nothing").help(help));
     } else if let Some(words) = raised(certificate) {
-        found.push(Diagnostic::new("W0602", format!("the tables raise {words}")).help(why_raised(certificate)));
+        found.push(Diagnostic::new(codes::W0602, format!("the tables raise {words}")).help(why_raised(certificate)));
     }
     // A twentieth more is within what any table of angles changes here and there.
     let turned = |b: &Summary, a: &Summary| a.p95 > b.p95 * 1.05 + ROUNDING_UM;
@@ -278,7 +278,7 @@ pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
             significant(after.tool_axis.p95, 4),
             significant(before.tool_axis.p95, 4)
         );
-        found.push(Diagnostic::new("W0603", message).help("rotation about the tool axis matters to tools that do not turn; `--correct position` leaves the rotary axes alone"));
+        found.push(Diagnostic::new(codes::W0603, message).help("rotation about the tool axis matters to tools that do not turn; `--correct position` leaves the rotary axes alone"));
     }
     found
 }

@@ -5,7 +5,7 @@ use super::view::table;
 use crate::analysis::interactions;
 use crate::analysis::{Effect, Interactions, Inverse};
 use crate::cli::Exit;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::random_poses;
 use crate::lower::{WeilLift, values};
 use crate::machine::{Approach, AxisKind, Machine, Pose};
@@ -135,7 +135,7 @@ pub(crate) fn inverse(
     let solution = problem.solve(lift, lift.basis().order());
     let Ok(by) = solution else {
         return session.refuse(
-            Diagnostic::new("E0524", "the axes cannot be solved for at this pose: a division by an element whose real part is zero")
+            Diagnostic::new(codes::E0524, "the axes cannot be solved for at this pose: a division by an element whose real part is zero")
                 .help("`--inverse` needs three linear axes that are independent, with or without two rotary ones, at a pose that is not singular"),
         );
     };

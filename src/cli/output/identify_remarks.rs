@@ -2,7 +2,7 @@
 
 use super::identify_report::Report;
 use super::session::Session;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::identify::{Measurement, Parameter, Reading, ReadingKind, Repeats, Term};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, ErrorId, Machine};
@@ -19,7 +19,7 @@ const TINY: f64 = 1e-5;
 pub(crate) fn all(session: &mut Session, report: &Report<'_>) {
     let unsettled = || {
         let message = format!("the fit has not settled after {} steps", report.fit.steps);
-        warning("W0501", message, "fix what the data hardly see, or fit less at once")
+        warning(codes::W0501, message, "fix what the data hardly see, or fit less at once")
     };
     let found = [
         (!report.fit.settled).then(unsettled),
@@ -33,7 +33,7 @@ pub(crate) fn all(session: &mut Session, report: &Report<'_>) {
     found.into_iter().flatten().for_each(|warning| session.diagnostics.push(warning));
 }
 
-fn warning(code: &'static str, message: String, help: &'static str) -> Diagnostic {
+fn warning(code: codes::Code, message: String, help: &'static str) -> Diagnostic {
     Diagnostic::new(code, message).help(help)
 }
 
@@ -44,7 +44,7 @@ pub(crate) fn left_out(session: &mut Session, machine: &Machine, list: &[(Source
         let axis = machine.axes()[axis].name.clone();
         let error = ErrorId { axis, location: false, direction: source.direction };
         let message = format!("{} of {error} left out: it is not fitted", counted(*count, "reading"));
-        session.diagnostics.push(warning("W0504", message, "fit it, too, or leave its column out"));
+        session.diagnostics.push(warning(codes::W0504, message, "fit it, too, or leave its column out"));
     }
 }
 
@@ -53,7 +53,7 @@ pub(crate) fn unused(session: &mut Session, list: &[String]) {
     if !list.is_empty() {
         let message = format!("the section `identify` says what nothing takes up: {}", list.join(", "));
         let help = "name the error in `fit`, without a basis of its own, or with one that has knots";
-        session.diagnostics.push(warning("W0509", message, help));
+        session.diagnostics.push(warning(codes::W0509, message, help));
     }
 }
 
@@ -75,7 +75,7 @@ fn unexplained(report: &Report<'_>) -> Option<Diagnostic> {
     let message =
         format!("what is left ({left} um per reading) is far above the scatter of repeated poses ({sigma} um)");
     let help = "the fitted errors do not explain the data: fit more of them, or look at the outliers";
-    Some(warning("W0502", message, help))
+    Some(warning(codes::W0502, message, help))
 }
 
 fn drifting(report: &Report<'_>) -> Option<Diagnostic> {
@@ -84,7 +84,7 @@ fn drifting(report: &Report<'_>) -> Option<Diagnostic> {
     let message = format!("what is left of {} is not noise: neighbours in the file are alike", names.join(", "));
     let help =
         "drift of machine or instrument while measuring, or a shape that was not fitted; sigmas are too small then";
-    (!names.is_empty()).then(|| warning("W0503", message, help))
+    (!names.is_empty()).then(|| warning(codes::W0503, message, help))
 }
 
 /// Sizes that speak of a wrong unit.
@@ -93,7 +93,7 @@ fn sizes(report: &Report<'_>) -> Option<Diagnostic> {
     let unlikely = typical > HUGE || (0.0 < typical && typical < TINY);
     let message = format!("half of the readings are {} um or more off the machine as the file says it", um(typical));
     let help = "compare the units in the header, the signs and zeros of the axes, and the frame (--frame)";
-    unlikely.then(|| warning("W0505", message, help))
+    unlikely.then(|| warning(codes::W0505, message, help))
 }
 
 /// Curves for a direction of approach in which nothing was read that they move.
@@ -113,7 +113,7 @@ fn one_sided(report: &Report<'_>) -> Option<Diagnostic> {
     let message =
         format!("nothing was read in the direction of approach of {}: kept as the file says", names.join(", "));
     let help = "measure in both directions, or fit the curve without `+-`: it is then the same in both";
-    (!names.is_empty()).then(|| warning("W0506", message, help))
+    (!names.is_empty()).then(|| warning(codes::W0506, message, help))
 }
 
 /// Readings of one pose that differ more than they may.
@@ -123,12 +123,16 @@ fn contradiction(session: &Session, report: &Report<'_>) -> Option<Diagnostic> {
     let places = format!("{} and {}", report.place(session, a), report.place(session, b));
     if repeats.opposed {
         let message = format!("poses that were measured again were read with the opposite sign: {places}, for one");
-        return Some(warning("W0507", message, "readings are actual minus nominal: turn the sign of one of the files"));
+        return Some(warning(
+            codes::W0507,
+            message,
+            "readings are actual minus nominal: turn the sign of one of the files",
+        ));
     }
     let message = format!("readings of one pose contradict each other by {} um: {places}", um(apart));
     let help =
         "one of them may have another sign (actual minus nominal), unit, tool or set-up: correct it, or name a `run`";
-    Some(warning("W0507", message, help))
+    Some(warning(codes::W0507, message, help))
 }
 
 /// What goes to a machine file although the data hardly tell it.
@@ -141,7 +145,7 @@ pub(crate) fn written(session: &mut Session, report: &Report<'_>) {
         );
         let help =
             "fix what the data hardly tell (`--fixed`), or fit less: `abbe show` lists location errors that suffice";
-        session.diagnostics.push(warning("W0510", message, help));
+        session.diagnostics.push(warning(codes::W0510, message, help));
     }
 }
 
@@ -150,5 +154,5 @@ fn silent(report: &Report<'_>) -> Option<Diagnostic> {
     let idle = |p: &Parameter| report.solution.idle.contains(&p.name);
     let message = "nothing of what is fitted has an effect on these data: the values are those of the file".to_owned();
     let help = "measure where the errors act (`--plan 20` proposes poses), or fit others";
-    report.unknowns[..report.own].iter().all(idle).then(|| warning("W0508", message, help))
+    report.unknowns[..report.own].iter().all(idle).then(|| warning(codes::W0508, message, help))
 }

@@ -3,7 +3,7 @@
 use super::session::Session;
 use crate::cli::Outcome;
 use crate::cli::store::write;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::identify::{Measurement, Model, ReadingKind};
 use crate::machine::AxisKind;
 use crate::report::{FitPicture, FitPoint};
@@ -32,7 +32,7 @@ pub(crate) fn write(
     }
     if whole.is_empty() || planes.is_empty() {
         let help = "pictures need rows with dx, dy and dz, and two linear axes along x, y, z";
-        return session.refuse(Diagnostic::new("E0511", "there is no plane to draw").help(help));
+        return session.refuse(Diagnostic::new(codes::E0511, "there is no plane to draw").help(help));
     }
     write::make_folder(folder).or_else(|refusal| session.refuse(refusal))?;
     for plane in planes {

@@ -10,7 +10,7 @@
 use super::files::{SET_LIMIT, read_at_most};
 use super::write::unwritable_folder;
 use crate::controller::{Hashed, RenderedFile, is_plain_name, sha256};
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -60,7 +60,7 @@ pub(crate) fn replace(folder: &Path, files: &[&RenderedFile], removed: &[Hashed]
     let decided = Decided { run, files: files.iter().map(entry).collect(), removed: removed.to_vec() };
     staged.decide(folder, &decided)?;
     let half = |(name, failure): (String, std::io::Error)| {
-        Diagnostic::new("E0810", format!("cannot replace `{name}`: {failure}")).help(
+        Diagnostic::new(codes::E0810, format!("cannot replace `{name}`: {failure}")).help(
             "the set in this folder is half replaced: the next `verify` or `compile` that can write there finishes it",
         )
     };
@@ -85,21 +85,24 @@ pub(crate) fn settle(folder: &Path, diagnostics: &mut Diagnostics) -> Result<(),
         decided.carry_out(folder).map_err(|(name, failure)| unfinished(folder, &format!("`{name}`: {failure}")))?;
         let message = format!("a run was killed while it replaced the set in `{}`", folder.display());
         let help = "all of the new set had been written: it has been put in place";
-        diagnostics.push(Diagnostic::new("W0712", message).help(help));
+        diagnostics.push(Diagnostic::new(codes::W0712, message).help(help));
     }
     let left = left_over(folder);
     if !left.is_empty() {
         let message = format!("a run was killed before it had written the whole of its set to `{}`", folder.display());
         let help =
             format!("the set that was there is as it was; {} temporary files go with the next compile", left.len());
-        diagnostics.push(Diagnostic::new("W0713", message).help(help));
+        diagnostics.push(Diagnostic::new(codes::W0713, message).help(help));
     }
     Ok(())
 }
 
 fn unfinished(folder: &Path, why: &str) -> Diagnostic {
-    Diagnostic::new("E0733", format!("the set in `{}` is half replaced, a run was killed: {why}", folder.display()))
-        .help("load none of its files; compile again into this folder, or make it writable and verify again")
+    Diagnostic::new(
+        codes::E0733,
+        format!("the set in `{}` is half replaced, a run was killed: {why}", folder.display()),
+    )
+    .help("load none of its files; compile again into this folder, or make it writable and verify again")
 }
 
 impl Decided {

@@ -9,7 +9,7 @@ use super::write;
 use crate::cli::Outcome;
 use crate::cli::output::session::Session;
 use crate::controller::{ControllerTarget, Hashed, LOCK_NAME, Lock, ReadBack, RenderedFile};
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::syntax::ReadFailure;
 use std::fs;
 use std::path::Path;
@@ -77,7 +77,7 @@ fn refuse_odd_manifest(folder: &Path, readable: bool) -> Result<(), Diagnostic> 
 }
 
 fn foreign(path: &Path, why: &str) -> Diagnostic {
-    Diagnostic::new("E0706", format!("`{}` {why}", path.display()))
+    Diagnostic::new(codes::E0706, format!("`{}` {why}", path.display()))
         .help("move it away, or give another folder to --out; nothing was written")
 }
 
@@ -93,7 +93,7 @@ pub(crate) fn read(folder: &Path, names: &[String], diagnostics: &mut Diagnostic
         match text {
             Ok(text) => found.push(ReadBack::new(name, text)),
             Err(why) => diagnostics.push(
-                Diagnostic::new("E0704", format!("`{name}` {why}"))
+                Diagnostic::new(codes::E0704, format!("`{name}` {why}"))
                     .help("compile the file set again; do not edit compensation files by hand"),
             ),
         }
@@ -129,6 +129,6 @@ pub(crate) fn inputs(session: &Session) -> Vec<Hashed> {
 /// Of rendered files that do not say what was meant.
 pub(crate) fn misread(target: &ControllerTarget) -> Diagnostic {
     let name = &target.manifest.target;
-    Diagnostic::new("E0707", format!("the files of target `{name}` do not read back as what was to be written"))
+    Diagnostic::new(codes::E0707, format!("the files of target `{name}` do not read back as what was to be written"))
         .help("its templates do not write what its manifest says; nothing was written")
 }

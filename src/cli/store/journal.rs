@@ -6,7 +6,7 @@ use super::write::write_whole;
 use crate::analysis::enumerate::{Journal, Row};
 use crate::cli::Exit;
 use crate::cli::output::session::Session;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::syntax::{Files, ReadFailure};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -97,24 +97,25 @@ fn of_study(session: &mut Session, path: &Path, empty: &Journal) -> Result<Journ
         Ok(Ok(text)) => text,
         Ok(Err(_)) => {
             return session
-                .refuse(Diagnostic::new("E0610", format!("`{name}` is not a state file: not UTF-8")).help(help));
+                .refuse(Diagnostic::new(codes::E0610, format!("`{name}` is not a state file: not UTF-8")).help(help));
         }
         Err(failure) => {
-            return session
-                .refuse(Diagnostic::new("E0610", format!("`{name}` cannot be read: {}", why(&failure))).help(help));
+            return session.refuse(
+                Diagnostic::new(codes::E0610, format!("`{name}` cannot be read: {}", why(&failure))).help(help),
+            );
         }
     };
     let journal = match Journal::parse(&text) {
         Ok(journal) => journal,
         Err(failure) => {
             let message = format!("`{name}` is not a state file: line {}: {}", failure.line, failure.why);
-            return session.refuse(Diagnostic::new("E0610", message).help(help));
+            return session.refuse(Diagnostic::new(codes::E0610, message).help(help));
         }
     };
     if (&journal.fingerprint, journal.steps) != (&empty.fingerprint, empty.steps) {
         let message =
             format!("`{name}` belongs to another study: the machine file, an option or the program has changed");
-        return session.refuse(Diagnostic::new("E0610", message).help(help));
+        return session.refuse(Diagnostic::new(codes::E0610, message).help(help));
     }
     Ok(journal)
 }
@@ -138,7 +139,7 @@ pub(crate) fn merged(session: &mut Session, paths: &[PathBuf], mut whole: Journa
             if differs {
                 let message = format!("`{}` has other results for walk {step} than a part before it", path.display());
                 let help = "one of them was changed or made by another build: compute the parts again";
-                return session.refuse(Diagnostic::new("E0611", message).help(help));
+                return session.refuse(Diagnostic::new(codes::E0611, message).help(help));
             }
             let _ = whole.done.insert(step, rows);
         }
@@ -147,7 +148,7 @@ pub(crate) fn merged(session: &mut Session, paths: &[PathBuf], mut whole: Journa
         let missing = whole.steps - whole.done.len();
         let message = format!("the parts lack {missing} of {} walks", whole.steps);
         let help = "name all parts; a part that was interrupted is finished by running it again with its state file";
-        return session.refuse(Diagnostic::new("E0611", message).help(help));
+        return session.refuse(Diagnostic::new(codes::E0611, message).help(help));
     }
     Ok(whole)
 }

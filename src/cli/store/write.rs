@@ -1,6 +1,6 @@
 //! Files are written whole or not at all: into a temporary file beside the target, then renamed.
 
-use crate::diagnostic::{Diagnostic, Sources};
+use crate::diagnostic::{Diagnostic, Sources, codes};
 use crate::report::Picture;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
@@ -139,7 +139,7 @@ pub(crate) fn write_picture(
         PictureKind::Svg => write_whole(path, picture.svg().as_bytes()),
         PictureKind::Png => {
             let undrawable = |why: String| {
-                Diagnostic::new("E0632", format!("`{}` cannot be drawn: {why}", path.display()))
+                Diagnostic::new(codes::E0632, format!("`{}` cannot be drawn: {why}", path.display()))
                     .help("write SVG instead")
             };
             write_whole(path, &picture.png().map_err(undrawable)?)
@@ -155,7 +155,7 @@ pub(crate) fn refuse_input(path: &Path, sources: &Sources) -> Result<(), Diagnos
         return Ok(());
     }
     let message = format!("`{}` is an input of this run", path.display());
-    Err(Diagnostic::new("E0630", message).help("give the output another name; nothing was written"))
+    Err(Diagnostic::new(codes::E0630, message).help("give the output another name; nothing was written"))
 }
 
 /// Refuses, before any work, outputs that cannot all be written: over an input, two to one file, or where there is no folder.
@@ -174,7 +174,7 @@ pub(crate) fn refuse_outputs<'a>(
         let own = identity(path);
         if seen.iter().any(|other| *other == path || own.is_some() && identity(other) == own) {
             let message = format!("two outputs of this run are to be `{}`", path.display());
-            return Err(Diagnostic::new("E0630", message).help("give each a name of its own; nothing was written"));
+            return Err(Diagnostic::new(codes::E0630, message).help("give each a name of its own; nothing was written"));
         }
         seen.push(path);
     }
@@ -194,7 +194,7 @@ pub(crate) fn refuse_no_folder(folder: &Path) -> Result<(), Diagnostic> {
 }
 
 pub(crate) fn unwritable_folder(folder: &Path, why: &str) -> Diagnostic {
-    Diagnostic::new("E0810", format!("cannot write to `{}`: {why}", folder.display()))
+    Diagnostic::new(codes::E0810, format!("cannot write to `{}`: {why}", folder.display()))
         .help("name a folder that you may write to; nothing was written")
 }
 
@@ -214,7 +214,7 @@ fn identity(path: &Path) -> Option<PathBuf> {
 pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
     if path.symlink_metadata().is_ok() {
         let message = format!("`{}` is there already", path.display());
-        return Err(Diagnostic::new("E0811", message)
+        return Err(Diagnostic::new(codes::E0811, message)
             .help("give another name, or remove it first: nothing is overwritten here"));
     }
     write_whole(path, bytes)
@@ -253,7 +253,7 @@ fn temporary(target: &Path) -> Option<PathBuf> {
 
 fn unwritable(path: &Path, why: &str) -> Diagnostic {
     let help = "name a file in a folder that exists and that you may write to; nothing was written";
-    Diagnostic::new("E0810", format!("cannot write `{}`: {why}", path.display())).help(help)
+    Diagnostic::new(codes::E0810, format!("cannot write `{}`: {why}", path.display())).help(help)
 }
 
 #[cfg(test)]

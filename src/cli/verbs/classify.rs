@@ -4,7 +4,7 @@ use crate::algebra::{Inadmissible, Split, split};
 use crate::cli::output::session::Session;
 use crate::cli::store::files::Disk;
 use crate::cli::{Exit, Format, Outcome};
-use crate::diagnostic::{Diagnostic, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::syntax::read_text;
 use crate::units::{angle, length, significant};
 use nalgebra::Matrix4;
@@ -71,7 +71,8 @@ fn read(session: &mut Session, args: &Args) -> Result<(Matrix4<f64>, Matrix4<f64
         return Err(Exit::Refused);
     };
     parse(&text).or_else(|reason| {
-        session.refuse(Diagnostic::new("E0815", format!("no matrix over the dual numbers: {}", shown(&reason))).help(
+        session
+            .refuse(Diagnostic::new(codes::E0815, format!("no matrix over the dual numbers: {}", shown(&reason))).help(
             "write `matrix:` with four rows of four entries, a number or `[real, i-part]`, or `real:` and `dual:` with \
              four rows of four numbers",
         ))

@@ -11,7 +11,7 @@ use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::tool_poses;
 use crate::cli::tool_poses::ToolPoses;
 use crate::cli::{Format, Outcome, load};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Field, Statistics};
 use crate::machine::{Machine, Pose};
 use crate::units::significant;
@@ -95,7 +95,7 @@ fn nothing_in_common(args: &Args, comparison: &Comparison) -> Diagnostic {
     let sides = files(args).zip(comparison.machines.iter().map(|c| &c.unreachable));
     let help = sides.map(missed).collect::<Vec<_>>().join("; ");
     let message = format!("none of the {} tool poses is reached by all machines", comparison.asked);
-    Diagnostic::new("E0813", message).help(format!(
+    Diagnostic::new(codes::E0813, message).help(format!(
         "{help}. Tool poses count from the workpiece origin: give the machines comparable ones, or narrow the first one's `volume`"
     ))
 }

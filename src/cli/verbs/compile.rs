@@ -12,7 +12,7 @@ use crate::cli::{Outcome, load};
 use crate::controller::{
     Certificate, ControllerTarget, Hashed, JudgedTables, Limits, Lock, NAMES, RenderedFile, certify_kinematics,
 };
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::Machine;
 use std::path::PathBuf;
 
@@ -124,5 +124,5 @@ fn refuse_unverified(session: &mut Session, target: &ControllerTarget, accepted:
     }
     let message = format!("the format of `{name}` is known from memory only: {}", target.manifest.caution());
     let help = "`abbe explain TARGET` says what is sure; to write the files all the same: --accept-unverified";
-    session.refuse(Diagnostic::new("E0710", message).help(help))
+    session.refuse(Diagnostic::new(codes::E0710, message).help(help))
 }

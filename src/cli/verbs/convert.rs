@@ -4,7 +4,7 @@ use crate::cli::output::session::Session;
 use crate::cli::store::write;
 use crate::cli::{Exit, Format, Outcome, load};
 use crate::convert::{Change, Conversion, Misfit, Proof, ROUNDING, Wish, changes, convert, prove};
-use crate::diagnostic::{Diagnostic, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{Conventions, Machine, MachineParts, written};
 use crate::units::{self, angle, length, significant};
 use serde_json::json;
@@ -72,7 +72,7 @@ fn wish(session: &mut Session, machine: &Machine, args: &Args) -> Result<Wish, E
     let conventions = conventions.or_else(|why| {
         let message = format!("`{}`: {}", shown(text.unwrap_or_default()), shown(&why));
         let help = format!("write one of {}, or keys as in a machine file", Conventions::words().join(", "));
-        session.refuse(Diagnostic::new("E0528", message).help(help))
+        session.refuse(Diagnostic::new(codes::E0528, message).help(help))
     })?;
     let known = |name: &String| machine.axes().iter().find(|axis| axis.name.as_str() == *name).map(|a| a.name.clone());
     let datum = match &args.datum {
@@ -82,7 +82,7 @@ fn wish(session: &mut Session, machine: &Machine, args: &Args) -> Result<Wish, E
                 let axes: Vec<&str> = machine.axes().iter().map(|axis| axis.name.as_str()).collect();
                 let message = format!("the machine has no axis `{}`", shown(name));
                 return session
-                    .refuse(Diagnostic::new("E0528", message).help(format!("its axes are {}", axes.join(", "))));
+                    .refuse(Diagnostic::new(codes::E0528, message).help(format!("its axes are {}", axes.join(", "))));
             }
         },
         None => None,
@@ -96,7 +96,7 @@ fn read_back(session: &mut Session, text: &str) -> Result<Machine, Exit> {
         let message = format!("the converted machine is refused: {}", shown(&why));
         let help = "an error that is plausible in one convention need not be in another: check the large ones; and all tables stand \
                     in the new file, which has its limits: thin long ones out";
-        session.refuse(Diagnostic::new("E0529", message).help(help))
+        session.refuse(Diagnostic::new(codes::E0529, message).help(help))
     })
 }
 
@@ -130,7 +130,7 @@ fn inexact(old: &Machine, wish: &Wish, conversion: &Conversion, proof: &Proof) -
     }
     let enough = round_up(proof.position.max(proof.rotation * 1e3));
     let help = format!("{}; `--within \"{}\"` would accept it", why.join("; "), small(enough, "m"));
-    Diagnostic::new("E0526", message).help(help)
+    Diagnostic::new(codes::E0526, message).help(help)
 }
 
 /// A small length (mm) or angle (mrad) in nano-units or larger.

@@ -11,7 +11,7 @@ use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::tool_poses;
 use crate::cli::tool_poses::Reached;
 use crate::cli::{Exit, Format, Outcome, load};
-use crate::diagnostic::{Diagnostic, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{AxisKind, AxisName, Machine};
 use rayon::prelude::*;
 use serde_json::json;
@@ -134,7 +134,7 @@ fn draws(session: &mut Session, poses: u64, samples: u64) -> Outcome {
         return Ok(());
     }
     let message = format!("{poses} poses and {samples} samples are {draws} drawn poses; {MAX_DRAWS} are kept at most");
-    session.refuse(Diagnostic::new("E0606", message).help("take fewer poses or `--samples`"))
+    session.refuse(Diagnostic::new(codes::E0606, message).help("take fewer poses or `--samples`"))
 }
 
 /// The tool poses of the file, or random ones over the machine's volume.
@@ -157,7 +157,7 @@ fn rules(session: &mut Session, args: &Args, machine: &Machine) -> Result<Vec<Ru
             Err(why) => {
                 let help =
                     "write `X before Y`, `X carries Y`, `X on table`, `at most 2 on table`, or one of them after `not`";
-                return session.refuse(Diagnostic::new("E0608", shown(&why)).help(help));
+                return session.refuse(Diagnostic::new(codes::E0608, shown(&why)).help(help));
             }
         }
     }
@@ -169,7 +169,7 @@ fn listed(session: &mut Session, args: &Args, machine: &Machine, rules: &[Rule])
         Ok(list) if list.is_empty() => {
             let help = "take one of the rules back";
             let message = "the rules leave no arrangement";
-            return session.refuse(Diagnostic::new("E0609", message).help(help));
+            return session.refuse(Diagnostic::new(codes::E0609, message).help(help));
         }
         Ok(list) => return Ok(list),
         Err(TooMany::Before(usize::MAX)) => "the axes have more arrangements than can be counted".to_owned(),
@@ -177,7 +177,8 @@ fn listed(session: &mut Session, args: &Args, machine: &Machine, rules: &[Rule])
         Err(TooMany::After(count)) => format!("{count} arrangements are left"),
     };
     let help = "exclude what you would not build (`--require`, `--max-table`), take fewer rotary axes (`--rotary 2`), or take axes out of the chain";
-    session.refuse(Diagnostic::new("E0607", format!("{message}; {MAX_ARRANGEMENTS} are listed at most")).help(help))
+    session
+        .refuse(Diagnostic::new(codes::E0607, format!("{message}; {MAX_ARRANGEMENTS} are listed at most")).help(help))
 }
 
 fn judge(session: &mut Session, args: &Args, machine: &Machine) -> Result<(Judge, Option<String>), Exit> {

@@ -4,7 +4,7 @@ use super::targets;
 use crate::cli::output::session::Session;
 use crate::cli::{Format, Outcome};
 use crate::controller::ControllerTarget;
-use crate::diagnostic::{CODES, CodeInfo, info};
+use crate::diagnostic::{CODES, Code, info};
 use crate::machine::{Direction, ErrorId, parse_error_name};
 use serde_json::json;
 
@@ -16,7 +16,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let Some((topic, text)) = explanation(&args.what) else {
-        let codes: Vec<&str> = CODES.iter().map(|code| code.code).collect();
+        let codes: Vec<&str> = CODES.iter().map(|code| code.id).collect();
         return session.usage(&format!(
             "`{}` is no code, error name or target.\nCodes: {}\nErrors: EXX .. ECC, EC0Y and the like. Targets: `abbe targets`.",
             args.what.escape_debug(),
@@ -31,9 +31,8 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 fn explanation(what: &str) -> Option<(String, String)> {
-    let code = |code: &CodeInfo| {
-        (code.code.to_owned(), format!("{}: {}\n\n{}", code.code, code.title, code.explanation.trim()))
-    };
+    let code =
+        |code: &Code| (code.id.to_owned(), format!("{}: {}\n\n{}", code.id, code.title, code.explanation.trim()));
     let target = |target: ControllerTarget| (target.manifest.target.clone(), targets::describe(&target));
     info(what).map(code).or_else(|| ControllerTarget::embedded(what).map(target)).or_else(|| error_name(what))
 }

@@ -6,7 +6,7 @@ use crate::cli::output::{identify_remarks as remarks, monomials, pictures, plan,
 use crate::cli::store::files::Recorded;
 use crate::cli::store::write;
 use crate::cli::{Exit, Format, Outcome, load, poses};
-use crate::diagnostic::{Diagnostic, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::Order;
 use crate::identify::randomness;
 use crate::identify::repeats;
@@ -156,11 +156,12 @@ fn papers_way(session: &mut Session, args: &Args, model: &Model<'_>, data: &[Mea
     if model.own() > MAX_FACTORS {
         let message = format!("{} parameters have too many products for the papers' way", model.own());
         let help = format!("at most {MAX_FACTORS}; the joint fit takes more");
-        return session.refuse(Diagnostic::new("E0508", message).help(help));
+        return session.refuse(Diagnostic::new(codes::E0508, message).help(help));
     }
     let Some(components) = moore_penrose(model, data) else {
         let help = "leave the other files out, or use the joint fit";
-        return session.refuse(Diagnostic::new("E0510", "the papers' way takes deviations dx, dy, dz only").help(help));
+        return session
+            .refuse(Diagnostic::new(codes::E0510, "the papers' way takes deviations dx, dy, dz only").help(help));
     };
     match session.format() {
         Format::Json => session.print_json(monomials::json(&components)),
@@ -212,7 +213,7 @@ fn enough(session: &mut Session, data: &[Measurement], unknowns: &[Parameter]) -
     if unknowns.len() > MAX_UNKNOWNS {
         let message = format!("{} unknowns, {instruments} of them of instruments, are too many", unknowns.len());
         let help = "at most 500: fit less, or take runs of the same set-up together under one name";
-        return session.refuse(Diagnostic::new("E0508", message).help(help));
+        return session.refuse(Diagnostic::new(codes::E0508, message).help(help));
     }
     if readings >= unknowns.len() {
         return Ok(());
@@ -224,7 +225,7 @@ fn enough(session: &mut Session, data: &[Measurement], unknowns: &[Parameter]) -
     };
     let own = counted(unknowns.len() - instruments, "parameter");
     let message = format!("{} cannot determine {own}{also}", counted(readings, "reading"));
-    session.refuse(Diagnostic::new("E0503", message).help("measure more poses, or fit less"))
+    session.refuse(Diagnostic::new(codes::E0503, message).help("measure more poses, or fit less"))
 }
 
 /// Writes the fitted machine, if it is one that the program itself would take.
@@ -240,7 +241,7 @@ fn write_machine(
     if let Err(why) = load::own(&text) {
         let message = format!("the fitted machine is refused: {why}");
         let help = "some parameters ran away because the data hardly see them: fix those, or fit less";
-        return session.refuse(Diagnostic::new("E0504", message).help(help));
+        return session.refuse(Diagnostic::new(codes::E0504, message).help(help));
     }
     match write::write_whole(out, text.as_bytes()) {
         Ok(()) => Ok(()),
@@ -255,7 +256,7 @@ fn refuse_copies(session: &mut Session, list: &[PathBuf], files: &Recorded) -> O
         if let Some(known) = met.insert(files.hash(file), file) {
             let names = [known, file].map(|path| shown(&path.display().to_string()));
             let message = format!("`{}` and `{}` hold the same readings, which would count twice", names[0], names[1]);
-            return session.refuse(Diagnostic::new("E0501", message).help("name every file once"));
+            return session.refuse(Diagnostic::new(codes::E0501, message).help("name every file once"));
         }
     }
     Ok(())

@@ -4,7 +4,7 @@ use crate::cli::output::session::Session;
 use crate::cli::store::files::Disk;
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::identify::import::{Figures, Import, ImportRequest, import};
 use crate::machine::ErrorId;
 use crate::units::{counted, significant};
@@ -57,7 +57,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         let message = "the table has no row: at no position were all errors measured, from all sides";
         let help =
             "measure the same targets in both directions; without --out the figures of what there is are printed";
-        return session.refuse(Diagnostic::new("E0509", message).help(help));
+        return session.refuse(Diagnostic::new(codes::E0509, message).help(help));
     }
     if let Some(out) = &args.out
         && let Err(refusal) = write::write_whole(out, table.text.as_bytes())
@@ -76,7 +76,7 @@ fn remarks(session: &mut Session, found: &Import, missing: &[String]) {
     if !found.left_out.is_empty() {
         let (count, all) = (found.left_out.len(), found.left_out.len() + found.samples.len());
         let message = format!("{count} of {all} rows or readings were left out");
-        let mut warning = Diagnostic::new("W0504", message).help("correct the file, or accept what is left");
+        let mut warning = Diagnostic::new(codes::W0504, message).help("correct the file, or accept what is left");
         for row in found.left_out.iter().take(LISTED) {
             warning = warning.at(Some(row.place.clone()), row.reason.clone());
         }
@@ -85,7 +85,9 @@ fn remarks(session: &mut Session, found: &Import, missing: &[String]) {
     if !missing.is_empty() {
         let list = missing.iter().take(LISTED).cloned().collect::<Vec<_>>().join(", ");
         let message = format!("the table has no row at {list}: an error or a direction was not measured there");
-        session.diagnostics.push(Diagnostic::new("W0504", message).help("measure the same targets in both directions"));
+        session
+            .diagnostics
+            .push(Diagnostic::new(codes::W0504, message).help("measure the same targets in both directions"));
     }
 }
 

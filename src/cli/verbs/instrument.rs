@@ -7,7 +7,7 @@ use crate::cli::output::view::{axes_json, axes_text, cell, table};
 use crate::cli::poses::{check, pose_at};
 use crate::cli::store::write::{PictureKind, write_picture};
 use crate::cli::{Exit, Format, Outcome, load};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{AxisKind, Machine};
 use crate::report::{DiagonalPicture, Picture, PolarPicture, RTestPicture, circle_json, line_json, turn_json};
 use crate::units::significant;
@@ -96,7 +96,7 @@ fn named(machine: &Machine, text: &str, mut pose: Vec<f64>) -> Result<Vec<f64>, 
 
 fn not_driven<T>(session: &mut Session, what: &str, why: Unreachable) -> Result<T, Exit> {
     let help = "take a smaller `--radius`, another place (`--at X=250,Y=200`), or another `--plane` or `--axis`";
-    session.refuse(Diagnostic::new("E0612", format!("{what} cannot be driven: {}", why.words())).help(help))
+    session.refuse(Diagnostic::new(codes::E0612, format!("{what} cannot be driven: {}", why.words())).help(help))
 }
 
 fn um(x: f64) -> String {

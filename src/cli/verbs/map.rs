@@ -17,7 +17,7 @@ use crate::cli::tool_poses;
 use crate::cli::tool_poses::Reached;
 use crate::cli::{Exit, Format, Outcome, load};
 use crate::controller::{ControllerTarget, Effect};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{CompiledField, Deviation, Field, Nodes, Order, Poses, Random, Spread, Statistics, Tally, worst};
 use crate::machine::Machine;
 use crate::report::{Form, Rows};
@@ -143,14 +143,17 @@ fn compensation(
 }
 
 fn too_long(count: usize) -> Diagnostic {
-    Diagnostic::new("E0541", format!("a table of {count} poses does not go to standard output: {MAX_POSES} at most"))
+    Diagnostic::new(codes::E0541, format!("a table of {count} poses does not go to standard output: {MAX_POSES} at most"))
         .help("write it to a file with `--csv FILE` or `--parquet FILE`: that takes no memory, but 80 to 200 bytes of disk per pose")
 }
 
 fn too_many(count: usize) -> Diagnostic {
     let count = if count == usize::MAX { "more than can be counted".to_owned() } else { count.to_string() };
-    Diagnostic::new("E0812", format!("the grid of the volume has {count} poses; a map takes {MAX_SURVEYED} at most"))
-        .help("take random poses (`--random 100000`), or larger steps under `volume` in the machine file")
+    Diagnostic::new(
+        codes::E0812,
+        format!("the grid of the volume has {count} poses; a map takes {MAX_SURVEYED} at most"),
+    )
+    .help("take random poses (`--random 100000`), or larger steps under `volume` in the machine file")
 }
 
 /// Everything that is mapped.

@@ -14,7 +14,7 @@ use crate::cli::store::write::{refuse_input, refuse_outputs, write_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Exit, Format, Outcome, load, watch};
 use crate::controller::ControllerTarget;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Field, Frame, Order};
 use crate::machine::Machine;
 use crate::report::page::{
@@ -95,7 +95,7 @@ impl Built {
     /// The page, perhaps with what is wrong with the file as it is now.
     pub(crate) fn page(&self, served: Served, problem: Option<&str>) -> Result<Rendered, Diagnostic> {
         let page = Page { data: &self.data, pictures: &self.pictures, served, problem };
-        page.html().map_err(|why| Diagnostic::new("E0632", format!("the page cannot be rendered: {why}")))
+        page.html().map_err(|why| Diagnostic::new(codes::E0632, format!("the page cannot be rendered: {why}")))
     }
 }
 

@@ -11,7 +11,7 @@ use crate::cli::{Exit, Outcome, detect, load, module_set};
 use crate::controller::{
     ControllerTarget, JudgedTables, LOCK_NAME, Lock, ReadBack, Replay, certify_kinematics, is_plain_name,
 };
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{Approach, Machine};
 use std::path::{Path, PathBuf};
 
@@ -94,7 +94,7 @@ fn warn_other_inputs(session: &mut Session, lock: Option<&Lock>) {
         let message = "the tables were made from another machine file, or from other error tables, than these";
         session
             .diagnostics
-            .push(Diagnostic::new("W0702", message).help("compile again if the machine file has changed"));
+            .push(Diagnostic::new(codes::W0702, message).help("compile again if the machine file has changed"));
     }
 }
 
@@ -105,7 +105,7 @@ fn warn_other_tool(session: &mut Session, machine: &Machine, target: &Controller
     if target.manifest.tool_dependent() && lock.tool != *name {
         let message = format!("the tables were made for the tool `{}` and are judged with `{name}`", lock.tool);
         let help = "the figures are those of the wrong tool at the machine; to load tables for it, compile with --tool";
-        session.diagnostics.push(Diagnostic::new("W0706", message).help(help));
+        session.diagnostics.push(Diagnostic::new(codes::W0706, message).help(help));
     }
 }
 
@@ -116,7 +116,7 @@ fn warn_edited(session: &mut Session, folder: &Path, lock: Option<&Lock>) {
             format!("`{}` has no readable {LOCK_NAME}: whether its files were edited cannot be told", folder.display());
         session
             .diagnostics
-            .push(Diagnostic::new("W0703", message).help("files found on a machine are judged as they are"));
+            .push(Diagnostic::new(codes::W0703, message).help("files found on a machine are judged as they are"));
         return;
     };
     for file in lock.files.iter().filter(|file| is_plain_name(&file.name)) {
@@ -125,7 +125,7 @@ fn warn_edited(session: &mut Session, folder: &Path, lock: Option<&Lock>) {
         if !lock.wrote(&file.name, &bytes) {
             session
                 .diagnostics
-                .push(Diagnostic::new("W0701", format!("`{}` has been edited since abbe wrote it", file.name)));
+                .push(Diagnostic::new(codes::W0701, format!("`{}` has been edited since abbe wrote it", file.name)));
         }
     }
 }
@@ -148,7 +148,7 @@ fn print_replay(
     if !header.replace(' ', "").starts_with("joint,direction,position") {
         let message = format!("`{}` does not begin with the header joint,direction,position", path.display());
         return session
-            .refuse(Diagnostic::new("E0802", message).help("further columns may follow; one position a line"));
+            .refuse(Diagnostic::new(codes::E0802, message).help("further columns may follow; one position a line"));
     }
     for line in lines {
         let mut cells = line.split(',');
@@ -156,7 +156,7 @@ fn print_replay(
         let Some((joint, axis, approach, position)) = parsed else {
             let message = format!("`{}`: `{line}` is not joint,direction,position", path.display());
             return session.refuse(
-                Diagnostic::new("E0802", message)
+                Diagnostic::new(codes::E0802, message)
                     .help("write a joint of this machine, forward or reverse, and a number"),
             );
         };

@@ -4,7 +4,7 @@ use super::limits::steepest_along;
 use super::stored::{StoredColumn, differences};
 use crate::compensation::{CorrectionTable, CorrectionTables, LatticeRequest, TableRules, lacking, tables};
 use crate::controller::ControllerTarget;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::Machine;
 use crate::units::significant;
 
@@ -19,7 +19,7 @@ impl ControllerTarget {
     pub fn refusal(&self, machine: &Machine) -> Option<Diagnostic> {
         let why = lacking(machine, &self.manifest.mechanism)?;
         let message = format!("the target `{}` cannot be used: {why}", self.manifest.target);
-        Some(Diagnostic::new("E0708", message).help("`abbe targets` says what each controller can hold"))
+        Some(Diagnostic::new(codes::E0708, message).help("`abbe targets` says what each controller can hold"))
     }
 
     /// What the tables hold that the controller does not take: E0709.
@@ -44,7 +44,7 @@ impl ControllerTarget {
 }
 
 fn refusal(message: String) -> Diagnostic {
-    Diagnostic::new("E0709", message)
+    Diagnostic::new(codes::E0709, message)
         .help("the controller would refuse or clip it: correct the machine mechanically, or look for a wrong unit")
 }
 

@@ -2,7 +2,7 @@
 
 use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve, LatticeRequest, Spacing};
 use crate::controller::{ControllerTarget, Replay};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{Approach, AxisKind, Machine};
 use crate::units::significant;
 
@@ -116,7 +116,7 @@ fn loss(what: &str, most: f64, unit: &str) -> Diagnostic {
         "{what}: the installed table has points where the new one has none, up to {} {unit} of it are lost",
         significant(most, 3)
     );
-    Diagnostic::new("W0704", message)
+    Diagnostic::new(codes::W0704, message)
         .help("measure without the old tables, or give the curves points where the old tables have them")
 }
 

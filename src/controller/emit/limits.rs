@@ -2,7 +2,7 @@
 //! person raises the limit.
 
 use crate::compensation::{CorrectionTable, CorrectionTables};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{AxisKind, Machine};
 use crate::units::{self, Dimension, significant};
 
@@ -83,7 +83,7 @@ impl Limits {
 }
 
 fn refusal(message: String) -> Diagnostic {
-    Diagnostic::new("E0602", message)
+    Diagnostic::new(codes::E0602, message)
         .help("check the error values and their units; if they are right, raise the limit: --max-correction \"2 mm, 10 mrad, 0.05\"")
 }
 

@@ -9,7 +9,7 @@ use crate::compensation::{CorrectionTable, CorrectionTables};
 use crate::controller::ControllerTarget;
 use crate::controller::manifest::description::{AxisLetters, FileSpec, Per};
 use crate::controller::manifest::library;
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::{Axis, AxisKind, Machine, Travel};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, UndefinedBehavior, Value, context};
@@ -100,7 +100,7 @@ impl ControllerTarget {
     }
 
     fn failed(&self, message: &str) -> Diagnostic {
-        Diagnostic::new("E0702", format!("target `{}`: {message}", self.manifest.target)).help(
+        Diagnostic::new(codes::E0702, format!("target `{}`: {message}", self.manifest.target)).help(
             "docs/adding-a-target.md says what templates are given and how long they may run; nothing was written",
         )
     }
@@ -150,13 +150,13 @@ pub fn assigned_letters(
 }
 
 fn no_letter(axis: &Axis) -> Diagnostic {
-    Diagnostic::new("E0601", format!("the controller has no letter left for axis `{}`", axis.name))
+    Diagnostic::new(codes::E0601, format!("the controller has no letter left for axis `{}`", axis.name))
         .help("compile for a target without fixed axis letters, such as grid-csv")
 }
 
 fn another_letter(axis: &Axis, letter: &str) -> Diagnostic {
     Diagnostic::new(
-        "W0601",
+        codes::W0601,
         format!("axis `{}` is written as `{letter}`: the controller has no such letter", axis.name),
     )
 }

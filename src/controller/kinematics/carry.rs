@@ -4,7 +4,7 @@ use super::constants::{Centres, LinearMap};
 use super::data::{Model, WORLD};
 use super::{KinematicsMechanism, ModuleContent, topology};
 use crate::controller::{ControllerTarget, assigned_letters};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::Machine;
 
 /// The numbers of a module.
@@ -22,7 +22,7 @@ impl KinematicsModule {
     /// Takes from a machine what the target's module carries. Refusals: E0601, E0750, E0751, E0752.
     pub fn of(machine: &Machine, target: &ControllerTarget, orientation: bool) -> Result<Self, Diagnostic> {
         let Some(mechanism) = target.manifest.kinematics() else {
-            return Err(Diagnostic::new("E0703", "this target does not replace the kinematics"));
+            return Err(Diagnostic::new(codes::E0703, "this target does not replace the kinematics"));
         };
         let letters = || letters(machine, target);
         let carried = match mechanism.carries {
@@ -78,7 +78,7 @@ impl KinematicsModule {
 /// For each axis of the walk its coordinate in [`WORLD`] and its joint.
 fn letters(machine: &Machine, target: &ControllerTarget) -> Result<Vec<(usize, usize)>, Diagnostic> {
     let assigned = assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).ok_or_else(|| {
-        Diagnostic::new("E0601", "the controller has not letters enough for the axes of this machine")
+        Diagnostic::new(codes::E0601, "the controller has not letters enough for the axes of this machine")
             .help("this target knows the letters X Y Z, U V W and A B C")
     })?;
     let mut found = vec![None; machine.axes().len()];
@@ -86,7 +86,7 @@ fn letters(machine: &Machine, target: &ControllerTarget) -> Result<Vec<(usize, u
         found[*axis] = WORLD.find(letter.as_str()).map(|coordinate| (coordinate, joint));
     }
     found.into_iter().collect::<Option<Vec<_>>>().ok_or_else(|| {
-        Diagnostic::new("E0750", "an axis has a letter that is no coordinate of the world")
+        Diagnostic::new(codes::E0750, "an axis has a letter that is no coordinate of the world")
             .help("the target's `axis_letters` must be among X Y Z A B C U V W")
     })
 }

@@ -6,7 +6,7 @@ use crate::controller::certificate::judge::{
     Judgement, MAX_SINGLE_POSES, Strongest, deviations, judge, strongest_at, verdict, worse_p95,
 };
 use crate::controller::{Certificate, ControllerTarget, ErrorLeft, Limits, Replay};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Field, Order, random_poses};
 use crate::machine::{Approach, ErrorId, ErrorTerm, Machine, Pose};
 use crate::units::significant;
@@ -77,7 +77,7 @@ impl Limits {
     pub fn exceeded_by(&self, certificate: &Certificate) -> Vec<Diagnostic> {
         let (position, axis) = (certificate.uncompensated.all.position_um.max, certificate.uncompensated.tool_axis.max);
         let refusal = |what: String| {
-            Diagnostic::new("E0602", what).help(
+            Diagnostic::new(codes::E0602, what).help(
                 "check the error values and their units; if they are right, raise the limit: --max-correction \"2 mm, 10 mrad, 0.05\"",
             )
         };

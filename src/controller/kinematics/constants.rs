@@ -4,7 +4,7 @@
 use super::data::WORLD;
 use crate::algebra::rotation_about;
 use crate::compensation::{Correction, Scope, correct};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Field, Order, random_poses};
 use crate::machine::{Approach, AxisKind, Branch, Machine, sin_cos_degrees};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
@@ -25,8 +25,11 @@ impl LinearMap {
     /// The matrix that leaves least of the deviation of the functional point (least squares).
     pub fn fitted(machine: &Machine, letters: &[(usize, usize)]) -> Result<Self, Diagnostic> {
         let axes = xyz(machine, letters).filter(|_| letters.len() == 3).ok_or_else(|| {
-            Diagnostic::new("E0751", "this kinematics module is for machines with the linear axes X, Y, Z and no other")
-                .help("for other machines take the target linuxcnc-kins")
+            Diagnostic::new(
+                codes::E0751,
+                "this kinematics module is for machines with the linear axes X, Y, Z and no other",
+            )
+            .help("for other machines take the target linuxcnc-kins")
         })?;
         let (mut gram, mut moment) = (Matrix3::zeros(), Matrix3::zeros());
         for pose in random_poses(machine, POSES, 0) {
@@ -79,7 +82,7 @@ impl Centres {
     /// The nominal lines, moved so that they leave least of the deviation (least squares).
     pub fn fitted(machine: &Machine, letters: &[(usize, usize)]) -> Result<Self, Diagnostic> {
         let nominal = Self::nominal(machine, letters).ok_or_else(|| {
-            Diagnostic::new("E0751", "this kinematics module is for a table C on a tilting table A or B, X, Y, Z along the machine axes, and tables that turn right-handed")
+            Diagnostic::new(codes::E0751, "this kinematics module is for a table C on a tilting table A or B, X, Y, Z along the machine axes, and tables that turn right-handed")
                 .help("a chain such as \"w C' A' b X Y Z t\" with `sense: direct` for A and C; for other machines take the target linuxcnc-kins")
         })?;
         let bare = Bare { machine, order: Order::Exact };

@@ -8,7 +8,7 @@ use crate::compensation::{CorrectionTables, reversal_tables};
 use crate::controller::manifest::description::Layout;
 use crate::controller::read::{ReadBack, at_line};
 use crate::controller::{ControllerTarget, Manifest, RenderedFile, assigned_letters};
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
 use crate::units;
 use std::sync::Arc;
@@ -57,7 +57,7 @@ impl ControllerTarget {
         let spec = self.manifest.files.iter().find(|spec| spec.layout.is_some())?;
         let Some(ReadBack { found: name, text, .. }) = files.iter().find(|file| file.name == spec.path) else {
             diagnostics.push(
-                Diagnostic::new("E0705", format!("the file `{}` is missing", spec.path))
+                Diagnostic::new(codes::E0705, format!("the file `{}` is missing", spec.path))
                     .help("a set of compensation files is only whole with all of them"),
             );
             return None;

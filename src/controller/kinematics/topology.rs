@@ -7,7 +7,7 @@
 //! Further axes have words of their own.
 
 use super::data::{Joint, Model, ModuleWords, WORLD};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::random_poses;
 use crate::machine::{Axis, AxisKind, Machine, Pose};
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3, Vector6};
@@ -71,7 +71,7 @@ pub fn warnings(machine: &Machine, model: &Model) -> Vec<Diagnostic> {
         let message =
             "the axes cannot bring the tool everywhere: words of the program are positions of axes, not of the tip";
         all.push(
-            Diagnostic::new("W0760", message)
+            Diagnostic::new(codes::W0760, message)
                 .help("what the axes that are there can move is corrected; the certificate says what is left"),
         );
     }
@@ -80,10 +80,10 @@ pub fn warnings(machine: &Machine, model: &Model) -> Vec<Diagnostic> {
         if joint.rotary && "UVW".contains(letter) {
             let message = format!("the rotary axis `{}` has the letter {letter}: A, B and C are taken", axis.name);
             let help = format!("program degrees with {letter} in G21 only; G20 would multiply them by 25.4");
-            all.push(Diagnostic::new("W0761", message).help(help));
+            all.push(Diagnostic::new(codes::W0761, message).help(help));
         } else if axis.name.as_str() != letter {
             let message = format!("axis `{}` is written as `{letter}`: the controller has no such letter", axis.name);
-            all.push(Diagnostic::new("W0601", message));
+            all.push(Diagnostic::new(codes::W0601, message));
         }
     }
     all
@@ -223,7 +223,7 @@ fn no_letter(axis: &Axis, words: ModuleWords) -> Diagnostic {
         ModuleWords::Axes => "",
     };
     let message = format!("the controller has no letter left for axis `{}`", axis.name);
-    Diagnostic::new("E0752", message).help(format!(
+    Diagnostic::new(codes::E0752, message).help(format!(
         "{taken}linear axes have the letters X Y Z U V W, rotary ones A B C, then U V W; take an axis out of the chain"
     ))
 }

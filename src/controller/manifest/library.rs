@@ -1,7 +1,7 @@
 //! Where targets come from: the binary, then a folder of the user's.
 
 use crate::controller::Manifest;
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::syntax::{Files, read_text};
 use std::path::Path;
 
@@ -130,7 +130,7 @@ impl ControllerTarget {
             Err(fault) => {
                 let message = format!("`{}`: {fault}", folder.join("target.yaml").display());
                 let help = "docs/adding-a-target.md lists the keys of a manifest; a template stands in the target's own folder";
-                diagnostics.push(Diagnostic::new("E0703", message).help(help));
+                diagnostics.push(Diagnostic::new(codes::E0703, message).help(help));
                 return None;
             }
         };
@@ -153,7 +153,7 @@ pub fn is_plain_name(name: &str) -> bool {
 }
 
 fn unknown(name: &str) -> Diagnostic {
-    Diagnostic::new("E0701", format!("there is no target `{name}`"))
+    Diagnostic::new(codes::E0701, format!("there is no target `{name}`"))
         .help(format!("known targets: {}; a folder of your own is given with --templates DIR", NAMES.join(", ")))
 }
 

@@ -3,7 +3,7 @@
 use crate::compensation::{CorrectionTable, CorrectionTables, Spacing};
 use crate::controller::ControllerTarget;
 use crate::controller::manifest::description::OutsideTable;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{Axis, AxisKind, AxisName, ErrorId, ErrorTerm, Machine};
 use crate::units::significant;
 
@@ -22,7 +22,7 @@ impl ControllerTarget {
             names.join(", ")
         );
         let help = "refer the curves to the machine's zero point, `origin: [0, 0, 0]`, if the controller does; the straightness changes by angle times distance";
-        (!names.is_empty()).then(|| Diagnostic::new("W0609", message).help(help))
+        (!names.is_empty()).then(|| Diagnostic::new(codes::W0609, message).help(help))
     }
 
     /// Warns of tables and curves whose points do not reach the ends of the volume (W0705).
@@ -74,6 +74,9 @@ impl ControllerTarget {
             number(min),
             number(max)
         );
-        Some(Diagnostic::new("W0705", message).help("look whether the file was cut off; tables end with the volume"))
+        Some(
+            Diagnostic::new(codes::W0705, message)
+                .help("look whether the file was cut off; tables end with the volume"),
+        )
     }
 }

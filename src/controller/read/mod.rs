@@ -23,7 +23,7 @@ use super::ControllerTarget;
 use super::emit::render::assigned_letters;
 use super::manifest::description::{FileSpec, Layout, Per};
 use crate::compensation::CorrectionTables;
-use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes};
 use crate::machine::Machine;
 use crate::units;
 
@@ -261,12 +261,12 @@ pub(super) fn at_line(
     let start: usize = text.split_inclusive('\n').take(line).map(str::len).sum();
     let length = text.get(start..).and_then(|rest| rest.lines().next()).map_or(0, str::len);
     let place = Place { source, range: start..start + length };
-    Diagnostic::new("E0704", format!("`{name}`: {message}"))
+    Diagnostic::new(codes::E0704, format!("`{name}`: {message}"))
         .at(Some(place), "")
         .help("compile the file set again; do not edit compensation files by hand")
 }
 
 fn missing(name: &str) -> Diagnostic {
-    Diagnostic::new("E0705", format!("the file `{name}` is missing"))
+    Diagnostic::new(codes::E0705, format!("the file `{name}` is missing"))
         .help("a set of compensation files is only whole with all of them")
 }

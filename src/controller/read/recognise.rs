@@ -12,7 +12,7 @@ use super::{Fault, ReadBack, Reading};
 use crate::controller::ControllerTarget;
 use crate::controller::emit::render::assigned_letters;
 use crate::controller::manifest::description::{FileSpec, Layout, Per};
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
 
 /// Files that a target reads.
@@ -87,7 +87,7 @@ fn ambiguous(best: &Fitted, rivals: &[&Fitted], files: &[Found]) -> Diagnostic {
         format!("`{}` ({})", fitted.target.manifest.target, names.join(", "))
     };
     let all: Vec<String> = std::iter::once(best).chain(rivals.iter().copied()).map(said).collect();
-    Diagnostic::new("E0730", format!("by their content the files are of several targets: {}", all.join(", ")))
+    Diagnostic::new(codes::E0730, format!("by their content the files are of several targets: {}", all.join(", ")))
         .help("say which with --target, or put each set into a folder of its own")
 }
 
@@ -136,7 +136,7 @@ impl Fitted {
                     other.found, target.manifest.target
                 );
                 let help = "leave the one that is on the machine";
-                diagnostics.push(Diagnostic::new("E0732", message).help(help));
+                diagnostics.push(Diagnostic::new(codes::E0732, message).help(help));
                 return None;
             }
             found.push(ReadBack { name, found: own.clone(), text: text.clone() });
@@ -179,7 +179,7 @@ impl Fitted {
             let message =
                 format!("`{name}` does not say its axis: read as the table of `{}`, whose travel it spans", axis.name);
             let help = "name it as `compile` does, or put the controller's configuration that assigns it beside it";
-            diagnostics.push(Diagnostic::new("W0710", message).help(help));
+            diagnostics.push(Diagnostic::new(codes::W0710, message).help(help));
         }
         let nowhere = (0..known.len()).find(|i| known[*i].is_none() && !self.placed[*i].axes.is_empty());
         if let Some(i) = nowhere {
@@ -239,7 +239,7 @@ impl Fitted {
             self.target.manifest.target,
             candidates.join(", ")
         );
-        Diagnostic::new("E0731", message)
+        Diagnostic::new(codes::E0731, message)
             .help("give it the name in brackets, or put the controller's configuration that assigns it into the folder")
     }
 
@@ -258,7 +258,7 @@ impl Fitted {
             let message =
                 format!("`{name}` is left alone: it is no table of target `{}`{why}", self.target.manifest.target);
             let help = "what is certified is the set without this file";
-            diagnostics.push(Diagnostic::new("W0711", message).help(help));
+            diagnostics.push(Diagnostic::new(codes::W0711, message).help(help));
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::columns::{Column, Form, Quantity, columns};
 use super::measurement::{Data, End, Measurement, Reading};
 use super::station;
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, did_you_mean, shown};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, did_you_mean, shown};
 use crate::evaluate::Frame;
 use crate::identify::model::parameter::lever;
 use crate::lower::{NominalPose, Source};
@@ -96,13 +96,15 @@ const COLUMNS: &str = "a measurement file has a column for each axis (mm, deg), 
 const ROWS: &str =
     "correct the row, or leave it out; of several readings in a row those that were not taken stay empty";
 
-fn refusal(code: &'static str, message: String, place: Option<Place>) -> Diagnostic {
+fn refusal(code: codes::Code, message: String, place: Option<Place>) -> Diagnostic {
     let help = match code {
-        "E0505" => {
+        codes::E0505 => {
             "say with columns `station.x [mm]`, `station.y [mm]`, `station.z [mm]` where it is about, from the workpiece origin"
         }
-        "E0506" => "leave the row out, or correct its pose: a length has a direction only between different points",
-        "E0507" => {
+        codes::E0506 => {
+            "leave the row out, or correct its pose: a length has a direction only between different points"
+        }
+        codes::E0507 => {
             "a line needs at least two poses in different places, and every run of a laser is a `run` of its own"
         }
         _ => COLUMNS,
@@ -116,21 +118,21 @@ impl Reader<'_> {
         let lines = sheet.lines();
         let Some((header, body)) = lines.split_first() else {
             let name = shown(&path.display().to_string());
-            diagnostics.push(refusal("E0501", format!("the file `{name}` is empty"), None));
+            diagnostics.push(refusal(codes::E0501, format!("the file `{name}` is empty"), None));
             return;
         };
         let separator = sheet::separator(&header.text);
         let (columns, form) = match columns(self.machine, &header.text, separator) {
             Ok(found) => found,
             Err(message) => {
-                diagnostics.push(refusal("E0501", message, Some(header.place.clone())));
+                diagnostics.push(refusal(codes::E0501, message, Some(header.place.clone())));
                 return;
             }
         };
         self.form = form;
         if body.is_empty() {
             let message = "the file has a header and no measurements".to_owned();
-            diagnostics.push(refusal("E0501", message, Some(header.place.clone())));
+            diagnostics.push(refusal(codes::E0501, message, Some(header.place.clone())));
         }
         if let Some(drafts) = self.drafts(&columns, body, separator, diagnostics) {
             let before = self.data.extent();
@@ -154,7 +156,8 @@ impl Reader<'_> {
                 Ok(draft) => drafts.push(draft),
                 Err(message) if mistakes < MISTAKES => {
                     mistakes += 1;
-                    diagnostics.push(Diagnostic::new("E0501", message).at(Some(line.place.clone()), "").help(ROWS));
+                    diagnostics
+                        .push(Diagnostic::new(codes::E0501, message).at(Some(line.place.clone()), "").help(ROWS));
                 }
                 Err(_) => break,
             }
@@ -322,7 +325,7 @@ impl Reader<'_> {
                 .fold(Vector3::zeros(), |a: Vector3<f64>, b| if b.norm() > a.norm() { b } else { a });
             if far.norm() < NEAREST {
                 let message = format!("the poses of this run{run} are in one place: they have no line");
-                return Err(Box::new(refusal("E0507", message, drafts.first().map(|d| d.row.place.clone()))));
+                return Err(Box::new(refusal(codes::E0507, message, drafts.first().map(|d| d.row.place.clone()))));
             }
             let zero = self.data.unknown(format!("{}zero{run}", self.file), 0.0);
             for mut draft in drafts {
@@ -364,7 +367,7 @@ impl Reader<'_> {
         for (name, drafts) in groups {
             let label = if name.is_empty() { "station".to_owned() } else { format!("station {}", shown(&name)) };
             let place = drafts.first().map(|draft| draft.row.place.clone());
-            let at = self.place(&label, &drafts).map_err(|words| Box::new(refusal("E0505", words, place)))?;
+            let at = self.place(&label, &drafts).map_err(|words| Box::new(refusal(codes::E0505, words, place)))?;
             let first = self.data.unknown_point(&format!("{}{label}", self.file), at);
             for (run, drafts) in runs(drafts, |_| String::new()) {
                 let distance = |draft: &Draft| (self.nominal(&draft.row, &draft.row.pose) - at).norm();
@@ -440,7 +443,7 @@ fn long_enough(length: f64, row: &Measurement) -> Result<f64, Box<Diagnostic>> {
         return Ok(length);
     }
     let message = format!("the two ends of this length are {} mm apart", crate::units::significant(length, 3));
-    Err(Box::new(refusal("E0506", message, Some(row.place.clone()))))
+    Err(Box::new(refusal(codes::E0506, message, Some(row.place.clone()))))
 }
 
 /// A length (mm) or coordinate that can be measured.

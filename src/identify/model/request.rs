@@ -5,7 +5,7 @@
 use super::curves;
 use super::parameter::{Basis, Parameter, SlopeBound, Term};
 use crate::algebra::linear::Svd;
-use crate::diagnostic::{Diagnostic, did_you_mean, shown};
+use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
     Approach, AxisKind, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine, parse_error_name,
@@ -45,7 +45,7 @@ pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Para
     if list.is_empty() {
         let help =
             "name errors or groups: `--fit location,tool`, or `identify: { fit: [location] }` in the machine file";
-        return Err(Box::new(Diagnostic::new("E0502", "there is nothing to fit").help(help)));
+        return Err(Box::new(Diagnostic::new(codes::E0502, "there is nothing to fit").help(help)));
     }
     Ok(list)
 }
@@ -253,7 +253,7 @@ fn kind(parameter: &Parameter) -> u8 {
 }
 
 pub(crate) fn refusal(message: String, help: impl Into<String>) -> Refused {
-    Box::new(Diagnostic::new("E0502", message).help(help))
+    Box::new(Diagnostic::new(codes::E0502, message).help(help))
 }
 
 /// Names of the parameters that a word of `fixed` takes out.

@@ -1,7 +1,7 @@
 //! Axes: kind, direction, origin, travel.
 
 use super::context::{Context, dotted};
-use crate::diagnostic::{did_you_mean, shown};
+use crate::diagnostic::{codes, did_you_mean, shown};
 use crate::machine::{AxisKind, AxisName, Sense, Travel};
 use crate::syntax::{AxisEntry, Keys, Scalar, TravelEntry, below, keys};
 
@@ -26,7 +26,7 @@ fn axis(context: &mut Context<'_>, name: &str, entry: Option<&AxisEntry>) -> Opt
     let at = keys(["axes", name]);
     let Some(name) = AxisName::new(name) else {
         let help = "a name is a capital letter, then up to seven capitals or digits: X, C1, J6";
-        context.at_key("E0306", &at, format!("`{}` is not the name of an axis", shown(name)), help);
+        context.at_key(codes::E0306, &at, format!("`{}` is not the name of an axis", shown(name)), help);
         return None;
     };
     let unknown = Declared { name: name.clone(), kind: None, direction: None, origin: None, travel: None, sense: None };
@@ -66,7 +66,7 @@ fn kind(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys
             "rotary" => Some(AxisKind::Rotary),
             _ => {
                 let help = did_you_mean(word, &["linear", "rotary"]);
-                context.at_value("E0210", &here, format!("`{}` is not a kind of axis", shown(word)), help);
+                context.at_value(codes::E0210, &here, format!("`{}` is not a kind of axis", shown(word)), help);
                 None
             }
         };
@@ -74,7 +74,7 @@ fn kind(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys
     let kind = by_letter(name).map(|d| d.0);
     if kind.is_none() && !context.document.places.is_marred(&below(at, "kind")) {
         let help = "add `kind: linear` or `kind: rotary`, and a `direction`";
-        context.at_key("E0401", at, format!("the letter of axis `{name}` does not say what it does"), help);
+        context.at_key(codes::E0401, at, format!("the letter of axis `{name}` does not say what it does"), help);
     }
     kind
 }
@@ -87,7 +87,7 @@ fn direction(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: 
         let agrees = default.filter(|(kind, _)| said.is_empty() || (*kind == AxisKind::Linear) == (said == "linear"));
         if agrees.is_none() && entry.kind.is_some() && !context.document.places.is_marred(&here) {
             let help = "add its unit vector in machine coordinates, such as `direction: [0, 0, 1]`";
-            context.at_key("E0401", at, format!("axis `{name}` has no `direction`"), help);
+            context.at_key(codes::E0401, at, format!("axis `{name}` has no `direction`"), help);
         }
         return agrees.map(|d| d.1);
     };
@@ -95,12 +95,17 @@ fn direction(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: 
         list.iter().filter_map(|s| if let Scalar::Number(n) = s { Some(*n) } else { None }).collect();
     let help = "write three plain numbers, not all zero: [0, 1, 1] is 45 deg between Y and Z";
     if list.len() != 3 || numbers.len() != 3 || !numbers.iter().all(|n| n.is_finite()) {
-        context.at_value("E0402", &here, format!("the direction of axis `{name}` is not three plain numbers"), help);
+        context.at_value(
+            codes::E0402,
+            &here,
+            format!("the direction of axis `{name}` is not three plain numbers"),
+            help,
+        );
         return None;
     }
     let largest = numbers.iter().fold(0.0_f64, |m, n| m.max(n.abs()));
     if largest == 0.0 {
-        context.at_value("E0402", &here, format!("the direction of axis `{name}` is zero"), help);
+        context.at_value(codes::E0402, &here, format!("the direction of axis `{name}` is zero"), help);
         return None;
     }
     // Scaled first: squares of 1e200 overflow, of 1e-200 vanish.
@@ -118,7 +123,7 @@ fn travel(context: &mut Context<'_>, name: &AxisName, kind: AxisKind, entry: &Ax
                     AxisKind::Linear => "add `travel: [0 mm, 500 mm]`",
                     AxisKind::Rotary => "add `travel: [-120 deg, 30 deg]` or `travel: continuous`",
                 };
-                context.at_key("E0203", at, format!("axis `{name}` has no `travel`"), help);
+                context.at_key(codes::E0203, at, format!("axis `{name}` has no `travel`"), help);
             }
             None
         }
@@ -130,7 +135,7 @@ fn travel(context: &mut Context<'_>, name: &AxisName, kind: AxisKind, entry: &Ax
                 "write [min, max] or continuous"
             };
             let message = format!("`{}` is not a travel of axis `{name}`", shown(word));
-            context.at_value("E0403", &here, message, help);
+            context.at_value(codes::E0403, &here, message, help);
             None
         }
         Some(TravelEntry::Range(list)) => {
@@ -146,7 +151,7 @@ impl Context<'_> {
         let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
         let [min, max] = list else {
             let message = format!("`{}` has {} numbers, an interval has two", dotted(at), list.len());
-            self.at_value("E0403", at, message, format!("write [min, max] in {unit}"));
+            self.at_value(codes::E0403, at, message, format!("write [min, max] in {unit}"));
             return None;
         };
         let (min, max) = (self.position(min, kind, &below(at, 0)), self.position(max, kind, &below(at, 1)));
@@ -158,7 +163,7 @@ impl Context<'_> {
                 ("runs backwards", format!("write the smaller end first: [{max} {unit}, {min} {unit}]"))
             };
             let message = format!("`{}` {what}: from {min} {unit} to {max} {unit}", dotted(at));
-            self.at_value("E0403", at, message, help);
+            self.at_value(codes::E0403, at, message, help);
             return None;
         }
         Some((min, max))
@@ -170,7 +175,7 @@ impl Context<'_> {
         let value = words.contains(&word).then(|| T::deserialize(serde_yaml::Value::from(word)).ok()).flatten();
         if value.is_none() {
             let help = did_you_mean(word, words);
-            self.at_value("E0210", at, format!("`{}` is not a choice for `{name}`", shown(word)), help);
+            self.at_value(codes::E0210, at, format!("`{}` is not a choice for `{name}`", shown(word)), help);
         }
         value
     }

@@ -1,7 +1,7 @@
 //! The chain: a walk `w C' A' Y' b X Z (S) t` or two lists of branches.
 
 use super::context::Context;
-use crate::diagnostic::{Diagnostic, Place, did_you_mean, shown};
+use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
 use crate::machine::{AxisName, Branch, KinematicChain};
 use crate::syntax::{Keys, below, keys};
 
@@ -31,7 +31,7 @@ pub fn chain(context: &mut Context<'_>) -> Option<KinematicChain> {
     let links = match (&document.chain, &document.branches) {
         (Some(_), Some(_)) => {
             let (chain, branches) = (keys(["chain"]), keys(["branches"]));
-            let refusal = Diagnostic::new("E0209", "`chain` and `branches` say the same twice");
+            let refusal = Diagnostic::new(codes::E0209, "`chain` and `branches` say the same twice");
             let places = (document.places.key(&chain), document.places.key(&branches));
             context.diagnostics.push(refusal.at(places.1, "").at(places.0, "also given here").help("keep one of them"));
             return None;
@@ -41,7 +41,7 @@ pub fn chain(context: &mut Context<'_>) -> Option<KinematicChain> {
         (None, None) => {
             if !document.places.is_marred(&keys(["chain"])) && !document.places.is_marred(&keys(["branches"])) {
                 let help = "add the walk from workpiece to tool, such as `chain: \"w C' A' Y' b X Z t\"`";
-                context.at_key("E0203", &Keys::new(), "the machine has no `chain`", help);
+                context.at_key(codes::E0203, &Keys::new(), "the machine has no `chain`", help);
             }
             return None;
         }
@@ -62,7 +62,7 @@ fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<()> {
             let near = did_you_mean(link.name.as_str(), &declared);
             let message = format!("axis `{}` of the chain is not declared under `axes`", link.name);
             let help = format!("declare it, `{}: {{ travel: [...] }}`; {near}", link.name);
-            context.diagnostics.push(Diagnostic::new("E0303", message).at(link.place.clone(), "").help(help));
+            context.diagnostics.push(Diagnostic::new(codes::E0303, message).at(link.place.clone(), "").help(help));
         }
     }
     if let Some((name, place)) = &links.spindle {
@@ -74,13 +74,18 @@ fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<()> {
         }
     }
     if links.axes.is_empty() {
-        context.at_value("E0302", &keys(["chain"]), "the chain has no axis", "name at least one axis between w and t");
+        context.at_value(
+            codes::E0302,
+            &keys(["chain"]),
+            "the chain has no axis",
+            "name at least one axis between w and t",
+        );
     }
     (context.diagnostics.iter().count() == before).then_some(())
 }
 
 fn twice(context: &mut Context<'_>, name: &AxisName, again: &Option<Place>, first: &Option<Place>) {
-    let refusal = Diagnostic::new("E0304", format!("axis `{name}` stands twice"))
+    let refusal = Diagnostic::new(codes::E0304, format!("axis `{name}` stands twice"))
         .at(again.clone(), "again here")
         .at(first.clone(), "first here")
         .help("an axis stands in the chain once; a second one needs a name of its own, such as `Y2`");
@@ -113,7 +118,7 @@ fn link(context: &mut Context<'_>, token: &Token, side: Option<Branch>, may_be_s
         if !may_be_spindle || links.spindle.is_some() || unprimed != bare {
             let message = format!("the spindle `{}` is not the last before the tool", token.text);
             let help = "write the spindle once, directly before `t`: `... Z (S) t`";
-            context.diagnostics.push(Diagnostic::new("E0301", message).at(token.place.clone(), "").help(help));
+            context.diagnostics.push(Diagnostic::new(codes::E0301, message).at(token.place.clone(), "").help(help));
             return;
         }
         links.spindle = Some((name, token.place.clone()));
@@ -125,7 +130,7 @@ fn link(context: &mut Context<'_>, token: &Token, side: Option<Branch>, may_be_s
         let message = format!("primed axis `{}` stands on the tool side of the bed", token.text);
         let help =
             format!("write `{name}`, or move it between `w` and `b`: a prime marks axes that carry the workpiece");
-        context.diagnostics.push(Diagnostic::new("E0305", message).at(token.place.clone(), "").help(help));
+        context.diagnostics.push(Diagnostic::new(codes::E0305, message).at(token.place.clone(), "").help(help));
         return;
     }
     links.axes.push(Link { name, branch, place: token.place.clone() });
@@ -134,7 +139,7 @@ fn link(context: &mut Context<'_>, token: &Token, side: Option<Branch>, may_be_s
 fn refuse_name(context: &mut Context<'_>, token: &Token) {
     let message = format!("`{}` is not the name of an axis", shown(&token.text));
     let help = "a name is a capital letter, then up to seven capitals or digits: X, C1, J6";
-    context.diagnostics.push(Diagnostic::new("E0301", message).at(token.place.clone(), "").help(help));
+    context.diagnostics.push(Diagnostic::new(codes::E0301, message).at(token.place.clone(), "").help(help));
 }
 
 /// The string as ISO prints it.
@@ -146,13 +151,13 @@ fn walk(context: &mut Context<'_>, text: &str) -> Option<ChainLinks> {
     for (found, word, what) in [(w, "w", "workpiece"), (b, "b", "bed"), (t, "t", "tool")] {
         if found.is_none() {
             let help = "a chain is a walk from workpiece to tool over the bed: `w C' A' Y' b X Z t`";
-            context.at_value("E0302", &keys(["chain"]), format!("the chain has no `{word}` ({what})"), help);
+            context.at_value(codes::E0302, &keys(["chain"]), format!("the chain has no `{word}` ({what})"), help);
         }
     }
     let (w, b, t) = (w?, b?, t?);
     if w != 0 || t + 1 != tokens.len() || b < w || b > t {
         let help = "start with `w`, end with `t`, with `b` in between: `w C' A' Y' b X Z t`";
-        context.at_value("E0302", &keys(["chain"]), "the chain does not run from `w` over `b` to `t`", help);
+        context.at_value(codes::E0302, &keys(["chain"]), "the chain does not run from `w` over `b` to `t`", help);
         return None;
     }
     let mut links = ChainLinks::default();
@@ -170,7 +175,7 @@ fn left_of_bed(context: &mut Context<'_>, token: &Token, links: &mut ChainLinks)
     if !primed && AxisName::new(&token.text).is_some() {
         let message = format!("axis `{}` stands on the workpiece side of the bed without a prime", token.text);
         let help = format!("write `{}'`, or move it between `b` and `t`", token.text);
-        context.diagnostics.push(Diagnostic::new("E0305", message).at(token.place.clone(), "").help(help));
+        context.diagnostics.push(Diagnostic::new(codes::E0305, message).at(token.place.clone(), "").help(help));
         return;
     }
     link(context, token, Some(Branch::Workpiece), false, links);

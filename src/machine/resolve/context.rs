@@ -1,6 +1,6 @@
 //! What every pass of resolution works with: the document, the way to files, the diagnostics.
 
-use crate::diagnostic::{Diagnostic, Diagnostics, shown};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, shown};
 use crate::syntax::{CsvTable, Document, Files, Keys, below, read_table};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -21,13 +21,13 @@ impl<'a> Context<'a> {
     }
 
     /// Reports at the value of an entry.
-    pub fn at_value(&mut self, code: &'static str, at: &Keys, message: impl Into<String>, help: impl Into<String>) {
+    pub fn at_value(&mut self, code: Code, at: &Keys, message: impl Into<String>, help: impl Into<String>) {
         let place = self.document.places.value(at);
         self.diagnostics.push(Diagnostic::new(code, message).at(place, "").help(help));
     }
 
     /// Reports at the key of an entry.
-    pub fn at_key(&mut self, code: &'static str, at: &Keys, message: impl Into<String>, help: impl Into<String>) {
+    pub fn at_key(&mut self, code: Code, at: &Keys, message: impl Into<String>, help: impl Into<String>) {
         let place = self.document.places.key(at);
         self.diagnostics.push(Diagnostic::new(code, message).at(place, "").help(help));
     }

@@ -1,7 +1,7 @@
 //! Conventions: the defaults or a preset, then what is said singly.
 
 use super::context::Context;
-use crate::diagnostic::{did_you_mean, shown};
+use crate::diagnostic::{codes, did_you_mean, shown};
 use crate::machine::Conventions;
 use crate::syntax::{Keys, below, keys};
 
@@ -39,7 +39,7 @@ pub fn conventions(context: &mut Context<'_>) -> Conventions {
 fn preset(context: &mut Context<'_>, name: &str, at: &Keys) -> Conventions {
     Conventions::preset(name).unwrap_or_else(|| {
         let help = did_you_mean(name, &Conventions::PRESETS);
-        context.at_value("E0210", &below(at, "preset"), format!("there is no preset `{}`", shown(name)), help);
+        context.at_value(codes::E0210, &below(at, "preset"), format!("there is no preset `{}`", shown(name)), help);
         Conventions::default()
     })
 }

@@ -3,7 +3,7 @@
 use super::axes::Declared;
 use super::context::Context;
 use super::names::{in_other_letters, readings};
-use crate::diagnostic::{Diagnostic, Place, did_you_mean, shown};
+use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
 use crate::machine::{AxisKind, BSpline, BSplineFailure, ComponentError, Curve, ErrorId, Knots, KnotsFailure, Travel};
 use crate::syntax::{BSplineEntry, ColumnDirection, CsvColumn, CsvTable, CurveEntry, Keys, Scalar, below, keys};
 use crate::units::Dimension;
@@ -68,7 +68,7 @@ fn cubic(context: &mut Context<'_>, entry: &CurveEntry, at: &Keys) -> Option<boo
         Some(other) => {
             let help = did_you_mean(other, &["linear", "cubic"]);
             let message = format!("`{}` is not a choice for `interpolation`", shown(other));
-            context.at_value("E0210", &below(at, "interpolation"), message, help);
+            context.at_value(codes::E0210, &below(at, "interpolation"), message, help);
             None
         }
     }
@@ -81,7 +81,12 @@ fn curve(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry, at: &K
     }
     if entry.interpolation.is_some() {
         let help = "`interpolation` belongs to `table` or `points`";
-        context.at_key("E0209", &below(at, "interpolation"), "`interpolation` has nothing to interpolate here", help);
+        context.at_key(
+            codes::E0209,
+            &below(at, "interpolation"),
+            "`interpolation` has nothing to interpolate here",
+            help,
+        );
     }
     if let Some(coefficients) = &entry.polynomial {
         return polynomial(context, of, coefficients, &below(at, "polynomial"));
@@ -99,12 +104,12 @@ fn curve(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry, at: &K
 fn polynomial(context: &mut Context<'_>, of: &CurveOf<'_>, list: &[Scalar], at: &Keys) -> Option<Curve> {
     if of.continuous() {
         let help = "axis without ends: use `harmonics`, or a table over [0 deg, 360 deg]";
-        context.at_key("E0408", at, format!("a polynomial for `{}` is not periodic", of.error), help);
+        context.at_key(codes::E0408, at, format!("a polynomial for `{}` is not periodic", of.error), help);
         return None;
     }
     if list.is_empty() || list.len() > POWERS + 1 {
         let message = format!("a polynomial of {} coefficients", list.len());
-        context.at_value("E0408", at, message, format!("write 1 to {} coefficients, by rising power", POWERS + 1));
+        context.at_value(codes::E0408, at, message, format!("write 1 to {} coefficients, by rising power", POWERS + 1));
         return None;
     }
     let coefficients: Vec<Option<f64>> = list
@@ -124,7 +129,7 @@ fn harmonics(
 ) -> Option<Curve> {
     if of.kind == AxisKind::Linear {
         let help = "use `points` or a table; harmonics are of one turn of a rotary axis";
-        context.at_key("E0408", at, format!("axis `{}` is linear: it has no harmonics", of.error.axis), help);
+        context.at_key(codes::E0408, at, format!("axis `{}` is linear: it has no harmonics", of.error.axis), help);
         return None;
     }
     let mut list: Vec<(f64, f64)> = Vec::new();
@@ -141,7 +146,7 @@ fn harmonics(
     }
     if list.is_empty() && whole {
         context.at_value(
-            "E0408",
+            codes::E0408,
             at,
             "no harmonics are given",
             "write { 1: [2 urad, -1 urad] }: cosine and sine by order",
@@ -161,7 +166,7 @@ fn harmonic(
     let order = key.parse::<usize>().ok().filter(|order| *order <= ORDERS);
     let (Some(order), [cosine, sine]) = (order, pair) else {
         let message = format!("`{}` is not a harmonic", shown(key));
-        context.at_key("E0408", at, message, format!("write ORDER: [cosine, sine], orders 0 to {ORDERS}"));
+        context.at_key(codes::E0408, at, message, format!("write ORDER: [cosine, sine], orders 0 to {ORDERS}"));
         return None;
     };
     let cosine = context.error_value(cosine, of.error.direction, &below(at, 0));
@@ -169,7 +174,7 @@ fn harmonic(
     let (cosine, sine) = (cosine? * of.sign(), sine? * of.sign());
     if order == 0 && sine != 0.0 {
         context.at_value(
-            "E0408",
+            codes::E0408,
             &below(at, 1),
             "the sine of order 0 is not zero",
             "order 0 is the constant: [1 urad, 0 urad]",
@@ -220,7 +225,7 @@ fn bspline(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &BSplineEntry, at
                     (message, at.or(place(&at_knots)), help.to_owned())
                 }
             };
-            context.diagnostics.push(Diagnostic::new("E0410", message).at(place, "").help(help));
+            context.diagnostics.push(Diagnostic::new(codes::E0410, message).at(place, "").help(help));
             None
         }
     }
@@ -237,7 +242,7 @@ fn from_points(
     for (i, point) in points.iter().enumerate() {
         let here = below(at, i);
         let [position, value] = &point[..] else {
-            context.at_value("E0410", &here, "a point has a position and a value", "write [250 mm, 1.2 um]");
+            context.at_value(codes::E0410, &here, "a point has a position and a value", "write [250 mm, 1.2 um]");
             continue;
         };
         let position = context.position(position, of.kind, &below(&here, 0));
@@ -276,13 +281,13 @@ pub fn from_table(
         }
         (Some(both), Some(other), _) | (Some(both), _, Some(other)) => {
             let refusal =
-                Diagnostic::new("E0407", format!("the table gives `{}` with and without direction", of.error));
+                Diagnostic::new(codes::E0407, format!("the table gives `{}` with and without direction", of.error));
             let refusal = refusal.at(Some(other.place.clone()), "").at(Some(both.place.clone()), "also given here");
             context.diagnostics.push(refusal.help("keep either the one column or the pair `+` and `-`"));
             None
         }
         (None, Some(one), None) | (None, None, Some(one)) => {
-            let refusal = Diagnostic::new("E0114", format!("`{}` is measured in one direction only", of.error));
+            let refusal = Diagnostic::new(codes::E0114, format!("`{}` is measured in one direction only", of.error));
             let help = "add the other direction's column, or drop the sign if the value holds for both";
             context.diagnostics.push(refusal.at(Some(one.place.clone()), "").help(help));
             None
@@ -299,7 +304,7 @@ fn missing(context: &mut Context<'_>, of: &CurveOf<'_>, table: &CsvTable, named:
     let names: Vec<&str> = table.columns[1..].iter().map(|c| c.name.as_str()).collect();
     let help =
         format!("its columns are {}", names.iter().map(|n| format!("`{}`", shown(n))).collect::<Vec<_>>().join(", "));
-    let refusal = Diagnostic::new("E0114", format!("the table has no column `{}`", of.error));
+    let refusal = Diagnostic::new(codes::E0114, format!("the table has no column `{}`", of.error));
     let header = header.filter(|h| named.as_ref().is_none_or(|n| n.source != h.source));
     context.diagnostics.push(refusal.at(named, "named here").at(header, "the table's header").help(help));
 }
@@ -311,7 +316,7 @@ fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &CsvTable, name
         let message = format!("the table's first column is `{}`, not the axis `{}`", shown(&first.name), of.error.axis);
         let help = format!("`{}` is a function of the position of `{}`", of.error, of.error.axis);
         let refusal =
-            Diagnostic::new("E0114", message).at(Some(first.place.clone()), "").at(named.clone(), "named here");
+            Diagnostic::new(codes::E0114, message).at(Some(first.place.clone()), "").at(named.clone(), "named here");
         context.diagnostics.push(refusal.help(help));
         return None;
     }
@@ -322,7 +327,7 @@ fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &CsvTable, name
     let (written, factor, dimension) = &first.unit;
     if *dimension != wanted {
         let message = format!("the positions of axis `{}` are in `{}`", of.error.axis, shown(written));
-        let refusal = Diagnostic::new("E0205", message).at(Some(first.place.clone()), "");
+        let refusal = Diagnostic::new(codes::E0205, message).at(Some(first.place.clone()), "");
         context.diagnostics.push(refusal.help(format!("they must be in {unit}")));
         return None;
     }
@@ -359,7 +364,7 @@ fn from_column(
         let message = format!("`{}` is in `{}`, but {wanted} belongs here", of.error, shown(written));
         let help = if rotation { "write [urad] or [arcsec]" } else { "write [um] or [mm]" };
         let help = in_other_letters(&column.name).unwrap_or_else(|| help.to_owned());
-        context.diagnostics.push(Diagnostic::new("E0205", message).at(Some(column.place.clone()), "").help(help));
+        context.diagnostics.push(Diagnostic::new(codes::E0205, message).at(Some(column.place.clone()), "").help(help));
         return None;
     }
     let negated = readings(&column.name).iter().any(|r| r.error == *of.error && r.negated) != of.negated;
@@ -386,7 +391,7 @@ fn knots(
         }
         Err(failure) => {
             let (message, at, help) = explain(&failure, of, &pairs, row);
-            context.diagnostics.push(Diagnostic::new("E0410", message).at(at.or(place), "").help(help));
+            context.diagnostics.push(Diagnostic::new(codes::E0410, message).at(at.or(place), "").help(help));
             None
         }
     }
@@ -447,7 +452,7 @@ fn covers(context: &mut Context<'_>, of: &CurveOf<'_>, knots: &Knots, place: Opt
         of.error, of.error.axis
     );
     let travel = context.document.places.value(&keys(["axes", of.error.axis.as_str(), "travel"]));
-    let refusal = Diagnostic::new("E0409", message).at(place, "").at(travel, "the travel");
+    let refusal = Diagnostic::new(codes::E0409, message).at(place, "").at(travel, "the travel");
     context.diagnostics.push(refusal.help("measure the rest or shorten the travel; nothing is extrapolated"));
     None
 }

@@ -3,7 +3,7 @@
 
 use super::context::Context;
 use super::errors::Errors;
-use crate::diagnostic::{Diagnostic, Place};
+use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{
     Approach, Axis, AxisKind, Branch, Conventions, Direction, ErrorId, ErrorTerm, Location, MachineParts, RotaryOrder,
     Sense, Travel, sin_cos_degrees,
@@ -48,7 +48,7 @@ fn inert(context: &mut Context<'_>, parts: &MachineParts, places: &Errors) {
                     AxisKind::Rotary => "an axis of rotation moved along, or turned about, itself is the same axis",
                 };
                 let place = places.places.get(&error).cloned().flatten();
-                let warning = Diagnostic::new("W0402", format!("`{error}` cannot act: {why}"));
+                let warning = Diagnostic::new(codes::W0402, format!("`{error}` cannot act: {why}"));
                 let help = "remove it, or set `conventions: { location: carried_body }` if the body was measured";
                 context.diagnostics.push(warning.at(place, "").help(help));
             }
@@ -206,7 +206,7 @@ impl Doubles<'_> {
             if found.direction.is_rotation() { units::angle(found.amount) } else { units::length(found.amount) };
         let place = |id: &ErrorId| -> Option<Place> { self.places.places.get(id).cloned().flatten() };
         let message = format!("`{error}` holds {} of {shown}, which location errors say as well", found.what);
-        let warning = Diagnostic::new("W0403", message).at(place(&error), "");
+        let warning = Diagnostic::new(codes::W0403, message).at(place(&error), "");
         let rival = rivals.first();
         let warning = warning.at(rival.and_then(place), "the location error given");
         let help = "take it out of the curve, or out of the location error: data that carries both is counted twice";

@@ -4,7 +4,7 @@ use super::context::{Context, dotted};
 use super::curves::{CurveOf, component, from_table, one_way};
 use super::names::{Spelling, readings};
 use super::uses::Known;
-use crate::diagnostic::{Diagnostic, Place, did_you_mean, shown};
+use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
 use crate::machine::{AxisKind, AxisName, ComponentError, Direction, ErrorId, ErrorTerm, JointErrors, KinematicChain};
 use crate::syntax::{ColumnDirection, CurveEntry, Keys, TermEntry, below, keys};
 use std::collections::BTreeMap;
@@ -76,12 +76,15 @@ pub fn named(context: &mut Context<'_>, name: &str, known: &Known<'_>, place: Op
                 return None;
             }
             let help = format!("declare the axis, or correct the name; {}", did_you_mean(axis.as_str(), &axes));
-            Diagnostic::new("E0406", format!("`{}` is an error of axis `{axis}`, which is not declared", shown(name)))
-                .help(help)
+            Diagnostic::new(
+                codes::E0406,
+                format!("`{}` is an error of axis `{axis}`, which is not declared", shown(name)),
+            )
+            .help(help)
         }
         None => {
             let help = "E, direction (X Y Z A B C), axis: `EXX`; location errors with a zero: `EC0Y`";
-            Diagnostic::new("E0405", format!("`{}` is not the name of an error", shown(name))).help(help)
+            Diagnostic::new(codes::E0405, format!("`{}` is not the name of an error", shown(name))).help(help)
         }
     };
     context.diagnostics.push(refusal.at(place, ""));
@@ -91,7 +94,7 @@ pub fn named(context: &mut Context<'_>, name: &str, known: &Known<'_>, place: Op
 /// Has the error not been given elsewhere?
 fn once(context: &mut Context<'_>, errors: &mut Errors, error: &ErrorId, place: Option<Place>) -> bool {
     if let Some(first) = errors.places.get(error) {
-        let refusal = Diagnostic::new("E0407", format!("`{error}` is given twice"))
+        let refusal = Diagnostic::new(codes::E0407, format!("`{error}` is given twice"))
             .at(place, "again here")
             .at(first.clone(), "first here")
             .help("keep one of them");
@@ -130,13 +133,13 @@ fn one_form(context: &mut Context<'_>, forms: &[&str], at: &Keys) -> bool {
             if !context.document.places.is_marred(at) {
                 let help =
                     "write a value such as `12 um`, or one of table, points, polynomial, harmonics, bspline, tolerance";
-                context.at_key("E0203", at, format!("`{}` says nothing", dotted(at)), help);
+                context.at_key(codes::E0203, at, format!("`{}` says nothing", dotted(at)), help);
             }
             false
         }
         [first, second, ..] => {
             let message = format!("`{first}` and `{second}` of `{}` exclude each other", dotted(at));
-            context.at_key("E0209", &below(at, second), message, "keep one of them");
+            context.at_key(codes::E0209, &below(at, second), message, "keep one of them");
             false
         }
     }
@@ -148,12 +151,12 @@ fn uncertainty(context: &mut Context<'_>, error: &ErrorId, entry: &TermEntry, at
     let value = context.error_value(entry.uncertainty.as_ref()?, error.direction, &here)?;
     if entry.tolerance.is_some() {
         let message = format!("`tolerance` and `uncertainty` of `{}` exclude each other", dotted(at));
-        context.at_key("E0209", &here, message, "an uncertainty is of a value that is known");
+        context.at_key(codes::E0209, &here, message, "an uncertainty is of a value that is known");
         return None;
     }
     if value < 0.0 {
         let help = "an uncertainty is a half-width: `0.6 um` means ±0.6 um (k = 2)";
-        context.at_value("E0411", &here, "a negative uncertainty", help);
+        context.at_value(codes::E0411, &here, "a negative uncertainty", help);
         return None;
     }
     context.plausible(value, error.direction, &here).then_some(value)
@@ -176,7 +179,7 @@ fn term(
         let value = context.error_value(scalar, error.direction, &here)?;
         if value < 0.0 {
             context.at_value(
-                "E0411",
+                codes::E0411,
                 &here,
                 "a negative tolerance",
                 "a tolerance is a bound: `20 urad` means ±20 urad",
@@ -191,7 +194,7 @@ fn term(
     let axis = known.axis(&error.axis);
     let Some(axis) = axis else {
         let help = "a spindle does not move here; it has location errors such as `EA0S`";
-        context.at_key("E0408", at, format!("`{error}` is a component error of the spindle"), help);
+        context.at_key(codes::E0408, at, format!("`{error}` is a component error of the spindle"), help);
         return None;
     };
     // What is wrong with the axis has been said there.
@@ -216,7 +219,7 @@ fn constant(
     let Some(scalar) = entry.value.as_ref().filter(|_| entry.interpolation.is_none()) else {
         let form = if entry.interpolation.is_some() { "interpolation" } else { forms.first().copied().unwrap_or("") };
         let help = format!("write one value: `{error}: 12 urad`; what varies with the position is a component error");
-        context.at_key("E0408", &below(at, form), format!("`{error}` is a location error, a constant"), help);
+        context.at_key(codes::E0408, &below(at, form), format!("`{error}` is a location error, a constant"), help);
         return None;
     };
     let here = context.value_of(at);
@@ -235,7 +238,7 @@ fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at:
             None => {
                 if !context.document.places.is_marred(&here) {
                     let help = "give both directions, or one curve without direction";
-                    context.at_key("E0203", at, format!("`{}` has no `{key}`", dotted(at)), help);
+                    context.at_key(codes::E0203, at, format!("`{}` has no `{key}`", dotted(at)), help);
                 }
                 None
             }
@@ -250,7 +253,7 @@ fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at:
 fn measured(context: &mut Context<'_>, errors: &mut Errors, at: &Keys, path: &str, known: &Known<'_>) {
     let Some(table) = context.table(at, path) else { return };
     if table.columns.len() < 2 {
-        let refusal = Diagnostic::new("E0114", "the table has no column of errors")
+        let refusal = Diagnostic::new(codes::E0114, "the table has no column of errors")
             .at(table.columns.first().map(|c| c.place.clone()), "");
         context.diagnostics.push(refusal.help("add columns such as `EXX [um]`"));
     }
@@ -268,7 +271,7 @@ fn measured(context: &mut Context<'_>, errors: &mut Errors, at: &Keys, path: &st
         let axis = known.axis(&error.axis);
         let Some((axis, false)) = axis.map(|a| (a, error.location)) else {
             let help = "a table holds component errors; write location errors under `errors`";
-            let refusal = Diagnostic::new("E0408", format!("`{error}` does not vary with the position"));
+            let refusal = Diagnostic::new(codes::E0408, format!("`{error}` does not vary with the position"));
             context.diagnostics.push(refusal.at(Some(column.place.clone()), "").help(help));
             continue;
         };
@@ -314,7 +317,7 @@ impl Context<'_> {
         };
         let limit = if direction.is_rotation() { "100 mrad" } else { "10 mm" };
         let message = format!("`{}` reaches {shown}, which no machine has", dotted(at));
-        self.at_value("E0412", at, message, format!("check the unit; the limit of plausibility is {limit}"));
+        self.at_value(codes::E0412, at, message, format!("check the unit; the limit of plausibility is {limit}"));
         false
     }
 }

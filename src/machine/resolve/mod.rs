@@ -18,7 +18,7 @@ pub use errors::largest;
 pub use names::parse_error_name;
 
 use super::{Axis, Conventions, KinematicChain, Machine, MachineParts};
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Diagnostics, codes};
 use crate::syntax::{Document, Files, keys};
 use axes::Declared;
 use context::Context;
@@ -79,7 +79,7 @@ fn left_out(context: &mut Context<'_>, declared: &[Declared], chain: &KinematicC
         };
         let at = keys(["axes", axis.name.as_str()]);
         context.at_key(
-            "W0401",
+            codes::W0401,
             &at,
             message,
             format!("add it to the chain, or remove it: `{}: null` in a variant", axis.name),

@@ -1,7 +1,7 @@
 //! Names, tools, workpiece, set-up, provenance.
 
 use super::context::{Context, dotted};
-use crate::diagnostic::{Diagnostic, did_you_mean, is_layout, shown};
+use crate::diagnostic::{Diagnostic, codes, did_you_mean, is_layout, shown};
 use crate::machine::{Direction, Provenance, SetUp, Tool};
 use crate::syntax::{Keys, Scalar, ToolEntry, below, keys};
 
@@ -18,11 +18,11 @@ pub fn version(context: &mut Context<'_>) {
         Some(Scalar::Text(text)) if text == "1" => {}
         Some(other) => {
             let message = format!("this is version `{}` of the machine language", shown(&other.to_string()));
-            context.at_value("E0211", &at, message, "this program knows version 1: `abbe: 1`");
+            context.at_value(codes::E0211, &at, message, "this program knows version 1: `abbe: 1`");
         }
         None if context.document.places.is_marred(&at) => {}
         None => context.at_key(
-            "W0201",
+            codes::W0201,
             &at,
             "the file does not say which version of the language it is in",
             "put `abbe: 1` at the top",
@@ -39,7 +39,7 @@ pub fn name(context: &mut Context<'_>) -> Option<String> {
         None => {
             if !document.places.is_marred(&at) {
                 context.at_key(
-                    "E0203",
+                    codes::E0203,
                     &Keys::new(),
                     "the machine has no name",
                     "add `machine: Trunnion five-axis centre`",
@@ -63,7 +63,7 @@ fn single_line(context: &mut Context<'_>, text: &str, limit: usize, at: &Keys) -
     } else {
         return true;
     };
-    context.at_value("E0212", at, message, help);
+    context.at_value(codes::E0212, at, message, help);
     false
 }
 
@@ -72,7 +72,7 @@ pub fn tools(context: &mut Context<'_>) -> Option<Vec<Tool>> {
     let document = context.document;
     if document.tool.is_some() && !document.tools.is_empty() {
         let places = &document.places;
-        let refusal = Diagnostic::new("E0209", "`tool` and `tools` exclude each other")
+        let refusal = Diagnostic::new(codes::E0209, "`tool` and `tools` exclude each other")
             .at(places.key(&keys(["tools"])), "")
             .at(places.key(&keys(["tool"])), "also given here")
             .help("move the tool into `tools` and give it a name");
@@ -99,7 +99,7 @@ fn tame(context: &mut Context<'_>, name: &str, at: &Keys) -> bool {
     let fits = fits && !name.contains("..");
     if !fits {
         let help = "letters, digits, `_`, `-` and single dots, 32 at most, a letter or digit first";
-        context.at_key("E0212", at, format!("`{}` is not the name of a tool", shown(name)), help);
+        context.at_key(codes::E0212, at, format!("`{}` is not the name of a tool", shown(name)), help);
     }
     fits
 }
@@ -112,7 +112,12 @@ fn tool(context: &mut Context<'_>, name: String, entry: &ToolEntry, at: &Keys) -
     let offset = match (&entry.length, &entry.offset) {
         (Some(_), Some(_)) => {
             let help = "keep one: `length` goes down from the gauge point along Z, `offset` is [x, y, z] from it";
-            context.at_key("E0209", &below(at, "offset"), "`length` and `offset` of a tool exclude each other", help);
+            context.at_key(
+                codes::E0209,
+                &below(at, "offset"),
+                "`length` and `offset` of a tool exclude each other",
+                help,
+            );
             None
         }
         (Some(length), None) => length_below(context, length, &below(at, "length")).map(|l| [0.0, 0.0, -l]),
@@ -127,7 +132,7 @@ fn length_below(context: &mut Context<'_>, scalar: &Scalar, at: &Keys) -> Option
     let length = context.length(scalar, at)?;
     if length < 0.0 {
         context.at_value(
-            "E0213",
+            codes::E0213,
             at,
             format!("a tool length of {length} mm"),
             "the length is counted from the gauge point towards the tip",
@@ -155,7 +160,7 @@ pub fn setup(context: &mut Context<'_>) -> SetUp {
             let at = keys(["setup", part, letter]);
             let Some(i) = letters.iter().position(|l| l == letter) else {
                 let message = format!("unknown key `{}` in `setup.{part}`", shown(letter));
-                context.at_key("E0201", &at, message, did_you_mean(letter, letters));
+                context.at_key(codes::E0201, &at, message, did_you_mean(letter, letters));
                 continue;
             };
             let direction = Direction::ALL[i];

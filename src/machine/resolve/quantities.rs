@@ -2,7 +2,7 @@
 
 use super::context::{Context, dotted};
 use super::names::in_other_letters;
-use crate::diagnostic::shown;
+use crate::diagnostic::{codes, shown};
 use crate::machine::{AxisKind, Direction};
 use crate::syntax::{Keys, Scalar, below};
 use crate::units::{self, Dimension, Failure, Quantity};
@@ -21,7 +21,7 @@ impl Context<'_> {
             Failure::NotFinite(_) => "write a finite number",
             Failure::NotANumber(_) => "write a number with its unit, as in `12 um`",
         };
-        let code = if matches!(failure, Failure::NoUnit(_)) { "E0204" } else { "E0206" };
+        let code = if matches!(failure, Failure::NoUnit(_)) { codes::E0204 } else { codes::E0206 };
         self.at_value(code, at, shown(&failure.to_string()), help);
     }
 
@@ -49,7 +49,7 @@ impl Context<'_> {
 
     fn wrong_unit(&mut self, at: &Keys, scalar: &Scalar, found: Dimension, wanted: &str, help: &str) {
         let message = format!("`{}` is {}, but {wanted} belongs here", shown(&scalar.to_string()), found.word());
-        self.at_value("E0205", at, message, help);
+        self.at_value(codes::E0205, at, message, help);
     }
 
     /// A position or length; a bare number is in mm (linear) or deg (rotary).
@@ -58,7 +58,7 @@ impl Context<'_> {
         if value.abs() > FARTHEST {
             let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
             let message = format!("`{}` is {value:e} {unit}, which no machine reaches", dotted(at));
-            self.at_value("E0213", at, message, "check the unit; a bare number is in mm or deg");
+            self.at_value(codes::E0213, at, message, "check the unit; a bare number is in mm or deg");
             return None;
         }
         Some(value)
@@ -95,7 +95,7 @@ impl Context<'_> {
     pub fn vector(&mut self, list: &[Scalar], at: &Keys) -> Option<[f64; 3]> {
         if list.len() != 3 {
             let message = format!("`{}` has {} numbers, a point has three", dotted(at), list.len());
-            self.at_value("E0207", at, message, "write [x, y, z] in machine coordinates (mm)");
+            self.at_value(codes::E0207, at, message, "write [x, y, z] in machine coordinates (mm)");
             return None;
         }
         let parts: Vec<Option<f64>> = list.iter().enumerate().map(|(i, s)| self.length(s, &below(at, i))).collect();

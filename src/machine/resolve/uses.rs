@@ -4,7 +4,7 @@
 use super::axes::Declared;
 use super::context::Context;
 use super::errors::named;
-use crate::diagnostic::shown;
+use crate::diagnostic::{codes, shown};
 use crate::machine::algebra::{AlgebraChoice, named_monomial};
 use crate::machine::{AxisName, parse_error_name};
 use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, below, keys};
@@ -45,8 +45,8 @@ pub fn algebra(context: &mut Context<'_>, known: &Known<'_>) -> Option<AlgebraCh
     let without = AlgebraEntry { vanish: Vec::new(), ..entry.clone() };
     match AlgebraChoice::new(&without) {
         // Names of errors are judged one by one below.
-        Err(refusal) if refusal.code != "E0405" => {
-            let wrong = below(&at, if refusal.code == "E0210" { "generators" } else { "degree" });
+        Err(refusal) if refusal.code != codes::E0405 => {
+            let wrong = below(&at, if refusal.code == codes::E0210 { "generators" } else { "degree" });
             context.at_value(refusal.code, &wrong, refusal.message, refusal.help.unwrap_or_default());
         }
         _ => {}
@@ -143,7 +143,7 @@ fn fit(context: &mut Context<'_>, known: &Known<'_>, name: &str, at: &Keys) {
     match crate::diagnostic::nearest(name, GROUPS) {
         Some(near) => {
             let message = format!("`{}` is neither an error nor a group", shown(name));
-            context.at_value("E0405", at, message, format!("did you mean `{near}`?"));
+            context.at_value(codes::E0405, at, message, format!("did you mean `{near}`?"));
         }
         None => known.error(context, name, at),
     }
@@ -162,7 +162,7 @@ fn basis(context: &mut Context<'_>, form: &str, knotted: bool, at: &Keys) {
     if !order.and_then(|o| o.parse::<u8>().ok()).is_some_and(|o| (1..=50).contains(&o)) {
         let message = format!("`{}` is not a basis", shown(form));
         context.at_value(
-            "E0215",
+            codes::E0215,
             at,
             message,
             "write poly3 (powers 0 to 3), fourier2 (orders 0 to 2), spline8 or bspline8 (8 knots), or blocks4 (4 blocks)",

@@ -3,7 +3,7 @@
 use super::axes::Declared;
 use super::context::Context;
 use super::errors::unit;
-use crate::diagnostic::{Diagnostic, did_you_mean, shown};
+use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::{Axis, AxisKind, Grid, Travel};
 use crate::syntax::{Keys, Scalar, VolumeAxis, below, keys};
 use crate::units::{self, Dimension};
@@ -28,7 +28,7 @@ pub fn volume(context: &mut Context<'_>, axes: &[Axis], declared: &[Declared]) -
     for name in document.volume.keys().filter(|n| !names.contains(&n.as_str())) {
         let help = did_you_mean(name, &names);
         let message = format!("`volume` names the axis `{}`, which is not declared", shown(name));
-        context.at_key("E0214", &keys(["volume", name]), message, help);
+        context.at_key(codes::E0214, &keys(["volume", name]), message, help);
     }
     let grids: Vec<Option<Grid>> = axes.iter().map(|axis| grid(context, axis, &steps)).collect();
     grids.into_iter().collect()
@@ -51,7 +51,7 @@ fn global(context: &mut Context<'_>) -> Steps {
 fn step(context: &mut Context<'_>, scalar: &Scalar, kind: AxisKind, at: &Keys) -> Option<f64> {
     let step = context.position(scalar, kind, at)?;
     if step <= 0.0 {
-        context.at_value("E0214", at, format!("a step of {step} {}", unit(kind)), "a step is above zero");
+        context.at_value(codes::E0214, at, format!("a step of {step} {}", unit(kind)), "a step is above zero");
         return None;
     }
     Some(step)
@@ -78,7 +78,7 @@ fn grid(context: &mut Context<'_>, axis: &Axis, steps: &Steps) -> Option<Grid> {
     let ((min, max), step) = (interval?, step?);
     if (max - min) / step > NODES {
         let message = format!("a step of {step} {} makes more than a million nodes", unit(axis.kind));
-        context.at_value("E0214", &at, message, "take a larger step");
+        context.at_value(codes::E0214, &at, message, "take a larger step");
         return None;
     }
     Some(Grid { min, max, step })
@@ -94,7 +94,7 @@ fn within(context: &mut Context<'_>, axis: &Axis, interval: (f64, f64), at: &Key
         format!("the volume of axis `{}` goes beyond its travel from {min} to {max} {}", axis.name, axis.unit());
     let places = &context.document.places;
     let travel = places.value(&keys(["axes", axis.name.as_str(), "travel"]));
-    let refusal = Diagnostic::new("E0214", message).at(places.value(at), "").at(travel, "the travel");
+    let refusal = Diagnostic::new(codes::E0214, message).at(places.value(at), "").at(travel, "the travel");
     context.diagnostics.push(refusal.help("keep the volume within the travel"));
     None
 }

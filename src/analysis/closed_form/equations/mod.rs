@@ -11,7 +11,7 @@ pub use symbols::{Meaning, Naming, Symbol};
 
 use crate::algebra::symbolic::{Kind, MAX_PRODUCTS, Rules, Symbolic};
 use crate::algebra::{Algebra, Htm};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::rotation;
 use crate::lower::{Chain, Declared, ErrorLift, ErrorSite, Given, Position, Source, given, presence};
 use crate::machine::{AxisKind, Joints, Location, LocationOrder, Machine};
@@ -127,7 +127,7 @@ fn is_polynomial(machine: &Machine, error: &Given) -> bool {
 }
 
 fn no_polynomial(culprit: &str) -> Diagnostic {
-    Diagnostic::new("E0525", format!("with `location_order: real` the equations are no polynomials ({culprit})"))
+    Diagnostic::new(codes::E0525, format!("with `location_order: real` the equations are no polynomials ({culprit})"))
         .help("write `conventions: { location_order: nilpotent }` for the equations, or leave the error out")
 }
 
@@ -135,11 +135,11 @@ fn too_long() -> Diagnostic {
     let message = format!("the equations take more than {MAX_PRODUCTS} products of terms");
     let help = "ask for a lower `--order`, or an algebra in which more products vanish, such as \
                 `--algebra 'degree: 6, generators: per-axis, vanish: ...'`; `abbe eval --order 6` has no such limit";
-    Diagnostic::new("E0523", message).help(help)
+    Diagnostic::new(codes::E0523, message).help(help)
 }
 
 fn no_number() -> Diagnostic {
-    Diagnostic::new("E0525", "the equations are no polynomials: a joint's determinant is not a number")
+    Diagnostic::new(codes::E0525, "the equations are no polynomials: a joint's determinant is not a number")
         .help("write `conventions: { location_order: nilpotent, joints: orthogonal }` for the equations")
 }
 

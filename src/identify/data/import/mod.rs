@@ -14,7 +14,7 @@ mod order;
 pub use figures::Figures;
 pub use header::Form;
 
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, shown};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, shown};
 use crate::machine::{ErrorId, parse_error_name};
 use crate::syntax::sheet::read_sheet;
 use crate::syntax::{ColumnDirection, Files};
@@ -123,7 +123,7 @@ pub fn import(path: &Path, wanted: &ImportRequest, files: &dyn Files, diagnostic
 pub(crate) fn refusal(message: String, place: Option<Place>) -> Diagnostic {
     let help = "a table needs a header: a position column (`X [mm]`, `position [mm]`) and columns named by error (`EXX [um]`), \
                 by run (with `--error EXX --unit um`), or `error`, `value` and `unit`";
-    Diagnostic::new("E0509", message).at(place, "").help(help)
+    Diagnostic::new(codes::E0509, message).at(place, "").help(help)
 }
 
 /// An error of the axis by its ISO name, or the name that VDI 2617 gives it (`xtx`, `xrz`).
