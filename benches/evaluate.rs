@@ -14,10 +14,10 @@
 mod naive;
 
 use abbe::analysis::{SurveyTask, View, survey};
-use abbe::cli::store::files::Disk;
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::{Batch, Columns, CompiledField, CompiledModel, Field, Nodes, Order, Poses, Width};
 use abbe::machine::{Approach, Machine};
+use abbe::syntax::Disk;
 use std::io::{BufRead, Write};
 use std::path::Path;
 use std::time::Instant;

@@ -4,11 +4,11 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 use abbe::algebra::linear::Triangle;
-use abbe::cli::store::files::Disk;
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::{Frame, Order, evaluate, random_poses};
 use abbe::identify::{Measurement, Model, Parameter, Reading, Solution, fit, parameters};
 use abbe::machine::{self, Approach, Machine};
+use abbe::syntax::Disk;
 use abbe::syntax::{self, IdentifyEntry};
 use std::time::Instant;
 

@@ -50,6 +50,7 @@
 
 pub mod algebra;
 pub mod analysis;
+pub mod api;
 pub mod cli;
 pub mod compensation;
 pub mod controller;

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use abbe::analysis::{SurveyTask, View, survey};
-use abbe::cli::store::files::Disk;
+use abbe::syntax::Disk;
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::{Columns, Nodes, Order, CompiledModel, CompiledField, PoseColumns, Poses, Random, Width};
 use abbe::machine::{Approach, Machine};

@@ -1,12 +1,12 @@
 //! How a machine is compensated: the options that `compile`, `verify`, `diff`, `map` and `report` share.
 
 use super::output::session::Session;
-use super::store::files::Disk;
 use super::{Exit, Outcome};
 use crate::compensation::{Fit, Goal, Scope, Stored};
 use crate::controller::{Certificate, ControllerTarget, Depth, JudgedTables, certify, is_plain_name};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::Machine;
+use crate::syntax::Disk;
 use std::path::{Path, PathBuf};
 
 /// Options that `compile` and `verify` share.

@@ -2,9 +2,9 @@
 
 use super::Exit;
 use super::output::session::Session;
-use super::store::files::Disk;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::{self, ErrorTerm, Machine};
+use crate::syntax::Disk;
 use crate::syntax::{self, Files, IdentifyEntry, ReadFailure};
 use crate::units::counted;
 use std::path::Path;

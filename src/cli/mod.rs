@@ -11,7 +11,7 @@ mod output;
 mod poses;
 mod serve;
 mod set_effect;
-pub mod store;
+mod store;
 mod table_set;
 mod tolerances;
 mod tool_poses;

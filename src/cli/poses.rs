@@ -2,9 +2,9 @@
 
 use super::Exit;
 use super::output::session::Session;
-use super::store::files::Disk;
 use crate::diagnostic::{Diagnostic, Place, SourceId, codes};
 use crate::machine::{AxisKind, Machine, Pose};
+use crate::syntax::Disk;
 use crate::syntax::read_text;
 use crate::units;
 use std::path::{Path, PathBuf};

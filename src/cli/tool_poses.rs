@@ -5,11 +5,11 @@
 
 use super::output::session::Session;
 use super::poses::check;
-use super::store::files::Disk;
 use super::{Exit, Outcome};
 use crate::analysis::{Missed, ToolPose, Unreachable, inverse, place, rest, tool_pose};
 use crate::diagnostic::{Diagnostic, Place, SourceId, codes, shown};
 use crate::machine::{AxisKind, Machine, Pose};
+use crate::syntax::Disk;
 use crate::syntax::read_text;
 use crate::units::{self, Dimension};
 use nalgebra::Vector3;

@@ -184,6 +184,7 @@ codes! {
     E0814 "not an algebra",
     E0815 "not a matrix over the dual numbers",
     E0817 "tool poses are not understood",
+    E0818 "options that do not fit",
     W0201 "no version of the language",
     W0401 "an axis is left out",
     W0402 "a location error cannot act",

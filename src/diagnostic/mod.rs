@@ -105,6 +105,15 @@ impl Sources {
         SourceId(self.0.len() - 1)
     }
 
+    /// Keeps a file unless it is there.
+    fn shared(&mut self, source: (String, String)) -> SourceId {
+        let known = self.0.iter().position(|known| *known == source);
+        SourceId(known.unwrap_or_else(|| {
+            self.0.push(source);
+            self.0.len() - 1
+        }))
+    }
+
     /// Name of a file.
     pub fn name(&self, id: SourceId) -> &str {
         self.0.get(id.0).map_or("", |s| &s.0)
@@ -139,6 +148,27 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
+    /// Returns none so far, about files read before.
+    pub fn about(sources: Sources) -> Self {
+        Self { sources, list: Vec::new() }
+    }
+
+    /// Takes over those of another run, with their files.
+    pub fn absorb(&mut self, other: Diagnostics) {
+        let moved: Vec<SourceId> = other.sources.0.into_iter().map(|source| self.sources.shared(source)).collect();
+        for mut diagnostic in other.list {
+            for label in &mut diagnostic.labels {
+                label.place.source = moved.get(label.place.source.0).copied().unwrap_or(label.place.source);
+            }
+            self.list.push(diagnostic);
+        }
+    }
+
+    /// True if there are none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
     /// Adds one.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         self.list.push(diagnostic);

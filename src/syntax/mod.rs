@@ -3,6 +3,7 @@
 //! [`load`] reads as the list of its passes: bytes to text, guard and index of places, YAML to a
 //! tree, `extends` merged, then section by section into the typed [`Document`].
 
+mod disk;
 mod document;
 mod entry;
 mod extends;
@@ -18,11 +19,12 @@ mod table;
 mod term;
 mod tree;
 
+pub use disk::Disk;
 pub use document::{
     AlgebraEntry, AxisEntry, Branches, ConventionsEntry, Document, Entries, GeneratorsEntry, IdentifyEntry, SetUpEntry,
     ToolEntry, TravelEntry, VolumeAxis, WorkpieceEntry,
 };
-pub use files::{Files, ReadFailure};
+pub use files::{EntryKind, Files, FolderEntry, MemoryFiles, ReadFailure};
 pub use places::{Keys, Places, Spot, below, keys};
 pub use read::read_text;
 pub use scalar::Scalar;

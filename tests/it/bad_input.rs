@@ -1,9 +1,9 @@
 //! Hostile and broken input: always a diagnostic that says what to do, soon, and never a panic.
 
 use super::language::{Memory, TRUNNION, read};
-use abbe::cli::store::files::{Disk, LIMIT};
 use abbe::diagnostic::{Diagnostics, Rendering, render};
 use abbe::machine;
+use abbe::syntax::Disk;
 use abbe::syntax::{self, Files, ReadFailure};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
@@ -142,7 +142,7 @@ fn every_failure_to_read_is_told() {
     let failures = [
         (ReadFailure::Denied, "may not be read"),
         (ReadFailure::Other("bad sector\u{1b}[2J".to_owned()), "bad sector\u{fffd}[2J"),
-        (ReadFailure::TooLarge(LIMIT + 1, LIMIT), "17 MB"),
+        (ReadFailure::TooLarge(Disk::MAX_BYTES + 1, Disk::MAX_BYTES), "17 MB"),
     ];
     for (failure, words) in failures {
         let mut diagnostics = Diagnostics::default();

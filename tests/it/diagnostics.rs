@@ -1,9 +1,9 @@
 //! Every folder of tests/diagnostics is a machine file with mistakes and the text that is shown for
 //! it. UPDATE_EXPECTED=1 writes the texts anew; read them before they are committed.
 
-use abbe::cli::store::files::Disk;
 use abbe::diagnostic::{CODES, Diagnostics, Rendering, render, summary};
 use abbe::machine;
+use abbe::syntax::Disk;
 use abbe::syntax::{self, Files, ReadFailure};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

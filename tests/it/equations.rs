@@ -148,7 +148,7 @@ fn machine(chain: &str, conventions: &str, errors: &[String], rest: &str) -> Mac
 
 fn load(path: &Path) -> Machine {
     let mut diagnostics = abbe::diagnostic::Diagnostics::default();
-    let files = abbe::cli::store::files::Disk;
+    let files = abbe::syntax::Disk;
     let document = abbe::syntax::load(path, &files, &mut diagnostics);
     let machine = document.and_then(|d| abbe::machine::resolve(&d, &files, &mut diagnostics));
     machine.unwrap_or_else(|| panic!("{}", abbe::diagnostic::render(&diagnostics, Default::default())))

@@ -7,7 +7,6 @@ use super::oracle::program::Folder;
 use super::oracle::random::Random;
 use super::oracle::rigid::Frame as OracleFrame;
 use super::oracle::yaml;
-use abbe::cli::store::files::Disk;
 use abbe::diagnostic::{Diagnostics, Place as InFile};
 use abbe::evaluate::{Frame, Order, evaluate};
 use abbe::identify::{
@@ -16,6 +15,7 @@ use abbe::identify::{
 };
 use abbe::lower::{ErrorSite, Exact, Source, actual_point, position_jacobian, values};
 use abbe::machine::{Approach, Direction, Machine, written};
+use abbe::syntax::Disk;
 use abbe::syntax::IdentifyEntry;
 use nalgebra::{DMatrix, Vector3};
 

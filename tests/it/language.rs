@@ -93,8 +93,8 @@ fn the_machines_of_the_test_data_resolve() {
         let path = file.unwrap().path();
         if path.extension().is_some_and(|e| e == "yaml") {
             let mut diagnostics = Diagnostics::default();
-            let document = syntax::load(&path, &abbe::cli::store::files::Disk, &mut diagnostics).unwrap();
-            let machine = machine::resolve(&document, &abbe::cli::store::files::Disk, &mut diagnostics);
+            let document = syntax::load(&path, &abbe::syntax::Disk, &mut diagnostics).unwrap();
+            let machine = machine::resolve(&document, &abbe::syntax::Disk, &mut diagnostics);
             assert!(machine.is_some(), "{}", render(&diagnostics, Rendering::default()));
             seen += 1;
         }

@@ -1,8 +1,8 @@
 //! Machine files as the library reads them.
 
-use abbe::cli::store::files::Disk;
 use abbe::diagnostic::{Diagnostics, Rendering, render};
 use abbe::machine::Machine;
+use abbe::syntax::Disk;
 use std::path::Path;
 
 /// The machine in a file; what is said against it otherwise.

@@ -7,11 +7,11 @@ use super::oracle::machines::Sample;
 use super::oracle::program::Folder;
 use super::oracle::random::Random;
 use super::oracle::rigid::Frame as OracleFrame;
-use abbe::cli::store::files::Disk;
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::Frame;
 use abbe::identify::{Data, Fit, Model, Parameter, Solution, fit, read_measurements};
 use abbe::machine::Machine;
+use abbe::syntax::Disk;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 /// Where the functional point nominally is, and where it really is, by the independent model.

@@ -1,7 +1,8 @@
 //! Progress on standard error: only on a terminal, and only for what lasts over a second.
 
+use crate::api::Monitor;
 use std::io::{IsTerminal, Write};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Silence before the first word.
@@ -66,6 +67,40 @@ impl Drop for Progress {
         if self.state.get_mut().is_ok_and(|state| state.shown) {
             let _ = write!(std::io::stderr(), "\r\x1b[K");
         }
+    }
+}
+
+/// The progress of the stages of a call, one after the other.
+pub(crate) struct ProgressBar {
+    quiet: bool,
+    stage: Mutex<Option<Arc<Progress>>>,
+}
+
+impl ProgressBar {
+    /// `quiet` says nothing whatever happens.
+    pub(crate) fn new(quiet: bool) -> Self {
+        Self { quiet, stage: Mutex::new(None) }
+    }
+
+    fn stage(&self) -> MutexGuard<'_, Option<Arc<Progress>>> {
+        self.stage.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Monitor for ProgressBar {
+    fn begin(&self, total: usize) {
+        *self.stage() = Some(Arc::new(Progress::new(total, self.quiet)));
+    }
+
+    fn advance(&self, steps: usize) {
+        let stage = self.stage().clone();
+        if let Some(stage) = stage {
+            stage.add(steps);
+        }
+    }
+
+    fn end(&self) {
+        *self.stage() = None;
     }
 }
 

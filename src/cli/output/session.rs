@@ -1,14 +1,19 @@
 //! One run of the program: its options, what it found wrong, and its two output streams.
 
+use super::progress::ProgressBar;
+use crate::api::{Answer, LoadOptions, MachineFile, Run};
 use crate::cli::{Color, Exit, Format, Global, Outcome};
-use crate::diagnostic::{Diagnostic, Diagnostics, Rendering, render, summary};
+use crate::diagnostic::{Diagnostic, Diagnostics, Rendering, codes, render, summary};
+use crate::syntax::Disk;
 use std::cell::Cell;
 use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
-/// The state of a run.
+/// The state of a run of the program.
 pub(crate) struct Session {
     global: Global,
+    bar: ProgressBar,
     /// Everything found wrong so far.
     pub diagnostics: Diagnostics,
     /// Why standard output did not take everything.
@@ -17,12 +22,43 @@ pub(crate) struct Session {
 
 impl Session {
     pub(crate) fn new(global: Global) -> Self {
-        Self { global, diagnostics: Diagnostics::default(), output_lost: Cell::new(None) }
+        let bar = ProgressBar::new(global.quiet);
+        Self { global, bar, diagnostics: Diagnostics::default(), output_lost: Cell::new(None) }
     }
 
     /// A session with the same options that has found nothing yet.
     pub(crate) fn fresh(&self) -> Self {
         Self::new(self.global.clone())
+    }
+
+    /// Surroundings of a call of the library: files from the disk, progress on the terminal.
+    pub(crate) fn run(&self) -> Run<'_> {
+        Run { files: &Disk, monitor: &self.bar, deny_warnings: self.global.deny.is_some() }
+    }
+
+    /// Keeps what a call of the library found, and returns its value if it has one.
+    pub(crate) fn take<T>(&mut self, answer: Result<Answer<T>, Diagnostics>) -> Result<T, Exit> {
+        match answer {
+            Ok(answer) => {
+                self.diagnostics.absorb(answer.warnings);
+                Ok(answer.value)
+            }
+            Err(refusals) => {
+                let unfit = refusals.iter().find(|d| d.code == codes::E0818).map(|d| d.message.clone());
+                if let Some(message) = unfit {
+                    return self.usage(&message);
+                }
+                self.diagnostics.absorb(refusals);
+                Err(Exit::Refused)
+            }
+        }
+    }
+
+    /// Reads a machine file; `tool` picks one of its tools.
+    pub(crate) fn load(&mut self, path: &Path, tool: Option<&str>) -> Result<MachineFile, Exit> {
+        let options = LoadOptions { tool: tool.map(str::to_owned) };
+        let answer = crate::api::load(path, &options, self.run());
+        self.take(answer)
     }
 
     pub(crate) fn format(&self) -> Format {

@@ -1,12 +1,12 @@
 //! State files of `enumerate`: read, kept while walks are computed, put together. A state file is
 //! always whole: it is written beside and renamed, at most once a second.
 
-use super::files::Disk;
 use super::write::write_whole;
 use crate::analysis::enumerate::{Journal, Row};
 use crate::cli::Exit;
 use crate::cli::output::session::Session;
 use crate::diagnostic::{Diagnostic, codes};
+use crate::syntax::Disk;
 use crate::syntax::{Files, ReadFailure};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;

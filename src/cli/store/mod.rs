@@ -2,6 +2,6 @@
 
 pub(super) mod commit;
 pub(super) mod file_set;
-pub mod files;
+pub(crate) mod files;
 pub(super) mod journal;
 pub(super) mod write;

@@ -1,8 +1,9 @@
 //! `abbe check`: all diagnostics, and a summary of the machine.
 
+use crate::api::{ErrorCounts, MachineFile, summary};
 use crate::cli::output::session::Session;
-use crate::cli::{Format, Outcome, load};
-use crate::machine::{ErrorTerm, Machine, Travel};
+use crate::cli::{Format, Outcome};
+use crate::machine::{ErrorTerm, Travel};
 use crate::units::{angle, length};
 use serde_json::json;
 use std::path::PathBuf;
@@ -14,26 +15,13 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let machine = load::machine(session, &args.machine, None)?;
+    let machine = session.load(&args.machine, None)?;
     match session.format() {
-        Format::Json => session.print_json(json(&machine)),
+        Format::Json => session.print_json(json!(summary(&machine))),
         Format::Csv => session.print(&csv(&machine)),
         Format::Text => session.print(&text(&machine, session.diagnostics.warnings())),
     }
     Ok(())
-}
-
-/// How many errors are location errors, component errors, only bounded.
-fn counts(machine: &Machine) -> [usize; 3] {
-    let mut counts = [0; 3];
-    for (_, term) in machine.errors() {
-        counts[match term {
-            ErrorTerm::Constant(_) => 0,
-            ErrorTerm::Component(_) => 1,
-            ErrorTerm::Tolerance(_) => 2,
-        }] += 1;
-    }
-    counts
 }
 
 fn travel(travel: Travel, unit: &str) -> String {
@@ -43,8 +31,8 @@ fn travel(travel: Travel, unit: &str) -> String {
     }
 }
 
-fn text(machine: &Machine, warnings: usize) -> String {
-    let [location, component, tolerance] = counts(machine);
+fn text(machine: &MachineFile, warnings: usize) -> String {
+    let ErrorCounts { location, component, tolerance } = summary(machine).errors;
     let axes: Vec<String> =
         machine.axes().iter().map(|axis| format!("{} {}", axis.name, travel(axis.travel, axis.unit()))).collect();
     let mut text = format!("{}\n  chain   {}\n  axes    {}\n", machine.name(), machine.chain(), axes.join(", "));
@@ -64,30 +52,8 @@ fn text(machine: &Machine, warnings: usize) -> String {
     text
 }
 
-fn json(machine: &Machine) -> serde_json::Value {
-    let [location, component, tolerance] = counts(machine);
-    let axes: Vec<_> = machine
-        .axes()
-        .iter()
-        .map(|axis| {
-            let (min, max) = axis.travel.interval();
-            json!({
-                "name": axis.name.as_str(), "kind": axis.kind, "branch": axis.branch, "direction": axis.direction,
-                "origin": axis.origin, "continuous": axis.travel == Travel::Continuous, "travel": [min, max],
-                "unit": axis.unit(),
-            })
-        })
-        .collect();
-    json!({
-        "machine": machine.name(), "chain": machine.chain().to_string(), "axes": axes,
-        "tools": machine.tools().iter().map(|tool| tool.name.as_str()).collect::<Vec<_>>(),
-        "conventions": machine.conventions(),
-        "errors": {"location": location, "component": component, "tolerance": tolerance},
-    })
-}
-
 /// The errors, one a line, at position 0.
-fn csv(machine: &Machine) -> String {
+fn csv(machine: &MachineFile) -> String {
     let row = |(id, term): (crate::machine::ErrorId, &ErrorTerm)| {
         let print = |value: f64| if id.direction.is_rotation() { angle(value) } else { length(value) };
         let (kind, value) = match term {

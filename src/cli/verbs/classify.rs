@@ -2,9 +2,9 @@
 
 use crate::algebra::{Inadmissible, Split, split};
 use crate::cli::output::session::Session;
-use crate::cli::store::files::Disk;
 use crate::cli::{Exit, Format, Outcome};
 use crate::diagnostic::{Diagnostic, codes, shown};
+use crate::syntax::Disk;
 use crate::syntax::read_text;
 use crate::units::{angle, length, significant};
 use nalgebra::Matrix4;

@@ -1,12 +1,12 @@
 //! `abbe import`: a single-axis measurement as an instrument exports it, to a table of error curves.
 
 use crate::cli::output::session::Session;
-use crate::cli::store::files::Disk;
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::identify::import::{Figures, Import, ImportRequest, import};
 use crate::machine::ErrorId;
+use crate::syntax::Disk;
 use crate::units::{counted, significant};
 use serde_json::json;
 use std::path::PathBuf;

@@ -9,7 +9,6 @@ use crate::cli::output::progress::Progress;
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{ApproachArg, order};
 use crate::cli::set_effect;
-use crate::cli::store::files::Disk;
 use crate::cli::store::write::{refuse_input, refuse_outputs, write_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Exit, Format, Outcome, load, watch};
@@ -21,6 +20,7 @@ use crate::report::page::{
     ComparisonData, Data, Given, Instruments, MachineData, Page, Pictures, Rendered, Served, Written, colours,
 };
 use crate::report::{BudgetReport, Drawing, Drawn as Way, PlanePicture, Shown, axis_curves, chain_picture};
+use crate::syntax::Disk;
 use crate::syntax::Files;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};

@@ -4,7 +4,7 @@ use crate::cli::how::Options;
 use crate::cli::output::certificate::{CertificateView, warnings};
 use crate::cli::output::session::Session;
 use crate::cli::store::file_set;
-use crate::cli::store::files::{Disk, SET_LIMIT, read_at_most};
+use crate::cli::store::files::{SET_LIMIT, read_at_most};
 use crate::cli::table_set;
 use crate::cli::table_set::FoundTables;
 use crate::cli::{Exit, Outcome, detect, load, module_set};
@@ -13,6 +13,7 @@ use crate::controller::{
 };
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{Approach, Machine};
+use crate::syntax::Disk;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]

@@ -1,0 +1,122 @@
+//! From a path or a text to a machine.
+
+use super::run::{Answer, Call, Refused, Run};
+use crate::controller::Hashed;
+use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
+use crate::machine::{self, ErrorTerm, Machine};
+use crate::syntax::{self, Files, IdentifyEntry, MemoryFiles};
+use crate::units::counted;
+use std::ops::Deref;
+use std::path::Path;
+
+/// A machine with the files it was read from. Dereferences to its [`Machine`].
+#[derive(Debug, Clone)]
+pub struct MachineFile {
+    pub(crate) machine: Machine,
+    pub(crate) identify: Option<IdentifyEntry>,
+    pub(crate) sources: Sources,
+}
+
+impl Deref for MachineFile {
+    type Target = Machine;
+
+    fn deref(&self) -> &Machine {
+        &self.machine
+    }
+}
+
+impl MachineFile {
+    /// Returns name and text of every file that the machine was read from, in the order read.
+    pub fn sources(&self) -> &Sources {
+        &self.sources
+    }
+
+    /// Returns the plain name and the SHA-256 of every file that the machine was read from.
+    pub fn inputs(&self) -> Vec<Hashed> {
+        hashed(&self.sources)
+    }
+
+    /// Returns the machine with another of its tools, by name.
+    pub fn with_tool(&self, name: &str) -> Result<Self, Diagnostic> {
+        match self.machine.with_tool(name) {
+            Some(machine) => Ok(Self { machine, ..self.clone() }),
+            None => Err(unknown_tool(&self.machine, name)),
+        }
+    }
+}
+
+/// Plain names and hashes of files.
+pub(crate) fn hashed(sources: &Sources) -> Vec<Hashed> {
+    let plain = |name: &str| Path::new(name).file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    sources.iter().map(|(name, text)| Hashed::new(plain(name), text.as_bytes())).collect()
+}
+
+/// Options of [`load`].
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct LoadOptions {
+    /// Which of the machine's tools; the first by default.
+    pub tool: Option<String>,
+}
+
+/// Reads a machine file, and what it extends and names, through `run.files`.
+///
+/// Fails with all that is wrong with the files, each with its place.
+pub fn load(path: impl AsRef<Path>, options: &LoadOptions, run: Run) -> Result<Answer<MachineFile>, Diagnostics> {
+    Call::answer(run, &Sources::default(), |call| read(call, path.as_ref(), options, run.files))
+}
+
+/// Reads a machine from the text of a machine file. Files that the text names are read through `run.files`.
+pub fn loads(text: &str, options: &LoadOptions, run: Run) -> Result<Answer<MachineFile>, Diagnostics> {
+    let files = Overlay { text: MemoryFiles::default().with(TEXT_NAME, text), files: run.files };
+    Call::answer(run, &Sources::default(), |call| read(call, Path::new(TEXT_NAME), options, &files))
+}
+
+/// Name of a machine file that has none.
+const TEXT_NAME: &str = "machine.yaml";
+
+/// A text in front of other files.
+struct Overlay<'a> {
+    text: MemoryFiles,
+    files: &'a dyn Files,
+}
+
+impl Files for Overlay<'_> {
+    fn read(&self, path: &Path) -> Result<Vec<u8>, syntax::ReadFailure> {
+        self.text.read(path).or_else(|_| self.files.read(path))
+    }
+}
+
+fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) -> Result<MachineFile, Refused> {
+    let document = syntax::load(path, files, &mut call.diagnostics);
+    let machine = document.as_ref().and_then(|d| machine::resolve(d, files, &mut call.diagnostics));
+    call.checked()?;
+    let machine = machine.ok_or(Refused)?;
+    let identify = document.and_then(|document| document.identify);
+    let file = MachineFile { machine, identify, sources: call.diagnostics.sources.clone() };
+    match &options.tool {
+        None => Ok(file),
+        Some(name) => file.with_tool(name).or_else(|refusal| call.refuse(refusal)),
+    }
+}
+
+/// Warns of a machine that is asked for deviations although all its errors are only bounded.
+pub(crate) fn bounded_only(machine: &Machine) -> Option<Diagnostic> {
+    let count = machine.errors().count();
+    let bounded = count > 0 && machine.errors().all(|(_, term)| matches!(term, ErrorTerm::Tolerance(_)));
+    bounded.then(|| {
+        let message = format!("all {} are only bounded, and count as 0", counted(count, "error"));
+        let help = "`abbe budget` says what the bounds come to; give values for what was measured";
+        Diagnostic::new(codes::W0802, message).help(help)
+    })
+}
+
+fn unknown_tool(machine: &Machine, name: &str) -> Diagnostic {
+    let known: Vec<_> = machine.tools().iter().map(|tool| tool.name.as_str()).filter(|name| !name.is_empty()).collect();
+    let help = if known.is_empty() {
+        "this machine has one tool without a name: leave `--tool` out".to_owned()
+    } else {
+        format!("its tools are {}", known.join(", "))
+    };
+    Diagnostic::new(codes::E0801, format!("the machine has no tool `{name}`")).help(help)
+}

@@ -1,0 +1,135 @@
+//! The frame of a call: where files come from, who hears of progress, what was found wrong.
+
+use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
+use crate::syntax::{Disk, Files, MemoryFiles};
+use std::ops::Deref;
+
+/// Hears of the progress of a long job. All methods do nothing by default.
+pub trait Monitor: Sync {
+    /// A stage of `total` steps begins.
+    fn begin(&self, _total: usize) {}
+    /// `steps` more of them are done. May be called from several threads.
+    fn advance(&self, _steps: usize) {}
+    /// The stage has ended.
+    fn end(&self) {}
+}
+
+/// Hears nothing.
+struct Silent;
+
+impl Monitor for Silent {}
+
+/// The surroundings of a call. The default has no files and reports no progress.
+#[derive(Clone, Copy)]
+pub struct Run<'a> {
+    /// Where files are read.
+    pub files: &'a dyn Files,
+    /// Who hears of progress.
+    pub monitor: &'a dyn Monitor,
+    /// True if a warning refuses the input.
+    pub deny_warnings: bool,
+}
+
+impl Run<'static> {
+    /// Reads files from the disk.
+    pub fn on_disk() -> Self {
+        Self { files: &Disk, monitor: &Silent, deny_warnings: false }
+    }
+}
+
+impl<'a> Run<'a> {
+    /// Reads files through `files`.
+    pub fn with(files: &'a dyn Files) -> Self {
+        Self { files, monitor: &Silent, deny_warnings: false }
+    }
+}
+
+impl Default for Run<'_> {
+    fn default() -> Self {
+        static NO_FILES: MemoryFiles = MemoryFiles::new();
+        Self { files: &NO_FILES, monitor: &Silent, deny_warnings: false }
+    }
+}
+
+/// A value, and the warnings that were found on the way to it.
+#[derive(Debug, Clone)]
+pub struct Answer<T> {
+    /// The value.
+    pub value: T,
+    /// The warnings, with the sources of their places.
+    pub warnings: Diagnostics,
+}
+
+impl<T> Deref for Answer<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.value
+    }
+}
+
+/// The input is refused; the reasons are among the call's diagnostics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Refused;
+
+/// The state of a call.
+pub(crate) struct Call<'a> {
+    pub run: Run<'a>,
+    /// Everything found wrong so far.
+    pub diagnostics: Diagnostics,
+}
+
+impl<'a> Call<'a> {
+    /// Makes a call: `job` collects diagnostics, and its value is returned with the warnings if nothing refuses it.
+    /// `sources` are the files that places of its diagnostics may point into.
+    pub fn answer<T>(
+        run: Run<'a>,
+        sources: &Sources,
+        job: impl FnOnce(&mut Self) -> Result<T, Refused>,
+    ) -> Result<Answer<T>, Diagnostics> {
+        let mut call = Self { run, diagnostics: Diagnostics::about(sources.clone()) };
+        let value = job(&mut call);
+        match (value, call.checked()) {
+            (Ok(value), Ok(())) => Ok(Answer { value, warnings: call.diagnostics }),
+            _ => Err(call.diagnostics),
+        }
+    }
+
+    /// Adds a warning.
+    pub fn warn(&mut self, warning: Diagnostic) {
+        self.diagnostics.push(warning);
+    }
+
+    /// Adds warnings, or refusals that the next [`Self::checked`] stops at.
+    pub fn extend(&mut self, list: impl IntoIterator<Item = Diagnostic>) {
+        list.into_iter().for_each(|diagnostic| self.diagnostics.push(diagnostic));
+    }
+
+    /// Adds a refusal and stops.
+    pub fn refuse<T>(&mut self, refusal: Diagnostic) -> Result<T, Refused> {
+        self.diagnostics.push(refusal);
+        Err(Refused)
+    }
+
+    /// Refuses options that make no sense for this machine or together.
+    pub fn usage<T>(&mut self, message: impl Into<String>) -> Result<T, Refused> {
+        self.refuse(Diagnostic::new(codes::E0818, message))
+    }
+
+    /// Stops if anything so far refuses the input, or warns where warnings are denied.
+    pub fn checked(&mut self) -> Result<(), Refused> {
+        if self.run.deny_warnings && self.diagnostics.warnings() > 0 {
+            self.diagnostics.deny_warnings();
+        }
+        if self.diagnostics.refused() { Err(Refused) } else { Ok(()) }
+    }
+
+    /// Reports a stage of `total` steps while `job` runs.
+    pub fn stage<T>(&self, total: usize, job: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
+        let monitor = self.run.monitor;
+        monitor.begin(total);
+        let value = job(&|steps| monitor.advance(steps));
+        monitor.end();
+        value
+    }
+}

@@ -1,0 +1,90 @@
+//! The machine in short: axes, tools, conventions and how many errors it has.
+
+use super::machine_file::MachineFile;
+use crate::machine::{AxisKind, Branch, Conventions, ErrorTerm, Travel};
+
+/// A machine in short, as `check` prints it.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct MachineSummary {
+    /// Name of the machine.
+    pub machine: String,
+    /// The kinematic chain from workpiece to tool, such as `w C' A' Y' b X Z t`.
+    pub chain: String,
+    /// The axes in the order of the chain.
+    pub axes: Vec<AxisSummary>,
+    /// Names of the tools; empty for a tool without a name.
+    pub tools: Vec<String>,
+    /// The conventions in force.
+    pub conventions: Conventions,
+    /// Counts of the errors.
+    pub errors: ErrorCounts,
+}
+
+/// An axis in short.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct AxisSummary {
+    /// Name of the axis.
+    pub name: String,
+    /// Linear or rotary.
+    pub kind: AxisKind,
+    /// The branch that the axis stands on.
+    pub branch: Branch,
+    /// Unit vector in machine coordinates at the zero pose.
+    pub direction: [f64; 3],
+    /// Point about which angular errors turn, in machine coordinates at the zero pose, mm.
+    pub origin: [f64; 3],
+    /// True if the axis turns without end.
+    pub continuous: bool,
+    /// Limits in `unit`; 0 and 360 for a continuous axis.
+    pub travel: [f64; 2],
+    /// `mm` or `deg`.
+    pub unit: String,
+}
+
+/// Counts of the errors of a machine.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+pub struct ErrorCounts {
+    /// Location errors with a value.
+    pub location: usize,
+    /// Component errors with a value.
+    pub component: usize,
+    /// Errors of which only a bound is known.
+    pub tolerance: usize,
+}
+
+/// Returns a machine in short.
+pub fn summary(file: &MachineFile) -> MachineSummary {
+    let axis = |axis: &crate::machine::Axis| {
+        let (min, max) = axis.travel.interval();
+        AxisSummary {
+            name: axis.name.to_string(),
+            kind: axis.kind,
+            branch: axis.branch,
+            direction: axis.direction,
+            origin: axis.origin,
+            continuous: axis.travel == Travel::Continuous,
+            travel: [min, max],
+            unit: axis.unit().to_owned(),
+        }
+    };
+    MachineSummary {
+        machine: file.name().to_owned(),
+        chain: file.chain().to_string(),
+        axes: file.axes().iter().map(axis).collect(),
+        tools: file.tools().iter().map(|tool| tool.name.clone()).collect(),
+        conventions: file.conventions().clone(),
+        errors: counts(file),
+    }
+}
+
+fn counts(file: &MachineFile) -> ErrorCounts {
+    let mut counts = ErrorCounts::default();
+    for (_, term) in file.errors() {
+        *match term {
+            ErrorTerm::Constant(_) => &mut counts.location,
+            ErrorTerm::Component(_) => &mut counts.component,
+            ErrorTerm::Tolerance(_) => &mut counts.tolerance,
+        } += 1;
+    }
+    counts
+}
