@@ -7,10 +7,30 @@
 //! Nothing here prints, writes a file, reads the clock or the environment. What a job writes, it hands over as bytes or
 //! into the sinks that the caller gave it.
 
+mod certificate;
+pub(crate) mod compensation;
+mod compile;
+mod diff;
 mod machine_file;
-mod run;
+pub(crate) mod run;
 mod summary;
+mod verify;
 
+pub use certificate::CertificateReport;
+pub use compensation::options::{CompensationOptions, CorrectingAxes};
+pub use compile::{CompileOptions, CompiledSet, compile};
+pub use diff::{AxisDifference, DiffOptions, SetDifference, diff};
 pub use machine_file::{LoadOptions, MachineFile, load, loads};
 pub use run::{Answer, Monitor, Run};
 pub use summary::{AxisSummary, ErrorCounts, MachineSummary, summary};
+pub use verify::{ReplayPosition, VerifyOptions, replay, set_manifest, verify};
+
+pub use crate::compensation::{Fit, Goal, Stored};
+pub use crate::controller::{
+    Certificate, ControllerTarget, ErrorLeft, Figures, Handled, Hashed, Limits, Lock, ROUNDING_UM, RenderedFile, micro,
+};
+pub use crate::diagnostic::{Diagnostic, Diagnostics, Severity, codes};
+pub use crate::evaluate::{Statistics, Summary};
+pub use crate::machine::{Approach, Axis, AxisKind, Machine};
+pub use crate::syntax::{Disk, Files, MemoryFiles};
+pub use crate::units::{number, significant};

@@ -3,16 +3,13 @@
 //! Exit codes: 0 done, 1 input refused, 2 usage, 3 our own fault.
 
 mod confined;
-mod detect;
 mod how;
 mod load;
-mod module_set;
 mod output;
 mod poses;
 mod serve;
 mod set_effect;
 mod store;
-mod table_set;
 mod tolerances;
 mod tool_poses;
 mod verbs;

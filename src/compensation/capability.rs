@@ -88,7 +88,7 @@ pub enum Spacing {
 }
 
 /// What a stored number means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stored {
     /// It is added to the command.
@@ -111,7 +111,7 @@ pub enum Reference {
 }
 
 /// What tables are made for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fit {
     /// The axis's own error at its origin: what its scale would have to read differently.

@@ -6,7 +6,8 @@ use crate::lower::NominalPose;
 use crate::machine::{Approach, Machine};
 
 /// What is corrected.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Goal {
     /// The position of the functional point.
     Position,

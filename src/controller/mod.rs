@@ -17,7 +17,7 @@ mod read;
 mod replay;
 
 pub use certificate::judge::{
-    Certificate, ErrorLeft, Figures, Handled, JudgedTables, ROUNDING_UM, RaisedFigure, ZeroShift, certify,
+    Certificate, ErrorLeft, Figures, Handled, JudgedTables, ROUNDING_UM, RaisedFigure, ZeroShift, certify, micro,
 };
 pub use emit::limits::Limits;
 pub use emit::lock::{Hashed, LOCK_NAME, Lock, sha256};

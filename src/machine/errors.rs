@@ -3,7 +3,7 @@
 use super::{Curve, Direction};
 
 /// From which side a position is approached; curves may differ (reversal).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Approach {
     /// The mean of forward and reverse.

@@ -1,80 +1,37 @@
 //! A certificate as text and JSON.
 
 use super::session::Session;
-use crate::cli::Format;
-use crate::controller::{
-    Certificate, ControllerTarget, ErrorLeft, Figures, Handled, ROUNDING_UM, RaisedFigure, ZeroShift,
+use crate::api::{
+    Approach, Axis, CertificateReport, ControllerTarget, ErrorLeft, Handled, Machine, ROUNDING_UM, Summary, micro,
+    significant,
 };
-use crate::diagnostic::{Diagnostic, codes};
-use crate::evaluate::Summary;
-use crate::machine::{Approach, Axis, AxisKind, Machine};
-use crate::units::significant;
+use crate::cli::Format;
 use serde_json::json;
 use std::path::Path;
 
-/// What is shown.
+/// A certificate with the folder of its files.
 pub(crate) struct CertificateView<'a> {
-    pub machine: &'a Machine,
-    pub target: &'a ControllerTarget,
-    pub certificate: &'a Certificate,
-    pub files: Vec<String>,
+    pub report: &'a CertificateReport,
     pub folder: &'a Path,
 }
 
 impl CertificateView<'_> {
     pub(crate) fn print(&self, session: &Session) {
         match session.format() {
-            Format::Json => session.print_json(self.json()),
+            Format::Json => session.print_json(json!(self.report)),
             Format::Text => session.print(&self.text()),
             Format::Csv => session.print(&self.csv()),
         }
     }
 
-    fn json(&self) -> serde_json::Value {
-        let certificate = self.certificate;
-        let summary = |f: &Figures| json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis});
-        let errors: serde_json::Map<_, _> = certificate
-            .errors
-            .iter()
-            .map(|e| (e.error.to_string(), json!({"handled": e.handled, "left_um": e.left, "alone_um": e.alone})))
-            .collect();
-        let shifted = certificate.shifted.as_ref();
-        let shift = |s: &ZeroShift| {
-            let of = |kind: AxisKind| -> serde_json::Map<_, _> {
-                let axes = self.machine.axes().iter().zip(&s.shift).filter(|(axis, _)| axis.kind == kind);
-                axes.map(|(axis, shift)| (axis.name.to_string(), json!(shift * micro(kind).0))).collect()
-            };
-            json!({"shift_um": of(AxisKind::Linear), "shift_urad": of(AxisKind::Rotary), "position_um": s.position_um, "without_tables_um": s.alone_um})
-        };
-        let raised = |r: &RaisedFigure| json!({"direction": r.approach, "figure": r.figure, "before_um": r.before, "after_um": r.after});
-        json!({
-            "reference_shift": shifted.map(shift), "raised": certificate.raised.iter().map(raised).collect::<Vec<_>>(),
-            "target": self.target.manifest.target, "files": self.files, "poses": certificate.poses,
-            "direction": certificate.approach, "tool": self.machine.tool().name,
-            "uncompensated": summary(&certificate.uncompensated), "compensated": summary(&certificate.compensated),
-            "errors": errors,
-            "at_reference": {"forward": self.by_axis(0), "reverse": self.by_axis(1)},
-            "cannot": self.target.manifest.cannot,
-        })
-    }
-
-    fn by_axis(&self, direction: usize) -> serde_json::Map<String, serde_json::Value> {
-        self.named(&self.certificate.at_reference[direction])
-    }
-
-    fn named(&self, values: &[f64]) -> serde_json::Map<String, serde_json::Value> {
-        let names = self.machine.axes().iter().map(|axis| axis.name.to_string());
-        names.zip(values).map(|(name, value)| (name, json!(value))).collect()
-    }
-
     /// What a new reference position does where tables must vanish at it.
     fn shifted(&self) -> String {
-        let Some(shifted) = &self.certificate.shifted else { return String::new() };
+        let Some(shifted) = &self.report.certificate.shifted else { return String::new() };
         let one = |(axis, shift): (&Axis, &f64)| {
             let (scale, unit) = micro(axis.kind);
             format!("{} {} {unit}", axis.name, significant(shift * scale, 4))
         };
-        let list: Vec<String> = self.machine.axes().iter().zip(&shifted.shift).map(one).collect();
+        let list: Vec<String> = self.report.machine.axes().iter().zip(&shifted.shift).map(one).collect();
         format!(
             "The tables vanish at the reference position. With the machine zero moved besides by {} the position is at most {} um off, 95 % {}; without tables and with the zero where it is best for that, {} and {}.\n",
             list.join(", "),
@@ -86,8 +43,12 @@ impl CertificateView<'_> {
     }
 
     fn csv(&self) -> String {
-        let rows =
-            self.certificate.errors.iter().map(|e| format!("{},{},{},{}", e.error, word(e.handled), e.alone, e.left));
+        let rows = self
+            .report
+            .certificate
+            .errors
+            .iter()
+            .map(|e| format!("{},{},{},{}", e.error, word(e.handled), e.alone, e.left));
         let header = "error,handled,alone [um],left [um]".to_owned();
         std::iter::once(header).chain(rows).collect::<Vec<_>>().join("\n")
     }
@@ -97,16 +58,16 @@ impl CertificateView<'_> {
     }
 
     fn heading(&self) -> String {
-        let what = &self.target.manifest;
-        let certificate = self.certificate;
-        let files = if self.files.len() == 1 { "file" } else { "files" };
+        let what = &self.report.target.manifest;
+        let certificate = &self.report.certificate;
+        let files = if self.report.files.len() == 1 { "file" } else { "files" };
         format!(
             "{}: {}\n{} {files} in {}\nTool: {}\n\nCertificate: {} poses spread over the volume, none a table point{}\n",
-            self.machine.name(),
+            self.report.machine.name(),
             what.title,
-            self.files.len(),
+            self.report.files.len(),
             self.folder.display(),
-            tool(self.machine, self.target),
+            tool(&self.report.machine, &self.report.target),
             certificate.poses,
             match certificate.approach {
                 Approach::Mean => String::new(),
@@ -120,7 +81,7 @@ impl CertificateView<'_> {
         let mut table = comfy_table::Table::new();
         let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN);
         let _ = table.set_header(["", "max", "95 %", "rms", "mean"]);
-        let (before, after) = (&self.certificate.uncompensated, &self.certificate.compensated);
+        let (before, after) = (&self.report.certificate.uncompensated, &self.report.certificate.compensated);
         let rows = [
             ("position um, uncompensated", before.all.position_um),
             ("position um, compensated", after.all.position_um),
@@ -133,7 +94,7 @@ impl CertificateView<'_> {
             let cells = [s.max, s.p95, s.rms, s.mean].map(|x| significant(x, 4));
             let _ = table.add_row(std::iter::once(name.to_owned()).chain(cells));
         }
-        let raised = raised(self.certificate).map_or_else(String::new, |words| format!("The files RAISE {words}.\n"));
+        let raised = self.report.raised().map_or_else(String::new, |words| format!("The files RAISE {words}.\n"));
         format!("{table}\n{}{raised}{}", ratio(&before.all.position_um, &after.all.position_um), self.shifted())
     }
 
@@ -141,7 +102,7 @@ impl CertificateView<'_> {
     fn by_error(&self) -> String {
         let list = |keep: &dyn Fn(&ErrorLeft) -> bool| {
             let names: Vec<String> =
-                self.certificate.errors.iter().filter(|e| keep(e)).map(|e| e.error.to_string()).collect();
+                self.report.certificate.errors.iter().filter(|e| keep(e)).map(|e| e.error.to_string()).collect();
             if names.is_empty() { "none".to_owned() } else { names.join(" ") }
         };
         let idle = |e: &ErrorLeft| e.alone < NO_EFFECT;
@@ -149,11 +110,11 @@ impl CertificateView<'_> {
         let mut text = format!(
             "What this target can do against each error alone, laid out as here:\n  fully compensated: {gone}\n"
         );
-        if self.certificate.errors.iter().any(idle) {
+        if self.report.certificate.errors.iter().any(idle) {
             text.push_str(&format!("  without effect here: {}\n", list(&idle)));
         }
         let mut left: Vec<_> =
-            self.certificate.errors.iter().filter(|e| e.handled != Handled::Fully && !idle(e)).collect();
+            self.report.certificate.errors.iter().filter(|e| e.handled != Handled::Fully && !idle(e)).collect();
         left.sort_by(|a, b| b.left.total_cmp(&a.left));
         if !left.is_empty() {
             text.push_str("  left of it (95 %, um; in brackets without compensation):\n");
@@ -167,8 +128,8 @@ impl CertificateView<'_> {
 
     /// A test at the machine with a number from these files.
     fn sign_test(&self) -> String {
-        let Some(strongest) = &self.certificate.strongest else { return String::new() };
-        let axes = self.machine.axes();
+        let Some(strongest) = &self.report.certificate.strongest else { return String::new() };
+        let axes = self.report.machine.axes();
         let place: Vec<String> = axes
             .iter()
             .zip(&strongest.at)
@@ -183,7 +144,7 @@ impl CertificateView<'_> {
         let by = |x: f64| format!("{} {}", significant(x, 4), axis.unit());
         let (name, added, other) = (&axis.name, by(strongest.value), by(0.0 - strongest.value));
         // Tables beside a module are not switched with it.
-        let (what, they) = if self.target.manifest.kinematics().is_some() {
+        let (what, they) = if self.report.target.manifest.kinematics().is_some() {
             ("the module adds", "it")
         } else {
             ("the files add", "they")
@@ -195,11 +156,11 @@ impl CertificateView<'_> {
     }
 
     fn cautions(&self) -> String {
-        let manifest = &self.target.manifest;
-        let [forward, reverse] = &self.certificate.at_reference;
+        let manifest = &self.report.target.manifest;
+        let [forward, reverse] = &self.report.certificate.at_reference;
         let mut text =
             String::from("At the reference position (all axes at 0) the controller adds, forward / reverse:\n");
-        for ((axis, f), r) in self.machine.axes().iter().zip(forward).zip(reverse) {
+        for ((axis, f), r) in self.report.machine.axes().iter().zip(forward).zip(reverse) {
             text.push_str(&format!(
                 "  {:4} {} / {} {}\n",
                 axis.name.to_string(),
@@ -220,28 +181,6 @@ impl CertificateView<'_> {
 /// Below this (um) an error does nothing at the functional point.
 const NO_EFFECT: f64 = 0.05;
 
-/// How many um in a mm, or urad in a deg, and their name.
-pub(crate) fn micro(kind: AxisKind) -> (f64, &'static str) {
-    match kind {
-        AxisKind::Linear => (1e3, "um"),
-        AxisKind::Rotary => (1f64.to_radians() * 1e6, "urad"),
-    }
-}
-
-/// What the files raise, in words; none if nothing.
-fn raised(certificate: &Certificate) -> Option<String> {
-    let way = |approach| match approach {
-        Approach::Mean => "",
-        Approach::Forward => " forward",
-        Approach::Reverse => " in reverse",
-    };
-    let one = |r: &RaisedFigure| {
-        format!("{}{} to {} um from {}", r.figure, way(r.approach), significant(r.after, 4), significant(r.before, 4))
-    };
-    let all: Vec<String> = certificate.raised.iter().map(one).collect();
-    (!all.is_empty()).then(|| format!("the position deviation: {}", all.join(", ")))
-}
-
 fn ratio(before: &Summary, after: &Summary) -> String {
     let (before, after) = (before.p95, after.p95);
     if before < ROUNDING_UM {
@@ -252,46 +191,6 @@ fn ratio(before: &Summary, after: &Summary) -> String {
         format!("The 95 % position deviation falls by a factor of {}.\n", significant(before / after, 3))
     } else {
         String::new()
-    }
-}
-
-/// What to warn of before anybody loads such files.
-pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
-    let mut found = Vec::new();
-    let (before, after) = (&certificate.uncompensated, &certificate.compensated);
-    let lessened = |b: &Summary, a: &Summary| a.rms < 0.999 * b.rms;
-    let lessens =
-        lessened(&before.all.position_um, &after.all.position_um) || lessened(&before.tool_axis, &after.tool_axis);
-    if certificate.strongest.is_none() && !lessens {
-        let help = "no error of this machine is within the target's reach, or the files hold nothing: a target with a lattice, such as grid-csv, takes away what depends on several axes";
-        found.push(Diagnostic::new(codes::W0602, "the tables correct nothing").help(help));
-    } else if let Some(words) = raised(certificate) {
-        found.push(Diagnostic::new(codes::W0602, format!("the tables raise {words}")).help(why_raised(certificate)));
-    }
-    // A twentieth more is within what any table of angles changes here and there.
-    let turned = |b: &Summary, a: &Summary| a.p95 > b.p95 * 1.05 + ROUNDING_UM;
-    if turned(&before.tool_axis, &after.tool_axis) || turned(&before.all.rotation_urad, &after.all.rotation_urad) {
-        let message = format!(
-            "the orientation gets worse: 95 % {} urad instead of {} (tool axis {} instead of {})",
-            significant(after.all.rotation_urad.p95, 4),
-            significant(before.all.rotation_urad.p95, 4),
-            significant(after.tool_axis.p95, 4),
-            significant(before.tool_axis.p95, 4)
-        );
-        found.push(Diagnostic::new(codes::W0603, message).help("rotation about the tool axis matters to tools that do not turn; `--correct position` leaves the rotary axes alone"));
-    }
-    found
-}
-
-/// Why tables can make it worse, and what to do.
-fn why_raised(certificate: &Certificate) -> &'static str {
-    match &certificate.shifted {
-        Some(shifted) if shifted.is_better() => {
-            "the tables vanish at the reference position and leave a constant: move the machine zero as the certificate says, or do not load them"
-        }
-        _ => {
-            "they take away an error that happened to cancel another one, which this target cannot correct: do not load them for volumetric accuracy"
-        }
     }
 }
 

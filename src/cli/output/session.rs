@@ -61,6 +61,12 @@ impl Session {
         self.take(answer)
     }
 
+    /// Reads a text file.
+    pub(crate) fn read(&mut self, path: &Path) -> Result<String, Exit> {
+        let read = crate::syntax::read_text(path, None, &Disk, &mut self.diagnostics);
+        read.map(|(_, text)| text).ok_or(Exit::Refused)
+    }
+
     pub(crate) fn format(&self) -> Format {
         self.global.format
     }

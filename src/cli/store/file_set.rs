@@ -8,8 +8,8 @@ use super::files::{SET_LIMIT, read_at_most};
 use super::write;
 use crate::cli::Outcome;
 use crate::cli::output::session::Session;
-use crate::controller::{ControllerTarget, Hashed, LOCK_NAME, Lock, ReadBack, RenderedFile};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::controller::{Hashed, LOCK_NAME, Lock, RenderedFile};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::syntax::ReadFailure;
 use std::fs;
 use std::path::Path;
@@ -81,54 +81,10 @@ fn foreign(path: &Path, why: &str) -> Diagnostic {
         .help("move it away, or give another folder to --out; nothing was written")
 }
 
-/// The text of those of the named files that are in a folder, as the controller finds it: a byte order
-/// mark is no letter of ours to take away.
-pub(crate) fn read(folder: &Path, names: &[String], diagnostics: &mut Diagnostics) -> Vec<ReadBack> {
-    let present = |name: &&String| fs::symlink_metadata(folder.join(name)).is_ok();
-    let mut found = Vec::new();
-    for name in names.iter().filter(present) {
-        let text = read_at_most(&folder.join(name), SET_LIMIT)
-            .map_err(|failure| unreadable(&failure))
-            .and_then(|bytes| String::from_utf8(bytes).map_err(|_| "is not text in UTF-8".to_owned()));
-        match text {
-            Ok(text) => found.push(ReadBack::new(name, text)),
-            Err(why) => diagnostics.push(
-                Diagnostic::new(codes::E0704, format!("`{name}` {why}"))
-                    .help("compile the file set again; do not edit compensation files by hand"),
-            ),
-        }
-    }
-    found
-}
-
-fn unreadable(failure: &ReadFailure) -> String {
-    match failure {
-        ReadFailure::NotAFile(word) => format!("is {word}, not a file"),
-        ReadFailure::TooLarge(size, limit) => format!("has {size} bytes; no set has a file of more than {limit}"),
-        ReadFailure::NotFound => "is a link to nothing".to_owned(),
-        ReadFailure::Denied => "may not be read".to_owned(),
-        ReadFailure::Other(words) => format!("cannot be read: {words}"),
-    }
-}
-
 /// Finishes what a killed run left in a folder.
 pub(crate) fn settle(session: &mut Session, folder: &Path) -> Outcome {
     match commit::settle(folder, &mut session.diagnostics) {
         Ok(()) => Ok(()),
         Err(refusal) => session.refuse(refusal),
     }
-}
-
-/// Every file read so far, by name, with its hash.
-pub(crate) fn inputs(session: &Session) -> Vec<Hashed> {
-    let sources = session.diagnostics.sources.iter();
-    let plain = |name: &str| Path::new(name).file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    sources.map(|(name, text)| Hashed::new(plain(name), text.as_bytes())).collect()
-}
-
-/// Of rendered files that do not say what was meant.
-pub(crate) fn misread(target: &ControllerTarget) -> Diagnostic {
-    let name = &target.manifest.target;
-    Diagnostic::new(codes::E0707, format!("the files of target `{name}` do not read back as what was to be written"))
-        .help("its templates do not write what its manifest says; nothing was written")
 }

@@ -2,7 +2,7 @@
 
 use crate::analysis::map;
 use crate::analysis::{Diagonal, MAX_POSES, MAX_SURVEYED, SurveyTask, View, body_diagonals, rest};
-use crate::cli::how::CompensationOptions;
+use crate::cli::how::CompensationArgs;
 use crate::cli::output::map_output::Outputs;
 use crate::cli::output::map_picture::{Pictures, Subject};
 use crate::cli::output::map_survey::surveyed;
@@ -16,7 +16,7 @@ use crate::cli::store::write::refuse_outputs;
 use crate::cli::tool_poses;
 use crate::cli::tool_poses::Reached;
 use crate::cli::{Exit, Format, Outcome, load};
-use crate::controller::{ControllerTarget, Effect};
+use crate::controller::{ControllerTarget, Depth, Effect};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{CompiledField, Deviation, Field, Nodes, Order, Poses, Random, Spread, Statistics, Tally, worst};
 use crate::machine::Machine;
@@ -47,7 +47,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NAME")]
     target: Option<String>,
     #[command(flatten)]
-    how: CompensationOptions,
+    how: CompensationArgs,
     #[command(flatten)]
     view: ViewArgs,
     /// Frame of the vectors.
@@ -137,8 +137,8 @@ fn compensation(
             "a compensated machine is mapped with the exact model: leave `--order` out, or say `--order exact`",
         );
     }
-    let target = args.how.target(session, name, None)?;
-    let (effect, _) = set_effect::compiled(session, machine, &target, &args.how, (CERTIFIED, args.seed))?;
+    let depth = Depth { poses: CERTIFIED, seed: args.seed };
+    let (target, effect, _) = set_effect::compiled(session, machine, name, &args.how, depth)?;
     Ok(Some((target, effect)))
 }
 

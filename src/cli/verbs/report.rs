@@ -3,7 +3,7 @@
 use crate::analysis::budget::{Bound, Budget, Request, budget, budget_poses};
 use crate::analysis::map;
 use crate::analysis::{Plane, View, rest, space_axes};
-use crate::cli::how::Options;
+use crate::cli::how::SetArgs;
 use crate::cli::output::budgets::{Drawn, budgets};
 use crate::cli::output::progress::Progress;
 use crate::cli::output::session::Session;
@@ -12,7 +12,7 @@ use crate::cli::set_effect;
 use crate::cli::store::write::{refuse_input, refuse_outputs, write_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Exit, Format, Outcome, load, watch};
-use crate::controller::ControllerTarget;
+use crate::controller::Depth;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Field, Frame, Order};
 use crate::machine::Machine;
@@ -54,7 +54,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     samples: u32,
     #[command(flatten)]
-    options: Options,
+    options: SetArgs,
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
@@ -201,9 +201,8 @@ impl Subject {
 
 /// What `compile` would write for a target, and its certificate.
 fn compensation(session: &mut Session, args: &Args, machine: &Machine, name: &str) -> Result<Written, Exit> {
-    let target: ControllerTarget = args.options.how.target(session, name, None)?;
-    let depth = (args.options.poses as usize, args.options.seed);
-    let (effect, certificate) = set_effect::compiled(session, machine, &target, &args.options.how, depth)?;
+    let depth = Depth { poses: args.options.poses as usize, seed: args.options.seed };
+    let (target, effect, certificate) = set_effect::compiled(session, machine, name, &args.options.how, depth)?;
     Ok(Written { target, effect, certificate })
 }
 

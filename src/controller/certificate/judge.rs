@@ -440,3 +440,11 @@ pub(crate) fn verdict(error: ErrorId, alone: f64, left: f64) -> ErrorLeft {
     };
     ErrorLeft { error, handled, alone, left }
 }
+
+/// Returns how many um are in a mm, or urad in a deg, and the name of the small unit.
+pub fn micro(kind: AxisKind) -> (f64, &'static str) {
+    match kind {
+        AxisKind::Linear => (1e3, "um"),
+        AxisKind::Rotary => (1f64.to_radians() * 1e6, "urad"),
+    }
+}

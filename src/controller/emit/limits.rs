@@ -7,7 +7,7 @@ use crate::machine::{AxisKind, Machine};
 use crate::units::{self, Dimension, significant};
 
 /// Largest corrections that are not refused.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Limits {
     /// Of a linear axis, mm.
     pub length: f64,

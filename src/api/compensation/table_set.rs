@@ -1,10 +1,9 @@
 //! Sets of tables: filled, rendered and read back, or found in a folder.
 
-use super::detect::{self, Set};
-use super::how::Options;
-use super::output::session::Session;
-use super::store::file_set;
-use super::{Exit, Outcome};
+use super::found_set::{self, FoundSet};
+use super::misread;
+use super::options::CompensationOptions;
+use crate::api::run::{Call, Refused};
 use crate::compensation::{CorrectionTables, Fit, LatticeRequest, Scope, resampled};
 use crate::controller::{ControllerTarget, Limits, ReadBack, RenderedFile};
 use crate::diagnostic::{Diagnostic, codes};
@@ -13,53 +12,68 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// A set of files before it is written, and the tables that the controller reads from it.
-pub(super) struct RenderedTables {
+pub(crate) struct RenderedTables {
     pub rendered: Vec<RenderedFile>,
     pub tables: CorrectionTables,
 }
 
-/// Fills the tables of a target, renders its files and reads them back as `verify` would. A lattice is
-/// given by the names of its axes (none: all) and the largest number of its nodes; what is filled goes on top
-/// of what is installed.
-pub(super) fn made(
-    session: &mut Session,
+/// Tables to be filled.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TableRequest<'a> {
+    /// Names of the axes that span a lattice; all if empty.
+    pub lattice: &'a [String],
+    /// Maximum number of lattice nodes.
+    pub max_nodes: usize,
+    pub scope: Scope,
+    pub limits: Limits,
+}
+
+impl TableRequest<'_> {
+    /// Everything by default, for a scope.
+    pub fn plain(scope: Scope) -> Self {
+        Self { lattice: &[], max_nodes: usize::MAX, scope, limits: Limits::default() }
+    }
+}
+
+/// Fills the tables of a target on top of those installed, renders its files and reads them back as `verify` would.
+pub(crate) fn rendered(
+    call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
-    (lattice, max_nodes): (&[String], usize),
-    scope: Scope,
-    limits: Limits,
+    request: &TableRequest,
     installed: Option<&CorrectionTables>,
-) -> Result<RenderedTables, Exit> {
+) -> Result<RenderedTables, Refused> {
     if let Some(refusal) = target.refusal(machine) {
-        return session.refuse(refusal);
+        return call.refuse(refusal);
     }
-    let axes = lattice_axes(session, machine, lattice)?;
-    let request = LatticeRequest { axes, max_nodes, scope };
-    refuse_impossible_lattice(session, machine, target, &request)?;
+    let TableRequest { scope, limits, .. } = *request;
+    let axes = lattice_axes(call, machine, request.lattice)?;
+    let request = LatticeRequest { axes, max_nodes: request.max_nodes, scope };
+    refuse_impossible_lattice(call, machine, target, &request)?;
     let tables = Arc::new(match installed {
         Some(installed) => target.tables_over(machine, &request, installed),
         None => target.tables(machine, &request),
     });
-    warn_left_out(session, machine, target, &tables);
+    warn_left_out(call, machine, target, &tables);
     let losses = installed.map(|old| target.resampling_losses(machine, &tables, old)).unwrap_or_default();
-    losses.into_iter().for_each(|warning| session.diagnostics.push(warning));
-    limits.exceeded(machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
-    target.violations(machine, &tables).into_iter().for_each(|refusal| session.diagnostics.push(refusal));
-    session.checked()?;
-    let rendered = target.render(machine, &tables, &mut session.diagnostics).ok_or(Exit::Refused)?;
-    session.checked()?;
-    let tables = read_back(session, machine, target, &rendered, &tables)?;
+    call.extend(losses);
+    call.extend(limits.exceeded(machine, &tables));
+    call.extend(target.violations(machine, &tables));
+    call.checked()?;
+    let rendered = target.render(machine, &tables, &mut call.diagnostics).ok_or(Refused)?;
+    call.checked()?;
+    let tables = read_back(call, machine, target, &rendered, &tables)?;
     Ok(RenderedTables { rendered, tables })
 }
 
 /// Indices of the axes that span a lattice: those named, in the order of the chain, or all.
-fn lattice_axes(session: &Session, machine: &Machine, named: &[String]) -> Result<Vec<usize>, Exit> {
+fn lattice_axes(call: &mut Call, machine: &Machine, named: &[String]) -> Result<Vec<usize>, Refused> {
     let all = 0..machine.axes().len();
     if let Some(unknown) = named.iter().find(|name| machine.axis_index(name).is_none()) {
-        return session.usage(&format!("--lattice: the chain has no axis `{}`", unknown.escape_debug()));
+        return call.usage(format!("--lattice: the chain has no axis `{}`", unknown.escape_debug()));
     }
     if let Some((_, twice)) = named.iter().enumerate().find(|(i, name)| named[..*i].contains(name)) {
-        return session.usage(&format!("--lattice: `{}` is there twice", twice.escape_debug()));
+        return call.usage(format!("--lattice: `{}` is there twice", twice.escape_debug()));
     }
     let wanted = |axis: &usize| named.is_empty() || named.iter().any(|name| machine.axis_index(name) == Some(*axis));
     Ok(all.filter(wanted).collect())
@@ -67,11 +81,11 @@ fn lattice_axes(session: &Session, machine: &Machine, named: &[String]) -> Resul
 
 /// A lattice has two nodes on every axis at the least, and something to correct.
 fn refuse_impossible_lattice(
-    session: &mut Session,
+    call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
     request: &LatticeRequest,
-) -> Outcome {
+) -> Result<(), Refused> {
     let free = target.manifest.mechanism.lattice.as_ref().filter(|rules| rules.inputs.is_empty());
     let Some(rules) = free else { return Ok(()) };
     let most = request.max_nodes.min(rules.max_points);
@@ -79,27 +93,27 @@ fn refuse_impossible_lattice(
     if least > most {
         let message = format!("a lattice over {} axes has more than {most} nodes at the least", request.axes.len());
         let help = "span it over fewer axes with --lattice X,Y,Z, or allow more with --nodes";
-        return session.refuse(Diagnostic::new(codes::E0603, message).help(help));
+        return call.refuse(Diagnostic::new(codes::E0603, message).help(help));
     }
     let linear = machine.axes().iter().any(|axis| axis.kind == AxisKind::Linear);
     let able = linear || (request.scope.rotary && rules.corrects_rotary);
     if !able {
         let message = "the machine has no linear axis to correct the position with";
         let help = "let the rotary axes correct: --with all, or --correct pose";
-        return session.refuse(Diagnostic::new(codes::E0603, message).help(help));
+        return call.refuse(Diagnostic::new(codes::E0603, message).help(help));
     }
     Ok(())
 }
 
 /// What does not go into the tables: points beyond the format's limit, travel beyond the volume.
-fn warn_left_out(session: &mut Session, machine: &Machine, target: &ControllerTarget, tables: &CorrectionTables) {
+fn warn_left_out(call: &mut Call, machine: &Machine, target: &ControllerTarget, tables: &CorrectionTables) {
     if let Some(rules) = target.manifest.mechanism.own_axis.as_ref().filter(|rules| rules.fit == Fit::Axis) {
         for (axis, points) in resampled(machine, rules) {
             let (name, most) = (&machine.axes()[axis].name, rules.max_points);
             let message =
                 format!("the curves of `{name}` have {points} points, the format holds {most}: they were resampled");
             let help = "thin the curve out yourself if certain points matter";
-            session.diagnostics.push(Diagnostic::new(codes::W0604, message).help(help));
+            call.warn(Diagnostic::new(codes::W0604, message).help(help));
         }
     }
     let free = target.manifest.mechanism.lattice.as_ref().is_some_and(|rules| rules.inputs.is_empty());
@@ -117,94 +131,94 @@ fn warn_left_out(session: &mut Session, machine: &Machine, target: &ControllerTa
                 this.unit()
             );
             let help = "leave the bounds out of `volume:` to cover the whole travel";
-            session.diagnostics.push(Diagnostic::new(codes::W0605, message).help(help));
+            call.warn(Diagnostic::new(codes::W0605, message).help(help));
         }
     }
 }
 
 /// Reads the rendered bytes back as `verify` would, and insists that they are the tables we meant.
 fn read_back(
-    session: &mut Session,
+    call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
     files: &[RenderedFile],
     meant: &CorrectionTables,
-) -> Result<CorrectionTables, Exit> {
+) -> Result<CorrectionTables, Refused> {
     let text = |file: &RenderedFile| ReadBack::new(&*file.name, String::from_utf8_lossy(&file.bytes));
     let wanted = [target.table_files(machine), target.index_files()].concat();
     let texts: Vec<_> = files.iter().filter(|file| wanted.contains(&file.name)).map(text).collect();
-    let read = target.read(machine, &texts, &mut session.diagnostics);
-    session.checked()?;
+    let read = target.read(machine, &texts, &mut call.diagnostics);
+    call.checked()?;
     // Nothing to compensate may mean no files of tables.
     let tables = target.table_files(machine);
     let none = !files.iter().any(|file| tables.contains(&file.name));
     match read.or_else(|| none.then(CorrectionTables::default)) {
         Some(read) if read.same_effect(meant) => Ok(read),
-        _ => session.refuse(file_set::misread(target)),
+        _ => call.refuse(misread(target)),
     }
 }
 
 /// A set found in a folder.
-pub(super) struct FoundTables {
+pub(crate) struct FoundTables {
     pub target: ControllerTarget,
     pub tables: CorrectionTables,
     pub files: Vec<String>,
 }
 
 /// The tables in a folder, of whatever target they are.
-pub(super) fn found(
-    session: &mut Session,
+pub(crate) fn found(
+    call: &mut Call,
     machine: &Machine,
     folder: &Path,
-    options: &Options,
-) -> Result<FoundTables, Exit> {
-    let set = detect::any_set(session, machine, folder, &options.how)?;
-    tables_of(session, machine, folder, set)
+    options: &CompensationOptions,
+) -> Result<FoundTables, Refused> {
+    let set = found_set::found_set(call, machine, folder, None, options)?;
+    tables_of(call, machine, folder, set)
 }
 
 /// The tables of a set.
-pub(super) fn tables_of(
-    session: &mut Session,
+pub(crate) fn tables_of(
+    call: &mut Call,
     machine: &Machine,
     folder: &Path,
-    set: Set,
-) -> Result<FoundTables, Exit> {
-    let Set { target, files } = set;
+    set: FoundSet,
+) -> Result<FoundTables, Refused> {
+    let FoundSet { target, files } = set;
     if target.manifest.kinematics().is_some() {
         let message = format!("`{}` holds a kinematics module, which has no tables", folder.display());
         let help = "a module is written anew from the machine file, not on top of another one";
-        return session.refuse(Diagnostic::new(codes::E0711, message).help(help));
+        return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
     }
-    let read = target.read(machine, &files, &mut session.diagnostics);
-    session.checked()?;
+    let read = target.read(machine, &files, &mut call.diagnostics);
+    call.checked()?;
     let read = read.or_else(|| files.is_empty().then(CorrectionTables::default));
     let indices = target.index_files();
     let names = files.into_iter().filter(|file| !indices.contains(&file.name)).map(|file| file.found).collect();
     match read {
         Some(tables) => {
-            target.uncovered(machine, &tables).into_iter().for_each(|warning| session.diagnostics.push(warning));
+            call.extend(target.uncovered(machine, &tables));
             Ok(FoundTables { target, tables, files: names })
         }
-        None => session.refuse(detect::nothing_found(folder)),
+        None => call.refuse(found_set::nothing_found(folder)),
     }
 }
 
 /// The tables that were in force when the machine was measured.
-pub(super) fn installed(
-    session: &mut Session,
+pub(crate) fn installed(
+    call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
-    options: &Options,
+    options: &CompensationOptions,
     folder: Option<&Path>,
-) -> Result<Option<CorrectionTables>, Exit> {
+) -> Result<Option<CorrectionTables>, Refused> {
     let Some(folder) = folder else { return Ok(None) };
-    let set = found(session, machine, folder, options)?;
-    session.checked()?;
+    let set = found(call, machine, folder, options)?;
+    call.checked()?;
     if set.target.manifest.target == target.manifest.target {
         return Ok(Some(set.tables));
     }
     let (old, new) = (&set.target.manifest.target, &target.manifest.target);
     let message = format!("the files in `{}` are of target `{old}`, not of `{new}`", folder.display());
     let help = "only tables of the same target can be written on top of each other";
-    session.refuse(Diagnostic::new(codes::E0711, message).help(help))
+    call.refuse(Diagnostic::new(codes::E0711, message).help(help))
 }

@@ -1,0 +1,76 @@
+//! A certificate with the machine, the target and the files that it holds for.
+
+use super::compensation::verdict;
+use crate::controller::{Certificate, ControllerTarget, Figures, RaisedFigure, ZeroShift, micro};
+use crate::machine::{AxisKind, Machine};
+use serde_json::{Map, Value, json};
+
+/// What a controller leaves after it has applied a set of files.
+#[derive(Debug, Clone)]
+pub struct CertificateReport {
+    /// The machine, with the tool that the set holds for.
+    pub machine: Machine,
+    /// The controller.
+    pub target: ControllerTarget,
+    /// The figures.
+    pub certificate: Certificate,
+    /// Names of the files.
+    pub files: Vec<String>,
+}
+
+impl CertificateReport {
+    pub(crate) fn new(
+        machine: &Machine,
+        target: &ControllerTarget,
+        certificate: &Certificate,
+        files: Vec<String>,
+    ) -> Self {
+        Self { machine: machine.clone(), target: target.clone(), certificate: certificate.clone(), files }
+    }
+
+    /// Returns in words which figures of the position deviation the files raise; `None` if they raise none.
+    pub fn raised(&self) -> Option<String> {
+        verdict::raised(&self.certificate)
+    }
+
+    /// The contract of `compile` and `verify` in docs/formats.md.
+    fn json(&self) -> serde_json::Value {
+        let Self { machine, target, certificate, files } = self;
+        let summary = |f: &Figures| json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis});
+        let errors: serde_json::Map<_, _> = certificate
+            .errors
+            .iter()
+            .map(|e| (e.error.to_string(), json!({"handled": e.handled, "left_um": e.left, "alone_um": e.alone})))
+            .collect();
+        let shifted = certificate.shifted.as_ref();
+        let shift = |s: &ZeroShift| {
+            let of = |kind: AxisKind| -> serde_json::Map<_, _> {
+                let axes = machine.axes().iter().zip(&s.shift).filter(|(axis, _)| axis.kind == kind);
+                axes.map(|(axis, shift)| (axis.name.to_string(), json!(shift * micro(kind).0))).collect()
+            };
+            json!({"shift_um": of(AxisKind::Linear), "shift_urad": of(AxisKind::Rotary), "position_um": s.position_um, "without_tables_um": s.alone_um})
+        };
+        let raised = |r: &RaisedFigure| json!({"direction": r.approach, "figure": r.figure, "before_um": r.before, "after_um": r.after});
+        json!({
+            "reference_shift": shifted.map(shift), "raised": certificate.raised.iter().map(raised).collect::<Vec<_>>(),
+            "target": target.manifest.target, "files": files, "poses": certificate.poses,
+            "direction": certificate.approach, "tool": machine.tool().name,
+            "uncompensated": summary(&certificate.uncompensated), "compensated": summary(&certificate.compensated),
+            "errors": errors,
+            "at_reference": {"forward": named(machine, &certificate.at_reference[0]), "reverse": named(machine, &certificate.at_reference[1])},
+            "cannot": target.manifest.cannot,
+        })
+    }
+}
+
+impl serde::Serialize for CertificateReport {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.json().serialize(serializer)
+    }
+}
+
+/// Values by the names of the axes.
+fn named(machine: &Machine, values: &[f64]) -> Map<String, Value> {
+    let names = machine.axes().iter().map(|axis| axis.name.to_string());
+    names.zip(values).map(|(name, value)| (name, json!(value))).collect()
+}

@@ -1,0 +1,55 @@
+//! What a set of files does to a machine: one that `compile` would write, or one found in a folder.
+
+use super::found_set::found_set;
+use super::options::CompensationOptions;
+use super::table_set::{self, FoundTables, TableRequest};
+use super::{module_set, verdict};
+use crate::api::run::{Call, Refused};
+use crate::controller::{
+    Certificate, ControllerTarget, Depth, Effect, JudgedTables, Limits, certify, certify_kinematics,
+};
+use crate::machine::Machine;
+use std::path::Path;
+
+/// Returns what a target does to a machine by the files that `compile` would write, and their certificate. Nothing is
+/// written.
+pub(crate) fn compiled_effect(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    options: &CompensationOptions,
+    depth: Depth,
+) -> Result<(Effect, Certificate), Refused> {
+    let (effect, certificate) = if target.manifest.kinematics().is_some() {
+        let set = module_set::rendered(call, machine, target, options.orientation(), Limits::default())?;
+        let (module, beside) = (set.module, set.beside);
+        let certificate = certify_kinematics(machine, target, (&module, &beside), depth);
+        (Effect::Module(Box::new(module), beside), certificate)
+    } else {
+        let request = TableRequest::plain(options.scope());
+        let tables = table_set::rendered(call, machine, target, &request, None)?.tables;
+        let judged = JudgedTables { target, tables: &tables, installed: None };
+        let certificate = certify(machine, judged, options.scope(), depth.poses, depth.seed);
+        (Effect::CorrectionTables(tables), certificate)
+    };
+    call.extend(verdict::warnings(&certificate));
+    call.checked()?;
+    Ok((effect, certificate))
+}
+
+/// Returns what the set in a folder does, of whatever target it is.
+pub(crate) fn found_effect(
+    call: &mut Call,
+    machine: &Machine,
+    folder: &Path,
+    options: &CompensationOptions,
+) -> Result<(ControllerTarget, Effect), Refused> {
+    let set = found_set(call, machine, folder, None, options)?;
+    call.checked()?;
+    if set.target.manifest.kinematics().is_none() {
+        let FoundTables { target, tables, .. } = table_set::tables_of(call, machine, folder, set)?;
+        return Ok((target, Effect::CorrectionTables(tables)));
+    }
+    let (module, beside) = module_set::found(call, machine, &set.target, folder, options, &set.files)?;
+    Ok((set.target, Effect::Module(Box::new(module), beside)))
+}

@@ -1,0 +1,98 @@
+//! A folder with compensation files, as a controller finds it.
+
+use crate::controller::{LOCK_NAME, Lock, MAX_FILE_BYTES, ReadBack};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::syntax::{EntryKind, Files, FolderEntry, ReadFailure};
+use std::path::Path;
+
+/// Largest file of a set that is read back: as large as one is written, in bytes.
+pub(crate) const SET_LIMIT: u64 = MAX_FILE_BYTES as u64;
+
+/// Maximum number of files, and of bytes, that are searched for a set.
+const MAX_FILES: usize = 200;
+const MAX_BYTES: u64 = 4 * SET_LIMIT;
+
+/// A folder and what is in it.
+pub(crate) struct Folder<'a> {
+    pub path: &'a Path,
+    files: &'a dyn Files,
+    entries: Vec<FolderEntry>,
+}
+
+impl<'a> Folder<'a> {
+    pub fn new(path: &'a Path, files: &'a dyn Files) -> Self {
+        Self { path, files, entries: files.entries(path) }
+    }
+
+    /// True if there is a file, folder or link of a name.
+    pub fn has(&self, name: &str) -> bool {
+        self.entries.iter().any(|entry| entry.name == name)
+    }
+
+    /// Returns the manifest of the set in the folder; `None` if there is none that abbe wrote.
+    pub fn lock(&self) -> Option<Lock> {
+        Lock::from_text(&String::from_utf8(self.bytes(LOCK_NAME)?).ok()?)
+    }
+
+    /// Returns the bytes of a file that can be read.
+    pub fn bytes(&self, name: &str) -> Option<Vec<u8>> {
+        self.files.read_at_most(&self.path.join(name), SET_LIMIT).ok()
+    }
+
+    /// Reads those of the named files that are there, as the controller finds them: with a byte order mark if they have
+    /// one.
+    pub fn read(&self, names: &[String], diagnostics: &mut Diagnostics) -> Vec<ReadBack> {
+        let mut found = Vec::new();
+        for name in names.iter().filter(|name| self.has(name)) {
+            let text = self
+                .files
+                .read_at_most(&self.path.join(name), SET_LIMIT)
+                .map_err(|failure| unreadable(&failure))
+                .and_then(|bytes| String::from_utf8(bytes).map_err(|_| "is not text in UTF-8".to_owned()));
+            match text {
+                Ok(text) => found.push(ReadBack::new(name, text)),
+                Err(why) => diagnostics.push(
+                    Diagnostic::new(codes::E0704, format!("`{name}` {why}"))
+                        .help("compile the file set again; do not edit compensation files by hand"),
+                ),
+            }
+        }
+        found
+    }
+
+    /// Reads every text in the folder, up to a limit; warns of what is left alone.
+    pub fn texts(&self, diagnostics: &mut Diagnostics) -> Vec<(String, String)> {
+        let candidate = |entry: &&FolderEntry| {
+            entry.kind == EntryKind::File && entry.name != LOCK_NAME && !entry.name.starts_with('.')
+        };
+        let (mut texts, mut bytes) = (Vec::new(), 0);
+        for (number, entry) in self.entries.iter().filter(candidate).enumerate() {
+            if number >= MAX_FILES || bytes + entry.size > MAX_BYTES {
+                diagnostics.push(left_alone(&entry.name, "the files before it are more than any set has"));
+                break;
+            }
+            bytes += entry.size;
+            match self.bytes(&entry.name).and_then(|bytes| String::from_utf8(bytes).ok()) {
+                Some(text) => texts.push((entry.name.clone(), text)),
+                None => diagnostics.push(left_alone(&entry.name, "it is no text that can be read")),
+            }
+        }
+        texts
+    }
+}
+
+/// Warns of a file that is not judged.
+pub(crate) fn left_alone(name: &str, why: &str) -> Diagnostic {
+    let message = format!("`{}` is left alone: {why}", shown(name));
+    Diagnostic::new(codes::W0711, message).help("what is certified is the set without this file")
+}
+
+fn unreadable(failure: &ReadFailure) -> String {
+    match failure {
+        ReadFailure::NotAFile(word) => format!("is {word}, not a file"),
+        ReadFailure::TooLarge(size, limit) => format!("has {size} bytes; no set has a file of more than {limit}"),
+        ReadFailure::NotFound => "is a link to nothing".to_owned(),
+        ReadFailure::Denied => "may not be read".to_owned(),
+        ReadFailure::Other(words) => format!("cannot be read: {words}"),
+    }
+}

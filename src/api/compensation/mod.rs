@@ -1,0 +1,24 @@
+//! How a machine is compensated: options, the sets of files that come of them, and the sets that folders hold.
+//!
+//! - [`options`]: what is corrected, with which axes, for which target;
+//! - [`table_set`], [`module_set`]: sets of tables and kinematics modules, rendered and read back;
+//! - [`folder`], [`found_set`]: sets found in a folder, of whatever target;
+//! - [`effect`]: what either does to a machine; [`verdict`]: what its certificate warns of.
+
+pub(crate) mod effect;
+pub(crate) mod folder;
+pub(crate) mod found_set;
+pub(crate) mod module_set;
+pub(crate) mod options;
+pub(crate) mod table_set;
+pub(crate) mod verdict;
+
+use crate::controller::ControllerTarget;
+use crate::diagnostic::{Diagnostic, codes};
+
+/// Refuses rendered files that do not read back as what was meant.
+fn misread(target: &ControllerTarget) -> Diagnostic {
+    let name = &target.manifest.target;
+    Diagnostic::new(codes::E0707, format!("the files of target `{name}` do not read back as what was to be written"))
+        .help("its templates do not write what its manifest says; nothing was written")
+}

@@ -1,0 +1,110 @@
+//! Kinematics modules, for targets that replace the controller's kinematics: rendered and read back, or found in a folder.
+
+use super::options::CompensationOptions;
+use super::{found_set, misread};
+use crate::api::run::{Call, Refused};
+use crate::compensation::CorrectionTables;
+use crate::controller::{ControllerTarget, KinematicsModule, Limits, ReadBack, RenderedFile};
+use crate::machine::Machine;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The files of a module, and what the controller reads from them.
+pub(crate) struct ModuleFiles {
+    pub(crate) rendered: Vec<RenderedFile>,
+    /// What the module carries.
+    pub(crate) module: KinematicsModule,
+    /// The tables beside it.
+    pub(crate) beside: CorrectionTables,
+}
+
+/// Renders a module and reads it back.
+pub(crate) fn rendered(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    orientation: bool,
+    limits: Limits,
+) -> Result<ModuleFiles, Refused> {
+    let meant = carried(call, machine, target, orientation)?;
+    call.checked()?;
+    let reversal = Arc::new(target.reversal_tables(machine));
+    call.extend(limits.exceeded(machine, &reversal));
+    call.checked()?;
+    let rendered = target.render_kinematics(machine, &meant, &reversal, &mut call.diagnostics);
+    let rendered = rendered.ok_or(Refused)?;
+    call.checked()?;
+    let (module, beside) = read_back(call, machine, target, &rendered, (&meant, &reversal))?;
+    Ok(ModuleFiles { rendered, module, beside })
+}
+
+/// A module takes the place of another one, and nothing adds up.
+pub(crate) fn refuse_installed(call: &mut Call, given: bool) -> Result<(), Refused> {
+    if given { call.usage("--installed: a kinematics module is not written on top of tables") } else { Ok(()) }
+}
+
+/// A module's numbers and the tables beside it, read from the files of a folder.
+pub(crate) fn found(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    folder: &Path,
+    options: &CompensationOptions,
+    texts: &[ReadBack],
+) -> Result<(KinematicsModule, CorrectionTables), Refused> {
+    if texts.is_empty() {
+        return call.refuse(found_set::nothing_found(folder));
+    }
+    let meant = carried(call, machine, target, options.orientation())?;
+    let Some(read) = target.read_kinematics(machine, &meant, texts, &mut call.diagnostics) else {
+        return Err(Refused);
+    };
+    let beside = beside(call, machine, target, texts)?;
+    Ok((read.with_tool_of(machine), beside))
+}
+
+fn carried(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    orientation: bool,
+) -> Result<KinematicsModule, Refused> {
+    match KinematicsModule::of(machine, target, orientation) {
+        Ok(carried) => {
+            call.extend(carried.warnings(machine));
+            Ok(carried)
+        }
+        Err(refusal) => call.refuse(refusal),
+    }
+}
+
+/// The tables of the files beside a module; none if there are no such files.
+fn beside(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    texts: &[ReadBack],
+) -> Result<CorrectionTables, Refused> {
+    let tables = target.read_beside(machine, texts, &mut call.diagnostics);
+    call.checked()?;
+    Ok(tables)
+}
+
+/// Reads the rendered bytes back as `verify` would, and insists that they are what was meant.
+fn read_back(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    files: &[RenderedFile],
+    (meant, reversal): (&KinematicsModule, &CorrectionTables),
+) -> Result<(KinematicsModule, CorrectionTables), Refused> {
+    let text = |file: &RenderedFile| ReadBack::new(&*file.name, String::from_utf8_lossy(&file.bytes));
+    let texts: Vec<_> = files.iter().map(text).collect();
+    let read = target.read_kinematics(machine, meant, &texts, &mut call.diagnostics);
+    call.checked()?;
+    let beside = beside(call, machine, target, &texts)?;
+    match read {
+        Some(read) if read == *meant && beside.same_effect(reversal) => Ok((read, beside)),
+        _ => call.refuse(misread(target)),
+    }
+}

@@ -1,0 +1,155 @@
+//! `compile`: the files of a controller, with their certificate.
+
+use super::certificate::CertificateReport;
+use super::compensation::module_set;
+use super::compensation::options::CompensationOptions;
+use super::compensation::table_set::{self, TableRequest};
+use super::compensation::verdict;
+use super::machine_file::{MachineFile, bounded_only};
+use super::run::{Answer, Call, Refused, Run};
+use crate::controller::{
+    Certificate, ControllerTarget, Depth, Hashed, JudgedTables, Limits, Lock, NAMES, RenderedFile, certify,
+    certify_kinematics,
+};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use std::path::PathBuf;
+
+/// Options of [`compile`].
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct CompileOptions {
+    /// Name of the controller's folder, such as `linuxcnc`.
+    pub target: String,
+    /// How the machine is compensated.
+    pub compensation: CompensationOptions,
+    /// Number of poses of the certificate.
+    pub poses: usize,
+    /// Seed of the poses.
+    pub seed: u64,
+    /// True if a format or a sign that is known from memory only may be written.
+    pub accept_unverified: bool,
+    /// Folder with the files that were in force when the machine was measured: the new files are old plus new.
+    pub installed: Option<PathBuf>,
+    /// Limits on corrections.
+    pub max_correction: Limits,
+    /// Names of the axes that span a lattice; all if empty. The others stand at 0 in its nodes.
+    pub lattice: Vec<String>,
+    /// Maximum number of lattice nodes.
+    pub max_nodes: usize,
+}
+
+impl Default for CompileOptions {
+    fn default() -> Self {
+        Self {
+            target: String::new(),
+            compensation: CompensationOptions::default(),
+            poses: 2000,
+            seed: 1,
+            accept_unverified: false,
+            installed: None,
+            max_correction: Limits::default(),
+            lattice: Vec::new(),
+            max_nodes: usize::MAX,
+        }
+    }
+}
+
+/// A set of files in memory, with its certificate.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct CompiledSet {
+    /// The files, without the manifest.
+    #[serde(skip)]
+    pub files: Vec<RenderedFile>,
+    /// The manifest of the set, to be written last as `abbe.lock.json`.
+    #[serde(skip)]
+    pub lock: Lock,
+    /// What the controller leaves after it has applied the files.
+    #[serde(flatten)]
+    pub certificate: CertificateReport,
+}
+
+/// Compiles a machine to the files of a controller. The files are read back and replayed as the controller would; nothing
+/// is written.
+///
+/// Fails if the target is unknown or has nothing for this machine, if a correction exceeds the limits, if the files do not
+/// read back as what was meant, and if an option does not fit.
+pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Result<Answer<CompiledSet>, Diagnostics> {
+    Call::answer(run, file.sources(), |call| {
+        call.extend(bounded_only(file));
+        let target = options.compensation.target(call, &options.target, None)?;
+        refuse_unverified(call, &target, options.accept_unverified)?;
+        if target.manifest.kinematics().is_some() {
+            return module(call, file, &target, options);
+        }
+        tables(call, file, &target, options)
+    })
+}
+
+/// A set of tables.
+fn tables(
+    call: &mut Call,
+    file: &MachineFile,
+    target: &ControllerTarget,
+    options: &CompileOptions,
+) -> Result<CompiledSet, Refused> {
+    let how = &options.compensation;
+    let installed = table_set::installed(call, file, target, how, options.installed.as_deref())?;
+    let request = TableRequest {
+        lattice: &options.lattice,
+        max_nodes: options.max_nodes,
+        scope: how.scope(),
+        limits: options.max_correction,
+    };
+    let set = table_set::rendered(call, file, target, &request, installed.as_ref())?;
+    let judged = JudgedTables { target, tables: &set.tables, installed: installed.as_ref() };
+    let certificate = certify(file, judged, how.scope(), options.poses, options.seed);
+    call.extend(target.unplaced(file));
+    call.extend(verdict::warnings(&certificate));
+    call.checked()?;
+    Ok(compiled(file, target, how.words(), set.rendered, &certificate))
+}
+
+/// The files of a kinematics module.
+fn module(
+    call: &mut Call,
+    file: &MachineFile,
+    target: &ControllerTarget,
+    options: &CompileOptions,
+) -> Result<CompiledSet, Refused> {
+    module_set::refuse_installed(call, options.installed.is_some())?;
+    let orientation = options.compensation.orientation();
+    let limits = options.max_correction;
+    let set = module_set::rendered(call, file, target, orientation, limits)?;
+    let depth = Depth { poses: options.poses, seed: options.seed };
+    let certificate = certify_kinematics(file, target, (&set.module, &set.beside), depth);
+    call.extend(limits.exceeded_by(&certificate));
+    call.extend(verdict::warnings(&certificate));
+    call.checked()?;
+    let goal = if orientation { "correct pose" } else { "correct position" };
+    Ok(compiled(file, target, vec![goal.to_owned()], set.rendered, &certificate))
+}
+
+fn compiled(
+    file: &MachineFile,
+    target: &ControllerTarget,
+    words: Vec<String>,
+    files: Vec<RenderedFile>,
+    certificate: &Certificate,
+) -> CompiledSet {
+    let hashes = files.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
+    let lock = Lock::new(&target.manifest.target, file, words, file.inputs(), hashes);
+    let names = files.iter().map(|file| file.name.clone()).collect();
+    CompiledSet { certificate: CertificateReport::new(file, target, certificate, names), files, lock }
+}
+
+/// A format that rests on memory alone is written only for those who accept it. A folder of one's own needs no such
+/// option: who wrote its manifest knows.
+fn refuse_unverified(call: &mut Call, target: &ControllerTarget, accepted: bool) -> Result<(), Refused> {
+    let name = &target.manifest.target;
+    if accepted || !target.manifest.unverified() || !NAMES.contains(&&**name) {
+        return Ok(());
+    }
+    let message = format!("the format of `{name}` is known from memory only: {}", target.manifest.caution());
+    let help = "`abbe explain TARGET` says what is sure; to write the files all the same: --accept-unverified";
+    call.refuse(Diagnostic::new(codes::E0710, message).help(help))
+}

@@ -1,0 +1,212 @@
+//! `verify`: files replayed as the controller would, and what they leave.
+
+use super::certificate::CertificateReport;
+use super::compensation::folder::Folder;
+use super::compensation::found_set::found_set;
+use super::compensation::options::CompensationOptions;
+use super::compensation::table_set::{self, FoundTables};
+use super::compensation::{module_set, verdict};
+use super::machine_file::MachineFile;
+use super::run::{Answer, Call, Refused, Run};
+use crate::controller::{
+    ControllerTarget, Depth, JudgedTables, LOCK_NAME, Lock, ReadBack, Replay, assigned_letters, certify,
+    certify_kinematics, is_plain_name,
+};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::machine::Approach;
+use std::path::{Path, PathBuf};
+
+/// Options of [`verify`] and [`replay`].
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct VerifyOptions {
+    /// Name of the controller; by default what the folder's manifest or its files tell.
+    pub target: Option<String>,
+    /// How the machine was compensated.
+    pub compensation: CompensationOptions,
+    /// Number of poses of the certificate.
+    pub poses: usize,
+    /// Seed of the poses.
+    pub seed: u64,
+    /// Folder with the files that were in force when the machine was measured: the files judged here replace them.
+    pub installed: Option<PathBuf>,
+}
+
+impl Default for VerifyOptions {
+    fn default() -> Self {
+        Self { target: None, compensation: CompensationOptions::default(), poses: 2000, seed: 1, installed: None }
+    }
+}
+
+/// Returns the manifest of the set in a folder; `None` if there is none that abbe wrote.
+pub fn set_manifest(folder: &Path, run: Run) -> Option<Lock> {
+    Folder::new(folder, run.files).lock()
+}
+
+/// Reads the files in a folder back, replays them as the controller would, and returns what they leave.
+///
+/// Fails if the folder holds no set of a known target, or one that the controller would misread.
+pub fn verify(
+    file: &MachineFile,
+    folder: &Path,
+    options: &VerifyOptions,
+    run: Run,
+) -> Result<Answer<CertificateReport>, Diagnostics> {
+    Call::answer(run, file.sources(), |call| {
+        let set = opened(call, file, folder, options)?;
+        if set.target.manifest.kinematics().is_some() {
+            return module(call, file, folder, &set, options);
+        }
+        let (found, installed) = tables(call, file, folder, set, options)?;
+        let FoundTables { target, tables, files } = found;
+        let judged = JudgedTables { target: &target, tables: &tables, installed: installed.as_ref() };
+        let certificate = certify(file, judged, options.compensation.scope(), options.poses, options.seed);
+        call.extend(verdict::warnings(&certificate));
+        call.checked()?;
+        Ok(CertificateReport::new(file, &target, &certificate, files))
+    })
+}
+
+/// A position at which a table is read.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct ReplayPosition {
+    /// Number of the joint in the controller's order, from 0.
+    pub joint: usize,
+    /// Direction of approach: forward or reverse.
+    pub approach: Approach,
+    /// Position of the joint, mm or deg; all other axes stand at 0.
+    pub position: f64,
+}
+
+/// Returns what the controller adds to the joint at each position, mm or deg.
+///
+/// Fails like [`verify`], and for a kinematics module, which has no tables that hold for a joint alone.
+pub fn replay(
+    file: &MachineFile,
+    folder: &Path,
+    positions: &[ReplayPosition],
+    options: &VerifyOptions,
+    run: Run,
+) -> Result<Answer<Vec<f64>>, Diagnostics> {
+    Call::answer(run, file.sources(), |call| {
+        let set = opened(call, file, folder, options)?;
+        if set.target.manifest.kinematics().is_some() {
+            return call.usage("--replay: a kinematics module has no tables that hold for a joint alone");
+        }
+        let (FoundTables { target, tables, .. }, _) = tables(call, file, folder, set, options)?;
+        let replay = Replay::new(file, &target, &tables);
+        let letters = assigned_letters(file, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
+        positions.iter().map(|at| added(call, file, &replay, &letters, at)).collect()
+    })
+}
+
+fn added(
+    call: &mut Call,
+    file: &MachineFile,
+    replay: &Replay,
+    letters: &[(usize, String)],
+    at: &ReplayPosition,
+) -> Result<f64, Refused> {
+    let Some((axis, _)) = letters.get(at.joint) else {
+        let message = format!("the machine has no joint {}", at.joint);
+        return call.refuse(
+            Diagnostic::new(codes::E0802, message).help("joints are numbered from 0 in the controller's order"),
+        );
+    };
+    let mut command = vec![0.0; file.axes().len()];
+    command[*axis] = at.position;
+    Ok(replay.added(&command, at.approach)[*axis])
+}
+
+/// Finds the set in the folder, and warns of what its manifest does not agree with.
+fn opened(
+    call: &mut Call,
+    file: &MachineFile,
+    path: &Path,
+    options: &VerifyOptions,
+) -> Result<super::compensation::found_set::FoundSet, Refused> {
+    let folder = Folder::new(path, call.run.files);
+    let lock = folder.lock();
+    warn_other_inputs(call, file, lock.as_ref());
+    let set = found_set(call, file, path, options.target.as_deref(), &options.compensation)?;
+    call.checked()?;
+    warn_edited(call, &folder, lock.as_ref());
+    if set.target.manifest.kinematics().is_some() {
+        module_set::refuse_installed(call, options.installed.is_some())?;
+    } else {
+        warn_other_tool(call, file, &set.target, lock.as_ref());
+    }
+    Ok(set)
+}
+
+/// Reads the tables of a set, and those that were installed before.
+fn tables(
+    call: &mut Call,
+    file: &MachineFile,
+    folder: &Path,
+    set: super::compensation::found_set::FoundSet,
+    options: &VerifyOptions,
+) -> Result<(FoundTables, Option<crate::compensation::CorrectionTables>), Refused> {
+    let found = table_set::tables_of(call, file, folder, set)?;
+    call.extend(found.target.unplaced(file));
+    let installed =
+        table_set::installed(call, file, &found.target, &options.compensation, options.installed.as_deref())?;
+    call.checked()?;
+    Ok((found, installed))
+}
+
+/// The certificate of a kinematics module.
+fn module(
+    call: &mut Call,
+    file: &MachineFile,
+    folder: &Path,
+    set: &super::compensation::found_set::FoundSet,
+    options: &VerifyOptions,
+) -> Result<CertificateReport, Refused> {
+    let (target, texts) = (&set.target, &set.files);
+    let (module, beside) = module_set::found(call, file, target, folder, &options.compensation, texts)?;
+    let depth = Depth { poses: options.poses, seed: options.seed };
+    let certificate = certify_kinematics(file, target, (&module, &beside), depth);
+    call.extend(verdict::warnings(&certificate));
+    call.checked()?;
+    let names = texts.iter().map(|text: &ReadBack| text.found.clone()).collect();
+    Ok(CertificateReport::new(file, target, &certificate, names))
+}
+
+/// Tables made from other files than those just read are judged all the same.
+fn warn_other_inputs(call: &mut Call, file: &MachineFile, lock: Option<&Lock>) {
+    if lock.is_some_and(|lock| lock.inputs != file.inputs()) {
+        let message = "the tables were made from another machine file, or from other error tables, than these";
+        call.warn(Diagnostic::new(codes::W0702, message).help("compile again if the machine file has changed"));
+    }
+}
+
+/// Tables that hold for one tool, judged with another.
+fn warn_other_tool(call: &mut Call, file: &MachineFile, target: &ControllerTarget, lock: Option<&Lock>) {
+    let Some(lock) = lock else { return };
+    let name = &file.tool().name;
+    if target.manifest.tool_dependent() && lock.tool != *name {
+        let message = format!("the tables were made for the tool `{}` and are judged with `{name}`", lock.tool);
+        let help = "the figures are those of the wrong tool at the machine; to load tables for it, compile with --tool";
+        call.warn(Diagnostic::new(codes::W0706, message).help(help));
+    }
+}
+
+/// Warns of files that are no longer as the manifest of the set states; they are read all the same.
+fn warn_edited(call: &mut Call, folder: &Folder, lock: Option<&Lock>) {
+    let Some(lock) = lock else {
+        let message = format!(
+            "`{}` has no readable {LOCK_NAME}: whether its files were edited cannot be told",
+            folder.path.display()
+        );
+        call.warn(Diagnostic::new(codes::W0703, message).help("files found on a machine are judged as they are"));
+        return;
+    };
+    for file in lock.files.iter().filter(|file| is_plain_name(&file.name)) {
+        // A missing file has been refused.
+        let Some(bytes) = folder.bytes(&file.name) else { continue };
+        if !lock.wrote(&file.name, &bytes) {
+            call.warn(Diagnostic::new(codes::W0701, format!("`{}` has been edited since abbe wrote it", file.name)));
+        }
+    }
+}
