@@ -1,147 +1,122 @@
 //! One page over HTTP, for a browser on this computer only.
 //!
-//! Written on the standard library: it answers `GET /` and nothing else, so a server library (the small ones have
-//! seen no release for years) would add parsers for much that has to be refused. The listener is bound to
-//! 127.0.0.1. The `Host` header must name it: a page from elsewhere that resolves its own name to
-//! 127.0.0.1 reads nothing. Requests are short, reads have a deadline, and there are only so many at once.
+//! The listener is bound to 127.0.0.1, and the `Host` header must name it: a page from elsewhere that resolves its own
+//! name to 127.0.0.1 reads nothing. Request heads are short and have a deadline, and the number of connections at a time
+//! is limited.
 
-use std::io::{Read, Write};
-use std::net::{TcpListener, TcpStream};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use http_body_util::Full;
+use hyper::body::{Bytes, Incoming};
+use hyper::header::{self, HeaderMap, HeaderValue};
+use hyper::server::conn::http1;
+use hyper::service::service_fn;
+use hyper::{Method, Request, Response, StatusCode};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use std::convert::Infallible;
+use std::net::TcpListener;
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use tokio::sync::Semaphore;
 
-/// Longest request, bytes.
-const LONGEST: usize = 8 * 1024;
+/// Maximum size of a request head, bytes.
+const MAX_HEAD: usize = 8 * 1024;
 
-/// Time a request may take to arrive, and an answer to be taken.
-const PATIENCE: Duration = Duration::from_secs(2);
+/// Time for a request head to arrive, and for a whole exchange.
+const HEAD_DEADLINE: Duration = Duration::from_secs(2);
+const EXCHANGE_DEADLINE: Duration = Duration::from_secs(10);
 
-/// Connections at once; further ones are closed.
-const MOST: usize = 16;
+/// Maximum number of connections at a time; further ones wait.
+const MAX_CONNECTIONS: usize = 16;
 
-/// What is served.
-pub(super) struct Answer {
+/// A page as it is served.
+pub(super) struct ServedPage {
     /// The entity tag, in quotes.
     pub tag: String,
     /// The page.
-    pub body: Vec<u8>,
+    pub body: Bytes,
 }
 
-/// Answers in the background for as long as the program runs.
-pub(super) fn serve(listener: TcpListener, port: u16, answer: Arc<Mutex<Arc<Answer>>>) {
-    let open = Arc::new(AtomicUsize::new(0));
-    let _ = std::thread::spawn(move || {
-        for stream in listener.incoming().flatten() {
-            if open.fetch_add(1, Ordering::SeqCst) >= MOST {
-                let _ = open.fetch_sub(1, Ordering::SeqCst);
-                continue;
-            }
-            let (open, answer) = (Arc::clone(&open), Arc::clone(&answer));
-            let _ = std::thread::spawn(move || {
-                // A reader that goes away is no matter of ours.
-                let _ = converse(stream, port, &answer);
-                let _ = open.fetch_sub(1, Ordering::SeqCst);
+/// The page that is served now.
+pub(super) type CurrentPage = Arc<Mutex<Arc<ServedPage>>>;
+
+/// Serves the page in the background for as long as the program runs.
+pub(super) fn serve(listener: TcpListener, port: u16, page: CurrentPage) -> std::io::Result<()> {
+    listener.set_nonblocking(true)?;
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
+    let _ = std::thread::Builder::new().name("http".to_owned()).spawn(move || {
+        // Without a listener there is nothing to serve; the page on disk stays.
+        let _ = runtime.block_on(accept(listener, port, page));
+    })?;
+    Ok(())
+}
+
+async fn accept(listener: TcpListener, port: u16, page: CurrentPage) -> std::io::Result<()> {
+    let listener = tokio::net::TcpListener::from_std(listener)?;
+    let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    loop {
+        let Ok(place) = Arc::clone(&places).acquire_owned().await else { return Ok(()) };
+        let Ok((stream, _)) = listener.accept().await else { continue };
+        let page = Arc::clone(&page);
+        let _ = tokio::spawn(async move {
+            let answer = service_fn(move |request| {
+                let response = respond(&request, port, &page);
+                async move { Ok::<_, Infallible>(response) }
             });
-        }
-    });
-}
-
-fn converse(mut stream: TcpStream, port: u16, answer: &Mutex<Arc<Answer>>) -> std::io::Result<()> {
-    stream.set_write_timeout(Some(PATIENCE))?;
-    let Some(head) = head(&mut stream)? else { return Ok(()) };
-    let current = match answer.lock() {
-        Ok(current) => Arc::clone(&current),
-        Err(_) => return Ok(()),
-    };
-    let reply = reply(&head, port, &current.tag);
-    let body: &[u8] = match reply {
-        Reply::Page => &current.body,
-        _ => b"",
-    };
-    let head = format!(
-        "HTTP/1.1 {}\r\nContent-Type: text/html; charset=utf-8\r\nContent-Length: {}\r\nETag: {}\r\n{FIXED}\r\n",
-        reply.status(),
-        body.len(),
-        current.tag
-    );
-    stream.write_all(head.as_bytes())?;
-    stream.write_all(body)?;
-    stream.flush()
-}
-
-/// The page says itself what it may load; it stands in no frame, and nobody else's page may read it.
-const FIXED: &str = "Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\n\
-    Cross-Origin-Resource-Policy: same-origin\r\nReferrer-Policy: no-referrer\r\nAllow: GET\r\nConnection: close\r\n";
-
-/// The request up to its empty line; `None` if it is too long or too slow.
-fn head(stream: &mut TcpStream) -> std::io::Result<Option<String>> {
-    let deadline = Instant::now() + PATIENCE;
-    let mut bytes = Vec::new();
-    let mut piece = [0_u8; 1024];
-    while !bytes.windows(4).any(|w| w == b"\r\n\r\n") {
-        let left = deadline.saturating_duration_since(Instant::now());
-        if left.is_zero() || bytes.len() > LONGEST {
-            return Ok(None);
-        }
-        stream.set_read_timeout(Some(left))?;
-        let count = stream.read(&mut piece)?;
-        if count == 0 {
-            return Ok(None);
-        }
-        bytes.extend_from_slice(&piece[..count]);
-    }
-    Ok(String::from_utf8(bytes).ok())
-}
-
-/// What a request gets.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Reply {
-    Page,
-    Unchanged,
-    NotFound,
-    NotAllowed,
-    Misdirected,
-    Bad,
-}
-
-impl Reply {
-    fn status(self) -> &'static str {
-        match self {
-            Self::Page => "200 OK",
-            Self::Unchanged => "304 Not Modified",
-            Self::NotFound => "404 Not Found",
-            Self::NotAllowed => "405 Method Not Allowed",
-            Self::Misdirected => "421 Misdirected Request",
-            Self::Bad => "400 Bad Request",
-        }
+            let mut server = http1::Builder::new();
+            let server = server.timer(TokioTimer::new()).header_read_timeout(HEAD_DEADLINE);
+            let exchange =
+                server.max_buf_size(MAX_HEAD).keep_alive(false).serve_connection(TokioIo::new(stream), answer);
+            // A reader that goes away concerns nobody else.
+            let _ = tokio::time::timeout(EXCHANGE_DEADLINE, exchange).await;
+            drop(place);
+        });
     }
 }
 
-fn reply(head: &str, port: u16, tag: &str) -> Reply {
-    let mut lines = head.split("\r\n");
-    let mut words = lines.next().unwrap_or_default().split(' ');
-    let (Some(method), Some(path), Some(version), None) = (words.next(), words.next(), words.next(), words.next())
-    else {
-        return Reply::Bad;
+fn respond(request: &Request<Incoming>, port: u16, page: &CurrentPage) -> Response<Full<Bytes>> {
+    let Ok(current) = page.lock().map(|page| Arc::clone(&page)) else {
+        return Response::new(Full::default());
     };
-    if !version.starts_with("HTTP/1.") {
-        return Reply::Bad;
+    let path = request.uri().path_and_query().map_or("", |path| path.as_str());
+    let absolute = request.uri().authority().is_some();
+    let status = status(request.method(), if absolute { "" } else { path }, request.headers(), port, &current.tag);
+    let body = if status == StatusCode::OK { current.body.clone() } else { Bytes::new() };
+    let mut response = Response::new(Full::new(body));
+    *response.status_mut() = status;
+    for (name, value) in FIXED {
+        let _ = response.headers_mut().insert(name, HeaderValue::from_static(value));
     }
-    let headers: Vec<(&str, &str)> = lines.filter_map(|line| line.split_once(':')).collect();
-    let values = |name: &str| -> Vec<&str> {
-        headers.iter().filter(|(n, _)| n.eq_ignore_ascii_case(name)).map(|(_, value)| value.trim()).collect()
+    if let Ok(tag) = HeaderValue::from_str(&current.tag) {
+        let _ = response.headers_mut().insert(header::ETAG, tag);
+    }
+    response
+}
+
+/// The page itself states what it may load; it stands in no frame, and no other origin may read it.
+const FIXED: [(header::HeaderName, &str); 7] = [
+    (header::CONTENT_TYPE, "text/html; charset=utf-8"),
+    (header::CACHE_CONTROL, "no-store"),
+    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    (header::X_FRAME_OPTIONS, "DENY"),
+    (header::HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
+    (header::REFERRER_POLICY, "no-referrer"),
+    (header::ALLOW, "GET"),
+];
+
+/// Returns the status of a request: only `GET /` from this computer gets the page.
+fn status(method: &Method, path: &str, headers: &HeaderMap, port: u16, tag: &str) -> StatusCode {
+    let one = |name| match &headers.get_all(name).iter().collect::<Vec<_>>()[..] {
+        [value] => value.to_str().ok(),
+        _ => None,
     };
     let own = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
-    match values("host")[..] {
-        [host] if own.iter().any(|own| own == host) => {}
-        _ => return Reply::Misdirected,
+    if !one(header::HOST).is_some_and(|host| own.iter().any(|own| own == host)) {
+        return StatusCode::MISDIRECTED_REQUEST;
     }
     match (method, path) {
-        ("GET", "/") if values("if-none-match") == [tag] => Reply::Unchanged,
-        ("GET", "/") => Reply::Page,
-        ("GET", _) => Reply::NotFound,
-        _ => Reply::NotAllowed,
+        (&Method::GET, "/") if one(header::IF_NONE_MATCH) == Some(tag) => StatusCode::NOT_MODIFIED,
+        (&Method::GET, "/") => StatusCode::OK,
+        (&Method::GET, _) => StatusCode::NOT_FOUND,
+        _ => StatusCode::METHOD_NOT_ALLOWED,
     }
 }
 
@@ -151,22 +126,27 @@ mod tests {
 
     #[test]
     fn only_the_page_is_served_and_only_to_this_computer() {
-        let ask = |text: &str| reply(&text.replace('|', "\r\n"), 8000, "\"a\"");
-        assert_eq!(ask("GET / HTTP/1.1|Host: 127.0.0.1:8000||"), Reply::Page);
-        assert_eq!(ask("GET / HTTP/1.1|host: localhost:8000|If-None-Match: \"a\"||"), Reply::Unchanged);
-        assert_eq!(ask("GET / HTTP/1.1|Host: localhost:8000|If-None-Match: \"b\"||"), Reply::Page);
-        for host in ["evil.example:8000", "127.0.0.1", "127.0.0.1:80", "127.0.0.1:8000.evil.example", ""] {
-            assert_eq!(ask(&format!("GET / HTTP/1.1|Host: {host}||")), Reply::Misdirected, "{host}");
+        let ask = |method: &str, path: &str, lines: &[(&'static str, &str)]| {
+            let mut headers = HeaderMap::new();
+            for (name, value) in lines {
+                let _ = headers.append(*name, HeaderValue::from_str(value).unwrap());
+            }
+            status(&Method::from_bytes(method.as_bytes()).unwrap(), path, &headers, 8000, "\"a\"").as_u16()
+        };
+        let (here, host) = ("127.0.0.1:8000", "host");
+        assert_eq!(ask("GET", "/", &[(host, here)]), 200);
+        assert_eq!(ask("GET", "/", &[(host, "localhost:8000"), ("if-none-match", "\"a\"")]), 304);
+        assert_eq!(ask("GET", "/", &[(host, "localhost:8000"), ("if-none-match", "\"b\"")]), 200);
+        for other in ["evil.example:8000", "127.0.0.1", "127.0.0.1:80", "127.0.0.1:8000.evil.example", ""] {
+            assert_eq!(ask("GET", "/", &[(host, other)]), 421, "{other}");
         }
-        assert_eq!(ask("GET / HTTP/1.1||"), Reply::Misdirected);
-        assert_eq!(ask("GET / HTTP/1.1|Host: 127.0.0.1:8000|Host: evil.example||"), Reply::Misdirected);
-        for path in ["/../etc/passwd", "//", "/?x", "/page.html", "http://127.0.0.1:8000/"] {
-            assert_eq!(ask(&format!("GET {path} HTTP/1.1|Host: 127.0.0.1:8000||")), Reply::NotFound, "{path}");
+        assert_eq!(ask("GET", "/", &[]), 421);
+        assert_eq!(ask("GET", "/", &[(host, here), (host, "evil.example")]), 421);
+        for path in ["/../etc/passwd", "//", "/?x", "/page.html", ""] {
+            assert_eq!(ask("GET", path, &[(host, here)]), 404, "{path}");
         }
         for method in ["POST", "HEAD", "OPTIONS", "PUT", "get"] {
-            assert_eq!(ask(&format!("{method} / HTTP/1.1|Host: 127.0.0.1:8000||")), Reply::NotAllowed, "{method}");
+            assert_eq!(ask(method, "/", &[(host, here)]), 405, "{method}");
         }
-        assert_eq!(ask("GET /||"), Reply::Bad);
-        assert_eq!(ask("GET / SPDY/3|Host: 127.0.0.1:8000||"), Reply::Bad);
     }
 }

@@ -3,7 +3,7 @@
 //! A file that is refused leaves the last good page in place, with the diagnostics above it.
 
 use super::output::session::Session;
-use super::serve::{Answer, serve};
+use super::serve::{ServedPage, serve};
 use super::store::files::Recorded;
 use super::verbs::report::{Args, Built, build, write};
 use super::{Exit, Outcome};
@@ -25,7 +25,10 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let mut turn = Turn { args, good: None };
     let (files, first) = turn.take(session)?;
     let answer = Arc::new(Mutex::new(Arc::new(first)));
-    serve(listener, port, Arc::clone(&answer));
+    serve(listener, port, Arc::clone(&answer)).or_else(|failure| {
+        let message = format!("the page cannot be served: {failure}");
+        session.refuse(Diagnostic::new(codes::E0631, message).help("write the page to a file: --out FILE.html"))
+    })?;
     session.print(&format!(
         "http://127.0.0.1:{port}/ shows the page; it follows the files until this program is ended (Ctrl-C)."
     ));
@@ -33,7 +36,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 /// Looks at the files for ever.
-fn follow(session: &mut Session, turn: &mut Turn<'_>, mut files: Recorded, answer: &Mutex<Arc<Answer>>) -> Outcome {
+fn follow(session: &mut Session, turn: &mut Turn<'_>, mut files: Recorded, answer: &Mutex<Arc<ServedPage>>) -> Outcome {
     loop {
         std::thread::sleep(PACE);
         if files.changed() {
@@ -54,7 +57,7 @@ struct Turn<'a> {
 
 impl Turn<'_> {
     /// Builds the page from the files as they are now.
-    fn take(&mut self, session: &mut Session) -> Result<(Recorded, Answer), Exit> {
+    fn take(&mut self, session: &mut Session) -> Result<(Recorded, ServedPage), Exit> {
         let files = Recorded::default();
         let mut now = session.fresh();
         let problem = match build(&mut now, self.args, &files) {
@@ -88,6 +91,6 @@ fn nothing() -> Built {
     Built::new(Data { abbe: env!("CARGO_PKG_VERSION"), machines: Vec::new(), comparison: None, colours: colours() })
 }
 
-fn answer(page: Rendered) -> Answer {
-    Answer { tag: format!("\"{}\"", page.mark), body: page.text.into_bytes() }
+fn answer(page: Rendered) -> ServedPage {
+    ServedPage { tag: format!("\"{}\"", page.mark), body: page.text.into_bytes().into() }
 }
