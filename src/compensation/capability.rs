@@ -1,7 +1,8 @@
 //! What a controller's compensation can hold: the `mechanism:` of a target's manifest.
 
-use super::{CorrectionTable, CorrectionTables};
-use crate::machine::{AxisKind, Direction, Machine};
+use super::increment::{Increment, round};
+use super::tables::{CorrectionTable, CorrectionTables};
+use crate::machine::Machine;
 use serde::Deserialize;
 
 /// The mechanisms of a target. What several of them could hold goes into one only: rotary axes into
@@ -236,81 +237,6 @@ fn yes() -> bool {
     true
 }
 
-/// Stored units in one mm and in one deg (of error curves: in one rad).
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Scale {
-    /// In one mm.
-    pub mm: f64,
-    /// In one deg.
-    pub deg: f64,
-}
-
-impl Scale {
-    const PLAIN: Self = Self { mm: 1.0, deg: 1.0 };
-
-    fn plain() -> Self {
-        Self::PLAIN
-    }
-
-    /// For an axis of a kind.
-    pub fn of(self, kind: AxisKind) -> f64 {
-        if kind == AxisKind::Linear { self.mm } else { self.deg }
-    }
-}
-
-/// Least increment of stored values.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Increment {
-    /// Decimals of a position.
-    pub position_decimals: u8,
-    /// Decimals of a correction.
-    pub correction_decimals: u8,
-    /// Units of positions.
-    #[serde(default = "Scale::plain")]
-    pub position_scale: Scale,
-    /// Units of corrections.
-    #[serde(default = "Scale::plain")]
-    pub correction_scale: Scale,
-}
-
-impl Increment {
-    /// A position (mm or deg) as it will be stored.
-    pub fn position(self, q: f64, kind: AxisKind) -> f64 {
-        let scale = self.position_scale.of(kind);
-        round(q * scale, self.position_decimals) / scale
-    }
-
-    /// A correction (mm or deg) as it will be stored.
-    pub fn correction(self, c: f64, kind: AxisKind) -> f64 {
-        let scale = self.correction_scale.of(kind);
-        round(c * scale, self.correction_decimals) / scale
-    }
-
-    /// An error (mm or rad) as it will be stored.
-    pub fn error(self, value: f64, direction: Direction) -> f64 {
-        self.correction(value, if direction.is_rotation() { AxisKind::Rotary } else { AxisKind::Linear })
-    }
-
-    /// Positions as they will be stored; those that fall together are one.
-    pub(super) fn distinct(self, positions: impl IntoIterator<Item = f64>, kind: AxisKind) -> Vec<f64> {
-        let mut stored: Vec<f64> = positions.into_iter().map(|q| self.position(q, kind)).collect();
-        stored.dedup();
-        stored
-    }
-
-    /// Least step of a position (mm or deg).
-    pub fn least_position(self, kind: AxisKind) -> f64 {
-        libm::pow(10.0, -f64::from(self.position_decimals)) / self.position_scale.of(kind)
-    }
-
-    /// Half a last place of a correction (mm or deg).
-    pub fn half_correction(self, kind: AxisKind) -> f64 {
-        0.5 * libm::pow(10.0, -f64::from(self.correction_decimals)) / self.correction_scale.of(kind)
-    }
-}
-
 impl TableRules {
     /// The least magnification that does, or else the largest there is.
     fn magnified(&self, does: impl Fn(f64) -> bool) -> f64 {
@@ -351,12 +277,6 @@ impl TableRules {
     fn scales(&self, machine: &Machine, table: &CorrectionTable) -> Vec<f64> {
         table.corrected.iter().map(|axis| self.increment.correction_scale.of(machine.axes()[*axis].kind)).collect()
     }
-}
-
-/// To the nearest multiple of the last decimal; the result prints exactly with that many decimals.
-fn round(value: f64, decimals: u8) -> f64 {
-    let scale = libm::pow(10.0, f64::from(decimals));
-    libm::round(value * scale) / scale + 0.0
 }
 
 impl Mechanisms {

@@ -1,36 +1,10 @@
 //! Correction of a command: Newton's iteration on actual(q + c) = nominal(q).
 
-use super::{Correction, Jacobian};
+use super::jacobian::Jacobian;
+use super::scope::{Correction, Goal, Scope};
 use crate::evaluate::{Deviation, command_deviation};
 use crate::lower::NominalPose;
 use crate::machine::{Approach, Machine};
-
-/// What is corrected.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Goal {
-    /// The position of the functional point.
-    Position,
-    /// The position and the direction of the tool axis; rotation about the tool axis is left.
-    Pose,
-}
-
-/// What is corrected, and with which axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scope {
-    /// What.
-    pub goal: Goal,
-    /// With the rotary axes too? They turn the tool, and move it where the linear axes cannot.
-    pub rotary: bool,
-    /// Rotary axes are trusted with the direction of the tool down to this sensitivity (sine of the
-    /// angle from a singular pose); below it their correction is bounded instead of exact.
-    pub damping: f64,
-}
-
-impl Scope {
-    /// The position, with the linear axes.
-    pub const POSITION: Self = Self { goal: Goal::Position, rotary: false, damping: 0.0 };
-}
 
 /// The solution for one pose.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,27 +1,10 @@
 //! First-order motion of the nominal machine, and the one place where a deviation becomes a correction.
 
-use super::{Goal, Scope};
+use super::scope::{Correction, Goal, Scope};
 use crate::evaluate::Deviation;
 use crate::lower::Chain;
 use crate::machine::{AxisKind, Machine};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
-
-/// What is added to a command: mm for linear axes, deg for rotary axes, in the order of
-/// [`Machine::axes`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct Correction(pub Vec<f64>);
-
-impl Correction {
-    /// Nothing is added.
-    pub fn none(machine: &Machine) -> Self {
-        Self(vec![0.0; machine.axes().len()])
-    }
-
-    /// The corrected command.
-    pub fn applied(&self, pose: &[f64]) -> Vec<f64> {
-        pose.iter().zip(&self.0).map(|(q, c)| q + c).collect()
-    }
-}
 
 /// What must be added against a deviation: **the only place where the sign changes**.
 pub(super) fn against(deviation: f64) -> f64 {

@@ -12,25 +12,28 @@ mod capability;
 mod combine;
 mod correct;
 mod curves;
+mod increment;
 mod jacobian;
 mod lattice;
 mod nodes;
 mod own_axis;
 mod plan;
 mod product;
+mod scope;
 mod sum;
 mod tables;
 
 pub use batch::correct_all;
 pub use capability::{
-    Fit, Holds, Increment, KinematicsMechanism, Mechanisms, ModuleContent, Reference, Scale, Spacing, Stored,
-    TableRules,
+    Fit, Holds, KinematicsMechanism, Mechanisms, ModuleContent, Reference, Spacing, Stored, TableRules,
 };
-pub use correct::{Corrected, Goal, Scope, correct};
+pub use correct::{Corrected, correct};
 pub use curves::model_correction;
-pub use jacobian::{Correction, Jacobian};
+pub use increment::{Increment, Scale};
+pub use jacobian::Jacobian;
 pub use lattice::{LatticeRequest, lattice, lattice_nodes};
 pub use own_axis::{own_axis_error, own_axis_table, own_axis_wanted, resampled, reversal_tables};
 pub use plan::{lacking, single_error_tables, tables};
-pub use product::{Factors, TABLES_OF_A_PRODUCT};
-pub use tables::{CorrectionTable, CorrectionTables, ErrorCurve};
+pub use product::TABLES_OF_A_PRODUCT;
+pub use scope::{Correction, Goal, Scope};
+pub use tables::{CorrectionTable, CorrectionTables, ErrorCurve, Factors};

@@ -9,11 +9,11 @@
 use super::batch::correct_all_from;
 use super::curves::{error_curves, straight};
 use super::nodes::{Columns, Curves, interval, rolling};
-use super::product::{self, Factors, TABLES_OF_A_PRODUCT};
+use super::product::{self, TABLES_OF_A_PRODUCT};
 use super::sum::{Demand, Filler, Traits};
 use super::{
-    Correction, CorrectionTable, CorrectionTables, Fit, Jacobian, LatticeRequest, Mechanisms, Reference, Scope,
-    Spacing, TableRules, lattice, own_axis_table,
+    Correction, CorrectionTable, CorrectionTables, Factors, Fit, Jacobian, LatticeRequest, Mechanisms, Reference,
+    Scope, Spacing, TableRules, lattice, own_axis_table,
 };
 use crate::evaluate::{CompiledModel, Order, error_by_error};
 use crate::machine::{Approach, AxisKind, Direction, ErrorId, ErrorTerm, Machine, Pose};

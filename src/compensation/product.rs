@@ -5,11 +5,9 @@
 //! controller twice, as f g and as (-f) (-g), and each time as half of it: no manual says whether the values of the
 //! factors are added besides their product, and so they cancel out if they are.
 
-use super::{CorrectionTable, Increment};
+use super::increment::Increment;
+use super::tables::{CorrectionTable, Factors};
 use crate::machine::AxisKind;
-
-/// The factors of a product: at the nodes of the first and of the second axis that span a table.
-pub type Factors = [Vec<f64>; 2];
 
 /// Tables that a product takes: f, g, -f and -g.
 pub const TABLES_OF_A_PRODUCT: usize = 4;

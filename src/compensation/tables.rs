@@ -1,8 +1,11 @@
 //! Compensation tables: corrections in mm (linear axes) and deg (rotary axes), as programmed, and
 //! error curves for controllers that compute the correction themselves.
 
-use super::{Factors, Increment};
+use super::increment::Increment;
 use crate::machine::{AxisKind, ErrorId, Machine};
+
+/// The factors of a product: at the nodes of the first and of the second axis that span a table.
+pub type Factors = [Vec<f64>; 2];
 
 /// Corrections on a lattice of positions: of one axis a curve, of two a plane, of any number a lattice.
 #[derive(Debug, Clone, PartialEq)]
