@@ -6,9 +6,18 @@ use crate::lower::Chain;
 use crate::machine::{AxisKind, Machine};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
-/// What must be added against a deviation: **the only place where the sign changes**.
-pub(super) fn against(deviation: f64) -> f64 {
-    -deviation
+/// The correction that takes a deviation away: **the only place where the sign changes**.
+pub(super) fn against(deviation: &Deviation) -> ToolCorrection {
+    ToolCorrection { displacement: -deviation.position, rotation: -deviation.rotation }
+}
+
+/// Motion of the tool that takes a deviation away.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ToolCorrection {
+    /// Of the functional point, mm.
+    pub displacement: Vector3<f64>,
+    /// Of the tool's orientation, rad.
+    pub rotation: Vector3<f64>,
 }
 
 /// What the axes do to the tool at a pose of the nominal machine, workpiece frame.
@@ -51,13 +60,12 @@ impl Jacobian {
     /// have been corrected by `so_far`.
     pub fn correction(&self, deviation: &Deviation, so_far: &Correction, scope: Scope) -> Correction {
         let mut step = vec![0.0; self.kinds.len()];
-        let mut wanted = deviation.position.map(against);
+        let ToolCorrection { displacement: mut wanted, rotation } = against(deviation);
         let turns = match scope.goal {
             _ if !scope.rotary => Vec::new(),
             Goal::Pose => {
-                let tilt =
-                    Vector2::new(deviation.rotation.dot(&self.across[0]), deviation.rotation.dot(&self.across[1]));
-                self.turning_step(tilt.map(against), so_far, scope.damping)
+                let tilt = Vector2::new(rotation.dot(&self.across[0]), rotation.dot(&self.across[1]));
+                self.turning_step(tilt, so_far, scope.damping)
             }
             Goal::Position => self.reaching_step(wanted, so_far),
         };

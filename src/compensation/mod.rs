@@ -32,7 +32,7 @@ pub use curves::model_correction;
 pub use increment::{Increment, Scale};
 pub use jacobian::Jacobian;
 pub use lattice::{LatticeRequest, lattice, lattice_nodes};
-pub use own_axis::{own_axis_error, own_axis_table, own_axis_wanted, resampled, reversal_tables};
+pub use own_axis::{own_axis_table, own_axis_wanted, resampled, reversal_tables};
 pub use plan::{lacking, single_error_tables, tables};
 pub use product::TABLES_OF_A_PRODUCT;
 pub use scope::{Correction, Goal, Scope};

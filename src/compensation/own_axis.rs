@@ -4,30 +4,48 @@ use super::jacobian::against;
 use super::nodes::{Columns, Curves, interval};
 use super::{CorrectionTable, CorrectionTables, Holds, TableRules};
 use crate::algebra::skew_vector;
+use crate::evaluate::Deviation;
 use crate::lower::{JointElements, Position, joint};
 use crate::machine::{Approach, AxisKind, Direction, Machine};
 use nalgebra::Vector3;
 
-/// How far an axis is from its command along (mm) or about (deg) its own direction: what its
-/// encoder would have to read differently. Angular errors of a linear axis turn about its origin and
-/// do not count here; location errors move the whole axis and do not count either.
-pub fn own_axis_error(machine: &Machine, axis: usize, command: f64, wanted: f64, approach: Approach) -> f64 {
+/// Positions of an axis (mm or deg): where it is sent, and where it should be.
+#[derive(Debug, Clone, Copy)]
+struct Sent {
+    command: f64,
+    nominal: f64,
+}
+
+/// Returns how far an axis is from where it should be, by its own joint alone. Angular errors of a linear axis turn about
+/// its origin and do not count here; location errors move the whole axis and do not count either.
+fn own_axis_deviation(machine: &Machine, axis: usize, sent: Sent, approach: Approach) -> Deviation {
     let this = &machine.axes()[axis];
     let none = JointElements { location: None, component: None };
-    let component = Some(machine.component_values(axis, command, approach));
+    let component = Some(machine.component_values(axis, sent.command, approach));
     let at = |position| Position::at(this, position);
-    let real = joint(this, machine.conventions(), &at(command), &JointElements { location: None, component });
-    let nominal = joint(this, machine.conventions(), &at(wanted), &none);
+    let actual = joint(this, machine.conventions(), &at(sent.command), &JointElements { location: None, component });
+    let nominal = joint(this, machine.conventions(), &at(sent.nominal), &none);
+    Deviation {
+        position: actual.apply(&this.origin) - nominal.apply(&this.origin),
+        rotation: skew_vector(&(actual.linear * nominal.linear.transpose())),
+    }
+}
+
+/// Returns what an axis has to be moved by along (mm) or about (deg) its own direction against its own error: what its
+/// encoder would have to read differently.
+fn own_axis_step(machine: &Machine, axis: usize, sent: Sent, approach: Approach) -> f64 {
+    let this = &machine.axes()[axis];
     let direction = Vector3::from(this.direction) * this.sign();
+    let wanted = against(&own_axis_deviation(machine, axis, sent, approach));
     match this.kind {
-        AxisKind::Linear => direction.dot(&(real.apply(&this.origin) - nominal.apply(&this.origin))),
-        AxisKind::Rotary => direction.dot(&skew_vector(&(real.linear * nominal.linear.transpose()))).to_degrees(),
+        AxisKind::Linear => direction.dot(&wanted.displacement),
+        AxisKind::Rotary => direction.dot(&wanted.rotation).to_degrees(),
     }
 }
 
 /// What an axis would have to be moved by, commanded to one position and wanted at another (mm, deg), against its own error.
-pub fn own_axis_wanted(machine: &Machine, axis: usize, (command, wanted): (f64, f64), approach: Approach) -> f64 {
-    against(own_axis_error(machine, axis, command, wanted, approach))
+pub fn own_axis_wanted(machine: &Machine, axis: usize, (command, nominal): (f64, f64), approach: Approach) -> f64 {
+    own_axis_step(machine, axis, Sent { command, nominal }, approach)
 }
 
 /// The table of an axis, at given positions or where the rules have its points.
@@ -75,12 +93,13 @@ pub fn reversal_tables(machine: &Machine, rules: &TableRules) -> CorrectionTable
     all.merged()
 }
 
-/// Solves error(q + c) = 0 for c: the controller looks its table up at the command q.
+/// Solves actual(q + c) = nominal(q) for c: the controller looks its table up at the command q.
 fn own_correction(machine: &Machine, axis: usize, position: f64, approach: Approach) -> f64 {
     const STEPS: usize = 8;
     let mut correction = 0.0;
     for _ in 0..STEPS {
-        correction += against(own_axis_error(machine, axis, position + correction, position, approach));
+        let sent = Sent { command: position + correction, nominal: position };
+        correction += own_axis_step(machine, axis, sent, approach);
     }
     correction
 }
