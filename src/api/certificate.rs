@@ -56,7 +56,7 @@ impl CertificateReport {
             "target": target.manifest.target, "files": files, "poses": certificate.poses,
             "direction": certificate.approach, "tool": machine.tool().name,
             "uncompensated": summary(&certificate.uncompensated), "compensated": summary(&certificate.compensated),
-            "errors": errors,
+            "errors": errors, "single_error_poses": certificate.single_error_poses,
             "at_reference": {"forward": named(machine, &certificate.at_reference[0]), "reverse": named(machine, &certificate.at_reference[1])},
             "cannot": target.manifest.cannot,
         })

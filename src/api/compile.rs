@@ -103,7 +103,6 @@ fn tables(
     let set = table_set::rendered(call, file, target, &request, installed.as_ref())?;
     let judged = JudgedTables { target, tables: &set.tables, installed: installed.as_ref() };
     let certificate = certify(file, judged, how.scope(), options.poses, options.seed);
-    call.extend(target.unplaced(file));
     call.extend(verdict::warnings(&certificate));
     call.checked()?;
     Ok(compiled(file, target, how.words(), set.rendered, &certificate))

@@ -148,7 +148,6 @@ fn tables(
     options: &VerifyOptions,
 ) -> Result<(FoundTables, Option<crate::compensation::CorrectionTables>), Refused> {
     let found = table_set::tables_of(call, file, folder, set)?;
-    call.extend(found.target.unplaced(file));
     let installed =
         table_set::installed(call, file, &found.target, &options.compensation, options.installed.as_deref())?;
     call.checked()?;

@@ -332,6 +332,15 @@ impl Mechanisms {
         narrow.or(self.lattice.as_ref())
     }
 
+    /// Returns the lattice of a set that is one over whatever axes were asked for.
+    pub fn free_lattice<'a>(&self, tables: &'a CorrectionTables) -> Option<&'a CorrectionTable> {
+        let free = self.lattice.as_ref().is_some_and(|rules| rules.inputs.is_empty());
+        match &tables.tables[..] {
+            [lattice] if free => Some(lattice),
+            _ => None,
+        }
+    }
+
     /// Is a table written as products?
     pub fn is_product(&self, table: &CorrectionTable) -> bool {
         self.plane.is_none() && self.product.is_some() && (table.axes.len(), table.corrected.len()) == (2, 1)

@@ -1,45 +1,110 @@
-//! Error curves for controllers that have the ISO 230-1 model, and what such a controller makes of them.
+//! Error curves for controllers that have the ISO 230-1 model.
+//!
+//! Files of such controllers have a point of each rotary axis and none of the linear axes: the angular errors of these turn
+//! about the zero of the machine coordinates. A turn eps about an origin o is one about zero and the translation
+//! `-eps x o`, which goes into the curves of the translations: to first order the files then hold the same errors.
 
 use super::nodes::{Columns, Curves};
-use super::{Correction, ErrorCurve, Jacobian, Scope, TableRules};
-use crate::evaluate::Deviation;
-use crate::lower::sensitivities_to;
-use crate::machine::{Approach, Direction, ErrorId, ErrorTerm, Machine};
+use super::{ErrorCurve, TableRules};
+use crate::machine::{Approach, AxisKind, Direction, ErrorId, ErrorTerm, Location, Machine};
 use nalgebra::Vector3;
 
 /// The errors of the machine's axes, sampled: the six curves of an axis over the same positions. The mean
 /// of forward and reverse, and nothing of the spindle: no such model knows either.
 pub(super) fn error_curves(machine: &Machine, rules: &TableRules) -> Vec<ErrorCurve> {
-    (0..machine.axes().len()).flat_map(|axis| axis_curves(machine, axis, rules)).collect()
+    (0..machine.axes().len()).flat_map(|axis| AxisCurves { machine, axis, rules }.all()).collect()
 }
 
-fn axis_curves(machine: &Machine, axis: usize, rules: &TableRules) -> Vec<ErrorCurve> {
-    let errors = machine.axis_errors(axis);
-    let id = |location, direction| ErrorId { axis: machine.axes()[axis].name.clone(), location, direction };
-    let given = |direction: &Direction| matches!(errors.component[direction.index()], Some(ErrorTerm::Component(_)));
-    let stored = |direction: Direction, value: f64| rules.increment.error(value, direction);
-    let mut curves = Vec::new();
-    for (location, direction, term) in errors.iter() {
-        if let (true, ErrorTerm::Constant(value)) = (location, term) {
-            let values = vec![stored(direction, *value)];
-            curves.push(ErrorCurve { error: id(true, direction), positions: Vec::new(), values });
+/// The curves of one axis.
+struct AxisCurves<'a> {
+    machine: &'a Machine,
+    axis: usize,
+    rules: &'a TableRules,
+}
+
+impl AxisCurves<'_> {
+    fn all(&self) -> Vec<ErrorCurve> {
+        [self.constants(), self.sampled()].concat()
+    }
+
+    fn curve(&self, location: bool, direction: Direction, positions: &[f64], values: &[f64]) -> ErrorCurve {
+        let error = ErrorId { axis: self.machine.axes()[self.axis].name.clone(), location, direction };
+        let values = values.iter().map(|value| self.rules.increment.error(*value, direction)).collect();
+        ErrorCurve { error, positions: positions.to_vec(), values }
+    }
+
+    fn constants(&self) -> Vec<ErrorCurve> {
+        let errors = self.machine.axis_errors(self.axis);
+        let given = |direction: Direction| matches!(errors.location[direction.index()], Some(ErrorTerm::Constant(_)));
+        let values = located(self.machine, self.axis);
+        let written = written(point(self.machine, self.axis, true), given);
+        written.map(|direction| self.curve(true, direction, &[], &[values[direction.index()]])).collect()
+    }
+
+    fn sampled(&self) -> Vec<ErrorCurve> {
+        let errors = self.machine.axis_errors(self.axis);
+        let given = |direction: Direction| matches!(errors.component[direction.index()], Some(ErrorTerm::Component(_)));
+        let written: Vec<Direction> = written(point(self.machine, self.axis, false), given).collect();
+        if written.is_empty() {
+            return Vec::new();
         }
+        let at = |q: f64| component(self.machine, self.axis, q);
+        // Angles and lengths weigh alike at a metre of lever arm.
+        let weighed = |q: f64| at(q).iter().enumerate().map(|(i, v)| if i < 3 { *v } else { 1000.0 * v }).collect();
+        let positions = Curves { machine: self.machine, axis: self.axis, counts: &given, sines: false }
+            .positions(self.rules, &Columns { value: &weighed, stored: &|x| x });
+        let values =
+            |direction: Direction| -> Vec<f64> { positions.iter().map(|q| at(*q)[direction.index()]).collect() };
+        written.into_iter().map(|direction| self.curve(false, direction, &positions, &values(direction))).collect()
     }
-    let at = |q: f64| machine.component_values(axis, q, Approach::Mean);
-    // Angles and lengths weigh alike at a metre of lever arm.
-    let weighed = |q: f64| at(q).iter().enumerate().map(|(i, v)| if i < 3 { *v } else { 1000.0 * v }).collect();
-    let wanted: Vec<Direction> = Direction::ALL.into_iter().filter(given).collect();
-    if wanted.is_empty() {
-        return curves;
-    }
-    let counts = |direction: Direction| wanted.contains(&direction);
-    let positions = Curves { machine, axis, counts: &counts, sines: false }
-        .positions(rules, &Columns { value: &weighed, stored: &|x| x });
-    curves.extend(wanted.iter().map(|direction| {
-        let values = positions.iter().map(|q| stored(*direction, at(*q)[direction.index()])).collect();
-        ErrorCurve { error: id(false, *direction), positions: positions.clone(), values }
-    }));
-    curves
+}
+
+/// Returns the curves of a machine at the positions of given curves, as far as they are not zero.
+pub(super) fn curves_like(machine: &Machine, layout: &[ErrorCurve]) -> Vec<ErrorCurve> {
+    let like = |curve: &ErrorCurve| {
+        let axis = machine.axis_index(curve.error.axis.as_str())?;
+        let direction = curve.error.direction.index();
+        let values: Vec<f64> = match curve.error.location {
+            true => vec![located(machine, axis)[direction]],
+            false => curve.positions.iter().map(|q| component(machine, axis, *q)[direction]).collect(),
+        };
+        values.iter().any(|value| *value != 0.0).then(|| ErrorCurve { values, ..curve.clone() })
+    };
+    layout.iter().filter_map(like).collect()
+}
+
+/// Returns the point about which the errors of an axis turn and of which the files know nothing; zero if they do.
+fn point(machine: &Machine, axis: usize, location: bool) -> Vector3<f64> {
+    let this = &machine.axes()[axis];
+    let turns = !location || machine.conventions().location == Location::CarriedBody;
+    if this.kind == AxisKind::Linear && turns { this.origin.into() } else { Vector3::zeros() }
+}
+
+/// Returns the directions with an error of their own or of the translation that a turn about a point adds.
+fn written(point: Vector3<f64>, given: impl Fn(Direction) -> bool) -> impl Iterator<Item = Direction> {
+    let turn = |i: usize| Vector3::from_fn(|k, _| f64::from(u8::from(k == i)));
+    let moved: Vec<Vector3<f64>> =
+        (0..3).filter(|i| given(Direction::ALL[3 + i])).map(|i| turn(i).cross(&point)).collect();
+    let shifted =
+        move |direction: &Direction| moved.iter().any(|way| way.get(direction.index()).is_some_and(|x| *x != 0.0));
+    Direction::ALL.into_iter().filter(move |direction| given(*direction) || shifted(direction))
+}
+
+/// Returns the location errors of an axis (mm, rad) about the points that the files know.
+fn located(machine: &Machine, axis: usize) -> [f64; 6] {
+    about_zero(machine.axis_errors(axis).location_values(), point(machine, axis, true))
+}
+
+/// Returns the component errors of an axis at a position (mm, rad) about the points that the files know.
+fn component(machine: &Machine, axis: usize, position: f64) -> [f64; 6] {
+    about_zero(machine.component_values(axis, position, Approach::Mean), point(machine, axis, false))
+}
+
+/// Refers errors about a point to the zero of the machine coordinates: `delta - eps x point`.
+fn about_zero(six: [f64; 6], point: Vector3<f64>) -> [f64; 6] {
+    let [dx, dy, dz, ex, ey, ez] = six;
+    let moved = Vector3::new(dx, dy, dz) - Vector3::new(ex, ey, ez).cross(&point);
+    [moved.x, moved.y, moved.z, ex, ey, ez]
 }
 
 impl ErrorCurve {
@@ -61,18 +126,4 @@ pub(super) fn straight(positions: &[f64], values: &[f64], position: f64) -> f64 
     let way = positions[high] - positions[low];
     let share = if way > 0.0 { (q - positions[low]) / way } else { 0.0 };
     values[low] * (1.0 - share) + values[high] * share
-}
-
-/// What a controller with the model adds to the linear axes: against the deviation of the functional
-/// point to first order, in the frame and with the conventions of the machine.
-pub fn model_correction(machine: &Machine, pose: &[f64], errors: &[ErrorCurve]) -> Correction {
-    let ids: Vec<ErrorId> = errors.iter().map(|curve| curve.error.clone()).collect();
-    let part = |(s, curve): (crate::lower::Sensitivity, &ErrorCurve)| {
-        let axis = machine.axis_index(curve.error.axis.as_str());
-        let position = axis.map_or(0.0, |axis| pose[axis]);
-        s.deviation * curve.value(position, axis.is_some_and(|axis| machine.is_continuous(axis)))
-    };
-    let position: Vector3<f64> = sensitivities_to(machine, pose, &ids).into_iter().zip(errors).map(part).sum();
-    let deviation = Deviation { position, rotation: Vector3::zeros() };
-    Jacobian::at(machine, pose).correction(&deviation, &Correction::none(machine), Scope::POSITION)
 }

@@ -20,6 +20,7 @@ mod own_axis;
 mod plan;
 mod product;
 mod scope;
+mod single_error;
 mod sum;
 mod tables;
 
@@ -28,12 +29,14 @@ pub use capability::{
     Fit, Holds, KinematicsMechanism, Mechanisms, ModuleContent, Reference, Spacing, Stored, TableRules,
 };
 pub use correct::{Corrected, correct};
-pub use curves::model_correction;
 pub use increment::{Increment, Scale};
 pub use jacobian::Jacobian;
 pub use lattice::{LatticeRequest, lattice, lattice_nodes};
-pub use own_axis::{own_axis_table, own_axis_wanted, resampled, reversal_tables};
-pub use plan::{lacking, single_error_tables, tables};
+pub use own_axis::{own_axis_table, resampled, reversal_tables};
+pub use plan::{lacking, tables};
 pub use product::TABLES_OF_A_PRODUCT;
 pub use scope::{Correction, Goal, Scope};
-pub use tables::{CorrectionTable, CorrectionTables, ErrorCurve, Factors};
+pub use single_error::{SetLayout, single_errors};
+pub use tables::{
+    CorrectionTable, CorrectionTables, ErrorCurve, Factors, LatticeCells, SingleErrorTables, SingleErrors,
+};

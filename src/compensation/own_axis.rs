@@ -43,11 +43,6 @@ fn own_axis_step(machine: &Machine, axis: usize, sent: Sent, approach: Approach)
     }
 }
 
-/// What an axis would have to be moved by, commanded to one position and wanted at another (mm, deg), against its own error.
-pub fn own_axis_wanted(machine: &Machine, axis: usize, (command, nominal): (f64, f64), approach: Approach) -> f64 {
-    own_axis_step(machine, axis, Sent { command, nominal }, approach)
-}
-
 /// The table of an axis, at given positions or where the rules have its points.
 pub fn own_axis_table(
     machine: &Machine,

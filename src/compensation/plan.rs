@@ -12,11 +12,11 @@ use super::nodes::{Columns, Curves, interval, rolling};
 use super::product::{self, TABLES_OF_A_PRODUCT};
 use super::sum::{Demand, Filler, Traits};
 use super::{
-    Correction, CorrectionTable, CorrectionTables, Factors, Fit, Jacobian, LatticeRequest, Mechanisms, Reference,
-    Scope, Spacing, TableRules, lattice, own_axis_table,
+    Correction, CorrectionTable, CorrectionTables, Factors, Fit, LatticeRequest, Mechanisms, Reference, Scope, Spacing,
+    TableRules, lattice, own_axis_table,
 };
-use crate::evaluate::{CompiledModel, Order, error_by_error};
-use crate::machine::{Approach, AxisKind, Direction, ErrorId, ErrorTerm, Machine, Pose};
+use crate::evaluate::{CompiledModel, Order};
+use crate::machine::{Approach, AxisKind, Direction, ErrorTerm, Machine, Pose};
 
 /// Fills what the mechanisms can hold and rounds it to their increments.
 pub fn tables(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) -> CorrectionTables {
@@ -50,7 +50,7 @@ fn filled(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) 
 
 /// Zero at position 0, between points too, or at the end of the table nearest to it. What reverse differs from forward stays, unless the
 /// controller has a number for it there that cannot be negative.
-fn vanish_at_reference(table: &mut CorrectionTable, positive_backlash: bool) {
+pub(super) fn vanish_at_reference(table: &mut CorrectionTable, positive_backlash: bool) {
     let width = table.corrected.len();
     let nearest = |nodes: &Vec<f64>| {
         nodes.iter().enumerate().min_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map_or(0, |(i, _)| i)
@@ -81,71 +81,8 @@ fn close(table: &mut CorrectionTable, place: usize) {
     }
 }
 
-/// The tables of single errors, each for a machine with this error alone, to first order: laid out as
-/// the given ones.
-pub fn single_error_tables(
-    machine: &Machine,
-    mechanisms: &Mechanisms,
-    tables: &CorrectionTables,
-) -> Vec<(ErrorId, CorrectionTables)> {
-    let ids: Vec<ErrorId> = machine.errors().map(|(id, _)| id).collect();
-    let planner = Planner { machine, mechanisms };
-    let (own, mut sums): (Vec<_>, Vec<_>) = tables.tables.iter().cloned().partition(|t| planner.is_by_own_error(t));
-    // As they were filled: planes take what tables over one axis leave.
-    sums.sort_by_key(|table| table.axes.len());
-    let alone: Vec<Vec<CorrectionTable>> = ids
-        .iter()
-        .map(|id| {
-            let machine = machine.filtered(|other| other == id);
-            let rules = own.first().and_then(|table| mechanisms.rules(table));
-            let has = |table: &CorrectionTable| own.iter().any(|t| t.axes == table.axes);
-            rules.map_or_else(Vec::new, |rules| {
-                let axes = 0..machine.axes().len();
-                let all = axes.map(|axis| own_axis_table(&machine, axis, rules, None));
-                all.filter(has).collect()
-            })
-        })
-        .collect();
-    let linear = |pose: &[f64], approach: Approach| -> Vec<Vec<f64>> {
-        let jacobian = Jacobian::at(machine, pose);
-        let each = error_by_error(machine, pose, approach).into_iter().zip(&alone);
-        each.map(|((_, mut deviation), own)| {
-            let turned = Correction(own_added(own, pose, approach));
-            deviation.position += jacobian.displacement(&turned);
-            jacobian.correction(&deviation, &Correction::none(machine), Scope::POSITION).0
-        })
-        .collect()
-    };
-    let mean = |poses: &[Pose]| poses.iter().map(|pose| linear(pose, Approach::Mean).concat()).collect();
-    let two_sided: Vec<bool> =
-        machine.axes().iter().map(|axis| machine.filtered(|id| id.axis == axis.name).is_bidirectional()).collect();
-    let half_at = |pose: &Pose, axis: usize| {
-        let name = &machine.axes()[axis].name;
-        if !two_sided[axis] {
-            return vec![0.0; pose.len() * ids.len()];
-        }
-        let (forward, reverse) = (linear(pose, Approach::Forward), linear(pose, Approach::Reverse));
-        let both = ids.iter().zip(forward.iter().zip(&reverse));
-        both.flat_map(|(id, (f, r))| {
-            let share = if id.axis == *name { 0.5 } else { 0.0 };
-            f.iter().zip(r).map(move |(f, r)| share * (f - r)).collect::<Vec<_>>()
-        })
-        .collect()
-    };
-    let half = |poses: &[Pose], axis: usize| poses.iter().map(|pose| half_at(pose, axis)).collect();
-    let mut sets = Filler::new(machine, Demand { mean: &mean, half: &half }).fill(&sums, &planner.traits(&sums));
-    sets.resize_with(ids.len(), CorrectionTables::default);
-    sets.iter_mut().zip(alone).for_each(|(set, own)| set.tables.extend(own));
-    for table in sets.iter_mut().flat_map(|set| &mut set.tables) {
-        if let Some(rules) = mechanisms.rules(table).filter(|rules| rules.reference == Reference::Zero) {
-            vanish_at_reference(table, rules.positive_backlash);
-        }
-    }
-    ids.into_iter().zip(sets).collect()
-}
-
 /// What own-axis tables add at a pose, straight lines between their nodes.
-fn own_added(tables: &[CorrectionTable], pose: &[f64], approach: Approach) -> Vec<f64> {
+pub(super) fn own_added(tables: &[CorrectionTable], pose: &[f64], approach: Approach) -> Vec<f64> {
     let mut added = vec![0.0; pose.len()];
     for table in tables {
         let (nodes, axis) = (&table.nodes[0], table.axes[0]);
@@ -172,9 +109,9 @@ fn wanted(plan: &CompiledModel, own: &[CorrectionTable], poses: &[Pose]) -> Vec<
     all.unwrap_or_default().into_iter().map(|corrected| corrected.correction.0).collect()
 }
 
-struct Planner<'a> {
-    machine: &'a Machine,
-    mechanisms: &'a Mechanisms,
+pub(super) struct Planner<'a> {
+    pub machine: &'a Machine,
+    pub mechanisms: &'a Mechanisms,
 }
 
 impl Planner<'_> {
@@ -219,7 +156,7 @@ impl Planner<'_> {
         CorrectionTables { tables, errors: Vec::new() }
     }
 
-    fn traits(&self, layout: &[CorrectionTable]) -> Vec<Traits> {
+    pub fn traits(&self, layout: &[CorrectionTable]) -> Vec<Traits> {
         let of = |table: &CorrectionTable| {
             let rules = self.mechanisms.rules(table);
             let straight = rules.is_some_and(|rules| rules.spacing == Spacing::Line);
@@ -244,7 +181,7 @@ impl Planner<'_> {
 
     /// Does a table come from its axis's own error? Those of rotary axes do, and of linear ones if the
     /// target says so.
-    fn is_by_own_error(&self, table: &CorrectionTable) -> bool {
+    pub fn is_by_own_error(&self, table: &CorrectionTable) -> bool {
         let by_axis = self.own_rules().is_some_and(|rules| rules.fit == Fit::Axis);
         table.is_own_axis() && (by_axis || self.machine.axes()[table.axes[0]].kind == AxisKind::Rotary)
     }

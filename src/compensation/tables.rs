@@ -47,6 +47,33 @@ pub struct CorrectionTables {
     pub errors: Vec<ErrorCurve>,
 }
 
+/// The tables of one error alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SingleErrorTables {
+    /// The error.
+    pub error: ErrorId,
+    /// Its tables.
+    pub tables: CorrectionTables,
+}
+
+/// Corrections of single errors at some nodes of a lattice.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LatticeCells {
+    /// Numbers of the nodes, rising.
+    pub nodes: Vec<usize>,
+    /// Corrections by every error alone, node by node in the order of the lattice's `corrected`.
+    pub errors: Vec<(ErrorId, Vec<f64>)>,
+}
+
+/// What a target makes of every error with a value alone.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SingleErrors {
+    /// Tables laid out as those of the set.
+    Tables(Vec<SingleErrorTables>),
+    /// Parts of the set's lattice.
+    Lattice(LatticeCells),
+}
+
 impl CorrectionTable {
     /// A table over one axis that corrects another, or the same.
     pub fn curve(axis: usize, positions: Vec<f64>, corrected: usize, values: Vec<f64>) -> Self {
@@ -168,14 +195,6 @@ impl CorrectionTables {
             let all = self.tables.iter().flat_map(CorrectionTable::corrections).map(|(_, axis, value)| (axis, value));
             let of_kind = all.filter(|(axis, _)| machine.axes()[*axis].kind == kind);
             of_kind.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-        })
-    }
-
-    /// Where each table has its largest correction: axes with their positions (mm or deg).
-    pub fn peaks(&self) -> impl Iterator<Item = Vec<(usize, f64)>> {
-        self.tables.iter().filter_map(|table| {
-            let (node, ..) = table.corrections().max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
-            Some(table.axes.iter().copied().zip(table.node(node)).collect())
         })
     }
 }

@@ -16,13 +16,16 @@ mod manifest;
 mod read;
 mod replay;
 
-pub use certificate::judge::{
-    Certificate, ErrorLeft, Figures, Handled, JudgedTables, ROUNDING_UM, RaisedFigure, ZeroShift, certify, micro,
-};
+pub use certificate::depth::Depth;
+pub use certificate::figures::{Figures, ROUNDING_UM, RaisedFigure, micro};
+pub use certificate::single_error::{ErrorLeft, Handled};
+pub use certificate::tables::JudgedTables;
+pub use certificate::{Certificate, ZeroShift};
 pub use emit::limits::Limits;
 pub use emit::lock::{Hashed, LOCK_NAME, Lock, sha256};
 pub use emit::render::{MAX_FILE_BYTES, RenderedFile, assigned_letters};
-pub use kinematics::{Depth, KinematicsModule, Model, ModuleField, ModuleWords, Setting, World, certify_kinematics};
+pub use emit::single_errors::certify;
+pub use kinematics::{KinematicsModule, Model, ModuleField, ModuleWords, Setting, World, certify_kinematics};
 pub use manifest::description::{Certainty, Controller, FileSpec, Layout, Level, Manifest};
 pub use manifest::library::{ControllerTarget, NAMES, is_plain_name};
 pub use read::{Found, ReadBack, RecognisedSet, recognise};

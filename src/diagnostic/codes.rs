@@ -196,7 +196,6 @@ codes! {
     W0605 "a lattice covers less than the travel",
     W0607 "budgets are not compared",
     W0608 "a tool pose is out of reach",
-    W0609 "points of linear axes that no file has",
     W0701 "a file has been edited",
     W0702 "tables of another machine file",
     W0703 "no manifest to compare with",

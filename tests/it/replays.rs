@@ -176,7 +176,9 @@ fn volumetric_curves_act_as_the_plain_sum() {
                 continue;
             }
             run.json();
-            let sample = crate::support::config::sample(&path);
+            let mut sample = crate::support::config::sample(&path);
+            // The files have no points of linear axes: their errors turn about the zero of the machine.
+            sample.rigid.walk.iter_mut().filter(|axis| !axis.rotary).for_each(|axis| axis.origin = [0.0; 3]);
             let (worst, largest) = difference(&path, &sample, target, &out, 200);
             println!("{name} {target}: {worst:.1e} of {largest:.1e} mm");
             assert!(largest > 0.005 && worst < 1e-10, "{name} {target}: {worst} of {largest} mm");

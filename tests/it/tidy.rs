@@ -17,7 +17,7 @@ const MAY_IMPORT: [(&str, &[&str]); 15] = [
     ("convert", &["evaluate", "lower", "machine"]),
     ("identify", &["evaluate", "lower", "machine", "syntax"]),
     ("compensation", &["evaluate", "lower", "machine"]),
-    ("controller", &["compensation", "evaluate", "machine", "syntax"]),
+    ("controller", &["compensation", "evaluate", "lower", "machine", "syntax"]),
     ("report", &["analysis", "identify", "controller", "compensation", "evaluate", "machine"]),
     ("api", &["*"]),
     ("cli", &["*"]),
@@ -218,8 +218,139 @@ fn codes_are_constants_of_one_table_and_explained() {
     assert!(abbe::diagnostic::CODES.iter().all(|code| code.explanation.len() > 40));
 }
 
+/// Where files are replayed and judged. Fields of the controller do so too, wherever they stand.
+const JUDGES: [&str; 2] = ["src/controller/replay", "src/controller/certificate"];
+
+/// Where tables are filled, and what they are filled with.
+const FILLERS: [&str; 3] = ["src/compensation", "src/evaluate/compiled", "src/controller/emit"];
+
+/// What judges may use of modules that fillers use too: the general algebra, statistics, and types of tables.
+const JUDGES_MAY_IMPORT: [(&str, &[&str]); 3] = [
+    (
+        "evaluate",
+        &[
+            "Bare",
+            "Deviation",
+            "Field",
+            "Frame",
+            "Order",
+            "Statistics",
+            "Summary",
+            "command_deviation",
+            "commanded_deviation",
+            "evaluate",
+            "random_poses",
+            "tool_axis_tilt",
+        ],
+    ),
+    (
+        "compensation",
+        &[
+            "CorrectionTable",
+            "CorrectionTables",
+            "ErrorCurve",
+            "LatticeCells",
+            "Reference",
+            "SingleErrorTables",
+            "SingleErrors",
+            "Spacing",
+            "TableRules",
+        ],
+    ),
+    ("lower", &["NominalPose", "sensitivities_to"]),
+];
+
+/// Methods that judges may call although a filler has one of the same name: views of tables and rules, and names of the
+/// machine, of nalgebra and of the standard library.
+const JUDGES_MAY_CALL: [&str; 12] =
+    ["any", "axes", "chain", "count", "cross", "dot", "is_empty", "iter", "len", "machine", "node", "rules"];
+
+/// Functions that make what is judged and are called by a path.
+const MAKERS: [&str; 2] = ["KinematicsModule::of(", "reversal_tables("];
+
+/// Names that follow a pattern in a piece of code.
+fn words_after<'a>(code: &'a str, pattern: &str) -> Vec<&'a str> {
+    let name = |rest: &'a str| rest.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or("");
+    code.split(pattern).skip(1).map(name).collect()
+}
+
+/// What is named of a module, one by one or in braces.
+fn named_of<'a>(code: &'a str, module: &str) -> Vec<&'a str> {
+    let of = |rest: &'a str| match rest.strip_prefix('{') {
+        Some(list) => list.split('}').next().unwrap().split(',').map(str::trim).filter(|n| !n.is_empty()).collect(),
+        None => vec![rest.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap()],
+    };
+    code.split(&*format!("crate::{module}"))
+        .skip(1)
+        .flat_map(|rest| rest.strip_prefix("::").map_or(vec!["*"], of))
+        .collect()
+}
+
+/// What a judge must not use, given the methods of the fillers.
+fn shared_with_fillers(code: &str, fillers: &[String]) -> Vec<String> {
+    let mut wrong: Vec<String> = Vec::new();
+    for (module, allowed) in JUDGES_MAY_IMPORT {
+        let odd = named_of(code, module).into_iter().filter(|name| !allowed.contains(name));
+        wrong.extend(odd.map(|name| format!("{module}::{name}")));
+    }
+    // A list of modules could hide one.
+    wrong.extend(code.contains("crate::{").then(|| "use crate::{...}".to_owned()));
+    let calls = code.split('(').filter_map(|before| before.rsplit_once('.').map(|(_, name)| name));
+    let odd = calls.filter(|name| fillers.iter().any(|f| f == name) && !JUDGES_MAY_CALL.contains(name));
+    wrong.extend(odd.map(|name| format!(".{name}()")));
+    wrong.extend(MAKERS.into_iter().filter(|maker| code.contains(maker)).map(str::to_owned));
+    wrong
+}
+
+#[test]
+fn certificates_share_nothing_with_the_tables() {
+    let all = sources();
+    let code = |text: &str| code_lines(text).map(|(_, line)| line.to_owned() + "\n").collect::<String>();
+    let within = |path: &Path, folders: &[&str]| folders.iter().any(|folder| path.starts_with(folder));
+    let filling = all.iter().filter(|(path, _)| within(path, &FILLERS));
+    let fillers: Vec<String> = filling
+        .flat_map(|(_, text)| words_after(&code(text), "pub fn ").into_iter().map(str::to_owned).collect::<Vec<_>>())
+        .collect();
+    assert!(["commanded", "deviations", "quantise", "tables"].iter().all(|name| fillers.iter().any(|f| f == name)));
+    let judge = |path: &Path, text: &str| {
+        within(path, &JUDGES) || path.starts_with("src/controller") && text.contains("impl Field for")
+    };
+    let judges: Vec<_> =
+        all.iter().filter(|(path, text)| judge(path, text)).map(|(path, text)| (path, code(text))).collect();
+    assert!(judges.len() > 10, "{judges:?}");
+    let wrong: Vec<String> = judges
+        .iter()
+        .flat_map(|(path, code)| {
+            shared_with_fillers(code, &fillers).into_iter().map(move |name| format!("{}: {name}", path.display()))
+        })
+        .collect();
+    assert!(wrong.is_empty(), "certificates share code with the tables:\n{}", wrong.join("\n"));
+    // What nobody uses any more is no longer allowed.
+    for (module, allowed) in JUDGES_MAY_IMPORT {
+        let used: Vec<&str> = judges.iter().flat_map(|(_, code)| named_of(code, module)).collect();
+        allowed.iter().for_each(|name| assert!(used.contains(name), "no judge uses {module}::{name}"));
+    }
+}
+
 #[test]
 fn the_checks_themselves_notice() {
+    let fillers = ["commanded", "len", "value"].map(str::to_owned);
+    let allowed = "use crate::evaluate::{Bare, Order};\nuse crate::lower::NominalPose;\nlet n = tables.len();";
+    assert_eq!(shared_with_fillers(allowed, &fillers), [""; 0]);
+    let faults = [
+        ("use crate::evaluate::{Bare, CompiledModel};", "evaluate::CompiledModel"),
+        ("let x = crate::evaluate::compiled::Batch::new();", "evaluate::compiled"),
+        ("use crate::compensation::*;", "compensation::"),
+        ("use crate::compensation as c;", "compensation::*"),
+        ("use crate::{compensation::tables, machine};", "use crate::{...}"),
+        ("let y = plan.commanded(a);", ".commanded()"),
+        ("let y = curve\n    .value(a);", ".value()"),
+        ("let m = KinematicsModule::of(machine);", "KinematicsModule::of("),
+    ];
+    for (code, fault) in faults {
+        assert_eq!(shared_with_fillers(code, &fillers), [fault], "{code}");
+    }
+
     assert_eq!(
         imported("use crate::{cli::x, machine};\nlet a = crate::lower::B; // crate::report"),
         ["cli", "machine", "lower"]

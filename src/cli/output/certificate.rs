@@ -107,8 +107,9 @@ impl CertificateView<'_> {
         };
         let idle = |e: &ErrorLeft| e.alone < NO_EFFECT;
         let gone = list(&|e| e.handled == Handled::Fully && !idle(e));
+        let poses = self.report.certificate.single_error_poses;
         let mut text = format!(
-            "What this target can do against each error alone, laid out as here:\n  fully compensated: {gone}\n"
+            "What this target can do against each error alone, laid out as here, over {poses} of the poses:\n  fully compensated: {gone}\n"
         );
         if self.report.certificate.errors.iter().any(idle) {
             text.push_str(&format!("  without effect here: {}\n", list(&idle)));

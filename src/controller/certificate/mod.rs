@@ -1,3 +1,49 @@
-//! What is left after the controller has applied the files.
+//! The certificate: what is left after the controller has applied the files just written.
+//!
+//! The poses are spread over the volume from a seed and are no table points. Where forward and reverse
+//! curves were given the worse of the two directions counts, for single errors too. What is left of one is the
+//! 95 % deviation of a machine with that error alone and with tables made for it alone, replayed like
+//! the real ones.
+//!
+//! Nothing here or in [`super::replay`] shares code with what filled the tables: machines are evaluated one pose at a time by
+//! the general algebra, controllers in their own arithmetic, derivatives are differences, and tables, also those of single
+//! errors, are values that are handed in. Of `compensation` only types are used, and a test holds both folders to that.
 
-pub(super) mod judge;
+pub(super) mod depth;
+pub(super) mod figures;
+pub(super) mod module;
+mod sign_test;
+pub(super) mod single_error;
+pub(super) mod tables;
+mod zero_shift;
+
+use crate::machine::Approach;
+use figures::{Figures, RaisedFigure};
+use sign_test::Strongest;
+use single_error::ErrorLeft;
+pub use zero_shift::ZeroShift;
+
+/// What is left, over the volume and error by error.
+#[derive(Debug, Clone)]
+pub struct Certificate {
+    /// Over how many poses.
+    pub poses: usize,
+    /// The direction of approach that is worse after compensation.
+    pub approach: Approach,
+    /// Without the files.
+    pub uncompensated: Figures,
+    /// With them.
+    pub compensated: Figures,
+    /// Error by error.
+    pub errors: Vec<ErrorLeft>,
+    /// The number of poses that the figures of single errors rest on.
+    pub single_error_poses: usize,
+    /// What is added with all axes at 0, approaching forward and reverse (mm, deg).
+    pub at_reference: [Vec<f64>; 2],
+    /// What a new reference position would take away besides, where tables must vanish at it.
+    pub shifted: Option<ZeroShift>,
+    /// What is larger with the files than without them.
+    pub raised: Vec<RaisedFigure>,
+    /// The entry by which the sign is best tested; none if nothing is corrected.
+    pub strongest: Option<Strongest>,
+}

@@ -6,5 +6,6 @@ pub(super) mod installed;
 pub(super) mod limits;
 pub(super) mod lock;
 pub(super) mod render;
+pub(super) mod single_errors;
 pub(super) mod stored;
 pub(super) mod timed;

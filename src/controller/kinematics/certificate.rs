@@ -1,75 +1,36 @@
-//! The certificate of a kinematics module.
+//! From a kinematics module to its certificate: makes the modules of single errors and has them judged.
 
-use super::{KinematicsModule, ModuleField};
+use super::KinematicsModule;
 use crate::compensation::CorrectionTables;
-use crate::controller::certificate::judge::{
-    Judgement, MAX_SINGLE_POSES, Strongest, deviations, judge, strongest_at, verdict, worse_p95,
-};
-use crate::controller::{Certificate, ControllerTarget, ErrorLeft, Limits, Replay};
+use crate::controller::certificate::depth::Depth;
+use crate::controller::certificate::module::{ModuleSet, SingleErrorModule, judge_module};
+use crate::controller::{Certificate, ControllerTarget, Limits};
 use crate::diagnostic::{Diagnostic, codes};
-use crate::evaluate::{Bare, Field, Order, random_poses};
-use crate::machine::{Approach, ErrorId, ErrorTerm, Machine, Pose};
+use crate::machine::{ErrorId, ErrorTerm, Machine};
 use crate::units::significant;
 use rayon::prelude::*;
 
-/// How many poses, from which seed.
-#[derive(Debug, Clone, Copy)]
-pub struct Depth {
-    /// Poses of the certificate.
-    pub poses: usize,
-    /// Their seed.
-    pub seed: u64,
-}
-
-/// What a module and the tables beside it leave, over the volume and error by error. The module holds the mean of
-/// forward and reverse; the direction of approach that is worse counts.
+/// What a module and the tables beside it leave, over the volume and error by error.
 pub fn certify_kinematics(
     machine: &Machine,
     target: &ControllerTarget,
-    (carried, beside): (&KinematicsModule, &CorrectionTables),
+    (module, beside): (&KinematicsModule, &CorrectionTables),
     depth: Depth,
 ) -> Certificate {
-    let poses: Vec<Pose> = random_poses(machine, depth.poses, depth.seed);
-    let driven = ModuleField::new(machine, carried).beside(Replay::new(machine, target, beside));
-    let bare = Bare { machine, order: Order::Exact };
-    let Judgement { approach, uncompensated, compensated, raised } = judge(&bare, &driven, &poses);
-    let zero = vec![0.0; machine.axes().len()];
-    Certificate {
-        poses: depth.poses,
-        approach,
-        uncompensated,
-        compensated,
-        errors: singles(machine, target, carried.orientation(), &poses[..poses.len().min(MAX_SINGLE_POSES)]),
-        at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.added(&zero, approach)),
-        shifted: None,
-        raised,
-        strongest: strongest(machine, carried, &poses),
-    }
+    let singles = single_error_modules(machine, target, module.orientation());
+    judge_module(machine, ModuleSet { target, module, beside }, &singles, depth)
 }
 
-/// Every error alone, with a module made for it alone.
-fn singles(machine: &Machine, target: &ControllerTarget, orientation: bool, poses: &[Pose]) -> Vec<ErrorLeft> {
+/// Makes a module for every error alone.
+fn single_error_modules(machine: &Machine, target: &ControllerTarget, orientation: bool) -> Vec<SingleErrorModule> {
     let known = machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_)));
     let ids: Vec<ErrorId> = known.map(|(id, _)| id).collect();
     let alone = |error: &ErrorId| {
         let machine = machine.filtered(|id| id == error);
-        let p95 = |field: &dyn Field| worse_p95(&machine, |approach| deviations(field, poses, approach));
-        let before = p95(&Bare { machine: &machine, order: Order::Exact });
-        let tables = target.reversal_tables(&machine);
-        let driven = |own: &KinematicsModule| {
-            p95(&ModuleField::new(&machine, own).beside(Replay::new(&machine, target, &tables)))
-        };
-        let after = KinematicsModule::of(&machine, target, orientation).map(|own| driven(&own));
-        verdict(error.clone(), before, after.unwrap_or(before))
+        let module = KinematicsModule::of(&machine, target, orientation).ok();
+        SingleErrorModule { error: error.clone(), module, beside: target.reversal_tables(&machine) }
     };
     ids.par_iter().map(alone).collect()
-}
-
-/// Where the sign is best tested: the largest motion that the module alone adds to correct the position.
-fn strongest(machine: &Machine, carried: &KinematicsModule, poses: &[Pose]) -> Option<Strongest> {
-    let carried = carried.clone().without_orientation();
-    let module = ModuleField::new(machine, &carried);
-    strongest_at(machine, (poses, &[Approach::Mean]), |pose, approach| module.added(pose, approach))
 }
 
 impl Limits {

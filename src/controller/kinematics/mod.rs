@@ -29,7 +29,7 @@ mod topology;
 pub(super) use files::layout_fits;
 
 pub use carry::KinematicsModule;
-pub use certificate::{Depth, certify_kinematics};
+pub use certificate::certify_kinematics;
 pub use data::{Model, ModuleWords};
 pub use driven::ModuleField;
 pub use nominal::Setting;

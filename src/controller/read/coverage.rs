@@ -4,27 +4,10 @@ use crate::compensation::{CorrectionTable, CorrectionTables, Spacing};
 use crate::controller::ControllerTarget;
 use crate::controller::manifest::description::OutsideTable;
 use crate::diagnostic::{Diagnostic, codes};
-use crate::machine::{Axis, AxisKind, AxisName, ErrorId, ErrorTerm, Machine};
+use crate::machine::{AxisKind, Machine};
 use crate::units::significant;
 
 impl ControllerTarget {
-    /// Warns of a model in the controller that has no points about which linear axes turn, if the machine has (W0609).
-    pub fn unplaced(&self, machine: &Machine) -> Option<Diagnostic> {
-        let _ = self.manifest.mechanism.error_curves.as_ref()?;
-        let turning = |axis: &AxisName| {
-            let of = |(id, _): (ErrorId, &ErrorTerm)| id.axis == *axis && !id.location && id.direction.is_rotation();
-            machine.errors().any(of)
-        };
-        let apart = |axis: &&Axis| axis.kind == AxisKind::Linear && axis.origin != [0.0; 3] && turning(&axis.name);
-        let names: Vec<&str> = machine.axes().iter().filter(apart).map(|axis| axis.name.as_str()).collect();
-        let message = format!(
-            "the files do not say about which points the angular errors of {} turn: the certificate takes those of the machine file",
-            names.join(", ")
-        );
-        let help = "refer the curves to the machine's zero point, `origin: [0, 0, 0]`, if the controller does; the straightness changes by angle times distance";
-        (!names.is_empty()).then(|| Diagnostic::new(codes::W0609, message).help(help))
-    }
-
     /// Warns of tables and curves whose points do not reach the ends of the volume (W0705).
     pub fn uncovered(&self, machine: &Machine, tables: &CorrectionTables) -> Vec<Diagnostic> {
         let of_table = |table: &CorrectionTable| -> Vec<Diagnostic> {

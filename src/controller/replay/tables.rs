@@ -1,10 +1,12 @@
 //! What the controller does with its tables, in its own arithmetic. Written from what was measured
 //! on or documented of each controller, not from the code that filled the tables.
 
-use crate::compensation::{CorrectionTable, CorrectionTables, Spacing, model_correction};
+use super::lookup::{between, cell, period, single_precision};
+use super::model;
+use crate::compensation::{CorrectionTable, CorrectionTables, Spacing};
 use crate::controller::ControllerTarget;
 use crate::controller::manifest::description::{Arithmetic, Controller, Lookup, OutsideTable};
-use crate::evaluate::{Batch, CompiledModel, Deviation, Field, Order, Output, PoseColumns, commanded_deviation};
+use crate::evaluate::{Deviation, Field, commanded_deviation};
 use crate::machine::{Approach, Machine};
 
 /// A controller with tables loaded.
@@ -40,7 +42,7 @@ impl<'a> Replay<'a> {
     pub fn added(&self, command: &[f64], approach: Approach) -> Vec<f64> {
         let mut added = vec![0.0; command.len()];
         if !self.tables.errors.is_empty() {
-            added = model_correction(self.machine, command, &self.tables.errors).0;
+            added = model::motion(self.machine, command, &self.tables.errors);
         }
         match self.controller.lookup {
             Lookup::Command => self.add_tables(command, approach, &mut added, |_| true),
@@ -88,7 +90,7 @@ impl<'a> Replay<'a> {
     fn curve(&self, table: &CorrectionTable, position: f64, approach: Approach, outside: OutsideTable) -> f64 {
         let column = |values: &[f64]| match (self.controller.arithmetic, outside) {
             (Arithmetic::Float32TrimAndSlope, _) => single_precision(&table.nodes[0], values, position),
-            (Arithmetic::Float64, outside) => double_precision(&table.nodes[0], values, position, outside),
+            (Arithmetic::Float64, outside) => between(&table.nodes[0], values, position, outside),
         };
         let Some(reverse) = &table.reverse else { return column(&table.values) };
         match approach {
@@ -136,64 +138,6 @@ impl<'a> Replay<'a> {
     }
 }
 
-/// A table that rolls over begins again one step after its last point.
-fn period(nodes: &[f64]) -> f64 {
-    let last = nodes.len() - 1;
-    2.0 * nodes[last] - nodes[last - 1] - nodes[0]
-}
-
-/// Nodes at both ends of the cell and the share of the upper one; none where nothing is added. Behind the last point of
-/// a table that rolls over comes the first one of the next round.
-fn cell(nodes: &[f64], position: f64, outside: OutsideTable) -> Option<(usize, usize, f64)> {
-    let last = nodes.len() - 1;
-    let beyond = position < nodes[0] || position > nodes[last];
-    if last == 0 {
-        return (!(beyond && outside == OutsideTable::Nothing)).then_some((0, 0, 0.0));
-    }
-    match outside {
-        OutsideTable::Nothing if beyond => return None,
-        OutsideTable::Extrapolate => {}
-        OutsideTable::RollOver if position > nodes[last] => {
-            let way = nodes[0] + period(nodes) - nodes[last];
-            return Some((last, 0, (position - nodes[last]) / way));
-        }
-        _ if position <= nodes[0] => return Some((0, 0, 0.0)),
-        _ if position >= nodes[last] => return Some((last, last, 0.0)),
-        _ => {}
-    }
-    let mut low = 0;
-    while low + 2 <= last && nodes[low + 1] <= position {
-        low += 1;
-    }
-    Some((low, low + 1, (position - nodes[low]) / (nodes[low + 1] - nodes[low])))
-}
-
-fn double_precision(positions: &[f64], values: &[f64], position: f64, outside: OutsideTable) -> f64 {
-    match cell(positions, position, outside) {
-        None => 0.0,
-        Some((low, _, 0.0)) => values[low],
-        Some((low, high, share)) => values[low] * (1.0 - share) + values[high] * share,
-    }
-}
-
-/// The value of the last node at or below the position, and its number.
-fn interval(positions: &[f64], position: f64) -> usize {
-    positions.iter().rposition(|node| *node <= position).unwrap_or(0)
-}
-
-/// LinuxCNC: each entry keeps its trim and the slope to the next entry as `float`; the sum is a
-/// `double`. Below the first and above the last entry its value is held.
-fn single_precision(positions: &[f64], values: &[f64], position: f64) -> f64 {
-    let i = interval(positions, position);
-    let trim = values[i] as f32;
-    if position <= positions[0] || i + 1 >= positions.len() {
-        return f64::from(trim);
-    }
-    let rise = f64::from(values[i + 1] as f32 - trim);
-    let slope = (rise / (positions[i + 1] - positions[i])) as f32;
-    f64::from(trim) + f64::from(slope) * (position - positions[i])
-}
-
 /// A machine whose controller applies tables: mapped like a bare one.
 #[derive(Debug, Clone)]
 pub struct Compensated<'a> {
@@ -212,12 +156,5 @@ impl Field for Compensated<'_> {
         let added = self.replay.added(pose, approach);
         let command: Vec<f64> = pose.iter().zip(&added).map(|(q, c)| q + c).collect();
         commanded_deviation(self.machine, pose, &command, approach)
-    }
-
-    fn deviations(&self, poses: &Batch<'_>, approach: Approach, out: Output<'_>) {
-        let mut added = PoseColumns::new(poses.axes().len());
-        (0..poses.len()).for_each(|i| added.push(&self.replay.added(&poses.pose(i), approach)));
-        // The plan is exact, and as many commands as poses: there is always an answer.
-        let _ = CompiledModel::new(self.machine, Order::Exact, approach).commanded(poses, &added.batch(), out);
     }
 }

@@ -1,0 +1,58 @@
+//! How many poses a certificate and its single errors rest on.
+
+use crate::controller::Replay;
+use crate::evaluate::random_poses;
+use crate::machine::{Machine, Pose};
+use std::collections::BTreeSet;
+
+/// How many poses, from which seed.
+#[derive(Debug, Clone, Copy)]
+pub struct Depth {
+    /// Poses of the certificate.
+    pub poses: usize,
+    /// Their seed.
+    pub seed: u64,
+}
+
+/// Largest number of poses for the figures of single errors.
+const MAX_SINGLE_POSES: usize = 2000;
+
+/// Largest number of a lattice's nodes that are filled for the figures of single errors.
+const MAX_SINGLE_NODES: usize = 16_384;
+
+impl Depth {
+    /// Returns the poses, spread over the volume.
+    pub fn poses(self, machine: &Machine) -> Vec<Pose> {
+        random_poses(machine, self.poses, self.seed)
+    }
+}
+
+/// Returns those of a certificate's poses on which the figures of single errors rest.
+pub(in crate::controller) fn single_error_poses(poses: &[Pose]) -> &[Pose] {
+    &poses[..poses.len().min(MAX_SINGLE_POSES)]
+}
+
+/// The part of a lattice that single errors are judged by: its cells around the first poses.
+#[derive(Debug, Clone)]
+pub(in crate::controller) struct LatticeShare {
+    /// How many poses.
+    pub poses: usize,
+    /// Numbers of the nodes around them, rising.
+    pub nodes: Vec<usize>,
+}
+
+impl LatticeShare {
+    /// Returns the cells around as many of the poses as the bound on nodes lets be filled.
+    pub fn of(replay: &Replay, poses: &[Pose]) -> Self {
+        let mut nodes = BTreeSet::new();
+        for (count, pose) in poses.iter().enumerate() {
+            let corners: Vec<usize> = replay.lattice_corners(pose).into_iter().map(|(node, _)| node).collect();
+            let fresh = corners.iter().filter(|node| !nodes.contains(*node)).count();
+            if nodes.len() + fresh > MAX_SINGLE_NODES {
+                return Self { poses: count, nodes: nodes.into_iter().collect() };
+            }
+            nodes.extend(corners);
+        }
+        Self { poses: poses.len(), nodes: nodes.into_iter().collect() }
+    }
+}

@@ -1,0 +1,94 @@
+//! Figures of a machine over poses, without and with files, by the general algebra.
+
+use crate::evaluate::{Deviation, Field, Statistics, Summary, tool_axis_tilt};
+use crate::machine::{Approach, AxisKind, Machine, Pose};
+use rayon::prelude::*;
+
+/// What a field comes to over the poses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figures {
+    /// Position (um) and orientation (urad).
+    pub all: Statistics,
+    /// Tilt of the tool axis alone, urad.
+    pub tool_axis: Summary,
+}
+
+/// A figure of the position deviation that the files make worse.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RaisedFigure {
+    /// Approaching from this side.
+    pub approach: Approach,
+    /// Which.
+    pub figure: &'static str,
+    /// Without the files, um.
+    pub before: f64,
+    /// With them, um.
+    pub after: f64,
+}
+
+/// Below this (um) a deviation is rounding, and a comparison says nothing.
+pub const ROUNDING_UM: f64 = 1e-3;
+
+/// Is a deviation (um) larger than another one by more than rounding?
+pub(crate) fn is_worse(before: f64, after: f64) -> bool {
+    after > before * 1.001 + ROUNDING_UM
+}
+
+/// What a set raises of the position deviation, approaching from one side.
+pub(crate) fn raised(approach: Approach, before: &Figures, after: &Figures) -> Vec<RaisedFigure> {
+    let (before, after) = (before.all.position_um, after.all.position_um);
+    let figures = [("95 %", before.p95, after.p95), ("rms", before.rms, after.rms), ("max", before.max, after.max)];
+    let worse = figures.into_iter().filter(|(_, before, after)| is_worse(*before, *after));
+    worse.map(|(figure, before, after)| RaisedFigure { approach, figure, before, after }).collect()
+}
+
+/// Without and with a set of files, in the direction of approach that is worse with them, and what they raise in either.
+pub(crate) struct Judgement {
+    pub approach: Approach,
+    pub uncompensated: Figures,
+    pub compensated: Figures,
+    pub raised: Vec<RaisedFigure>,
+}
+
+/// Compares a machine without and with files.
+pub(crate) fn judge(bare: &dyn Field, with: &dyn Field, poses: &[Pose]) -> Judgement {
+    let one = |approach: Approach| {
+        let (uncompensated, compensated) = (figures(bare, poses, approach), figures(with, poses, approach));
+        Judgement { approach, raised: raised(approach, &uncompensated, &compensated), uncompensated, compensated }
+    };
+    let p95 = |judgement: &Judgement| judgement.compensated.all.position_um.p95;
+    let (mut worse, mut raised) = (None, Vec::new());
+    for mut judgement in approaches(bare.machine()).iter().map(|approach| one(*approach)) {
+        raised.append(&mut judgement.raised);
+        if worse.as_ref().is_none_or(|known| p95(&judgement) > p95(known)) {
+            worse = Some(judgement);
+        }
+    }
+    Judgement { raised, ..worse.unwrap_or_else(|| one(Approach::Mean)) }
+}
+
+/// The directions of approach that can differ.
+pub(crate) fn approaches(machine: &Machine) -> &'static [Approach] {
+    if machine.is_bidirectional() { &[Approach::Forward, Approach::Reverse] } else { &[Approach::Mean] }
+}
+
+/// Returns the deviations at poses, one by one and in their order: no evaluator of many poses at once, which tables may
+/// have been filled with.
+pub(crate) fn deviations(field: &dyn Field, poses: &[Pose], approach: Approach) -> Vec<Deviation> {
+    poses.par_iter().map(|pose| field.deviation(pose, approach)).collect()
+}
+
+pub(crate) fn figures(field: &dyn Field, poses: &[Pose], approach: Approach) -> Figures {
+    let deviations = deviations(field, poses, approach);
+    let tilt = |(pose, d): (&Pose, &Deviation)| tool_axis_tilt(field.machine(), pose, &d.rotation) * 1e6;
+    let tilts: Vec<_> = poses.iter().zip(&deviations).map(tilt).collect();
+    Figures { all: Statistics::of(&deviations), tool_axis: Summary::of(&tilts) }
+}
+
+/// Returns how many um are in a mm, or urad in a deg, and the name of the small unit.
+pub fn micro(kind: AxisKind) -> (f64, &'static str) {
+    match kind {
+        AxisKind::Linear => (1e3, "um"),
+        AxisKind::Rotary => (1f64.to_radians() * 1e6, "urad"),
+    }
+}

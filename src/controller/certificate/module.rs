@@ -1,0 +1,75 @@
+//! The certificate of a kinematics module.
+
+use super::Certificate;
+use super::depth::{Depth, single_error_poses};
+use super::figures::{Judgement, judge};
+use super::sign_test::strongest_at;
+use super::single_error::{ErrorLeft, NominalAt, judge_one, nominal};
+use crate::compensation::CorrectionTables;
+use crate::controller::{ControllerTarget, KinematicsModule, ModuleField, Replay};
+use crate::evaluate::{Bare, Order};
+use crate::machine::{Approach, ErrorId, Machine};
+use rayon::prelude::*;
+
+/// A module with the tables beside it.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::controller) struct ModuleSet<'a> {
+    pub target: &'a ControllerTarget,
+    pub module: &'a KinematicsModule,
+    pub beside: &'a CorrectionTables,
+}
+
+/// What a target makes of one error alone; no module if it cannot be made.
+#[derive(Debug, Clone)]
+pub(in crate::controller) struct SingleErrorModule {
+    pub error: ErrorId,
+    pub module: Option<KinematicsModule>,
+    pub beside: CorrectionTables,
+}
+
+/// Compares the machine with and without a module and the tables beside it. The module holds the mean of forward and
+/// reverse; the direction of approach that is worse counts. The modules of single errors are made already.
+pub(in crate::controller) fn judge_module(
+    machine: &Machine,
+    set: ModuleSet,
+    single_errors: &[SingleErrorModule],
+    depth: Depth,
+) -> Certificate {
+    let poses = depth.poses(machine);
+    let driven = ModuleField::new(machine, set.module).beside(Replay::new(machine, set.target, set.beside));
+    let bare = Bare { machine, order: Order::Exact };
+    let Judgement { approach, uncompensated, compensated, raised } = judge(&bare, &driven, &poses);
+    let zero = vec![0.0; machine.axes().len()];
+    let single = nominal(machine, single_error_poses(&poses));
+    // The largest motion that the module alone adds to correct the position.
+    let positioning = set.module.clone().without_orientation();
+    let module = ModuleField::new(machine, &positioning);
+    Certificate {
+        poses: poses.len(),
+        approach,
+        uncompensated,
+        compensated,
+        errors: single_errors.par_iter().map(|one| judge_single(machine, set.target, one, &single)).collect(),
+        single_error_poses: single.len(),
+        at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.added(&zero, approach)),
+        shifted: None,
+        raised,
+        strongest: strongest_at(machine, (&poses, &[Approach::Mean]), |pose, approach| module.added(pose, approach)),
+    }
+}
+
+fn judge_single(
+    machine: &Machine,
+    target: &ControllerTarget,
+    single: &SingleErrorModule,
+    poses: &[NominalAt],
+) -> ErrorLeft {
+    let alone = machine.filtered(|id| *id == single.error);
+    let field = single
+        .module
+        .as_ref()
+        .map(|module| ModuleField::new(&alone, module).beside(Replay::new(&alone, target, &single.beside)));
+    judge_one(single.error.clone(), &alone, poses, |_, pose, approach| {
+        field.as_ref().map_or_else(|| vec![0.0; pose.len()], |field| field.added(pose, approach))
+    })
+}

@@ -1,0 +1,169 @@
+//! What a target leaves of every error alone.
+//!
+//! Tables for single errors are handed in. They are replayed like those of the set, on a machine with the one error, and
+//! judged by the general algebra.
+
+use super::depth::LatticeShare;
+use super::figures::approaches;
+use crate::algebra::Htm;
+use crate::compensation::{CorrectionTable, CorrectionTables, LatticeCells, SingleErrorTables, SingleErrors};
+use crate::controller::{ControllerTarget, Replay};
+use crate::evaluate::{Deviation, Statistics, command_deviation};
+use crate::lower::NominalPose;
+use crate::machine::{Approach, ErrorId, Machine, Pose};
+use rayon::prelude::*;
+
+/// How much of one error a target takes away.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Handled {
+    /// At most a twentieth of it, or 0.05 um, is left.
+    Fully,
+    /// Something between.
+    Partly,
+    /// At least nineteen twentieths of it are left.
+    No,
+}
+
+/// One error in the certificate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorLeft {
+    /// Which.
+    pub error: ErrorId,
+    /// How much is taken away.
+    pub handled: Handled,
+    /// 95 % position deviation with this error alone, uncompensated, um.
+    pub alone: f64,
+    /// The same after compensation, um.
+    pub left: f64,
+}
+
+/// A pose with the place of the nominal tool at it, which is the same for every single error.
+pub(super) struct NominalAt<'a> {
+    pub pose: &'a Pose,
+    nominal: Htm<f64>,
+}
+
+/// Returns the nominal tool at poses.
+pub(super) fn nominal<'a>(machine: &Machine, poses: &'a [Pose]) -> Vec<NominalAt<'a>> {
+    let at = |pose: &'a Pose| NominalAt { pose, nominal: NominalPose::at(machine, pose).pose };
+    poses.par_iter().map(at).collect()
+}
+
+/// Judges one error: `machine` has no other one, and `added` is what its controller adds to the command of a pose, given
+/// with its number.
+pub(super) fn judge_one(
+    error: ErrorId,
+    machine: &Machine,
+    poses: &[NominalAt],
+    added: impl Fn(usize, &Pose, Approach) -> Vec<f64>,
+) -> ErrorLeft {
+    let (mut alone, mut left) = (0.0_f64, 0.0_f64);
+    for approach in approaches(machine) {
+        let at = |(number, place): (usize, &NominalAt)| {
+            let sent = |command: &[f64]| command_deviation(machine, &place.nominal, command, *approach);
+            let before = sent(place.pose);
+            let steps = added(number, place.pose, *approach);
+            if steps.iter().all(|step| *step == 0.0) {
+                return (before, before);
+            }
+            let command: Vec<f64> = place.pose.iter().zip(&steps).map(|(q, step)| q + step).collect();
+            (before, sent(&command))
+        };
+        let (before, after): (Vec<Deviation>, Vec<Deviation>) = poses.iter().enumerate().map(at).unzip();
+        alone = alone.max(Statistics::of(&before).position_um.p95);
+        left = left.max(Statistics::of(&after).position_um.p95);
+    }
+    verdict(error, alone, left)
+}
+
+/// A set of tables whose single errors are judged.
+#[derive(Clone, Copy)]
+pub(super) struct SetOfTables<'a> {
+    pub machine: &'a Machine,
+    pub target: &'a ControllerTarget,
+    pub tables: &'a CorrectionTables,
+    pub single_errors: &'a SingleErrors,
+}
+
+impl SetOfTables<'_> {
+    /// Returns what is left of every error, and on how many of the poses that rests.
+    pub fn judge(&self, poses: &[Pose]) -> (Vec<ErrorLeft>, usize) {
+        match (self.single_errors, &self.tables.tables[..]) {
+            (SingleErrors::Lattice(cells), [lattice]) => {
+                let replay = Replay::new(self.machine, self.target, self.tables);
+                let poses = &poses[..LatticeShare::of(&replay, poses).poses];
+                let cells = Cells { lattice, replay: &replay, cells };
+                (cells.judge(self.machine, &nominal(self.machine, poses)), poses.len())
+            }
+            // Cells of a lattice that the set does not have.
+            (SingleErrors::Lattice(_), _) => (Vec::new(), 0),
+            (SingleErrors::Tables(sets), _) => {
+                let poses = nominal(self.machine, poses);
+                (sets.par_iter().map(|set| self.judge_set(set, &poses)).collect(), poses.len())
+            }
+        }
+    }
+
+    fn judge_set(&self, set: &SingleErrorTables, poses: &[NominalAt]) -> ErrorLeft {
+        let alone = self.machine.filtered(|id| *id == set.error);
+        // Most tables of a single error are zero, and add nothing.
+        let tables = set.tables.tables.iter().filter(|table| !is_zero(table)).cloned().collect();
+        let tables = CorrectionTables { tables, errors: set.tables.errors.clone() };
+        let replay = Replay::new(&alone, self.target, &tables);
+        judge_one(set.error.clone(), &alone, poses, |_, pose, approach| replay.added(pose, approach))
+    }
+}
+
+fn is_zero(table: &CorrectionTable) -> bool {
+    table.values.iter().chain(table.reverse.iter().flatten()).all(|value| *value == 0.0)
+}
+
+/// Parts of a lattice for single errors.
+struct Cells<'a> {
+    lattice: &'a CorrectionTable,
+    replay: &'a Replay<'a>,
+    cells: &'a LatticeCells,
+}
+
+/// Corners of a cell: where a node is among those filled, with its weight.
+type Corners = Vec<(usize, f64)>;
+
+impl Cells<'_> {
+    fn judge(&self, machine: &Machine, poses: &[NominalAt]) -> Vec<ErrorLeft> {
+        let axes = machine.axes().len();
+        let corners: Vec<Corners> = poses.iter().map(|place| self.corners(place.pose)).collect();
+        let one = |(error, values): &(ErrorId, Vec<f64>)| {
+            let alone = machine.filtered(|id| id == error);
+            judge_one(error.clone(), &alone, poses, |number, _, _| self.added(axes, &corners[number], values))
+        };
+        self.cells.errors.par_iter().map(one).collect()
+    }
+
+    /// Nodes that nobody filled add nothing: what they lack is then left.
+    fn corners(&self, pose: &[f64]) -> Corners {
+        let place = |(node, weight)| Some((self.cells.nodes.binary_search(&node).ok()?, weight));
+        self.replay.lattice_corners(pose).into_iter().filter_map(place).collect()
+    }
+
+    fn added(&self, axes: usize, corners: &Corners, values: &[f64]) -> Vec<f64> {
+        let mut added = vec![0.0; axes];
+        for (place, weight) in corners {
+            let row = &values[place * self.lattice.corrected.len()..];
+            self.lattice.corrected.iter().zip(row).for_each(|(axis, value)| added[*axis] += weight * value);
+        }
+        added
+    }
+}
+
+fn verdict(error: ErrorId, alone: f64, left: f64) -> ErrorLeft {
+    const NOTHING: f64 = 0.05;
+    let handled = if left <= (0.05 * alone).max(NOTHING) {
+        Handled::Fully
+    } else if left >= 0.95 * alone {
+        Handled::No
+    } else {
+        Handled::Partly
+    };
+    ErrorLeft { error, handled, alone, left }
+}

@@ -1,0 +1,66 @@
+//! The certificate of a set of tables.
+
+use super::Certificate;
+use super::depth::{Depth, single_error_poses};
+use super::figures::{Judgement, judge};
+use super::sign_test::strongest;
+use super::single_error::SetOfTables;
+use super::zero_shift::{Shiftable, ZeroShift};
+use crate::compensation::{CorrectionTables, Reference, SingleErrors, Spacing, TableRules};
+use crate::controller::{Compensated, ControllerTarget, Replay};
+use crate::evaluate::{Bare, Order};
+use crate::machine::{Approach, Machine, Pose};
+
+/// What is judged.
+#[derive(Debug, Clone, Copy)]
+pub struct JudgedTables<'a> {
+    /// The controller.
+    pub target: &'a ControllerTarget,
+    /// Its tables.
+    pub tables: &'a CorrectionTables,
+    /// The tables that were in force when the machine was measured, of the same controller.
+    pub installed: Option<&'a CorrectionTables>,
+}
+
+/// Compares the machine with and without tables on seeded poses. The tables of single errors are filled already.
+pub(in crate::controller) fn judge_tables(
+    machine: &Machine,
+    judged: JudgedTables,
+    single_errors: &SingleErrors,
+    depth: Depth,
+) -> Certificate {
+    let JudgedTables { target, tables, installed } = judged;
+    let poses = depth.poses(machine);
+    let bare = Bare { machine, order: Order::Exact };
+    let load = |tables| Replay::new(machine, target, tables);
+    let compensated = Compensated { machine, replay: load(tables).over(installed.map(load)) };
+    let Judgement { approach, uncompensated, compensated: left, raised } = judge(&bare, &compensated, &poses);
+    let zero = vec![0.0; machine.axes().len()];
+    let fixed = |rules: &TableRules| rules.reference == Reference::Zero || rules.spacing == Spacing::Line;
+    let vanishing = target.manifest.mechanism.iter().any(|(_, rules)| fixed(rules));
+    let shifted = || {
+        let added = |pose: &Pose| compensated.replay.added(pose, approach);
+        let nothing = |pose: &Pose| vec![0.0; pose.len()];
+        let (shift, position_um) = Shiftable { field: &compensated, added: &added }.best_shift(&poses, approach);
+        ZeroShift {
+            shift,
+            position_um,
+            alone_um: Shiftable { field: &bare, added: &nothing }.best_shift(&poses, approach).1,
+        }
+    };
+    let replay = load(tables);
+    let set = SetOfTables { machine, target, tables, single_errors };
+    let (errors, single_error_poses) = set.judge(single_error_poses(&poses));
+    Certificate {
+        poses: poses.len(),
+        approach,
+        uncompensated,
+        compensated: left,
+        errors,
+        single_error_poses,
+        at_reference: [Approach::Forward, Approach::Reverse].map(|a| replay.added(&zero, a)),
+        shifted: vanishing.then(shifted),
+        raised,
+        strongest: strongest(machine, tables, &poses, |pose, approach| replay.added(pose, approach)),
+    }
+}

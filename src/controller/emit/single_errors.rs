@@ -1,0 +1,25 @@
+//! From a set to its certificate: fills what the certificate is handed in and has it judged.
+
+use crate::compensation::{Scope, SetLayout, SingleErrors, single_errors};
+use crate::controller::Replay;
+use crate::controller::certificate::Certificate;
+use crate::controller::certificate::depth::{Depth, LatticeShare, single_error_poses};
+use crate::controller::certificate::tables::{JudgedTables, judge_tables};
+use crate::machine::Machine;
+
+/// Compares the machine with and without tables on `poses` seeded poses.
+pub fn certify(machine: &Machine, judged: JudgedTables, scope: Scope, poses: usize, seed: u64) -> Certificate {
+    let depth = Depth { poses, seed };
+    judge_tables(machine, judged, &filled(machine, judged, scope, depth), depth)
+}
+
+/// Fills the tables of every error alone; of a lattice the cells that the certificate looks at.
+fn filled(machine: &Machine, judged: JudgedTables, scope: Scope, depth: Depth) -> SingleErrors {
+    let JudgedTables { target, tables, .. } = judged;
+    let mechanisms = &target.manifest.mechanism;
+    let nodes = mechanisms.free_lattice(tables).map_or_else(Vec::new, |_| {
+        let replay = Replay::new(machine, target, tables);
+        LatticeShare::of(&replay, single_error_poses(&depth.poses(machine))).nodes
+    });
+    single_errors(machine, SetLayout { mechanisms, tables, scope, lattice_nodes: &nodes })
+}

@@ -1,0 +1,54 @@
+//! Look-up in tables over one axis: cells, straight lines, what lies outside, single precision.
+
+use crate::controller::manifest::description::OutsideTable;
+
+/// A table that rolls over begins again one step after its last point.
+pub(super) fn period(nodes: &[f64]) -> f64 {
+    let last = nodes.len() - 1;
+    2.0 * nodes[last] - nodes[last - 1] - nodes[0]
+}
+
+/// Nodes at both ends of the cell and the share of the upper one; none where nothing is added. Behind the last point of
+/// a table that rolls over comes the first one of the next round.
+pub(super) fn cell(nodes: &[f64], position: f64, outside: OutsideTable) -> Option<(usize, usize, f64)> {
+    let last = nodes.len() - 1;
+    let beyond = position < nodes[0] || position > nodes[last];
+    if last == 0 {
+        return (!(beyond && outside == OutsideTable::Nothing)).then_some((0, 0, 0.0));
+    }
+    match outside {
+        OutsideTable::Nothing if beyond => return None,
+        OutsideTable::Extrapolate => {}
+        OutsideTable::RollOver if position > nodes[last] => {
+            let way = nodes[0] + period(nodes) - nodes[last];
+            return Some((last, 0, (position - nodes[last]) / way));
+        }
+        _ if position <= nodes[0] => return Some((0, 0, 0.0)),
+        _ if position >= nodes[last] => return Some((last, last, 0.0)),
+        _ => {}
+    }
+    let low = nodes.partition_point(|node| *node <= position).clamp(1, last) - 1;
+    Some((low, low + 1, (position - nodes[low]) / (nodes[low + 1] - nodes[low])))
+}
+
+/// Returns the straight line between two nodes, in doubles.
+pub(super) fn between(positions: &[f64], values: &[f64], position: f64, outside: OutsideTable) -> f64 {
+    match cell(positions, position, outside) {
+        None => 0.0,
+        Some((low, _, 0.0)) => values[low],
+        Some((low, high, share)) => values[low] * (1.0 - share) + values[high] * share,
+    }
+}
+
+/// LinuxCNC: each entry keeps its trim and the slope to the next entry as `float`; the sum is a
+/// `double`. Below the first and above the last entry its value is held.
+pub(super) fn single_precision(positions: &[f64], values: &[f64], position: f64) -> f64 {
+    let i = positions.partition_point(|node| *node <= position).saturating_sub(1);
+    let trim = values[i] as f32;
+    if position <= positions[0] || i + 1 >= positions.len() {
+        return f64::from(trim);
+    }
+    let rise = f64::from(values[i + 1] as f32 - trim);
+    let slope = (rise / (positions[i + 1] - positions[i])) as f32;
+    f64::from(trim) + f64::from(slope) * (position - positions[i])
+}
