@@ -22,6 +22,7 @@ mod equations;
 mod eval_exact;
 mod eval_order;
 mod every_target;
+mod faults;
 mod golden_signs;
 mod handmade;
 mod identify;
