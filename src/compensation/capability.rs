@@ -247,7 +247,8 @@ impl TableRules {
         (1..=most).map(f64::from).find(|times| does(*times)).unwrap_or(f64::from(most))
     }
 
-    /// Rounds a lattice to what the controller stores of it with the least magnification that brings all within its range.
+    /// Rounds a lattice to what the controller stores of it with the least magnification that brings all within its
+    /// range.
     fn magnify(&self, machine: &Machine, table: &mut CorrectionTable) {
         let decimals = self.increment.correction_decimals;
         let (scales, width) = (self.scales(machine, table), table.corrected.len());

@@ -1,7 +1,7 @@
 //! Error curves for controllers that have the ISO 230-1 model.
 //!
-//! Files of such controllers have a point of each rotary axis and none of the linear axes: the angular errors of these turn
-//! about the zero of the machine coordinates. A turn eps about an origin o is one about zero and the translation
+//! Files of such controllers have a point of each rotary axis and none of the linear axes: the angular errors of these
+//! turn about the zero of the machine coordinates. A turn eps about an origin o is one about zero and the translation
 //! `-eps x o`, which goes into the curves of the translations: to first order the files then hold the same errors.
 
 use super::nodes::{Columns, Curves};

@@ -245,9 +245,9 @@ const TRIED: usize = 192;
 const ROUNDS: usize = 20;
 
 /// Which of many rising positions to keep, so that straight lines between the stored numbers, as the controller draws
-/// them, leave least in the square. First the candidate is taken away that costs least, again and again, until there are
-/// few; the best choice of these is then found (Bellman 1961); in the end each point is moved between its neighbours, as
-/// long as that leaves less.
+/// them, leave least in the square. First the candidate is taken away that costs least, again and again, until there
+/// are few; the best choice of these is then found (Bellman 1961); in the end each point is moved between its
+/// neighbours, as long as that leaves less.
 pub(super) fn place(positions: &[f64], rows: &[Vec<f64>], stored: &[Vec<f64>], most: usize) -> Vec<usize> {
     let loss = Loss { positions, rows, stored };
     let most = most.max(2);
@@ -261,8 +261,8 @@ pub(super) fn place(positions: &[f64], rows: &[Vec<f64>], stored: &[Vec<f64>], m
     kept
 }
 
-/// What it costs to do without a candidate, and which. The cheapest is the greatest; of equal ones every other goes before
-/// the next, so that no gap outgrows the others on a straight curve.
+/// What it costs to do without a candidate, and which. The cheapest is the greatest; of equal ones every other goes
+/// before the next, so that no gap outgrows the others on a straight curve.
 #[derive(PartialEq)]
 struct Cost(f64, usize);
 

@@ -16,8 +16,8 @@ struct Sent {
     nominal: f64,
 }
 
-/// Returns how far an axis is from where it should be, by its own joint alone. Angular errors of a linear axis turn about
-/// its origin and do not count here; location errors move the whole axis and do not count either.
+/// Returns how far an axis is from where it should be, by its own joint alone. Angular errors of a linear axis turn
+/// about its origin and do not count here; location errors move the whole axis and do not count either.
 fn own_axis_deviation(machine: &Machine, axis: usize, sent: Sent, approach: Approach) -> Deviation {
     let this = &machine.axes()[axis];
     let none = JointElements { location: None, component: None };

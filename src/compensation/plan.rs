@@ -48,8 +48,8 @@ fn filled(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) 
     Planner { machine, mechanisms }.tables()
 }
 
-/// Zero at position 0, between points too, or at the end of the table nearest to it. What reverse differs from forward stays, unless the
-/// controller has a number for it there that cannot be negative.
+/// Makes a table zero at position 0, between points too, or at the end nearest to it. What reverse differs from forward
+/// stays, unless the controller has a number for it there that cannot be negative.
 pub(super) fn vanish_at_reference(table: &mut CorrectionTable, positive_backlash: bool) {
     let width = table.corrected.len();
     let nearest = |nodes: &Vec<f64>| {
@@ -390,7 +390,7 @@ impl Planner<'_> {
     }
 }
 
-/// Intervals of a factor over a linear axis: it is an angle or a lever arm, smoother than what tables over one axis hold.
+/// Intervals of a factor over a linear axis: it is an angle or a lever arm, smoother than tables over one axis.
 const PRODUCT_INTERVALS: usize = 12;
 
 /// Step of a factor over a rotary axis, deg: the straight line leaves a hundredth of a sine.

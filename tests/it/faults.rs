@@ -1,4 +1,5 @@
-//! Tables with a fault of what filled them: their certificates must show it. Single errors rest on as many poses as they say.
+//! Tables with a fault of what filled them: their certificates must show it. Single errors rest on as many poses as
+//! they say.
 
 use abbe::compensation::{CorrectionTable, CorrectionTables, LatticeRequest, Scope};
 use abbe::controller::{Certificate, ControllerTarget, JudgedTables, certify};
@@ -27,7 +28,8 @@ fn with_table(folder: &Folder, name: &str, errors: &str) -> PathBuf {
     folder.write(name, &text)
 }
 
-/// The compiled evaluator once took cubic B-splines of continuous axes for straight pieces, and the certificate with it.
+/// The compiled evaluator once took cubic B-splines of continuous axes for straight pieces, and the certificate with
+/// it.
 #[test]
 fn straight_pieces_in_place_of_a_spline() {
     const KNOTS: [f64; 6] = [0.0, 40.0, 100.0, 210.0, 280.0, 360.0];
@@ -91,8 +93,8 @@ fn with_points(folder: &Folder) -> PathBuf {
     folder.write("machine.yaml", text)
 }
 
-/// EAX about z = 200 is one about 0 and -(10e-6, 0, 0) x (100, 0, 200) = +2 um in Y; ECX of -20 urad about x = 100 brings +2 um
-/// more. EBY about z = -500 is one about 0 and +20 um in X at its end, and nothing in Z.
+/// EAX about z = 200 is one about 0 and -(10e-6, 0, 0) x (100, 0, 200) = +2 um in Y; ECX of -20 urad about x = 100
+/// brings +2 um more. EBY about z = -500 is one about 0 and +20 um in X at its end, and nothing in Z.
 #[test]
 fn files_without_points_of_linear_axes_hold_all_of_their_errors() {
     let folder = Folder::new();

@@ -42,7 +42,8 @@ pub(crate) fn raised(approach: Approach, before: &Figures, after: &Figures) -> V
     worse.map(|(figure, before, after)| RaisedFigure { approach, figure, before, after }).collect()
 }
 
-/// Without and with a set of files, in the direction of approach that is worse with them, and what they raise in either.
+/// Figures without and with a set of files, in the direction of approach that is worse with them, and the figures that
+/// they raise in either.
 pub(crate) struct Judgement {
     pub approach: Approach,
     pub uncompensated: Figures,

@@ -5,9 +5,10 @@
 //! 95 % deviation of a machine with that error alone and with tables made for it alone, replayed like
 //! the real ones.
 //!
-//! Nothing here or in [`super::replay`] shares code with what filled the tables: machines are evaluated one pose at a time by
-//! the general algebra, controllers in their own arithmetic, derivatives are differences, and tables, also those of single
-//! errors, are values that are handed in. Of `compensation` only types are used, and a test holds both folders to that.
+//! Nothing here or in [`super::replay`] shares code with what filled the tables: machines are evaluated one pose at a
+//! time by the general algebra, controllers in their own arithmetic, derivatives are differences, and tables, also
+//! those of single errors, are values that are handed in. Of `compensation` only types are used, and a test holds
+//! both folders to that.
 
 pub(super) mod depth;
 pub(super) mod figures;

@@ -1,7 +1,7 @@
 //! What a target leaves of every error alone.
 //!
-//! Tables for single errors are handed in. They are replayed like those of the set, on a machine with the one error, and
-//! judged by the general algebra.
+//! Tables for single errors are handed in. They are replayed like those of the set, on a machine with the one error,
+//! and judged by the general algebra.
 
 use super::depth::LatticeShare;
 use super::figures::approaches;
@@ -50,8 +50,8 @@ pub(super) fn nominal<'a>(machine: &Machine, poses: &'a [Pose]) -> Vec<NominalAt
     poses.par_iter().map(at).collect()
 }
 
-/// Judges one error: `machine` has no other one, and `added` is what its controller adds to the command of a pose, given
-/// with its number.
+/// Judges one error: `machine` has no other one, and `added` is what its controller adds to the command of a pose,
+/// given with its number.
 pub(super) fn judge_one(
     error: ErrorId,
     machine: &Machine,

@@ -36,8 +36,9 @@ pub(super) struct Shiftable<'a> {
 }
 
 impl Shiftable<'_> {
-    /// Returns the best shift of the axes' zeros (mm, deg) and the position deviation (um) that it leaves. A rotary axis
-    /// is moved against the mean of its own error; the linear axes then leave the least mean square of the position.
+    /// Returns the best shift of the axes' zeros (mm, deg) and the position deviation (um) that it leaves. A rotary
+    /// axis is moved against the mean of its own error; the linear axes then leave the least mean square of the
+    /// position.
     pub fn best_shift(&self, poses: &[Pose], approach: Approach) -> (Vec<f64>, Summary) {
         let machine = self.field.machine();
         let motions: Vec<Vec<AxisMotion>> = poses.par_iter().map(|pose| axis_motions(machine, pose)).collect();

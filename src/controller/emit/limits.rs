@@ -82,9 +82,12 @@ impl Limits {
     }
 }
 
+/// Help of a correction beyond a limit.
+pub(in crate::controller) const RAISE_LIMIT: &str = "check the error values and their units; if they are right, \
+     raise the limit: --max-correction \"2 mm, 10 mrad, 0.05\"";
+
 fn refusal(message: String) -> Diagnostic {
-    Diagnostic::new(codes::E0602, message)
-        .help("check the error values and their units; if they are right, raise the limit: --max-correction \"2 mm, 10 mrad, 0.05\"")
+    Diagnostic::new(codes::E0602, message).help(RAISE_LIMIT)
 }
 
 /// The steepest correction of an axis along its own travel.

@@ -4,6 +4,7 @@ use super::KinematicsModule;
 use crate::compensation::CorrectionTables;
 use crate::controller::certificate::depth::Depth;
 use crate::controller::certificate::module::{ModuleSet, SingleErrorModule, judge_module};
+use crate::controller::emit::limits::RAISE_LIMIT;
 use crate::controller::{Certificate, ControllerTarget, Limits};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{ErrorId, ErrorTerm, Machine};
@@ -37,11 +38,7 @@ impl Limits {
     /// Limits on what a module corrects: the deviation of the functional point and of the tool axis.
     pub fn exceeded_by(&self, certificate: &Certificate) -> Vec<Diagnostic> {
         let (position, axis) = (certificate.uncompensated.all.position_um.max, certificate.uncompensated.tool_axis.max);
-        let refusal = |what: String| {
-            Diagnostic::new(codes::E0602, what).help(
-                "check the error values and their units; if they are right, raise the limit: --max-correction \"2 mm, 10 mrad, 0.05\"",
-            )
-        };
+        let refusal = |what: String| Diagnostic::new(codes::E0602, what).help(RAISE_LIMIT);
         let length = (position > self.length * 1e3).then(|| {
             refusal(format!(
                 "a deviation of {} mm is above the limit of {} mm",

@@ -1,8 +1,8 @@
 //! Controllers that have the model of ISO 230-1: from curves of errors to motions of the linear axes.
 //!
 //! Such a controller adds up what its errors do to the functional point, to first order, and moves the linear axes
-//! against it. Its files have a point and a direction of each rotary axis and none of the linear axes: angular errors of
-//! these turn about the zero of the machine coordinates.
+//! against it. Its files have a point and a direction of each rotary axis and none of the linear axes: angular errors
+//! of these turn about the zero of the machine coordinates.
 
 use super::lookup::between;
 use crate::compensation::ErrorCurve;
@@ -39,8 +39,8 @@ struct Term {
     value: f64,
 }
 
-/// Returns what a curve comes to at a command: its own error and, of a turn about the machine's zero, the translation of
-/// the axis's origin.
+/// Returns what a curve comes to at a command: its own error and, of a turn about the machine's zero, the translation
+/// of the axis's origin.
 fn terms(machine: &Machine, command: &[f64], curve: &ErrorCurve) -> Vec<Term> {
     let Some(index) = machine.axis_index(curve.error.axis.as_str()) else { return Vec::new() };
     let axis = &machine.axes()[index];
@@ -58,7 +58,8 @@ fn terms(machine: &Machine, command: &[f64], curve: &ErrorCurve) -> Vec<Term> {
     all
 }
 
-/// Returns the value (mm or rad) of a curve at a position: straight lines, held at the ends, by whole turns on a continuous axis.
+/// Returns the value (mm or rad) of a curve at a position: straight lines, held at the ends, by whole turns on a
+/// continuous axis.
 fn look_up(curve: &ErrorCurve, position: f64, continuous: bool) -> f64 {
     let Some(first) = curve.positions.first() else { return curve.values.first().copied().unwrap_or(0.0) };
     let position = if continuous { first + (position - first).rem_euclid(360.0) } else { position };
