@@ -4,7 +4,7 @@ use crate::evaluate::{Deviation, Field, Statistics, Summary, tool_axis_tilt};
 use crate::machine::{Approach, AxisKind, Machine, Pose};
 use rayon::prelude::*;
 
-/// What a field comes to over the poses.
+/// Statistics of a field over poses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
     /// Position (um) and orientation (urad).
@@ -16,25 +16,25 @@ pub struct Figures {
 /// A figure of the position deviation that the files make worse.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RaisedFigure {
-    /// Approaching from this side.
+    /// The side of approach.
     pub approach: Approach,
-    /// Which.
+    /// Name of the figure.
     pub figure: &'static str,
-    /// Without the files, um.
+    /// Its value without the files, um.
     pub before: f64,
-    /// With them, um.
+    /// Its value with the files, um.
     pub after: f64,
 }
 
-/// Below this (um) a deviation is rounding, and a comparison says nothing.
+/// A deviation (um) below which comparisons are rounding.
 pub const ROUNDING_UM: f64 = 1e-3;
 
-/// Is a deviation (um) larger than another one by more than rounding?
+/// True if a deviation (um) is larger than another one by more than rounding.
 pub(crate) fn is_worse(before: f64, after: f64) -> bool {
     after > before * 1.001 + ROUNDING_UM
 }
 
-/// What a set raises of the position deviation, approaching from one side.
+/// Returns the figures of the position deviation that a set raises, approached from one side.
 pub(crate) fn raised(approach: Approach, before: &Figures, after: &Figures) -> Vec<RaisedFigure> {
     let (before, after) = (before.all.position_um, after.all.position_um);
     let figures = [("95 %", before.p95, after.p95), ("rms", before.rms, after.rms), ("max", before.max, after.max)];
@@ -51,7 +51,7 @@ pub(crate) struct Judgement {
     pub raised: Vec<RaisedFigure>,
 }
 
-/// Compares a machine without and with files.
+/// Compares a machine without and with files over poses.
 pub(crate) fn judge(bare: &dyn Field, with: &dyn Field, poses: &[Pose]) -> Judgement {
     let one = |approach: Approach| {
         let (uncompensated, compensated) = (figures(bare, poses, approach), figures(with, poses, approach));
@@ -68,7 +68,7 @@ pub(crate) fn judge(bare: &dyn Field, with: &dyn Field, poses: &[Pose]) -> Judge
     Judgement { raised, ..worse.unwrap_or_else(|| one(Approach::Mean)) }
 }
 
-/// The directions of approach that can differ.
+/// Returns the directions of approach that can differ.
 pub(crate) fn approaches(machine: &Machine) -> &'static [Approach] {
     if machine.is_bidirectional() { &[Approach::Forward, Approach::Reverse] } else { &[Approach::Mean] }
 }

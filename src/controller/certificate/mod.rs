@@ -24,26 +24,26 @@ use sign_test::Strongest;
 use single_error::ErrorLeft;
 pub use zero_shift::ZeroShift;
 
-/// What is left, over the volume and error by error.
+/// A certificate: the deviations that a set of files leaves, over the volume and error by error.
 #[derive(Debug, Clone)]
 pub struct Certificate {
-    /// Over how many poses.
+    /// The number of poses.
     pub poses: usize,
     /// The direction of approach that is worse after compensation.
     pub approach: Approach,
-    /// Without the files.
+    /// Figures without the files.
     pub uncompensated: Figures,
-    /// With them.
+    /// Figures with the files.
     pub compensated: Figures,
-    /// Error by error.
+    /// Every error alone.
     pub errors: Vec<ErrorLeft>,
     /// The number of poses that the figures of single errors rest on.
     pub single_error_poses: usize,
-    /// What is added with all axes at 0, approaching forward and reverse (mm, deg).
+    /// The motions that are added with all axes at 0, approached forward and in reverse (mm, deg).
     pub at_reference: [Vec<f64>; 2],
-    /// What a new reference position would take away besides, where tables must vanish at it.
+    /// The effect of a new reference position, where tables must vanish at it.
     pub shifted: Option<ZeroShift>,
-    /// What is larger with the files than without them.
+    /// Figures that are larger with the files than without them.
     pub raised: Vec<RaisedFigure>,
     /// The entry by which the sign is best tested; none if nothing is corrected.
     pub strongest: Option<Strongest>,

@@ -4,23 +4,23 @@ use super::figures::approaches;
 use crate::compensation::{CorrectionTable, CorrectionTables};
 use crate::machine::{Approach, Axis, AxisKind, Machine, Pose};
 
-/// Where the sign is best tested: the largest motion of a linear axis (of any axis if there is none).
+/// The pose where the sign is best tested: the largest motion of a linear axis (of any axis if there is none).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Strongest {
     /// Index of the axis that is moved.
     pub axis: usize,
     /// The pose (mm, deg).
     pub at: Pose,
-    /// How it is approached.
+    /// The side of approach.
     pub approach: Approach,
-    /// What is added there in all (mm or deg).
+    /// The motion that all files together add there (mm or deg).
     pub value: f64,
 }
 
 /// Below this (mm, deg) what is added is rounding: a kinematics module computes where a table has zeros.
 const ROUNDING: f64 = 1e-10;
 
-/// Of some poses and the directions they are approached in, that with the largest motion.
+/// Returns the largest motion over poses and directions of approach.
 fn strongest_of(
     machine: &Machine,
     (poses, ways): (&[Pose], &[Approach]),

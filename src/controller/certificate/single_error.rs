@@ -13,13 +13,13 @@ use crate::lower::NominalPose;
 use crate::machine::{Approach, ErrorId, Machine, Pose};
 use rayon::prelude::*;
 
-/// How much of one error a target takes away.
+/// The part of one error that a target takes away.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Handled {
     /// At most a twentieth of it, or 0.05 um, is left.
     Fully,
-    /// Something between.
+    /// More than that is left, and less than nineteen twentieths.
     Partly,
     /// At least nineteen twentieths of it are left.
     No,
@@ -28,13 +28,13 @@ pub enum Handled {
 /// One error in the certificate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorLeft {
-    /// Which.
+    /// The error.
     pub error: ErrorId,
-    /// How much is taken away.
+    /// The part that is taken away.
     pub handled: Handled,
     /// 95 % position deviation with this error alone, uncompensated, um.
     pub alone: f64,
-    /// The same after compensation, um.
+    /// 95 % position deviation after compensation, um.
     pub left: f64,
 }
 

@@ -11,7 +11,7 @@ use crate::controller::{Compensated, ControllerTarget, Replay};
 use crate::evaluate::{Bare, Order};
 use crate::machine::{Approach, Machine, Pose};
 
-/// What is judged.
+/// The tables that a certificate is about.
 #[derive(Debug, Clone, Copy)]
 pub struct JudgedTables<'a> {
     /// The controller.

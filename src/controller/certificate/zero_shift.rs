@@ -12,16 +12,16 @@ use rayon::prelude::*;
 /// machine zero takes it away.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ZeroShift {
-    /// What to add to the zero of each axis (mm, deg).
+    /// The amount to add to the zero of each axis (mm, deg).
     pub shift: Vec<f64>,
-    /// What is then left of the position, um.
+    /// Position deviation with the tables and the shift, um.
     pub position_um: Summary,
-    /// What the best shift alone would leave, without tables, um.
+    /// Position deviation with the best shift alone, without tables, um.
     pub alone_um: Summary,
 }
 
 impl ZeroShift {
-    /// Are the tables worth having where the machine zero is set anew in any case?
+    /// True if the tables are worth having where the machine zero is set anew in any case.
     pub fn is_better(&self) -> bool {
         !is_worse(self.alone_um.rms, self.position_um.rms)
     }

@@ -1,4 +1,4 @@
-//! From a machine to a target's rounded tables, and what of them the target's manifest forbids.
+//! From a machine to a target's rounded tables, and the numbers in them that its manifest forbids.
 
 use super::limits::steepest_along;
 use super::stored::{StoredColumn, differences};
@@ -15,14 +15,14 @@ impl ControllerTarget {
         tables(machine, &self.manifest.mechanism, request)
     }
 
-    /// Why the target has nothing for this machine: E0708.
+    /// Returns the reason why the target cannot be used for a machine: E0708.
     pub fn refusal(&self, machine: &Machine) -> Option<Diagnostic> {
         let why = lacking(machine, &self.manifest.mechanism)?;
         let message = format!("the target `{}` cannot be used: {why}", self.manifest.target);
         Some(Diagnostic::new(codes::E0708, message).help("`abbe targets` says what each controller can hold"))
     }
 
-    /// What the tables hold that the controller does not take: E0709.
+    /// Returns a refusal of everything in the tables that the controller does not take: E0709.
     pub fn violations(&self, machine: &Machine, tables: &CorrectionTables) -> Vec<Diagnostic> {
         let of = |table: &CorrectionTable| {
             let rules = self.manifest.mechanism.rules(table);
@@ -48,7 +48,7 @@ fn refusal(message: String) -> Diagnostic {
         .help("the controller would refuse or clip it: correct the machine mechanically, or look for a wrong unit")
 }
 
-/// What a table holds beyond its rules, in words.
+/// Returns refusals of a table that is beyond its rules.
 fn forbidden(machine: &Machine, table: &CorrectionTable, rules: &TableRules) -> Vec<Diagnostic> {
     let names: Vec<&str> = table.axes.iter().map(|axis| machine.axes()[*axis].name.as_str()).collect();
     let over = names.join(" and ");
@@ -85,7 +85,7 @@ fn forbidden(machine: &Machine, table: &CorrectionTable, rules: &TableRules) -> 
     all
 }
 
-/// The numbers of a column as they are stored.
+/// Returns the numbers of a column as they are stored.
 fn stored_column(
     table: &CorrectionTable,
     rules: &TableRules,

@@ -1,4 +1,4 @@
-//! What is on the machine now, and what is to be written on top of it.
+//! New tables on top of those that are installed on the machine.
 
 use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve, LatticeRequest, Spacing};
 use crate::controller::{ControllerTarget, Replay};
@@ -7,7 +7,7 @@ use crate::machine::{Approach, AxisKind, Machine};
 use crate::units::significant;
 
 impl ControllerTarget {
-    /// The tables for a machine whose errors were measured with other tables in force: the old plus the new,
+    /// Returns the tables for a machine whose errors were measured with other tables in force: the old plus the new,
     /// rounded like any tables of the target.
     pub fn tables_over(
         &self,
@@ -49,7 +49,7 @@ impl ControllerTarget {
         }
     }
 
-    /// What of the installed tables falls between the points of the new ones: W0704.
+    /// Warns of installed points that fall between the points of the new tables: W0704.
     pub fn resampling_losses(
         &self,
         machine: &Machine,
@@ -108,7 +108,7 @@ impl ControllerTarget {
     }
 }
 
-/// Below this (mm, deg) nothing is lost that counts.
+/// A loss (mm, deg) below which nothing is reported.
 const SMALL: f64 = 5e-6;
 
 fn loss(what: &str, most: f64, unit: &str) -> Diagnostic {
@@ -135,15 +135,15 @@ fn alone(table: &CorrectionTable) -> CorrectionTables {
     CorrectionTables { tables: vec![table.clone()], errors: Vec::new() }
 }
 
-/// A table, and what the controller does with it alone.
+/// A table, and the replay of it alone.
 type Loaded<'a> = (&'a Replay<'a>, &'a CorrectionTable);
 
-/// What a table adds at the nodes of another one, node by node.
+/// Returns the motions that a table adds at the nodes of another one, node by node.
 fn at_nodes(machine: &Machine, old: Loaded, new: &CorrectionTable, approach: Approach) -> Vec<f64> {
     (0..new.len()).flat_map(|node| added(machine, old, &new.node(node), approach)).collect()
 }
 
-/// What a table adds at a position of each of its axes.
+/// Returns the motions that a table adds at a position of each of its axes.
 fn added(machine: &Machine, (replay, table): Loaded, positions: &[f64], approach: Approach) -> Vec<f64> {
     let mut pose = vec![0.0; machine.axes().len()];
     table.axes.iter().zip(positions).for_each(|(axis, q)| pose[*axis] = *q);

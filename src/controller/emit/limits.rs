@@ -24,7 +24,7 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// From text such as `2 mm, 10 mrad, 0.05`; what is left out keeps its default.
+    /// Parses text such as `2 mm, 10 mrad, 0.05`; a limit that is left out keeps its default.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut limits = Self::default();
         let mut seen = [false; 3];
@@ -49,7 +49,7 @@ impl Limits {
         Ok(limits)
     }
 
-    /// Every limit that the tables exceed.
+    /// Returns a refusal for every limit that the tables exceed.
     pub fn exceeded(&self, machine: &Machine, tables: &CorrectionTables) -> Vec<Diagnostic> {
         let [linear, rotary] = tables.largest(machine);
         let name = |axis: usize| machine.axes()[axis].name.as_str();
@@ -90,7 +90,7 @@ fn refusal(message: String) -> Diagnostic {
     Diagnostic::new(codes::E0602, message).help(RAISE_LIMIT)
 }
 
-/// The steepest correction of an axis along its own travel.
+/// Returns the steepest correction of an axis along its own travel.
 fn steepest(machine: &Machine, tables: &CorrectionTables) -> Option<(usize, f64)> {
     let linear = |axis: usize| machine.axes()[axis].kind == AxisKind::Linear;
     let of = |table: &CorrectionTable| {
@@ -100,7 +100,7 @@ fn steepest(machine: &Machine, tables: &CorrectionTables) -> Option<(usize, f64)
     tables.tables.iter().flat_map(of).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The steepest correction of an axis in a table along that axis's own nodes.
+/// Returns the steepest correction of an axis in a table along that axis's own nodes.
 fn slope(table: &CorrectionTable, axis: usize) -> f64 {
     let Some(place) = table.axes.iter().position(|a| *a == axis) else { return 0.0 };
     let Some(column) = table.corrected.iter().position(|a| *a == axis) else { return 0.0 };
@@ -108,7 +108,7 @@ fn slope(table: &CorrectionTable, axis: usize) -> f64 {
     all.map(|values| steepest_along(table, values, place, column)).fold(0.0, f64::max)
 }
 
-/// The largest change of a column per change of the position between neighbours along one axis.
+/// Returns the largest change of a column per change of the position between neighbours along one axis.
 pub(crate) fn steepest_along(table: &CorrectionTable, values: &[f64], place: usize, column: usize) -> f64 {
     let stride: usize = table.nodes[place + 1..].iter().map(Vec::len).product();
     let nodes = &table.nodes[place];

@@ -1,14 +1,14 @@
-//! What a target does to a machine, whatever its mechanism is: mapped like a bare machine.
+//! The effect of a set on a machine, whatever its mechanism is: mapped like a bare machine.
 
 use crate::compensation::CorrectionTables;
 use crate::controller::{Compensated, ControllerTarget, KinematicsModule, ModuleField, Replay};
 use crate::evaluate::Field;
 use crate::machine::{Approach, Machine};
 
-/// What is added to a command approached from one side (mm, deg).
+/// Motions that are added to a command approached from one side (mm, deg).
 pub type Added<'a> = Box<dyn Fn(&[f64], Approach) -> Vec<f64> + 'a>;
 
-/// What the controller has read from the files of a target.
+/// The set that a controller has read.
 #[derive(Debug, Clone)]
 pub enum Effect {
     /// Tables beside the motion.
@@ -18,7 +18,7 @@ pub enum Effect {
 }
 
 impl Effect {
-    /// What the controller adds to commands.
+    /// Returns the motions that the controller adds to commands.
     pub fn added<'a>(&'a self, machine: &'a Machine, target: &'a ControllerTarget) -> Added<'a> {
         match self {
             Self::CorrectionTables(tables) => {
@@ -32,7 +32,7 @@ impl Effect {
         }
     }
 
-    /// The machine with it.
+    /// Returns the machine with the set.
     pub fn field<'a>(&'a self, machine: &'a Machine, target: &'a ControllerTarget) -> Box<dyn Field + 'a> {
         match self {
             Self::CorrectionTables(tables) => {

@@ -1,4 +1,4 @@
-//! What the controller does with the files, in its own arithmetic.
+//! The controllers' own arithmetic on their files.
 
 pub(super) mod effect;
 mod lookup;

@@ -1,5 +1,5 @@
-//! What the controller does with its tables, in its own arithmetic. Written from what was measured
-//! on or documented of each controller, not from the code that filled the tables.
+//! The controllers' arithmetic on their tables. It is written from measurements on each controller or its documents, not
+//! from the code that filled the tables.
 
 use super::lookup::{between, cell, period, single_precision};
 use super::model;
@@ -19,7 +19,7 @@ pub struct Replay<'a> {
     modulo: Vec<bool>,
     /// Which tables are a factor: a line has no end.
     factors: Vec<bool>,
-    /// What was in force when the machine was measured: its errors are those that were left then.
+    /// The tables in force when the machine was measured: its errors are those that these left.
     installed: Option<Box<Replay<'a>>>,
 }
 
@@ -33,12 +33,12 @@ impl<'a> Replay<'a> {
         Self { machine, tables, controller: target.manifest.controller, modulo, factors, installed: None }
     }
 
-    /// The same on a machine whose errors were measured with other tables in force.
+    /// Replaces tables that were in force when the machine's errors were measured.
     pub fn over(self, installed: Option<Self>) -> Self {
         Self { installed: installed.map(Box::new), ..self }
     }
 
-    /// What the controller adds to a command (mm, deg) approached from one side.
+    /// Returns the motions that the controller adds to a command (mm, deg) approached from one side.
     pub fn added(&self, command: &[f64], approach: Approach) -> Vec<f64> {
         let mut added = vec![0.0; command.len()];
         if !self.tables.errors.is_empty() {
@@ -86,7 +86,7 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// A table over one axis at a position.
+    /// Returns the value of a table over one axis at a position.
     fn curve(&self, table: &CorrectionTable, position: f64, approach: Approach, outside: OutsideTable) -> f64 {
         let column = |values: &[f64]| match (self.controller.arithmetic, outside) {
             (Arithmetic::Float32TrimAndSlope, _) => single_precision(&table.nodes[0], values, position),
@@ -100,7 +100,7 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// The position at which a table is looked up.
+    /// Returns the position at which a table is looked up.
     fn turned(&self, table: &CorrectionTable, place: usize, axis: usize, position: f64, modulo: bool) -> f64 {
         let nodes = &table.nodes[place];
         let first = nodes[0];
@@ -113,7 +113,7 @@ impl<'a> Replay<'a> {
         position
     }
 
-    /// Nodes of the cell of a lattice around a command, with their multilinear weights.
+    /// Returns the nodes of a lattice's cell around a command, with their multilinear weights.
     pub fn corners(&self, lattice: &CorrectionTable, command: &[f64], modulo: bool) -> Vec<(usize, f64)> {
         let mut corners = vec![(0, 1.0)];
         for (place, (axis, nodes)) in lattice.axes.iter().zip(&lattice.nodes).enumerate() {
@@ -131,7 +131,7 @@ impl<'a> Replay<'a> {
         corners
     }
 
-    /// The same for the only lattice of a set.
+    /// Returns the nodes around a command for the only lattice of a set.
     pub fn lattice_corners(&self, command: &[f64]) -> Vec<(usize, f64)> {
         let first = self.tables.tables.first().zip(self.modulo.first());
         first.map_or_else(Vec::new, |(lattice, modulo)| self.corners(lattice, command, *modulo))
