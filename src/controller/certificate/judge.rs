@@ -9,8 +9,8 @@ use crate::compensation::{
     Correction, CorrectionTable, CorrectionTables, Jacobian, Reference, Scope, Spacing, TableRules, own_axis_wanted,
     single_error_tables,
 };
-use crate::controller::ControllerTarget;
-use crate::controller::replay::tables::{Compensated, Replay};
+use crate::controller::manifest::ControllerTarget;
+use crate::controller::replay::{Compensated, Replay};
 use crate::evaluate::{
     Bare, Columns, Deviation, Field, Order, PoseColumns, Statistics, Summary, error_by_error, random_poses,
     tool_axis_tilt,

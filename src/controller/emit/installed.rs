@@ -1,7 +1,8 @@
 //! What is on the machine now, and what is to be written on top of it.
 
 use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve, LatticeRequest, Spacing};
-use crate::controller::{ControllerTarget, Replay};
+use crate::controller::manifest::ControllerTarget;
+use crate::controller::replay::Replay;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{Approach, AxisKind, Machine};
 use crate::units::significant;

@@ -1,4 +1,5 @@
-//! What the controller does with the files, in its own arithmetic.
+//! What the controller does with its tables, in its own arithmetic.
 
-pub(super) mod effect;
-pub(super) mod tables;
+mod tables;
+
+pub use tables::{Compensated, Replay};

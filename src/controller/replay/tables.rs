@@ -2,8 +2,8 @@
 //! on or documented of each controller, not from the code that filled the tables.
 
 use crate::compensation::{CorrectionTable, CorrectionTables, Spacing, model_correction};
-use crate::controller::ControllerTarget;
-use crate::controller::manifest::description::{Arithmetic, Controller, Lookup, OutsideTable};
+use crate::controller::manifest::ControllerTarget;
+use crate::controller::manifest::{Arithmetic, Controller, Lookup, OutsideTable};
 use crate::evaluate::{Batch, CompiledModel, Deviation, Field, Order, Output, PoseColumns, commanded_deviation};
 use crate::machine::{Approach, Machine};
 

@@ -1,11 +1,13 @@
 //! The certificate of a kinematics module.
 
-use super::{KinematicsModule, ModuleField};
-use crate::compensation::CorrectionTables;
-use crate::controller::certificate::judge::{
-    Judgement, MAX_SINGLE_POSES, Strongest, deviations, judge, strongest_at, verdict, worse_p95,
+use super::judge::{
+    Certificate, ErrorLeft, Judgement, MAX_SINGLE_POSES, Strongest, deviations, judge, strongest_at, verdict, worse_p95,
 };
-use crate::controller::{Certificate, ControllerTarget, ErrorLeft, Limits, Replay};
+use crate::compensation::CorrectionTables;
+use crate::controller::emit::Limits;
+use crate::controller::kinematics::{KinematicsModule, ModuleField};
+use crate::controller::manifest::ControllerTarget;
+use crate::controller::replay::Replay;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Field, Order, random_poses};
 use crate::machine::{Approach, ErrorId, ErrorTerm, Machine, Pose};
