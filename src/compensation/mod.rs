@@ -23,8 +23,8 @@ mod tables;
 
 pub use batch::correct_all;
 pub use capability::{
-    Fit, Holds, Increment, KinematicsMechanism, Mechanisms, ModuleContent, Reference, Scale, Spacing, Stored,
-    TableRules,
+    CrossAxisRules, Directions, Encoding, Fit, Holds, Increment, KinematicsMechanism, LatticeRules, Mechanisms,
+    ModuleContent, OwnAxisRules, PlaneGrid, PlaneRules, Reference, Scale, Spacing, Stored, TableRules,
 };
 pub use correct::{Corrected, Goal, Scope, correct};
 pub use curves::model_correction;
