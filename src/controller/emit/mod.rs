@@ -13,7 +13,6 @@ mod lock;
 mod number;
 mod render;
 mod stored;
-mod timed;
 
 pub use limits::Limits;
 pub use lock::{Hashed, LOCK_NAME, Lock, sha256};
