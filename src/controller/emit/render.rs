@@ -1,27 +1,60 @@
 //! Tables to files, through the target's minijinja templates.
 //!
 //! Numbers reach a template rounded and as text: [`fixed`] is the only formatter, and it knows
-//! neither `-0` nor NaN nor a locale. Templates run with fuel and cannot read files.
+//! neither `-0` nor NaN nor a locale. Templates run with fuel and cannot read files. Fuel bounds their steps, not what a
+//! step costs: a program that renders templates of others bounds their time and memory itself, as `abbe` does.
 
 use super::context::TableWords;
-use super::timed::{afresh, within};
+use super::number::fixed;
 use crate::compensation::{CorrectionTable, CorrectionTables};
-use crate::controller::ControllerTarget;
-use crate::controller::manifest::description::{AxisLetters, FileSpec, Per};
-use crate::controller::manifest::library;
+use crate::controller::manifest::{ControllerTarget, FileSpec, Per, assigned_letters, is_plain_name};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
-use crate::machine::{Axis, AxisKind, Machine, Travel};
+use crate::machine::{AxisKind, Machine, Travel};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, UndefinedBehavior, Value, context};
+use std::fmt::{Display, Formatter};
 use std::sync::Arc;
 
 /// Fifty instructions for each cell of 200,000 rows of ten; a template that needs more is a loop.
 const FUEL: u64 = 100_000_000;
 
+/// A file's name has a handful of instructions: those of a loop that doubles a text come to a few kilobytes.
+const NAME_FUEL: u64 = 60;
+
 /// Largest file of a set, in bytes: 200,000 nodes of nine axes, all corrected, are less.
 pub const MAX_FILE_BYTES: usize = 64 << 20;
 
-/// What a template has written so far: no more than anybody reads back.
+/// The reason why a template yields no file.
+#[derive(Debug)]
+pub(crate) enum TemplateFailure {
+    /// The engine refuses it.
+    Engine(minijinja::Error),
+    /// The name could leave the folder.
+    Name(String),
+    /// The file of this name exceeds [`MAX_FILE_BYTES`].
+    Size(String),
+}
+
+impl Display for TemplateFailure {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Engine(failure) => match failure.line() {
+                Some(line) => write!(f, "{failure} (template line {line})"),
+                None => write!(f, "{failure}"),
+            },
+            Self::Name(name) => write!(f, "`{name}` is not a plain file name"),
+            Self::Size(name) => write!(f, "`{name}` would have more than {} MB", MAX_FILE_BYTES >> 20),
+        }
+    }
+}
+
+impl From<minijinja::Error> for TemplateFailure {
+    fn from(failure: minijinja::Error) -> Self {
+        Self::Engine(failure)
+    }
+}
+
+/// The text that a template has written so far, up to a limit.
 #[derive(Default)]
 struct Bounded(Vec<u8>);
 
@@ -56,14 +89,13 @@ impl ControllerTarget {
         tables: &Arc<CorrectionTables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
-        afresh();
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let words = TableWords { target: self, machine, tables, letters: &letters };
         let writer = Writer { words, environment: environment() };
         match writer.files(|_| true) {
             Ok(files) => Some(files),
-            Err(message) => {
-                diagnostics.push(self.failed(&message));
+            Err(failure) => {
+                diagnostics.push(self.failed(&failure));
                 None
             }
         }
@@ -78,7 +110,6 @@ impl ControllerTarget {
         beside: &Arc<CorrectionTables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
-        afresh();
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let words = TableWords { target: self, machine, tables: beside, letters: &letters };
         let writer = Writer { words, environment: environment() };
@@ -89,76 +120,36 @@ impl ControllerTarget {
                 let context = context! {
                     machine => machine.name(), version => env!("CARGO_PKG_VERSION"), beside => beside.clone(), ..own.clone()
                 };
-                self.rendered(&writer.environment, spec, template, context)
+                rendered(&writer.environment, spec, template, context)
             };
             let once = self.manifest.files.iter().zip(&self.templates).filter(|(spec, _)| !spec.is_of_tables());
-            let mut files: Vec<RenderedFile> = once.map(file).collect::<Result<_, String>>()?;
+            let mut files: Vec<RenderedFile> = once.map(file).collect::<Result<_, TemplateFailure>>()?;
             files.extend(tables);
-            Ok::<_, String>(files)
+            Ok::<_, TemplateFailure>(files)
         };
-        files().map_err(|message| diagnostics.push(self.failed(&message))).ok()
+        files().map_err(|failure| diagnostics.push(self.failed(&failure))).ok()
     }
 
-    fn failed(&self, message: &str) -> Diagnostic {
-        Diagnostic::new(codes::E0702, format!("target `{}`: {message}", self.manifest.target)).help(
+    fn failed(&self, failure: &TemplateFailure) -> Diagnostic {
+        Diagnostic::new(codes::E0702, format!("target `{}`: {failure}", self.manifest.target)).help(
             "docs/adding-a-target.md says what templates are given and how long they may run; nothing was written",
         )
     }
 
     /// Names of the files that hold a table of their own for each axis, in the order of the joints:
     /// (index of the axis, file name).
-    pub(crate) fn axis_files(&self, machine: &Machine, spec: &FileSpec) -> Result<Vec<(usize, String)>, String> {
+    pub(crate) fn axis_files(
+        &self,
+        machine: &Machine,
+        spec: &FileSpec,
+    ) -> Result<Vec<(usize, String)>, TemplateFailure> {
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
-        let environment = environment();
         let name = |(joint, (axis, letter)): (usize, &(usize, String))| {
             let own = context! { joint, letter, name => machine.axes()[*axis].name.as_str() };
-            self.file_name(&environment, spec, own).map(|name| (*axis, name))
+            file_name(spec, own).map(|name| (*axis, name))
         };
         letters.iter().enumerate().map(name).collect()
     }
-}
-
-/// The controller's letter of every axis, in the order in which the controller counts its axes:
-/// (index of the axis, letter). An axis with a name of its own gets the first free letter of its
-/// kind, with a warning (W0601); if none is free, the machine is refused (E0601).
-pub fn assigned_letters(
-    machine: &Machine,
-    letters: Option<&AxisLetters>,
-    mut diagnostics: Option<&mut Diagnostics>,
-) -> Option<Vec<(usize, String)>> {
-    let Some(letters) = letters else {
-        return Some(machine.axes().iter().map(|axis| axis.name.to_string()).enumerate().collect());
-    };
-    let allowed = |axis: &Axis| if axis.kind == AxisKind::Linear { &letters.linear } else { &letters.rotary };
-    let own = |axis: &Axis| allowed(axis).chars().any(|c| c.to_string() == axis.name.as_str());
-    let mut taken: Vec<String> = machine.axes().iter().filter(|a| own(a)).map(|a| a.name.to_string()).collect();
-    let mut assigned = Vec::new();
-    for (index, axis) in machine.axes().iter().enumerate() {
-        if own(axis) {
-            assigned.push((index, axis.name.to_string()));
-            continue;
-        }
-        let free = allowed(axis).chars().map(|c| c.to_string()).find(|c| !taken.contains(c));
-        let said = free.as_ref().map_or_else(|| no_letter(axis), |letter| another_letter(axis, letter));
-        diagnostics.iter_mut().for_each(|all| all.push(said.clone()));
-        let letter = free?;
-        taken.push(letter.clone());
-        assigned.push((index, letter));
-    }
-    assigned.sort_by_key(|(_, letter)| letters.order.find(letter.as_str()));
-    Some(assigned)
-}
-
-fn no_letter(axis: &Axis) -> Diagnostic {
-    Diagnostic::new(codes::E0601, format!("the controller has no letter left for axis `{}`", axis.name))
-        .help("compile for a target without fixed axis letters, such as grid-csv")
-}
-
-fn another_letter(axis: &Axis, letter: &str) -> Diagnostic {
-    Diagnostic::new(
-        codes::W0601,
-        format!("axis `{}` is written as `{letter}`: the controller has no such letter", axis.name),
-    )
 }
 
 fn environment() -> Environment<'static> {
@@ -173,42 +164,21 @@ fn environment() -> Environment<'static> {
     environment
 }
 
-fn file_name(environment: &Environment, spec: &FileSpec, own: Value) -> Result<String, String> {
-    let name = environment.render_str(&spec.path, own).map_err(|failure| describe(&failure))?;
-    if library::is_plain_name(&name) { Ok(name) } else { Err(format!("`{name}` is not a plain file name")) }
+/// Renders the name of a file: expressions without filters and functions.
+fn file_name(spec: &FileSpec, own: Value) -> Result<String, TemplateFailure> {
+    let mut environment = Environment::empty();
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.set_fuel(Some(NAME_FUEL));
+    let name = environment.render_str(&spec.path, own)?;
+    if is_plain_name(&name) { Ok(name) } else { Err(TemplateFailure::Name(name)) }
 }
 
 impl ControllerTarget {
-    /// The name of a file; what it is made of may come from the user.
-    fn file_name(&self, shared: &Environment, spec: &FileSpec, own: Value) -> Result<String, String> {
-        if !self.own {
-            return file_name(shared, spec, own);
-        }
-        let spec = spec.clone();
-        within(move || file_name(&environment(), &spec, own))
-    }
-
-    /// A file; its template may come from the user.
-    fn rendered(
-        &self,
-        shared: &Environment,
-        spec: &FileSpec,
-        template: &str,
-        context: Value,
-    ) -> Result<RenderedFile, String> {
-        if !self.own {
-            return rendered(shared, spec, template, context);
-        }
-        let (spec, template) = (spec.clone(), template.to_owned());
-        within(move || rendered(&environment(), &spec, &template, context))
-    }
-
     /// A file's name for every letter and every place that an axis of it could have.
     pub(crate) fn names_of_letters(&self, spec: &FileSpec, letters: &str) -> Vec<String> {
-        let environment = environment();
         let name = |(joint, letter): (usize, char)| {
             let own = context! { joint, letter => letter.to_string(), name => letter.to_string() };
-            self.file_name(&environment, spec, own).ok()
+            file_name(spec, own).ok()
         };
         let places = 0..letters.len();
         let mut names: Vec<String> =
@@ -219,25 +189,20 @@ impl ControllerTarget {
     }
 }
 
-fn describe(failure: &minijinja::Error) -> String {
-    let line = failure.line().map_or_else(String::new, |line| format!(" (template line {line})"));
-    format!("{failure}{line}")
-}
-
 fn rendered(
     environment: &Environment,
     spec: &FileSpec,
     template: &str,
     context: Value,
-) -> Result<RenderedFile, String> {
-    let name = file_name(environment, spec, context.clone())?;
-    let compiled = environment.template_from_str(template).map_err(|failure| describe(&failure))?;
+) -> Result<RenderedFile, TemplateFailure> {
+    let name = file_name(spec, context.clone())?;
+    let compiled = environment.template_from_str(template)?;
     let mut text = Bounded::default();
-    let _ = compiled.render_captured_to(context, &mut text).map_err(|failure| match failure.kind() {
-        minijinja::ErrorKind::WriteFailure => format!("`{name}` would have more than {} MB", MAX_FILE_BYTES >> 20),
-        _ => describe(&failure),
-    })?;
-    Ok(RenderedFile { name, bytes: text.0 })
+    match compiled.render_captured_to(context, &mut text) {
+        Ok(_) => Ok(RenderedFile { name, bytes: text.0 }),
+        Err(failure) if failure.kind() == minijinja::ErrorKind::WriteFailure => Err(TemplateFailure::Size(name)),
+        Err(failure) => Err(failure.into()),
+    }
 }
 
 /// What a file is rendered from.
@@ -247,7 +212,7 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    fn files(&self, keep: impl Fn(&FileSpec) -> bool) -> Result<Vec<RenderedFile>, String> {
+    fn files(&self, keep: impl Fn(&FileSpec) -> bool) -> Result<Vec<RenderedFile>, TemplateFailure> {
         let mut files = Vec::new();
         let target = self.words.target;
         for (spec, template) in target.manifest.files.iter().zip(&target.templates).filter(|(spec, _)| keep(spec)) {
@@ -267,13 +232,13 @@ impl Writer<'_> {
         Ok(files)
     }
 
-    fn file(&self, spec: &FileSpec, template: &str, context: Value) -> Result<RenderedFile, String> {
-        self.words.target.rendered(&self.environment, spec, template, context)
+    fn file(&self, spec: &FileSpec, template: &str, context: Value) -> Result<RenderedFile, TemplateFailure> {
+        rendered(&self.environment, spec, template, context)
     }
 
     fn limits(&self, axis: usize) -> (f64, f64) {
         match (self.words.machine.axes()[axis].travel, &self.words.target.manifest.mechanism.own_axis) {
-            (Travel::Continuous, Some(own)) => own.continuous,
+            (Travel::Continuous, Some(own)) => own.table.continuous,
             (travel, _) => travel.interval(),
         }
     }
@@ -285,14 +250,14 @@ impl Writer<'_> {
     }
 
     /// An axis; with its tables in the file of an axis.
-    fn axis_context(&self, joint: usize, of: Option<Per>) -> Result<Value, String> {
+    fn axis_context(&self, joint: usize, of: Option<Per>) -> Result<Value, TemplateFailure> {
         let (machine, target) = (self.words.machine, self.words.target);
         let (index, letter) = &self.words.letters[joint];
         let axis = &machine.axes()[*index];
         let (min, max) = self.limits(*index);
         let mut per_axis = target.manifest.files.iter().filter(|spec| spec.per == Per::Axis);
         let own = context! { joint, letter, name => axis.name.as_str() };
-        let file = per_axis.next().map(|spec| target.file_name(&self.environment, spec, own)).transpose()?;
+        let file = per_axis.next().map(|spec| file_name(spec, own)).transpose()?;
         let tables = of.map(|per| self.words.tables(|table| per.holds(*index, table)));
         let own = of.map(|_| self.words.own_points(*index));
         Ok(context! {
@@ -316,7 +281,7 @@ impl Writer<'_> {
         }
     }
 
-    fn machine_context(&self, spec: &FileSpec) -> Result<Value, String> {
+    fn machine_context(&self, spec: &FileSpec) -> Result<Value, TemplateFailure> {
         let axes =
             (0..self.words.letters.len()).map(|joint| self.axis_context(joint, None)).collect::<Result<Vec<_>, _>>()?;
         let (columns, rows) = self.words.lattice().unzip();
@@ -346,53 +311,5 @@ impl Per {
             Self::Axis | Self::Output => table.corrected[0] == axis,
             Self::Input => table.axes[0] == axis,
         }
-    }
-}
-
-/// A number with so many decimals, never `-0`. Callers have rounded it already, so nothing is lost.
-pub(crate) fn fixed(value: f64, decimals: u8) -> String {
-    let mut text = String::new();
-    push_fixed(&mut text, value, decimals);
-    text
-}
-
-/// The digits come from an integer: exact, and several times faster than the general formatter.
-pub(crate) fn push_fixed(text: &mut String, value: f64, decimals: u8) {
-    use std::fmt::Write;
-    const EXACT: f64 = 9_007_199_254_740_992.0;
-    let scaled = libm::round(value * libm::pow(10.0, f64::from(decimals)));
-    // Writing to a String cannot fail.
-    let _ = if scaled.abs() < EXACT {
-        let digits = scaled.abs() as u64;
-        let one = 10_u64.pow(u32::from(decimals));
-        let sign = if scaled < 0.0 { "-" } else { "" };
-        match decimals {
-            0 => write!(text, "{sign}{digits}"),
-            _ => write!(text, "{sign}{}.{:0width$}", digits / one, digits % one, width = usize::from(decimals)),
-        }
-    } else {
-        write!(text, "{value:.decimals$}", decimals = usize::from(decimals))
-    };
-}
-
-#[cfg(test)]
-mod tests {
-    use super::fixed;
-
-    #[test]
-    fn numbers_are_plain_decimals() {
-        let cases = [
-            (0.0, "0.000"),
-            (-0.0, "0.000"),
-            (-0.0004, "0.000"),
-            (-0.0006, "-0.001"),
-            (12.5, "12.500"),
-            (-359.9996, "-360.000"),
-        ];
-        for (value, text) in cases {
-            assert_eq!(fixed(value, 3), text);
-        }
-        assert_eq!(fixed(7.4, 0), "7");
-        assert_eq!(fixed(1e17, 2), "100000000000000000.00");
     }
 }

@@ -2,8 +2,8 @@
 
 use super::{Fault, Reading, number};
 use crate::compensation::CorrectionTable;
-use crate::controller::emit::stored;
-use crate::controller::manifest::description::Column;
+use crate::controller::emit::{StoredColumn, StoredPlace};
+use crate::controller::manifest::Column;
 use crate::machine::AxisKind;
 
 /// Three numbers need a quarter of it; LinuxCNC's buffer takes no more and reads the rest as a line of its own.
@@ -12,12 +12,12 @@ const MAX_LINE: usize = 254;
 /// Reads the table of the file's axis.
 pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Result<CorrectionTable, Fault> {
     let axis = reading.axis.unwrap_or(0);
-    let most = reading.target.manifest.mechanism.own_axis.as_ref().map_or(usize::MAX, |rules| rules.max_points);
+    let most = reading.target.manifest.mechanism.own_axis.as_ref().map_or(usize::MAX, |own| own.table.max_points);
     let mut table = CorrectionTable::curve(axis, Vec::new(), axis, Vec::new());
     let mut reverse = Vec::new();
     for (line, cells) in text.lines().enumerate() {
         let at = |message: String| Fault { line, message };
-        for (column, value) in columns.iter().zip(point(columns, cells).map_err(at)?) {
+        for (column, value) in columns.iter().zip(point(columns, line, cells)?) {
             match column {
                 Column::Position => table.nodes[0].push(value),
                 Column::Forward => table.values.push(value),
@@ -43,8 +43,9 @@ pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Res
 
 /// From stored numbers to positions and corrections.
 fn in_millimetres(reading: &Reading, mut table: CorrectionTable, kind: AxisKind) -> CorrectionTable {
-    let Some(rules) = reading.target.manifest.mechanism.own_axis.as_ref() else { return table };
-    let (place, column) = (stored::StoredPlace { rules, kind }, stored::StoredColumn::new(rules, kind));
+    let Some(own) = reading.target.manifest.mechanism.own_axis.as_ref() else { return table };
+    let rules = &own.table;
+    let (place, column) = (StoredPlace { rules, kind }, StoredColumn::new(rules, kind));
     table.nodes[0].iter_mut().for_each(|q| *q = place.position(*q));
     let nodes = table.nodes[0].clone();
     for values in std::iter::once(&mut table.values).chain(&mut table.reverse) {
@@ -54,14 +55,15 @@ fn in_millimetres(reading: &Reading, mut table: CorrectionTable, kind: AxisKind)
 }
 
 /// The numbers on a line, or what is wrong with it.
-fn point(columns: &[Column], line: &str) -> Result<Vec<f64>, String> {
+fn point(columns: &[Column], number_of_line: usize, line: &str) -> Result<Vec<f64>, Fault> {
+    let fault = |message: String| Fault::new(number_of_line, message);
     if line.len() > MAX_LINE {
-        return Err(format!("{} characters in a line: the controller would cut it in pieces", line.len()));
+        return Err(fault(format!("{} characters in a line: the controller would cut it in pieces", line.len())));
     }
     let cells: Vec<&str> = line.split_ascii_whitespace().collect();
     if cells.len() != columns.len() {
         let (found, wanted) = (cells.len(), columns.len());
-        return Err(format!("{found} numbers instead of {wanted}: the controller would stop reading here"));
+        return Err(fault(format!("{found} numbers instead of {wanted}: the controller would stop reading here")));
     }
-    cells.into_iter().map(number).collect()
+    cells.into_iter().map(|cell| number(cell).map_err(|bad| fault(bad.into()))).collect()
 }
