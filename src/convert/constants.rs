@@ -5,8 +5,8 @@ use crate::algebra::{Htm, rotation_vector, skew_vector};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::lower::{error_motion, invert_if};
 use crate::machine::{
-    Approach, Axis, AxisKind, AxisName, Branch, Conventions, Direction, ErrorTerm, ErrorsAre, JointErrors, Joints,
-    KinematicChain, Location, Machine, MachineParts,
+    Approach, Axis, AxisKind, AxisName, Branch, Direction, ErrorTerm, JointErrors, Joints, KinematicChain, Location,
+    LocationAction, Machine, MachineParts, MotionSide,
 };
 use nalgebra::Vector3;
 
@@ -25,7 +25,6 @@ impl Constants {
     /// Reads them from a machine.
     pub fn of(machine: &Machine) -> Self {
         let (conventions, axes) = (machine.conventions(), machine.axes());
-        let carried = conventions.location == Location::CarriedBody;
         let setup = error_motion(&machine.setup().workpiece, conventions.joints);
         let mut now = Htm::about(&machine.workpiece(), inverse(&setup));
         let (mut before, mut frames) = (Vec::new(), Vec::new());
@@ -34,19 +33,23 @@ impl Constants {
             if axis.branch == Branch::Tool {
                 bed.get_or_insert_with(|| now.clone());
             }
-            let own = location(axis, conventions, &machine.axis_errors(i).location_values());
-            let located = Htm::about(&axis.origin, own.clone());
-            let first = !carried || axis.branch == Branch::Tool;
-            if first {
-                now = now.compose(&located);
+            let convention = axis.convention(conventions);
+            let own = error_motion(&machine.axis_errors(i).location_values(), conventions.joints);
+            match convention.location {
+                LocationAction::Displaces => {
+                    let located = Htm::about(&convention.pivot, own.clone());
+                    now = now.compose(&located);
+                    before.push(now.clone());
+                    now = now.compose(&inverse(&located));
+                    frames.push(own);
+                }
+                LocationAction::Factor(factor) => {
+                    let located = now.compose(&Htm::about(&convention.pivot, invert_if(factor.inverse, own)));
+                    before.push(if factor.side == MotionSide::Outer { located.clone() } else { now });
+                    now = located;
+                    frames.push(Htm::identity());
+                }
             }
-            before.push(now.clone());
-            if !carried {
-                now = now.compose(&inverse(&located));
-            } else if !first {
-                now = now.compose(&located);
-            }
-            frames.push(if carried { Htm::identity() } else { own });
         }
         let bed = bed.unwrap_or_else(|| now.clone());
         if let Some(errors) = machine.spindle_errors() {
@@ -126,8 +129,9 @@ impl Constants {
                 Branch::Tool => (&self.bed, &self.before[i]),
             };
             let own = at_joint(axis, &inverse(from).compose(to));
-            let body = axis.branch == Branch::Workpiece && wish.conventions.errors_are == ErrorsAre::Body;
-            locate(&mut parts.errors[i], &six_of(&invert_if(body, own), wish.conventions.joints));
+            let inverted =
+                matches!(axis.convention(&wish.conventions).location, LocationAction::Factor(f) if f.inverse);
+            locate(&mut parts.errors[i], &six_of(&invert_if(inverted, own), wish.conventions.joints));
         }
         let last = axes.len() - 1;
         let first = if side(0) == Some(Branch::Workpiece) { &self.before[0] } else { &self.bed };
@@ -204,13 +208,6 @@ fn bounded(machine: &Machine) -> Result<(), Diagnostic> {
         Some((id, _)) => Err(only_bounded(&id)),
         None => Ok(()),
     }
-}
-
-/// Loc of an axis as it stands in its joint.
-fn location(axis: &Axis, conventions: &Conventions, six: &[f64; 6]) -> Htm<f64> {
-    let body = axis.branch == Branch::Workpiece && conventions.errors_are == ErrorsAre::Body;
-    let carried = conventions.location == Location::CarriedBody;
-    invert_if(body && carried, error_motion(six, conventions.joints))
 }
 
 pub(super) fn inverse(motion: &Htm<f64>) -> Htm<f64> {

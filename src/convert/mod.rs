@@ -22,7 +22,6 @@ pub use proof::{Proof, prove};
 pub use shape::shape;
 
 use crate::diagnostic::{Diagnostic, codes};
-use crate::lower::error_outside;
 use crate::machine::{
     Approach, Axis, AxisName, Branch, Conventions, Direction, ErrorId, ErrorTerm, Grid, JointErrors, Location, Machine,
     MachineParts, Travel,
@@ -148,7 +147,7 @@ fn component(
 
 /// Does the error motion change from one side of the nominal motion to the other?
 fn changes_side(axis: &Axis, old: &Conventions, new: &Conventions) -> bool {
-    error_outside(axis, old) != error_outside(axis, new)
+    axis.convention(old).component.side != axis.convention(new).component.side
 }
 
 /// Is the location of the axes to be said in another way at all?

@@ -16,7 +16,7 @@ mod tangent;
 
 pub use chain::{Chain, NominalPose, positions};
 pub use generators::{Declared, Given, WeilLift, given, presence};
-pub use joint::{JointElements, Position, error_motion, error_outside, invert_if, joint};
+pub use joint::{JointElements, Position, error_motion, invert_if, joint};
 pub use sensitivity::{Sensitivity, sensitivities, sensitivities_to};
 pub use source::{ErrorLift, ErrorSite, ErrorValues, Exact, OrderN, Source, values};
 pub use tangent::{PositionJacobian, actual_point, point, position_jacobian};

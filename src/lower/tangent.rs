@@ -3,10 +3,10 @@
 //! gives all of them. Over D_n the derivatives are those of the model of order n.
 
 use super::chain::Chain;
-use super::joint::{Position, error_motion, error_outside, invert_if, nominal};
+use super::joint::{Position, error_motion, invert_if, nominal};
 use super::source::{ErrorLift, ErrorSite, ErrorValues, Exact, Source};
 use crate::algebra::{Algebra, Htm, left_jacobian, product, transform};
-use crate::machine::{AxisKind, Branch, Direction, ErrorsAre, Joints, Location, LocationOrder, Machine};
+use crate::machine::{AxisKind, Direction, Joints, LocationAction, LocationOrder, Machine, MotionSide};
 use nalgebra::{Matrix3, Vector3};
 
 /// Where the functional point really is, and how it moves with single errors.
@@ -245,27 +245,27 @@ impl<L> Lowering<'_, L> {
     where
         L: ErrorLift<S>,
     {
-        let (axis, conventions) = (&self.machine.axes()[i], self.machine.conventions());
-        let body = conventions.errors_are == ErrorsAre::Body && axis.branch == Branch::Workpiece;
-        let carried = conventions.location == Location::CarriedBody;
+        let axis = &self.machine.axes()[i];
+        let convention = axis.convention(self.machine.conventions());
         let location = self.motion(ErrorSite::Location(i), location);
         let component = self.motion(ErrorSite::Component(i), component);
         let nominal = nominal(axis, &Position::<S>::at(axis, position));
         let inverse = |wanted: bool, motion: &Motion<S>| wanted.then(|| invert_if(true, motion.matrix.clone()));
-        let error = Kind::Error(1, inverse(body, &component));
-        let mut motion = match axis.kind {
-            _ if carried => vec![Kind::Nominal(nominal)],
-            AxisKind::Linear => vec![Kind::Displaced(nominal.translation)],
-            AxisKind::Rotary => {
+        let mut factors = match (convention.location, axis.kind) {
+            (LocationAction::Factor(_), _) => vec![Kind::Nominal(nominal)],
+            (LocationAction::Displaces, AxisKind::Linear) => vec![Kind::Displaced(nominal.translation)],
+            (LocationAction::Displaces, AxisKind::Rotary) => {
                 let back = Kind::Error(0, inverse(true, &location));
                 vec![Kind::Error(0, None), Kind::Nominal(nominal), back]
             }
         };
-        motion.insert(if error_outside(axis, conventions) { 0 } else { motion.len() }, error);
-        if carried {
-            let at = if axis.branch == Branch::Tool { 0 } else { motion.len() };
-            motion.insert(at, Kind::Error(0, inverse(body, &location)));
+        let end = |side: MotionSide, count: usize| if side == MotionSide::Outer { 0 } else { count };
+        let error = Kind::Error(1, inverse(convention.component.inverse, &component));
+        factors.insert(end(convention.component.side, factors.len()), error);
+        if let LocationAction::Factor(factor) = convention.location {
+            let error = Kind::Error(0, inverse(factor.inverse, &location));
+            factors.insert(end(factor.side, factors.len()), error);
         }
-        Joint::new(axis.origin, [location, component], motion)
+        Joint::new(convention.pivot, [location, component], factors)
     }
 }

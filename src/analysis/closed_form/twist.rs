@@ -7,8 +7,7 @@
 //! decide how much of either a component or location error takes: [`Share`].
 
 use crate::algebra::rotation_about;
-use crate::lower::error_outside;
-use crate::machine::{Axis, AxisKind, Branch, Conventions, ErrorsAre, Location, Machine, sin_cos_degrees};
+use crate::machine::{Axis, AxisKind, Conventions, ErrorFactor, LocationAction, Machine, MotionSide, sin_cos_degrees};
 use nalgebra::{Matrix3, Vector3};
 
 /// Three rows, for x, y, z of the workpiece frame; six columns, per mm and rad of a joint's errors.
@@ -104,21 +103,21 @@ fn map(r: &Matrix3<f64>, arm: &Vector3<f64>, quantity: Quantity) -> Map {
 impl Share {
     /// Of a component error of an axis.
     pub fn component(axis: &Axis, conventions: &Conventions) -> Self {
-        let sign = if bodily(axis, conventions) { -1.0 } else { 1.0 };
-        if error_outside(axis, conventions) {
-            Self { outer: sign, inner: 0.0 }
-        } else {
-            Self { outer: 0.0, inner: sign }
-        }
+        Self::of_factor(axis.convention(conventions).component)
     }
 
     /// Of a location error of an axis: `Loc N Loc^-1` takes the outer map and gives back the inner one.
     pub fn location(axis: &Axis, conventions: &Conventions) -> Self {
-        let sign = if bodily(axis, conventions) { -1.0 } else { 1.0 };
-        match (conventions.location, axis.branch) {
-            (Location::AxisOnly, _) => Self { outer: 1.0, inner: -1.0 },
-            (Location::CarriedBody, Branch::Tool) => Self { outer: sign, inner: 0.0 },
-            (Location::CarriedBody, Branch::Workpiece) => Self { outer: 0.0, inner: sign },
+        match axis.convention(conventions).location {
+            LocationAction::Displaces => Self { outer: 1.0, inner: -1.0 },
+            LocationAction::Factor(factor) => Self::of_factor(factor),
+        }
+    }
+
+    fn of_factor(factor: ErrorFactor) -> Self {
+        match factor.side {
+            MotionSide::Outer => Self { outer: factor.sign(), inner: 0.0 },
+            MotionSide::Inner => Self { outer: 0.0, inner: factor.sign() },
         }
     }
 
@@ -130,9 +129,4 @@ impl Share {
         let entry = |i: usize, k: usize| self.outer * twist.outer[i][k] + self.inner * twist.inner[i][k];
         std::array::from_fn(|i| std::array::from_fn(|k| entry(i, k)))
     }
-}
-
-/// Are its numbers those of the carried body itself, so that they act in the other sense?
-fn bodily(axis: &Axis, conventions: &Conventions) -> bool {
-    conventions.errors_are == ErrorsAre::Body && axis.branch == Branch::Workpiece
 }

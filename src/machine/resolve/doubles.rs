@@ -5,8 +5,8 @@ use super::context::Context;
 use super::errors::Errors;
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{
-    Approach, Axis, AxisKind, Branch, Conventions, Direction, ErrorId, ErrorTerm, Location, MachineParts, RotaryOrder,
-    Sense, Travel, sin_cos_degrees,
+    Approach, Axis, AxisKind, Branch, Direction, ErrorId, ErrorTerm, JointConvention, LocationAction, MachineParts,
+    MotionSide, Travel, sin_cos_degrees,
 };
 use crate::units;
 
@@ -35,10 +35,8 @@ pub fn warn(context: &mut Context<'_>, parts: &MachineParts, places: &Errors) {
 
 /// Location errors that change nothing when the axis of motion is displaced.
 fn inert(context: &mut Context<'_>, parts: &MachineParts, places: &Errors) {
-    if parts.conventions.location != Location::AxisOnly {
-        return;
-    }
-    for (axis, errors) in parts.axes.iter().zip(&parts.errors) {
+    let displaced = |(axis, _): &(&Axis, _)| axis.convention(&parts.conventions).location == LocationAction::Displaces;
+    for (axis, errors) in parts.axes.iter().zip(&parts.errors).filter(displaced) {
         for (_, direction, term) in errors.iter().filter(|(location, ..)| *location) {
             let given = !matches!(term, ErrorTerm::Constant(0.0) | ErrorTerm::Tolerance(0.0));
             if given && cannot_act(axis, direction) {
@@ -153,7 +151,7 @@ impl Doubles<'_> {
         let samples: [Vec<(f64, f64)>; 3] = std::array::from_fn(|i| self.samples(of(i)));
         let means: [f64; 3] = std::array::from_fn(|i| mean(samples[i].iter().map(|s| s.1)));
         let u = self.axis.direction;
-        let sense = turning(self.axis, &self.parts.conventions);
+        let sense = turning(&self.axis.convention(&self.parts.conventions));
         let (mut turned, mut peak) = ([0.0; 3], 0.0_f64);
         for ((x, y), z) in samples[0].iter().zip(&samples[1]).zip(&samples[2]) {
             let v = across([x.1 - means[0], y.1 - means[1], z.1 - means[2]], u);
@@ -215,11 +213,11 @@ impl Doubles<'_> {
 }
 
 /// +1 if the errors of a displaced axis turn with the programmed position, else -1.
-fn turning(axis: &Axis, conventions: &Conventions) -> f64 {
-    let workpiece = axis.branch == Branch::Workpiece;
-    let rotating = conventions.rotary == RotaryOrder::Rotating;
-    let direct = workpiece && axis.sense == Sense::Direct;
-    if workpiece ^ rotating ^ direct { -1.0 } else { 1.0 }
+fn turning(convention: &JointConvention) -> f64 {
+    match convention.component.side {
+        MotionSide::Outer => convention.motion_sign,
+        MotionSide::Inner => -convention.motion_sign,
+    }
 }
 
 /// The smaller of two numbers of the same sign.
