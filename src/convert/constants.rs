@@ -204,7 +204,7 @@ fn new_spindle(machine: &Machine) -> Result<AxisName, Diagnostic> {
 /// A location error that is only a tolerance cannot be regrouped.
 fn bounded(machine: &Machine) -> Result<(), Diagnostic> {
     let is = |term: &ErrorTerm| matches!(term, ErrorTerm::Tolerance(_));
-    match machine.errors().find(|(id, term)| id.location && is(term)) {
+    match machine.errors().find(|(id, term)| id.is_location() && is(term)) {
         Some((id, _)) => Err(only_bounded(&id)),
         None => Ok(()),
     }

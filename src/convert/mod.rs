@@ -23,8 +23,8 @@ pub use shape::shape;
 
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{
-    Approach, Axis, AxisName, Branch, Conventions, Direction, ErrorId, ErrorTerm, Grid, JointErrors, Location, Machine,
-    MachineParts, Travel,
+    Approach, Axis, AxisName, Branch, Conventions, Direction, ErrorFamily, ErrorId, ErrorTerm, Grid, JointErrors,
+    Location, Machine, MachineParts, Travel,
 };
 
 /// What counts as nothing: a femtometre, and the same over a metre.
@@ -108,10 +108,12 @@ fn mirrored(axis: &Axis) -> Axis {
 /// A tolerance says nothing of how errors go together: it can stay, but not be turned into others.
 fn tolerances(machine: &Machine, axis: usize, errors: &ComponentErrors<'_>) -> Result<(), Diagnostic> {
     let given = machine.axis_errors(axis);
-    let bounded = given.iter().find(|(location, _, term)| !location && matches!(term, ErrorTerm::Tolerance(_)));
+    let bounded = given
+        .iter()
+        .find(|(family, _, term)| *family == ErrorFamily::Component && matches!(term, ErrorTerm::Tolerance(_)));
     match bounded {
         Some((_, direction, _)) if errors.mixes() => {
-            let id = ErrorId { axis: machine.axes()[axis].name.clone(), location: false, direction };
+            let id = ErrorId { axis: machine.axes()[axis].name.clone(), family: ErrorFamily::Component, direction };
             Err(only_bounded(&id))
         }
         _ => Ok(()),
@@ -139,7 +141,7 @@ fn component(
         let (term, size) = shape(errors, &old.component, direction, &parts.axes[axis], wish.within);
         parts.errors[axis].component[direction.index()] = term;
         if size > TINY[usize::from(direction.is_rotation())] {
-            let error = ErrorId { axis: machine.axes()[axis].name.clone(), location: false, direction };
+            let error = ErrorId { axis: machine.axes()[axis].name.clone(), family: ErrorFamily::Component, direction };
             misfits.push(Misfit { error, size, nature: errors.nature() });
         }
     }
@@ -167,11 +169,15 @@ pub fn changes(old: &Machine, new: &MachineParts) -> Vec<Change> {
     let mut all = Vec::new();
     for (name, after) in new.axes.iter().map(|axis| &axis.name).chain(new.chain.spindle()).zip(&new.errors) {
         let before = before(name);
-        for (location, direction) in [true, false].into_iter().flat_map(|l| Direction::ALL.map(|d| (l, d))) {
-            let [a, b] = [&before, after].map(|errors| &errors.six(location)[direction.index()]);
+        for (family, direction) in ErrorFamily::ALL.into_iter().flat_map(|f| Direction::ALL.map(|d| (f, d))) {
+            let [a, b] = [&before, after].map(|errors| &errors.six(family)[direction.index()]);
             if a != b {
-                let name = ErrorId { axis: name.clone(), location, direction }.to_string();
-                all.push(Change { name, direction, values: location.then(|| [constant(a), constant(b)]) });
+                let name = ErrorId { axis: name.clone(), family, direction }.to_string();
+                all.push(Change {
+                    name,
+                    direction,
+                    values: (family == ErrorFamily::Location).then(|| [constant(a), constant(b)]),
+                });
             }
         }
     }

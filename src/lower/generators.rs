@@ -22,7 +22,7 @@ pub struct Given {
 pub fn given(machine: &Machine) -> Vec<Given> {
     let joint = |(id, _): (ErrorId, _)| {
         let index = machine.axis_index(id.axis.as_str()).unwrap_or(machine.axes().len());
-        let place = if id.location { ErrorSite::Location(index) } else { ErrorSite::Component(index) };
+        let place = if id.is_location() { ErrorSite::Location(index) } else { ErrorSite::Component(index) };
         Given { source: Source { place, direction: id.direction }, name: id.to_string(), error: Some(id) }
     };
     let clamped = |place: ErrorSite, word: &str, values: &[f64]| {

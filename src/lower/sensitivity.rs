@@ -74,7 +74,7 @@ impl Frames {
 fn unit_joint(machine: &Machine, pose: &[f64], index: usize, error: &ErrorId) -> Htm<Dual<2>> {
     let unit = |direction: Direction| Dual::first_order(f64::from(u8::from(direction == error.direction)));
     let six = Some(Direction::ALL.map(unit));
-    let (location, component) = if error.location { (six, None) } else { (None, six) };
+    let (location, component) = if error.is_location() { (six, None) } else { (None, six) };
     match machine.axes().get(index) {
         Some(axis) => {
             let at = Position::at(axis, pose[index]);

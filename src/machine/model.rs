@@ -1,8 +1,8 @@
 //! [`Machine`] and what it is made of.
 
 use super::{
-    AlgebraChoice, Approach, Axis, AxisKind, AxisName, Branch, Conventions, Direction, ErrorId, ErrorTerm, JointErrors,
-    KinematicChain, Travel,
+    AlgebraChoice, Approach, Axis, AxisKind, AxisName, Branch, Conventions, Direction, ErrorFamily, ErrorId, ErrorTerm,
+    JointErrors, KinematicChain, Travel,
 };
 use std::collections::BTreeMap;
 
@@ -199,7 +199,7 @@ impl Machine {
         self.joint_names().zip(&self.parts.errors).flat_map(|(axis, errors)| {
             errors
                 .iter()
-                .map(move |(location, direction, term)| (ErrorId { axis: axis.clone(), location, direction }, term))
+                .map(move |(family, direction, term)| (ErrorId { axis: axis.clone(), family, direction }, term))
         })
     }
 
@@ -209,10 +209,10 @@ impl Machine {
         let names: Vec<AxisName> = self.joint_names().cloned().collect();
         parts.setup = SetUp::default();
         for (axis, errors) in names.into_iter().zip(&mut parts.errors) {
-            for location in [true, false] {
+            for family in ErrorFamily::ALL {
                 for direction in Direction::ALL {
-                    let id = ErrorId { axis: axis.clone(), location, direction };
-                    let slot = &mut errors.six_mut(location)[direction.index()];
+                    let id = ErrorId { axis: axis.clone(), family, direction };
+                    let slot = &mut errors.six_mut(family)[direction.index()];
                     *slot = slot.take().filter(|_| keep(&id));
                 }
             }

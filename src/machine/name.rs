@@ -64,20 +64,41 @@ impl Direction {
     }
 }
 
+/// The two families of geometric errors of ISO 230-1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ErrorFamily {
+    /// A function of the axis position: `EXX`.
+    Component,
+    /// A constant: `EC0Y`.
+    Location,
+}
+
+impl ErrorFamily {
+    /// Both, in the order in which errors are listed.
+    pub const ALL: [Self; 2] = [Self::Location, Self::Component];
+}
+
 /// Name of a geometric error: `EXX` (component error) or `EC0Y` (location error).
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ErrorId {
     /// The axis in motion.
     pub axis: AxisName,
-    /// Location error (constant) rather than component error (a function of the axis position).
-    pub location: bool,
+    /// Location or component error.
+    pub family: ErrorFamily,
     /// Which of the six.
     pub direction: Direction,
 }
 
+impl ErrorId {
+    /// True if it is a location error.
+    pub fn is_location(&self) -> bool {
+        self.family == ErrorFamily::Location
+    }
+}
+
 impl fmt::Display for ErrorId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "E{}{}{}", self.direction.letter(), if self.location { "0" } else { "" }, self.axis)
+        write!(f, "E{}{}{}", self.direction.letter(), if self.is_location() { "0" } else { "" }, self.axis)
     }
 }
 

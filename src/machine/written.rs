@@ -1,8 +1,8 @@
 //! A machine as a machine file: self-contained, no `extends`, no tables outside. The inverse of [`super::resolve()`].
 
 use super::{
-    AlgebraChoice, Axis, AxisKind, AxisName, Branch, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Generators,
-    Grid, JointErrors, MachineParts, Sense, SetUp, Tool, Travel,
+    AlgebraChoice, Axis, AxisKind, AxisName, Branch, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm,
+    Generators, Grid, JointErrors, MachineParts, Sense, SetUp, Tool, Travel,
 };
 
 /// The text of a machine file that says what `parts` say; `provenance` are further entries of that section
@@ -124,8 +124,8 @@ fn errors(parts: &MachineParts) -> String {
 
 /// Location errors, then component errors; a spindle has no positions.
 fn joint_lines(parts: &MachineParts, (name, axis): (&AxisName, Option<&Axis>), errors: &JointErrors) -> String {
-    let line = |(location, direction, of): (bool, Direction, &ErrorTerm)| {
-        let id = ErrorId { axis: name.clone(), location, direction };
+    let line = |(family, direction, of): (ErrorFamily, Direction, &ErrorTerm)| {
+        let id = ErrorId { axis: name.clone(), family, direction };
         let term = term(of, direction, axis);
         match parts.uncertainty.get(&id) {
             Some(half) => format!("  {id}: {}\n", with_uncertainty(&term, &rounded(*half, direction))),

@@ -7,7 +7,7 @@ use abbe::analysis::budget::{Distribution, Draws, Request, Statistic, bounds, bu
 use abbe::analysis::{Quantity, Share, twists};
 use abbe::evaluate::random_poses;
 use abbe::lower::sensitivities_to;
-use abbe::machine::{Direction, ErrorId, Machine};
+use abbe::machine::{Direction, ErrorFamily, ErrorId, Machine};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -31,9 +31,9 @@ fn every_error(machine: &Machine) -> Vec<ErrorId> {
     let names = machine.axes().iter().map(|axis| &axis.name).chain(machine.chain().spindle());
     let mut ids = Vec::new();
     for (i, name) in names.enumerate() {
-        for location in [true, false] {
-            if location || i < machine.axes().len() {
-                ids.extend(Direction::ALL.map(|direction| ErrorId { axis: name.clone(), location, direction }));
+        for family in ErrorFamily::ALL {
+            if family == ErrorFamily::Location || i < machine.axes().len() {
+                ids.extend(Direction::ALL.map(|direction| ErrorId { axis: name.clone(), family, direction }));
             }
         }
     }
@@ -50,7 +50,7 @@ fn twists_are_the_sensitivities_of_the_model() {
             for s in sensitivities_to(&machine, &pose, &ids) {
                 let joint = machine.axis_index(s.error.axis.as_str()).unwrap_or(pose.len());
                 let share = match machine.axes().get(joint) {
-                    Some(axis) if s.error.location => Share::location(axis, machine.conventions()),
+                    Some(axis) if s.error.is_location() => Share::location(axis, machine.conventions()),
                     Some(axis) => Share::component(axis, machine.conventions()),
                     None => Share::SPINDLE,
                 };

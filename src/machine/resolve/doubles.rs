@@ -5,8 +5,8 @@ use super::context::Context;
 use super::errors::Errors;
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{
-    Approach, Axis, AxisKind, Branch, Direction, ErrorId, ErrorTerm, JointConvention, LocationAction, MachineParts,
-    MotionSide, Travel, sin_cos_degrees,
+    Approach, Axis, AxisKind, Branch, Direction, ErrorFamily, ErrorId, ErrorTerm, JointConvention, LocationAction,
+    MachineParts, MotionSide, Travel, sin_cos_degrees,
 };
 use crate::units;
 
@@ -37,10 +37,10 @@ pub fn warn(context: &mut Context<'_>, parts: &MachineParts, places: &Errors) {
 fn inert(context: &mut Context<'_>, parts: &MachineParts, places: &Errors) {
     let displaced = |(axis, _): &(&Axis, _)| axis.convention(&parts.conventions).location == LocationAction::Displaces;
     for (axis, errors) in parts.axes.iter().zip(&parts.errors).filter(displaced) {
-        for (_, direction, term) in errors.iter().filter(|(location, ..)| *location) {
+        for (_, direction, term) in errors.iter().filter(|(family, ..)| *family == ErrorFamily::Location) {
             let given = !matches!(term, ErrorTerm::Constant(0.0) | ErrorTerm::Tolerance(0.0));
             if given && cannot_act(axis, direction) {
-                let error = ErrorId { axis: axis.name.clone(), location: true, direction };
+                let error = ErrorId { axis: axis.name.clone(), family: ErrorFamily::Location, direction };
                 let why = match axis.kind {
                     AxisKind::Linear => "a straight line displaced, or turned about itself, is the same line of motion",
                     AxisKind::Rotary => "an axis of rotation moved along, or turned about, itself is the same axis",
@@ -77,7 +77,7 @@ struct DoubledEntry {
 
 impl Doubles<'_> {
     fn id(&self, direction: Direction) -> ErrorId {
-        ErrorId { axis: self.axis.name.clone(), location: false, direction }
+        ErrorId { axis: self.axis.name.clone(), family: ErrorFamily::Component, direction }
     }
 
     fn given(&self, direction: Direction) -> bool {
@@ -181,10 +181,10 @@ impl Doubles<'_> {
     fn location_errors(&self, choose: impl Fn(&Axis, Direction) -> bool) -> Vec<ErrorId> {
         let mut list = Vec::new();
         for (axis, errors) in self.parts.axes.iter().zip(&self.parts.errors) {
-            for (_, direction, term) in errors.iter().filter(|(location, ..)| *location) {
+            for (_, direction, term) in errors.iter().filter(|(family, ..)| *family == ErrorFamily::Location) {
                 let acts = matches!(term, ErrorTerm::Constant(v) if *v != 0.0) && !cannot_act(axis, direction);
                 if acts && choose(axis, direction) {
-                    list.push(ErrorId { axis: axis.name.clone(), location: true, direction });
+                    list.push(ErrorId { axis: axis.name.clone(), family: ErrorFamily::Location, direction });
                 }
             }
         }

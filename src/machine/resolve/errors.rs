@@ -5,7 +5,9 @@ use super::curves::{CurveOf, component, from_table, one_way};
 use super::names::{Spelling, readings};
 use super::uses::Known;
 use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
-use crate::machine::{AxisKind, AxisName, ComponentError, Direction, ErrorId, ErrorTerm, JointErrors, KinematicChain};
+use crate::machine::{
+    AxisKind, AxisName, ComponentError, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, KinematicChain,
+};
 use crate::syntax::{ColumnDirection, CurveEntry, Keys, TermEntry, below, keys};
 use std::collections::BTreeMap;
 
@@ -25,7 +27,7 @@ pub struct Errors {
 impl Errors {
     fn put(&mut self, error: &ErrorId, term: Option<ErrorTerm>) {
         let joint = self.joints.entry(error.axis.clone()).or_default();
-        joint.six_mut(error.location)[error.direction.index()] = term;
+        joint.six_mut(error.family)[error.direction.index()] = term;
     }
 
     /// By joint in the order of the walk, then the spindle's; those of other axes stay behind.
@@ -188,7 +190,7 @@ fn term(
         }
         return context.plausible(value, error.direction, &here).then_some(ErrorTerm::Tolerance(value));
     }
-    if error.location {
+    if error.is_location() {
         return constant(context, spelling, entry, &forms, at);
     }
     let axis = known.axis(&error.axis);
@@ -269,7 +271,7 @@ fn measured(context: &mut Context<'_>, errors: &mut Errors, at: &Keys, path: &st
             continue;
         }
         let axis = known.axis(&error.axis);
-        let Some((axis, false)) = axis.map(|a| (a, error.location)) else {
+        let Some((axis, ErrorFamily::Component)) = axis.map(|a| (a, error.family)) else {
             let help = "a table holds component errors; write location errors under `errors`";
             let refusal = Diagnostic::new(codes::E0408, format!("`{error}` does not vary with the position"));
             context.diagnostics.push(refusal.at(Some(column.place.clone()), "").help(help));

@@ -31,7 +31,7 @@ pub fn by_joint(machine: &Machine, bounds: &[Bound]) -> Vec<JointBounds> {
     let mut joints: Vec<JointBounds> = machine.axes().iter().map(Some).chain([None]).map(joint).collect();
     for (i, bound) in bounds.iter().enumerate() {
         let index = machine.axis_index(bound.error.axis.as_str()).unwrap_or(machine.axes().len());
-        let six = if bound.error.location { &mut joints[index].location } else { &mut joints[index].component };
+        let six = if bound.error.is_location() { &mut joints[index].location } else { &mut joints[index].component };
         six[bound.error.direction.index()] = Some(i);
     }
     joints
