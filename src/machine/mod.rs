@@ -21,7 +21,9 @@ pub use algebra::{AlgebraChoice, Generators, NamedMonomial};
 pub use axis::{Axis, AxisKind, Travel};
 pub use bspline::{BSpline, BSplineFailure};
 pub use chain::{Body, Branch, KinematicChain};
-pub use conventions::{Conventions, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, RotaryOrder, Sense};
+pub use conventions::{
+    Conventions, ConventionsFailure, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, RotaryOrder, Sense,
+};
 pub use curve::{Curve, Knots, KnotsFailure, sin_cos_degrees};
 pub use errors::{Approach, ComponentError, ErrorTerm, JointErrors};
 pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};

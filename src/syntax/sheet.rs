@@ -158,17 +158,19 @@ pub struct Decimals {
 impl Decimals {
     /// Takes note of a cell that is to be a number; says so if its mark is not that of the cells before. Cells that
     /// are none are for others to refuse; a comma that separates cells is no decimal comma.
-    pub fn note(&mut self, cell: &str, separator: char) -> Result<(), String> {
+    pub fn note(&mut self, cell: &str, separator: char) -> Result<(), MixedDecimals> {
         if separator == ',' || !cell.chars().all(|c| c.is_ascii_digit() || "+-.,eE".contains(c)) {
             return Ok(());
         }
         let mark = match (cell.contains(','), cell.contains('.')) {
             (false, false) => return Ok(()),
-            (true, true) => return Err(mixed(&format!("`{}`", shown(cell)))),
+            (true, true) => return Err(MixedDecimals { cells: vec![cell.to_owned()] }),
             (comma, _) => [',', '.'][usize::from(!comma)],
         };
         match &self.first {
-            Some((known, first)) if *known != mark => Err(mixed(&format!("`{}`, `{}`", shown(first), shown(cell)))),
+            Some((known, first)) if *known != mark => {
+                Err(MixedDecimals { cells: vec![first.clone(), cell.to_owned()] })
+            }
             Some(_) => Ok(()),
             None => {
                 self.first = Some((mark, cell.to_owned()));
@@ -178,11 +180,25 @@ impl Decimals {
     }
 }
 
-fn mixed(cells: &str) -> String {
-    format!(
-        "decimal comma and decimal point in one file ({cells}): write all numbers with the same, and digits ungrouped"
-    )
+/// Decimal comma and decimal point in one file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MixedDecimals {
+    /// A cell with both marks, or two cells with one each.
+    pub cells: Vec<String>,
 }
+
+impl std::fmt::Display for MixedDecimals {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let cells: Vec<String> = self.cells.iter().map(|cell| format!("`{}`", shown(cell))).collect();
+        let cells = cells.join(", ");
+        write!(
+            f,
+            "decimal comma and decimal point in one file ({cells}): write all numbers with the same, and digits ungrouped"
+        )
+    }
+}
+
+impl std::error::Error for MixedDecimals {}
 
 #[cfg(test)]
 mod tests {

@@ -70,7 +70,7 @@ fn wish(session: &mut Session, machine: &Machine, args: &Args) -> Result<Wish, E
     let text = args.to.as_deref();
     let conventions = text.map_or(Ok(*machine.conventions()), |text| machine.conventions().amended(text));
     let conventions = conventions.or_else(|why| {
-        let message = format!("`{}`: {}", shown(text.unwrap_or_default()), shown(&why));
+        let message = format!("`{}`: {}", shown(text.unwrap_or_default()), shown(&why.to_string()));
         let help = format!("write one of {}, or keys as in a machine file", Conventions::words().join(", "));
         session.refuse(Diagnostic::new(codes::E0528, message).help(help))
     })?;
@@ -93,7 +93,7 @@ fn wish(session: &mut Session, machine: &Machine, args: &Args) -> Result<Wish, E
 /// The machine that the text says: what is proved is what is written.
 fn read_back(session: &mut Session, text: &str) -> Result<Machine, Exit> {
     load::own(text).or_else(|why| {
-        let message = format!("the converted machine is refused: {}", shown(&why));
+        let message = format!("the converted machine is refused: {}", shown(&why.to_string()));
         let help = "an error that is plausible in one convention need not be in another: check the large ones; and all tables stand \
                     in the new file, which has its limits: thin long ones out";
         session.refuse(Diagnostic::new(codes::E0529, message).help(help))
