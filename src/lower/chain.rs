@@ -17,7 +17,7 @@ pub struct Chain<S: Algebra> {
     pub clamping: Htm<S>,
     /// The functional point at the zero pose, machine coordinates.
     pub tip: Vector3<S>,
-    /// How many joints are on the workpiece side: they come first.
+    /// The number of joints on the workpiece side: they come first.
     workpiece_side: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Which error has which generator: a declared algebra on a machine.
+//! The generators of errors: a declared algebra on a machine.
 
 use super::source::{ErrorLift, ErrorSite, ErrorValues, Source};
 use crate::algebra::weil::{Basis, BasisFailure, Ideal, Monomial, Weil};
@@ -10,11 +10,11 @@ use std::sync::Arc;
 /// An error that a machine has.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Given {
-    /// Where it enters.
+    /// Its place in the chain.
     pub source: Source,
     /// `EXX`, `EC0Y`; errors of clamping are `tool.X` and `workpiece.A`.
     pub name: String,
-    /// Which error of a joint it is; `None` for errors of clamping.
+    /// The error of a joint; `None` for errors of clamping.
     pub error: Option<ErrorId>,
 }
 
@@ -138,7 +138,7 @@ impl Declared {
         self.generators.get(&source).copied()
     }
 
-    /// What vanishes.
+    /// The vanishing monomials.
     pub fn ideal(&self) -> &Ideal {
         &self.ideal
     }
@@ -162,9 +162,7 @@ impl Declared {
     fn refusal(&self, failure: &BasisFailure) -> Diagnostic {
         let (count, degree) = (self.names.len(), self.ideal.degree);
         match failure {
-            BasisFailure::KillsOne => {
-                Diagnostic::new(codes::E0522, "the ideal contains 1: nothing would be left of the algebra")
-            }
+            BasisFailure::KillsOne => Diagnostic::new(codes::E0522, "the ideal contains 1: no algebra would remain"),
             BasisFailure::Degree(degree) => Diagnostic::new(codes::E0215, format!("an algebra of degree {degree}")),
             BasisFailure::Generator(k) => self.unknown(&format!("x{}", k + 1)),
             BasisFailure::Size(size) => {
@@ -181,7 +179,7 @@ impl Declared {
     }
 }
 
-/// Could the machine have this error?
+/// True if the machine can have this error.
 fn belongs(machine: &Machine, id: &ErrorId) -> bool {
     machine.axis_index(id.axis.as_str()).is_some() || machine.chain().spindle() == Some(&id.axis)
 }

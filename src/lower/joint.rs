@@ -25,7 +25,7 @@ pub struct JointElements<S> {
     pub component: Option<[S; 6]>,
 }
 
-/// What an axis does nominally, as programmed: the way of a linear axis (mm), or sine and cosine of a
+/// The nominal motion of an axis, as programmed: the travel of a linear axis (mm), or sine and cosine of a
 /// rotary axis's angle. Elements of any algebra: numbers, unknowns of Newton's iteration, symbols.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Position<S> {

@@ -3,7 +3,7 @@
 use crate::algebra::{Algebra, Dual};
 use crate::machine::{Approach, Direction, Machine};
 
-/// Which part of the machine an error belongs to.
+/// The part of the machine to which an error belongs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ErrorSite {
     /// Location error of the joint with this index (the spindle comes after the axes).
@@ -19,13 +19,13 @@ pub enum ErrorSite {
 /// One error source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Source {
-    /// Where it sits.
+    /// The part of the machine.
     pub place: ErrorSite,
-    /// Which of the six.
+    /// The direction of the error.
     pub direction: Direction,
 }
 
-/// How an error of a given size (mm or rad) becomes an element of the algebra.
+/// The conversion of an error of a given size (mm or rad) to an element of the algebra.
 pub trait ErrorLift<S: Algebra> {
     /// The element.
     fn lift(&self, source: Source, value: f64) -> S;

@@ -9,7 +9,7 @@ use crate::algebra::{Algebra, Htm, left_jacobian, product, transform};
 use crate::machine::{AxisKind, Direction, Joints, LocationAction, LocationOrder, Machine, MotionSide};
 use nalgebra::{Matrix3, Vector3};
 
-/// Where the functional point really is, and how it moves with single errors.
+/// The actual functional point, and its derivatives by single errors.
 #[derive(Debug, Clone)]
 pub struct PositionJacobian<S: Algebra> {
     /// The actual functional point from the workpiece origin (mm, workpiece frame).
@@ -77,7 +77,7 @@ pub fn position_jacobian<S: Algebra>(
     PositionJacobian { point: minus(x, &machine.workpiece()), derivatives: sources.iter().map(derivative).collect() }
 }
 
-/// What an error matrix of a factor is, and how it moves with its six errors.
+/// An error matrix of a factor, and its derivatives by its six errors.
 struct Motion<S: Algebra> {
     matrix: Htm<S>,
     jacobian: Option<Matrix3<S>>,
@@ -112,7 +112,7 @@ impl<S: Algebra> Joint<S> {
         Self { origin, motions, factors }
     }
 
-    /// What the bracket makes of a point; every factor keeps what came to it.
+    /// Applies the bracket to a point; every factor keeps its input.
     fn pass(&mut self, mut x: Vector3<S>) -> Vector3<S> {
         let Self { motions, factors, .. } = self;
         let apply = |g: &Htm<S>, x: &Vector3<S>| transform(&g.linear, x) + &g.translation;

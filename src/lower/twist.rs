@@ -4,16 +4,19 @@
 //! With R the nominal rotation up to the joint and r the arm from its origin to the functional point,
 //! a small displacement (delta, eps) there moves the point by `R (delta + eps x r)`. *Outer* is the
 //! side of the workpiece, before the motion; *inner* the side of the tool, after it. Conventions only
-//! decide how much of either a component or location error takes: [`Share`].
+//! decide the weights of both for a component or location error: [`SideWeights`].
 
 use crate::algebra::rotation_about;
-use crate::machine::{Axis, AxisKind, Conventions, ErrorFactor, LocationAction, Machine, MotionSide, sin_cos_degrees};
+use crate::machine::{
+    Axis, AxisKind, Conventions, ErrorFactor, ErrorFamily, ErrorId, LocationAction, Machine, MotionSide,
+    sin_cos_degrees,
+};
 use nalgebra::{Matrix3, Vector3};
 
 /// Three rows, for x, y, z of the workpiece frame; six columns, per mm and rad of a joint's errors.
-pub type Map = [[f64; 6]; 3];
+pub type TwistMap = [[f64; 6]; 3];
 
-/// What is moved: the functional point (mm), or the orientation of the tool (rad).
+/// The quantity moved: the functional point (mm), or the orientation of the tool (rad).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
@@ -26,18 +29,18 @@ pub enum Quantity {
 /// Both maps of a joint at a pose.
 #[derive(Debug, Clone, Copy)]
 pub struct Twist {
-    /// Of a displacement before the motion.
-    pub outer: Map,
-    /// Of a displacement after it.
-    pub inner: Map,
+    /// The map of a displacement before the motion.
+    pub outer: TwistMap,
+    /// The map of a displacement after it.
+    pub inner: TwistMap,
 }
 
-/// How much of the outer and of the inner map an error takes.
+/// The weights of the outer and of the inner map for an error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Share {
-    /// Of the outer map.
+pub struct SideWeights {
+    /// Weight of the outer map.
     pub outer: f64,
-    /// Of the inner map.
+    /// Weight of the inner map.
     pub inner: f64,
 }
 
@@ -73,7 +76,7 @@ fn turned(axis: &Axis, q: f64) -> Matrix3<f64> {
     }
 }
 
-/// Where the nominal motion takes a point.
+/// Applies the nominal motion to a point.
 fn moved(axis: &Axis, q: f64, point: &Vector3<f64>) -> Vector3<f64> {
     match axis.kind {
         AxisKind::Linear => point + Vector3::from(axis.direction) * (axis.sign() * q),
@@ -85,7 +88,7 @@ fn moved(axis: &Axis, q: f64, point: &Vector3<f64>) -> Vector3<f64> {
 }
 
 /// Columns `R e_k` for translations and `R (e_k x r)` for rotations; of the orientation, `R e_k` for rotations.
-fn map(r: &Matrix3<f64>, arm: &Vector3<f64>, quantity: Quantity) -> Map {
+fn map(r: &Matrix3<f64>, arm: &Vector3<f64>, quantity: Quantity) -> TwistMap {
     let mut map = [[0.0; 6]; 3];
     for k in 0..3 {
         let column = r.column(k);
@@ -100,13 +103,16 @@ fn map(r: &Matrix3<f64>, arm: &Vector3<f64>, quantity: Quantity) -> Map {
     map
 }
 
-impl Share {
-    /// Of a component error of an axis.
+impl SideWeights {
+    /// The weights of a location error of the spindle.
+    pub const SPINDLE: Self = Self { outer: 1.0, inner: 0.0 };
+
+    /// The weights of a component error of an axis.
     pub fn component(axis: &Axis, conventions: &Conventions) -> Self {
         Self::of_factor(axis.convention(conventions).component)
     }
 
-    /// Of a location error of an axis: `Loc N Loc^-1` takes the outer map and gives back the inner one.
+    /// The weights of a location error of an axis: `Loc N Loc^-1` adds the outer map and subtracts the inner one.
     pub fn location(axis: &Axis, conventions: &Conventions) -> Self {
         match axis.convention(conventions).location {
             LocationAction::Displaces => Self { outer: 1.0, inner: -1.0 },
@@ -121,12 +127,46 @@ impl Share {
         }
     }
 
-    /// Of a location error of the spindle.
-    pub const SPINDLE: Self = Self { outer: 1.0, inner: 0.0 };
-
-    /// The map of an error with this share.
-    pub fn of(self, twist: &Twist) -> Map {
-        let entry = |i: usize, k: usize| self.outer * twist.outer[i][k] + self.inner * twist.inner[i][k];
-        std::array::from_fn(|i| std::array::from_fn(|k| entry(i, k)))
+    /// Returns the map of an error with these weights.
+    pub fn map(self, twist: &Twist) -> TwistMap {
+        std::array::from_fn(|i| std::array::from_fn(|k| self.entry(twist, i, k)))
     }
+
+    fn entry(self, twist: &Twist, i: usize, k: usize) -> f64 {
+        self.outer * twist.outer[i][k] + self.inner * twist.inner[i][k]
+    }
+}
+
+/// The first-order effect of a unit error (1 mm or 1 rad), workpiece frame.
+#[derive(Debug, Clone)]
+pub struct Sensitivity {
+    /// The error.
+    pub error: ErrorId,
+    /// Displacement of the functional point (mm per mm or per rad).
+    pub deviation: Vector3<f64>,
+    /// Rotation of the tool (rad per mm or per rad).
+    pub rotation: Vector3<f64>,
+}
+
+/// Returns the sensitivities to the errors that `wanted` accepts, at a pose (mm, deg).
+pub fn sensitivities(machine: &Machine, pose: &[f64], wanted: impl Fn(&ErrorId) -> bool) -> Vec<Sensitivity> {
+    let ids: Vec<ErrorId> = machine.errors().map(|(id, _)| id).filter(|id| wanted(id)).collect();
+    sensitivities_to(machine, pose, &ids)
+}
+
+/// Returns the sensitivities to any errors of the chain's axes and spindle, given in the machine file or not.
+pub fn sensitivities_to(machine: &Machine, pose: &[f64], errors: &[ErrorId]) -> Vec<Sensitivity> {
+    let [position, rotation] = [Quantity::Position, Quantity::Rotation].map(|q| twists(machine, pose, q));
+    let one = |error: &ErrorId| {
+        let joint = machine.axis_index(error.axis.as_str()).unwrap_or(machine.axes().len());
+        let weights = match (machine.axes().get(joint), error.family) {
+            (Some(axis), ErrorFamily::Location) => SideWeights::location(axis, machine.conventions()),
+            (Some(axis), ErrorFamily::Component) => SideWeights::component(axis, machine.conventions()),
+            (None, _) => SideWeights::SPINDLE,
+        };
+        let column =
+            |twists: &[Twist]| Vector3::from_fn(|i, _| weights.entry(&twists[joint], i, error.direction.index()));
+        Sensitivity { error: error.clone(), deviation: column(&position), rotation: column(&rotation) }
+    };
+    errors.iter().map(one).collect()
 }
