@@ -1,4 +1,4 @@
-//! What the component errors of an axis become, as functions of its new position.
+//! The component errors of an axis after conversion, as functions of its new position.
 
 use super::changes_side;
 use super::constants::{inverse, six_of};
@@ -24,7 +24,7 @@ pub struct ComponentErrors<'a> {
 }
 
 impl<'a> ComponentErrors<'a> {
-    /// Of the axis with this index.
+    /// Prepares the axis with this index.
     pub fn new(machine: &'a Machine, index: usize, parts: &MachineParts, [old, new]: [&Htm<f64>; 2]) -> Self {
         let axis = &machine.axes()[index];
         let both = new.compose(&inverse(old));
@@ -45,23 +45,23 @@ impl<'a> ComponentErrors<'a> {
         &self.machine.axes()[self.index]
     }
 
-    /// Is the new position the negative of the old one?
+    /// True if the new position is the negative of the old one.
     pub fn is_mirrored(&self) -> bool {
         self.mirrored
     }
 
-    /// Do the new errors depend on several old ones to first order?
+    /// True if the new errors depend on several old ones to first order.
     pub fn mixes(&self) -> bool {
         self.changes_side
     }
 
-    /// Are the six the same numbers as before?
+    /// True if the six are the same numbers as before.
     pub fn unchanged(&self) -> bool {
         let [was, is] = self.conventions.map(|convention| convention.component.inverse);
         !self.changes_side && !self.moved && was == is && self.joints[0] == self.joints[1]
     }
 
-    /// Why a curve of the language may not be able to say it, in words.
+    /// The reason, in words, for which a curve of the language may not hold the error.
     pub fn nature(&self) -> &'static str {
         match (self.changes_side, self.axis().kind) {
             (true, AxisKind::Linear) => "the position times an angle",

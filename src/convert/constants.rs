@@ -140,7 +140,7 @@ impl Constants {
         Ok(vec![Htm::identity(); axes.len()])
     }
 
-    /// What is left at the workpiece (before the first motion) and at the tool (after the last one).
+    /// Writes the rest at the workpiece (before the first motion) and at the tool (after the last one).
     fn ends(
         &self,
         machine: &Machine,
@@ -196,7 +196,7 @@ fn new_spindle(machine: &Machine) -> Result<AxisName, Diagnostic> {
     let names = ["S", "SP", "SPINDLE"].into_iter().filter(|name| machine.axis_index(name).is_none());
     names.filter_map(AxisName::new).next().ok_or_else(|| {
         let message =
-            "what turns the tool against the last axis needs a spindle, and `S`, `SP`, `SPINDLE` are axes here";
+            "a rotation of the tool against the last axis needs a spindle, but `S`, `SP` and `SPINDLE` are axes";
         Diagnostic::new(codes::E0529, message).help("put a spindle into the chain, such as `(C9)` before `t`")
     })
 }

@@ -27,20 +27,20 @@ use crate::machine::{
     Location, Machine, MachineParts, Travel,
 };
 
-/// What counts as nothing: a femtometre, and the same over a metre.
+/// Differences that count as zero: a femtometre, and the same over a metre.
 const TINY: [f64; 2] = [1e-12, 1e-15];
 
 /// Difference (mm) that is rounding: of positions of some metres, in matrices multiplied and taken apart again.
 pub const ROUNDING: f64 = 1e-9;
 
-/// What is wanted.
+/// A conversion to make.
 #[derive(Debug, Clone)]
 pub struct Wish {
     /// The new conventions.
     pub conventions: Conventions,
     /// `axis_only`: the axis from whose actual line location errors count, instead of the machine frame.
     pub datum: Option<AxisName>,
-    /// How far the machines may differ (mm; rotations: this over a metre). Above [`ROUNDING`], tables may get more
+    /// Allowed difference of the machines (mm; rotations: this over a metre). Above [`ROUNDING`], tables may get more
     /// points.
     pub within: f64,
 }
@@ -48,20 +48,20 @@ pub struct Wish {
 /// An error that no curve of the language holds exactly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Misfit {
-    /// Which.
+    /// The error.
     pub error: ErrorId,
-    /// How far the curve written is off (mm or rad).
+    /// The deviation of the curve written (mm or rad).
     pub size: f64,
-    /// What it would have to be, in words.
+    /// The function it would have to be, in words.
     pub nature: &'static str,
 }
 
 /// A machine under its new conventions, not yet proved.
 #[derive(Debug, Clone)]
 pub struct Conversion {
-    /// What to write.
+    /// The parts of the converted machine.
     pub parts: MachineParts,
-    /// What the curves miss.
+    /// The errors that the curves miss.
     pub misfits: Vec<Misfit>,
 }
 
@@ -87,7 +87,7 @@ pub fn convert(machine: &Machine, wish: &Wish) -> Result<Conversion, Diagnostic>
     Ok(Conversion { parts, misfits })
 }
 
-/// Does a positive command of the axis mean the other way from now on?
+/// True if the conversion reverses the sense of a positive command of the axis.
 fn turns_over(machine: &Machine, axis: &Axis, wish: &Wish) -> bool {
     let wanted = wish.conventions.workpiece_axes;
     axis.branch == Branch::Workpiece && wanted != machine.conventions().workpiece_axes && axis.sense != wanted
@@ -147,12 +147,12 @@ fn component(
     }
 }
 
-/// Does the error motion change from one side of the nominal motion to the other?
+/// True if the error motion changes its side of the nominal motion.
 fn changes_side(axis: &Axis, old: &Conventions, new: &Conventions) -> bool {
     axis.convention(old).component.side != axis.convention(new).component.side
 }
 
-/// Is the location of the axes to be said in another way at all?
+/// True if location errors must be regrouped.
 fn regroups(old: &Conventions, wish: &Wish) -> bool {
     old.location != wish.conventions.location
         || wish.datum.is_some()
@@ -198,7 +198,7 @@ pub fn changes(old: &Machine, new: &MachineParts) -> Vec<Change> {
 pub struct Change {
     /// `EC0Y`, `EXX`, `workpiece.A`.
     pub name: String,
-    /// Which of the six.
+    /// The direction of the error.
     pub direction: Direction,
     /// Constants before and after (mm or rad); curves have none.
     pub values: Option<[f64; 2]>,

@@ -1,4 +1,4 @@
-//! From a function of the position to a curve of the language.
+//! Conversion of a function of the position to a curve of the language.
 //!
 //! The forms are tried from the simplest on: what was there (or its negative), a polynomial, harmonics, a table
 //! at the positions of the old tables. The first that is the function everywhere it is looked at is taken; if
@@ -18,7 +18,7 @@ const ORDERS: usize = 720;
 /// Lines of a table, and how often a gap may be halved, when a tolerance allows for it.
 const LINES: usize = 4000;
 const HALVINGS: u32 = 7;
-/// Where a curve is looked at between two positions.
+/// Fractions of an interval at which a curve is compared.
 const BETWEEN: [f64; 4] = [0.13, 0.37, 0.5, 0.81];
 /// Share of the allowed difference that one curve may use.
 const SHARE: f64 = 0.05;
@@ -80,7 +80,7 @@ struct ConvertedForm<'a> {
     axis: &'a Axis,
     nothing: f64,
     enough: f64,
-    /// May tables get more points?
+    /// True if tables may get more points.
     finer: bool,
 }
 

@@ -192,12 +192,12 @@ pub fn direction(_: &mut SchemaGenerator) -> Schema {
     })
 }
 
-/// From, to.
+/// Lower and upper end.
 pub fn interval(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "description": "[min, max], mm or deg.", "type": ["array", "null"], "items": position(), "minItems": 2, "maxItems": 2 })
 }
 
-/// From, to; or `continuous`.
+/// Lower and upper end; or `continuous`.
 pub fn travel(generator: &mut SchemaGenerator) -> Schema {
     let range = interval(generator).to_value();
     json_schema!({ "anyOf": [range, { "const": "continuous" }] })

@@ -15,13 +15,13 @@ pub struct Sheet {
     text: String,
 }
 
-/// What spreadsheets write where a formula fails: no comments.
+/// The words of spreadsheets for a failed formula; they are no comments.
 const MISTAKES: [&str; 7] = ["#REF!", "#N/A", "#DIV/0!", "#VALUE!", "#NAME?", "#NUM!", "#NULL!"];
 
 /// A line that is neither blank nor a comment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// Where it stands.
+    /// Its place.
     pub place: Place,
     /// Without its end.
     pub text: String,
@@ -37,7 +37,7 @@ pub fn read_sheet(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics)
         }
     };
     let Some(text) = decoded(&bytes) else {
-        let message = format!("`{}` is no text in UTF-8, UTF-16 or Windows-1252", shown(&path.display().to_string()));
+        let message = format!("`{}` is not text in UTF-8, UTF-16 or Windows-1252", shown(&path.display().to_string()));
         let help = "export it as text; for example: iconv -f IBM850 -t UTF-8 old > new";
         diagnostics.push(Diagnostic::new(codes::E0104, message).help(help));
         return None;
@@ -99,7 +99,7 @@ impl Sheet {
     }
 }
 
-/// What separates the cells of a line: a semicolon or tab if there is one, else the comma.
+/// Returns the separator of the cells of a line: a semicolon or tab if there is one, else the comma.
 pub fn separator(header: &str) -> char {
     [';', '\t'].into_iter().find(|c| header.contains(*c)).unwrap_or(',')
 }

@@ -45,7 +45,7 @@ fn axis(context: &mut Context<'_>, name: &str, entry: Option<&AxisEntry>) -> Opt
     Some(Declared { kind, direction, origin, travel, sense, ..unknown })
 }
 
-/// What a letter (with digits after it) says: X, Y, Z, U, V, W, P, Q, R move along, A, B, C turn about.
+/// The meaning of a letter (with digits after it): X, Y, Z, U, V, W, P, Q, R are linear, A, B, C rotary.
 fn by_letter(name: &AxisName) -> Option<(AxisKind, [f64; 3])> {
     let mut chars = name.as_str().chars();
     let letter = chars.next()?;
@@ -74,7 +74,7 @@ fn kind(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys
     let kind = by_letter(name).map(|d| d.0);
     if kind.is_none() && !context.document.places.is_marred(&below(at, "kind")) {
         let help = "add `kind: linear` or `kind: rotary`, and a `direction`";
-        context.at_key(codes::E0401, at, format!("the letter of axis `{name}` does not say what it does"), help);
+        context.at_key(codes::E0401, at, format!("axis `{name}` has no default kind and direction"), help);
     }
     kind
 }
@@ -130,7 +130,7 @@ fn travel(context: &mut Context<'_>, name: &AxisName, kind: AxisKind, entry: &Ax
         Some(TravelEntry::Word(word)) if word == "continuous" && kind == AxisKind::Rotary => Some(Travel::Continuous),
         Some(TravelEntry::Word(word)) => {
             let help = if word == "continuous" {
-                "a linear axis ends somewhere: [0 mm, 500 mm]"
+                "a linear axis has two ends: [0 mm, 500 mm]"
             } else {
                 "write [min, max] or continuous"
             };

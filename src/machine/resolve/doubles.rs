@@ -69,7 +69,7 @@ struct Doubles<'a> {
     index: usize,
 }
 
-/// What was found: how much, of what, in which curve.
+/// A repeated part of a curve: amount, peak and kind.
 struct DoubledEntry {
     amount: f64,
     peak: f64,
@@ -170,7 +170,7 @@ impl Doubles<'_> {
         self.report(context, &DoubledEntry { amount: turned.norm(), peak, direction, what }, &rivals);
     }
 
-    /// Is it this axis, or one that it carries?
+    /// True if it is this axis, or one that it carries.
     fn moves(&self, other: &Axis) -> bool {
         let Some(index) = self.parts.axes.iter().position(|axis| axis.name == other.name) else { return false };
         let outward = match self.axis.branch {
@@ -206,7 +206,7 @@ impl Doubles<'_> {
         let shown =
             if found.direction.is_rotation() { units::angle(found.amount) } else { units::length(found.amount) };
         let place = |id: &ErrorId| -> Option<Place> { self.places.places.get(id).cloned().flatten() };
-        let message = format!("`{error}` holds {} of {shown}, which location errors say as well", found.what);
+        let message = format!("`{error}` holds {} of {shown}, which location errors describe as well", found.what);
         let warning = Diagnostic::new(codes::W0403, message).at(place(&error), "");
         let rival = rivals.first();
         let warning = warning.at(rival.and_then(place), "the location error given");

@@ -93,7 +93,7 @@ pub fn named(context: &mut Context<'_>, name: &str, known: &Known<'_>, place: Op
     None
 }
 
-/// Has the error not been given elsewhere?
+/// True if the error has not been given elsewhere.
 fn once(context: &mut Context<'_>, errors: &mut Errors, error: &ErrorId, place: Option<Place>) -> bool {
     if let Some(first) = errors.places.get(error) {
         let refusal = Diagnostic::new(codes::E0407, format!("`{error}` is given twice"))
@@ -135,7 +135,7 @@ fn one_form(context: &mut Context<'_>, forms: &[&str], at: &Keys) -> bool {
             if !context.document.places.is_marred(at) {
                 let help =
                     "write a value such as `12 um`, or one of table, points, polynomial, harmonics, bspline, tolerance";
-                context.at_key(codes::E0203, at, format!("`{}` says nothing", dotted(at)), help);
+                context.at_key(codes::E0203, at, format!("`{}` has no value", dotted(at)), help);
             }
             false
         }
@@ -147,13 +147,13 @@ fn one_form(context: &mut Context<'_>, forms: &[&str], at: &Keys) -> bool {
     }
 }
 
-/// How sure the values of a term are.
+/// The uncertainty of the values of a term.
 fn uncertainty(context: &mut Context<'_>, error: &ErrorId, entry: &TermEntry, at: &Keys) -> Option<f64> {
     let here = below(at, "uncertainty");
     let value = context.error_value(entry.uncertainty.as_ref()?, error.direction, &here)?;
     if entry.tolerance.is_some() {
         let message = format!("`tolerance` and `uncertainty` of `{}` exclude each other", dotted(at));
-        context.at_key(codes::E0209, &here, message, "an uncertainty is of a value that is known");
+        context.at_key(codes::E0209, &here, message, "an uncertainty belongs to a known value");
         return None;
     }
     if value < 0.0 {
