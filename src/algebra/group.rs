@@ -3,7 +3,7 @@
 use super::{Algebra, Dual};
 use nalgebra::{DMatrix, Matrix3, Matrix4, Vector3};
 
-/// How far a matrix over D_n is from orthogonal: the largest coefficient of each degree of C^T C - 1.
+/// Returns the largest coefficient of each degree of C^T C - 1 of a matrix over D_n.
 /// It is a member of O(n, D_n) if all of them are 0, to rounding.
 pub fn orthogonality_defect<const M: usize>(c: &DMatrix<Dual<M>>) -> [f64; M] {
     let product = c.transpose() * c;
@@ -17,7 +17,7 @@ pub fn orthogonality_defect<const M: usize>(c: &DMatrix<Dual<M>>) -> [f64; M] {
     std::array::from_fn(of_degree)
 }
 
-/// Is it in SO(n, D_n), given that it is in O(n, D_n)? The real part decides.
+/// True if a matrix of O(n, D_n) is in SO(n, D_n): the real part decides.
 pub fn is_special<const M: usize>(c: &DMatrix<Dual<M>>) -> bool {
     c.map(|entry| entry.real()).determinant() > 0.0
 }
@@ -41,7 +41,7 @@ pub struct Split {
     pub after: [f64; 6],
 }
 
-/// Why a 4x4 matrix over D is no motion with small errors.
+/// The reason for which a 4x4 matrix over D is no motion with small errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Inadmissible {
     /// The last row is not 0 0 0 1; largest difference.

@@ -59,7 +59,7 @@ impl Triangle {
         householder::fold(&mut self.folded, &mut other.folded);
     }
 
-    /// How many rows went in.
+    /// The number of rows pushed.
     pub fn rows(&self) -> usize {
         self.rows
     }
@@ -151,7 +151,7 @@ impl Reduced {
     }
 
     /// Rank: singular values above `relative` of the largest, columns scaled to unit length. A column
-    /// below `relative` of the longest one, in the units of the caller, is not told from zero.
+    /// below `relative` of the longest one, in the units of the caller, counts as zero.
     pub fn rank(&self, relative: f64) -> usize {
         self.scaled(&self.column_norms()).rank(relative)
     }
@@ -200,7 +200,7 @@ impl Svd {
         }
     }
 
-    /// How many singular values are above `relative` of the largest.
+    /// Returns the number of singular values above `relative` of the largest.
     pub fn rank(&self, relative: f64) -> usize {
         let largest = self.values.iter().copied().fold(0.0, f64::max);
         self.values.iter().filter(|value| **value > relative * largest && **value > 0.0).count()

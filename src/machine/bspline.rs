@@ -19,19 +19,19 @@ pub struct BSpline {
     coefficients: Vec<f64>,
 }
 
-/// Why there is no such B-spline.
+/// The reason for which a B-spline cannot be built.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BSplineFailure {
     /// The degree is not 1 to 3.
     Degree,
-    /// So many coefficients are needed.
+    /// The number of coefficients is wrong; this one is needed.
     Count(usize),
     /// The breaks are none, or a coefficient is not finite.
     Breaks(KnotsFailure),
 }
 
 impl BSpline {
-    /// How many coefficients a B-spline of so many breaks has.
+    /// Returns the number of coefficients of a B-spline with this number of breaks.
     pub fn count(degree: usize, breaks: usize, periodic: bool) -> usize {
         breaks.saturating_sub(1) + if periodic { 0 } else { degree }
     }

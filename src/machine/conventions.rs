@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How a location error acts.
+/// The action of a location error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Location {
@@ -12,7 +12,7 @@ pub enum Location {
     CarriedBody,
 }
 
-/// Where the component errors of a linear axis sit.
+/// The side of the motion on which the component errors of a linear axis act.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LinearOrder {
@@ -22,7 +22,7 @@ pub enum LinearOrder {
     Before,
 }
 
-/// Where the component errors of a rotary axis sit.
+/// The side of the motion on which the component errors of a rotary axis act.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RotaryOrder {
@@ -32,7 +32,7 @@ pub enum RotaryOrder {
     Rotating,
 }
 
-/// What a positive command of a workpiece-side axis does.
+/// The sense of a positive command of a workpiece-side axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Sense {
@@ -42,17 +42,17 @@ pub enum Sense {
     Direct,
 }
 
-/// Whose error motion the numbers of a workpiece-side axis are.
+/// The body whose error motion the numbers of a workpiece-side axis describe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ErrorsAre {
-    /// Of the tool relative to the workpiece.
+    /// The tool relative to the workpiece.
     ToolRelative,
-    /// Of the carried body itself.
+    /// The carried body itself.
     Body,
 }
 
-/// Of which order location errors are.
+/// The order of location errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LocationOrder {
@@ -75,7 +75,7 @@ pub enum Joints {
 /// The conventions in force for a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Conventions {
-    /// How location errors act.
+    /// The action of location errors.
     pub location: Location,
     /// Component errors of linear axes.
     pub linear: LinearOrder,

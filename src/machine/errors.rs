@@ -2,7 +2,7 @@
 
 use super::{Curve, Direction, ErrorFamily};
 
-/// From which side a position is approached; curves may differ (reversal).
+/// The side from which a position is approached; curves may differ (reversal).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Approach {
@@ -52,7 +52,7 @@ impl ComponentError {
     }
 }
 
-/// What is known of one error.
+/// The value of one error as far as it is known.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ErrorTerm {
     /// A location error's value (mm or rad).

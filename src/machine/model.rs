@@ -40,7 +40,7 @@ pub struct Grid {
     pub step: f64,
 }
 
-/// Where the numbers come from; free text.
+/// The origin of the numbers; free text.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
 pub struct Provenance {
     /// Key and value as written.
@@ -68,7 +68,7 @@ pub struct MachineParts {
     pub setup: SetUp,
     /// Interval and step of each axis, in the order of `axes`.
     pub volume: Vec<Grid>,
-    /// Where the numbers come from.
+    /// The origin of the numbers.
     pub provenance: Provenance,
     /// Expanded uncertainties (k = 2; mm, rad) of the values of errors, where the file states them. No result hangs on them.
     pub uncertainty: BTreeMap<ErrorId, f64>,
@@ -83,7 +83,7 @@ pub struct Outside {
     pub error: ErrorId,
     /// The position asked for (mm or deg).
     pub position: f64,
-    /// Where the curve is defined.
+    /// The interval in which the curve is defined.
     pub domain: (f64, f64),
 }
 
@@ -179,7 +179,7 @@ impl Machine {
         self.parts.uncertainty.get(error).copied()
     }
 
-    /// Where the numbers come from.
+    /// The origin of the numbers.
     pub fn provenance(&self) -> &Provenance {
         &self.parts.provenance
     }
@@ -262,7 +262,7 @@ impl Machine {
         self.parts.axes.iter().zip(pose).filter(|(axis, q)| !axis.travel.contains(**q)).map(|(axis, _)| axis)
     }
 
-    /// Has any error two directions of approach?
+    /// True if any error has two directions of approach.
     pub fn is_bidirectional(&self) -> bool {
         use super::ComponentError::Bidirectional;
         self.errors().any(|(_, term)| matches!(term, ErrorTerm::Component(Bidirectional { .. })))
@@ -273,7 +273,7 @@ impl Machine {
         self.parts.errors[axis].component_values(position, approach)
     }
 
-    /// Is the axis a rotary one without ends?
+    /// True if the axis is rotary and without ends.
     pub fn is_continuous(&self, axis: usize) -> bool {
         self.parts.axes[axis].kind == AxisKind::Rotary && self.parts.axes[axis].travel == Travel::Continuous
     }

@@ -48,7 +48,7 @@ impl Direction {
         self as usize
     }
 
-    /// Rotation (rad) rather than translation (mm)?
+    /// True for a rotation (rad), false for a translation (mm).
     pub fn is_rotation(self) -> bool {
         self.index() >= 3
     }
@@ -58,7 +58,7 @@ impl Direction {
         ['X', 'Y', 'Z', 'A', 'B', 'C'][self.index()]
     }
 
-    /// From its letter.
+    /// Finds a direction by its letter.
     pub fn from_letter(letter: char) -> Option<Self> {
         Self::ALL.into_iter().find(|d| d.letter() == letter)
     }
@@ -85,7 +85,7 @@ pub struct ErrorId {
     pub axis: AxisName,
     /// Location or component error.
     pub family: ErrorFamily,
-    /// Which of the six.
+    /// The direction of the error.
     pub direction: Direction,
 }
 

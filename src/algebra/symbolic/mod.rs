@@ -44,12 +44,12 @@ impl Symbolic {
         self.terms.iter().map(|(monomial, value)| (monomial, *value))
     }
 
-    /// How many terms.
+    /// The number of terms.
     pub fn len(&self) -> usize {
         self.terms.len()
     }
 
-    /// Is it the polynomial 0?
+    /// True if it is the polynomial 0.
     pub fn is_empty(&self) -> bool {
         self.terms.is_empty()
     }

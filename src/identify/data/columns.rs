@@ -124,7 +124,7 @@ pub fn columns(machine: &Machine, header: &str, separator: char) -> Result<(Vec<
     for cell in cells {
         let column = column(machine, &cell)?;
         if columns.iter().any(|known| known.same(column)) {
-            return Err(format!("the column `{}` stands here twice, or two columns say the same", shown(&cell)));
+            return Err(format!("the column `{}` occurs twice, or two columns say the same", shown(&cell)));
         }
         columns.push(column);
     }

@@ -1,4 +1,4 @@
-//! What the file says to a valid machine. Every pass reports all it finds and goes on; the machine
+//! From the document to a valid machine. Every pass reports all it finds and goes on; the machine
 //! is made only if none has refused anything.
 
 mod axes;

@@ -14,7 +14,7 @@ const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"]
 /// Families of basis functions, each with its order behind it.
 const BASES: [&str; 5] = ["poly", "fourier", "spline", "bspline", "blocks"];
 
-/// Which errors there may be.
+/// The axes and the spindle whose errors may be named.
 pub struct Known<'a> {
     pub declared: &'a [Declared],
     pub spindle: Option<&'a AxisName>,

@@ -1,4 +1,4 @@
-//! Where maps and tables are computed: intervals and steps.
+//! Intervals and steps of maps and tables.
 
 use super::axes::Declared;
 use super::context::Context;
