@@ -7,13 +7,25 @@
 
 /// A code: `E....` refuses an input, `W....` warns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Code {
+pub struct Code(&'static CodeText);
+
+/// The texts of a code.
+#[derive(Debug, PartialEq, Eq)]
+pub struct CodeText {
     /// Such as `E0203`.
     pub id: &'static str,
     /// A few words.
     pub title: &'static str,
     /// The text of `abbe explain CODE`: Markdown with an example of wrong and right.
     pub explanation: &'static str,
+}
+
+impl std::ops::Deref for Code {
+    type Target = CodeText;
+
+    fn deref(&self) -> &CodeText {
+        self.0
+    }
 }
 
 impl Code {
@@ -52,11 +64,11 @@ macro_rules! codes {
     ($($id:ident $title:literal,)*) => {
         $(
             #[doc = $title]
-            pub const $id: Code = Code {
+            pub const $id: Code = Code(&CodeText {
                 id: stringify!($id),
                 title: $title,
                 explanation: include_str!(concat!("explain/", stringify!($id), ".md")),
-            };
+            });
         )*
 
         /// All codes, by stage.
