@@ -176,7 +176,7 @@ impl TableReader<'_> {
         let cells = if found == 1 { "cell" } else { "cells" };
         let message = format!("this row has {found} {cells}, the header has {expected}");
         let help = if found == 2 * expected {
-            "are these decimal commas? write decimal points, or let `abbe import` make the table of the instrument's file"
+            "for decimal commas write decimal points, or let `abbe import` make the table of the instrument's file"
         } else {
             "give every row a value for every column; leave out rows that were not measured"
         };
@@ -231,7 +231,8 @@ impl TableReader<'_> {
         } else {
             format!("the position {here} follows {before}: positions must rise")
         };
-        let help = "sort the rows by position; put forward and reverse runs into columns `EXX+` and `EXX-`; `abbe import` makes such a table of runs there and back";
+        let help = "sort the rows by position; put forward and reverse runs into columns `EXX+` and `EXX-`; \
+                    `abbe import` makes such a table of bidirectional runs";
         self.refuse(codes::E0113, message, body[i + 1].clone(), help);
     }
 }
