@@ -4,9 +4,9 @@
 
 use super::chain::Chain;
 use super::joint::{Position, error_motion, invert_if, nominal};
-use super::source::{ErrorLift, ErrorSite, ErrorValues, Exact, Source};
+use super::source::{Elements, ErrorLift, ErrorSite, ErrorValues, Exact, Source};
 use crate::algebra::{Algebra, Htm, left_jacobian, product, transform};
-use crate::machine::{AxisKind, Direction, Joints, LocationAction, LocationOrder, Machine, MotionSide};
+use crate::machine::{AxisKind, Direction, Joints, LocationAction, Machine, MotionSide};
 use nalgebra::{Matrix3, Vector3};
 
 /// The actual functional point, and its derivatives by single errors.
@@ -52,11 +52,11 @@ pub fn position_jacobian<S: Algebra>(
     lift: &impl ErrorLift<S>,
     sources: &[Source],
 ) -> PositionJacobian<S> {
-    let lowering = Lowering { machine, lift };
+    let lowering = Lowering { machine, elements: Elements::new(machine, lift) };
     let mut walk = vec![lowering.clamping(values)];
     walk.extend((0..pose.len()).map(|i| lowering.joint(i, pose[i], &values.axes[i])));
     walk.push(lowering.spindle(values));
-    let mut x = lowering.tip(values);
+    let mut x = lowering.elements.tip(machine.tool().tip, values.tool);
     for joint in walk.iter_mut().rev() {
         x = plus(joint.pass(minus(x, &joint.origin)), &joint.origin);
     }
@@ -120,7 +120,7 @@ impl<S: Algebra> Joint<S> {
             let image = match &factor.kind {
                 Kind::Nominal(g) | Kind::Error(_, Some(g)) => apply(g, &x),
                 Kind::Error(which, None) => apply(&motions[*which].matrix, &x),
-                Kind::Displaced(way) => transform(&motions[0].matrix.linear, way) + &x,
+                Kind::Displaced(shift) => transform(&motions[0].matrix.linear, shift) + &x,
             };
             factor.input = std::mem::replace(&mut x, image);
         }
@@ -147,7 +147,7 @@ impl<S: Algebra> Joint<S> {
                     self.motions[*which].add(&mut sum[*which], &back, true, &image, joints);
                     *prefix = after;
                 }
-                Kind::Displaced(way) => self.motions[0].add(&mut sum[0], prefix, false, way, joints),
+                Kind::Displaced(shift) => self.motions[0].add(&mut sum[0], prefix, false, shift, joints),
             }
         }
         sum
@@ -191,7 +191,7 @@ impl<S: Algebra> Motion<S> {
 /// Numbers to factors.
 struct Lowering<'a, L> {
     machine: &'a Machine,
-    lift: &'a L,
+    elements: Elements<'a, L>,
 }
 
 impl<L> Lowering<'_, L> {
@@ -199,28 +199,12 @@ impl<L> Lowering<'_, L> {
     where
         L: ErrorLift<S>,
     {
-        let conventions = self.machine.conventions();
-        let real = conventions.location_order == LocationOrder::Real && matches!(place, ErrorSite::Location(_));
-        let element = |direction: Direction| {
-            let (source, value) = (Source { place, direction }, six[direction.index()]);
-            if real { self.lift.real(source, value) } else { self.lift.lift(source, value) }
-        };
-        Motion::new(&Direction::ALL.map(element), conventions.joints)
+        let element = |direction: Direction| self.elements.one(Source { place, direction }, six[direction.index()]);
+        Motion::new(&Direction::ALL.map(element), self.machine.conventions().joints)
     }
 
     fn none<S: Algebra>(&self) -> Motion<S> {
         Motion { matrix: Htm::identity(), jacobian: None }
-    }
-
-    fn tip<S: Algebra>(&self, values: &ErrorValues) -> Vector3<S>
-    where
-        L: ErrorLift<S>,
-    {
-        let tip = self.machine.tool().tip;
-        Vector3::from_fn(|i, _| {
-            let source = Source { place: ErrorSite::Tool, direction: Direction::ALL[i] };
-            S::from_real(tip[i]) + self.lift.lift(source, values.tool[i])
-        })
     }
 
     fn clamping<S: Algebra>(&self, values: &ErrorValues) -> Joint<S>
