@@ -208,7 +208,8 @@ pub struct IdentifyEntry {
     /// Names that keep their value.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub fixed: Vec<String>,
-    /// Basis by error name: `poly3`, `fourier2`, `spline8`, `bspline8`, `blocks4`; `spline`, `bspline` and `blocks` with given knots.
+    /// Basis by error name: `poly3`, `fourier2`, `spline8`, `bspline8`, `blocks4`; `spline`, `bspline` and `blocks`
+    /// with given knots.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     #[schemars(schema_with = "super::schema::bases")]
     pub basis: IndexMap<String, String>,

@@ -1,5 +1,5 @@
-//! Tables as instruments and spreadsheets write them: UTF-8, UTF-16 with or without byte order mark, or Windows-1252, CRLF,
-//! comma, semicolon or tab, decimal commas where the comma does not separate, quotes, `#` and `//` comments.
+//! Tables as instruments and spreadsheets write them: UTF-8, UTF-16 with or without byte order mark, or Windows-1252,
+//! CRLF, comma, semicolon or tab, decimal commas where the comma does not separate, quotes, `#` and `//` comments.
 //! Machine files and their own tables are read strictly ([`super::read_table`]); this is for what comes from outside.
 
 use super::files::Files;
@@ -119,8 +119,8 @@ pub fn cells(line: &str, separator: char) -> Vec<String> {
 }
 
 /// Drops empty cells that spreadsheets leave at the end of a line, down to so many cells.
-pub fn drop_empty(cells: &mut Vec<String>, least: usize) {
-    while cells.len() > least && cells.last().is_some_and(String::is_empty) {
+pub fn drop_empty(cells: &mut Vec<String>, min: usize) {
+    while cells.len() > min && cells.last().is_some_and(String::is_empty) {
         cells.pop();
     }
 }
@@ -191,10 +191,8 @@ impl std::fmt::Display for MixedDecimals {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let cells: Vec<String> = self.cells.iter().map(|cell| format!("`{}`", shown(cell))).collect();
         let cells = cells.join(", ");
-        write!(
-            f,
-            "decimal comma and decimal point in one file ({cells}): write all numbers with the same, and digits ungrouped"
-        )
+        let remedy = "write all numbers with the same, and digits ungrouped";
+        write!(f, "decimal comma and decimal point in one file ({cells}): {remedy}")
     }
 }
 
