@@ -73,10 +73,10 @@ impl Triangle {
     }
 
     /// R (square, as many rows as unknowns) and Q^T r.
-    pub fn finish(mut self) -> Reduced {
+    pub fn finish(mut self) -> ReducedSystem {
         self.fold();
         let n = self.unknowns;
-        Reduced {
+        ReducedSystem {
             r: self.folded.view((0, 0), (n, n)).into_owned(),
             right: self.folded.view((0, n), (n, 1)).column(0).into_owned(),
             rest: self.folded[(n, n)].abs(),
@@ -87,7 +87,7 @@ impl Triangle {
 
 /// A least-squares problem reduced to a triangle.
 #[derive(Debug, Clone)]
-pub struct Reduced {
+pub struct ReducedSystem {
     /// Upper triangle, one column per unknown.
     pub r: DMatrix<f64>,
     /// Right side in the rows of `r`.
@@ -99,7 +99,7 @@ pub struct Reduced {
     pub rows: usize,
 }
 
-impl Reduced {
+impl ReducedSystem {
     /// Euclidean length of the right side, all rows together.
     pub fn right_norm(&self) -> f64 {
         libm::hypot(self.rest, self.right.norm())
@@ -290,7 +290,7 @@ mod tests {
         })
     }
 
-    fn reduce(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Reduced {
+    fn reduce(matrix: &DMatrix<f64>, right: &DVector<f64>) -> ReducedSystem {
         let mut triangle = Triangle::new(matrix.ncols());
         for i in 0..matrix.nrows() {
             triangle.push(matrix.row(i).iter().copied().collect::<Vec<_>>(), right[i]);

@@ -1,6 +1,6 @@
 //! The constants of a walk, and their regrouping.
 
-use super::{TINY, Wish, only_bounded, regroups};
+use super::{ConversionRequest, TINY, only_bounded, regroups};
 use crate::algebra::{Htm, rotation_vector, skew_vector};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::lower::{error_motion, invert_if};
@@ -65,18 +65,18 @@ impl Constants {
     pub(super) fn regroup(
         &self,
         machine: &Machine,
-        wish: &Wish,
+        request: &ConversionRequest,
         parts: &mut MachineParts,
     ) -> Result<Vec<Htm<f64>>, Diagnostic> {
-        if !regroups(machine.conventions(), wish) && machine.conventions().joints == wish.conventions.joints {
+        if !regroups(machine.conventions(), request) && machine.conventions().joints == request.conventions.joints {
             return Ok(self.frames.clone());
         }
-        if regroups(machine.conventions(), wish) {
+        if regroups(machine.conventions(), request) {
             bounded(machine)?;
         }
-        match wish.conventions.location {
-            Location::AxisOnly => self.in_one_frame(machine, wish, parts),
-            Location::CarriedBody => self.each_in_its_carrier(machine, wish, parts),
+        match request.conventions.location {
+            Location::AxisOnly => self.in_one_frame(machine, request, parts),
+            Location::CarriedBody => self.each_in_its_carrier(machine, request, parts),
         }
     }
 
@@ -84,11 +84,11 @@ impl Constants {
     fn in_one_frame(
         &self,
         machine: &Machine,
-        wish: &Wish,
+        request: &ConversionRequest,
         parts: &mut MachineParts,
     ) -> Result<Vec<Htm<f64>>, Diagnostic> {
         let mut origin = self.bed.clone();
-        if let Some(name) = &wish.datum {
+        if let Some(name) = &request.datum {
             let index = machine.axis_index(name.as_str()).unwrap_or_default();
             let axis = &machine.axes()[index];
             let line = line_only(axis, &at_joint(axis, &inverse(&origin).compose(&self.before[index])));
@@ -97,13 +97,13 @@ impl Constants {
         let back = inverse(&origin);
         let frames: Vec<Htm<f64>> =
             machine.axes().iter().zip(&self.before).map(|(axis, q)| at_joint(axis, &back.compose(q))).collect();
-        let same = machine.conventions().location == Location::AxisOnly && wish.datum.is_none();
+        let same = machine.conventions().location == Location::AxisOnly && request.datum.is_none();
         for (i, (axis, frame)) in machine.axes().iter().zip(&frames).enumerate() {
             // What cannot act is dropped, unless it is the file's own.
             let written = if same { frame.clone() } else { line_only(axis, frame) };
-            locate(&mut parts.errors[i], &six_of(&written, wish.conventions.joints));
+            locate(&mut parts.errors[i], &six_of(&written, request.conventions.joints));
         }
-        self.ends(machine, wish, parts, [&origin, &origin])?;
+        self.ends(machine, request, parts, [&origin, &origin])?;
         Ok(frames)
     }
 
@@ -111,10 +111,10 @@ impl Constants {
     fn each_in_its_carrier(
         &self,
         machine: &Machine,
-        wish: &Wish,
+        request: &ConversionRequest,
         parts: &mut MachineParts,
     ) -> Result<Vec<Htm<f64>>, Diagnostic> {
-        if wish.datum.is_some() {
+        if request.datum.is_some() {
             let message =
                 "`--datum` names one frame for all axes, `carried_body` refers each to the body that carries it";
             return Err(Diagnostic::new(codes::E0528, message).help("leave one of them out"));
@@ -130,13 +130,13 @@ impl Constants {
             };
             let own = at_joint(axis, &inverse(from).compose(to));
             let inverted =
-                matches!(axis.convention(&wish.conventions).location, LocationAction::Factor(f) if f.inverse);
-            locate(&mut parts.errors[i], &six_of(&invert_if(inverted, own), wish.conventions.joints));
+                matches!(axis.convention(&request.conventions).location, LocationAction::Factor(f) if f.inverse);
+            locate(&mut parts.errors[i], &six_of(&invert_if(inverted, own), request.conventions.joints));
         }
         let last = axes.len() - 1;
         let first = if side(0) == Some(Branch::Workpiece) { &self.before[0] } else { &self.bed };
         let tool = if side(last) == Some(Branch::Tool) { &self.before[last] } else { &self.bed };
-        self.ends(machine, wish, parts, [first, tool])?;
+        self.ends(machine, request, parts, [first, tool])?;
         Ok(vec![Htm::identity(); axes.len()])
     }
 
@@ -144,27 +144,27 @@ impl Constants {
     fn ends(
         &self,
         machine: &Machine,
-        wish: &Wish,
+        request: &ConversionRequest,
         parts: &mut MachineParts,
         [first, last]: [&Htm<f64>; 2],
     ) -> Result<(), Diagnostic> {
-        let joints = wish.conventions.joints;
+        let joints = request.conventions.joints;
         let clamping = inverse(&seen_from(&machine.workpiece(), first));
         parts.setup.workpiece = tidied(&six_of(&clamping, joints), &machine.setup().workpiece);
         let all = self.before.last().unwrap_or(&self.bed);
         let rest = inverse(last).compose(all);
-        self.at_the_tool(machine, wish, parts, &rest)
+        self.at_the_tool(machine, request, parts, &rest)
     }
 
     fn at_the_tool(
         &self,
         machine: &Machine,
-        wish: &Wish,
+        request: &ConversionRequest,
         parts: &mut MachineParts,
         rest: &Htm<f64>,
     ) -> Result<(), Diagnostic> {
         let old = machine.spindle_errors().map(JointErrors::location_values);
-        let six = six_of(&seen_from(&machine.tool().gauge, rest), wish.conventions.joints);
+        let six = six_of(&seen_from(&machine.tool().gauge, rest), request.conventions.joints);
         let turns = six[3..].iter().any(|e| e.abs() > TINY[1]);
         if old.is_none() && !turns {
             let shifted: [f64; 3] = std::array::from_fn(|i| parts.setup.tool[i] + six[i]);
@@ -223,7 +223,7 @@ fn at_joint(axis: &Axis, motion: &Htm<f64>) -> Htm<f64> {
     seen_from(&axis.origin, motion)
 }
 
-/// The least displacement that puts the axis's line of motion where this one does.
+/// The smallest displacement that puts the axis's line of motion where this one does.
 fn line_only(axis: &Axis, located: &Htm<f64>) -> Htm<f64> {
     let u = Vector3::from(axis.direction);
     let turned = (located.linear * u).normalize();

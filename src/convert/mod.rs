@@ -35,14 +35,14 @@ pub const ROUNDING: f64 = 1e-9;
 
 /// A conversion to make.
 #[derive(Debug, Clone)]
-pub struct Wish {
+pub struct ConversionRequest {
     /// The new conventions.
     pub conventions: Conventions,
     /// `axis_only`: the axis from whose actual line location errors count, instead of the machine frame.
     pub datum: Option<AxisName>,
     /// Allowed difference of the machines (mm; rotations: this over a metre). Above [`ROUNDING`], tables may get more
     /// points.
-    pub within: f64,
+    pub within_mm: f64,
 }
 
 /// An error that no curve of the language holds exactly.
@@ -66,30 +66,30 @@ pub struct Conversion {
 }
 
 /// Rewrites the errors of a machine for other conventions.
-pub fn convert(machine: &Machine, wish: &Wish) -> Result<Conversion, Diagnostic> {
+pub fn convert(machine: &Machine, request: &ConversionRequest) -> Result<Conversion, Diagnostic> {
     let mut parts = machine.to_parts();
-    parts.conventions = wish.conventions;
-    // Values are regrouped: what was said of one of them is not said of the sums.
+    parts.conventions = request.conventions;
+    // Values are regrouped: the uncertainty of one of them is not that of the sums.
     parts.uncertainty.clear();
-    let turned = |axis: &Axis| turns_over(machine, axis, wish);
+    let turned = |axis: &Axis| turns_over(machine, axis, request);
     for (axis, grid) in parts.axes.iter_mut().zip(&mut parts.volume).filter(|(axis, _)| turned(axis)) {
         *axis = mirrored(axis);
         *grid = Grid { min: -grid.max, max: -grid.min, ..*grid };
     }
     let constants = Constants::of(machine);
-    let frames = constants.regroup(machine, wish, &mut parts)?;
+    let frames = constants.regroup(machine, request, &mut parts)?;
     let mut misfits = Vec::new();
     for (i, frame) in frames.iter().enumerate() {
         let errors = ComponentErrors::new(machine, i, &parts, [&constants.frames[i], frame]);
         tolerances(machine, i, &errors)?;
-        component(machine, i, &errors, wish, &mut parts, &mut misfits);
+        component(machine, i, &errors, request, &mut parts, &mut misfits);
     }
     Ok(Conversion { parts, misfits })
 }
 
 /// True if the conversion reverses the sense of a positive command of the axis.
-fn turns_over(machine: &Machine, axis: &Axis, wish: &Wish) -> bool {
-    let wanted = wish.conventions.workpiece_axes;
+fn turns_over(machine: &Machine, axis: &Axis, request: &ConversionRequest) -> bool {
+    let wanted = request.conventions.workpiece_axes;
     axis.branch == Branch::Workpiece && wanted != machine.conventions().workpiece_axes && axis.sense != wanted
 }
 
@@ -132,13 +132,13 @@ fn component(
     machine: &Machine,
     axis: usize,
     errors: &ComponentErrors<'_>,
-    wish: &Wish,
+    request: &ConversionRequest,
     parts: &mut MachineParts,
     misfits: &mut Vec<Misfit>,
 ) {
     let old: &JointErrors = machine.axis_errors(axis);
     for direction in Direction::ALL {
-        let (term, size) = shape(errors, &old.component, direction, &parts.axes[axis], wish.within);
+        let (term, size) = shape(errors, &old.component, direction, &parts.axes[axis], request.within_mm);
         parts.errors[axis].component[direction.index()] = term;
         if size > TINY[usize::from(direction.is_rotation())] {
             let error = ErrorId { axis: machine.axes()[axis].name.clone(), family: ErrorFamily::Component, direction };
@@ -153,10 +153,10 @@ fn changes_side(axis: &Axis, old: &Conventions, new: &Conventions) -> bool {
 }
 
 /// True if location errors must be regrouped.
-fn regroups(old: &Conventions, wish: &Wish) -> bool {
-    old.location != wish.conventions.location
-        || wish.datum.is_some()
-        || (old.location == Location::CarriedBody && old.errors_are != wish.conventions.errors_are)
+fn regroups(old: &Conventions, request: &ConversionRequest) -> bool {
+    old.location != request.conventions.location
+        || request.datum.is_some()
+        || (old.location == Location::CarriedBody && old.errors_are != request.conventions.errors_are)
 }
 
 /// The errors whose terms differ between a machine and its conversion; those of clamping as `tool.X`, `workpiece.A`.

@@ -26,8 +26,8 @@ const APPROACHES: [Approach; 3] = [Approach::Mean, Approach::Forward, Approach::
 
 impl Proof {
     /// True if the difference is at most this (mm; rotations: over a metre).
-    pub fn holds(&self, within: f64) -> bool {
-        self.position <= within && self.rotation <= within * 1e-3
+    pub fn holds(&self, within_mm: f64) -> bool {
+        self.position <= within_mm && self.rotation <= within_mm * 1e-3
     }
 }
 

@@ -4,7 +4,7 @@ use super::model::parameter::{Basis, Parameter, Term};
 use super::solve::solution::Solution;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
-    Approach, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine, MachineParts, written,
+    Approach, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine, MachineParts, machine_file,
 };
 use crate::syntax::IdentifyEntry;
 use crate::units::significant;
@@ -34,7 +34,7 @@ pub fn fitted_file(
         let half = expanded(machine, parameters, solution, Source { place, direction });
         state(&mut parts, place, direction, half);
     }
-    written(&parts, provenance) + &section(request)
+    machine_file(&parts, provenance) + &section(request)
 }
 
 /// Places of the travel where the uncertainty of a curve is looked at.

@@ -50,7 +50,7 @@ impl<S: Algebra> Position<S> {
     /// At a number (mm or deg) plus a nilpotent displacement (mm or rad).
     pub fn displaced(axis: &Axis, position: f64, by: &S) -> Self {
         match Self::at(axis, position) {
-            Self::Linear(way) => Self::Linear(way + by.clone()),
+            Self::Linear(travel) => Self::Linear(travel + by.clone()),
             Self::Rotary(sine, cosine) => {
                 let (s, c) = by.sin_cos();
                 let turned = cosine.clone() * c.clone() - sine.clone() * s.clone();
@@ -62,7 +62,7 @@ impl<S: Algebra> Position<S> {
     /// In the sense in which the axis moves the tool relative to the workpiece.
     fn sensed(&self, axis: &Axis) -> Self {
         match self.clone() {
-            Self::Linear(way) => Self::Linear(way.scaled(axis.sign())),
+            Self::Linear(travel) => Self::Linear(travel.scaled(axis.sign())),
             Self::Rotary(sine, cosine) => Self::Rotary(sine.scaled(axis.sign()), cosine),
         }
     }
@@ -95,7 +95,7 @@ pub fn joint<S: Algebra>(
 /// N(q): translation along, or rotation about, the axis direction.
 pub(super) fn nominal<S: Algebra>(axis: &Axis, position: &Position<S>) -> Htm<S> {
     match position.sensed(axis) {
-        Position::Linear(way) => Htm::translation(Vector3::from(axis.direction).map(|u| way.scaled(u))),
+        Position::Linear(travel) => Htm::translation(Vector3::from(axis.direction).map(|u| travel.scaled(u))),
         Position::Rotary(sine, cosine) => {
             Htm { linear: rotation_about(&axis.direction, (sine, cosine)), ..Htm::identity() }
         }

@@ -16,7 +16,7 @@ mod tangent;
 mod twist;
 
 pub use chain::{Chain, NominalPose, positions};
-pub use generators::{Declared, Given, WeilLift, given, presence};
+pub use generators::{DeclaredAlgebra, NamedSource, WeilLift, named_sources, unit_values};
 pub use joint::{JointElements, Position, error_motion, invert_if, joint};
 pub use source::{ErrorLift, ErrorSite, ErrorValues, Exact, OrderN, Source, values};
 pub use tangent::{PositionJacobian, actual_point, point, position_jacobian};

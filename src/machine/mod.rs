@@ -27,7 +27,7 @@ pub use conventions::{
 pub use curve::{Curve, Knots, KnotsFailure, sin_cos_degrees};
 pub use errors::{Approach, ComponentError, ErrorTerm, JointErrors};
 pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};
-pub use model::{Grid, Machine, MachineParts, Outside, Pose, Provenance, SetUp, Tool};
+pub use model::{Grid, Machine, MachineParts, Pose, Provenance, SetUp, Tool, UndefinedError};
 pub use name::{AxisName, Direction, ErrorFamily, ErrorId};
 pub use resolve::{largest, parse_error_name, resolve};
-pub use written::written;
+pub use written::machine_file;

@@ -70,7 +70,8 @@ pub struct MachineParts {
     pub volume: Vec<Grid>,
     /// The origin of the numbers.
     pub provenance: Provenance,
-    /// Expanded uncertainties (k = 2; mm, rad) of the values of errors, where the file states them. No result hangs on them.
+    /// Expanded uncertainties (k = 2; mm, rad) of the values of errors, where the file states them. No result depends
+    /// on them.
     pub uncertainty: BTreeMap<ErrorId, f64>,
     /// The algebra it names, if any.
     pub algebra: Option<AlgebraChoice>,
@@ -78,7 +79,7 @@ pub struct MachineParts {
 
 /// A position that cannot be evaluated: an error curve is not defined there.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outside {
+pub struct UndefinedError {
     /// The error.
     pub error: ErrorId,
     /// The position asked for (mm or deg).
@@ -101,7 +102,7 @@ impl Machine {
         Self { parts, tool: 0 }
     }
 
-    /// Its fields, the tool in use first: with [`super::written()`] the file of another machine.
+    /// Its fields, the tool in use first: with [`super::machine_file()`] the file of another machine.
     pub fn to_parts(&self) -> MachineParts {
         let mut parts = self.parts.clone();
         parts.tools[..=self.tool].rotate_right(1);
@@ -247,13 +248,13 @@ impl Machine {
     }
 
     /// The first error curve that is not defined at the pose. Within the travel there is none.
-    pub fn outside(&self, pose: &[f64]) -> Option<Outside> {
+    pub fn outside(&self, pose: &[f64]) -> Option<UndefinedError> {
         self.errors().find_map(|(error, term)| {
             let position = *pose.get(self.axis_index(error.axis.as_str())?)?;
             let ErrorTerm::Component(component) = term else { return None };
             let beyond = |d: &(f64, f64)| position < d.0 || position > d.1;
             let domain = component.curves().filter_map(super::Curve::domain).find(beyond)?;
-            Some(Outside { error, position, domain })
+            Some(UndefinedError { error, position, domain })
         })
     }
 

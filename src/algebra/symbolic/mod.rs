@@ -20,7 +20,7 @@ use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use std::sync::Arc;
 
 /// Functions are lifted of determinants and of squared angles only, numbers without a unit: what
-/// rounding has left of sines and cosines in their real part is far below this.
+/// the rounding residue of sines and cosines in their real part is far below this.
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// A polynomial in symbols.

@@ -30,30 +30,30 @@ pub struct Rules {
     symbols: Vec<Kind>,
     ideal: Ideal,
     products: AtomicU64,
-    most: u64,
+    max_products: u64,
 }
 
 impl Rules {
     /// Symbols in their order; the ideal is one of the generators.
     pub fn new(symbols: Vec<Kind>, ideal: Ideal) -> Self {
-        Self { symbols, ideal, products: AtomicU64::new(0), most: MAX_PRODUCTS }
+        Self { symbols, ideal, products: AtomicU64::new(0), max_products: MAX_PRODUCTS }
     }
 
     /// With another limit.
     #[cfg(test)]
-    pub(super) fn within(self, most: u64) -> Self {
-        Self { most, ..self }
+    pub(super) fn within(self, max_products: u64) -> Self {
+        Self { max_products, ..self }
     }
 
     /// True if the products exceeded the limit.
     pub fn exhausted(&self) -> bool {
-        self.products.load(Ordering::Relaxed) > self.most
+        self.products.load(Ordering::Relaxed) > self.max_products
     }
 
     /// Counts products of terms; true if they are within the limit.
     fn spend(&self, products: usize) -> bool {
         let before = self.products.fetch_add(products as u64, Ordering::Relaxed);
-        before.saturating_add(products as u64) <= self.most
+        before.saturating_add(products as u64) <= self.max_products
     }
 
     /// The products of generators that vanish.
@@ -134,7 +134,7 @@ impl Sum {
         }
     }
 
-    /// The terms that are not what rounding has left of others.
+    /// Returns the terms that are not rounding residues of others.
     pub(super) fn terms(self) -> BTreeMap<Monomial, f64> {
         self.0.into_iter().filter_map(|(m, (sum, size))| Some((m, rounded(sum, size)?))).collect()
     }

@@ -12,7 +12,7 @@ const MAX_BYTES: f64 = 1e9;
 /// The reason for which an algebra cannot be built.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BasisFailure {
-    /// The ideal contains 1: nothing is left.
+    /// The ideal contains 1: no algebra remains.
     KillsOne,
     /// The degree is 0 or above [`MAX_ORDER`].
     Degree(u8),

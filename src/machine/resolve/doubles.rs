@@ -18,7 +18,7 @@ const NOISE_ANGLE: f64 = 1e-6;
 /// Above so many times the noise they are reported even if no location error is given.
 const LARGE: f64 = 50.0;
 /// They must also be this part of the curve's peak.
-const SHARE: f64 = 0.25;
+const MIN_FRACTION: f64 = 0.25;
 /// Nodes over the travel.
 const NODES: u32 = 360;
 
@@ -198,7 +198,7 @@ impl Doubles<'_> {
         let noise = if found.direction.is_rotation() { NOISE_ANGLE } else { NOISE };
         let large = found.amount > LARGE * noise;
         // NaN compares as false and stays quiet.
-        let counts = found.amount > noise && found.amount > SHARE * found.peak;
+        let counts = found.amount > noise && found.amount > MIN_FRACTION * found.peak;
         if !counts || (rivals.is_empty() && !large) {
             return;
         }

@@ -3,7 +3,7 @@
 use super::context::{Context, dotted};
 use super::curves::{CurveOf, component, from_table, one_way};
 use super::names::{Spelling, readings};
-use super::uses::Known;
+use super::uses::JointNames;
 use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
 use crate::machine::{
     AxisKind, AxisName, ComponentError, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, KinematicChain,
@@ -38,7 +38,7 @@ impl Errors {
 }
 
 /// All error terms of the file and its tables.
-pub fn errors(context: &mut Context<'_>, known: &Known<'_>) -> Errors {
+pub fn errors(context: &mut Context<'_>, known: &JointNames<'_>) -> Errors {
     let document = context.document;
     let mut errors = Errors::default();
     for (name, entry) in &document.errors {
@@ -63,7 +63,7 @@ pub fn errors(context: &mut Context<'_>, known: &Known<'_>) -> Errors {
 }
 
 /// The error that a name means, if its axis (or spindle) is there.
-pub fn named(context: &mut Context<'_>, name: &str, known: &Known<'_>, place: Option<Place>) -> Option<Spelling> {
+pub fn named(context: &mut Context<'_>, name: &str, known: &JointNames<'_>, place: Option<Place>) -> Option<Spelling> {
     let readings = readings(name);
     let there = |axis: &AxisName| known.axis(axis).is_some() || known.spindle == Some(axis);
     if let Some(reading) = readings.iter().find(|r| there(&r.error.axis)) {
@@ -168,7 +168,7 @@ fn term(
     context: &mut Context<'_>,
     spelling: &Spelling,
     entry: &TermEntry,
-    known: &Known<'_>,
+    known: &JointNames<'_>,
     at: &Keys,
 ) -> Option<ErrorTerm> {
     let forms = forms(entry);
@@ -199,7 +199,7 @@ fn term(
         context.at_key(codes::E0408, at, format!("`{error}` is a component error of the spindle"), help);
         return None;
     };
-    // What is wrong with the axis has been said there.
+    // Faults of the axis have been reported there.
     let of = CurveOf { error, axis, kind: axis.kind?, negated: spelling.negated };
     let component = if forms == ["forward"] {
         both_ways(context, &of, entry, at)
@@ -231,7 +231,7 @@ fn constant(
 }
 
 fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at: &Keys) -> Option<ComponentError> {
-    let mut way = |key: &str, curve: &Option<CurveEntry>, direction| {
+    let mut one_sided = |key: &str, curve: &Option<CurveEntry>, direction| {
         let here = below(at, key);
         match curve {
             Some(curve) => one_form(context, &curve_forms(curve), &here)
@@ -246,13 +246,13 @@ fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at:
             }
         }
     };
-    let forward = way("forward", &entry.forward, ColumnDirection::Forward);
-    let reverse = way("reverse", &entry.reverse, ColumnDirection::Reverse);
+    let forward = one_sided("forward", &entry.forward, ColumnDirection::Forward);
+    let reverse = one_sided("reverse", &entry.reverse, ColumnDirection::Reverse);
     Some(ComponentError::Bidirectional { forward: forward?, reverse: reverse? })
 }
 
 /// Every error column of a table.
-fn measured(context: &mut Context<'_>, errors: &mut Errors, at: &Keys, path: &str, known: &Known<'_>) {
+fn measured(context: &mut Context<'_>, errors: &mut Errors, at: &Keys, path: &str, known: &JointNames<'_>) {
     let Some(table) = context.table(at, path) else { return };
     if table.columns.len() < 2 {
         let refusal = Diagnostic::new(codes::E0114, "the table has no column of errors")
