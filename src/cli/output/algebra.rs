@@ -3,14 +3,14 @@
 use super::session::Session;
 use crate::cli::Exit;
 use crate::diagnostic::{Diagnostic, codes, shown};
-use crate::lower::{Declared, WeilLift};
+use crate::lower::{DeclaredAlgebra, WeilLift};
 use crate::machine::{AlgebraChoice, Machine};
 use crate::syntax::AlgebraEntry;
 
 /// The algebra declared by a text (empty: by the machine file), with its generators.
-pub(crate) fn declared(session: &mut Session, machine: &Machine, text: &str) -> Result<Declared, Exit> {
+pub(crate) fn declared(session: &mut Session, machine: &Machine, text: &str) -> Result<DeclaredAlgebra, Exit> {
     let choice = if text.trim().is_empty() { of_machine(machine) } else { of_text(text) };
-    let declared = choice.and_then(|choice| Declared::new(machine, &choice));
+    let declared = choice.and_then(|choice| DeclaredAlgebra::new(machine, &choice));
     declared.or_else(|refusal| session.refuse(refusal))
 }
 

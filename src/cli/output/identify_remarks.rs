@@ -5,7 +5,7 @@ use super::session::Session;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::identify::{Measurement, Parameter, Reading, ReadingKind, Repeats, Term};
 use crate::lower::{ErrorSite, Source};
-use crate::machine::{Approach, ErrorId, Machine};
+use crate::machine::{Approach, ErrorFamily, ErrorId, Machine};
 use crate::units::{counted, significant};
 
 /// Less likely than this, residuals are not noise.
@@ -42,7 +42,7 @@ pub(crate) fn left_out(session: &mut Session, machine: &Machine, list: &[(Source
     for (source, count) in list {
         let ErrorSite::Component(axis) = source.place else { continue };
         let axis = machine.axes()[axis].name.clone();
-        let error = ErrorId { axis, location: false, direction: source.direction };
+        let error = ErrorId { axis, family: ErrorFamily::Component, direction: source.direction };
         let message = format!("{} of {error} left out: it is not fitted", counted(*count, "reading"));
         session.diagnostics.push(warning(codes::W0504, message, "fit it, too, or leave its column out"));
     }

@@ -1,6 +1,6 @@
 //! `abbe classify`: which motion and which errors a 4x4 matrix over the dual numbers is.
 
-use crate::algebra::{Inadmissible, Split, split};
+use crate::algebra::{AdmissibilityFailure, Split, split};
 use crate::cli::output::session::Session;
 use crate::cli::{Exit, Format, Outcome};
 use crate::diagnostic::{Diagnostic, codes, shown};
@@ -96,14 +96,14 @@ fn parse(text: &str) -> Result<(Matrix4<f64>, Matrix4<f64>), String> {
 }
 
 /// Why not, in a clause.
-fn reason(why: Inadmissible) -> String {
+fn reason(why: AdmissibilityFailure) -> String {
     match why {
-        Inadmissible::LastRow(size) => format!("the last row is not 0 0 0 1 (by {})", significant(size, 3)),
-        Inadmissible::NotOrthogonal(size) => {
+        AdmissibilityFailure::LastRow(size) => format!("the last row is not 0 0 0 1 (by {})", significant(size, 3)),
+        AdmissibilityFailure::NotOrthogonal(size) => {
             format!("the real 3x3 block A is no rotation: A^T A - 1 has an entry {}", significant(size, 3))
         }
-        Inadmissible::Reflection => "the real 3x3 block is a reflection, determinant -1".to_owned(),
-        Inadmissible::NotInClass(size, i, j) => {
+        AdmissibilityFailure::Reflection => "the real 3x3 block is a reflection, determinant -1".to_owned(),
+        AdmissibilityFailure::NotInClass(size, i, j) => {
             let what = if i == j { "a stretch" } else { "a shear" };
             let size = significant(size, 3);
             format!(

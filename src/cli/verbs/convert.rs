@@ -3,9 +3,9 @@
 use crate::cli::output::session::Session;
 use crate::cli::store::write;
 use crate::cli::{Exit, Format, Outcome, load};
-use crate::convert::{Change, Conversion, Misfit, Proof, ROUNDING, Wish, changes, convert, prove};
+use crate::convert::{Change, Conversion, ConversionRequest, Misfit, Proof, ROUNDING, changes, convert, prove};
 use crate::diagnostic::{Diagnostic, codes, shown};
-use crate::machine::{Conventions, Machine, MachineParts, written};
+use crate::machine::{Conventions, Machine, MachineParts, machine_file};
 use crate::units::{self, angle, length, significant};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -41,9 +41,9 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     write::refuse_outputs(&args.out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     let wish = wish(session, &old, args)?;
     let conversion = convert(&old, &wish).or_else(|refusal| session.refuse(refusal))?;
-    let new = read_back(session, &written(&conversion.parts, &[]))?;
+    let new = read_back(session, &machine_file(&conversion.parts, &[]))?;
     let proof = prove(&old, &new);
-    if !proof.holds(wish.within) {
+    if !proof.holds(wish.within_mm) {
         return session.refuse(inexact(&old, &wish, &conversion, &proof));
     }
     let report = Report { old: &old, new: &new, wish: &wish, conversion: &conversion, proof };
@@ -66,11 +66,11 @@ fn distance(text: &str) -> Result<f64, String> {
     length.filter(|mm| (0.0..=1.0).contains(mm)).ok_or_else(|| "write a length up to 1 mm, such as `10 nm`".to_owned())
 }
 
-fn wish(session: &mut Session, machine: &Machine, args: &Args) -> Result<Wish, Exit> {
+fn wish(session: &mut Session, machine: &Machine, args: &Args) -> Result<ConversionRequest, Exit> {
     let text = args.to.as_deref();
     let conventions = text.map_or(Ok(*machine.conventions()), |text| machine.conventions().amended(text));
     let conventions = conventions.or_else(|why| {
-        let message = format!("`{}`: {}", shown(text.unwrap_or_default()), shown(&why));
+        let message = format!("`{}`: {}", shown(text.unwrap_or_default()), shown(&why.to_string()));
         let help = format!("write one of {}, or keys as in a machine file", Conventions::words().join(", "));
         session.refuse(Diagnostic::new(codes::E0528, message).help(help))
     })?;
@@ -87,13 +87,13 @@ fn wish(session: &mut Session, machine: &Machine, args: &Args) -> Result<Wish, E
         },
         None => None,
     };
-    Ok(Wish { conventions, datum, within: args.within.unwrap_or(ROUNDING).max(ROUNDING) })
+    Ok(ConversionRequest { conventions, datum, within_mm: args.within.unwrap_or(ROUNDING).max(ROUNDING) })
 }
 
 /// The machine that the text says: what is proved is what is written.
 fn read_back(session: &mut Session, text: &str) -> Result<Machine, Exit> {
     load::own(text).or_else(|why| {
-        let message = format!("the converted machine is refused: {}", shown(&why));
+        let message = format!("the converted machine is refused: {}", shown(&why.to_string()));
         let help = "an error that is plausible in one convention need not be in another: check the large ones; and all tables stand \
                     in the new file, which has its limits: thin long ones out";
         session.refuse(Diagnostic::new(codes::E0529, message).help(help))
@@ -101,10 +101,10 @@ fn read_back(session: &mut Session, text: &str) -> Result<Machine, Exit> {
 }
 
 /// Why not, how far off, and what would be accepted.
-fn inexact(old: &Machine, wish: &Wish, conversion: &Conversion, proof: &Proof) -> Diagnostic {
+fn inexact(old: &Machine, wish: &ConversionRequest, conversion: &Conversion, proof: &Proof) -> Diagnostic {
     let message = format!(
         "the machine cannot be converted {}: the two differ by up to {} and {}",
-        if wish.within > ROUNDING { "as exactly as that" } else { "exactly" },
+        if wish.within_mm > ROUNDING { "as exactly as that" } else { "exactly" },
         small(proof.position, "m"),
         small(proof.rotation * 1e3, "rad"),
     );
@@ -123,7 +123,7 @@ fn inexact(old: &Machine, wish: &Wish, conversion: &Conversion, proof: &Proof) -
         let more = if list.len() > 3 { format!(" and {} more", list.len() - 3) } else { String::new() };
         why.push(format!("no curve of the language is what these would be: {}{more}", names.join(", ")));
     }
-    if why.is_empty() && proof.one_sided[0] <= wish.within && proof.one_sided[1] <= wish.within * 1e-3 {
+    if why.is_empty() && proof.one_sided[0] <= wish.within_mm && proof.one_sided[1] <= wish.within_mm * 1e-3 {
         why.push("each direction of approach comes out the same, but the mean of two products is not the product of the means".to_owned());
     } else if why.is_empty() {
         why.push("the location errors of linearised joints have no product that is one".to_owned());
@@ -154,14 +154,14 @@ fn round_up(value: f64) -> f64 {
 fn with_provenance(parts: &MachineParts, entries: &[(String, String)]) -> String {
     let mut parts = parts.clone();
     parts.provenance.entries.retain(|(key, _)| !entries.iter().any(|(own, _)| own == key));
-    written(&parts, entries)
+    machine_file(&parts, entries)
 }
 
 /// What is printed.
 struct Report<'a> {
     old: &'a Machine,
     new: &'a Machine,
-    wish: &'a Wish,
+    wish: &'a ConversionRequest,
     conversion: &'a Conversion,
     proof: Proof,
 }
@@ -206,7 +206,7 @@ impl Report<'_> {
             }
         };
         let Proof { poses, position, rotation, .. } = self.proof;
-        let within = self.wish.within;
+        let within = self.wish.within_mm;
         json!({
             "conventions": self.wish.conventions, "changed": self.conventions(),
             "errors": self.changes().iter().map(change).collect::<Vec<_>>(),
@@ -234,7 +234,7 @@ impl Report<'_> {
                 self.new.chain()
             );
         }
-        let bound = self.wish.within;
+        let bound = self.wish.within_mm;
         text += &format!("proof          {}; bound {bound:.1e} mm and {:.1e} rad\n", self.proved(), bound * 1e-3);
         match out {
             Some(path) => text + &format!("written        {}\n", path.display()),

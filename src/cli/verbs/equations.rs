@@ -105,7 +105,7 @@ fn symbol(machine: &Machine, symbol: &Symbol) -> Value {
     let axis = |index: usize| machine.axes()[index].name.as_str();
     let (kind, of) = match symbol.meaning {
         Meaning::Error(source, _) => {
-            let all = crate::lower::given(machine);
+            let all = crate::lower::named_sources(machine);
             ("error", all.iter().find(|g| g.source == source).map_or(String::new(), |g| g.name.clone()))
         }
         Meaning::Position(i) => ("position", axis(i).to_owned()),

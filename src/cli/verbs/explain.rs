@@ -5,7 +5,7 @@ use crate::cli::output::session::Session;
 use crate::cli::{Format, Outcome};
 use crate::controller::ControllerTarget;
 use crate::diagnostic::{CODES, Code, info};
-use crate::machine::{Direction, ErrorId, parse_error_name};
+use crate::machine::{Direction, ErrorFamily, ErrorId, parse_error_name};
 use serde_json::json;
 
 #[derive(Debug, clap::Args)]
@@ -45,7 +45,7 @@ fn error_name(what: &str) -> Option<(String, String)> {
 fn describe(id: &ErrorId) -> String {
     let motion = if id.direction.is_rotation() { "rotation about" } else { "displacement along" };
     let letter = ['X', 'Y', 'Z'][id.direction.index() % 3];
-    let mut text = if id.location {
+    let mut text = if id.is_location() {
         format!("{id}: location error of axis {}: {motion} {letter} of its axis of motion, a constant.\n", id.axis)
     } else {
         format!(
@@ -66,14 +66,14 @@ fn describe(id: &ErrorId) -> String {
 
 /// The sentence that says the sign of a squareness without a sign.
 fn squareness(id: &ErrorId) -> Option<&'static str> {
-    match (id.location, id.direction, id.axis.as_str()) {
-        (true, Direction::C, "Y") => Some(
+    match (id.family, id.direction, id.axis.as_str()) {
+        (ErrorFamily::Location, Direction::C, "Y") => Some(
             "Squareness of Y to X: positive when the angle between +X and +Y is above 90 degrees. +10 urad at Y = 500 mm moves the tool by -5 um in X.",
         ),
-        (true, Direction::B, "Z") => Some(
+        (ErrorFamily::Location, Direction::B, "Z") => Some(
             "Squareness of Z to X: positive when the angle between +X and +Z is below 90 degrees. +10 urad at Z = 300 mm moves the tool by +3 um in X.",
         ),
-        (true, Direction::A, "Z") => Some(
+        (ErrorFamily::Location, Direction::A, "Z") => Some(
             "Squareness of Z to Y: positive when the angle between +Y and +Z is above 90 degrees. +10 urad at Z = 300 mm moves the tool by -3 um in Y.",
         ),
         _ => None,
@@ -82,7 +82,7 @@ fn squareness(id: &ErrorId) -> Option<&'static str> {
 
 /// What a location error of a rotary axis or spindle moves, with a number.
 fn rotary(id: &ErrorId) -> Option<&'static str> {
-    if !id.location {
+    if !id.is_location() {
         return None;
     }
     Some(match (id.axis.as_str(), id.direction) {

@@ -2,8 +2,8 @@
 //! to flags of each joint.
 
 use crate::machine::{
-    Approach, Axis, AxisKind, Branch, ComponentError, Conventions, Curve, Direction, ErrorTerm, ErrorsAre, JointErrors,
-    Joints, LinearOrder, Location, Machine, RotaryOrder,
+    Approach, Axis, AxisKind, Branch, ComponentError, Curve, Direction, ErrorTerm, JointErrors, Joints, Location,
+    LocationAction, Machine, MotionSide,
 };
 
 /// Letters of the world's nine coordinates, in the controller's order.
@@ -130,17 +130,18 @@ impl Model {
     pub(super) fn geometry(machine: &Machine, damping: f64, orientation: bool) -> Self {
         let mut curves = Vec::new();
         let conventions = machine.conventions();
+        let decoded = |axis: &Axis| axis.convention(conventions);
         let joint = |(index, axis): (usize, &Axis)| Joint {
             letter: None,
             number: index,
             rotary: axis.kind == AxisKind::Rotary,
             solved: false,
             workpiece_side: axis.branch == Branch::Workpiece,
-            outside: outside(axis, conventions),
-            inverted: inverted(axis, conventions),
-            location_inverted: inverted(axis, conventions) && conventions.location == Location::CarriedBody,
-            direction: axis.direction.map(|u| plain(u * axis.sign())),
-            origin: axis.origin,
+            outside: decoded(axis).component.side == MotionSide::Outer,
+            inverted: decoded(axis).component.inverse,
+            location_inverted: matches!(decoded(axis).location, LocationAction::Factor(factor) if factor.inverse),
+            direction: axis.direction.map(|u| plain(u * decoded(axis).motion_sign)),
+            origin: decoded(axis).pivot,
             location: machine.axis_errors(index).location_values(),
             curves: curves_of(machine.axis_errors(index), &mut curves),
         };
@@ -176,19 +177,6 @@ pub(super) fn tool(machine: &Machine) -> [f64; 3] {
 /// Without a negative zero.
 fn plain(x: f64) -> f64 {
     x + 0.0
-}
-
-/// Does the component error stand to the left of the motion? The two sides of the bed are mirror images.
-fn outside(axis: &Axis, conventions: &Conventions) -> bool {
-    let left_of_a_head = match axis.kind {
-        AxisKind::Linear => conventions.linear == LinearOrder::Before,
-        AxisKind::Rotary => conventions.rotary == RotaryOrder::Stationary,
-    };
-    left_of_a_head != (axis.branch == Branch::Workpiece)
-}
-
-fn inverted(axis: &Axis, conventions: &Conventions) -> bool {
-    conventions.errors_are == ErrorsAre::Body && axis.branch == Branch::Workpiece
 }
 
 fn curves_of(errors: &JointErrors, all: &mut Vec<CurveData>) -> [[Option<usize>; 2]; 6] {

@@ -357,7 +357,7 @@ impl Assembly<'_> {
         let error = parse_error_name(&self.record.name).ok_or_else(unknown)?;
         let axis = self.reading.machine.axis_index(error.axis.as_str()).ok_or_else(unknown)?;
         let rules = self.reading.target.manifest.mechanism.error_curves.as_ref().ok_or_else(unknown)?;
-        if error.location {
+        if error.is_location() {
             let value = error_value(rules, error.direction, self.needed("constant")?);
             return Ok(ErrorCurve { error, positions: Vec::new(), values: vec![value] });
         }

@@ -120,7 +120,7 @@ fn block(
         let error = known
             .ok_or_else(|| Fault::new(line, format!("`{name}`: the controller knows no such name (error 70468)")))?;
         let own = argument.map(|axis| &reading.machine.axes()[axis].name);
-        if error.location != own.is_none() || own.is_some_and(|own| *own != error.axis) {
+        if error.is_location() != own.is_none() || own.is_some_and(|own| *own != error.axis) {
             return Err(Fault::new(line, format!("`{name}` is no error of this block's axis")));
         }
         if all.errors.iter().any(|curve| curve.error == error) {

@@ -1,6 +1,6 @@
 //! Names of symbols: ISO's, or those of the papers.
 
-use crate::lower::{ErrorSite, Given, Source};
+use crate::lower::{ErrorSite, NamedSource, Source};
 use crate::machine::{Axis, AxisKind, Conventions, Direction, Location, Machine};
 
 /// Whose letters.
@@ -47,7 +47,7 @@ impl Symbol {
 }
 
 /// The symbol of an error.
-pub(crate) fn error(machine: &Machine, given: &Given, naming: Naming) -> Symbol {
+pub(crate) fn error(machine: &Machine, given: &NamedSource, naming: Naming) -> Symbol {
     let axis = match given.source.place {
         ErrorSite::Location(i) | ErrorSite::Component(i) => machine.axes().get(i),
         ErrorSite::Tool | ErrorSite::Workpiece => None,
@@ -57,7 +57,7 @@ pub(crate) fn error(machine: &Machine, given: &Given, naming: Naming) -> Symbol 
     Symbol { text, latex, meaning: Meaning::Error(given.source, sign) }
 }
 
-fn iso(given: &Given) -> (String, String, i8) {
+fn iso(given: &NamedSource) -> (String, String, i8) {
     let latex = given
         .name
         .strip_prefix('E')

@@ -22,10 +22,10 @@ pub use rule::Rule;
 use super::budget::kernel::{Chunk, JointBounds, LANES, Lanes, by_joint};
 use super::budget::{Bound, Draws, Percentile, Statistic, mean};
 use super::compare::Missed;
-use crate::analysis::closed_form::twist::{Quantity, twists};
 use crate::analysis::inverse::{ToolPose, Unreachable, inverse, rest, tool_pose};
 use crate::analysis::volume::work::Work;
 use crate::evaluate::{Bare, Field, Order, Poses, Random};
+use crate::lower::{Quantity, Twist, twists};
 use crate::machine::{Approach, AxisKind, Machine, Pose};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
@@ -279,7 +279,7 @@ pub fn freedom(machine: &Machine) -> usize {
     let at = |pose: Pose| {
         let direction = tool_pose(machine, &pose).direction;
         let twists = twists(machine, &pose, Quantity::Rotation);
-        let turn = |(axis, twist): (&crate::machine::Axis, &crate::analysis::closed_form::twist::Twist)| {
+        let turn = |(axis, twist): (&crate::machine::Axis, &Twist)| {
             let u = axis.direction;
             let w = Vector3::from_fn(|i, _| (0..3).map(|k| twist.outer[i][k + 3] * u[k]).sum());
             w.cross(&direction)
