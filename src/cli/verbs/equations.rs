@@ -4,7 +4,6 @@ use crate::algebra::symbolic::Symbolic;
 use crate::algebra::{Algebra, Htm};
 use crate::analysis::equations;
 use crate::analysis::{Equations, Meaning, Naming, Options, Symbol};
-use crate::cli::output::algebra;
 use crate::cli::output::session::Session;
 use crate::cli::{Format, Outcome, load};
 use crate::machine::Machine;
@@ -52,7 +51,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let machine = load::machine(session, &args.machine, args.tool.as_deref())?;
     let text = args.algebra.clone().unwrap_or_else(|| format!("degree: {}", args.order.unwrap_or(1)));
-    let declared = algebra::declared(session, &machine, &text)?;
+    let declared = session.within(|call| crate::api::algebra::declared(call, &machine, &text))?;
     let naming = match args.symbols {
         Symbols::Iso => Naming::Iso,
         Symbols::Paper => Naming::Paper,
