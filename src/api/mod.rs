@@ -7,7 +7,7 @@
 //! Nothing here prints, writes a file, reads the clock or the environment. What a job writes, it hands over as bytes or
 //! into the sinks that the caller gave it.
 
-pub(crate) mod algebra;
+mod algebra;
 mod budget;
 mod budgets;
 mod certificate;
@@ -18,13 +18,16 @@ mod compiled_model;
 mod diff;
 mod effects;
 mod enumerate;
+mod equations;
 mod eval;
+mod instrument;
 mod machine_file;
 mod map;
 mod map_tables;
 mod plane_picture;
 pub(crate) mod poses;
 pub(crate) mod run;
+mod show;
 mod study;
 mod summary;
 pub(crate) mod tolerances;
@@ -42,13 +45,18 @@ pub use compiled_model::{CompiledModel, DeviationColumns, PoseDeviation, compile
 pub use diff::{AxisDifference, DiffOptions, SetDifference, diff};
 pub use effects::{ErrorEffect, Neglected};
 pub use enumerate::{EnumerateOptions, EnumerateResult, JudgedBy, RankedArrangements, StudyProgress, enumerate};
+pub use equations::{EquationsOptions, EquationsResult, equations};
 pub use eval::{EvalOptions, EvalResult, EvalUnits, PoseResult, eval};
+pub use instrument::{Instrument, InstrumentOptions, InstrumentResult, Readings, instrument};
 pub use machine_file::{LoadOptions, MachineFile, load, loads};
 pub use map::{BodyDiagonal, MapOptions, MapPoses, MapResult, Uncompensated, WorstPose, map, map_tables};
 pub use map_tables::MapTable;
 pub use plane_picture::{PlaneComponent, PlaneDrawing, PlaneOptions};
-pub use poses::AxisPositions;
+pub use poses::{AxisPositions, axes_text};
 pub use run::{Answer, Monitor, Run};
+pub use show::{
+    Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, chain_dot, chain_picture, error_curves, show,
+};
 pub use study::StudyFile;
 pub use summary::{AxisSummary, ErrorCounts, MachineSummary, summary};
 pub use tolerances::ToleranceOptions;
@@ -59,13 +67,15 @@ pub use crate::analysis::budget::{
     Bound, Budget, Contribution, Distribution, PERCENTS, Part as BudgetPart, Percentile, Statistic, Totals,
 };
 pub use crate::analysis::enumerate::{Ranking, Row as ArrangementRow};
+pub use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest};
+pub use crate::analysis::{Naming, Status as LocationStatus};
 pub use crate::compensation::{Fit, Goal, Stored};
 pub use crate::controller::{
     Certificate, ControllerTarget, ErrorLeft, Figures, Handled, Hashed, Limits, Lock, ROUNDING_UM, RenderedFile, micro,
 };
 pub use crate::diagnostic::{Diagnostic, Diagnostics, Severity, codes, shown};
 pub use crate::evaluate::{Frame, Order, Statistics, Summary, UnknownOrder};
-pub use crate::machine::{Approach, Axis, AxisKind, Machine};
+pub use crate::machine::{Approach, Axis, AxisKind, Branch, Machine, Sense};
 pub use crate::report::{Form as TableForm, Picture, Sink, tolerance, tolerance_unit};
 pub use crate::syntax::{Disk, Files, MemoryFiles};
 pub use crate::units::{angle, length, number, significant};

@@ -2,7 +2,7 @@
 
 use super::run::{Call, Refused};
 use crate::diagnostic::{Diagnostic, Place, SourceId, codes};
-use crate::machine::{AxisKind, Machine, Pose};
+use crate::machine::{Axis, AxisKind, Machine, Pose};
 use crate::syntax::read_text;
 use crate::units;
 use indexmap::IndexMap;
@@ -21,6 +21,12 @@ pub type AxisPositions = IndexMap<String, f64>;
 pub(crate) fn axis_positions(machine: &Machine, pose: &[f64]) -> AxisPositions {
     // Adding zero turns -0 into 0.
     machine.axes().iter().zip(pose).map(|(axis, q)| (axis.name.to_string(), q + 0.0)).collect()
+}
+
+/// Returns positions in the order of the axes as text, such as `X = 100 mm, C = 90 deg`.
+pub fn axes_text<'q>(machine: &Machine, pose: impl IntoIterator<Item = &'q f64>) -> String {
+    let entry = |(axis, q): (&Axis, &f64)| format!("{} = {} {}", axis.name, units::significant(*q, 7), axis.unit());
+    machine.axes().iter().zip(pose).map(entry).collect::<Vec<_>>().join(", ")
 }
 
 /// Returns the poses of texts, then those given in numbers, then those of the file; the zero pose if there are none.

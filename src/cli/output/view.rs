@@ -1,13 +1,8 @@
 //! Options that the verbs about whole volumes share, and how their numbers are printed.
 
-use crate::api::ReachedToolPoses;
-use crate::diagnostic::shown;
-use crate::evaluate::{Frame, Order, Statistics, Summary, UnknownOrder};
-use crate::machine::{Approach, Machine};
-use crate::units::significant;
+use crate::api::{Approach, Frame, Order, ReachedToolPoses, Statistics, Summary, UnknownOrder, shown, significant};
 
-/// An object of axis names and positions (mm, deg).
-pub(crate) use crate::report::positions as axes_json;
+pub(crate) use crate::api::axes_text;
 
 /// How errors are followed and looked at.
 #[derive(Debug, Clone, clap::Args)]
@@ -82,13 +77,6 @@ pub(crate) fn frame_text(frame: Frame) -> &'static str {
 /// `-0` is nobody's result: adding zero turns it into 0.
 pub(crate) fn plain(value: f64) -> f64 {
     value + 0.0
-}
-
-/// `X = 100 mm, C = 90 deg`.
-pub(crate) fn axes_text<'q>(machine: &Machine, pose: impl IntoIterator<Item = &'q f64>) -> String {
-    let entry =
-        |(axis, q): (&crate::machine::Axis, &f64)| format!("{} = {} {}", axis.name, significant(*q, 7), axis.unit());
-    machine.axes().iter().zip(pose).map(entry).collect::<Vec<_>>().join(", ")
 }
 
 /// `tool poses of part.csv, 12 more out of reach`.
