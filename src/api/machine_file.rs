@@ -26,6 +26,11 @@ impl Deref for MachineFile {
 }
 
 impl MachineFile {
+    /// Returns the name of the machine file.
+    pub fn path(&self) -> &str {
+        self.sources.iter().next().map_or("", |(name, _)| name)
+    }
+
     /// Returns name and text of every file that the machine was read from, in the order read.
     pub fn sources(&self) -> &Sources {
         &self.sources

@@ -11,7 +11,6 @@ mod serve;
 mod set_effect;
 mod store;
 mod tolerances;
-mod tool_poses;
 mod verbs;
 mod watch;
 

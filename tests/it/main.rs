@@ -13,6 +13,7 @@ mod compare;
 mod compile;
 mod compile_linuxcnc;
 mod compile_refusals;
+mod compiled_columns;
 mod configs;
 mod convert;
 mod defects;

@@ -1,6 +1,7 @@
 //! One run of the program: its options, what it found wrong, and its two output streams.
 
 use super::progress::ProgressBar;
+use crate::api::run::{Call, Refused};
 use crate::api::{Answer, LoadOptions, MachineFile, Run};
 use crate::cli::{Color, Exit, Format, Global, Outcome};
 use crate::diagnostic::{Diagnostic, Diagnostics, Rendering, codes, render, summary};
@@ -52,6 +53,12 @@ impl Session {
                 Err(Exit::Refused)
             }
         }
+    }
+
+    /// Makes a part of a job of the library, for verbs that compute on their own.
+    pub(crate) fn within<T>(&mut self, job: impl FnOnce(&mut Call<'_>) -> Result<T, Refused>) -> Result<T, Exit> {
+        let answer = Call::answer(self.run(), &self.diagnostics.sources, job);
+        self.take(answer)
     }
 
     /// Reads a machine file; `tool` picks one of its tools.

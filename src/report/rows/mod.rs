@@ -64,10 +64,10 @@ pub trait Stream {
     fn finish(self: Box<Self>) -> io::Result<()>;
 }
 
-/// What a file has to be able to do.
-pub trait ControllerTarget: Write + Seek + Send {}
+/// A destination of a table: a file, or a cursor over memory.
+pub trait Sink: Write + Seek + Send {}
 
-impl<T: Write + Seek + Send> ControllerTarget for T {}
+impl<T: Write + Seek + Send> Sink for T {}
 
 /// Names of the six columns of a deviation.
 const DEVIATION: [&str; 6] = ["dx [um]", "dy [um]", "dz [um]", "wx [urad]", "wy [urad]", "wz [urad]"];
@@ -98,7 +98,7 @@ impl<'a> Rows<'a> {
     }
 
     /// Begins a table.
-    pub fn stream<'o>(&self, form: Form, out: impl ControllerTarget + 'o) -> io::Result<Box<dyn Stream + 'o>>
+    pub fn stream<'o>(&self, form: Form, out: impl Sink + 'o) -> io::Result<Box<dyn Stream + 'o>>
     where
         'a: 'o,
     {

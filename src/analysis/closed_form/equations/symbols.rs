@@ -4,7 +4,8 @@ use crate::lower::{ErrorSite, NamedSource, Source};
 use crate::machine::{Axis, AxisKind, Conventions, Direction, Location, Machine};
 
 /// Whose letters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Naming {
     /// `EBX`, `EC0Y`, positions by the names of the axes.
     #[default]

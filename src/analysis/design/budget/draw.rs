@@ -21,10 +21,11 @@ pub const NODES: usize = 65;
 pub const HARMONICS: usize = 6;
 
 /// How an error is distributed between its bounds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Distribution {
     /// Anywhere alike: standard deviation tolerance / sqrt 3 (GUM 4.3.7).
+    #[default]
     Uniform,
     /// Rather in the middle: standard deviation tolerance / sqrt 6 (GUM 4.3.9).
     Triangular,
