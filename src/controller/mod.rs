@@ -8,6 +8,9 @@
 //! 6. [`certify`] compares the machine with and without them on poses that are not table points.
 //!
 //! Targets without tables, which replace the controller's kinematics, have their own passes in `kinematics`.
+//!
+//! The rooms import one another in this order only: manifest, replay, emit, read, kinematics,
+//! certificate, single_errors.
 
 mod certificate;
 mod emit;
@@ -15,19 +18,16 @@ mod kinematics;
 mod manifest;
 mod read;
 mod replay;
+mod single_errors;
 
-pub use certificate::depth::Depth;
-pub use certificate::figures::{Figures, ROUNDING_UM, RaisedFigure, micro};
-pub use certificate::single_error::{ErrorLeft, Handled};
-pub use certificate::tables::JudgedTables;
-pub use certificate::{Certificate, ZeroShift};
-pub use emit::limits::Limits;
-pub use emit::lock::{Hashed, LOCK_NAME, Lock, sha256};
-pub use emit::render::{MAX_FILE_BYTES, RenderedFile, assigned_letters};
-pub use emit::single_errors::certify;
-pub use kinematics::{KinematicsModule, Model, ModuleField, ModuleWords, Setting, World, certify_kinematics};
-pub use manifest::description::{Certainty, Controller, FileSpec, Layout, Level, Manifest};
-pub use manifest::library::{ControllerTarget, NAMES, is_plain_name};
+pub use certificate::{
+    Certificate, Depth, Effect, ErrorLeft, Figures, Handled, JudgedTables, ROUNDING_UM, RaisedFigure, ZeroShift, micro,
+};
+pub use emit::{Hashed, LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile, sha256};
+pub use kinematics::{KinematicsModule, Model, ModuleField, ModuleWords, Setting, World};
+pub use manifest::{
+    Certainty, Controller, ControllerTarget, FileSpec, Layout, Level, Manifest, NAMES, assigned_letters, is_plain_name,
+};
 pub use read::{Found, ReadBack, RecognisedSet, recognise};
-pub use replay::effect::Effect;
-pub use replay::tables::{Compensated, Replay};
+pub use replay::{Compensated, Replay};
+pub use single_errors::{certify, certify_kinematics};

@@ -55,6 +55,7 @@ mod reconfigure;
 mod remarks;
 mod replays;
 mod report;
+mod rooms;
 mod schema;
 mod show;
 mod support;

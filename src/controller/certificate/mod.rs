@@ -10,18 +10,24 @@
 //! those of single errors, are values that are handed in. Of `compensation` only types are used, and a test holds
 //! both folders to that.
 
-pub(super) mod depth;
-pub(super) mod figures;
-pub(super) mod module;
+mod depth;
+mod effect;
+mod figures;
+mod module;
 mod sign_test;
-pub(super) mod single_error;
-pub(super) mod tables;
+mod single_error;
+mod tables;
 mod zero_shift;
 
 use crate::machine::Approach;
-use figures::{Figures, RaisedFigure};
 use sign_test::Strongest;
-use single_error::ErrorLeft;
+
+pub use depth::{Depth, LatticeShare, single_error_poses};
+pub use effect::Effect;
+pub use figures::{Figures, ROUNDING_UM, RaisedFigure, micro};
+pub use module::{ModuleSet, SingleErrorModule, judge_module};
+pub use single_error::{ErrorLeft, Handled};
+pub use tables::{JudgedTables, judge_tables};
 pub use zero_shift::ZeroShift;
 
 /// A certificate: the deviations that a set of files leaves, over the volume and error by error.

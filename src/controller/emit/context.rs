@@ -1,10 +1,10 @@
 //! What templates see of a set of tables: everything rounded and as text.
 
-use super::render::{fixed, push_fixed};
+use super::number::{fixed, push_fixed};
 use super::stored::{StoredColumn, StoredPlace, differences};
 use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve, Spacing, TABLES_OF_A_PRODUCT, TableRules};
-use crate::controller::ControllerTarget;
-use crate::controller::manifest::description::{Layout, OutsideTable};
+use crate::controller::manifest::ControllerTarget;
+use crate::controller::manifest::{Layout, OutsideTable};
 use crate::machine::{AxisKind, Branch, ErrorId, Location, Machine, Tool};
 use minijinja::{Value, context};
 use std::sync::Arc;

@@ -3,7 +3,7 @@
 use super::limits::steepest_along;
 use super::stored::{StoredColumn, differences};
 use crate::compensation::{CorrectionTable, CorrectionTables, LatticeRequest, TableRules, lacking, tables};
-use crate::controller::ControllerTarget;
+use crate::controller::manifest::ControllerTarget;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::Machine;
 use crate::units::significant;

@@ -1,7 +1,8 @@
 //! New tables on top of those that are installed on the machine.
 
 use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve, LatticeRequest, Spacing};
-use crate::controller::{ControllerTarget, Replay};
+use crate::controller::manifest::ControllerTarget;
+use crate::controller::replay::Replay;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{Approach, AxisKind, Machine};
 use crate::units::significant;

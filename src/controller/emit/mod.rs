@@ -1,11 +1,22 @@
-//! From a machine to files: tables are filled and rounded, checked against limits, and rendered.
+//! From a machine to files:
+//!
+//! 1. tables are filled and rounded ([`fill`]), over those that are [`installed`];
+//! 2. they are checked against [`Limits`];
+//! 3. templates write them ([`render`]), from what they see of a set ([`context`]) and as its numbers are [`stored`];
+//! 4. a [`Lock`] lists the files of a set.
 
-pub(super) mod context;
-pub(super) mod fill;
-pub(super) mod installed;
-pub(super) mod limits;
-pub(super) mod lock;
-pub(super) mod render;
-pub(super) mod single_errors;
-pub(super) mod stored;
-pub(super) mod timed;
+mod context;
+mod fill;
+mod installed;
+mod limits;
+mod lock;
+mod number;
+mod render;
+mod stored;
+mod timed;
+
+pub use limits::{Limits, RAISE_LIMIT};
+pub use lock::{Hashed, LOCK_NAME, Lock, sha256};
+pub use number::fixed;
+pub use render::{MAX_FILE_BYTES, RenderedFile};
+pub use stored::{StoredColumn, StoredPlace};

@@ -4,13 +4,12 @@
 //! neither `-0` nor NaN nor a locale. Templates run with fuel and cannot read files.
 
 use super::context::TableWords;
+use super::number::fixed;
 use super::timed::{afresh, within};
 use crate::compensation::{CorrectionTable, CorrectionTables};
-use crate::controller::ControllerTarget;
-use crate::controller::manifest::description::{AxisLetters, FileSpec, Per};
-use crate::controller::manifest::library;
+use crate::controller::manifest::{ControllerTarget, FileSpec, Per, assigned_letters, is_plain_name};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
-use crate::machine::{Axis, AxisKind, Machine, Travel};
+use crate::machine::{AxisKind, Machine, Travel};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, UndefinedBehavior, Value, context};
 use std::sync::Arc;
@@ -118,49 +117,6 @@ impl ControllerTarget {
     }
 }
 
-/// The controller's letter of every axis, in the order in which the controller counts its axes:
-/// (index of the axis, letter). An axis with a name of its own gets the first free letter of its
-/// kind, with a warning (W0601); if none is free, the machine is refused (E0601).
-pub fn assigned_letters(
-    machine: &Machine,
-    letters: Option<&AxisLetters>,
-    mut diagnostics: Option<&mut Diagnostics>,
-) -> Option<Vec<(usize, String)>> {
-    let Some(letters) = letters else {
-        return Some(machine.axes().iter().map(|axis| axis.name.to_string()).enumerate().collect());
-    };
-    let allowed = |axis: &Axis| if axis.kind == AxisKind::Linear { &letters.linear } else { &letters.rotary };
-    let own = |axis: &Axis| allowed(axis).chars().any(|c| c.to_string() == axis.name.as_str());
-    let mut taken: Vec<String> = machine.axes().iter().filter(|a| own(a)).map(|a| a.name.to_string()).collect();
-    let mut assigned = Vec::new();
-    for (index, axis) in machine.axes().iter().enumerate() {
-        if own(axis) {
-            assigned.push((index, axis.name.to_string()));
-            continue;
-        }
-        let free = allowed(axis).chars().map(|c| c.to_string()).find(|c| !taken.contains(c));
-        let said = free.as_ref().map_or_else(|| no_letter(axis), |letter| another_letter(axis, letter));
-        diagnostics.iter_mut().for_each(|all| all.push(said.clone()));
-        let letter = free?;
-        taken.push(letter.clone());
-        assigned.push((index, letter));
-    }
-    assigned.sort_by_key(|(_, letter)| letters.order.find(letter.as_str()));
-    Some(assigned)
-}
-
-fn no_letter(axis: &Axis) -> Diagnostic {
-    Diagnostic::new(codes::E0601, format!("the controller has no letter left for axis `{}`", axis.name))
-        .help("compile for a target without fixed axis letters, such as grid-csv")
-}
-
-fn another_letter(axis: &Axis, letter: &str) -> Diagnostic {
-    Diagnostic::new(
-        codes::W0601,
-        format!("axis `{}` is written as `{letter}`: the controller has no such letter", axis.name),
-    )
-}
-
 fn environment() -> Environment<'static> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
@@ -175,7 +131,7 @@ fn environment() -> Environment<'static> {
 
 fn file_name(environment: &Environment, spec: &FileSpec, own: Value) -> Result<String, String> {
     let name = environment.render_str(&spec.path, own).map_err(|failure| describe(&failure))?;
-    if library::is_plain_name(&name) { Ok(name) } else { Err(format!("`{name}` is not a plain file name")) }
+    if is_plain_name(&name) { Ok(name) } else { Err(format!("`{name}` is not a plain file name")) }
 }
 
 impl ControllerTarget {
@@ -346,53 +302,5 @@ impl Per {
             Self::Axis | Self::Output => table.corrected[0] == axis,
             Self::Input => table.axes[0] == axis,
         }
-    }
-}
-
-/// A number with so many decimals, never `-0`. Callers have rounded it already, so nothing is lost.
-pub(crate) fn fixed(value: f64, decimals: u8) -> String {
-    let mut text = String::new();
-    push_fixed(&mut text, value, decimals);
-    text
-}
-
-/// The digits come from an integer: exact, and several times faster than the general formatter.
-pub(crate) fn push_fixed(text: &mut String, value: f64, decimals: u8) {
-    use std::fmt::Write;
-    const EXACT: f64 = 9_007_199_254_740_992.0;
-    let scaled = libm::round(value * libm::pow(10.0, f64::from(decimals)));
-    // Writing to a String cannot fail.
-    let _ = if scaled.abs() < EXACT {
-        let digits = scaled.abs() as u64;
-        let one = 10_u64.pow(u32::from(decimals));
-        let sign = if scaled < 0.0 { "-" } else { "" };
-        match decimals {
-            0 => write!(text, "{sign}{digits}"),
-            _ => write!(text, "{sign}{}.{:0width$}", digits / one, digits % one, width = usize::from(decimals)),
-        }
-    } else {
-        write!(text, "{value:.decimals$}", decimals = usize::from(decimals))
-    };
-}
-
-#[cfg(test)]
-mod tests {
-    use super::fixed;
-
-    #[test]
-    fn numbers_are_plain_decimals() {
-        let cases = [
-            (0.0, "0.000"),
-            (-0.0, "0.000"),
-            (-0.0004, "0.000"),
-            (-0.0006, "-0.001"),
-            (12.5, "12.500"),
-            (-359.9996, "-360.000"),
-        ];
-        for (value, text) in cases {
-            assert_eq!(fixed(value, 3), text);
-        }
-        assert_eq!(fixed(7.4, 0), "7");
-        assert_eq!(fixed(1e17, 2), "100000000000000000.00");
     }
 }

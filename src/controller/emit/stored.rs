@@ -6,7 +6,7 @@ use crate::machine::AxisKind;
 
 /// The column of a table: how the corrections of one axis are stored.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct StoredColumn<'a> {
+pub struct StoredColumn<'a> {
     pub rules: &'a TableRules,
     pub kind: AxisKind,
     /// By how much the controller multiplies the numbers of the table.
@@ -61,7 +61,7 @@ impl<'a> StoredColumn<'a> {
 
 /// How the positions of an axis are stored.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct StoredPlace<'a> {
+pub struct StoredPlace<'a> {
     pub rules: &'a TableRules,
     pub kind: AxisKind,
 }
@@ -84,6 +84,6 @@ impl StoredPlace<'_> {
 }
 
 /// Differences of whole numbers, from the first to the last.
-pub(crate) fn differences(absolute: &[f64]) -> Vec<f64> {
+pub fn differences(absolute: &[f64]) -> Vec<f64> {
     absolute.windows(2).map(|w| libm::round(w[1]) - libm::round(w[0])).collect()
 }

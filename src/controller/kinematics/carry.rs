@@ -2,8 +2,9 @@
 
 use super::constants::{Centres, LinearMap};
 use super::data::{Model, WORLD};
-use super::{KinematicsMechanism, ModuleContent, topology};
-use crate::controller::{ControllerTarget, assigned_letters};
+use super::topology;
+use crate::compensation::{KinematicsMechanism, ModuleContent};
+use crate::controller::manifest::{ControllerTarget, assigned_letters};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::Machine;
 

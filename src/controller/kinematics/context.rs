@@ -1,9 +1,10 @@
 //! The resolved machine as data for templates. Numbers arrive as text that reads back as the same
 //! double; constants as plain decimals.
 
+use super::KinematicsModule;
 use super::data::{CurveData, Joint, Model, ModuleWords, WORLD};
-use super::{KinematicsMechanism, KinematicsModule};
-use crate::controller::emit::render::fixed;
+use crate::compensation::KinematicsMechanism;
+use crate::controller::emit::fixed;
 use crate::machine::{Axis, Grid, Machine, Travel};
 use minijinja::{Value, context};
 

@@ -1,8 +1,6 @@
 //! The machine as a kinematics module carries it: numbers in the order of the walk, conventions resolved
 //! to flags of each joint.
 
-use super::topology::Topology;
-use crate::diagnostic::Diagnostic;
 use crate::machine::{
     Approach, Axis, AxisKind, Branch, ComponentError, Conventions, Curve, Direction, ErrorTerm, ErrorsAre, JointErrors,
     Joints, LinearOrder, Location, Machine, RotaryOrder,
@@ -128,21 +126,8 @@ pub struct CurveData {
 }
 
 impl Model {
-    /// The numbers of a machine. Refusals: E0752.
-    pub fn of(machine: &Machine, damping: f64, orientation: bool) -> Result<Self, Diagnostic> {
-        let mut model = Self::geometry(machine, damping, orientation);
-        let topology = Topology::of(machine, &model)?;
-        (model.words, model.arm) = (topology.words, topology.arm);
-        for (index, joint) in model.joints.iter_mut().enumerate() {
-            joint.letter = topology.letters[index];
-            joint.number = topology.numbers[index];
-            joint.solved = topology.solved[index];
-        }
-        Ok(model)
-    }
-
-    /// Everything but what [`Topology`] says.
-    fn geometry(machine: &Machine, damping: f64, orientation: bool) -> Self {
+    /// Everything but what the axes can do, which is found in it.
+    pub(super) fn geometry(machine: &Machine, damping: f64, orientation: bool) -> Self {
         let mut curves = Vec::new();
         let conventions = machine.conventions();
         let joint = |(index, axis): (usize, &Axis)| Joint {

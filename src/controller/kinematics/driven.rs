@@ -3,7 +3,7 @@
 use super::nominal::to_roll_pitch_yaw;
 use super::{KinematicsModule, Model, ModuleWords, World};
 use crate::algebra::rotation_about;
-use crate::controller::Replay;
+use crate::controller::replay::Replay;
 use crate::evaluate::{Bare, Deviation, Field, Frame, Order, commanded_deviation, evaluate};
 use crate::machine::{Approach, AxisKind, Machine, sin_cos_degrees};
 use nalgebra::{Matrix3, Vector3};

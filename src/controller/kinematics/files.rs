@@ -1,27 +1,17 @@
 //! The files of a kinematics module, written and read back.
 
-use super::arrays::{Arrays, Fault};
 use super::context::context;
-use super::data::{CurveData, Form, Joint, Model, ModuleWords};
-use super::{KinematicsModule, ModuleContent};
+use super::{CurveData, Form, Joint, KinematicsModule, Model, ModuleWords};
 use crate::compensation::{CorrectionTables, reversal_tables};
-use crate::controller::manifest::description::Layout;
-use crate::controller::read::{ReadBack, at_line};
-use crate::controller::{ControllerTarget, Manifest, RenderedFile, assigned_letters};
+use crate::controller::emit::RenderedFile;
+use crate::controller::manifest::{ControllerTarget, Layout, assigned_letters};
+use crate::controller::read::{Arrays, Fault, Pins, ReadBack};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
-use crate::units;
 use std::sync::Arc;
 
 /// The controller has so many joints at the most.
 const MAX_AXES: usize = 16;
-
-impl Manifest {
-    /// The mechanism, if it replaces the kinematics.
-    pub fn kinematics(&self) -> Option<&super::KinematicsMechanism> {
-        self.mechanism.kinematics.as_ref()
-    }
-}
 
 impl ControllerTarget {
     /// Writes the files of a kinematics module. Diagnostics: a template that fails (E0702).
@@ -55,7 +45,7 @@ impl ControllerTarget {
         diagnostics: &mut Diagnostics,
     ) -> Option<KinematicsModule> {
         let spec = self.manifest.files.iter().find(|spec| spec.layout.is_some())?;
-        let Some(ReadBack { found: name, text, .. }) = files.iter().find(|file| file.name == spec.path) else {
+        let Some(file) = files.iter().find(|file| file.name == spec.path) else {
             diagnostics.push(
                 Diagnostic::new(codes::E0705, format!("the file `{}` is missing", spec.path))
                     .help("a set of compensation files is only whole with all of them"),
@@ -68,16 +58,16 @@ impl ControllerTarget {
             names: &mechanism.constants,
         };
         let read = match (&spec.layout, meant) {
-            (Some(Layout::CArrays), KinematicsModule::FullModel(meant)) => {
-                Arrays::read(text).and_then(|arrays| model(&arrays, machine, meant)).map(KinematicsModule::FullModel)
-            }
-            (Some(Layout::HalConstants), KinematicsModule::LinearMap(meant)) => pins(0).set(text).map(|matrix| {
+            (Some(Layout::CArrays), KinematicsModule::FullModel(meant)) => Arrays::read(&file.text)
+                .and_then(|arrays| model(&arrays, machine, meant))
+                .map(KinematicsModule::FullModel),
+            (Some(Layout::HalConstants), KinematicsModule::LinearMap(meant)) => pins(0).set(&file.text).map(|matrix| {
                 let mut map = meant.clone();
                 map.matrix = matrix;
                 KinematicsModule::LinearMap(map)
             }),
             (Some(Layout::HalConstants), KinematicsModule::RotaryCentres(meant)) => {
-                pins(meant.tilt).set(text).map(|lines| {
+                pins(meant.tilt).set(&file.text).map(|lines| {
                     let mut centres = meant.clone();
                     centres.lines = lines;
                     KinematicsModule::RotaryCentres(centres)
@@ -88,84 +78,10 @@ impl ControllerTarget {
         match read {
             Ok(carried) => Some(carried),
             Err(fault) => {
-                let source = diagnostics.sources.add(&**name, &**text);
-                diagnostics.push(at_line(fault.line, &fault.message, name, text, source));
+                fault.said_of(file, diagnostics);
                 None
             }
         }
-    }
-}
-
-impl ControllerTarget {
-    /// Is a text the numbers of this module, whatever the machine?
-    pub(in crate::controller) fn tells_kinematics(&self, text: &str) -> Result<(), Fault> {
-        let Some(mechanism) = self.manifest.kinematics() else { return Ok(()) };
-        let pins = Pins { modules: &mechanism.components, names: &mechanism.constants };
-        match mechanism.carries {
-            ModuleContent::FullModel => Arrays::read(text)?.take("abbe_options", 3).map(|_| ()),
-            ModuleContent::LinearMap => pins.set::<9>(text).map(|_| ()),
-            ModuleContent::RotaryCentres => pins.set::<7>(text).map(|_| ()),
-        }
-    }
-}
-
-/// Which layout belongs to what is carried.
-pub fn layout_fits(carries: ModuleContent, layout: &Layout) -> bool {
-    match carries {
-        ModuleContent::FullModel => *layout == Layout::CArrays,
-        ModuleContent::LinearMap | ModuleContent::RotaryCentres => *layout == Layout::HalConstants,
-    }
-}
-
-/// The pins of a module of the controller's own.
-struct Pins<'a> {
-    /// Names of the modules that it can be.
-    modules: &'a [String],
-    /// Names of the constants.
-    names: &'a [String],
-}
-
-impl Pins<'_> {
-    /// `setp MODULE.NAME VALUE` lines, each name once; comments and blank lines are left alone.
-    fn set<const N: usize>(&self, text: &str) -> Result<[f64; N], Fault> {
-        let mut found = [None; N];
-        for (line, words) in text.lines().enumerate().map(|(n, line)| (n, line.split('#').next().unwrap_or(""))) {
-            let fault = |message: String| Fault { line, message };
-            let words: Vec<&str> = words.split_ascii_whitespace().collect();
-            let (pin, value) = match words[..] {
-                [] => continue,
-                ["setp", pin, value] => (pin, value),
-                _ => return Err(fault("this is no `setp PIN VALUE`".to_owned())),
-            };
-            let slot = self.slot(pin).map_err(fault)?;
-            let number = units::number(value).map_err(|why| fault(why.to_string()))?;
-            if number.abs() > 1e6 {
-                return Err(fault(format!("{value} is no constant of a machine")));
-            }
-            let free = found.get_mut(slot).ok_or_else(|| fault(format!("the module has no `{pin}`")))?;
-            if free.replace(number).is_some() {
-                return Err(fault(format!("`{pin}` is set twice: the controller takes the last")));
-            }
-        }
-        for (name, value) in self.names.iter().zip(&found) {
-            if value.is_none() {
-                return Err(Fault {
-                    line: 0,
-                    message: format!("`{name}` is not set: the controller keeps its default"),
-                });
-            }
-        }
-        Ok(found.map(Option::unwrap_or_default))
-    }
-
-    /// Which constant a pin is.
-    fn slot(&self, pin: &str) -> Result<usize, String> {
-        let (module, name) = pin.rsplit_once('.').unwrap_or(("", pin));
-        if !self.modules.iter().any(|known| known == module) {
-            let known = self.modules.join("`, `");
-            return Err(format!("`{pin}` is no pin of `{known}`: the controller would not start"));
-        }
-        self.names.iter().position(|known| known == name).ok_or_else(|| format!("the module has no `{name}`"))
     }
 }
 

@@ -18,6 +18,21 @@ const POSES: usize = 32;
 /// The seed of these poses.
 const SEED: u64 = 0;
 
+impl Model {
+    /// The numbers of a machine. Refusals: E0752.
+    pub fn of(machine: &Machine, damping: f64, orientation: bool) -> Result<Self, Diagnostic> {
+        let mut model = Self::geometry(machine, damping, orientation);
+        let topology = Topology::of(machine, &model)?;
+        (model.words, model.arm) = (topology.words, topology.arm);
+        for (index, joint) in model.joints.iter_mut().enumerate() {
+            joint.letter = topology.letters[index];
+            joint.number = topology.numbers[index];
+            joint.solved = topology.solved[index];
+        }
+        Ok(model)
+    }
+}
+
 /// The words of a machine's programs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Topology {

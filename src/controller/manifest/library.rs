@@ -1,6 +1,6 @@
 //! Where targets come from: the binary, then a folder of the user's.
 
-use crate::controller::Manifest;
+use super::Manifest;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::syntax::{Files, read_text};
 use std::path::Path;

@@ -1,4 +1,17 @@
-//! What a controller is: its manifest, and the folder that holds it.
+//! What a controller is:
+//!
+//! 1. its manifest ([`Manifest`]), checked ([`soundness`]);
+//! 2. the folder that holds it, in the binary or of the user's ([`ControllerTarget`]);
+//! 3. the letters that it has for the axes of a machine ([`assigned_letters`]).
 
-pub(super) mod description;
-pub(super) mod library;
+mod description;
+mod letters;
+mod library;
+mod soundness;
+
+pub use description::{
+    Arithmetic, AxisLetters, Certainty, Column, Controller, Edge, FileSpec, Frame, Index, Layout, Level, LineSpec,
+    Lookup, Manifest, OutsideTable, Per,
+};
+pub use letters::assigned_letters;
+pub use library::{ControllerTarget, NAMES, is_plain_name};

@@ -4,7 +4,7 @@ use super::lines::{Fields, Record};
 use super::products::{Numbered, multiplied};
 use super::{Fault, Reading, number};
 use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve, TableRules};
-use crate::controller::emit::stored::{StoredColumn, StoredPlace};
+use crate::controller::emit::{StoredColumn, StoredPlace};
 use crate::machine::{AxisKind, Direction, parse_error_name};
 
 /// Tables and error curves of all records. What is said before the first named record holds for all.

@@ -2,8 +2,8 @@
 
 use super::{Fault, Reading, number};
 use crate::compensation::CorrectionTable;
-use crate::controller::emit::stored;
-use crate::controller::manifest::description::Column;
+use crate::controller::emit::{StoredColumn, StoredPlace};
+use crate::controller::manifest::Column;
 use crate::machine::AxisKind;
 
 /// Three numbers need a quarter of it; LinuxCNC's buffer takes no more and reads the rest as a line of its own.
@@ -44,7 +44,7 @@ pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Res
 /// From stored numbers to positions and corrections.
 fn in_millimetres(reading: &Reading, mut table: CorrectionTable, kind: AxisKind) -> CorrectionTable {
     let Some(rules) = reading.target.manifest.mechanism.own_axis.as_ref() else { return table };
-    let (place, column) = (stored::StoredPlace { rules, kind }, stored::StoredColumn::new(rules, kind));
+    let (place, column) = (StoredPlace { rules, kind }, StoredColumn::new(rules, kind));
     table.nodes[0].iter_mut().for_each(|q| *q = place.position(*q));
     let nodes = table.nodes[0].clone();
     for values in std::iter::once(&mut table.values).chain(&mut table.reverse) {

@@ -1,8 +1,8 @@
 //! Tables that end before the axis does, as files do that were cut off where a line ends.
 
 use crate::compensation::{CorrectionTable, CorrectionTables, Spacing};
-use crate::controller::ControllerTarget;
-use crate::controller::manifest::description::OutsideTable;
+use crate::controller::manifest::ControllerTarget;
+use crate::controller::manifest::OutsideTable;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{AxisKind, Machine};
 use crate::units::significant;

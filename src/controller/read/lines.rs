@@ -7,7 +7,7 @@
 //! spoken of last.
 
 use super::{Fault, number};
-use crate::controller::manifest::description::{Edge, LineSpec};
+use crate::controller::manifest::{Edge, LineSpec};
 use std::collections::BTreeMap;
 
 /// What was said, and on which line (from 0).

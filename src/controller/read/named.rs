@@ -3,8 +3,8 @@
 use super::assemble::error_value;
 use super::{Fault, Reading, lines, number};
 use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve};
-use crate::controller::emit::stored::{StoredColumn, StoredPlace};
-use crate::controller::manifest::description::Frame;
+use crate::controller::emit::{StoredColumn, StoredPlace};
+use crate::controller::manifest::Frame;
 use crate::machine::{AxisKind, parse_error_name};
 use nalgebra::Vector3;
 

@@ -2,8 +2,8 @@
 //! first lines, from its positions.
 
 use super::{Fault, ReadBack};
-use crate::controller::ControllerTarget;
-use crate::controller::manifest::description::{Index, Layout};
+use crate::controller::manifest::ControllerTarget;
+use crate::controller::manifest::{Index, Layout};
 use crate::machine::Machine;
 
 /// An axis, told by a file that assigns files to axes.

@@ -3,7 +3,7 @@
 use super::lines::Record;
 use super::{Fault, Reading};
 use crate::compensation::CorrectionTable;
-use crate::controller::emit::stored::StoredColumn;
+use crate::controller::emit::StoredColumn;
 
 /// A table as its file names it.
 pub(super) struct Numbered<'a> {

@@ -9,9 +9,7 @@
 
 use super::place::{assigned, by_frame, spans};
 use super::{Fault, ReadBack, Reading};
-use crate::controller::ControllerTarget;
-use crate::controller::emit::render::assigned_letters;
-use crate::controller::manifest::description::{FileSpec, Layout, Per};
+use crate::controller::manifest::{ControllerTarget, FileSpec, Layout, Per, assigned_letters};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
 
@@ -285,7 +283,7 @@ impl Trial<'_> {
     /// The axes for which the file reads as this part of the set.
     fn fits(&mut self, spec: &FileSpec, layout: &Layout) -> Option<(Vec<usize>, Vec<f64>)> {
         if let Layout::CArrays | Layout::HalConstants = layout {
-            let told = self.target.tells_kinematics(self.text).map_err(|fault| Fault::new(fault.line, fault.message));
+            let told = self.target.tells_kinematics(self.text);
             return self.kept(told).map(|()| Default::default());
         }
         if spec.per == Per::Machine {

@@ -3,7 +3,7 @@
 use super::assemble::Assembly;
 use super::{Fault, number};
 use crate::compensation::{CorrectionTable, TableRules};
-use crate::controller::emit::stored::{StoredColumn, StoredPlace};
+use crate::controller::emit::{StoredColumn, StoredPlace};
 
 impl Assembly<'_> {
     fn required(&self, name: &str) -> Result<usize, Fault> {

@@ -1,6 +1,6 @@
 //! Look-up in tables over one axis: cells, straight lines, what lies outside, single precision.
 
-use crate::controller::manifest::description::OutsideTable;
+use crate::controller::manifest::OutsideTable;
 
 /// Returns the period of a table that rolls over: it begins again one step after its last point.
 pub(super) fn period(nodes: &[f64]) -> f64 {

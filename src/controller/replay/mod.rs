@@ -1,6 +1,7 @@
 //! The controllers' own arithmetic on their files.
 
-pub(super) mod effect;
 mod lookup;
 mod model;
-pub(super) mod tables;
+mod tables;
+
+pub use tables::{Compensated, Replay};

@@ -6,7 +6,7 @@
 
 use super::lookup::between;
 use crate::compensation::ErrorCurve;
-use crate::controller::manifest::description::OutsideTable;
+use crate::controller::manifest::OutsideTable;
 use crate::lower::{NominalPose, sensitivities_to};
 use crate::machine::{AxisKind, Direction, ErrorId, Machine};
 use nalgebra::{Matrix3, Vector3};

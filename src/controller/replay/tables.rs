@@ -4,8 +4,8 @@
 use super::lookup::{between, cell, period, single_precision};
 use super::model;
 use crate::compensation::{CorrectionTable, CorrectionTables, Spacing};
-use crate::controller::ControllerTarget;
-use crate::controller::manifest::description::{Arithmetic, Controller, Lookup, OutsideTable};
+use crate::controller::manifest::ControllerTarget;
+use crate::controller::manifest::{Arithmetic, Controller, Lookup, OutsideTable};
 use crate::evaluate::{Deviation, Field, commanded_deviation};
 use crate::machine::{Approach, Machine};
 

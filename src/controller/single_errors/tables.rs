@@ -1,10 +1,10 @@
 //! From a set to its certificate: fills what the certificate is handed in and has it judged.
 
 use crate::compensation::{Scope, SetLayout, SingleErrors, single_errors};
-use crate::controller::Replay;
-use crate::controller::certificate::Certificate;
-use crate::controller::certificate::depth::{Depth, LatticeShare, single_error_poses};
-use crate::controller::certificate::tables::{JudgedTables, judge_tables};
+use crate::controller::certificate::{
+    Certificate, Depth, JudgedTables, LatticeShare, judge_tables, single_error_poses,
+};
+use crate::controller::replay::Replay;
 use crate::machine::Machine;
 
 /// Compares the machine with and without tables on `poses` seeded poses.

@@ -1,20 +1,12 @@
 //! Constant arrays of C, read back as a compiler would: `static const double NAME[N] = { ... };`.
 
+use super::Fault;
 use crate::units;
 use std::collections::BTreeMap;
 
 /// The arrays of a text by name, flattened, with the line (from 0) of each.
 #[derive(Debug, Clone, Default)]
 pub struct Arrays(BTreeMap<String, (usize, Vec<f64>)>);
-
-/// What is wrong, and in which line (from 0).
-#[derive(Debug, Clone, PartialEq)]
-pub struct Fault {
-    /// Counted from 0.
-    pub line: usize,
-    /// In words.
-    pub message: String,
-}
 
 /// A word, a number or a sign, with its line.
 type Token<'a> = (usize, &'a str);

@@ -1,11 +1,10 @@
 //! From a kinematics module to its certificate: makes the modules of single errors and has them judged.
 
-use super::KinematicsModule;
 use crate::compensation::CorrectionTables;
-use crate::controller::certificate::depth::Depth;
-use crate::controller::certificate::module::{ModuleSet, SingleErrorModule, judge_module};
-use crate::controller::emit::limits::RAISE_LIMIT;
-use crate::controller::{Certificate, ControllerTarget, Limits};
+use crate::controller::certificate::{Certificate, Depth, ModuleSet, SingleErrorModule, judge_module};
+use crate::controller::emit::{Limits, RAISE_LIMIT};
+use crate::controller::kinematics::KinematicsModule;
+use crate::controller::manifest::ControllerTarget;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{ErrorId, ErrorTerm, Machine};
 use crate::units::significant;

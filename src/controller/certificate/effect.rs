@@ -1,7 +1,9 @@
 //! The effect of a set on a machine, whatever its mechanism is: mapped like a bare machine.
 
 use crate::compensation::CorrectionTables;
-use crate::controller::{Compensated, ControllerTarget, KinematicsModule, ModuleField, Replay};
+use crate::controller::kinematics::{KinematicsModule, ModuleField};
+use crate::controller::manifest::ControllerTarget;
+use crate::controller::replay::{Compensated, Replay};
 use crate::evaluate::Field;
 use crate::machine::{Approach, Machine};
 

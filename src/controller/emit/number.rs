@@ -1,0 +1,49 @@
+//! Numbers as templates see them.
+
+/// A number with so many decimals, never `-0`. Callers have rounded it already, so nothing is lost.
+pub fn fixed(value: f64, decimals: u8) -> String {
+    let mut text = String::new();
+    push_fixed(&mut text, value, decimals);
+    text
+}
+
+/// The digits come from an integer: exact, and several times faster than the general formatter.
+pub fn push_fixed(text: &mut String, value: f64, decimals: u8) {
+    use std::fmt::Write;
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    let scaled = libm::round(value * libm::pow(10.0, f64::from(decimals)));
+    // Writing to a String cannot fail.
+    let _ = if scaled.abs() < EXACT {
+        let digits = scaled.abs() as u64;
+        let one = 10_u64.pow(u32::from(decimals));
+        let sign = if scaled < 0.0 { "-" } else { "" };
+        match decimals {
+            0 => write!(text, "{sign}{digits}"),
+            _ => write!(text, "{sign}{}.{:0width$}", digits / one, digits % one, width = usize::from(decimals)),
+        }
+    } else {
+        write!(text, "{value:.decimals$}", decimals = usize::from(decimals))
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fixed;
+
+    #[test]
+    fn numbers_are_plain_decimals() {
+        let cases = [
+            (0.0, "0.000"),
+            (-0.0, "0.000"),
+            (-0.0004, "0.000"),
+            (-0.0006, "-0.001"),
+            (12.5, "12.500"),
+            (-359.9996, "-360.000"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(fixed(value, 3), text);
+        }
+        assert_eq!(fixed(7.4, 0), "7");
+        assert_eq!(fixed(1e17, 2), "100000000000000000.00");
+    }
+}

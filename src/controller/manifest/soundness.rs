@@ -1,0 +1,167 @@
+//! What makes a manifest impossible to work with.
+
+use super::{Column, Layout, Manifest, Per};
+use crate::compensation::{Holds, Increment, KinematicsMechanism, ModuleContent, Spacing, Stored, TableRules};
+
+impl Manifest {
+    /// What makes a manifest impossible to work with, in words.
+    pub fn fault(&self) -> Option<String> {
+        let tables = self.mechanism.iter().count();
+        match &self.mechanism.kinematics {
+            Some(kinematics) if tables == self.reversal().iter().count() => {
+                return decimals_fault(kinematics.increment)
+                    .or_else(|| kinematics.fault())
+                    .or_else(|| self.unfit_files(kinematics))
+                    .or_else(|| self.table_fault());
+            }
+            Some(_) => {
+                return Some(
+                    "mechanism: kinematics stand alone, or beside own_axis tables that are bidirectional and hold the reversal".to_owned(),
+                );
+            }
+            None if self.mechanism.iter().any(|(_, rules)| rules.holds == Holds::Reversal) => {
+                return Some("holds: reversal is for own_axis tables beside kinematics".to_owned());
+            }
+            None if tables == 0 => return Some("mechanism: there is none".to_owned()),
+            None => {}
+        }
+        self.table_fault()
+    }
+
+    fn table_fault(&self) -> Option<String> {
+        if self.mechanism.plane.is_some() && self.mechanism.product.is_some() {
+            return Some("mechanism: planes or products, not both".to_owned());
+        }
+        let layouts = || self.files.iter().filter_map(|f| f.layout.as_ref());
+        let columns = || {
+            let rules = self.mechanism.own_axis.as_ref()?;
+            layouts().find_map(|l| l.fault(rules.bidirectional))
+        };
+        self.mechanism.iter().find_map(|(name, rules)| fault(name, rules)).or_else(columns)
+    }
+}
+
+fn decimals_fault(increment: Increment) -> Option<String> {
+    let decimals = increment.position_decimals.max(increment.correction_decimals);
+    (decimals > MAX_DECIMALS)
+        .then(|| format!("{decimals} decimals are more than the {MAX_DECIMALS} that a double has to give"))
+}
+
+fn can_be_magnified(mechanism: &str, rules: &TableRules) -> bool {
+    mechanism == "lattice" && rules.stored != Stored::Command && (1..=1000).contains(&rules.magnification)
+}
+
+fn fault(name: &str, rules: &TableRules) -> Option<String> {
+    let increment = rules.increment;
+    let scales = [increment.position_scale, increment.correction_scale].map(|s| [s.mm, s.deg]).concat();
+    let points = rules.max_points.min(rules.max_points_per_axis);
+    let most = if name == "lattice" { MAX_NODES } else { MAX_POINTS };
+    if let Some(fault) = decimals_fault(increment) {
+        Some(fault)
+    } else if !scales.iter().all(|s| (1e-9..=1e9).contains(s)) {
+        Some("increment: a scale is stored units in one mm or deg, from 1e-9 to 1e9".to_owned())
+    } else if points < 2 || rules.max_points > most {
+        Some(format!("{name}: max_points: a table has from 2 to {most} points"))
+    } else if !(rules.continuous.1 > rules.continuous.0 && rules.continuous.1 - rules.continuous.0 <= 36_000.0) {
+        Some("continuous: write [from, to] in deg, rising, at most a hundred turns".to_owned())
+    } else if matches!(rules.spacing, Spacing::PowerOfTwo(unit) if !(1e-6..=1e3).contains(&unit)) {
+        Some("power_of_two: the length that the power multiplies, from 1e-6 to 1000".to_owned())
+    } else if rules.incremental && increment.correction_decimals > 0 {
+        Some(
+            "incremental: differences are whole numbers of the correction_scale's unit, correction_decimals: 0"
+                .to_owned(),
+        )
+    } else if rules.magnification != 1 && !can_be_magnified(name, rules) {
+        Some("magnification: of a lattice of corrections or errors, from 1 to 1000".to_owned())
+    } else {
+        None
+    }
+}
+
+impl Manifest {
+    /// A kinematics module is one set of files, and one of them is read back; tables beside it have files of their own.
+    fn unfit_files(&self, mechanism: &KinematicsMechanism) -> Option<String> {
+        let module = || self.files.iter().filter(|file| !file.is_of_tables());
+        let layouts: Vec<&Layout> = module().filter_map(|file| file.layout.as_ref()).collect();
+        let one = matches!(layouts[..], [layout] if layout_fits(mechanism.carries, layout));
+        let once = module().all(|file| file.per == Per::Machine);
+        let tables = self.files.iter().filter(|file| file.is_of_tables());
+        let read =
+            tables.clone().all(|file| matches!(file.layout, Some(Layout::Columns { .. } | Layout::Lines { .. })));
+        let known = tables.clone().count() == 0 || self.reversal().is_some();
+        (!one || !once || !read || !known).then(|| {
+            "files: all `per: machine`, and one of them with the layout c_arrays (full_model) or hal_constants; besides, `of: own_axis` with a layout of tables"
+                .to_owned()
+        })
+    }
+}
+
+/// Which layout belongs to what is carried.
+fn layout_fits(carries: ModuleContent, layout: &Layout) -> bool {
+    match carries {
+        ModuleContent::FullModel => *layout == Layout::CArrays,
+        ModuleContent::LinearMap | ModuleContent::RotaryCentres => *layout == Layout::HalConstants,
+    }
+}
+
+/// Digits behind the point that still mean something at 1000 mm.
+const MAX_DECIMALS: u8 = 12;
+
+/// More points than any controller's table.
+const MAX_POINTS: usize = 100_000;
+
+/// A lattice of so many nodes of six axes is half a gigabyte of text.
+const MAX_NODES: usize = 5_000_000;
+
+impl Layout {
+    fn fault(&self, bidirectional: bool) -> Option<String> {
+        let Self::Columns { columns } = self else { return None };
+        let count = |column| columns.iter().filter(|c| **c == column).count();
+        let (position, forward, reverse) = (count(Column::Position), count(Column::Forward), count(Column::Reverse));
+        let fits = position == 1 && forward == 1 && reverse == usize::from(bidirectional);
+        (!fits)
+            .then(|| "columns: position, forward, and reverse if the mechanism is bidirectional, each once".to_owned())
+    }
+}
+
+impl KinematicsMechanism {
+    /// What makes it impossible to work with, in words.
+    pub fn fault(&self) -> Option<String> {
+        let damped = self.damping > 0.0 && self.damping <= 0.5;
+        if self.carries == ModuleContent::FullModel && !damped {
+            return Some("damping: the sine of an angle, above 0 and at most 0.5".to_owned());
+        }
+        let wanted = self.carries.constants();
+        let plain = |name: &String| {
+            !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_'))
+        };
+        let twice = (1..self.constants.len()).any(|i| self.constants[..i].contains(&self.constants[i]));
+        let fits = self.constants.len() == wanted && self.constants.iter().all(plain) && !twice;
+        let modules = self.carries.components();
+        let named = self.components.len() == modules && self.components.iter().all(plain);
+        if !fits {
+            return Some(format!("constants: {wanted} different names of letters, digits, - and _"));
+        }
+        (!named).then(|| format!("components: {modules} names of modules, of letters, digits, - and _"))
+    }
+}
+
+impl ModuleContent {
+    /// How many modules of the controller have them.
+    fn components(self) -> usize {
+        match self {
+            Self::FullModel => 0,
+            Self::LinearMap => 1,
+            Self::RotaryCentres => 2,
+        }
+    }
+
+    /// How many constants it has.
+    fn constants(self) -> usize {
+        match self {
+            Self::FullModel => 0,
+            Self::LinearMap => 9,
+            Self::RotaryCentres => 7,
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! The numbers of a kinematics module: constant arrays of C, or lines `setp MODULE.NAME VALUE`.
+
+use super::{Arrays, Fault};
+use crate::compensation::ModuleContent;
+use crate::controller::manifest::ControllerTarget;
+use crate::units;
+
+impl ControllerTarget {
+    /// Is a text the numbers of this module, whatever the machine?
+    pub(super) fn tells_kinematics(&self, text: &str) -> Result<(), Fault> {
+        let Some(mechanism) = self.manifest.kinematics() else { return Ok(()) };
+        let pins = Pins { modules: &mechanism.components, names: &mechanism.constants };
+        match mechanism.carries {
+            ModuleContent::FullModel => Arrays::read(text)?.take("abbe_options", 3).map(|_| ()),
+            ModuleContent::LinearMap => pins.set::<9>(text).map(|_| ()),
+            ModuleContent::RotaryCentres => pins.set::<7>(text).map(|_| ()),
+        }
+    }
+}
+
+/// The pins of a module of the controller's own.
+pub struct Pins<'a> {
+    /// Names of the modules that it can be.
+    pub modules: &'a [String],
+    /// Names of the constants.
+    pub names: &'a [String],
+}
+
+impl Pins<'_> {
+    /// `setp MODULE.NAME VALUE` lines, each name once; comments and blank lines are left alone.
+    pub fn set<const N: usize>(&self, text: &str) -> Result<[f64; N], Fault> {
+        let mut found = [None; N];
+        for (line, words) in text.lines().enumerate().map(|(n, line)| (n, line.split('#').next().unwrap_or(""))) {
+            let fault = |message: String| Fault { line, message };
+            let words: Vec<&str> = words.split_ascii_whitespace().collect();
+            let (pin, value) = match words[..] {
+                [] => continue,
+                ["setp", pin, value] => (pin, value),
+                _ => return Err(fault("this is no `setp PIN VALUE`".to_owned())),
+            };
+            let slot = self.slot(pin).map_err(fault)?;
+            let number = units::number(value).map_err(|why| fault(why.to_string()))?;
+            if number.abs() > 1e6 {
+                return Err(fault(format!("{value} is no constant of a machine")));
+            }
+            let free = found.get_mut(slot).ok_or_else(|| fault(format!("the module has no `{pin}`")))?;
+            if free.replace(number).is_some() {
+                return Err(fault(format!("`{pin}` is set twice: the controller takes the last")));
+            }
+        }
+        for (name, value) in self.names.iter().zip(&found) {
+            if value.is_none() {
+                return Err(Fault {
+                    line: 0,
+                    message: format!("`{name}` is not set: the controller keeps its default"),
+                });
+            }
+        }
+        Ok(found.map(Option::unwrap_or_default))
+    }
+
+    /// Which constant a pin is.
+    fn slot(&self, pin: &str) -> Result<usize, String> {
+        let (module, name) = pin.rsplit_once('.').unwrap_or(("", pin));
+        if !self.modules.iter().any(|known| known == module) {
+            let known = self.modules.join("`, `");
+            return Err(format!("`{pin}` is no pin of `{known}`: the controller would not start"));
+        }
+        self.names.iter().position(|known| known == name).ok_or_else(|| format!("the module has no `{name}`"))
+    }
+}

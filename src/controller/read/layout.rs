@@ -1,0 +1,48 @@
+//! A text of a known layout to tables.
+
+use super::{Fault, Reading, assemble, columns, lattice, lines, named};
+use crate::compensation::CorrectionTables;
+use crate::controller::manifest::Layout;
+
+impl Reading<'_> {
+    pub fn file(&self, layout: &Layout, text: &str) -> Result<CorrectionTables, Fault> {
+        if text.trim().is_empty() {
+            return Err(Fault::new(
+                0,
+                "the file is empty: it was cut off, and the controller would have nothing of it",
+            ));
+        }
+        let one = |table| CorrectionTables { tables: vec![table], errors: Vec::new() };
+        match layout {
+            Layout::Columns { columns } => columns::own_axis(self, columns, text).map(one),
+            Layout::CsvLattice => lattice::csv(self.machine, text).map(one),
+            Layout::JsonLattice => lattice::json(self.machine, text).map(one),
+            // Those of kinematics modules have a reader of their own.
+            Layout::CArrays | Layout::HalConstants => Ok(CorrectionTables::default()),
+            Layout::Lines { comment, lines } => {
+                let records = lines::records(comment.as_deref(), lines, text)?;
+                assemble::tables(self, &records)
+            }
+            Layout::ErrorColumns => named::error_columns(self, text),
+            Layout::AxisColumns { position, reversal, frame } => {
+                named::axis_columns(self, &named::Header { position, reversal, frame }, text)
+            }
+        }
+    }
+}
+
+impl Reading<'_> {
+    /// Does a text without tables say by itself that it is of this layout?
+    pub fn speaks(&self, layout: &Layout, text: &str) -> Result<bool, Fault> {
+        match layout {
+            Layout::Lines { comment, lines } => {
+                let told = !lines::records(comment.as_deref(), lines, text)?.is_empty();
+                Ok(told || lines.iter().any(|line| line.required))
+            }
+            Layout::ErrorColumns => {
+                Ok(text.lines().any(|line| !line.trim_start().starts_with("//") && !line.trim().is_empty()))
+            }
+            _ => Ok(false),
+        }
+    }
+}
