@@ -12,19 +12,19 @@ use serde::Deserialize;
 pub struct Mechanisms {
     /// One table per axis, correcting that axis as a function of its own position.
     #[serde(default)]
-    pub own_axis: Option<TableRules>,
+    pub own_axis: Option<OwnAxisRules>,
     /// Tables that correct an axis as a function of another one's position.
     #[serde(default)]
-    pub cross_axis: Option<TableRules>,
+    pub cross_axis: Option<CrossAxisRules>,
     /// Tables that correct an axis as a function of two positions.
     #[serde(default)]
-    pub plane: Option<TableRules>,
+    pub plane: Option<PlaneRules>,
     /// Tables that correct an axis by the product of a function of one position and one of another.
     #[serde(default)]
     pub product: Option<TableRules>,
     /// One lattice, correcting several axes.
     #[serde(default)]
-    pub lattice: Option<TableRules>,
+    pub lattice: Option<LatticeRules>,
     /// Curves of the errors by their ISO names: the controller has the model.
     #[serde(default)]
     pub error_curves: Option<TableRules>,
@@ -133,87 +133,89 @@ pub enum Holds {
     Reversal,
 }
 
-/// The rules of one mechanism.
+/// How a table tells the directions of approach apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Directions {
+    /// It does not: it holds the mean of forward and reverse.
+    #[default]
+    Mean,
+    /// One value for each direction.
+    Both,
+    /// Forward and reverse are two of the controller's tables.
+    TwoTables,
+    /// One value for each direction, and the lost motion at the reference position is a number of its own that cannot
+    /// be negative.
+    Backlash,
+}
+
+/// How a stored number is encoded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Encoding {
+    /// As it is.
+    #[default]
+    Plain,
+    /// As the difference to the point before, a whole number.
+    Difference,
+    /// Divided by a whole number up to this one: a parameter of the controller multiplies all numbers of the table.
+    Magnified(u32),
+}
+
+/// How the points of a plane lie over its two axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PlaneGrid {
+    /// Each axis has a step and a number of points of its own.
+    #[default]
+    Independent,
+    /// One step for both axes.
+    SameStep,
+    /// The same number of points over both axes, at multiples of their steps, for tables that roll over.
+    SameCount,
+}
+
+/// The rules that the tables of every mechanism have.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct TableRules {
-    /// At most so many points in one table.
+    /// Maximum number of points of one table.
     #[serde(alias = "max_nodes")]
     pub max_points: usize,
-    /// At most so many tables.
+    /// Maximum number of tables.
     #[serde(default = "unlimited")]
     pub max_tables: usize,
-    /// At most so many points on one axis of a table.
+    /// Maximum number of tables that correct the same axis.
+    #[serde(default = "unlimited")]
+    pub max_tables_per_output: usize,
+    /// Maximum number of points on one axis of a table.
     #[serde(default = "unlimited")]
     pub max_points_per_axis: usize,
     /// How the points may lie.
     #[serde(default, with = "serde_yaml::with::singleton_map")]
     pub spacing: Spacing,
-    /// One value for each direction of approach?
+    /// How they tell the directions of approach apart.
     #[serde(default)]
-    pub bidirectional: bool,
+    pub directions: Directions,
     /// Range of positions that tables of continuous axes cover, deg.
     #[serde(default = "one_turn")]
     pub continuous: (f64, f64),
-    /// Are positions of a continuous axis taken into the range by whole turns?
+    /// True if positions of a continuous axis are taken into the range by whole turns.
     #[serde(default)]
     pub modulo: bool,
-    /// What the stored number means.
+    /// The meaning of a stored number.
     pub stored: Stored,
-    /// Is each stored number the difference to the point before?
-    #[serde(default)]
-    pub incremental: bool,
+    /// Its encoding.
+    #[serde(default, with = "serde_yaml::with::singleton_map")]
+    pub encoding: Encoding,
     /// Where the tables must be zero.
     #[serde(default)]
     pub reference: Reference,
-    /// What they are made for.
+    /// The error that they are made for.
     #[serde(default)]
     pub fit: Fit,
-    /// Own-axis tables: one for every axis, of zeros where there is nothing?
-    #[serde(default)]
-    pub every_axis: bool,
-    /// Are forward and reverse two of the controller's tables?
-    #[serde(default)]
-    pub apart: bool,
-    /// Is the lost motion at the reference position a number of its own that cannot be negative?
-    #[serde(default)]
-    pub positive_backlash: bool,
-    /// Which part of the corrections they hold.
-    #[serde(default)]
-    pub holds: Holds,
-    /// At most one table for each corrected axis?
-    #[serde(default)]
-    pub one_per_output: bool,
-    /// Cross tables: may an axis correct itself?
-    #[serde(default)]
-    pub own: bool,
-    /// May rotary axes be inputs?
-    #[serde(default = "yes")]
-    pub rotary_inputs: bool,
-    /// Can rotary axes be corrected by a lattice?
-    #[serde(default)]
-    pub corrects_rotary: bool,
-    /// Cross tables: only these pairs of input and corrected axis; any if there are none.
-    #[serde(default)]
-    pub pairs: Vec<[String; 2]>,
-    /// Planes: one step for both axes?
-    #[serde(default)]
-    pub square: bool,
-    /// Planes: as many points over the one axis as over the other?
-    #[serde(default)]
-    pub as_many: bool,
-    /// Names of the axes that span the lattice; all axes, or those asked for, if there are none.
-    #[serde(default)]
-    pub inputs: Vec<String>,
-    /// Names of the axes that it corrects; all that can be if there are none.
-    #[serde(default)]
-    pub outputs: Vec<String>,
     /// Largest stored number.
     #[serde(default)]
     pub largest: Option<f64>,
-    /// Lattices: a parameter of the controller multiplies all stored numbers, by at most so much.
-    #[serde(default = "once")]
-    pub magnification: u32,
     /// Largest change of the correction per change of the position between two points.
     #[serde(default)]
     pub max_slope: Option<f64>,
@@ -221,12 +223,77 @@ pub struct TableRules {
     pub increment: Increment,
 }
 
-fn unlimited() -> usize {
-    usize::MAX
+/// The rules of tables that correct an axis as a function of its own position.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OwnAxisRules {
+    /// Those of every mechanism.
+    #[serde(flatten)]
+    pub table: TableRules,
+    /// True if there is one for every axis, of zeros where there is nothing.
+    #[serde(default)]
+    pub every_axis: bool,
+    /// Which part of the corrections they hold.
+    #[serde(default)]
+    pub holds: Holds,
 }
 
-fn once() -> u32 {
-    1
+/// The rules of tables that correct an axis as a function of another one's position.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CrossAxisRules {
+    /// Those of every mechanism.
+    #[serde(flatten)]
+    pub table: TableRules,
+    /// True if an axis may correct itself too.
+    #[serde(default)]
+    pub own: bool,
+    /// Only these pairs of input and corrected axis; any if there are none.
+    #[serde(default)]
+    pub pairs: Vec<[String; 2]>,
+}
+
+/// The rules of tables that correct an axis as a function of two positions.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlaneRules {
+    /// Those of every mechanism.
+    #[serde(flatten)]
+    pub table: TableRules,
+    /// How the points lie over the two axes.
+    #[serde(default)]
+    pub grid: PlaneGrid,
+    /// True if rotary axes may be inputs.
+    #[serde(default = "yes")]
+    pub rotary_inputs: bool,
+    /// Names of the axes that span them; any if there are none.
+    #[serde(default)]
+    pub inputs: Vec<String>,
+    /// Names of the axes that they correct; all linear axes if there are none.
+    #[serde(default)]
+    pub outputs: Vec<String>,
+}
+
+/// The rules of a table that corrects several axes as a function of several positions.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LatticeRules {
+    /// Those of every mechanism.
+    #[serde(flatten)]
+    pub table: TableRules,
+    /// Names of the axes that span it; all axes, or those asked for, if there are none.
+    #[serde(default)]
+    pub inputs: Vec<String>,
+    /// Names of the axes that it corrects; all that can be if there are none.
+    #[serde(default)]
+    pub outputs: Vec<String>,
+    /// True if rotary axes can be corrected.
+    #[serde(default)]
+    pub corrects_rotary: bool,
+}
+
+fn unlimited() -> usize {
+    usize::MAX
 }
 
 fn one_turn() -> (f64, f64) {
@@ -237,10 +304,21 @@ fn yes() -> bool {
     true
 }
 
+impl Directions {
+    /// True if tables hold a value for each direction.
+    pub fn is_bidirectional(self) -> bool {
+        self != Self::Mean
+    }
+}
+
 impl TableRules {
+    fn max_magnification(&self) -> u32 {
+        if let Encoding::Magnified(most) = self.encoding { most } else { 1 }
+    }
+
     /// The least magnification that does, or else the largest there is.
     fn magnified(&self, does: impl Fn(f64) -> bool) -> f64 {
-        let most = self.magnification;
+        let most = self.max_magnification();
         if most <= 1 {
             return 1.0;
         }
@@ -284,14 +362,23 @@ impl Mechanisms {
     /// Those with tables or curves that there are, with their names.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, &TableRules)> {
         let named = [
-            ("own_axis", &self.own_axis),
-            ("cross_axis", &self.cross_axis),
-            ("plane", &self.plane),
-            ("product", &self.product),
-            ("lattice", &self.lattice),
-            ("error_curves", &self.error_curves),
+            ("own_axis", self.own_axis.as_ref().map(|own| &own.table)),
+            ("cross_axis", self.cross_axis.as_ref().map(|cross| &cross.table)),
+            ("plane", self.plane.as_ref().map(|plane| &plane.table)),
+            ("product", self.product.as_ref()),
+            ("lattice", self.lattice.as_ref().map(|lattice| &lattice.table)),
+            ("error_curves", self.error_curves.as_ref()),
         ];
-        named.into_iter().filter_map(|(name, rules)| rules.as_ref().map(|rules| (name, rules)))
+        named.into_iter().filter_map(|(name, rules)| rules.map(|rules| (name, rules)))
+    }
+
+    /// Rules of the mechanisms with tables.
+    fn tables_mut(&mut self) -> impl Iterator<Item = &mut TableRules> {
+        let own = self.own_axis.as_mut().map(|own| &mut own.table);
+        let cross = self.cross_axis.as_mut().map(|cross| &mut cross.table);
+        let plane = self.plane.as_mut().map(|plane| &mut plane.table);
+        let lattice = self.lattice.as_mut().map(|lattice| &mut lattice.table);
+        [own, cross, plane, self.product.as_mut(), lattice].into_iter().flatten()
     }
 
     /// Gives stored numbers another sign; commands stay commands, and what stands beside a module keeps its own.
@@ -299,38 +386,60 @@ impl Mechanisms {
         if self.kinematics.is_some() {
             return;
         }
-        let all = [&mut self.own_axis, &mut self.cross_axis, &mut self.plane, &mut self.product, &mut self.lattice];
-        for rules in all.into_iter().flatten().filter(|rules| rules.stored != Stored::Command) {
+        for rules in self.tables_mut().filter(|rules| rules.stored != Stored::Command) {
             rules.stored = stored;
         }
     }
 
     /// Does without tables of one kind. False if there are none of this name, or nothing would be left.
     pub fn leave_out(&mut self, name: &str) -> bool {
-        let slot = match name {
-            "own_axis" => &mut self.own_axis,
-            "cross_axis" => &mut self.cross_axis,
-            "plane" => &mut self.plane,
-            "product" => &mut self.product,
-            _ => return false,
+        let there = match name {
+            "own_axis" => self.own_axis.take().is_some(),
+            "cross_axis" => self.cross_axis.take().is_some(),
+            "plane" => self.plane.take().is_some(),
+            "product" => self.product.take().is_some(),
+            _ => false,
         };
-        slot.take().is_some() && (self.iter().next().is_some() || self.kinematics.is_some())
+        there && (self.iter().next().is_some() || self.kinematics.is_some())
     }
 
     /// Makes own-axis tables for another purpose.
     pub fn fit(&mut self, fit: Fit) {
-        self.own_axis.iter_mut().chain(&mut self.cross_axis).for_each(|rules| rules.fit = fit);
+        self.own_axis.iter_mut().for_each(|own| own.table.fit = fit);
+        self.cross_axis.iter_mut().for_each(|cross| cross.table.fit = fit);
     }
 
-    /// The rules under which a table stands.
-    pub fn rules(&self, table: &CorrectionTable) -> Option<&TableRules> {
+    /// The mechanism by which an axis corrects itself: own-axis tables, or cross tables that may do so.
+    fn own(&self) -> Option<(&'static str, &TableRules)> {
+        let cross = || self.cross_axis.as_ref().filter(|cross| cross.own).map(|cross| ("cross_axis", &cross.table));
+        self.own_axis.as_ref().map(|own| ("own_axis", &own.table)).or_else(cross)
+    }
+
+    /// Rules of the tables by which an axis corrects itself.
+    pub fn own_rules(&self) -> Option<&TableRules> {
+        self.own().map(|(_, rules)| rules)
+    }
+
+    /// The mechanism of a table by its name, and its rules.
+    fn mechanism(&self, table: &CorrectionTable) -> Option<(&'static str, &TableRules)> {
+        let plane = || self.plane.as_ref().map(|plane| ("plane", &plane.table));
         let narrow = match (table.axes.len(), table.corrected.len()) {
-            (1, 1) if table.is_own_axis() => self.own_axis.as_ref().or(self.cross_axis.as_ref().filter(|c| c.own)),
-            (1, 1) => self.cross_axis.as_ref(),
-            (2, 1) => self.plane.as_ref().or(self.product.as_ref()),
+            (1, 1) if table.is_own_axis() => self.own(),
+            (1, 1) => self.cross_axis.as_ref().map(|cross| ("cross_axis", &cross.table)),
+            (2, 1) => plane().or_else(|| self.product.as_ref().map(|product| ("product", product))),
             _ => None,
         };
-        narrow.or(self.lattice.as_ref())
+        narrow.or_else(|| self.lattice.as_ref().map(|lattice| ("lattice", &lattice.table)))
+    }
+
+    /// Returns the name of the mechanism whose table this is.
+    pub fn name_of(&self, table: &CorrectionTable) -> Option<&'static str> {
+        self.mechanism(table).map(|(name, _)| name)
+    }
+
+    /// Returns the rules under which a table stands.
+    pub fn rules(&self, table: &CorrectionTable) -> Option<&TableRules> {
+        self.mechanism(table).map(|(_, rules)| rules)
     }
 
     /// Returns the lattice of a set that is one over whatever axes were asked for.
@@ -349,13 +458,13 @@ impl Mechanisms {
 
     /// How many of the controller's tables a table takes.
     pub fn count(&self, table: &CorrectionTable) -> usize {
-        table.count(self.rules(table).is_some_and(|rules| rules.apart))
+        table.count(self.rules(table).is_some_and(|rules| rules.directions == Directions::TwoTables))
     }
 
     /// Rounds every stored number. Where the controller multiplies tables these are the factors.
     pub fn round(&self, machine: &Machine, tables: &mut CorrectionTables) {
         for table in &mut tables.tables {
-            if let Some(rules) = self.rules(table).filter(|rules| rules.magnification > 1) {
+            if let Some(rules) = self.rules(table).filter(|rules| rules.max_magnification() > 1) {
                 rules.magnify(machine, table);
             }
         }

@@ -1,6 +1,6 @@
 //! A lattice of corrections over any of the axes, and how many nodes each axis gets.
 
-use super::{Corrected, Correction, CorrectionTable, Jacobian, Scope, TableRules, correct_all};
+use super::{Corrected, Correction, CorrectionTable, Jacobian, LatticeRules, Scope, correct_all};
 use crate::evaluate::{Bare, CompiledModel, Field, Order, node_count, node_positions, random_poses};
 use crate::machine::{Approach, AxisKind, Grid, Machine, Pose};
 use rayon::prelude::*;
@@ -20,12 +20,13 @@ pub struct LatticeRequest {
 const BLOCK: usize = 256;
 
 /// Fills a lattice. Nodes are solved for the mean of forward and reverse.
-pub fn lattice(machine: &Machine, rules: &TableRules, request: &LatticeRequest) -> CorrectionTable {
+pub fn lattice(machine: &Machine, rules: &LatticeRules, request: &LatticeRequest) -> CorrectionTable {
     let scope = Scope { rotary: request.scope.rotary && rules.corrects_rotary, ..request.scope };
     let kept = |axis: &usize| scope.rotary || machine.axes()[*axis].kind == AxisKind::Linear;
-    let max_nodes = request.max_nodes.min(rules.max_points);
+    let max_nodes = request.max_nodes.min(rules.table.max_points);
     let nodes = lattice_nodes(machine, &request.axes, max_nodes);
-    let distinct = |(axis, nodes): (&usize, Vec<f64>)| rules.increment.distinct(nodes, machine.axes()[*axis].kind);
+    let distinct =
+        |(axis, nodes): (&usize, Vec<f64>)| rules.table.increment.distinct(nodes, machine.axes()[*axis].kind);
     let mut lattice = CorrectionTable {
         axes: request.axes.clone(),
         nodes: request.axes.iter().zip(nodes).map(distinct).collect(),

@@ -26,7 +26,8 @@ mod tables;
 
 pub use batch::correct_all;
 pub use capability::{
-    Fit, Holds, KinematicsMechanism, Mechanisms, ModuleContent, Reference, Spacing, Stored, TableRules,
+    CrossAxisRules, Directions, Encoding, Fit, Holds, KinematicsMechanism, LatticeRules, Mechanisms, ModuleContent,
+    OwnAxisRules, PlaneGrid, PlaneRules, Reference, Spacing, Stored, TableRules,
 };
 pub use correct::{Corrected, correct};
 pub use increment::{Increment, Scale};

@@ -2,7 +2,7 @@
 
 use super::jacobian::against;
 use super::nodes::{Columns, Curves, interval};
-use super::{CorrectionTable, CorrectionTables, Holds, TableRules};
+use super::{CorrectionTable, CorrectionTables, TableRules};
 use crate::algebra::skew_vector;
 use crate::evaluate::Deviation;
 use crate::lower::{JointElements, Position, joint};
@@ -50,12 +50,20 @@ pub fn own_axis_table(
     rules: &TableRules,
     positions: Option<Vec<f64>>,
 ) -> CorrectionTable {
-    let mean = |q: f64| match rules.holds {
-        Holds::All => 0.0,
-        Holds::Reversal => own_correction(machine, axis, q, Approach::Mean),
-    };
-    let at = |q: f64, approach| own_correction(machine, axis, q, approach) - mean(q);
-    let row = |q: f64| match rules.bidirectional {
+    table_of(machine, axis, rules, positions, |_| 0.0)
+}
+
+/// The same of the corrections without a part of them.
+fn table_of(
+    machine: &Machine,
+    axis: usize,
+    rules: &TableRules,
+    positions: Option<Vec<f64>>,
+    without: impl Fn(f64) -> f64,
+) -> CorrectionTable {
+    let two_sided = rules.directions.is_bidirectional();
+    let at = |q: f64, approach| own_correction(machine, axis, q, approach) - without(q);
+    let row = |q: f64| match two_sided {
         true => vec![at(q, Approach::Forward), at(q, Approach::Reverse)],
         false => vec![at(q, Approach::Mean)],
     };
@@ -68,7 +76,7 @@ pub fn own_axis_table(
     });
     let rows: Vec<Vec<f64>> = positions.iter().map(|q| row(*q)).collect();
     let values = rows.iter().map(|row| row[0]).collect();
-    let reverse = rules.bidirectional.then(|| rows.iter().map(|row| row[1]).collect());
+    let reverse = two_sided.then(|| rows.iter().map(|row| row[1]).collect());
     CorrectionTable { reverse, ..CorrectionTable::curve(axis, positions, axis, values) }
 }
 
@@ -80,7 +88,11 @@ pub fn reversal_tables(machine: &Machine, rules: &TableRules) -> CorrectionTable
         machine.filtered(|id| id.axis == *name).is_bidirectional()
     };
     let axes = (0..machine.axes().len()).filter(two_sided);
-    let tables = axes.map(|axis| own_axis_table(machine, axis, rules, None)).collect();
+    let reversal = |axis: usize| {
+        let mean = |q: f64| own_correction(machine, axis, q, Approach::Mean);
+        table_of(machine, axis, rules, None, mean)
+    };
+    let tables = axes.map(reversal).collect();
     let mut all = CorrectionTables { tables, ..CorrectionTables::default() };
     all.quantise(machine, |_| Some(&rules.increment));
     let zero = |values: &Vec<f64>| values.iter().all(|c| *c == 0.0);

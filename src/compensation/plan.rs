@@ -12,8 +12,8 @@ use super::nodes::{Columns, Curves, interval, rolling};
 use super::product::{self, TABLES_OF_A_PRODUCT};
 use super::sum::{Demand, Filler, Traits};
 use super::{
-    Correction, CorrectionTable, CorrectionTables, Factors, Fit, LatticeRequest, Mechanisms, Reference, Scope, Spacing,
-    TableRules, lattice, own_axis_table,
+    Correction, CorrectionTable, CorrectionTables, Directions, Factors, Fit, LatticeRequest, LatticeRules, Mechanisms,
+    PlaneGrid, PlaneRules, Reference, Scope, Spacing, TableRules, lattice, own_axis_table,
 };
 use crate::evaluate::{CompiledModel, Order};
 use crate::machine::{Approach, AxisKind, Direction, ErrorTerm, Machine, Pose};
@@ -23,7 +23,7 @@ pub fn tables(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeReque
     let mut tables = filled(machine, mechanisms, request);
     for table in &mut tables.tables {
         if let Some(rules) = mechanisms.rules(table).filter(|rules| rules.reference == Reference::Zero) {
-            vanish_at_reference(table, rules.positive_backlash);
+            vanish_at_reference(table, rules.directions == Directions::Backlash);
         }
     }
     mechanisms.round(machine, &mut tables);
@@ -109,6 +109,14 @@ fn wanted(plan: &CompiledModel, own: &[CorrectionTable], poses: &[Pose]) -> Vec<
     all.unwrap_or_default().into_iter().map(|corrected| corrected.correction.0).collect()
 }
 
+/// For what a table over several axes is laid out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum GridShape {
+    Plane(PlaneGrid),
+    Product,
+    Lattice,
+}
+
 pub(super) struct Planner<'a> {
     pub machine: &'a Machine,
     pub mechanisms: &'a Mechanisms,
@@ -137,13 +145,14 @@ impl Planner<'_> {
             |layout: &[CorrectionTable]| filler.fill(layout, &self.traits(layout)).pop().unwrap_or_default().tables;
         let mut layout = self.chosen(sets(&self.curve_layout()), &own);
         if let Some(rules) = &self.mechanisms.plane {
-            let trial = sets(&[layout.clone(), self.plane_layout(rules, true)].concat());
+            let trial = sets(&[layout.clone(), self.planes(rules)].concat());
             let planes: Vec<CorrectionTable> = trial.into_iter().filter(|t| t.axes.len() == 2).collect();
-            let chosen = self.limited(planes, rules, self.room(&[&own, &layout]));
-            layout.extend(chosen.iter().map(|t| self.plane(&t.axes, t.corrected.clone(), rules, false)));
+            let chosen = self.limited(planes, &rules.table, self.room(&[&own, &layout]));
+            let shape = GridShape::Plane(rules.grid);
+            layout.extend(chosen.iter().map(|t| self.grid(&t.axes, t.corrected.clone(), &rules.table, shape, false)));
         }
         if let Some(rules) = &self.mechanisms.product {
-            let trial = [layout.clone(), self.plane_layout(rules, true)].concat();
+            let trial = [layout.clone(), self.product_planes(rules)].concat();
             let planes = sets(&trial).into_iter().filter(|t| t.axes.len() == 2).collect();
             layout.extend(self.products(planes, rules, self.room(&[&own, &layout])));
         }
@@ -174,20 +183,15 @@ impl Planner<'_> {
         layout.iter().map(of).collect()
     }
 
-    /// Rules of the own-axis tables: those of cross tables where an axis may correct itself.
-    fn own_rules(&self) -> Option<&TableRules> {
-        self.mechanisms.own_axis.as_ref().or(self.mechanisms.cross_axis.as_ref().filter(|cross| cross.own))
-    }
-
     /// Does a table come from its axis's own error? Those of rotary axes do, and of linear ones if the
     /// target says so.
     pub fn is_by_own_error(&self, table: &CorrectionTable) -> bool {
-        let by_axis = self.own_rules().is_some_and(|rules| rules.fit == Fit::Axis);
+        let by_axis = self.mechanisms.own_rules().is_some_and(|rules| rules.fit == Fit::Axis);
         table.is_own_axis() && (by_axis || self.machine.axes()[table.axes[0]].kind == AxisKind::Rotary)
     }
 
     fn own_error_tables(&self) -> Vec<CorrectionTable> {
-        let Some(rules) = self.own_rules() else { return Vec::new() };
+        let Some(rules) = self.mechanisms.own_rules() else { return Vec::new() };
         let alone = self.mechanisms.cross_axis.is_none() && self.mechanisms.plane.is_none();
         let kinds: &[AxisKind] =
             if rules.fit == Fit::Axis { &[AxisKind::Linear, AxisKind::Rotary] } else { &[AxisKind::Rotary] };
@@ -205,7 +209,7 @@ impl Planner<'_> {
         let Some(rules) = self.mechanisms.own_axis.as_ref().filter(|rules| rules.every_axis) else { return };
         for axis in 0..self.machine.axes().len() {
             if !tables.iter().any(|table| table.is_own_axis() && table.axes[0] == axis) {
-                let (min, max) = interval(self.machine, axis, rules);
+                let (min, max) = interval(self.machine, axis, &rules.table);
                 tables.push(CorrectionTable::curve(axis, vec![min, max], axis, vec![0.0; 2]));
             }
         }
@@ -230,21 +234,23 @@ impl Planner<'_> {
 
     fn curve(&self, input: usize, output: usize) -> Option<CorrectionTable> {
         let own = input == output;
-        let rules = if own {
-            self.own_rules().filter(|rules| rules.fit == Fit::FunctionalPoint)
+        let cross = self.mechanisms.cross_axis.as_ref();
+        let (rules, by_cross) = if own {
+            let rules = self.mechanisms.own_rules().filter(|rules| rules.fit == Fit::FunctionalPoint)?;
+            (rules, self.mechanisms.own_axis.is_none())
         } else {
-            self.mechanisms.cross_axis.as_ref()
-        }?;
+            (&cross?.table, true)
+        };
         let axes = self.machine.axes();
         let name = |axis: usize| axes[axis].name.as_str();
-        let allowed = rules.pairs.is_empty()
-            || rules.pairs.iter().any(|[i, o]| (i.as_str(), o.as_str()) == (name(input), name(output)));
-        if !allowed || (axes[input].kind == AxisKind::Rotary && !rules.rotary_inputs) {
+        let pairs = cross.filter(|_| by_cross).map_or(&[][..], |cross| &cross.pairs);
+        let listed = |[i, o]: &[String; 2]| (i.as_str(), o.as_str()) == (name(input), name(output));
+        if !pairs.is_empty() && !pairs.iter().any(listed) {
             return None;
         }
         let table = CorrectionTable::curve(input, self.positions(input, rules), output, Vec::new());
         Some(CorrectionTable {
-            reverse: (rules.bidirectional && self.machine.is_bidirectional()).then(Vec::new),
+            reverse: (rules.directions.is_bidirectional() && self.machine.is_bidirectional()).then(Vec::new),
             ..table
         })
     }
@@ -270,11 +276,13 @@ impl Planner<'_> {
     fn chosen(&self, tables: Vec<CorrectionTable>, there: &[CorrectionTable]) -> Vec<CorrectionTable> {
         let own = self.mechanisms.own_axis.is_some();
         let (own, cross): (Vec<_>, Vec<_>) = tables.into_iter().partition(|t| own && t.is_own_axis());
-        let limit = |tables: Vec<CorrectionTable>, rules: &Option<TableRules>, room: usize| {
-            rules.as_ref().map_or_else(Vec::new, |rules| self.limited(tables, rules, room))
+        let limit = |tables: Vec<CorrectionTable>, rules: Option<&TableRules>, room: usize| {
+            rules.map_or_else(Vec::new, |rules| self.limited(tables, rules, room))
         };
-        let mut all = limit(own, &self.mechanisms.own_axis, self.room(&[there]));
-        let cross = limit(cross, &self.mechanisms.cross_axis, self.room(&[there, &all]));
+        let own_rules = self.mechanisms.own_axis.as_ref().map(|own| &own.table);
+        let cross_rules = self.mechanisms.cross_axis.as_ref().map(|cross| &cross.table);
+        let mut all = limit(own, own_rules, self.room(&[there]));
+        let cross = limit(cross, cross_rules, self.room(&[there, &all]));
         all.extend(cross);
         all
     }
@@ -285,9 +293,9 @@ impl Planner<'_> {
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut taken: Vec<CorrectionTable> = Vec::new();
         for (_, table) in ranked {
-            let second = rules.one_per_output && taken.iter().any(|t| t.corrected == table.corrected);
+            let same_output = taken.iter().filter(|t| t.corrected == table.corrected).count();
             let count = self.mechanisms.count(&table);
-            if taken.len() < rules.max_tables && !second && count <= room {
+            if taken.len() < rules.max_tables && same_output < rules.max_tables_per_output && count <= room {
                 room -= count;
                 taken.push(table);
             }
@@ -310,14 +318,15 @@ impl Planner<'_> {
         ranked.truncate((room / TABLES_OF_A_PRODUCT).min(rules.max_tables));
         let table = |(i, plane): (usize, &CorrectionTable)| {
             let count = ranked.iter().filter(|(_, plane)| *plane == i).count();
-            let layout = (count > 0).then(|| self.plane(&plane.axes, plane.corrected.clone(), rules, false))?;
+            let layout = (count > 0)
+                .then(|| self.grid(&plane.axes, plane.corrected.clone(), rules, GridShape::Product, false))?;
             Some(CorrectionTable { factors: vec![Factors::default(); count], ..layout })
         };
         planes.iter().enumerate().filter_map(table).collect()
     }
 
-    /// A plane over every two axes for every linear axis.
-    fn plane_layout(&self, rules: &TableRules, coarse: bool) -> Vec<CorrectionTable> {
+    /// A coarse plane over every two of the axes that the rules allow, for every linear axis that they name.
+    fn planes(&self, rules: &PlaneRules) -> Vec<CorrectionTable> {
         let axes = self.machine.axes();
         let listed =
             |axis: usize, names: &[String]| names.is_empty() || names.iter().any(|n| n == axes[axis].name.as_str());
@@ -325,21 +334,51 @@ impl Planner<'_> {
             (rules.rotary_inputs || axes[*axis].kind == AxisKind::Linear) && listed(*axis, &rules.inputs)
         };
         let inputs: Vec<usize> = (0..axes.len()).filter(fit).collect();
-        let linear = |a: &usize| axes[*a].kind == AxisKind::Linear && listed(*a, &rules.outputs);
-        let outputs: Vec<usize> = (0..axes.len()).filter(linear).collect();
+        let outputs: Vec<usize> = self.linear_axes().filter(|axis| listed(*axis, &rules.outputs)).collect();
         let first = |a: usize, b: usize| (rules.inputs.is_empty(), a < b, axes[a].name < axes[b].name);
         let pairs = inputs.iter().flat_map(|a| inputs.iter().map(move |b| [*a, *b]));
         let pairs = pairs.filter(|[a, b]| matches!(first(*a, *b), (true, true, _) | (false, _, true)));
+        self.trials(pairs, &outputs, &rules.table, GridShape::Plane(rules.grid))
+    }
+
+    /// A coarse plane over every two axes for every linear axis, to be written as products.
+    fn product_planes(&self, rules: &TableRules) -> Vec<CorrectionTable> {
+        let count = self.machine.axes().len();
+        let outputs: Vec<usize> = self.linear_axes().collect();
+        let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b]));
+        self.trials(pairs, &outputs, rules, GridShape::Product)
+    }
+
+    fn linear_axes(&self) -> impl Iterator<Item = usize> {
+        (0..self.machine.axes().len()).filter(|axis| self.machine.axes()[*axis].kind == AxisKind::Linear)
+    }
+
+    fn trials(
+        &self,
+        pairs: impl Iterator<Item = [usize; 2]>,
+        outputs: &[usize],
+        rules: &TableRules,
+        shape: GridShape,
+    ) -> Vec<CorrectionTable> {
         pairs
             .flat_map(|pair| outputs.iter().map(move |o| (pair, *o)))
-            .map(|(pair, o)| self.plane(&pair, vec![o], rules, coarse))
+            .map(|(pair, o)| self.grid(&pair, vec![o], rules, shape, true))
             .collect()
     }
 
-    fn plane(&self, axes: &[usize], corrected: Vec<usize>, rules: &TableRules, coarse: bool) -> CorrectionTable {
+    /// A table over several axes without values.
+    fn grid(
+        &self,
+        axes: &[usize],
+        corrected: Vec<usize>,
+        rules: &TableRules,
+        shape: GridShape,
+        coarse: bool,
+    ) -> CorrectionTable {
         // Products and tables that roll over do with 15 deg, and with 60 deg for a trial.
-        let product = self.mechanisms.product.as_ref() == Some(rules);
-        let turning = rules.as_many || product;
+        let product = shape == GridShape::Product;
+        let same_count = shape == GridShape::Plane(PlaneGrid::SameCount);
+        let turning = same_count || product;
         let (coarse_count, fine) = match (axes.len() > 2, turning) {
             (true, _) => (5, 11),
             (false, false) => (5, 21),
@@ -352,7 +391,7 @@ impl Planner<'_> {
         let step = ranges.iter().map(|(min, max)| (max - min) / (few.max_points - 1) as f64).fold(0.0, f64::max);
         let nodes = axes.iter().zip(ranges).map(|(axis, (min, max))| {
             let kind = self.machine.axes()[*axis].kind;
-            if rules.as_many {
+            if same_count {
                 let turns = self.machine.is_continuous(*axis);
                 return rules.increment.distinct(rolling((min, max), few.max_points - 1, turns, rules, kind), kind);
             }
@@ -363,7 +402,7 @@ impl Planner<'_> {
                 (false, _) => usize::MAX,
             };
             let intervals = intervals.min(few.max_points - 1) as f64;
-            let step = if rules.square { step } else { (max - min) / intervals };
+            let step = if shape == GridShape::Plane(PlaneGrid::SameStep) { step } else { (max - min) / intervals };
             let step = least * libm::ceil(step / least - 1e-6);
             let count = (libm::ceil((max - min) / step - 1e-9).max(1.0) as usize + 1).min(few.max_points);
             let start = rules.increment.position(min, kind);
@@ -380,13 +419,14 @@ impl Planner<'_> {
     }
 
     /// A lattice over the axes that the rules name.
-    fn fixed_lattice(&self, rules: &TableRules) -> Option<CorrectionTable> {
+    fn fixed_lattice(&self, rules: &LatticeRules) -> Option<CorrectionTable> {
         let axes: Option<Vec<usize>> = rules.inputs.iter().map(|name| self.machine.axis_index(name)).collect();
         let named: Vec<usize> = rules.outputs.iter().filter_map(|name| self.machine.axis_index(name)).collect();
         let all = if rules.outputs.is_empty() { (0..self.machine.axes().len()).collect() } else { named };
         let linear = |axis: &usize| self.machine.axes()[*axis].kind == AxisKind::Linear;
         let corrected: Vec<usize> = all.into_iter().filter(linear).collect();
-        Some(self.plane(&axes?, corrected, rules, false)).filter(|table| !table.corrected.is_empty())
+        Some(self.grid(&axes?, corrected, &rules.table, GridShape::Lattice, false))
+            .filter(|table| !table.corrected.is_empty())
     }
 }
 
@@ -405,7 +445,7 @@ fn strength(table: &CorrectionTable) -> f64 {
 
 /// What a machine must have for a target, in words; none if it has it.
 pub fn lacking(machine: &Machine, mechanisms: &Mechanisms) -> Option<String> {
-    let missing = |rules: &TableRules| {
+    let missing = |rules: &LatticeRules| {
         rules.inputs.iter().chain(&rules.outputs).find(|name| machine.axis_index(name).is_none()).cloned()
     };
     if let Some(name) = mechanisms.lattice.as_ref().and_then(missing) {

@@ -5,8 +5,8 @@ use super::jacobian::Jacobian;
 use super::plan::{Planner, own_added, vanish_at_reference};
 use super::sum::{Demand, Filler};
 use super::{
-    Correction, CorrectionTable, CorrectionTables, LatticeCells, Mechanisms, Reference, Scope, SingleErrorTables,
-    SingleErrors, own_axis_table,
+    Correction, CorrectionTable, CorrectionTables, Directions, LatticeCells, Mechanisms, Reference, Scope,
+    SingleErrorTables, SingleErrors, own_axis_table,
 };
 use crate::evaluate::error_by_error;
 use crate::machine::{Approach, AxisKind, ErrorId, ErrorTerm, Machine, Pose};
@@ -129,7 +129,7 @@ fn single_error_tables(
     sets.iter_mut().zip(alone).for_each(|(set, own)| set.tables.extend(own));
     for table in sets.iter_mut().flat_map(|set| &mut set.tables) {
         if let Some(rules) = mechanisms.rules(table).filter(|rules| rules.reference == Reference::Zero) {
-            vanish_at_reference(table, rules.positive_backlash);
+            vanish_at_reference(table, rules.directions == Directions::Backlash);
         }
     }
     let mut sets: Vec<Option<CorrectionTables>> = sets.into_iter().map(Some).collect();

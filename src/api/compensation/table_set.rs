@@ -88,7 +88,7 @@ fn refuse_impossible_lattice(
 ) -> Result<(), Refused> {
     let free = target.manifest.mechanism.lattice.as_ref().filter(|rules| rules.inputs.is_empty());
     let Some(rules) = free else { return Ok(()) };
-    let most = request.max_nodes.min(rules.max_points);
+    let most = request.max_nodes.min(rules.table.max_points);
     let least = 2_usize.checked_pow(u32::try_from(request.axes.len()).unwrap_or(u32::MAX)).unwrap_or(usize::MAX);
     if least > most {
         let message = format!("a lattice over {} axes has more than {most} nodes at the least", request.axes.len());
@@ -107,7 +107,8 @@ fn refuse_impossible_lattice(
 
 /// What does not go into the tables: points beyond the format's limit, travel beyond the volume.
 fn warn_left_out(call: &mut Call, machine: &Machine, target: &ControllerTarget, tables: &CorrectionTables) {
-    if let Some(rules) = target.manifest.mechanism.own_axis.as_ref().filter(|rules| rules.fit == Fit::Axis) {
+    let own = target.manifest.mechanism.own_axis.as_ref().map(|own| &own.table);
+    if let Some(rules) = own.filter(|rules| rules.fit == Fit::Axis) {
         for (axis, points) in resampled(machine, rules) {
             let (name, most) = (&machine.axes()[axis].name, rules.max_points);
             let message =

@@ -30,12 +30,13 @@ pub(crate) fn describe(target: &ControllerTarget) -> String {
 
 fn limits(target: &ControllerTarget) -> String {
     let mechanism = &target.manifest.mechanism;
-    let tables = mechanism.iter().map(|(name, rules)| rule(name, rules));
+    let pairs = mechanism.cross_axis.as_ref().map_or(0, |cross| cross.pairs.len());
+    let tables = mechanism.iter().map(|(name, rules)| rule(name, rules, pairs));
     tables.chain(mechanism.kinematics.iter().map(kinematics_limits)).collect::<Vec<_>>().join("; ")
 }
 
 /// The limits of one mechanism in words.
-fn rule(name: &str, rules: &TableRules) -> String {
+fn rule(name: &str, rules: &TableRules, pairs: usize) -> String {
     let decimals = rules.increment.correction_decimals;
     let step = match (decimals, rules.increment.correction_scale.mm) {
         (_, 1.0) => format!("{decimals} decimals of a correction (mm, deg)"),
@@ -47,7 +48,7 @@ fn rule(name: &str, rules: &TableRules) -> String {
         "lattice" => format!("{} nodes, {step}", rules.max_points),
         "error_curves" => format!("{} points per error, {decimals} decimals (mm, rad)", rules.max_points),
         _ if rules.spacing == Spacing::Line => {
-            format!("one factor for each of {} pairs of axes, {decimals} decimals of 1/1000", rules.pairs.len())
+            format!("one factor for each of {pairs} pairs of axes, {decimals} decimals of 1/1000")
         }
         _ => {
             let kind = name.replace('_', "-");

@@ -2,7 +2,9 @@
 
 use super::number::{fixed, push_fixed};
 use super::stored::{StoredColumn, StoredPlace, differences};
-use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve, Spacing, TABLES_OF_A_PRODUCT, TableRules};
+use crate::compensation::{
+    CorrectionTable, CorrectionTables, Directions, Encoding, ErrorCurve, Spacing, TABLES_OF_A_PRODUCT, TableRules,
+};
 use crate::controller::manifest::ControllerTarget;
 use crate::controller::manifest::{Layout, OutsideTable};
 use crate::machine::{AxisKind, Branch, ErrorId, Location, Machine, Tool};
@@ -52,8 +54,7 @@ impl TableWords<'_> {
 
     /// Does a table stand under a mechanism?
     pub fn is_of(&self, table: &CorrectionTable, mechanism: Option<&str>) -> bool {
-        let of = |name: &str| self.target.manifest.mechanism.iter().find(|(n, _)| *n == name).map(|(_, rules)| rules);
-        mechanism.is_none_or(|name| self.rules(table) == of(name))
+        mechanism.is_none_or(|name| self.target.manifest.mechanism.name_of(table) == Some(name))
     }
 
     /// Is there a table of a mechanism?
@@ -96,7 +97,7 @@ impl TableWords<'_> {
         let mut number = 0;
         let mut seen = Vec::new();
         for table in &self.tables.tables {
-            let apart = self.rules(table).is_some_and(|rules| rules.apart);
+            let apart = self.rules(table).is_some_and(|rules| rules.directions == Directions::TwoTables);
             let ways = ways(table, number, apart);
             number += table.count(apart);
             if keep(table)
@@ -177,7 +178,8 @@ impl TableWords<'_> {
         };
         let (forward, reverse) = (stored(&table.values), stored(reverse));
         let told = if direction < 0 { &reverse } else { &forward };
-        let steps = if rules.incremental { [vec![0.0], differences(told)].concat() } else { Vec::new() };
+        let steps =
+            if rules.encoding == Encoding::Difference { [vec![0.0], differences(told)].concat() } else { Vec::new() };
         let number = |x: f64| fixed(x, column.decimals());
         let point = |i: usize| {
             context! {

@@ -2,7 +2,7 @@
 
 use super::limits::steepest_along;
 use super::stored::{StoredColumn, differences};
-use crate::compensation::{CorrectionTable, CorrectionTables, LatticeRequest, TableRules, lacking, tables};
+use crate::compensation::{CorrectionTable, CorrectionTables, Encoding, LatticeRequest, TableRules, lacking, tables};
 use crate::controller::manifest::ControllerTarget;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::Machine;
@@ -30,7 +30,7 @@ impl ControllerTarget {
         };
         let mut all: Vec<Diagnostic> = tables.tables.iter().flat_map(of).collect();
         for (name, rules) in self.manifest.mechanism.iter() {
-            let count = tables.tables.iter().filter(|t| self.manifest.mechanism.rules(t) == Some(rules)).count();
+            let count = tables.tables.iter().filter(|t| self.manifest.mechanism.name_of(t) == Some(name)).count();
             if count > rules.max_tables {
                 all.push(refusal(format!("{name}: {count} tables, the controller has {}", rules.max_tables)));
             }
@@ -99,5 +99,5 @@ fn stored_column(
         cell.stored(values[node * table.corrected.len() + column], position)
     };
     let all: Vec<f64> = (0..table.len()).map(number).collect();
-    if rules.incremental { differences(&all) } else { all }
+    if rules.encoding == Encoding::Difference { differences(&all) } else { all }
 }

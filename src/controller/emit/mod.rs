@@ -15,7 +15,8 @@ mod render;
 mod stored;
 mod timed;
 
-pub use limits::{Limits, RAISE_LIMIT};
+pub use limits::Limits;
+pub(super) use limits::RAISE_LIMIT;
 pub use lock::{Hashed, LOCK_NAME, Lock, sha256};
 pub use number::fixed;
 pub use render::{MAX_FILE_BYTES, RenderedFile};

@@ -229,7 +229,7 @@ impl Writer<'_> {
 
     fn limits(&self, axis: usize) -> (f64, f64) {
         match (self.words.machine.axes()[axis].travel, &self.words.target.manifest.mechanism.own_axis) {
-            (Travel::Continuous, Some(own)) => own.continuous,
+            (Travel::Continuous, Some(own)) => own.table.continuous,
             (travel, _) => travel.interval(),
         }
     }

@@ -331,8 +331,8 @@ impl Manifest {
 
     /// Own-axis tables beside kinematics.
     pub fn reversal(&self) -> Option<&TableRules> {
-        let rules = self.mechanism.own_axis.as_ref()?;
-        (self.mechanism.kinematics.is_some() && rules.holds == Holds::Reversal && rules.bidirectional).then_some(rules)
+        let own = self.mechanism.own_axis.as_ref().filter(|own| own.holds == Holds::Reversal)?;
+        (self.mechanism.kinematics.is_some() && own.table.directions.is_bidirectional()).then_some(&own.table)
     }
 }
 

@@ -1,7 +1,9 @@
 //! What makes a manifest impossible to work with.
 
 use super::{Column, Layout, Manifest, Per};
-use crate::compensation::{Holds, Increment, KinematicsMechanism, ModuleContent, Spacing, Stored, TableRules};
+use crate::compensation::{
+    Encoding, Holds, Increment, KinematicsMechanism, ModuleContent, Spacing, Stored, TableRules,
+};
 
 impl Manifest {
     /// What makes a manifest impossible to work with, in words.
@@ -19,7 +21,7 @@ impl Manifest {
                     "mechanism: kinematics stand alone, or beside own_axis tables that are bidirectional and hold the reversal".to_owned(),
                 );
             }
-            None if self.mechanism.iter().any(|(_, rules)| rules.holds == Holds::Reversal) => {
+            None if self.mechanism.own_axis.as_ref().is_some_and(|own| own.holds == Holds::Reversal) => {
                 return Some("holds: reversal is for own_axis tables beside kinematics".to_owned());
             }
             None if tables == 0 => return Some("mechanism: there is none".to_owned()),
@@ -35,7 +37,7 @@ impl Manifest {
         let layouts = || self.files.iter().filter_map(|f| f.layout.as_ref());
         let columns = || {
             let rules = self.mechanism.own_axis.as_ref()?;
-            layouts().find_map(|l| l.fault(rules.bidirectional))
+            layouts().find_map(|l| l.fault(rules.table.directions.is_bidirectional()))
         };
         self.mechanism.iter().find_map(|(name, rules)| fault(name, rules)).or_else(columns)
     }
@@ -47,8 +49,18 @@ fn decimals_fault(increment: Increment) -> Option<String> {
         .then(|| format!("{decimals} decimals are more than the {MAX_DECIMALS} that a double has to give"))
 }
 
-fn can_be_magnified(mechanism: &str, rules: &TableRules) -> bool {
-    mechanism == "lattice" && rules.stored != Stored::Command && (1..=1000).contains(&rules.magnification)
+fn encoding_fault(name: &str, rules: &TableRules) -> Option<String> {
+    match rules.encoding {
+        Encoding::Difference if rules.increment.correction_decimals > 0 => Some(
+            "encoding: differences are whole numbers of the correction_scale's unit, correction_decimals: 0".to_owned(),
+        ),
+        Encoding::Magnified(most)
+            if name != "lattice" || rules.stored == Stored::Command || !(1..=1000).contains(&most) =>
+        {
+            Some("encoding: magnified, of a lattice of corrections or errors, from 1 to 1000".to_owned())
+        }
+        _ => None,
+    }
 }
 
 fn fault(name: &str, rules: &TableRules) -> Option<String> {
@@ -66,15 +78,8 @@ fn fault(name: &str, rules: &TableRules) -> Option<String> {
         Some("continuous: write [from, to] in deg, rising, at most a hundred turns".to_owned())
     } else if matches!(rules.spacing, Spacing::PowerOfTwo(unit) if !(1e-6..=1e3).contains(&unit)) {
         Some("power_of_two: the length that the power multiplies, from 1e-6 to 1000".to_owned())
-    } else if rules.incremental && increment.correction_decimals > 0 {
-        Some(
-            "incremental: differences are whole numbers of the correction_scale's unit, correction_decimals: 0"
-                .to_owned(),
-        )
-    } else if rules.magnification != 1 && !can_be_magnified(name, rules) {
-        Some("magnification: of a lattice of corrections or errors, from 1 to 1000".to_owned())
     } else {
-        None
+        encoding_fault(name, rules)
     }
 }
 

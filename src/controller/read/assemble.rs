@@ -3,7 +3,7 @@
 use super::lines::{Fields, Record};
 use super::products::{Numbered, multiplied};
 use super::{Fault, Reading, number};
-use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve, TableRules};
+use crate::compensation::{CorrectionTable, CorrectionTables, Encoding, ErrorCurve, PlaneGrid, TableRules};
 use crate::controller::emit::{StoredColumn, StoredPlace};
 use crate::machine::{AxisKind, Direction, parse_error_name};
 
@@ -118,7 +118,7 @@ impl Assembly<'_> {
         if let Some((_, line)) = self.said("slope") {
             return self.line(table, rules, *line);
         }
-        if rules.incremental {
+        if rules.encoding == Encoding::Difference {
             return self.incremental(table, rules);
         }
         if self.said("length").is_some() {
@@ -171,7 +171,10 @@ impl Assembly<'_> {
             return listed.collect();
         }
         let min = self.needed(&format!("min{suffix}"))?;
-        let step = if rules.square { self.needed("step")? } else { self.needed(&format!("step{suffix}"))? };
+        let mechanisms = &self.reading.target.manifest.mechanism;
+        let same_step = mechanisms.name_of(table) == Some("plane")
+            && mechanisms.plane.as_ref().is_some_and(|plane| plane.grid == PlaneGrid::SameStep);
+        let step = if same_step { self.needed("step")? } else { self.needed(&format!("step{suffix}"))? };
         let count = self.count(place, suffix)?;
         let nodes: Vec<f64> = (0..count).map(|i| place_of.position(min + i as f64 * step)).collect();
         if let (Some(max), Some(last)) = (self.number(&format!("max{suffix}"))?, nodes.last()) {
@@ -285,7 +288,10 @@ impl Assembly<'_> {
     /// By how much the controller multiplies the numbers of a lattice.
     fn magnification(&self, rules: &TableRules) -> Result<f64, Fault> {
         let times = self.whole("magnification")?.unwrap_or(1);
-        let most = usize::try_from(rules.magnification).unwrap_or(usize::MAX);
+        let most = match rules.encoding {
+            Encoding::Magnified(most) => usize::try_from(most).unwrap_or(usize::MAX),
+            Encoding::Plain | Encoding::Difference => 1,
+        };
         if (1..=most).contains(&times) {
             Ok(times as f64)
         } else {

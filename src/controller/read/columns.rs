@@ -12,7 +12,7 @@ const MAX_LINE: usize = 254;
 /// Reads the table of the file's axis.
 pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Result<CorrectionTable, Fault> {
     let axis = reading.axis.unwrap_or(0);
-    let most = reading.target.manifest.mechanism.own_axis.as_ref().map_or(usize::MAX, |rules| rules.max_points);
+    let most = reading.target.manifest.mechanism.own_axis.as_ref().map_or(usize::MAX, |own| own.table.max_points);
     let mut table = CorrectionTable::curve(axis, Vec::new(), axis, Vec::new());
     let mut reverse = Vec::new();
     for (line, cells) in text.lines().enumerate() {
@@ -43,7 +43,8 @@ pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Res
 
 /// From stored numbers to positions and corrections.
 fn in_millimetres(reading: &Reading, mut table: CorrectionTable, kind: AxisKind) -> CorrectionTable {
-    let Some(rules) = reading.target.manifest.mechanism.own_axis.as_ref() else { return table };
+    let Some(own) = reading.target.manifest.mechanism.own_axis.as_ref() else { return table };
+    let rules = &own.table;
     let (place, column) = (StoredPlace { rules, kind }, StoredColumn::new(rules, kind));
     table.nodes[0].iter_mut().for_each(|q| *q = place.position(*q));
     let nodes = table.nodes[0].clone();

@@ -2,7 +2,7 @@
 
 use super::assemble::Assembly;
 use super::{Fault, number};
-use crate::compensation::{CorrectionTable, TableRules};
+use crate::compensation::{CorrectionTable, Directions, TableRules};
 use crate::controller::emit::{StoredColumn, StoredPlace};
 
 impl Assembly<'_> {
@@ -124,10 +124,11 @@ impl Assembly<'_> {
         let axis = self.reading.by_number(word);
         let axis = axis.ok_or_else(|| Fault::new(*line, format!("the machine has no axis `{word}`")))?;
         let table = CorrectionTable::curve(axis, Vec::new(), axis, Vec::new());
-        let rules = self.reading.target.manifest.mechanism.rules(&table).filter(|rules| rules.bidirectional);
+        let rules =
+            self.reading.target.manifest.mechanism.rules(&table).filter(|rules| rules.directions.is_bidirectional());
         let rules = rules.ok_or_else(|| self.fault("the controller has no table of this kind"))?;
         let constant = self.number("constant")?.unwrap_or(0.0);
-        if constant < 0.0 && rules.positive_backlash {
+        if constant < 0.0 && rules.directions == Directions::Backlash {
             return Err(self.fault("a backlash constant cannot be negative"));
         }
         let column = StoredColumn::new(rules, self.kind(axis));
