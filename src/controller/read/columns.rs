@@ -17,7 +17,7 @@ pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Res
     let mut reverse = Vec::new();
     for (line, cells) in text.lines().enumerate() {
         let at = |message: String| Fault { line, message };
-        for (column, value) in columns.iter().zip(point(columns, cells).map_err(at)?) {
+        for (column, value) in columns.iter().zip(point(columns, line, cells)?) {
             match column {
                 Column::Position => table.nodes[0].push(value),
                 Column::Forward => table.values.push(value),
@@ -55,14 +55,15 @@ fn in_millimetres(reading: &Reading, mut table: CorrectionTable, kind: AxisKind)
 }
 
 /// The numbers on a line, or what is wrong with it.
-fn point(columns: &[Column], line: &str) -> Result<Vec<f64>, String> {
+fn point(columns: &[Column], number_of_line: usize, line: &str) -> Result<Vec<f64>, Fault> {
+    let fault = |message: String| Fault::new(number_of_line, message);
     if line.len() > MAX_LINE {
-        return Err(format!("{} characters in a line: the controller would cut it in pieces", line.len()));
+        return Err(fault(format!("{} characters in a line: the controller would cut it in pieces", line.len())));
     }
     let cells: Vec<&str> = line.split_ascii_whitespace().collect();
     if cells.len() != columns.len() {
         let (found, wanted) = (cells.len(), columns.len());
-        return Err(format!("{found} numbers instead of {wanted}: the controller would stop reading here"));
+        return Err(fault(format!("{found} numbers instead of {wanted}: the controller would stop reading here")));
     }
-    cells.into_iter().map(number).collect()
+    cells.into_iter().map(|cell| number(cell).map_err(|bad| fault(bad.into()))).collect()
 }

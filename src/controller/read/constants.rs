@@ -38,7 +38,7 @@ impl Pins<'_> {
                 ["setp", pin, value] => (pin, value),
                 _ => return Err(fault("this is no `setp PIN VALUE`".to_owned())),
             };
-            let slot = self.slot(pin).map_err(fault)?;
+            let slot = self.slot(pin, line)?;
             let number = units::number(value).map_err(|why| fault(why.to_string()))?;
             if number.abs() > 1e6 {
                 return Err(fault(format!("{value} is no constant of a machine")));
@@ -60,12 +60,14 @@ impl Pins<'_> {
     }
 
     /// Which constant a pin is.
-    fn slot(&self, pin: &str) -> Result<usize, String> {
+    fn slot(&self, pin: &str, line: usize) -> Result<usize, Fault> {
         let (module, name) = pin.rsplit_once('.').unwrap_or(("", pin));
         if !self.modules.iter().any(|known| known == module) {
             let known = self.modules.join("`, `");
-            return Err(format!("`{pin}` is no pin of `{known}`: the controller would not start"));
+            let message = format!("`{pin}` is no pin of `{known}`: the controller would not start");
+            return Err(Fault::new(line, message));
         }
-        self.names.iter().position(|known| known == name).ok_or_else(|| format!("the module has no `{name}`"))
+        let slot = self.names.iter().position(|known| known == name);
+        slot.ok_or_else(|| Fault::new(line, format!("the module has no `{name}`")))
     }
 }

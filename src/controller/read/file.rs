@@ -2,6 +2,7 @@
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes};
 use crate::units;
+use std::fmt::{Display, Formatter};
 
 /// A file of a set.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,15 +23,35 @@ impl ReadBack {
     }
 }
 
-/// A number of a compensation file, no larger than anything there is (a kilometre in nanometres).
-pub fn number(cell: &str) -> Result<f64, String> {
-    const LARGEST: f64 = 1e12;
-    let value = units::number(cell).map_err(|failure| failure.to_string())?;
-    if value.abs() <= LARGEST {
-        Ok(value)
-    } else {
-        Err(format!("`{}` is no position or correction of a machine", cell.trim()))
+/// The reason why a cell holds no number of a machine.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BadNumber {
+    /// It is no number.
+    Unreadable(units::Failure),
+    /// It is larger than any position or correction.
+    Large(String),
+}
+
+impl Display for BadNumber {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Unreadable(failure) => write!(f, "{failure}"),
+            Self::Large(cell) => write!(f, "`{cell}` is no position or correction of a machine"),
+        }
     }
+}
+
+impl From<BadNumber> for String {
+    fn from(bad: BadNumber) -> Self {
+        bad.to_string()
+    }
+}
+
+/// Reads a number of a compensation file, up to a kilometre in nanometres.
+pub fn number(cell: &str) -> Result<f64, BadNumber> {
+    const LARGEST: f64 = 1e12;
+    let value = units::number(cell).map_err(BadNumber::Unreadable)?;
+    if value.abs() <= LARGEST { Ok(value) } else { Err(BadNumber::Large(cell.trim().to_owned())) }
 }
 
 /// What is wrong with a line (counted from 0).

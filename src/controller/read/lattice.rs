@@ -4,12 +4,13 @@ use super::{Fault, number};
 use crate::compensation::CorrectionTable;
 use crate::machine::Machine;
 use crate::units;
+use std::fmt::{Display, Formatter};
 
 /// A lattice in CSV: header of `X [mm]` and `dX [mm]` columns, rows in lattice order.
 pub(super) fn csv(machine: &Machine, text: &str) -> Result<CorrectionTable, Fault> {
     let mut lines = text.lines().enumerate();
     let (_, header) = lines.next().ok_or(Fault { line: 0, message: "the file is empty".to_owned() })?;
-    let (axes, corrected) = lattice_columns(machine, header).map_err(|message| Fault { line: 0, message })?;
+    let (axes, corrected) = lattice_columns(machine, header)?;
     let width = axes.len() + corrected.len();
     let mut positions: Vec<Vec<f64>> = vec![Vec::new(); axes.len()];
     let mut values = Vec::new();
@@ -19,13 +20,13 @@ pub(super) fn csv(machine: &Machine, text: &str) -> Result<CorrectionTable, Faul
         let fault = |message: String| Fault { line: at, message };
         row.clear();
         for cell in line.split(',') {
-            row.push(number(cell).map_err(fault)?);
+            row.push(number(cell).map_err(|bad| fault(bad.into()))?);
         }
         if row.len() != width {
             return Err(fault(format!("{} cells under {width} columns", row.len())));
         }
         let (node, corrections) = row.split_at(axes.len());
-        in_order(&before, node, &mut positions).map_err(fault)?;
+        in_order(&before, node, &mut positions).map_err(|disorder| fault(disorder.to_string()))?;
         before.clear();
         before.extend_from_slice(node);
         values.extend_from_slice(corrections);
@@ -42,46 +43,62 @@ pub(super) fn csv(machine: &Machine, text: &str) -> Result<CorrectionTable, Faul
     }
 }
 
+/// The reason why rows are no lattice.
+enum Disorder {
+    Rows,
+    Position(f64),
+}
+
+impl Display for Disorder {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Rows => f.write_str("the rows are not in the order of the lattice, the last axis fastest"),
+            Self::Position(value) => write!(f, "the position {value} is none of the lattice's"),
+        }
+    }
+}
+
 /// Rows come in lattice order, the last axis fastest: each node after the one before, and no position
 /// that an axis passed by. As many such rows as the lattice has nodes are the lattice.
-fn in_order(before: &[f64], node: &[f64], positions: &mut [Vec<f64>]) -> Result<(), String> {
+fn in_order(before: &[f64], node: &[f64], positions: &mut [Vec<f64>]) -> Result<(), Disorder> {
     let rises = node.iter().zip(before).find(|(new, old)| new != old).is_none_or(|(new, old)| new > old);
     if !rises || node == before {
-        return Err("the rows are not in the order of the lattice, the last axis fastest".to_owned());
+        return Err(Disorder::Rows);
     }
     for (nodes, value) in positions.iter_mut().zip(node) {
         if nodes.last().is_none_or(|last| value > last) {
             nodes.push(*value);
         } else if !nodes.contains(value) {
-            return Err(format!("the position {value} is none of the lattice's"));
+            return Err(Disorder::Position(*value));
         }
     }
     Ok(())
 }
 
 /// Indices of the axes that span it and of those that are corrected.
-fn lattice_columns(machine: &Machine, header: &str) -> Result<(Vec<usize>, Vec<usize>), String> {
+fn lattice_columns(machine: &Machine, header: &str) -> Result<(Vec<usize>, Vec<usize>), Fault> {
+    let fault = |message: String| Fault::new(0, message);
     let (mut axes, mut corrected) = (Vec::new(), Vec::new());
     for cell in header.split(',') {
         let (name, unit) = units::header(cell);
         let position = machine.axis_index(name);
         let axis = position
             .or_else(|| machine.axis_index(name.strip_prefix('d')?))
-            .ok_or_else(|| format!("unknown column `{name}`"))?;
+            .ok_or_else(|| fault(format!("unknown column `{name}`")))?;
         if unit != Some(machine.axes()[axis].unit()) {
-            return Err(format!("column `{name}` must be in {}", machine.axes()[axis].unit()));
+            return Err(fault(format!("column `{name}` must be in {}", machine.axes()[axis].unit())));
         }
         let list = if position.is_some() { &mut axes } else { &mut corrected };
         if list.contains(&axis) {
-            return Err(format!("column `{name}` is there twice"));
+            return Err(fault(format!("column `{name}` is there twice")));
         }
         list.push(axis);
         if position.is_some() && !corrected.is_empty() {
-            return Err(format!("column `{name}`: all positions stand before all corrections"));
+            return Err(fault(format!("column `{name}`: all positions stand before all corrections")));
         }
     }
     if axes.is_empty() || corrected.is_empty() {
-        Err("no columns of positions or of corrections".to_owned())
+        Err(fault("no columns of positions or of corrections".to_owned()))
     } else {
         Ok((axes, corrected))
     }

@@ -102,10 +102,10 @@ fn take(
     let record = &mut records[at];
     if let Some(row) = said.remove("row") {
         let cells = row.split([',', ' ', '\t']).filter(|cell| !cell.is_empty());
-        let numbers: Result<Vec<f64>, String> = cells.map(number).collect();
-        record.rows.push((numbers.map_err(|message| Fault { line, message })?, line));
+        let numbers: Result<Vec<f64>, _> = cells.map(number).collect();
+        record.rows.push((numbers.map_err(|bad| Fault::new(line, bad))?, line));
     }
-    let index = index(&mut said, record.points.len()).map_err(|message| Fault { line, message })?;
+    let index = index(&mut said, record.points.len(), line)?;
     for (name, value) in said {
         let fields =
             if OF_POINTS.contains(&&*name) { record.points.entry(index).or_default() } else { &mut record.fields };
@@ -120,14 +120,14 @@ fn take(
 }
 
 /// The index of the point that a line speaks of; the next one if it says none.
-fn index(said: &mut BTreeMap<String, String>, next: usize) -> Result<[usize; 3], String> {
+fn index(said: &mut BTreeMap<String, String>, next: usize, line: usize) -> Result<[usize; 3], Fault> {
     let mut index = [0; 3];
     let mut given = false;
     for (slot, key) in index.iter_mut().zip(["index", "index_2", "index_3"]) {
         let Some(text) = said.remove(key) else { continue };
         given = true;
         let parsed: Option<usize> = text.trim().parse().ok().filter(|i| *i < MAX_POINTS);
-        *slot = parsed.ok_or_else(|| format!("`{text}` is no number of a point"))?;
+        *slot = parsed.ok_or_else(|| Fault::new(line, format!("`{text}` is no number of a point")))?;
     }
     Ok(if given { index } else { [next, 0, 0] })
 }

@@ -63,8 +63,8 @@ pub(super) fn error_columns(reading: &Reading, text: &str) -> Result<CorrectionT
             block(reading, header.take(), &std::mem::take(&mut rows), &mut all)?;
         } else if bare.is_empty() {
         } else if let Some((_, names)) = &header {
-            let cells: Result<Vec<f64>, String> = bare.split_whitespace().map(number).collect();
-            let cells = cells.map_err(|message| Fault { line, message })?;
+            let cells: Result<Vec<f64>, _> = bare.split_whitespace().map(number).collect();
+            let cells = cells.map_err(|bad| Fault::new(line, bad))?;
             if cells.len() != names.len() {
                 return Err(Fault::new(line, format!("{} numbers under {} names", cells.len(), names.len())));
             }
@@ -177,8 +177,8 @@ pub(super) fn axis_columns(reading: &Reading, header: &Header, text: &str) -> Re
             return Err(Fault::new(line, format!("{} cells under {} names", cells.len(), names.len())));
         }
         let value = |cell: &&str| if *cell == "-" { Ok(None) } else { number(cell.trim_start_matches('+')).map(Some) };
-        let row: Result<Vec<Option<f64>>, String> = cells.iter().map(value).collect();
-        rows.push((line, row.map_err(|message| Fault { line, message })?));
+        let row: Result<Vec<Option<f64>>, _> = cells.iter().map(value).collect();
+        rows.push((line, row.map_err(|bad| Fault::new(line, bad))?));
     }
     let names = names.ok_or_else(|| Fault::new(0, "there is no line of names"))?;
     let column = |name: &str| names.iter().position(|n| *n == name);

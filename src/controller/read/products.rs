@@ -20,11 +20,11 @@ pub(super) fn multiplied(reading: &Reading, read: Vec<Numbered>) -> Result<Vec<C
     let mut factors: Vec<usize> = Vec::new();
     for (at, numbered) in read.iter().enumerate().filter(|(_, numbered)| numbered.times > 0) {
         let name = (numbered.times - 1).to_string();
-        let fault = |message: String| Fault::new(numbered.record.line, message);
-        let second = read.iter().position(|other| other.record.name == name);
-        let second = second
-            .ok_or_else(|| fault(format!("it is multiplied by table number {}, which is not there", numbered.times)))?;
-        products.push(product(reading, &numbered.table, &read[second].table).map_err(fault)?);
+        let line = numbered.record.line;
+        let second = read.iter().position(|other| other.record.name == name).ok_or_else(|| {
+            Fault::new(line, format!("it is multiplied by table number {}, which is not there", numbered.times))
+        })?;
+        products.push(product(reading, &numbered.table, &read[second].table, line)?);
         factors.extend([at, second]);
     }
     without_repetition(&mut products);
@@ -56,16 +56,23 @@ fn key(table: &CorrectionTable) -> (&Vec<usize>, &Vec<Vec<f64>>, &Vec<usize>) {
 }
 
 /// The table over two axes of a product.
-fn product(reading: &Reading, first: &CorrectionTable, second: &CorrectionTable) -> Result<CorrectionTable, String> {
+fn product(
+    reading: &Reading,
+    first: &CorrectionTable,
+    second: &CorrectionTable,
+    line: usize,
+) -> Result<CorrectionTable, Fault> {
     let plain = |table: &CorrectionTable| table.axes.len() == 1 && table.reverse.is_none();
     if !plain(first) || !plain(second) {
-        return Err("only tables over one axis and for both directions are multiplied".to_owned());
+        return Err(Fault::new(line, "only tables over one axis and for both directions are multiplied"));
     }
     if first.axes == second.axes || first.corrected != second.corrected {
-        return Err("factors over one and the same axis, or for different axes, are not read here".to_owned());
+        let message = "factors over one and the same axis, or for different axes, are not read here";
+        return Err(Fault::new(line, message));
     }
     let mechanism = &reading.target.manifest.mechanism;
-    let rules = mechanism.product.as_ref().ok_or("the controller has no products of tables")?;
+    let rules = mechanism.product.as_ref();
+    let rules = rules.ok_or_else(|| Fault::new(line, "the controller has no products of tables"))?;
     let column = StoredColumn::new(rules, reading.machine.axes()[first.corrected[0]].kind);
     let weights = second.values.iter().map(|c| column.as_weight(*c)).collect();
     Ok(CorrectionTable::product(first, second, [first.values.clone(), weights]))
