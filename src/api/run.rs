@@ -12,6 +12,10 @@ pub trait Monitor: Sync {
     fn advance(&self, _steps: usize) {}
     /// The stage has ended.
     fn end(&self) {}
+    /// Templates of a target begin to run: from here on the program may bound the time that they take.
+    fn begin_templates(&self) {}
+    /// They have ended.
+    fn end_templates(&self) {}
 }
 
 /// Hears nothing.
@@ -122,6 +126,15 @@ impl<'a> Call<'a> {
             self.diagnostics.deny_warnings();
         }
         if self.diagnostics.refused() { Err(Refused) } else { Ok(()) }
+    }
+
+    /// Reports that templates run while `job` does.
+    pub fn templates<T>(&mut self, job: impl FnOnce(&mut Self) -> T) -> T {
+        let monitor = self.run.monitor;
+        monitor.begin_templates();
+        let value = job(self);
+        monitor.end_templates();
+        value
     }
 
     /// Reports a stage of `total` steps while `job` runs.

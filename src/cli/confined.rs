@@ -1,5 +1,5 @@
-//! Runs with templates of one's own are done by a child of the program that may take only so much memory: the fuel
-//! of a template bounds its steps, not the size of its values, and memory that runs out ends a process without a word.
+//! Runs with templates of the user's are done by a child of the program with limited memory and, while templates run,
+//! limited processor time: the fuel of a template bounds its steps, not what a step costs.
 
 use super::output::session::Session;
 use crate::diagnostic::{Diagnostic, codes};
@@ -8,6 +8,12 @@ use std::process::ExitCode;
 
 /// GiB that such a run may take: many times what the largest set needs.
 const GIBIBYTES: u64 = 1;
+
+/// Processor time that the templates of a set may take: many times what the largest set needs.
+pub(super) const TEMPLATE_SECONDS: u64 = 10;
+
+/// Stack of the child, for the recursion that the template engine allows.
+const STACK: usize = 16 << 20;
 
 /// Does the command line name a folder with templates?
 pub(super) fn wanted(arguments: &[OsString]) -> bool {
@@ -28,8 +34,9 @@ pub(super) fn run(arguments: &[OsString], mut session: Session) -> Option<ExitCo
         limit();
         return None;
     };
-    // What cannot have memory aborts.
+    // What cannot have memory aborts; processor time that is used up is a signal of its own.
     const ABORTED: i32 = 6;
+    let late = rustix::process::Signal::XCPU.as_raw();
     match (status.code(), status.signal()) {
         (Some(code), _) => Some(ExitCode::from(u8::try_from(code).unwrap_or(3))),
         (None, Some(ABORTED)) => {
@@ -40,6 +47,12 @@ pub(super) fn run(arguments: &[OsString], mut session: Session) -> Option<ExitCo
                 )
                 .help("keep no text in variables that grow, write it as it comes; nothing was written"),
             );
+            Some(session.finish(refused))
+        }
+        (None, Some(signal)) if signal == late => {
+            let message = format!("the templates ran for more than {TEMPLATE_SECONDS} s of processor time");
+            let help = "docs/adding-a-target.md states the limits of templates; nothing was written";
+            let refused = session.refuse::<()>(Diagnostic::new(codes::E0702, message).help(help));
             Some(session.finish(refused))
         }
         _ => Some(ExitCode::from(3)),
@@ -66,3 +79,22 @@ pub(super) fn limit() {
 
 #[cfg(not(unix))]
 pub(super) fn limit() {}
+
+/// Lets the child take so many more seconds of processor time, or any.
+#[cfg(unix)]
+pub(super) fn limit_time(seconds: Option<u64>) {
+    use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+    use rustix::time::{ClockId, clock_gettime};
+    let spent = u64::try_from(clock_gettime(ClockId::ProcessCPUTime).tv_sec).unwrap_or(0);
+    let current = seconds.map(|seconds| spent + seconds);
+    let _ = setrlimit(Resource::Cpu, Rlimit { current, maximum: getrlimit(Resource::Cpu).maximum });
+}
+
+#[cfg(not(unix))]
+pub(super) fn limit_time(_: Option<u64>) {}
+
+/// Does the run of the child. Returns exit code 3 if the thread cannot start or breaks off.
+pub(super) fn on_large_stack(job: impl FnOnce() -> ExitCode + Send + 'static) -> ExitCode {
+    let thread = std::thread::Builder::new().stack_size(STACK).spawn(job);
+    thread.map_or(ExitCode::from(3), |thread| thread.join().unwrap_or(ExitCode::from(3)))
+}

@@ -147,12 +147,18 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     };
     if cli.global.confined {
         confined::limit();
-    } else if confined::wanted(&arguments) {
+        return confined::on_large_stack(move || finished(cli));
+    }
+    if confined::wanted(&arguments) {
         let done = confined::run(&arguments, Session::new(cli.global.clone()));
         if let Some(code) = done {
             return code;
         }
     }
+    finished(cli)
+}
+
+fn finished(cli: Cli) -> ExitCode {
     let mut session = Session::new(cli.global);
     let outcome = dispatch(&mut session, cli.verb);
     session.finish(outcome)

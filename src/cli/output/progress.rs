@@ -1,6 +1,7 @@
 //! Progress on standard error: only on a terminal, and only for what lasts over a second.
 
 use crate::api::Monitor;
+use crate::cli::confined;
 use std::io::{IsTerminal, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -73,13 +74,15 @@ impl Drop for Progress {
 /// The progress of the stages of a call, one after the other.
 pub(crate) struct ProgressBar {
     quiet: bool,
+    /// True in the resource-limited child.
+    confined: bool,
     stage: Mutex<Option<Arc<Progress>>>,
 }
 
 impl ProgressBar {
     /// `quiet` says nothing whatever happens.
-    pub(crate) fn new(quiet: bool) -> Self {
-        Self { quiet, stage: Mutex::new(None) }
+    pub(crate) fn new(quiet: bool, confined: bool) -> Self {
+        Self { quiet, confined, stage: Mutex::new(None) }
     }
 
     fn stage(&self) -> MutexGuard<'_, Option<Arc<Progress>>> {
@@ -101,6 +104,18 @@ impl Monitor for ProgressBar {
 
     fn end(&self) {
         *self.stage() = None;
+    }
+
+    fn begin_templates(&self) {
+        if self.confined {
+            confined::limit_time(Some(confined::TEMPLATE_SECONDS));
+        }
+    }
+
+    fn end_templates(&self) {
+        if self.confined {
+            confined::limit_time(None);
+        }
     }
 }
 

@@ -22,7 +22,7 @@ pub(crate) struct Session {
 
 impl Session {
     pub(crate) fn new(global: Global) -> Self {
-        let bar = ProgressBar::new(global.quiet);
+        let bar = ProgressBar::new(global.quiet, global.confined);
         Self { global, bar, diagnostics: Diagnostics::default(), output_lost: Cell::new(None) }
     }
 

@@ -13,7 +13,6 @@ mod lock;
 mod number;
 mod render;
 mod stored;
-mod timed;
 
 pub use limits::Limits;
 pub(super) use limits::RAISE_LIMIT;

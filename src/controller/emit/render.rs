@@ -1,26 +1,60 @@
 //! Tables to files, through the target's minijinja templates.
 //!
 //! Numbers reach a template rounded and as text: [`fixed`] is the only formatter, and it knows
-//! neither `-0` nor NaN nor a locale. Templates run with fuel and cannot read files.
+//! neither `-0` nor NaN nor a locale. Templates run with fuel and cannot read files. Fuel bounds their steps, not what a
+//! step costs: a program that renders templates of others bounds their time and memory itself, as `abbe` does.
 
 use super::context::TableWords;
 use super::number::fixed;
-use super::timed::{afresh, within};
 use crate::compensation::{CorrectionTable, CorrectionTables};
 use crate::controller::manifest::{ControllerTarget, FileSpec, Per, assigned_letters, is_plain_name};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::{AxisKind, Machine, Travel};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, UndefinedBehavior, Value, context};
+use std::fmt::{Display, Formatter};
 use std::sync::Arc;
 
 /// Fifty instructions for each cell of 200,000 rows of ten; a template that needs more is a loop.
 const FUEL: u64 = 100_000_000;
 
+/// A file's name has a handful of instructions: those of a loop that doubles a text come to a few kilobytes.
+const NAME_FUEL: u64 = 60;
+
 /// Largest file of a set, in bytes: 200,000 nodes of nine axes, all corrected, are less.
 pub const MAX_FILE_BYTES: usize = 64 << 20;
 
-/// What a template has written so far: no more than anybody reads back.
+/// The reason why a template yields no file.
+#[derive(Debug)]
+pub(crate) enum TemplateFailure {
+    /// The engine refuses it.
+    Engine(minijinja::Error),
+    /// The name could leave the folder.
+    Name(String),
+    /// The file of this name exceeds [`MAX_FILE_BYTES`].
+    Size(String),
+}
+
+impl Display for TemplateFailure {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Engine(failure) => match failure.line() {
+                Some(line) => write!(f, "{failure} (template line {line})"),
+                None => write!(f, "{failure}"),
+            },
+            Self::Name(name) => write!(f, "`{name}` is not a plain file name"),
+            Self::Size(name) => write!(f, "`{name}` would have more than {} MB", MAX_FILE_BYTES >> 20),
+        }
+    }
+}
+
+impl From<minijinja::Error> for TemplateFailure {
+    fn from(failure: minijinja::Error) -> Self {
+        Self::Engine(failure)
+    }
+}
+
+/// The text that a template has written so far, up to a limit.
 #[derive(Default)]
 struct Bounded(Vec<u8>);
 
@@ -55,14 +89,13 @@ impl ControllerTarget {
         tables: &Arc<CorrectionTables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
-        afresh();
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let words = TableWords { target: self, machine, tables, letters: &letters };
         let writer = Writer { words, environment: environment() };
         match writer.files(|_| true) {
             Ok(files) => Some(files),
-            Err(message) => {
-                diagnostics.push(self.failed(&message));
+            Err(failure) => {
+                diagnostics.push(self.failed(&failure));
                 None
             }
         }
@@ -77,7 +110,6 @@ impl ControllerTarget {
         beside: &Arc<CorrectionTables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
-        afresh();
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let words = TableWords { target: self, machine, tables: beside, letters: &letters };
         let writer = Writer { words, environment: environment() };
@@ -88,30 +120,33 @@ impl ControllerTarget {
                 let context = context! {
                     machine => machine.name(), version => env!("CARGO_PKG_VERSION"), beside => beside.clone(), ..own.clone()
                 };
-                self.rendered(&writer.environment, spec, template, context)
+                rendered(&writer.environment, spec, template, context)
             };
             let once = self.manifest.files.iter().zip(&self.templates).filter(|(spec, _)| !spec.is_of_tables());
-            let mut files: Vec<RenderedFile> = once.map(file).collect::<Result<_, String>>()?;
+            let mut files: Vec<RenderedFile> = once.map(file).collect::<Result<_, TemplateFailure>>()?;
             files.extend(tables);
-            Ok::<_, String>(files)
+            Ok::<_, TemplateFailure>(files)
         };
-        files().map_err(|message| diagnostics.push(self.failed(&message))).ok()
+        files().map_err(|failure| diagnostics.push(self.failed(&failure))).ok()
     }
 
-    fn failed(&self, message: &str) -> Diagnostic {
-        Diagnostic::new(codes::E0702, format!("target `{}`: {message}", self.manifest.target)).help(
+    fn failed(&self, failure: &TemplateFailure) -> Diagnostic {
+        Diagnostic::new(codes::E0702, format!("target `{}`: {failure}", self.manifest.target)).help(
             "docs/adding-a-target.md says what templates are given and how long they may run; nothing was written",
         )
     }
 
     /// Names of the files that hold a table of their own for each axis, in the order of the joints:
     /// (index of the axis, file name).
-    pub(crate) fn axis_files(&self, machine: &Machine, spec: &FileSpec) -> Result<Vec<(usize, String)>, String> {
+    pub(crate) fn axis_files(
+        &self,
+        machine: &Machine,
+        spec: &FileSpec,
+    ) -> Result<Vec<(usize, String)>, TemplateFailure> {
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
-        let environment = environment();
         let name = |(joint, (axis, letter)): (usize, &(usize, String))| {
             let own = context! { joint, letter, name => machine.axes()[*axis].name.as_str() };
-            self.file_name(&environment, spec, own).map(|name| (*axis, name))
+            file_name(spec, own).map(|name| (*axis, name))
         };
         letters.iter().enumerate().map(name).collect()
     }
@@ -129,42 +164,21 @@ fn environment() -> Environment<'static> {
     environment
 }
 
-fn file_name(environment: &Environment, spec: &FileSpec, own: Value) -> Result<String, String> {
-    let name = environment.render_str(&spec.path, own).map_err(|failure| describe(&failure))?;
-    if is_plain_name(&name) { Ok(name) } else { Err(format!("`{name}` is not a plain file name")) }
+/// Renders the name of a file: expressions without filters and functions.
+fn file_name(spec: &FileSpec, own: Value) -> Result<String, TemplateFailure> {
+    let mut environment = Environment::empty();
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.set_fuel(Some(NAME_FUEL));
+    let name = environment.render_str(&spec.path, own)?;
+    if is_plain_name(&name) { Ok(name) } else { Err(TemplateFailure::Name(name)) }
 }
 
 impl ControllerTarget {
-    /// The name of a file; what it is made of may come from the user.
-    fn file_name(&self, shared: &Environment, spec: &FileSpec, own: Value) -> Result<String, String> {
-        if !self.own {
-            return file_name(shared, spec, own);
-        }
-        let spec = spec.clone();
-        within(move || file_name(&environment(), &spec, own))
-    }
-
-    /// A file; its template may come from the user.
-    fn rendered(
-        &self,
-        shared: &Environment,
-        spec: &FileSpec,
-        template: &str,
-        context: Value,
-    ) -> Result<RenderedFile, String> {
-        if !self.own {
-            return rendered(shared, spec, template, context);
-        }
-        let (spec, template) = (spec.clone(), template.to_owned());
-        within(move || rendered(&environment(), &spec, &template, context))
-    }
-
     /// A file's name for every letter and every place that an axis of it could have.
     pub(crate) fn names_of_letters(&self, spec: &FileSpec, letters: &str) -> Vec<String> {
-        let environment = environment();
         let name = |(joint, letter): (usize, char)| {
             let own = context! { joint, letter => letter.to_string(), name => letter.to_string() };
-            self.file_name(&environment, spec, own).ok()
+            file_name(spec, own).ok()
         };
         let places = 0..letters.len();
         let mut names: Vec<String> =
@@ -175,25 +189,20 @@ impl ControllerTarget {
     }
 }
 
-fn describe(failure: &minijinja::Error) -> String {
-    let line = failure.line().map_or_else(String::new, |line| format!(" (template line {line})"));
-    format!("{failure}{line}")
-}
-
 fn rendered(
     environment: &Environment,
     spec: &FileSpec,
     template: &str,
     context: Value,
-) -> Result<RenderedFile, String> {
-    let name = file_name(environment, spec, context.clone())?;
-    let compiled = environment.template_from_str(template).map_err(|failure| describe(&failure))?;
+) -> Result<RenderedFile, TemplateFailure> {
+    let name = file_name(spec, context.clone())?;
+    let compiled = environment.template_from_str(template)?;
     let mut text = Bounded::default();
-    let _ = compiled.render_captured_to(context, &mut text).map_err(|failure| match failure.kind() {
-        minijinja::ErrorKind::WriteFailure => format!("`{name}` would have more than {} MB", MAX_FILE_BYTES >> 20),
-        _ => describe(&failure),
-    })?;
-    Ok(RenderedFile { name, bytes: text.0 })
+    match compiled.render_captured_to(context, &mut text) {
+        Ok(_) => Ok(RenderedFile { name, bytes: text.0 }),
+        Err(failure) if failure.kind() == minijinja::ErrorKind::WriteFailure => Err(TemplateFailure::Size(name)),
+        Err(failure) => Err(failure.into()),
+    }
 }
 
 /// What a file is rendered from.
@@ -203,7 +212,7 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    fn files(&self, keep: impl Fn(&FileSpec) -> bool) -> Result<Vec<RenderedFile>, String> {
+    fn files(&self, keep: impl Fn(&FileSpec) -> bool) -> Result<Vec<RenderedFile>, TemplateFailure> {
         let mut files = Vec::new();
         let target = self.words.target;
         for (spec, template) in target.manifest.files.iter().zip(&target.templates).filter(|(spec, _)| keep(spec)) {
@@ -223,8 +232,8 @@ impl Writer<'_> {
         Ok(files)
     }
 
-    fn file(&self, spec: &FileSpec, template: &str, context: Value) -> Result<RenderedFile, String> {
-        self.words.target.rendered(&self.environment, spec, template, context)
+    fn file(&self, spec: &FileSpec, template: &str, context: Value) -> Result<RenderedFile, TemplateFailure> {
+        rendered(&self.environment, spec, template, context)
     }
 
     fn limits(&self, axis: usize) -> (f64, f64) {
@@ -241,14 +250,14 @@ impl Writer<'_> {
     }
 
     /// An axis; with its tables in the file of an axis.
-    fn axis_context(&self, joint: usize, of: Option<Per>) -> Result<Value, String> {
+    fn axis_context(&self, joint: usize, of: Option<Per>) -> Result<Value, TemplateFailure> {
         let (machine, target) = (self.words.machine, self.words.target);
         let (index, letter) = &self.words.letters[joint];
         let axis = &machine.axes()[*index];
         let (min, max) = self.limits(*index);
         let mut per_axis = target.manifest.files.iter().filter(|spec| spec.per == Per::Axis);
         let own = context! { joint, letter, name => axis.name.as_str() };
-        let file = per_axis.next().map(|spec| target.file_name(&self.environment, spec, own)).transpose()?;
+        let file = per_axis.next().map(|spec| file_name(spec, own)).transpose()?;
         let tables = of.map(|per| self.words.tables(|table| per.holds(*index, table)));
         let own = of.map(|_| self.words.own_points(*index));
         Ok(context! {
@@ -272,7 +281,7 @@ impl Writer<'_> {
         }
     }
 
-    fn machine_context(&self, spec: &FileSpec) -> Result<Value, String> {
+    fn machine_context(&self, spec: &FileSpec) -> Result<Value, TemplateFailure> {
         let axes =
             (0..self.words.letters.len()).map(|joint| self.axis_context(joint, None)).collect::<Result<Vec<_>, _>>()?;
         let (columns, rows) = self.words.lattice().unzip();

@@ -3,6 +3,7 @@
 use super::Manifest;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::syntax::{Files, read_text};
+use std::fmt::{Display, Formatter};
 use std::path::Path;
 
 /// Targets in the binary.
@@ -93,8 +94,6 @@ pub struct ControllerTarget {
     /// What it can do.
     pub manifest: Manifest,
     pub(crate) templates: Vec<String>,
-    /// Is it a folder of the user's?
-    pub(crate) own: bool,
 }
 
 impl ControllerTarget {
@@ -118,14 +117,13 @@ impl ControllerTarget {
         };
         let manifest: Manifest = serde_yaml::from_str(&text("target.yaml")?).ok()?;
         let templates = manifest.files.iter().map(|file| text(&file.template)).collect::<Option<Vec<_>>>()?;
-        Some(Self { manifest, templates, own: false })
+        Some(Self { manifest, templates })
     }
 
     fn from_folder(folder: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Self> {
         let mut text = |file: &str| read_text(&folder.join(file), None, files, diagnostics).map(|(_, text)| text);
         let manifest = text("target.yaml")?;
-        let understood = serde_yaml::from_str(&manifest).map_err(|failure| failure.to_string()).and_then(sound);
-        let manifest = match understood {
+        let manifest = match sound(&manifest) {
             Ok(manifest) => manifest,
             Err(fault) => {
                 let message = format!("`{}`: {fault}", folder.join("target.yaml").display());
@@ -135,15 +133,40 @@ impl ControllerTarget {
             }
         };
         let templates = manifest.files.iter().map(|file| text(&file.template)).collect::<Option<Vec<_>>>()?;
-        Some(Self { manifest, templates, own: true })
+        Some(Self { manifest, templates })
     }
 }
 
-/// A manifest that can be worked with.
-fn sound(manifest: Manifest) -> Result<Manifest, String> {
-    let astray = manifest.files.iter().find(|file| !is_plain_name(&file.template));
-    let astray = astray.map(|file| format!("the template `{}` is not a plain file name", file.template));
-    manifest.fault().or(astray).map_or(Ok(manifest), Err)
+/// The reason why a manifest is refused.
+enum ManifestFault {
+    /// It is no YAML, or has other keys.
+    Syntax(serde_yaml::Error),
+    /// Its keys do not fit together.
+    Unsound(String),
+    /// A template stands outside the target's folder.
+    Template(String),
+}
+
+impl Display for ManifestFault {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Syntax(failure) => write!(f, "{failure}"),
+            Self::Unsound(fault) => f.write_str(fault),
+            Self::Template(name) => write!(f, "the template `{name}` is not a plain file name"),
+        }
+    }
+}
+
+/// Reads a manifest that can be worked with.
+fn sound(text: &str) -> Result<Manifest, ManifestFault> {
+    let manifest: Manifest = serde_yaml::from_str(text).map_err(ManifestFault::Syntax)?;
+    if let Some(fault) = manifest.fault() {
+        return Err(ManifestFault::Unsound(fault));
+    }
+    match manifest.files.iter().find(|file| !is_plain_name(&file.template)) {
+        Some(file) => Err(ManifestFault::Template(file.template.clone())),
+        None => Ok(manifest),
+    }
 }
 
 /// A name that cannot leave its folder.
