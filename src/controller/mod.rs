@@ -28,6 +28,6 @@ pub use kinematics::{KinematicsModule, Model, ModuleField, ModuleWords, Setting,
 pub use manifest::{
     Certainty, Controller, ControllerTarget, FileSpec, Layout, Level, Manifest, NAMES, assigned_letters, is_plain_name,
 };
-pub use read::{Found, ReadBack, RecognisedSet, recognise};
+pub use read::{NamedText, ReadBack, RecognisedSet, recognise};
 pub use replay::{Compensated, Replay};
 pub use single_errors::{certify, certify_kinematics};
