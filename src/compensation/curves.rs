@@ -38,7 +38,9 @@ impl AxisCurves<'_> {
         let given = |direction: Direction| matches!(errors.location[direction.index()], Some(ErrorTerm::Constant(_)));
         let values = located(self.machine, self.axis);
         let written = written(point(self.machine, self.axis, ErrorFamily::Location), given);
-        written.map(|direction| self.curve(ErrorFamily::Location, direction, &[], &[values[direction.index()]])).collect()
+        written
+            .map(|direction| self.curve(ErrorFamily::Location, direction, &[], &[values[direction.index()]]))
+            .collect()
     }
 
     fn sampled(&self) -> Vec<ErrorCurve> {
@@ -55,7 +57,10 @@ impl AxisCurves<'_> {
             .positions(self.rules, &Columns { value: &weighed, stored: &|x| x });
         let values =
             |direction: Direction| -> Vec<f64> { positions.iter().map(|q| at(*q)[direction.index()]).collect() };
-        written.into_iter().map(|direction| self.curve(ErrorFamily::Component, direction, &positions, &values(direction))).collect()
+        written
+            .into_iter()
+            .map(|direction| self.curve(ErrorFamily::Component, direction, &positions, &values(direction)))
+            .collect()
     }
 }
 

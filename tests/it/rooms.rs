@@ -38,7 +38,7 @@ const KNOWN: [&[&str]; 7] = [
 ];
 
 /// The rooms of `controller`: each may import those before it.
-const ROOMS: [&str; 6] = ["manifest", "replay", "emit", "read", "kinematics", "certificate"];
+const ROOMS: [&str; 7] = ["manifest", "replay", "emit", "read", "kinematics", "certificate", "single_errors"];
 
 /// A module: its path below `crate` and what its file imports.
 struct Module {

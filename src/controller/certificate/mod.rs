@@ -11,6 +11,7 @@
 //! both folders to that.
 
 mod depth;
+mod effect;
 mod figures;
 mod module;
 mod sign_test;
@@ -18,7 +19,11 @@ mod single_error;
 mod tables;
 mod zero_shift;
 
+use crate::machine::Approach;
+use sign_test::Strongest;
+
 pub use depth::Depth;
+pub use effect::Effect;
 pub use figures::{Figures, ROUNDING_UM, RaisedFigure, micro};
 pub use single_error::{ErrorLeft, Handled};
 pub use tables::JudgedTables;
@@ -27,9 +32,6 @@ pub use zero_shift::ZeroShift;
 pub(super) use depth::{LatticeShare, single_error_poses};
 pub(super) use module::{ModuleSet, SingleErrorModule, judge_module};
 pub(super) use tables::judge_tables;
-
-use crate::machine::Approach;
-use sign_test::Strongest;
 
 /// A certificate: the deviations that a set of files leaves, over the volume and error by error.
 #[derive(Debug, Clone)]
