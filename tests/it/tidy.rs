@@ -262,7 +262,7 @@ const JUDGES_MAY_IMPORT: [(&str, &[&str]); 3] = [
 
 /// Methods that judges may call although a filler has one of the same name: their own, those of a field at one pose, views
 /// of tables and rules, and names of the machine, of nalgebra and of the standard library.
-const JUDGES_MAY_CALL: [&str; 15] = [
+const JUDGES_MAY_CALL: [&str; 16] = [
     "any",
     "axes",
     "chain",
@@ -271,6 +271,7 @@ const JUDGES_MAY_CALL: [&str; 15] = [
     "curve",
     "deviation",
     "dot",
+    "is_bidirectional",
     "is_empty",
     "iter",
     "len",
