@@ -8,7 +8,8 @@ use abbe::{CompensationOptions, CompileOptions, Diagnostics, LoadOptions, Run};
 pub fn main() -> Result<(), Diagnostics> {
     let run = Run::on_disk();
     let machine = abbe::load("configs/trunnion.yaml", &LoadOptions::default(), run)?;
-    let compensation = CompensationOptions { templates: Some("docs/examples".into()), ..CompensationOptions::default() };
+    let compensation =
+        CompensationOptions { templates: Some("docs/examples".into()), ..CompensationOptions::default() };
     let options = CompileOptions { target: "northmill".to_owned(), compensation, ..CompileOptions::default() };
     let set = abbe::compile(&machine, &options, run)?;
     for file in &set.files {

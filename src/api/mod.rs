@@ -8,6 +8,7 @@
 //! into the sinks that the caller gave it.
 
 mod certificate;
+mod check;
 pub(crate) mod compensation;
 mod compile;
 mod diff;
@@ -17,6 +18,7 @@ mod summary;
 mod verify;
 
 pub use certificate::CertificateReport;
+pub use check::{CheckedFile, annotations, check};
 pub use compensation::options::{CompensationOptions, CorrectingAxes};
 pub use compile::{CompileOptions, CompiledSet, compile};
 pub use diff::{AxisDifference, DiffOptions, SetDifference, diff};
