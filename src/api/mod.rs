@@ -9,19 +9,32 @@
 
 mod certificate;
 mod check;
+mod classify;
 pub(crate) mod compensation;
 mod compile;
+mod convert;
 mod diff;
+mod identify;
+mod import;
 mod machine_file;
+pub(crate) mod poses;
 pub(crate) mod run;
 mod summary;
 mod verify;
 
 pub use certificate::CertificateReport;
 pub use check::{CheckedFile, annotations, check};
+pub use classify::{Classification, ClassifyOptions, MotionWithErrors, NoMotion, SixErrors, classify};
 pub use compensation::options::{CompensationOptions, CorrectingAxes};
 pub use compile::{CompileOptions, CompiledSet, compile};
+pub use convert::{ConversionProof, ConvertOptions, ConvertResult, ConvertedError, MisfitSize, convert};
 pub use diff::{AxisDifference, DiffOptions, SetDifference, diff};
+pub use identify::{
+    ExpectedParameter, FittedParameter, IdentifyOptions, IdentifyResult, KindResidual, MeasurementPlan,
+    MonomialCoefficient, MonomialComponent, MonomialFit, NamedSvg, OrderShares, OutlierPlace, PlanOptions, PlannedPose,
+    RepeatedReadings, ResidualTest, Rms, RmsBeforeAfter, ScatterOfKind, fit_monomials, identify, plan_measurements,
+};
+pub use import::{ImportOptions, ImportResult, ImportedError, LeftOutRow, import};
 pub use machine_file::{LoadOptions, MachineFile, load, loads};
 pub use run::{Answer, Monitor, Run};
 pub use summary::{AxisSummary, ErrorCounts, MachineSummary, summary};
@@ -32,7 +45,7 @@ pub use crate::controller::{
     Certificate, ControllerTarget, ErrorLeft, Figures, Handled, Hashed, Limits, Lock, ROUNDING_UM, RenderedFile, micro,
 };
 pub use crate::diagnostic::{Diagnostic, Diagnostics, Severity, codes};
-pub use crate::evaluate::{Statistics, Summary};
+pub use crate::evaluate::{Frame, Order, Statistics, Summary};
 pub use crate::machine::{Approach, Axis, AxisKind, Machine};
 pub use crate::syntax::{Disk, Files, MemoryFiles};
 pub use crate::units::{number, significant};

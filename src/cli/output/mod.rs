@@ -4,7 +4,6 @@ pub(super) mod algebra;
 pub(super) mod budgets;
 pub(super) mod certificate;
 pub(super) mod effects;
-pub(super) mod identify_remarks;
 pub(super) mod identify_report;
 pub(super) mod map_output;
 pub(super) mod map_picture;
