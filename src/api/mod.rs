@@ -14,12 +14,15 @@ pub(crate) mod compensation;
 mod compile;
 mod convert;
 mod diff;
+mod explain;
 mod identify;
 mod import;
 mod machine_file;
 pub(crate) mod poses;
 pub(crate) mod run;
+mod starter;
 mod summary;
+mod targets;
 mod verify;
 
 pub use certificate::CertificateReport;
@@ -29,6 +32,7 @@ pub use compensation::options::{CompensationOptions, CorrectingAxes};
 pub use compile::{CompileOptions, CompiledSet, compile};
 pub use convert::{ConversionProof, ConvertOptions, ConvertResult, ConvertedError, MisfitSize, convert};
 pub use diff::{AxisDifference, DiffOptions, SetDifference, diff};
+pub use explain::{Explanation, explain};
 pub use identify::{
     ExpectedParameter, FittedParameter, IdentifyOptions, IdentifyResult, KindResidual, MeasurementPlan,
     MonomialCoefficient, MonomialComponent, MonomialFit, NamedSvg, OrderShares, OutlierPlace, PlanOptions, PlannedPose,
@@ -37,7 +41,9 @@ pub use identify::{
 pub use import::{ImportOptions, ImportResult, ImportedError, LeftOutRow, import};
 pub use machine_file::{LoadOptions, MachineFile, load, loads};
 pub use run::{Answer, Monitor, Run};
+pub use starter::{Starter, schema, starter};
 pub use summary::{AxisSummary, ErrorCounts, MachineSummary, summary};
+pub use targets::{Sureness, TargetSummary, targets};
 pub use verify::{ReplayPosition, VerifyOptions, replay, set_manifest, verify};
 
 pub use crate::compensation::{Fit, Goal, Stored};

@@ -212,6 +212,6 @@ fn completions(session: &Session, shell: clap_complete::Shell) -> Outcome {
 }
 
 fn schema(session: &Session) -> Outcome {
-    session.print(&format!("{:#}", crate::syntax::schema()));
+    session.print(&format!("{:#}", crate::api::schema()));
     Ok(())
 }
