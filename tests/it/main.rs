@@ -23,6 +23,7 @@ mod equations;
 mod eval_exact;
 mod eval_order;
 mod every_target;
+mod examples;
 mod golden_signs;
 mod handmade;
 mod identify;
