@@ -1,8 +1,8 @@
 //! Fits the squareness of Y to X to measured deviations, all from text.
 
-#![allow(clippy::print_stdout)]
+#![allow(clippy::print_stdout, reason = "an example prints")]
 
-use abbe::api::{IdentifyOptions, IdentifyResult, LoadOptions, Run, identify, loads};
+use abbe::{Diagnostics, IdentifyOptions, IdentifyResult, LoadOptions, Run};
 
 const MACHINE: &str = r#"
 abbe: 1
@@ -23,19 +23,19 @@ X [mm],Y [mm],Z [mm],dx [um],dy [um],dz [um]
 ";
 
 /// Returns the fit, with the fitted machine file.
-pub fn fit() -> Result<IdentifyResult, Box<dyn std::error::Error>> {
-    let machine = loads(MACHINE, &LoadOptions::default(), Run::default())?;
+pub fn fit() -> Result<IdentifyResult, Diagnostics> {
+    let machine = abbe::loads(MACHINE, &LoadOptions::default(), Run::default())?;
     let options = IdentifyOptions {
         texts: vec![("measured.csv".to_owned(), MEASURED.to_owned())],
         fit: vec!["EC0Y".to_owned()],
         machine_file: true,
         ..IdentifyOptions::default()
     };
-    Ok(identify(&machine, &options, Run::default())?.value)
+    Ok(abbe::identify(&machine, &options, Run::default())?.value)
 }
 
 /// Prints the parameters with their standard uncertainty, then the fitted machine file.
-pub fn main() -> Result<(), Box<dyn std::error::Error>> {
+pub fn main() -> Result<(), Diagnostics> {
     let fit = fit()?;
     for parameter in &fit.parameters {
         println!("{} = {:.2} {}, sigma {:.2?}", parameter.name, parameter.value, parameter.unit, parameter.sigma);

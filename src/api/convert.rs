@@ -193,7 +193,7 @@ fn changed(file: &MachineFile, wish: &Wish) -> Vec<String> {
     if all.is_empty() { vec!["nothing to convert".to_owned()] } else { all }
 }
 
-/// Where the numbers of the file come from. No date: the same input gives the same bytes.
+/// The source of the numbers in the file. No date: the same input gives the same bytes.
 fn provenance(file: &MachineFile, changed: &[String], proved: &str) -> Vec<(String, String)> {
     let name = file.path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let tame = |text: &str| shown(text).chars().take(180).collect::<String>();

@@ -43,7 +43,7 @@ pub use machine_file::{LoadOptions, MachineFile, load, loads};
 pub use run::{Answer, Monitor, Run};
 pub use starter::{Starter, schema, starter};
 pub use summary::{AxisSummary, ErrorCounts, MachineSummary, summary};
-pub use targets::{Sureness, TargetSummary, targets};
+pub use targets::{TargetCertainty, TargetSummary, targets};
 pub use verify::{ReplayPosition, VerifyOptions, replay, set_manifest, verify};
 
 pub use crate::compensation::{Fit, Goal, Stored};

@@ -1,4 +1,4 @@
-//! What each controller can express, its limits, and how sure its facts are.
+//! The controllers: their mechanisms, their limits, and the certainty of these facts.
 
 use crate::compensation::{KinematicsMechanism, ModuleContent, Spacing, TableRules};
 use crate::controller::{Certainty, ControllerTarget, NAMES};
@@ -21,22 +21,22 @@ pub struct TargetSummary {
     pub limits: String,
     /// A test of the sign at the machine.
     pub sign_test: String,
-    /// How sure the syntax is.
-    pub syntax: Sureness,
-    /// How sure the sign is.
-    pub sign: Sureness,
+    /// Certainty of the syntax.
+    pub syntax: TargetCertainty,
+    /// Certainty of the sign.
+    pub sign: TargetCertainty,
 }
 
-/// How sure a fact is, and its source.
+/// Certainty of a fact, with its source.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Sureness {
-    /// A word for it.
+pub struct TargetCertainty {
+    /// Level in a word.
     pub level: &'static str,
     /// The source.
     pub source: String,
 }
 
-impl Sureness {
+impl TargetCertainty {
     fn of(certainty: &Certainty) -> Self {
         Self { level: certainty.level.word(), source: certainty.source.clone() }
     }
@@ -63,8 +63,8 @@ impl TargetSummary {
             cannot: m.cannot.clone(),
             limits: limits(target),
             sign_test: m.sign_test.trim().to_owned(),
-            syntax: Sureness::of(&m.certainty.syntax),
-            sign: Sureness::of(&m.certainty.sign),
+            syntax: TargetCertainty::of(&m.certainty.syntax),
+            sign: TargetCertainty::of(&m.certainty.sign),
         }
     }
 

@@ -89,7 +89,7 @@ pub fn identify(
     })
 }
 
-/// What is fitted, and to which data.
+/// The unknowns and the data of a fit.
 struct Problem {
     request: IdentifyEntry,
     unknowns: Vec<Parameter>,

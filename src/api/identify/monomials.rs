@@ -46,7 +46,7 @@ pub struct MonomialComponent {
 pub struct Rms {
     /// As measured.
     pub before: f64,
-    /// Of the residuals.
+    /// After the fit.
     pub after: f64,
 }
 

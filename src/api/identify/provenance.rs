@@ -1,4 +1,4 @@
-//! Where the numbers of a fitted file come from. No date: the same input gives the same bytes.
+//! The source of the numbers in a fitted file. No date: the same input gives the same bytes.
 
 use super::{Fitted, IdentifyOptions, Problem};
 use crate::api::machine_file::MachineFile;

@@ -15,7 +15,7 @@ const HUGE: f64 = 5.0;
 /// Half of them nearer than this (mm) are finer than instruments read.
 const TINY: f64 = 1e-5;
 
-/// All that is to be said of a fit.
+/// The warnings about a fit.
 pub(super) fn all(fitted: &Fitted<'_>, sources: &Sources) -> Vec<Diagnostic> {
     let unsettled = || {
         let message = format!("the fit has not settled after {} steps", fitted.fit.steps);
@@ -97,7 +97,7 @@ fn sizes(fitted: &Fitted<'_>) -> Option<Diagnostic> {
 
 /// Curves for a direction of approach in which nothing was read that they move.
 fn one_sided(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    let told = |p: &Parameter, t: &Term| {
+    let read = |p: &Parameter, t: &Term| {
         let moves = |m: &Measurement| match m.reading {
             Reading::Error { source, .. } => p.terms.iter().any(|t| t.source == source),
             _ => true,
@@ -105,7 +105,7 @@ fn one_sided(fitted: &Fitted<'_>) -> Option<Diagnostic> {
         let from = |m: &Measurement| m.approach == t.approach || m.approach == Approach::Mean;
         fitted.data.iter().any(|m| from(m) && moves(m))
     };
-    let unread = |p: &&Parameter| p.terms.iter().any(|t| t.approach != Approach::Mean && !told(p, t));
+    let unread = |p: &&Parameter| p.terms.iter().any(|t| t.approach != Approach::Mean && !read(p, t));
     let mut names: Vec<&str> =
         fitted.unknowns.iter().filter(unread).map(|p| p.name.split(':').next().unwrap_or_default()).collect();
     names.dedup();

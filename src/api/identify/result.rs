@@ -20,7 +20,7 @@ pub struct FittedParameter {
     pub unit: String,
     /// Standard uncertainties that a 95 % interval reaches to either side.
     pub coverage_factor_95: Option<f64>,
-    /// How many times better the effect of the parameter is known than one reading; 0 if the value is free.
+    /// Standard deviation of a reading over that of the parameter's effect on a usual reading; 0 if the value is free.
     pub valuation: f64,
 }
 
@@ -44,7 +44,7 @@ pub struct RmsBeforeAfter {
     pub before: f64,
     /// Against the fitted machine.
     pub after: f64,
-    /// Of readings that were left out of the fit that predicts them, if asked for.
+    /// Against fits without the readings that they predict, if asked for.
     pub held_out: Option<f64>,
 }
 
@@ -74,11 +74,11 @@ pub struct RepeatedReadings {
 /// Deviations by the order of the errors that make them, root mean square over the readings, um.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OrderShares {
-    /// Of first order.
+    /// First order.
     pub first: f64,
-    /// Of second order.
+    /// Second order.
     pub second: f64,
-    /// Of all higher orders.
+    /// All higher orders.
     pub higher: f64,
     /// Residual of the model of order 1.
     pub left_by_first: f64,
@@ -100,16 +100,16 @@ pub struct KindResidual {
     pub words: String,
 }
 
-/// Tests of residuals for randomness, as probabilities of residuals that are noise.
+/// Tests of residuals for randomness; the probabilities hold if the residuals are noise.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResidualTest {
     /// Readings tested.
     pub of: String,
     /// Number of residuals.
     pub count: usize,
-    /// Of a normal distribution.
+    /// Probability of residuals so far from a normal distribution.
     pub normality: f64,
-    /// Of as many runs of one sign.
+    /// Probability of so few or so many runs of one sign.
     pub runs: f64,
     /// Correlation of a residual with the one before it.
     pub lag1: f64,

@@ -1,4 +1,4 @@
-//! What `abbe identify` prints.
+//! The result of `abbe identify` as text and CSV.
 
 use super::view::table;
 use crate::api::{FittedParameter, IdentifyResult, RepeatedReadings, ResidualTest};

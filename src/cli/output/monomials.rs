@@ -1,4 +1,4 @@
-//! What `abbe identify --method moore-penrose` prints.
+//! The result of `abbe identify --method moore-penrose` as text and CSV.
 
 use super::view::table;
 use crate::api::{MonomialCoefficient, MonomialComponent, MonomialFit};

@@ -1,4 +1,4 @@
-//! What `abbe identify --plan` prints.
+//! The result of `abbe identify --plan` as text.
 
 use super::view::table;
 use crate::api::MeasurementPlan;

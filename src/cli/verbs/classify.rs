@@ -11,7 +11,7 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// A YAML file: `matrix` with entries `number` or `[real, i-part]`, or `real` and `dual`; mm and rad.
     matrix: PathBuf,
-    /// How far entries may be from those of a motion.
+    /// Largest difference of entries from those of a motion.
     #[arg(long, default_value = "1e-9")]
     tolerance: f64,
 }

@@ -19,14 +19,14 @@ pub(crate) struct Args {
     /// Let location errors count from the actual line of this axis instead of the machine frame (`axis_only`).
     #[arg(long, value_name = "AXIS")]
     datum: Option<String>,
-    /// Accept a machine that differs by so much; rotations by so much over a metre. Without it nothing but rounding
+    /// Accept a machine that differs by up to this length; rotations by this over a metre. Without it only rounding
     /// is accepted.
     #[arg(long, value_name = "LENGTH", value_parser = distance)]
     within: Option<f64>,
-    /// Where to write the converted machine.
+    /// Write the converted machine to this file.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Which of the machine's tools is the first of the new file.
+    /// Tool of the machine that becomes the first of the new file.
     #[arg(long)]
     tool: Option<String>,
 }

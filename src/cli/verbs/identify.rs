@@ -20,14 +20,14 @@ pub(crate) struct Args {
     /// lines, single errors (docs/identification.md).
     #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "plan")]
     data: Vec<PathBuf>,
-    /// What to fit: `location`, `tool`, `workpiece`, `spindle`, `linear`, error names, `EXX:poly3` (default: the
+    /// Parameters to fit: `location`, `tool`, `workpiece`, `spindle`, `linear`, error names, `EXX:poly3` (default: the
     /// section `identify` of the machine file).
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     fit: Vec<String>,
-    /// What keeps its value although a group names it.
+    /// Parameters that keep their value although a group names them.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     fixed: Vec<String>,
-    /// Where to write the fitted machine.
+    /// Write the fitted machine to this file.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Frame in which the deviations were measured.
@@ -36,7 +36,7 @@ pub(crate) struct Args {
     /// The model: `exact`, or of order 1 or 2 of the dual numbers.
     #[arg(long, value_name = "N|exact", default_value = "exact", value_parser = order)]
     order: Order,
-    /// How: all components at once on the model itself, or the papers' way, each for itself on the monomials.
+    /// Method: all components at once on the model itself, or as in the papers, each for itself on the monomials.
     #[arg(long, value_enum, default_value = "joint")]
     method: Method,
     /// Draw prediction and data over the planes of the linear axes, as SVG files in this folder.
@@ -48,8 +48,8 @@ pub(crate) struct Args {
     /// Check the prediction: leave out every measurement once, in this many parts.
     #[arg(long, value_name = "PARTS", value_parser = clap::value_parser!(u16).range(2..))]
     folds: Option<u16>,
-    /// Propose so many poses to measure, and say how well they will tell the parameters. Nothing is fitted.
-    #[arg(long, value_name = "POSES", conflicts_with_all = ["data", "out", "folds", "robust"],
+    /// Propose N poses to measure, with the uncertainty that the parameters will have. Nothing is fitted.
+    #[arg(long, value_name = "N", conflicts_with_all = ["data", "out", "folds", "robust"],
           value_parser = clap::value_parser!(u16).range(1..=1000))]
     plan: Option<u16>,
     /// Standard deviation of a reading to plan with.
@@ -58,7 +58,7 @@ pub(crate) struct Args {
     /// Seed of the poses to choose from.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Which of the machine's tools was in use where the data name none.
+    /// Tool of the machine that was in use where the data name none.
     #[arg(long)]
     tool: Option<String>,
 }

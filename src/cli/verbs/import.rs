@@ -29,7 +29,7 @@ pub(crate) struct Args {
     /// The axis turns without end: positions modulo 360 deg, first row again at the end.
     #[arg(long)]
     continuous: bool,
-    /// Where to write the table.
+    /// Write the table to this file.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
