@@ -88,9 +88,11 @@ fn usage_after_parsing_is_json_too() {
 fn denied_warnings_refuse_in_json() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/diagnostics/W0402-inert/machine.yaml");
     let accepted = json_with_complaint(&["check", text(&file), "--format", "json"]);
-    let warning = accepted["warnings"][0]["code"].as_str().unwrap().to_owned();
+    let warnings = accepted["warnings"].as_array().unwrap();
+    let warned: Vec<&str> = warnings.iter().map(|warning| warning["code"].as_str().unwrap()).collect();
     let (code, refusal) = document(&["check", text(&file), "--format", "json", "--deny", "warnings"]);
-    assert_eq!((code, codes(&refusal)), (1, vec![&*warning]));
+    assert!(!warned.is_empty());
+    assert_eq!((code, codes(&refusal)), (1, warned));
     assert_eq!(refusal["diagnostics"][0]["severity"], "refusal");
 }
 
