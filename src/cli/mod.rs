@@ -36,9 +36,9 @@ struct Cli {
 /// Options of every verb.
 #[derive(Debug, Clone, clap::Args)]
 struct Global {
-    /// What goes to standard output; json and csv are the only thing there.
+    /// Form of standard output; json, csv and sarif are the only thing there.
     #[arg(long, global = true, value_enum, default_value = "text")]
-    format: Format,
+    format: FormatArg,
     /// No warnings, no progress.
     #[arg(long, global = true)]
     quiet: bool,
@@ -53,14 +53,24 @@ struct Global {
     confined: bool,
 }
 
-/// Form of the output.
+/// Form of the output, as an argument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
+enum FormatArg {
     /// For people.
     Text,
     /// For programs; see the contracts in docs/formats.md.
     Json,
     /// For spreadsheets.
+    Csv,
+    /// For annotations in reviews: diagnostics as SARIF 2.1.0 (only `check`).
+    Sarif,
+}
+
+/// Form of the output of a verb.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Text,
+    Json,
     Csv,
 }
 
@@ -170,6 +180,9 @@ fn usage(message: &clap::Error) -> ExitCode {
 }
 
 fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
+    if session.is_sarif() && !matches!(verb, Verb::Check(_)) {
+        return session.usage("`--format sarif` goes with `check` only");
+    }
     match verb {
         Verb::Eval(args) => eval::run(session, &args),
         Verb::Classify(args) => classify::run(session, &args),
@@ -204,6 +217,6 @@ fn completions(session: &Session, shell: clap_complete::Shell) -> Outcome {
 }
 
 fn schema(session: &Session) -> Outcome {
-    session.print(&format!("{:#}", crate::syntax::schema()));
+    session.print(&format!("{:#}", crate::api::schema()));
     Ok(())
 }

@@ -5,12 +5,16 @@
 //! renders them all at the end. Nothing here prints.
 
 pub mod codes;
+mod record;
 mod render;
+mod sarif;
 mod shown;
 mod suggest;
 
 pub use codes::{CODES, Code, info};
+pub use record::{DiagnosticRecord, PlaceRecord, PlaceStart, WarningRecord};
 pub use render::{Rendering, render, summary};
+pub use sarif::sarif;
 pub(crate) use shown::is_layout;
 pub use shown::shown;
 pub use suggest::{did_you_mean, nearest};

@@ -5,6 +5,7 @@
 #![allow(clippy::disallowed_methods)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr, clippy::print_stdout)]
 
+mod annotations;
 mod bad_input;
 mod budget;
 mod certificate;
@@ -23,6 +24,7 @@ mod equations;
 mod eval_exact;
 mod eval_order;
 mod every_target;
+mod examples;
 mod faults;
 mod golden_signs;
 mod handmade;

@@ -2,7 +2,6 @@
 
 pub(super) mod budgets;
 pub(super) mod certificate;
-pub(super) mod identify_remarks;
 pub(super) mod identify_report;
 pub(super) mod map_output;
 pub(super) mod monomials;
