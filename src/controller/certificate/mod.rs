@@ -22,12 +22,14 @@ mod zero_shift;
 use crate::machine::Approach;
 use sign_test::Strongest;
 
-pub use depth::{Depth, LatticeShare, single_error_poses};
+pub use depth::Depth;
+pub(super) use depth::{LatticeShare, single_error_poses};
 pub use effect::Effect;
 pub use figures::{Figures, ROUNDING_UM, RaisedFigure, micro};
-pub use module::{ModuleSet, SingleErrorModule, judge_module};
+pub(super) use module::{ModuleSet, SingleErrorModule, judge_module};
 pub use single_error::{ErrorLeft, Handled};
-pub use tables::{JudgedTables, judge_tables};
+pub use tables::JudgedTables;
+pub(super) use tables::judge_tables;
 pub use zero_shift::ZeroShift;
 
 /// A certificate: the deviations that a set of files leaves, over the volume and error by error.
