@@ -23,10 +23,13 @@ use crate::machine::Approach;
 use sign_test::Strongest;
 
 pub use depth::Depth;
+pub(super) use depth::{LatticeShare, single_error_poses};
 pub use effect::Effect;
 pub use figures::{Figures, ROUNDING_UM, RaisedFigure, micro};
+pub(super) use module::{ModuleSet, SingleErrorModule, judge_module};
 pub use single_error::{ErrorLeft, Handled};
 pub use tables::JudgedTables;
+pub(super) use tables::judge_tables;
 pub use zero_shift::ZeroShift;
 
 pub(super) use depth::{LatticeShare, single_error_poses};
