@@ -20,12 +20,12 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
     budget, check, classify, compare, compile, convert, diff, enumerate, equations, eval, explain, identify, import,
-    init, instrument, map, report, show, targets, verify,
+    init, instrument, man, map, report, show, targets, verify,
 };
 
 /// A compiler from machine-tool configurations to volumetric compensation.
 #[derive(Debug, Parser)]
-#[command(name = "abbe", version, about, max_term_width = 100)]
+#[command(name = "abbe", version = env!("ABBE_VERSION"), about, max_term_width = 100)]
 struct Cli {
     #[command(flatten)]
     global: Global,
@@ -134,6 +134,9 @@ enum Verb {
         /// Which.
         shell: clap_complete::Shell,
     },
+    /// Write the manual pages.
+    #[command(hide = true)]
+    Man(man::Args),
 }
 
 /// Why a verb did not finish; everything there is to say has been said to the session.
@@ -206,6 +209,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Explain(args) => explain::run(session, &args),
         Verb::Schema => schema(session),
         Verb::Completions { shell } => completions(session, shell),
+        Verb::Man(args) => man::run(session, &args),
     }
 }
 

@@ -32,10 +32,6 @@ pub use tables::JudgedTables;
 pub(super) use tables::judge_tables;
 pub use zero_shift::ZeroShift;
 
-pub(super) use depth::{LatticeShare, single_error_poses};
-pub(super) use module::{ModuleSet, SingleErrorModule, judge_module};
-pub(super) use tables::judge_tables;
-
 /// A certificate: the deviations that a set of files leaves, over the volume and error by error.
 #[derive(Debug, Clone)]
 pub struct Certificate {

@@ -6,6 +6,7 @@
 
 mod csv;
 mod json;
+#[cfg(feature = "parquet")]
 mod parquet;
 mod vtk;
 
@@ -97,7 +98,7 @@ impl<'a> Rows<'a> {
         made
     }
 
-    /// Begins a table.
+    /// Begins a table. Parquet fails with `Unsupported` in a build without the feature `parquet`.
     pub fn stream<'o>(&self, form: Form, out: impl Sink + 'o) -> io::Result<Box<dyn Stream + 'o>>
     where
         'a: 'o,
@@ -105,7 +106,13 @@ impl<'a> Rows<'a> {
         Ok(match form {
             Form::Csv => Box::new(csv::Csv::new(self, out)?),
             Form::Json => Box::new(json::Json::new(self, out)?),
+            #[cfg(feature = "parquet")]
             Form::Parquet => Box::new(parquet::Parquet::new(self, out)?),
+            #[cfg(not(feature = "parquet"))]
+            Form::Parquet => {
+                let refusal = "this build of abbe has no Parquet (feature `parquet`)";
+                return Err(io::Error::new(io::ErrorKind::Unsupported, refusal));
+            }
             Form::Vtk => Box::new(vtk::Vtk::new(self, out)?),
         })
     }
