@@ -29,7 +29,7 @@ impl Default for ClassifyOptions {
 #[serde(untagged)]
 pub enum Classification {
     /// A motion with six errors.
-    Admissible(MotionWithErrors),
+    Admissible(Box<MotionWithErrors>),
     /// No such motion.
     Inadmissible(NoMotion),
 }
@@ -163,7 +163,7 @@ pub fn classify(
         };
         let (real, dual) = parse(&text).or_else(|refusal| call.refuse(refusal))?;
         Ok(match split(&real, &dual, options.tolerance) {
-            Ok(split) => Classification::Admissible(MotionWithErrors::of(&split)),
+            Ok(split) => Classification::Admissible(Box::new(MotionWithErrors::of(&split))),
             Err(why) => Classification::Inadmissible(NoMotion { admissible: false, reason: reason(why) }),
         })
     })
