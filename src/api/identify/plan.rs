@@ -88,7 +88,7 @@ pub fn plan_measurements(
     run: Run,
 ) -> Result<Answer<MeasurementPlan>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
-        if !(1..=1000).contains(&options.poses) || !(options.noise_mm > 0.0 && options.noise_mm.is_finite()) {
+        if !(1..=1000).contains(&options.poses) || options.noise_mm.is_nan() || options.noise_mm <= 0.0 {
             return call.usage("a plan has 1 to 1000 poses and a noise above zero");
         }
         let own = Requested::of(call, file, &options.fit, &options.fixed)?.own;
