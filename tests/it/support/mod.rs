@@ -50,12 +50,17 @@ impl Run {
         serde_json::from_str(&self.out).unwrap()
     }
 
-    /// Asserts a refusal: exit code 1, the diagnostic, its help, nothing on standard output.
+    /// Asserts a refusal: exit code 1, the diagnostic, its help, on standard output nothing but its JSON.
     pub fn refused(&self, code: &str) -> &Self {
         assert_eq!(self.code, Some(1), "{code} expected: {}{}", self.out, self.err);
         assert!(self.err.contains(&format!("refused[{code}]")), "{code} expected: {}", self.err);
         assert!(self.err.contains("help: "), "no help: {}", self.err);
-        assert_eq!(self.out, "", "a refusal prints to standard error only");
+        // With `--format json` the diagnostics are on standard output, and nothing else is.
+        if !self.out.is_empty() {
+            let refusal: Value = serde_json::from_str(&self.out).unwrap();
+            let list = refusal["diagnostics"].as_array().unwrap();
+            assert!(refusal["refused"] == true && list.iter().any(|d| d["code"] == code), "{}", self.out);
+        }
         self
     }
 
