@@ -10,6 +10,62 @@
 //! Deviations are actual minus nominal, tool relative to workpiece, in ISO 841 directions. Lengths are in mm and angles
 //! in rad unless a name ends in another unit; positions of rotary axes are in deg as programmed.
 //!
+//! ## Examples
+//!
+//! A map of a machine from text:
+//!
+//! ```
+//! use abbe::{LoadOptions, MapOptions, Run};
+//!
+//! let text = "
+//! abbe: 1
+//! machine: Gantry
+//! chain: w b X Y t
+//! axes: { X: { travel: [0, 400] }, Y: { travel: [0, 300] } }
+//! errors: { EC0Y: 10 urad }";
+//! let machine = abbe::loads(text, &LoadOptions::default(), Run::default())?;
+//! let map = abbe::map(&machine, &MapOptions::default(), Run::default())?;
+//! // The squareness moves the tool by -10 urad times Y.
+//! assert!((map.position_um.max - 3.0).abs() < 1e-6);
+//! # Ok::<(), abbe::Diagnostics>(())
+//! ```
+//!
+//! Compensation for a controller, compiled to memory, with its certificate:
+//!
+//! ```
+//! use abbe::{CompileOptions, LoadOptions, Run};
+//!
+//! let machine = abbe::load("configs/trunnion.yaml", &LoadOptions::default(), Run::on_disk())?;
+//! let options = CompileOptions { target: "linuxcnc".to_owned(), poses: 200, ..CompileOptions::default() };
+//! let set = abbe::compile(&machine, &options, Run::default())?;
+//! assert!(set.files.iter().any(|file| file.name == "compensation.inc"));
+//! let certificate = &set.certificate.certificate;
+//! assert!(certificate.compensated.all.position_um.p95 < certificate.uncompensated.all.position_um.p95);
+//! # Ok::<(), abbe::Diagnostics>(())
+//! ```
+//!
+//! Errors from measurements:
+//!
+//! ```
+//! use abbe::{IdentifyOptions, LoadOptions, Run};
+//!
+//! let text = "
+//! abbe: 1
+//! machine: Gantry
+//! chain: w b X Y t
+//! axes: { X: { travel: [0, 400] }, Y: { travel: [0, 300] } }";
+//! let readings = "X [mm],Y [mm],dx [um],dy [um],dz [um]\n0,0,0,0,0\n0,300,-3,0,0\n400,150,-1.5,0,0\n";
+//! let machine = abbe::loads(text, &LoadOptions::default(), Run::default())?;
+//! let options = IdentifyOptions {
+//!     texts: vec![("readings.csv".to_owned(), readings.to_owned())],
+//!     fit: vec!["EC0Y".to_owned()],
+//!     ..IdentifyOptions::default()
+//! };
+//! let fit = abbe::identify(&machine, &options, Run::default())?;
+//! assert!((fit.parameters[0].value - 10.0).abs() < 1e-3);
+//! # Ok::<(), abbe::Diagnostics>(())
+//! ```
+//!
 //! ## The pipeline
 //!
 //! 1. `syntax` turns text into the content of the file, with the place of every entry. It judges nothing.

@@ -66,6 +66,7 @@ pub use identify::{
 };
 pub use import::{ImportOptions, ImportResult, ImportedError, LeftOutRow, import};
 pub use instrument::{Instrument, InstrumentOptions, InstrumentResult, Readings, instrument};
+pub(crate) use machine_file::bounded_only;
 pub use machine_file::{LoadOptions, MachineFile, load, loads};
 pub use map::{BodyDiagonal, MapOptions, MapPoses, MapResult, Uncompensated, WorstPose, map, map_tables};
 pub use map_tables::MapTable;

@@ -4,9 +4,7 @@
 
 mod confined;
 mod how;
-mod load;
 mod output;
-mod poses;
 mod serve;
 mod set_effect;
 mod store;

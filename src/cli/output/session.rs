@@ -5,7 +5,7 @@ use crate::api::run::{Call, Refused};
 use crate::api::{Answer, LoadOptions, MachineFile, Run};
 use crate::cli::{Color, Exit, Format, FormatArg, Global, Outcome};
 use crate::diagnostic::{Diagnostic, Diagnostics, Rendering, codes, render, summary};
-use crate::syntax::Disk;
+use crate::syntax::{Disk, Files};
 use serde_json::{Value, json};
 use std::cell::{Cell, RefCell};
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -69,8 +69,18 @@ impl Session {
 
     /// Reads a machine file; `tool` picks one of its tools.
     pub(crate) fn load(&mut self, path: &Path, tool: Option<&str>) -> Result<MachineFile, Exit> {
+        self.load_through(&Disk, path, tool)
+    }
+
+    /// Reads a machine file through other files than the disk's.
+    pub(crate) fn load_through(
+        &mut self,
+        files: &dyn Files,
+        path: &Path,
+        tool: Option<&str>,
+    ) -> Result<MachineFile, Exit> {
         let options = LoadOptions { tool: tool.map(str::to_owned) };
-        let answer = crate::api::load(path, &options, self.run());
+        let answer = crate::api::load(path, &options, Run { files, ..self.run() });
         self.take(answer)
     }
 
@@ -165,14 +175,6 @@ impl Session {
     pub(crate) fn unfit_as<T>(&self, other: &Self) -> Result<T, Exit> {
         let _ = self.unfit.replace(other.unfit.take());
         Err(Exit::Usage)
-    }
-
-    /// Stops if anything so far refuses the input (or warns, with `--deny warnings`).
-    pub(crate) fn checked(&mut self) -> Outcome {
-        if self.global.deny.is_some() && self.diagnostics.warnings() > 0 {
-            self.diagnostics.deny_warnings();
-        }
-        if self.diagnostics.refused() { Err(Exit::Refused) } else { Ok(()) }
     }
 
     /// Prints the JSON document, renders the diagnostics and gives the exit code.

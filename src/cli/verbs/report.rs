@@ -3,6 +3,7 @@
 use crate::analysis::budget::{Bound, Budget, Request, budget, budget_poses};
 use crate::analysis::map;
 use crate::analysis::{Plane, View, rest, space_axes};
+use crate::api::bounded_only;
 use crate::cli::how::SetArgs;
 use crate::cli::output::budgets::{Drawn, budgets};
 use crate::cli::output::progress::Progress;
@@ -11,7 +12,7 @@ use crate::cli::output::view::{ApproachArg, order};
 use crate::cli::set_effect;
 use crate::cli::store::write::{refuse_input, refuse_outputs, write_whole};
 use crate::cli::tolerances::ToleranceArgs;
-use crate::cli::{Exit, Format, Outcome, load, watch};
+use crate::cli::{Exit, Format, Outcome, watch};
 use crate::controller::Depth;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Field, Frame, Order};
@@ -104,8 +105,11 @@ pub(crate) fn build(session: &mut Session, args: &Args, files: &dyn Files) -> Re
     let mut machines = Vec::new();
     for path in &args.machines {
         let seen = session.diagnostics.iter().count();
-        let machine = load::machine_through(session, path, args.options.tool.as_deref(), files)?;
-        load::warn_bounded(session, &machine);
+        let machine = session.load_through(files, path, args.options.tool.as_deref())?.machine;
+        session.within(|call| {
+            call.extend(bounded_only(&machine));
+            Ok(())
+        })?;
         let written =
             args.target.iter().map(|name| compensation(session, args, &machine, name)).collect::<Result<_, _>>()?;
         let warnings = session.diagnostics.iter().skip(seen).map(|d| format!("{}: {}", d.code, d.message)).collect();
