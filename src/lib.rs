@@ -78,8 +78,8 @@
 //! 6. `convert` writes a machine under other conventions, and proves that it is the same machine.
 //! 7. `identify` fits errors to measured deviations and writes a machine file again.
 //! 8. `compensation` solves for the corrected command and fills the tables of a controller's mechanism.
-//! 9. `controller` writes the files from templates, reads them back, replays them as the controller would, and certifies
-//!    what is left.
+//! 9. `controller` writes the files from templates, reads them back, replays them as the controller would, and
+//!    certifies what is left.
 //! 10. `report` draws pictures and pages.
 //! 11. `api` is this façade, `cli` the program over it.
 //!

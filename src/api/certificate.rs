@@ -36,7 +36,10 @@ impl CertificateReport {
     /// The contract of `compile` and `verify` in docs/formats.md.
     fn json(&self) -> serde_json::Value {
         let Self { machine, target, certificate, files } = self;
-        let summary = |f: &Figures| json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis});
+        let summary = |f: &Figures| {
+            json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad,
+            "tool_axis_urad": f.tool_axis})
+        };
         let errors: serde_json::Map<_, _> = certificate
             .errors
             .iter()
@@ -48,16 +51,21 @@ impl CertificateReport {
                 let axes = machine.axes().iter().zip(&s.shift).filter(|(axis, _)| axis.kind == kind);
                 axes.map(|(axis, shift)| (axis.name.to_string(), json!(shift * micro(kind).0))).collect()
             };
-            json!({"shift_um": of(AxisKind::Linear), "shift_urad": of(AxisKind::Rotary), "position_um": s.position_um, "without_tables_um": s.alone_um})
+            json!({"shift_um": of(AxisKind::Linear), "shift_urad": of(AxisKind::Rotary),
+                "position_um": s.position_um, "without_tables_um": s.alone_um})
         };
-        let raised = |r: &RaisedFigure| json!({"direction": r.approach, "figure": r.figure, "before_um": r.before, "after_um": r.after});
+        let raised = |r: &RaisedFigure| {
+            json!({"direction": r.approach, "figure": r.figure, "before_um": r.before,
+            "after_um": r.after})
+        };
         json!({
             "reference_shift": shifted.map(shift), "raised": certificate.raised.iter().map(raised).collect::<Vec<_>>(),
             "target": target.manifest.target, "files": files, "poses": certificate.poses,
             "direction": certificate.approach, "tool": machine.tool().name,
             "uncompensated": summary(&certificate.uncompensated), "compensated": summary(&certificate.compensated),
             "errors": errors, "single_error_poses": certificate.single_error_poses,
-            "at_reference": {"forward": named(machine, &certificate.at_reference[0]), "reverse": named(machine, &certificate.at_reference[1])},
+            "at_reference": {"forward": named(machine, &certificate.at_reference[0]), "reverse": named(machine,
+                &certificate.at_reference[1])},
             "cannot": target.manifest.cannot,
         })
     }

@@ -147,8 +147,8 @@ impl Entry {
 
 /// Reads a matrix over the dual numbers from a YAML file and classifies it.
 ///
-/// The file has `matrix` with four rows of four entries, each `number` or `[real, i-part]`, or `real` and `dual`; mm and
-/// rad. Fails if it has not; a matrix that is no motion is a result.
+/// The file has `matrix` with four rows of four entries, each `number` or `[real, i-part]`, or `real` and `dual`; mm
+/// and rad. Fails if it has not; a matrix that is no motion is a result.
 pub fn classify(
     path: impl AsRef<Path>,
     options: &ClassifyOptions,

@@ -22,8 +22,8 @@ use std::path::PathBuf;
 pub struct CompareOptions {
     /// Number of tool poses, drawn from the volume of the first machine.
     pub poses: usize,
-    /// A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or rotary axes (deg) of
-    /// the first machine.
+    /// A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or rotary axes
+    /// (deg) of the first machine.
     pub tool_poses: Option<PathBuf>,
     /// Seed of the tool poses, and of the errors that are drawn.
     pub seed: u64,
@@ -218,6 +218,7 @@ fn nothing_in_common(files: &[MachineFile], comparison: &Comparison) -> Diagnost
     let help = files.iter().zip(&comparison.machines).map(missed).collect::<Vec<_>>().join("; ");
     let message = format!("none of the {} tool poses is reached by all machines", comparison.asked);
     Diagnostic::new(codes::E0813, message).help(format!(
-        "{help}. Tool poses count from the workpiece origin: give the machines comparable ones, or narrow the first one's `volume`"
+        "{help}. Tool poses count from the workpiece origin: give the machines comparable ones, or narrow the first \
+         one's `volume`"
     ))
 }

@@ -68,11 +68,11 @@ pub struct CompiledSet {
     pub certificate: CertificateReport,
 }
 
-/// Compiles a machine to the files of a controller. The files are read back and replayed as the controller would; nothing
-/// is written.
+/// Compiles a machine to the files of a controller. The files are read back and replayed as the controller would;
+/// nothing is written.
 ///
-/// Fails if the target is unknown or has nothing for this machine, if a correction exceeds the limits, if the files do not
-/// read back as what was meant, and if an option does not fit.
+/// Fails if the target is unknown or has nothing for this machine, if a correction exceeds the limits, if the files
+/// do not read back as what was meant, and if an option does not fit.
 pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Result<Answer<CompiledSet>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
         call.extend(bounded_only(file));

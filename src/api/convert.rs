@@ -208,7 +208,8 @@ fn provenance(file: &MachineFile, changed: &[String], proved: &str) -> Vec<(Stri
 fn proved(proof: &Proof) -> String {
     let Proof { poses: [grid, random], position, rotation, .. } = proof;
     format!(
-        "largest difference {position:.1e} mm and {rotation:.1e} rad over {grid} poses of a grid and {random} random ones"
+        "largest difference {position:.1e} mm and {rotation:.1e} rad over {grid} poses of a grid and {random} random \
+         ones"
     )
 }
 
@@ -236,7 +237,11 @@ fn inexact(old: &Machine, request: &ConversionRequest, conversion: &Conversion, 
         why.push(format!("no curve of the language is what these would be: {}{more}", names.join(", ")));
     }
     if why.is_empty() && proof.one_sided[0] <= request.within_mm && proof.one_sided[1] <= request.within_mm * 1e-3 {
-        why.push("each direction of approach comes out the same, but the mean of two products is not the product of the means".to_owned());
+        why.push(
+            "each direction of approach comes out the same, but the mean of two products is not the product of \
+         the means"
+                .to_owned(),
+        );
     } else if why.is_empty() {
         why.push("the location errors of linearised joints have no product that is one".to_owned());
     }

@@ -101,7 +101,8 @@ pub(super) fn inverse(
     let problem = Inverse::new(machine, pose, &errors);
     let Ok(by) = problem.solve(lift, lift.basis().order()) else {
         let message = "the axes cannot be solved for at this pose: a division by an element whose real part is zero";
-        let help = "`--inverse` needs three linear axes that are independent, with or without two rotary ones, at a pose that is not singular";
+        let help = "`--inverse` needs three linear axes that are independent, with or without two rotary ones, at a \
+         pose that is not singular";
         return call.refuse(Diagnostic::new(codes::E0524, message).help(help));
     };
     let displacement = |(axis, by): (&usize, &crate::algebra::Weil)| {

@@ -311,7 +311,8 @@ fn listed(options: &EnumerateOptions, machine: &Machine, rules: &[Rule]) -> Resu
         Err(TooMany::Before(count)) => format!("the axes have {count} arrangements before any is excluded"),
         Err(TooMany::After(count)) => format!("{count} arrangements are left"),
     };
-    let help = "exclude what you would not build (`--require`, `--max-table`), take fewer rotary axes (`--rotary 2`), or take axes out of the chain";
+    let help = "exclude what you would not build (`--require`, `--max-table`), take fewer rotary axes (`--rotary \
+     2`), or take axes out of the chain";
     Err(Diagnostic::new(codes::E0607, format!("{message}; {MAX_ARRANGEMENTS} are listed at most")).help(help))
 }
 

@@ -32,7 +32,8 @@ pub fn explain(topic: &str) -> Result<Explanation, Diagnostic> {
     code.or_else(|| target(topic).map(Explanation::of_target)).or_else(|| error_name(topic)).ok_or_else(|| {
         let codes: Vec<&str> = CODES.iter().map(|code| code.id).collect();
         let message = format!(
-            "`{}` is no code, error name or target.\nCodes: {}\nErrors: EXX .. ECC, EC0Y and the like. Targets: `abbe targets`.",
+            "`{}` is no code, error name or target.\nCodes: {}\nErrors: EXX .. ECC, EC0Y and the like. Targets: \
+             `abbe targets`.",
             topic.escape_debug(),
             codes.join(" ")
         );
@@ -71,13 +72,16 @@ fn describe(id: &ErrorId) -> String {
 fn squareness(id: &ErrorId) -> Option<&'static str> {
     match (id.is_location(), id.direction, id.axis.as_str()) {
         (true, Direction::C, "Y") => Some(
-            "Squareness of Y to X: positive when the angle between +X and +Y is above 90 degrees. +10 urad at Y = 500 mm moves the tool by -5 um in X.",
+            "Squareness of Y to X: positive when the angle between +X and +Y is above 90 degrees. +10 urad at Y = \
+             500 mm moves the tool by -5 um in X.",
         ),
         (true, Direction::B, "Z") => Some(
-            "Squareness of Z to X: positive when the angle between +X and +Z is below 90 degrees. +10 urad at Z = 300 mm moves the tool by +3 um in X.",
+            "Squareness of Z to X: positive when the angle between +X and +Z is below 90 degrees. +10 urad at Z = \
+             300 mm moves the tool by +3 um in X.",
         ),
         (true, Direction::A, "Z") => Some(
-            "Squareness of Z to Y: positive when the angle between +Y and +Z is above 90 degrees. +10 urad at Z = 300 mm moves the tool by -3 um in Y.",
+            "Squareness of Z to Y: positive when the angle between +Y and +Z is above 90 degrees. +10 urad at Z = \
+             300 mm moves the tool by -3 um in Y.",
         ),
         _ => None,
     }
@@ -90,13 +94,18 @@ fn rotary(id: &ErrorId) -> Option<&'static str> {
     }
     Some(match (id.axis.as_str(), id.direction) {
         ("A" | "B" | "C", Direction::X | Direction::Y | Direction::Z) => {
-            "The axis line stands that far in + of the machine direction, in a table and in a head alike; nothing moves at position 0. EX0C = +10 um of a C' table moves the tool by +20 um in X of the workpiece frame at C = 180 deg (-20 um in X of the machine frame)."
+            "The axis line stands that far in + of the machine direction, in a table and in a head alike; nothing \
+             moves at position 0. EX0C = +10 um of a C' table moves the tool by +20 um in X of the workpiece frame \
+             at C = 180 deg (-20 um in X of the machine frame)."
         }
         ("A" | "B" | "C", _) => {
-            "The axis line is turned by that angle, right-handed, about the machine direction through the axis's origin; nothing moves at position 0. EA0C = +10 urad of a C' table moves the tool by -4 um in Z at C = 180 deg, 200 mm from the axis in Y of the machine."
+            "The axis line is turned by that angle, right-handed, about the machine direction through the axis's \
+             origin; nothing moves at position 0. EA0C = +10 urad of a C' table moves the tool by -4 um in Z at C = \
+             180 deg, 200 mm from the axis in Y of the machine."
         }
         ("S", Direction::A | Direction::B) => {
-            "The spindle is tilted about the gauge point. EA0S = +10 urad moves the tip of a tool of 100 mm by +1 um in Y, EB0S = +10 urad by -1 um in X."
+            "The spindle is tilted about the gauge point. EA0S = +10 urad moves the tip of a tool of 100 mm by +1 um \
+             in Y, EB0S = +10 urad by -1 um in X."
         }
         _ => return None,
     })

@@ -72,7 +72,8 @@ pub enum MapPoses {
     Random(usize),
     /// Low-discrepancy poses over the volume: their number.
     LowDiscrepancy(usize),
-    /// The poses for the tool poses of a CSV file, workpiece frame: columns X, Y, Z (mm) and I, J, K or rotary axes (deg).
+    /// The poses for the tool poses of a CSV file, workpiece frame: columns X, Y, Z (mm) and I, J, K or rotary axes
+    /// (deg).
     ToolPoses(PathBuf),
 }
 

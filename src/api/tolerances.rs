@@ -62,7 +62,8 @@ fn find(machine: &Machine, name: &str) -> Result<Class, Diagnostic> {
     };
     if lacks_rotary(machine, &class) {
         let message = format!("the class `{name}` knows nothing of rotary axes, and the machine has some");
-        let help = "take another class, or write the tolerances of the rotary axes into a variant of the file and leave `--class` out";
+        let help = "take another class, or write the tolerances of the rotary axes into a variant of the file and \
+         leave `--class` out";
         return Err(Diagnostic::new(codes::E0605, message).help(help));
     }
     Ok(class)

@@ -81,7 +81,8 @@ pub(crate) fn read(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Resul
     match parse(machine, source, &text) {
         Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows }),
         Err(refusal) => {
-            let help = "columns are X, Y, Z (mm, from the workpiece origin), and I, J, K of the tool axis or positions of rotary axes (deg)";
+            let help = "columns are X, Y, Z (mm, from the workpiece origin), and I, J, K of the tool axis or \
+             positions of rotary axes (deg)";
             call.refuse(refusal.help(help))
         }
     }
@@ -137,7 +138,8 @@ impl ToolPoses {
         if !self.rows.is_empty() && missed.len() == self.rows.len() {
             let reasons = reasons(missed.iter().map(|(_, why)| why));
             let message = format!("`{name}` reaches none of the {} tool poses: {reasons}", missed.len());
-            let help = "tips count from the workpiece origin, in the workpiece frame: check that origin, the tool and the travels";
+            let help = "tips count from the workpiece origin, in the workpiece frame: check that origin, the tool \
+             and the travels";
             return call.refuse(Diagnostic::new(codes::E0613, message).help(help));
         }
         for (i, why) in missed.iter().take(NAMED) {

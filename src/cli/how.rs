@@ -22,7 +22,8 @@ pub(super) struct SetArgs {
 /// How a machine is compensated.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct CompensationArgs {
-    /// What is corrected: the position (a lattice's default), or the position and the direction of the tool axis (a kinematics module's).
+    /// What is corrected: the position (a lattice's default), or the position and the direction of the tool axis (a
+    /// kinematics module's).
     #[arg(long, value_enum)]
     correct: Option<GoalArg>,
     /// With which axes; linear by default for the position, all for the pose.

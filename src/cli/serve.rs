@@ -1,8 +1,8 @@
 //! One page over HTTP, for a browser on this computer only.
 //!
 //! The listener is bound to 127.0.0.1, and the `Host` header must name it: a page from elsewhere that resolves its own
-//! name to 127.0.0.1 reads nothing. Request heads are short and have a deadline, and the number of connections at a time
-//! is limited.
+//! name to 127.0.0.1 reads nothing. Request heads are short and have a deadline, and the number of connections at a
+//! time is limited.
 
 use http_body_util::Full;
 use hyper::body::{Bytes, Incoming};

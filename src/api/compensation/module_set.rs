@@ -1,4 +1,5 @@
-//! Kinematics modules, for targets that replace the controller's kinematics: rendered and read back, or found in a folder.
+//! Kinematics modules, for targets that replace the controller's kinematics: rendered and read back, or found in a
+//! folder.
 
 use super::options::CompensationOptions;
 use super::{found_set, misread};

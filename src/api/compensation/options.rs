@@ -17,7 +17,8 @@ pub struct CompensationOptions {
     pub with: Option<CorrectingAxes>,
     /// A folder with targets of one's own, each a folder with a `target.yaml`.
     pub templates: Option<PathBuf>,
-    /// Meaning of stored numbers, `correction` or `error`, where the manual does not state it; by default the manifest's.
+    /// Meaning of stored numbers, `correction` or `error`, where the manual does not state it; by default the
+    /// manifest's.
     pub stored: Option<Stored>,
     /// Kinds of tables to leave out although the controller has them: product, plane, cross_axis, own_axis.
     pub without: Vec<String>,

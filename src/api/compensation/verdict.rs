@@ -34,7 +34,8 @@ pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
     let lessens =
         lessened(&before.all.position_um, &after.all.position_um) || lessened(&before.tool_axis, &after.tool_axis);
     if certificate.strongest.is_none() && !lessens {
-        let help = "no error of this machine is within the target's reach, or the files hold nothing: a target with a lattice, such as grid-csv, takes away what depends on several axes";
+        let help = "no error of this machine is within the target's reach, or the files hold nothing: a target with \
+         a lattice, such as grid-csv, takes away what depends on several axes";
         found.push(Diagnostic::new(codes::W0602, "the tables correct nothing").help(help));
     } else if let Some(words) = raised(certificate) {
         found.push(Diagnostic::new(codes::W0602, format!("the tables raise {words}")).help(why_raised(certificate)));
@@ -49,7 +50,10 @@ pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
             significant(after.tool_axis.p95, 4),
             significant(before.tool_axis.p95, 4)
         );
-        found.push(Diagnostic::new(codes::W0603, message).help("rotation about the tool axis matters to tools that do not turn; `--correct position` leaves the rotary axes alone"));
+        found.push(Diagnostic::new(codes::W0603, message).help(
+            "rotation about the tool axis matters to tools that \
+         do not turn; `--correct position` leaves the rotary axes alone",
+        ));
     }
     found
 }
@@ -58,10 +62,12 @@ pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
 fn why_raised(certificate: &Certificate) -> &'static str {
     match &certificate.shifted {
         Some(shifted) if shifted.is_better() => {
-            "the tables vanish at the reference position and leave a constant: move the machine zero as the certificate says, or do not load them"
+            "the tables vanish at the reference position and leave a constant: move the machine zero as the \
+             certificate says, or do not load them"
         }
         _ => {
-            "they take away an error that happened to cancel another one, which this target cannot correct: do not load them for volumetric accuracy"
+            "they take away an error that happened to cancel another one, which this target cannot correct: do not \
+             load them for volumetric accuracy"
         }
     }
 }

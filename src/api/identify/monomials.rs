@@ -96,7 +96,8 @@ pub fn fit_monomials(
         let problem = Problem::read(call, file, options)?;
         if options.machine_file || options.pictures || options.robust || options.folds.is_some() {
             return call.usage(
-                "`--method moore-penrose` gives coefficients of monomials, no machine: no --out, --svg, --robust, --folds",
+                "`--method moore-penrose` gives coefficients of monomials, no machine: no --out, --svg, --robust, \
+                 --folds",
             );
         }
         let model = problem.model(file, options.order());

@@ -38,7 +38,8 @@ pub(crate) fn text(of: &ComparedBudgets, top: usize) -> String {
     let class = of.drawing.class.as_ref().map_or(String::new(), |(name, source)| format!(", class {name} ({source})"));
     let counts: Vec<String> = of.bounds.iter().map(|bounds| bounds.len().to_string()).collect();
     format!(
-        "\nBudgets on the same tool poses: {} errors bounded{class}; {} machines drawn, {} distribution\n{rows}\n{TOTALS_NOTE}\n{}",
+        "\nBudgets on the same tool poses: {} errors bounded{class}; {} machines drawn, {} \
+         distribution\n{rows}\n{TOTALS_NOTE}\n{}",
         counts.join(" and "),
         of.drawing.samples,
         of.drawing.distribution.name(),
@@ -68,6 +69,7 @@ fn tolerances(of: &ComparedBudgets, top: usize) -> String {
         n => format!("... and {n} errors more (`--top {}`, or `--format json`)\n", of.errors.len()),
     };
     format!(
-        "\nWhat each tolerance has of the 95 % value of the drawn machines (± standard error); the parts add up to it:\n{rows}\n{more}"
+        "\nWhat each tolerance has of the 95 % value of the drawn machines (± standard error); the parts add up to \
+         it:\n{rows}\n{more}"
     )
 }

@@ -33,7 +33,8 @@ impl CertificateView<'_> {
         };
         let list: Vec<String> = self.report.machine.axes().iter().zip(&shifted.shift).map(one).collect();
         format!(
-            "The tables vanish at the reference position. With the machine zero moved besides by {} the position is at most {} um off, 95 % {}; without tables and with the zero where it is best for that, {} and {}.\n",
+            "The tables vanish at the reference position. With the machine zero moved besides by {} the position is \
+             at most {} um off, 95 % {}; without tables and with the zero where it is best for that, {} and {}.\n",
             list.join(", "),
             significant(shifted.position_um.max, 4),
             significant(shifted.position_um.p95, 4),
@@ -62,7 +63,8 @@ impl CertificateView<'_> {
         let certificate = &self.report.certificate;
         let files = if self.report.files.len() == 1 { "file" } else { "files" };
         format!(
-            "{}: {}\n{} {files} in {}\nTool: {}\n\nCertificate: {} poses spread over the volume, none a table point{}\n",
+            "{}: {}\n{} {files} in {}\nTool: {}\n\nCertificate: {} poses spread over the volume, none a table \
+             point{}\n",
             self.report.machine.name(),
             what.title,
             self.report.files.len(),
@@ -109,7 +111,8 @@ impl CertificateView<'_> {
         let gone = list(&|e| e.handled == Handled::Fully && !idle(e));
         let poses = self.report.certificate.single_error_poses;
         let mut text = format!(
-            "What this target can do against each error alone, laid out as here, over {poses} of the poses:\n  fully compensated: {gone}\n"
+            "What this target can do against each error alone, laid out as here, over {poses} of the poses:\n  fully \
+             compensated: {gone}\n"
         );
         if self.report.certificate.errors.iter().any(idle) {
             text.push_str(&format!("  without effect here: {}\n", list(&idle)));
@@ -151,7 +154,8 @@ impl CertificateView<'_> {
             ("the files add", "they")
         };
         format!(
-            "Then measure: at {}{coming}, {what} {added} to {name}. Switched on, {they} must change what an instrument along {name} reads by {added}; by {other} means a wrong sign.\n",
+            "Then measure: at {}{coming}, {what} {added} to {name}. Switched on, {they} must change what an \
+             instrument along {name} reads by {added}; by {other} means a wrong sign.\n",
             place.join(", "),
         )
     }

@@ -77,7 +77,8 @@ fn residuals(r: &IdentifyResult) -> String {
     for ResidualTest { of, normality, runs, lag1, .. } in &r.residual_tests {
         let [normality, runs, lag1] = [normality, runs, lag1].map(|x| significant(*x, 2));
         text += &format!(
-            "noise      {of}: normal p = {normality}, signs by chance p = {runs}, correlation with the one before {lag1}\n"
+            "noise      {of}: normal p = {normality}, signs by chance p = {runs}, correlation with the one before \
+             {lag1}\n"
         );
     }
     if let Some((smallest, largest)) = r.coverage.filter(|(_, largest)| *largest > USUAL) {

@@ -11,7 +11,8 @@ pub(crate) fn text(plan: &MeasurementPlan) -> String {
         let _ = rows.add_row([p.name.clone(), sigma, p.unit.clone()]);
     }
     let mut text = format!(
-        "{} poses, {} um per reading; `--format csv` writes them as a file of measurements to be filled in\n{}\n{rows}\n",
+        "{} poses, {} um per reading; `--format csv` writes them as a file of measurements to be filled \
+         in\n{}\n{rows}\n",
         plan.poses.len(),
         significant(plan.noise_um, 3),
         plan.csv

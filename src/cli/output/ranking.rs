@@ -47,7 +47,8 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
             of.errors
         ),
         JudgedBy::Budget => format!(
-            "Ranked by the 95 % value of {} drawn machines ({} bounded errors{}); counted is the {of_each} position deviation of each\n",
+            "Ranked by the 95 % value of {} drawn machines ({} bounded errors{}); counted is the {of_each} position \
+             deviation of each\n",
             of.samples,
             of.errors,
             of.class_source

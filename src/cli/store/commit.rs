@@ -1,4 +1,5 @@
-//! Several files replaced as one: whatever kills the run, the folder holds the old set or can be brought to the new one.
+//! Several files replaced as one: whatever kills the run, the folder holds the old set or can be brought to the new
+//! one.
 //!
 //! 1. Every file is written under a temporary name beside its place, and synced.
 //! 2. A list of what replaces what is put in place by one rename: from here on the new set is decided.

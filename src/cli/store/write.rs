@@ -158,7 +158,8 @@ pub(crate) fn refuse_input(path: &Path, sources: &Sources) -> Result<(), Diagnos
     Err(Diagnostic::new(codes::E0630, message).help("give the output another name; nothing was written"))
 }
 
-/// Refuses, before any work, outputs that cannot all be written: over an input, two to one file, or where there is no folder.
+/// Refuses, before any work, outputs that cannot all be written: over an input, two to one file, or where there is
+/// no folder.
 pub(crate) fn refuse_outputs<'a>(
     paths: impl IntoIterator<Item = &'a PathBuf>,
     sources: &Sources,

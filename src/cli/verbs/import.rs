@@ -70,7 +70,8 @@ fn text(result: &ImportResult) -> String {
         let _ = rows.add_row(cells(error));
     }
     text += &format!("{rows}\n");
-    text + "E systematic deviation, M mean deviation, B reversal, R repeatability, A accuracy: formed after ISO 230-2:2014\n"
+    text + "E systematic deviation, M mean deviation, B reversal, R repeatability, A accuracy: formed after ISO \
+     230-2:2014\n"
 }
 
 fn cells(f: &ImportedError) -> Vec<String> {

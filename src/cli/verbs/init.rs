@@ -43,7 +43,8 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     write_new(&args.file, text.as_bytes()).or_else(|refusal| session.refuse(refusal))?;
     let file = args.file.display();
     session.say(&format!(
-        "wrote {file}; next: `abbe check {file}`, and for completion in an editor `abbe schema > abbe.schema.json` beside it"
+        "wrote {file}; next: `abbe check {file}`, and for completion in an editor `abbe schema > abbe.schema.json` \
+         beside it"
     ));
     Ok(())
 }

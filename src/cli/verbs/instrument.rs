@@ -154,7 +154,9 @@ fn circles_text(file: &MachineFile, result: &InstrumentResult, radius: f64, list
         ]);
     }
     format!(
-        "{}{rows}\nG: circular deviation about the least-squares centre, G(b): of both ways; D: mean radial deviation; F: largest and smallest.\nSquareness above 0: the angle between the plane's directions is above 90 deg. Scale: of the first direction minus the second.\n",
+        "{}{rows}\nG: circular deviation about the least-squares centre, G(b): of both ways; D: mean radial \
+         deviation; F: largest and smallest.\nSquareness above 0: the angle between the plane's directions is above \
+         90 deg. Scale: of the first direction minus the second.\n",
         head(file, &format!("ball bar of {} mm about", significant(radius, 6)), result)
     )
 }
@@ -180,7 +182,8 @@ fn turns_text(file: &MachineFile, result: &InstrumentResult, list: &[RTest]) -> 
         let _ = rows.add_row([name].into_iter().chain(ends).chain(counts).chain(r.range.map(um)));
     }
     format!(
-        "{}{rows}\nTool relative to workpiece, directions of the machine frame, 0 at the first position. Left out: positions to which the linear axes cannot follow.\n",
+        "{}{rows}\nTool relative to workpiece, directions of the machine frame, 0 at the first position. Left out: \
+         positions to which the linear axes cannot follow.\n",
         head(file, "R-test with the ball where the tool is at", result)
     )
 }
@@ -212,7 +215,8 @@ fn lines_text(file: &MachineFile, result: &InstrumentResult, list: &[Diagonal]) 
     }
     let axes: Vec<String> = list[0].axes.iter().map(|i| file.axes()[*i].name.to_string()).collect();
     format!(
-        "{}{rows}\nSenses of {} along the diagonal: p rises, n falls. E_d: range of the mean of there and back; B_d: their largest difference.\n",
+        "{}{rows}\nSenses of {} along the diagonal: p rises, n falls. E_d: range of the mean of there and back; B_d: \
+         their largest difference.\n",
         others(file, result),
         axes.join(", ")
     )

@@ -24,7 +24,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MapPoses::MAX as i64))]
     random: Option<u32>,
     /// So many low-discrepancy poses over the volume: spread more evenly than random ones.
-    #[arg(long, value_name = "N", conflicts_with = "random", value_parser = clap::value_parser!(u32).range(1..=MapPoses::MAX as i64))]
+    #[arg(long, value_name = "N", conflicts_with = "random",
+        value_parser = clap::value_parser!(u32).range(1..=MapPoses::MAX as i64))]
     low_discrepancy: Option<u32>,
     /// The poses for these tool poses in the workpiece frame instead of the grid: a CSV file with columns X, Y, Z and
     /// I, J, K or rotary axes.
@@ -114,7 +115,10 @@ fn too_long(count: usize) -> bool {
 fn no_table(count: usize) -> Diagnostic {
     let max = MapPoses::MAX_HELD;
     Diagnostic::new(codes::E0541, format!("a table of {count} poses does not go to standard output: {max} at most"))
-        .help("write it to a file with `--csv FILE` or `--parquet FILE`: that takes no memory, but 80 to 200 bytes of disk per pose")
+        .help(
+            "write it to a file with `--csv FILE` or `--parquet FILE`: that takes no memory, but 80 to 200 bytes \
+         of disk per pose",
+        )
 }
 
 fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {

@@ -117,7 +117,8 @@ fn text(of: &ChainResult) -> String {
         ]);
     }
     format!(
-        "{}\n  {}\n\n{axes}\nArm: from the point about which the axis's angular errors turn to the functional point, over the volume.\n\n{}\n{}\n{}",
+        "{}\n  {}\n\n{axes}\nArm: from the point about which the axis's angular errors turn to the functional point, \
+         over the volume.\n\n{}\n{}\n{}",
         of.machine,
         of.chain,
         frames(of),
@@ -169,7 +170,8 @@ fn locations(of: &ChainResult) -> String {
 fn conventions(of: &ChainResult) -> String {
     let c = &of.conventions;
     let mut text = format!(
-        "Conventions: location {}, linear {}, rotary {}, workpiece_axes {}, errors_are {}, location_order {}, joints {}\n",
+        "Conventions: location {}, linear {}, rotary {}, workpiece_axes {}, errors_are {}, location_order {}, joints \
+         {}\n",
         word(c.location),
         word(c.linear),
         word(c.rotary),

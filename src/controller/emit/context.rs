@@ -148,7 +148,8 @@ impl TableWords<'_> {
     fn axis(&self, axis: usize) -> Value {
         let this = &self.machine.axes()[axis];
         let joint = self.joint(axis);
-        context! { letter => self.letter(axis), name => this.name.as_str(), joint, number => joint + 1, unit => this.unit() }
+        context! { letter => self.letter(axis), name => this.name.as_str(), joint, number => joint + 1,
+        unit => this.unit() }
     }
 
     fn input(&self, table: &CorrectionTable, rules: &TableRules, i: usize) -> Value {
@@ -233,8 +234,8 @@ impl TableWords<'_> {
         (0..rows).map(|j| Value::from(row(j))).collect()
     }
 
-    /// The factors of products, with numbers from one on and the number (from 1) of the table by which each is multiplied,
-    /// 0 for none: f times g, then -f times -g. The sense of what is stored goes with the first.
+    /// The factors of products, with numbers from one on and the number (from 1) of the table by which each is
+    /// multiplied, 0 for none: f times g, then -f times -g. The sense of what is stored goes with the first.
     fn factors(&self, table: &CorrectionTable, rules: &TableRules, number: usize) -> Value {
         let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
         let factor = |k: usize, place: usize, sign: f64| {

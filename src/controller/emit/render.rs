@@ -1,8 +1,8 @@
 //! Tables to files, through the target's minijinja templates.
 //!
 //! Numbers reach a template rounded and as text: [`fixed`] is the only formatter, and it knows
-//! neither `-0` nor NaN nor a locale. Templates run with fuel and cannot read files. Fuel bounds their steps, not what a
-//! step costs: a program that renders templates of others bounds their time and memory itself, as `abbe` does.
+//! neither `-0` nor NaN nor a locale. Templates run with fuel and cannot read files. Fuel bounds their steps, not
+//! what a step costs: a program that renders templates of others bounds their time and memory itself, as `abbe` does.
 
 use super::context::TableWords;
 use super::number::fixed;
@@ -118,7 +118,8 @@ impl ControllerTarget {
             let beside: Vec<String> = tables.iter().map(|file| file.name.clone()).collect();
             let file = |(spec, template): (&FileSpec, &String)| {
                 let context = context! {
-                    machine => machine.name(), version => env!("CARGO_PKG_VERSION"), beside => beside.clone(), ..own.clone()
+                    machine => machine.name(), version => env!("CARGO_PKG_VERSION"), beside => beside.clone(),
+                        ..own.clone()
                 };
                 rendered(&writer.environment, spec, template, context)
             };

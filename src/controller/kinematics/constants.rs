@@ -82,9 +82,16 @@ impl Centres {
     /// The nominal lines, moved so that they leave least of the deviation (least squares).
     pub fn fitted(machine: &Machine, letters: &[(usize, usize)]) -> Result<Self, Diagnostic> {
         let nominal = Self::nominal(machine, letters).ok_or_else(|| {
-            Diagnostic::new(codes::E0751, "this kinematics module is for a table C on a tilting table A or B, X, Y, Z along the machine axes, \
-             and tables that turn right-handed")
-                .help("a chain such as \"w C' A' b X Y Z t\" with `sense: direct` for A and C; for other machines take the target linuxcnc-kins")
+            Diagnostic::new(
+                codes::E0751,
+                "this kinematics module is for a table C on a tilting table A or B, X, Y, \
+             Z along the machine axes, \
+             and tables that turn right-handed",
+            )
+            .help(
+                "a chain such as \"w C' A' b X Y Z t\" with `sense: direct` for A and C; for other machines \
+                 take the target linuxcnc-kins",
+            )
         })?;
         let bare = Bare { machine, order: Order::Exact };
         let (mut gram, mut moment) = (Matrix4::identity() * 1e-9, Vector4::zeros());

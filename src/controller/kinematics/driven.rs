@@ -28,7 +28,8 @@ impl<'a> ModuleField<'a> {
         Self { beside: Some(tables), ..self }
     }
 
-    /// Returns the joint positions that the module commands for a pose (mm, deg, order of the walk); `None` if it stops.
+    /// Returns the joint positions that the module commands for a pose (mm, deg, order of the walk); `None` if it
+    /// stops.
     pub fn command(&self, pose: &[f64]) -> Option<Vec<f64>> {
         let tip = ideal_tip(self.machine, pose);
         match self.carried {

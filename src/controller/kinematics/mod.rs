@@ -2,7 +2,8 @@
 //! the programmed pose to the joints itself.
 //!
 //! 1. [`KinematicsModule::of`] takes from the machine what such a module can carry, as plain numbers;
-//! 2. [`render_kinematics`](super::ControllerTarget::render_kinematics) writes the files, [`read_kinematics`](super::ControllerTarget::read_kinematics) reads the numbers back;
+//! 2. [`render_kinematics`](super::ControllerTarget::render_kinematics) writes the files,
+//!    [`read_kinematics`](super::ControllerTarget::read_kinematics) reads the numbers back;
 //! 3. [`ModuleField`] does what the module does with them, in own arithmetic: nothing here uses the lowering
 //!    of the machine, and only numbers that were read from the files count;
 //! 4. [`certify_kinematics`] says what is left.

@@ -18,7 +18,9 @@ impl Manifest {
             }
             Some(_) => {
                 return Some(
-                    "mechanism: kinematics stand alone, or beside own_axis tables with both directions that hold the reversal".to_owned(),
+                    "mechanism: kinematics stand alone, or beside own_axis tables with both directions that hold the \
+                     reversal"
+                        .to_owned(),
                 );
             }
             None if self.mechanism.own_axis.as_ref().is_some_and(|own| own.holds == Holds::Reversal) => {

@@ -8,8 +8,8 @@ use crate::controller::manifest::Frame;
 use crate::machine::{AxisKind, parse_error_name};
 use nalgebra::Vector3;
 
-/// Names under which the machine's geometry stands in the same files. What is certified is the machine file's, so that of
-/// the turns must be the same; what `P0` and `N0` are is inferred, and not compared.
+/// Names under which the machine's geometry stands in the same files. What is certified is the machine file's, so
+/// that of the turns must be the same; what `P0` and `N0` are is inferred, and not compared.
 fn is_geometry(name: &str) -> bool {
     let letters: Vec<char> = name.chars().collect();
     matches!(
@@ -90,7 +90,8 @@ fn block(
     if names.iter().filter(|name| is_argument(reading, name)).count() > 1 {
         return Err(Fault::new(
             line,
-            "a block over two axes: the machine language has no errors that depend on two, and what this block does would not be in \
+            "a block over two axes: the machine language has no errors that depend on two, and what this block does \
+             would not be in \
              the certificate. Give the curves over their own axis alone, at one position of the other",
         ));
     }

@@ -43,7 +43,8 @@ pub(super) fn multiplied(reading: &Reading, read: Vec<TableEntry>) -> Result<Vec
         });
         // Pairs of opposite numbers cancel to the bit, sums of many to a part of the last place.
         if sums.iter().any(|sum| sum.abs() > 1e-12) {
-            let message = "a factor of a product whose values no opposite table cancels: whether the controller adds them besides the product is not documented";
+            let message = "a factor of a product whose values no opposite table cancels: whether the controller adds \
+             them besides the product is not documented";
             return Err(Fault::new(numbered.record.line, message));
         }
     }

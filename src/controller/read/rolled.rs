@@ -31,7 +31,8 @@ impl Assembly<'_> {
         let told = ["two_sided", "first_reverse", "reverse_at_reference"].map(|name| self.field(name).is_some());
         if told[0] != told[1] || told[1] != told[2] {
             return Err(self.fault(
-                "points for the negative direction, their value at the reference point, and the switch that makes the controller use them: some of these are there and some are not",
+                "points for the negative direction, their value at the reference point, and the switch that makes \
+                 the controller use them: some of these are there and some are not",
             ));
         }
         let reverse = match self.whole("first_reverse")? {
@@ -182,7 +183,8 @@ impl Assembly<'_> {
             _ => false,
         };
         if jumps {
-            let message = "the last entry is not 0, the value at position 0, or a line or column does not end as it begins: the controller would jump there";
+            let message = "the last entry is not 0, the value at position 0, or a line or column does not end as it \
+             begins: the controller would jump there";
             return Err(self.fault(message));
         }
         Ok(entries)

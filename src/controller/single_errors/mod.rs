@@ -1,5 +1,5 @@
-//! Certificates of whole sets: tables and modules for single errors are filled here and handed to the certificate, which
-//! fills nothing.
+//! Certificates of whole sets: tables and modules for single errors are filled here and handed to the certificate,
+//! which fills nothing.
 
 mod module;
 mod tables;
