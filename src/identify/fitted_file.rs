@@ -1,7 +1,7 @@
 //! A fitted machine as a machine file: self-contained, no `extends`, no tables outside.
 
-use super::model::parameter::{Basis, Parameter, Term};
-use super::solve::solution::Solution;
+use super::model::{Basis, Parameter, Term};
+use super::solve::Solution;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine, MachineParts, written};
 use crate::syntax::IdentifyEntry;

@@ -14,22 +14,20 @@
 
 mod data;
 mod fitted_file;
+mod lists;
 mod model;
 mod solve;
 mod words;
 
-pub use data::import;
-pub use data::measurement::{Data, End, Measurement, Reading, ReadingKind};
-pub use data::reader::read_measurements;
-pub use data::repeats::{Repeats, repeats};
+pub use data::{
+    Data, End, InstrumentUnknown, Measurement, Reading, ReadingKind, Repeats, import, read_measurements, repeats,
+};
 pub use fitted_file::fitted_file;
-pub use model::monomials::{Coefficient, Component, Monomial, moore_penrose};
-pub use model::parameter::{Basis, Parameter, SlopeBound, Term};
-pub use model::prediction::Model;
-pub use model::request::{overruled, parameters, slope_bounds, unused};
-pub use solve::checks::{Outlier, Residuals, held_out};
-pub use solve::fit::{Fit, fit};
-pub use solve::plan::{MeasurementPlan, plan};
-pub use solve::randomness::{Randomness, randomness};
-pub use solve::solution::{Estimate, Solution};
-pub use solve::weighing::{Scatter, solve};
+pub use model::{
+    Basis, Coefficient, Component, Model, Monomial, Parameter, SlopeBound, Term, moore_penrose, overruled, parameters,
+    slope_bounds, unused,
+};
+pub use solve::{
+    Estimate, Fit, MeasurementPlan, Outlier, Randomness, Residuals, Scatter, Solution, fit, held_out, plan, randomness,
+    solve,
+};

@@ -1,6 +1,6 @@
 //! Directions among parameters, in words: what changes nothing, and what the noise drowns.
 
-use super::model::parameter::Parameter;
+use super::model::Parameter;
 use crate::units::significant;
 use nalgebra::{DMatrix, DVector};
 

@@ -46,7 +46,8 @@ fn read(machine: &Machine, files: &[std::path::PathBuf]) -> Data {
 }
 
 fn solved(machine: &Machine, words: &[&str], data: &Data) -> (Vec<Parameter>, Fit, Solution) {
-    let unknowns: Vec<Parameter> = wanted(machine, words).into_iter().chain(data.nuisances.clone()).collect();
+    let unknowns: Vec<Parameter> =
+        wanted(machine, words).into_iter().chain(data.nuisances.iter().cloned().map(Parameter::from)).collect();
     let model = Model::new(machine, &unknowns);
     let found = fit(&model, &data.rows, data.rows.iter().map(|m| m.weight).collect());
     let solution = Solution::of(&found, &unknowns);
@@ -234,7 +235,8 @@ fn intervals_of_a_joint_fit_of_several_kinds_cover_the_truth() {
     let relative = (0..24).map(|i| format!("{}{},{},{}", cells(&poses[i]), off[i].x, off[i].y, off[i].z));
     let relative = file(&folder, "r.csv", "C,A,Y,X,Z,rel.dx [mm],rel.dy [mm],rel.dz [mm]", relative);
     let clean = read(&blank, &[tracer, relative]);
-    let unknowns: Vec<Parameter> = wanted(&blank, &words).into_iter().chain(clean.nuisances.clone()).collect();
+    let unknowns: Vec<Parameter> =
+        wanted(&blank, &words).into_iter().chain(clean.nuisances.iter().cloned().map(Parameter::from)).collect();
     let model = Model::new(&blank, &unknowns);
     for _ in 0..1000 {
         let mut rows = clean.rows.clone();

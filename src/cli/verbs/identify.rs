@@ -106,7 +106,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     // Before the work, not after it.
     write::refuse_outputs(&args.out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     args.svg.iter().try_for_each(|folder| write::refuse_no_folder(folder)).or_else(|d| session.refuse(d))?;
-    let unknowns: Vec<Parameter> = own.into_iter().chain(nuisances).collect();
+    let unknowns: Vec<Parameter> = own.into_iter().chain(nuisances.into_iter().map(Parameter::from)).collect();
     if args.method == Method::Joint {
         enough(session, &data, &unknowns)?;
     }

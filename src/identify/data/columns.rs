@@ -1,5 +1,6 @@
 //! The header of a file of measurements: which column holds what.
 
+use super::error_name::split_direction;
 use crate::diagnostic::{did_you_mean, shown};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, AxisKind, Machine, parse_error_name};
@@ -241,7 +242,7 @@ fn column(machine: &Machine, cell: &str) -> Result<Column, String> {
 
 /// `EXX [um]`, `EXX+ [um]`, `EXX reverse [um]`.
 fn error(machine: &Machine, name: &str, unit: Option<&str>) -> Result<Column, String> {
-    let (bare, approach) = crate::identify::model::request::directed(name);
+    let (bare, approach) = split_direction(name);
     let found = parse_error_name(bare).filter(|error| !error.location);
     let axis = found.as_ref().and_then(|error| machine.axis_index(error.axis.as_str()));
     let Some((error, axis)) = found.zip(axis) else {

@@ -1,11 +1,10 @@
 //! From a file of measurements to rows: cells to numbers, then what needs the other rows of a run.
 
 use super::columns::{Column, Form, Quantity, columns};
-use super::measurement::{Data, End, Measurement, Reading};
+use super::measurement::{Data, End, Measurement, Reading, lever};
 use super::station;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, did_you_mean, shown};
 use crate::evaluate::Frame;
-use crate::identify::model::parameter::lever;
 use crate::lower::{NominalPose, Source};
 use crate::machine::{Approach, Direction, Machine, Pose};
 use crate::syntax::Files;

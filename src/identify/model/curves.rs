@@ -1,7 +1,7 @@
 //! Error curves as parameters: a basis of functions of the axis position, one parameter each.
 
-use super::parameter::{Basis, Parameter};
-use super::request::{POWERS, Refused, refusal, source};
+use super::parameter::{Basis, Parameter, source};
+use super::refusal::{Refused, refusal};
 use crate::diagnostic::shown;
 use crate::machine::{
     Approach, AxisKind, BSpline, BSplineFailure, ComponentError, Curve, ErrorId, ErrorTerm, Knots, Machine, Travel,
@@ -9,6 +9,9 @@ use crate::machine::{
 use crate::syntax::Scalar;
 use crate::units;
 use nalgebra::{DMatrix, DVector};
+
+/// Highest power of a polynomial.
+pub(super) const MAX_POWER: u8 = 20;
 
 /// An error and the direction of approach its curve is for.
 struct Of<'a> {
@@ -41,7 +44,7 @@ pub(crate) fn parameters(
     }
     let (family, order) = (&form[..cut], form[cut..].parse::<u8>().ok().filter(|n| (1..=50).contains(n)));
     match (family, order) {
-        ("poly", Some(order)) if order <= POWERS => of.polynomial(order),
+        ("poly", Some(order)) if order <= MAX_POWER => of.polynomial(order),
         ("fourier", Some(order)) => of.fourier(order),
         ("spline", Some(count)) => of.at_knots(&of.even(usize::from(count.max(2)))?, true),
         ("bspline", Some(count)) => of.bspline(&of.even(usize::from(count.max(2)))?, degree),

@@ -1,11 +1,12 @@
 //! The measurement model: what the machine with given parameters would have been measured as, exactly or to an order
 //! of the dual numbers, and the derivatives by the unknowns. Rows are streamed; the Jacobian as a whole never exists.
 
-use super::parameter::{Basis, Parameter, SlopeBound, Term, lever, share};
+use super::parameter::{Basis, Parameter, SlopeBound, Term, share};
 use crate::algebra::linear::{Reduced, Triangle};
 use crate::algebra::{Algebra, Dual};
 use crate::evaluate::{Frame, Order};
-use crate::identify::data::measurement::{End, Measurement, Reading};
+use crate::identify::data::{End, Measurement, Reading, lever};
+use crate::identify::lists::index_of;
 use crate::lower::{
     ErrorLift, ErrorSite, ErrorValues, Exact, NominalPose, OrderN, Source, point, position_jacobian, values,
 };
@@ -89,9 +90,9 @@ impl<'a> Model<'a> {
             let axis = if let ErrorSite::Component(axis) = term.source.place { axis } else { 0 };
             let function = match &term.basis {
                 Basis::Constant => 0,
-                basis => index(&mut functions, (axis, basis.clone())),
+                basis => index_of(&mut functions, (axis, basis.clone())),
             };
-            let source = index(&mut sources, term.source);
+            let source = index_of(&mut sources, term.source);
             Link { parameter, source, function, factor: term.factor, approach: term.approach }
         };
         let terms = parameters.iter().enumerate().flat_map(|(j, p)| p.terms.iter().map(move |term| (j, term)));
@@ -440,14 +441,6 @@ fn normalised<S: Algebra>(way: Vector3<S>) -> (S, Vector3<S>) {
     let recip = length.recip().unwrap_or_else(S::zero);
     let unit = way.map(|x| x * recip.clone());
     (length, unit)
-}
-
-/// Where something stands in a list; at its end if it was not there.
-pub(crate) fn index<T: PartialEq>(list: &mut Vec<T>, wanted: T) -> usize {
-    list.iter().position(|known| *known == wanted).unwrap_or_else(|| {
-        list.push(wanted);
-        list.len() - 1
-    })
 }
 
 /// The number of a source among the errors.

@@ -4,11 +4,11 @@
 //! the travel. So it does not matter in which basis a curve is written: powers about the machine's zero point may be large
 //! and cancel, as long as the curve is small.
 
-use super::parameter::{Basis, Parameter, lever};
+use super::parameter::{Basis, Parameter};
 use super::prediction::Model;
 use crate::algebra::linear::{Reduced, Svd, Triangle};
 use crate::evaluate::Order;
-use crate::identify::data::measurement::Measurement;
+use crate::identify::data::{Measurement, lever};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::Approach;
 use nalgebra::{DMatrix, DVector};

@@ -2,10 +2,13 @@
 //! errors with a basis (`EXX:poly3`, `ECC:fourier2`, `EYX:spline8`, `EYX:bspline8`, `EBY:blocks4`), each direction of approach for
 //! itself if wanted (`EXX+-:poly3`), and parameters of one's own.
 
-use super::curves;
-use super::parameter::{Basis, Parameter, SlopeBound, Term};
+use super::curves::{self, MAX_POWER};
+use super::parameter::{Basis, Parameter, SlopeBound, Term, source};
+use super::refusal::{Refused, refusal};
 use crate::algebra::linear::Svd;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
+use crate::identify::data::split_direction;
+use crate::identify::lists::index_of;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
     Approach, AxisKind, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine, parse_error_name,
@@ -14,13 +17,8 @@ use crate::syntax::{IdentifyEntry, Scalar};
 use indexmap::IndexMap;
 use nalgebra::{DMatrix, DVector};
 
-/// Highest power of a polynomial.
-pub(crate) const POWERS: u8 = 20;
-
 /// Groups by name.
 const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
-
-pub(crate) type Refused = Box<Diagnostic>;
 
 /// The parameters that `request` asks for, in its order, each once.
 pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refused> {
@@ -59,7 +57,7 @@ fn restart(machine: &Machine, list: &mut [Parameter]) {
     let mut powers: Vec<(Source, u8)> = Vec::new();
     let power = |t: &Term| if let Basis::Power(k) = t.basis { (t.source, k) } else { (t.source, 0) };
     for term in joint.iter().flat_map(|j| &list[*j].terms) {
-        let _ = super::prediction::index(&mut powers, power(term));
+        let _ = index_of(&mut powers, power(term));
     }
     let factor =
         |j: usize, key: (Source, u8)| list[j].terms.iter().filter(|t| power(t) == key).map(|t| t.factor).sum::<f64>();
@@ -89,7 +87,7 @@ fn coefficient(machine: &Machine, (source, power): (Source, u8)) -> f64 {
 fn formed(word: &str) -> Option<(ErrorId, &str)> {
     let (name, form) = word.split_once(':')?;
     let name = name.trim();
-    let bare = name.strip_suffix("+-").map_or_else(|| directed(name).0, str::trim);
+    let bare = name.strip_suffix("+-").map_or_else(|| split_direction(name).0, str::trim);
     Some((parse_error_name(bare)?, form.trim()))
 }
 
@@ -194,16 +192,6 @@ fn add(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Refused> {
     Ok(())
 }
 
-/// `EXX+`, `EXX forward`: the error's name and the direction it is meant for.
-pub(crate) fn directed(name: &str) -> (&str, Option<Approach>) {
-    let cut = |endings: [&str; 2]| endings.iter().find_map(|ending| name.strip_suffix(ending)).map(str::trim);
-    match (cut(["+", " forward"]), cut(["-", " reverse"])) {
-        (Some(bare), _) => (bare, Some(Approach::Forward)),
-        (_, Some(bare)) => (bare, Some(Approach::Reverse)),
-        _ => (name, None),
-    }
-}
-
 /// Lets an error follow another: what moves that one moves this one too.
 fn tie(
     machine: &Machine,
@@ -250,10 +238,6 @@ fn kind(parameter: &Parameter) -> u8 {
         Some(Basis::Spline(_)) => 6,
         _ => 0,
     }
-}
-
-pub(crate) fn refusal(message: String, help: impl Into<String>) -> Refused {
-    Box::new(Diagnostic::new(codes::E0502, message).help(help))
 }
 
 /// Names of the parameters that a word of `fixed` takes out.
@@ -322,13 +306,6 @@ fn setup(machine: &Machine, place: ErrorSite, word: &str, starts: &[f64]) -> Vec
     starts.iter().zip(Direction::ALL).map(one).collect()
 }
 
-/// Where an error sits. Its axis is one of the chain's, or the spindle.
-pub(crate) fn source(machine: &Machine, error: &ErrorId) -> Source {
-    let joint = machine.axis_index(error.axis.as_str()).unwrap_or(machine.axes().len());
-    let place = if error.location { ErrorSite::Location(joint) } else { ErrorSite::Component(joint) };
-    Source { place, direction: error.direction }
-}
-
 fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refused> {
     let Some(error) = parse_error_name(word) else {
         let message = format!("`{}` is neither an error nor a group", shown(word));
@@ -352,7 +329,7 @@ fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<
     }
     let (name, form) = word.split_once(':').map_or((word, None), |(name, form)| (name.trim(), Some(form.trim())));
     let both = name.strip_suffix("+-").map(str::trim);
-    let (bare, approach) = both.map_or_else(|| directed(name), |bare| (bare, None));
+    let (bare, approach) = both.map_or_else(|| split_direction(name), |bare| (bare, None));
     let error = error(machine, bare)?;
     let listed = request.basis.iter().find(|(key, _)| parse_error_name(key).as_ref() == Some(&error));
     if let Some((said, (_, listed))) = form.zip(listed).filter(|(said, (_, listed))| said != listed) {
@@ -397,7 +374,7 @@ fn own_parameter(machine: &Machine, name: &str, errors: &IndexMap<String, Vec<Sc
             let said = || refusal(format!("`{}`: `{factor}` is not a coefficient of `{error}`", shown(name)), help);
             let factor = curves::plain(factor).ok_or_else(said)?;
             let power =
-                u8::try_from(k).ok().filter(|k| *k <= POWERS && (*k == 0 || !error.location)).ok_or_else(said)?;
+                u8::try_from(k).ok().filter(|k| *k <= MAX_POWER && (*k == 0 || !error.location)).ok_or_else(said)?;
             if factor != 0.0 {
                 terms.push(Term::new(
                     source,

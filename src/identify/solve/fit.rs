@@ -5,11 +5,10 @@
 //! undamped step is a large turn, the model is not linear over it, and the iteration runs to and fro. For the
 //! same reason there is a weak prior.
 
-use super::weighing::Scatter;
 use crate::algebra::linear::{Reduced, Svd};
-use crate::identify::data::measurement::Measurement;
-use crate::identify::model::prediction::Model;
-use crate::identify::model::prior::Prior;
+use crate::identify::data::{Measurement, ReadingKind};
+use crate::identify::model::Model;
+use crate::identify::model::Prior;
 use nalgebra::{DMatrix, DVector};
 
 /// Most accepted steps.
@@ -31,6 +30,15 @@ const MOST: f64 = 1e6;
 
 /// Condition up to which the normal equations of the triangle give the step.
 const EASY: f64 = 1e5;
+
+/// How readings of one quantity scatter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scatter {
+    /// Which; `None`: those whose uncertainty the files give.
+    pub of: Option<ReadingKind>,
+    /// Standard deviation of a reading of weight 1 (mm); in units of 1 um of the uncertainty where that is given.
+    pub sigma: f64,
+}
 
 /// Where a fit has come to.
 #[derive(Debug, Clone)]

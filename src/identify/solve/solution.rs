@@ -3,7 +3,7 @@
 use super::fit::Fit;
 use super::student;
 use crate::algebra::linear::Svd;
-use crate::identify::model::parameter::Parameter;
+use crate::identify::model::Parameter;
 use crate::identify::words::{drowned, echelon, inseparable, list, named};
 use nalgebra::{DMatrix, DVector};
 

@@ -2,10 +2,11 @@
 //! the fit (Helmert's variance components), unless the files give uncertainties. With robust weights (Huber) readings
 //! that stand out count less, and the uncertainty is that of Huber's estimate.
 
-use super::fit::{Fit, Search};
+use super::fit::{Fit, Scatter, Search};
 use crate::algebra::linear::{Reduced, Triangle};
-use crate::identify::data::measurement::{Measurement, ReadingKind};
-use crate::identify::model::prediction::Model;
+use crate::identify::data::{Measurement, ReadingKind};
+use crate::identify::lists::index_of;
+use crate::identify::model::Model;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Huber's constant, in standard deviations of a component.
@@ -27,15 +28,6 @@ const REDUNDANT: f64 = 3.0;
 const LEAST: (f64, f64) = (1e-9, 1e-3);
 /// Singular values below this share of the largest are zero.
 const RANK: f64 = 1e-10;
-
-/// How readings of one quantity scatter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scatter {
-    /// Which; `None`: those whose uncertainty the files give.
-    pub of: Option<ReadingKind>,
-    /// Standard deviation of a reading of weight 1 (mm); in units of 1 um of the uncertainty where that is given.
-    pub sigma: f64,
-}
 
 /// Fits the unknowns to the data, readings weighed by how they scatter; `robust`: what stands out counts less, so that a
 /// bumped set-up does not bend the machine.
@@ -82,8 +74,7 @@ struct Groups {
 impl Groups {
     fn of(data: &[Measurement]) -> Self {
         let mut kinds = Vec::new();
-        let index =
-            |m: &Measurement| crate::identify::model::prediction::index(&mut kinds, (!m.known).then(|| m.kind()));
+        let index = |m: &Measurement| index_of(&mut kinds, (!m.known).then(|| m.kind()));
         let of = data.iter().map(index).collect();
         Self { kinds, of }
     }

@@ -1,7 +1,7 @@
 //! Figures of a single-axis measurement, formed as ISO 230-2:2014 forms them (mm or rad): means and standard
 //! deviations by target and direction, reversal, repeatability, systematic deviation and accuracy with 2 s.
 
-use super::Sample;
+use super::sample::Sample;
 use crate::syntax::ColumnDirection;
 
 /// Mean and standard deviation of repeated readings.

@@ -1,8 +1,10 @@
 //! Rows to samples; what is left out, and why.
 
 use super::header::{Header, Role, component_error, direction, fits, index, own_axis, reading_unit};
-use super::{Import, ImportRequest, LeftOut, Sample, error_name, order, refusal};
+use super::order;
+use super::sample::{Import, ImportRequest, LeftOut, Sample, refusal};
 use crate::diagnostic::{Diagnostic, Place, shown};
+use crate::identify::data::error_name::parse_component_error;
 use crate::machine::{AxisName, ErrorId};
 use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{self, Decimals, Line};
@@ -125,7 +127,7 @@ fn row(
         let name = name.unwrap_or_default();
         let error = component_error(name)?;
         own_axis(&error, axis)?;
-        if wanted.error.as_deref().and_then(error_name).is_some_and(|wanted| wanted != error) {
+        if wanted.error.as_deref().and_then(parse_component_error).is_some_and(|wanted| wanted != error) {
             return Err(format!("a reading of {error}"));
         }
         let own = unit.filter(|unit| !unit.is_empty()).map(reading_unit).transpose()?;

@@ -1,33 +1,13 @@
 //! Where the table begins, what its columns are, and what stands before it.
 
-use super::{ImportRequest, error_name, refusal};
+use super::form::Form;
+use super::sample::{ImportRequest, refusal};
 use crate::diagnostic::{Diagnostic, Place, shown};
+use crate::identify::data::error_name::{parse_component_error, split_direction};
 use crate::machine::ErrorId;
 use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{self, Line};
 use crate::units::{self, Dimension};
-
-/// How a table is laid out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
-    /// A column for each error.
-    Wide,
-    /// A row for each reading, the error's name in a column.
-    Tidy,
-    /// A column for each run of one error.
-    Runs,
-}
-
-impl Form {
-    /// Its name for people.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Wide => "one column for each error",
-            Self::Tidy => "one row for each reading",
-            Self::Runs => "one column for each run",
-        }
-    }
-}
 
 /// What a column holds; factors to mm, deg, rad.
 #[derive(Debug, Clone, PartialEq)]
@@ -247,7 +227,7 @@ fn understood(wanted: &ImportRequest) -> Result<(), String> {
 }
 
 pub(crate) fn component_error(name: &str) -> Result<ErrorId, String> {
-    error_name(name).ok_or_else(|| format!("`{}` is not a component error", shown(name)))
+    parse_component_error(name).ok_or_else(|| format!("`{}` is not a component error", shown(name)))
 }
 
 /// What columns of runs are, where there are positions that were reached.
@@ -275,7 +255,7 @@ struct Reading<'a> {
 
 /// The axis of the errors that have columns, if it is one: of `position; ECC [urad]` it is C.
 fn only_axis(titles: &[(String, Option<String>)]) -> Option<String> {
-    let named = |(name, _): &(String, Option<String>)| error_name(crate::identify::model::request::directed(name).0);
+    let named = |(name, _): &(String, Option<String>)| parse_component_error(split_direction(name).0);
     let mut axes = titles.iter().filter_map(named).map(|error| error.axis.to_string());
     let first = axes.next()?;
     axes.all(|axis| axis == first).then_some(first)
@@ -324,8 +304,7 @@ impl Reading<'_> {
             metadata: self.metadata.to_vec(),
         };
         let has_error = |(name, _): &(String, Option<String>)| {
-            crate::identify::model::request::directed(name).0.len() >= 3
-                && error_name(crate::identify::model::request::directed(name).0).is_some()
+            split_direction(name).0.len() >= 3 && parse_component_error(split_direction(name).0).is_some()
         };
         header.form = match (error, value) {
             (Some(_), Some(_)) => Form::Tidy,
@@ -382,7 +361,7 @@ impl Reading<'_> {
     /// Are there columns of positions that were reached? They show the positioning error of the axis and no other one.
     fn reached(&self, header: &Header, titles: &[(String, Option<String>)]) -> Result<Found, String> {
         let axis = &header.axis;
-        let own = error_name(&format!("E{}{axis}", axis.chars().next().unwrap_or_default()));
+        let own = parse_component_error(&format!("E{}{axis}", axis.chars().next().unwrap_or_default()));
         let error = self.error()?;
         if !titles.iter().any(|(name, unit)| self.is_reached(header, name, unit.as_deref())) {
             return Ok(Found::Other);
@@ -425,7 +404,7 @@ impl Reading<'_> {
         let paired = paired(&lower);
         let own = |(name, _): &(String, Option<String>)| {
             let run = paired && letter(&name.to_lowercase()).is_some();
-            let short = name.len() <= 2 && error_name(name).is_none() && !run;
+            let short = name.len() <= 2 && parse_component_error(name).is_none() && !run;
             short.then(|| crate::machine::AxisName::new(name)).flatten().map(|n| n.to_string())
         };
         let given = self.wanted.axis.clone().or_else(|| self.said("axis").map(str::to_owned));
@@ -434,7 +413,7 @@ impl Reading<'_> {
             return Err(format!("the column `axis` names `{one}` and `{other}`: say with `--axis` which to take"));
         }
         let given = given.or_else(|| column.first().cloned()).or_else(|| titles.iter().find_map(own));
-        let error = || self.wanted.error.as_deref().or(self.said("error")).and_then(error_name);
+        let error = || self.wanted.error.as_deref().or(self.said("error")).and_then(parse_component_error);
         let given = given.or_else(|| error().map(|error| error.axis.to_string())).or_else(|| only_axis(titles));
         let axis = given.map(|name| name.trim().to_uppercase());
         axis.ok_or_else(|| "nothing says which axis moved: give `--axis X`".to_owned())
@@ -462,14 +441,15 @@ impl Reading<'_> {
         if header.form == Form::Tidy {
             return Ok(Role::Ignored);
         }
-        let (bare, approach) = crate::identify::model::request::directed(name);
+        let (bare, approach) = split_direction(name);
         let way = approach.map(|a| match a {
             crate::machine::Approach::Reverse => ColumnDirection::Reverse,
             _ => ColumnDirection::Forward,
         });
         if header.form == Form::Wide {
-            let wanted = self.wanted.error.as_deref().and_then(error_name);
-            let error = error_name(bare).filter(|error| wanted.as_ref().is_none_or(|wanted| wanted == error));
+            let wanted = self.wanted.error.as_deref().and_then(parse_component_error);
+            let error =
+                parse_component_error(bare).filter(|error| wanted.as_ref().is_none_or(|wanted| wanted == error));
             let Some(error) = error else { return Ok(Role::Ignored) };
             return self.value(header, error, way, String::new(), name, unit);
         }
