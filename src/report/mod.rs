@@ -16,17 +16,12 @@ mod pictures;
 mod rows;
 mod text;
 
-pub use page::positions;
-pub use pictures::bars::{Bar, ParetoPicture, WaterfallPicture};
-pub use pictures::chain::chain_picture;
-pub use pictures::curves::{all_curves, axis_curves};
-pub use pictures::dot::chain_dot;
-pub use pictures::fit::{FitPicture, FitPoint};
-pub use pictures::plane::{Drawn, PlanePicture, Shown, before_after};
-pub use pictures::polar::PolarPicture;
-pub use pictures::readings::{DiagonalPicture, RTestPicture};
-pub use pictures::svg::Picture;
+pub use pictures::{
+    Bar, DiagonalPicture, Drawn, FitPicture, FitPoint, ParetoPicture, Picture, PlanePicture, PolarPicture,
+    RTestPicture, Shown, WaterfallPicture, all_curves, axis_curves, before_after, chain_dot, chain_picture,
+};
 pub use rows::{Form, Prepared, Rows, Stream};
-pub use text::budget::{BudgetReport, Drawing, budgets_json, tolerance, tolerance_unit};
-pub use text::equations;
-pub use text::instruments::{circle_json, line_json, turn_json};
+pub use text::{
+    BudgetReport, Drawing, budgets_json, circle_json, equations, line_json, positions, tolerance, tolerance_unit,
+    turn_json,
+};

@@ -1,6 +1,6 @@
 //! Two or more machines on the same tool poses.
 
-use super::data::Given;
+use super::given::Given;
 use crate::analysis::{Compared, Comparison, ErrorAlone, Work};
 use crate::analysis::{compare, contributions};
 use crate::evaluate::{Bare, Field};

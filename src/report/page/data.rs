@@ -3,49 +3,16 @@
 
 use super::comparison::ComparisonData;
 use super::field::FieldData;
-use super::instruments::Instruments;
+use super::given::{Given, Written};
 use crate::analysis::sources;
 use crate::analysis::{LocationSet, Map, Source, Status, body_diagonals, levers, rest};
-use crate::controller::{Certificate, ControllerTarget, Effect, Handled};
-use crate::evaluate::{Bare, Order, Poses, Random, Summary, worst};
-use crate::machine::{Approach, Axis, ErrorTerm, Machine, Pose, Travel};
-use crate::report::{Bar, BudgetReport, ParetoPicture, Picture};
+use crate::controller::Handled;
+use crate::evaluate::{Bare, Order, Summary, worst};
+use crate::machine::{Approach, Axis, ErrorTerm, Machine, Travel};
+use crate::report::pictures::{Bar, ParetoPicture, Picture};
+use crate::report::text::positions;
 use serde::Serialize;
-use serde_json::{Map as Object, Value, json};
-
-/// One machine that was given, and how it is looked at.
-#[derive(Debug, Clone, Copy)]
-pub struct Given<'a> {
-    /// The machine.
-    pub machine: &'a Machine,
-    /// Its file as it was named.
-    pub file: &'a str,
-    /// How far errors are followed.
-    pub order: Order,
-    /// From which side poses are approached.
-    pub approach: Approach,
-    /// How many random poses statistics are taken over, and their seed.
-    pub poses: (usize, u64),
-    /// What was written for it.
-    pub written: &'a [Written],
-    /// What instruments read of it.
-    pub instruments: &'a Instruments,
-    /// Its budget, if errors are bounded.
-    pub budget: Option<BudgetReport<'a>>,
-    /// Warnings, each as a line.
-    pub warnings: &'a [String],
-}
-
-/// Compensation for one target: what it does as the controller reads it, and what that leaves.
-#[derive(Debug, Clone)]
-pub struct Written {
-    /// The controller.
-    pub target: ControllerTarget,
-    /// Its tables, or its kinematics.
-    pub effect: Effect,
-    /// What is left.
-    pub certificate: Certificate,
-}
+use serde_json::{Value, json};
 
 /// Everything the page shows.
 #[derive(Debug, Clone, Serialize)]
@@ -162,29 +129,16 @@ impl MachineData {
     }
 }
 
-impl Given<'_> {
-    /// The poses that statistics are taken over: those of a certificate.
-    pub fn sample(&self) -> Poses {
-        Poses::Random(Random::of(self.machine, self.poses.0, self.poses.1))
-    }
-}
-
 /// Adding zero turns -0 into 0.
 fn scaled(v: nalgebra::Vector3<f64>, factor: f64) -> [f64; 3] {
     v.map(|x| x * factor + 0.0).into()
 }
 
-pub(super) fn order_word(order: Order) -> String {
+fn order_word(order: Order) -> String {
     match order {
         Order::Exact => "exact model".to_owned(),
         Order::Degree(n) => format!("model of order {n}"),
     }
-}
-
-/// An object of axis names and positions (mm, deg).
-pub fn positions(machine: &Machine, pose: &[f64]) -> Value {
-    let entry = |(axis, q): (&Axis, &f64)| (axis.name.to_string(), json!(q + 0.0));
-    machine.axes().iter().zip(pose).map(entry).collect::<Object<_, _>>().into()
 }
 
 fn arcsec(urad: &Summary) -> Value {
@@ -282,13 +236,4 @@ fn handled(handled: Handled) -> &'static str {
         Handled::Partly => "partly",
         Handled::No => "no",
     }
-}
-
-/// A pose in words: `A = -120°, C = 90°`.
-pub(super) fn pose_words(machine: &Machine, axes: &[usize], pose: &Pose) -> String {
-    let word = |i: &usize| {
-        let (axis, q) = (&machine.axes()[*i], crate::units::significant(pose[*i] + 0.0, 6));
-        if axis.unit() == "mm" { format!("{} = {q} mm", axis.name) } else { format!("{} = {q}°", axis.name) }
-    };
-    axes.iter().map(word).collect::<Vec<_>>().join(", ")
 }

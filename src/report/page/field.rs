@@ -4,11 +4,12 @@
 //! Positions and vectors are in directions of the machine frame, positions relative to the workpiece origin:
 //! so the volume stands still while a table turns.
 
-use super::data::{Given, pose_words, positions};
+use super::given::Given;
 use crate::analysis::{View, deviation_in, frame_rotation, rest, space_axes};
 use crate::evaluate::{Bare, Deviation, Frame, error_by_error, evaluate};
 use crate::machine::{Axis, ErrorId, ErrorTerm, Machine, Pose};
-use crate::report::pictures::scale::round_step;
+use crate::report::pictures::round_step;
+use crate::report::text::{pose_words, positions};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -12,15 +12,17 @@
 mod comparison;
 mod data;
 mod field;
+mod given;
 mod instruments;
 mod render;
 
 pub use comparison::ComparisonData;
-pub use data::{Data, Given, MachineData, Written, positions};
+pub use data::{Data, MachineData};
+pub use given::{Given, Written};
 pub use instruments::Instruments;
 pub use render::{Page, Pictures, Rendered, Served};
 
-use super::pictures::scale::rising;
+use super::pictures::rising;
 
 /// The scale of colours, from no deviation to the largest.
 pub fn colours() -> Vec<String> {

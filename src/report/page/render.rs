@@ -1,7 +1,7 @@
 //! Template, data and pictures to one HTML text.
 
 use super::data::Data;
-use crate::report::pictures::svg::escaped;
+use crate::report::pictures::escaped;
 use crate::units::significant;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;

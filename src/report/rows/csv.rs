@@ -1,6 +1,6 @@
 //! CSV: a header with units, one pose a line.
 
-use super::{Prepared, Rows, Stream};
+use super::table::{Prepared, Rows, Stream};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 

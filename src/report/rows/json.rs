@@ -1,6 +1,6 @@
 //! JSON: the facts, then one object a pose, a line each, so that it can be read by eye and by line.
 
-use super::{Prepared, Rows, Stream};
+use super::table::{Prepared, Rows, Stream};
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
 

@@ -1,6 +1,6 @@
 //! Parquet: the columns of the CSV as doubles, uncompressed, the facts as the file's metadata.
 
-use super::{Prepared, Rows, Stream};
+use super::table::{Prepared, Rows, Stream};
 use parquet::basic::{Repetition, Type as Physical};
 use parquet::data_type::DoubleType;
 use parquet::errors::ParquetError;

@@ -6,7 +6,7 @@
 //! little-endian, as the format's specification calls it (VTK XML file format, version 1.0). They stand one after
 //! the other and their sizes are known beforehand, so rows are written in their places in each of them as they come.
 
-use super::{ControllerTarget, Prepared, Rows, Stream};
+use super::table::{ControllerTarget, Prepared, Rows, Stream};
 use crate::analysis::space_axes;
 use crate::evaluate::Poses;
 use std::io::{self, SeekFrom, Write};

@@ -1,12 +1,11 @@
 //! A budget as JSON and as pictures, the same in `budget`, in a comparison and on the page.
 
+use super::positions::positions;
 use crate::analysis::budget::{
     Bound, BoundedError, Budget, Contribution, Distribution, PERCENTS, Statistic, Totals, known,
 };
 use crate::machine::{ErrorId, Machine};
-use crate::report::page::positions;
-use crate::report::pictures::bars::{Bar, ParetoPicture, WaterfallPicture};
-use crate::report::pictures::svg::Picture;
+use crate::report::pictures::{Bar, ParetoPicture, Picture, WaterfallPicture};
 use crate::units::significant;
 use serde_json::{Map, Value, json};
 

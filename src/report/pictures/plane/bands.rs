@@ -1,6 +1,6 @@
 //! Bands of colour between round levels, and their bar.
 
-use super::Shown;
+use super::picture::Shown;
 use crate::report::pictures::scale::{rising, round_step, signed, tick_text};
 use crate::report::pictures::svg::{Anchor, FAINT, Font, INK, Svg, number};
 
