@@ -2,12 +2,13 @@
 //!
 //! 1. [`overruled`], [`parameters`], [`slope_bounds`], [`unused`]: the words of a request to [`Parameter`]s; `curves` holds
 //!    the bases of error curves.
-//! 2. [`Model`]: the predicted reading of a measurement and its derivatives.
+//! 2. [`Model`]: the predicted reading of a measurement and its derivatives; `observation` holds the kinds of reading.
 //! 3. `Prior`: prior knowledge of the unknowns.
 //! 4. [`moore_penrose`]: the method of the papers beside it.
 
 mod curves;
 mod monomials;
+mod observation;
 mod parameter;
 mod prediction;
 mod prior;
