@@ -8,6 +8,7 @@
 
 mod columns;
 mod error_name;
+mod failure;
 pub mod import;
 mod measurement;
 mod reader;
