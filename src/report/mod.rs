@@ -17,8 +17,9 @@ mod rows;
 mod text;
 
 pub use pictures::{
-    Bar, DiagonalPicture, Drawn, FitPicture, FitPoint, ParetoPicture, Picture, PlanePicture, PolarPicture,
-    RTestPicture, Shown, WaterfallPicture, all_curves, axis_curves, before_after, chain_dot, chain_picture,
+    Bar, DiagonalPicture, Drawn, FitPicture, FitPoint, ParetoPicture, Picture, PictureFailure, PlanePicture,
+    PolarPicture, RTestPicture, Shown, WaterfallPicture, all_curves, axis_curves, before_after, chain_dot,
+    chain_picture,
 };
 pub use rows::{Form, Prepared, Rows, Stream};
 pub use text::{

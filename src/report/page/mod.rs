@@ -20,7 +20,7 @@ pub use comparison::ComparisonData;
 pub use data::{Data, MachineData};
 pub use given::{Given, Written};
 pub use instruments::Instruments;
-pub use render::{Page, Pictures, Rendered, Served};
+pub use render::{Page, PageFailure, Pictures, Rendered, Served};
 
 use super::pictures::rising;
 

@@ -9,6 +9,7 @@ use minijinja::value::{Kwargs, Serde as ViaSerde};
 use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value, context};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
+use std::fmt;
 
 const TEMPLATE: &str = include_str!("page.html.j2");
 const STYLE: &str = include_str!("style.css");
@@ -55,10 +56,10 @@ pub struct Page<'a> {
 }
 
 impl Page<'_> {
-    /// The page; what went wrong, if a template of ours does not render.
-    pub fn html(&self) -> Result<Rendered, String> {
-        let json = embedded(self.data).map_err(|failure| failure.to_string())?;
-        self.render(&json).map_err(|failure| format!("{failure:#}"))
+    /// Returns the page; fails if the data cannot be written as JSON or the template does not render.
+    pub fn html(&self) -> Result<Rendered, PageFailure> {
+        let json = embedded(self.data).map_err(PageFailure::Data)?;
+        self.render(&json).map_err(PageFailure::Template)
     }
 
     fn render(&self, json: &str) -> Result<Rendered, minijinja::Error> {
@@ -74,6 +75,26 @@ impl Page<'_> {
         Ok(Rendered { text, mark })
     }
 }
+
+/// Why a page cannot be rendered.
+#[derive(Debug)]
+pub enum PageFailure {
+    /// The data have no JSON.
+    Data(serde_json::Error),
+    /// The template does not render.
+    Template(minijinja::Error),
+}
+
+impl fmt::Display for PageFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Data(failure) => failure.fmt(f),
+            Self::Template(failure) => write!(f, "{failure:#}"),
+        }
+    }
+}
+
+impl std::error::Error for PageFailure {}
 
 /// A rendered page.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -28,5 +28,5 @@ pub use plane::{Drawn, PlanePicture, Shown, before_after};
 pub use polar::PolarPicture;
 pub use readings::{DiagonalPicture, RTestPicture};
 pub(super) use scale::{rising, round_step};
-pub use svg::Picture;
 pub(super) use svg::escaped;
+pub use svg::{Picture, PictureFailure};

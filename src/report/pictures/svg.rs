@@ -4,6 +4,7 @@
 use super::lettering::Text;
 pub use super::lettering::{Anchor, FAINT, FIRST, Font, INK, LINE, SECOND, THIRD, number};
 use super::outlines;
+use std::fmt;
 
 /// A picture in the making; coordinates in px, y downwards.
 #[derive(Debug, Clone)]
@@ -164,6 +165,28 @@ fn text_element(text: &Text) -> String {
     format!("<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" fill=\"{colour}\"{weight}{anchor}{turn}>{words}</text>\n")
 }
 
+/// Why a picture has no PNG.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum PictureFailure {
+    /// The drawing cannot be read back.
+    Drawing(String),
+    /// The picture has too many pixels.
+    TooLarge,
+    /// The pixels cannot be encoded.
+    Encoding(String),
+}
+
+impl fmt::Display for PictureFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Drawing(message) | Self::Encoding(message) => f.write_str(message),
+            Self::TooLarge => write!(f, "the picture is too large"),
+        }
+    }
+}
+
+impl std::error::Error for PictureFailure {}
+
 /// A finished picture.
 #[derive(Debug, Clone)]
 pub struct Picture {
@@ -180,16 +203,16 @@ impl Picture {
         self.drawing.file(&self.title, text_element)
     }
 
-    /// As a PNG file, two pixels for a px; what went wrong, if it cannot be drawn.
-    pub fn png(&self) -> Result<Vec<u8>, String> {
+    /// Returns a PNG file, two pixels for a px; fails if the picture cannot be rasterised.
+    pub fn png(&self) -> Result<Vec<u8>, PictureFailure> {
         let text = self.drawing.file(&self.title, outlines::path_elements);
-        let tree = resvg::usvg::Tree::from_str(&text, &resvg::usvg::Options::default()).map_err(|f| f.to_string())?;
-        let size = tree.size().to_int_size().scale_by(PNG_SCALE).ok_or("the picture is too large")?;
-        let mut pixels =
-            resvg::tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("the picture is too large")?;
+        let tree = resvg::usvg::Tree::from_str(&text, &resvg::usvg::Options::default())
+            .map_err(|failure| PictureFailure::Drawing(failure.to_string()))?;
+        let size = tree.size().to_int_size().scale_by(PNG_SCALE).ok_or(PictureFailure::TooLarge)?;
+        let mut pixels = resvg::tiny_skia::Pixmap::new(size.width(), size.height()).ok_or(PictureFailure::TooLarge)?;
         let scale = resvg::tiny_skia::Transform::from_scale(PNG_SCALE, PNG_SCALE);
         resvg::render(&tree, scale, &mut pixels.as_mut());
-        pixels.encode_png().map_err(|failure| failure.to_string())
+        pixels.encode_png().map_err(|failure| PictureFailure::Encoding(failure.to_string()))
     }
 }
 

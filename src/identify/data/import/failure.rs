@@ -41,6 +41,8 @@ pub(super) enum RowFailure {
     OtherAxis(String),
     OtherError(ErrorId),
     NotDirection(String),
+    /// A reading, and its unit.
+    TooLarge(f64, &'static str),
     NoUnit,
     NotUnitOf(ErrorId),
     NoReading,
@@ -91,6 +93,7 @@ impl fmt::Display for RowFailure {
             Self::OtherAxis(axis) => write!(f, "a row of axis {}", shown(axis)),
             Self::OtherError(error) => write!(f, "a reading of {error}"),
             Self::NotDirection(text) => write!(f, "`{}` is not a direction", shown(text)),
+            Self::TooLarge(value, unit) => write!(f, "a reading of {value} {unit} is no error of a machine"),
             Self::NoUnit => write!(f, "the reading has no unit"),
             Self::NotUnitOf(error) => write!(f, "not a unit of `{error}`"),
             Self::NoReading => write!(f, "the row has no reading"),

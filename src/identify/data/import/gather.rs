@@ -41,7 +41,8 @@ pub(super) fn gather(lines: &[Line], header: &Header, wanted: &ImportRequest) ->
         }
         match row(&cells, header, wanted, &mut import) {
             Ok(samples) => {
-                believed(&samples, &import.errors).map_err(|why| Box::new(too_large(why, &line.place)))?;
+                believed(&samples, &import.errors)
+                    .map_err(|failure| Box::new(too_large(failure.to_string(), &line.place)))?;
                 let at = if by_row { &line.place } else { &header.place };
                 agree(&samples, &mut marked).map_err(|error| Box::new(half_marked(&import.errors[error], at)))?;
                 import.samples.extend(samples);
@@ -81,16 +82,17 @@ fn agree(samples: &[Sample], marked: &mut Vec<Option<bool>>) -> Result<(), usize
 
 fn half_marked(error: &ErrorId, place: &Place) -> Diagnostic {
     let message = format!("some readings of `{error}` have a direction and others have none");
-    let help = "mark all runs (`1+`, `1-`, `2+` ...; `V1`, `R1` ...) or none: then the order of the rows says it";
+    let help =
+        "mark all runs (`1+`, `1-`, `2+` ...; `V1`, `R1` ...) or none: then the order of the rows gives the directions";
     refusal(message, Some(place.clone())).help(help)
 }
 
 /// Readings that no machine shows are of another unit, or of another column: no row of its own is at fault.
-fn believed(samples: &[Sample], errors: &[ErrorId]) -> Result<(), String> {
+fn believed(samples: &[Sample], errors: &[ErrorId]) -> Result<(), RowFailure> {
     let turns = |sample: &Sample| errors[sample.error].direction.is_rotation();
     let unit = |sample: &Sample| if turns(sample) { (LARGEST.1, "rad") } else { (LARGEST.0, "mm") };
     let far = samples.iter().find(|sample| sample.value.abs() > unit(sample).0);
-    far.map_or(Ok(()), |far| Err(format!("a reading of {} {} is no error of a machine", far.value, unit(far).1)))
+    far.map_or(Ok(()), |far| Err(RowFailure::TooLarge(far.value, unit(far).1)))
 }
 
 fn too_large(message: String, place: &Place) -> Diagnostic {
