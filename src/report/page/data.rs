@@ -184,7 +184,7 @@ fn locations(machine: &Machine) -> Vec<Value> {
     let word = |status: Status| match status {
         Status::Given => "given",
         Status::Bounded => "only bounded by a tolerance: zero here",
-        Status::Covered => "said by the others",
+        Status::Covered => "implied by the others",
         Status::Missing => "missing: taken as zero",
     };
     let needed = set.members.iter().map(|(id, status)| row(id, word(*status)));

@@ -169,7 +169,10 @@ impl BudgetReport<'_> {
         let p = &self.budget.position;
         WaterfallPicture {
             title: self.machine.name().to_owned(),
-            subtitle: format!("What each tolerance has of the 95 % value of {} drawn machines", self.drawing.samples),
+            subtitle: format!(
+                "Contribution of each tolerance to the 95 % value of {} drawn machines",
+                self.drawing.samples
+            ),
             quantity: "position deviation in µm".to_owned(),
             bars,
             marks: vec![
