@@ -5,7 +5,7 @@ use super::output::session::Session;
 use crate::analysis::budget::{Bound, Class, Distribution, Draws, Statistic, bounds, classes, known, lacks_rotary};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::Machine;
-use crate::report::Drawing;
+use crate::report::DrawSettings;
 
 /// How errors are drawn and judged.
 #[derive(Debug, Clone, clap::Args)]
@@ -50,9 +50,9 @@ impl ToleranceArgs {
     }
 
     /// For those who read the result.
-    pub(super) fn drawing(&self, source: Option<String>, samples: usize, seed: u64) -> Drawing {
+    pub(super) fn drawing(&self, source: Option<String>, samples: usize, seed: u64) -> DrawSettings {
         let (distribution, statistic) = (self.distribution(), self.statistic());
-        Drawing { class: self.class.clone().zip(source), samples, seed, distribution, statistic }
+        DrawSettings { class: self.class.clone().zip(source), samples, seed, distribution, statistic }
     }
 
     pub(super) fn draws(&self, seed: u64) -> Draws {

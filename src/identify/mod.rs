@@ -20,7 +20,8 @@ mod solve;
 mod words;
 
 pub use data::{
-    Data, End, InstrumentUnknown, Measurement, Reading, ReadingKind, Repeats, import, read_measurements, repeats,
+    DistanceEnd, InstrumentUnknown, Measurement, MeasurementSet, Reading, ReadingKind, Repeats, import,
+    read_measurements, repeats,
 };
 pub use fitted_file::fitted_file;
 pub use model::{

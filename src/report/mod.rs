@@ -17,12 +17,12 @@ mod rows;
 mod text;
 
 pub use pictures::{
-    Bar, DiagonalPicture, Drawn, FitPicture, FitPoint, ParetoPicture, Picture, PictureFailure, PlanePicture,
-    PolarPicture, RTestPicture, Shown, WaterfallPicture, all_curves, axis_curves, before_after, chain_dot,
+    Bar, DiagonalPicture, FitPicture, FitPoint, ParetoPicture, Picture, PictureFailure, PlanePicture, PlaneQuantity,
+    PlaneStyle, PolarPicture, RTestPicture, WaterfallPicture, all_curves, axis_curves, before_after, chain_dot,
     chain_picture,
 };
-pub use rows::{Form, Prepared, Rows, Stream};
+pub use rows::{RowBlock, RowFormat, Rows, Stream};
 pub use text::{
-    BudgetReport, Drawing, budgets_json, circle_json, equations, line_json, positions, tolerance, tolerance_unit,
+    BudgetReport, DrawSettings, budgets_json, circle_json, equations, line_json, positions, tolerance, tolerance_unit,
     turn_json,
 };

@@ -9,7 +9,7 @@ use super::oracle::random::Random;
 use super::oracle::rigid::Frame as OracleFrame;
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::Frame;
-use abbe::identify::{Data, Fit, Model, Parameter, Solution, fit, read_measurements};
+use abbe::identify::{Fit, MeasurementSet, Model, Parameter, Solution, fit, read_measurements};
 use abbe::machine::Machine;
 use abbe::syntax::Disk;
 use nalgebra::{DMatrix, Matrix3, Vector3};
@@ -38,14 +38,14 @@ fn file(folder: &Folder, name: &str, head: &str, rows: impl Iterator<Item = Stri
     folder.write(name, &format!("{head}\n{}\n", rows.collect::<Vec<_>>().join("\n")))
 }
 
-fn read(machine: &Machine, files: &[std::path::PathBuf]) -> Data {
+fn read(machine: &Machine, files: &[std::path::PathBuf]) -> MeasurementSet {
     let mut diagnostics = Diagnostics::default();
     let data = read_measurements(files, machine, Frame::Workpiece, &Disk, &mut diagnostics);
     assert!(diagnostics.iter().next().is_none(), "{:?}", diagnostics.iter().next());
     data
 }
 
-fn solved(machine: &Machine, words: &[&str], data: &Data) -> (Vec<Parameter>, Fit, Solution) {
+fn solved(machine: &Machine, words: &[&str], data: &MeasurementSet) -> (Vec<Parameter>, Fit, Solution) {
     let unknowns: Vec<Parameter> =
         wanted(machine, words).into_iter().chain(data.nuisances.iter().cloned().map(Parameter::from)).collect();
     let model = Model::new(machine, &unknowns);

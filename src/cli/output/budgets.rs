@@ -9,7 +9,7 @@ use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::verbs::budget::{TOTALS, TOTALS_NOTE, totals_row};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{Machine, Pose};
-use crate::report::{BudgetReport, Drawing, budgets_json};
+use crate::report::{BudgetReport, DrawSettings, budgets_json};
 use crate::units::significant;
 use serde_json::Value;
 
@@ -27,7 +27,7 @@ pub(crate) struct Budgets {
     budgets: Vec<Budget>,
     errors: Vec<BoundedError>,
     poses: usize,
-    drawing: Drawing,
+    drawing: DrawSettings,
 }
 
 /// The budgets, each at the machine's own poses of the same work; none if not every machine has one.

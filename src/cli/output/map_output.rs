@@ -5,7 +5,7 @@ use crate::cli::store::write::Staged;
 use crate::cli::{Exit, Outcome};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::Deviation;
-use crate::report::{Form, Prepared, Rows, Stream};
+use crate::report::{RowBlock, RowFormat, Rows, Stream};
 use std::io::BufWriter;
 use std::path::PathBuf;
 
@@ -30,14 +30,18 @@ pub(crate) struct Outputs {
 const BLOCK: usize = 1 << 14;
 
 impl Outputs {
-    fn wanted(&self) -> impl Iterator<Item = (Form, &PathBuf)> {
-        let all =
-            [(Form::Csv, &self.csv), (Form::Json, &self.json), (Form::Parquet, &self.parquet), (Form::Vtk, &self.vtk)];
+    fn wanted(&self) -> impl Iterator<Item = (RowFormat, &PathBuf)> {
+        let all = [
+            (RowFormat::Csv, &self.csv),
+            (RowFormat::Json, &self.json),
+            (RowFormat::Parquet, &self.parquet),
+            (RowFormat::Vtk, &self.vtk),
+        ];
         all.into_iter().filter_map(|(form, path)| Some((form, path.as_ref()?)))
     }
 
     /// The forms that were asked for.
-    pub(crate) fn forms(&self) -> Vec<Form> {
+    pub(crate) fn forms(&self) -> Vec<RowFormat> {
         self.wanted().map(|(form, _)| form).collect()
     }
 
@@ -73,7 +77,7 @@ pub(crate) struct Tables<'a> {
 impl<'a> Tables<'a> {
     /// Begins them all.
     pub(crate) fn new(session: &mut Session, outputs: &Outputs, rows: &Rows<'a>) -> Result<Self, Exit> {
-        let begin = |(form, path): (Form, &PathBuf)| {
+        let begin = |(form, path): (RowFormat, &PathBuf)| {
             let staged = Staged::new(path)?;
             let file = staged.file()?;
             let stream = rows.stream(form, BufWriter::new(file)).map_err(|failure| staged.failed(&failure))?;
@@ -84,7 +88,7 @@ impl<'a> Tables<'a> {
     }
 
     /// The next rows; `false` if one of the files cannot be written.
-    pub(crate) fn put(&mut self, rows: &Prepared) -> bool {
+    pub(crate) fn put(&mut self, rows: &RowBlock) -> bool {
         let mut written =
             self.tables.iter_mut().map(|(staged, stream)| stream.put(rows).map_err(|f| staged.failed(&f)));
         self.failure = written.find_map(Result::err);

@@ -7,7 +7,7 @@ use crate::cli::store::write::{PictureKind, write_picture};
 use crate::cli::{Exit, Outcome};
 use crate::evaluate::{Field, Order};
 use crate::machine::{AxisKind, Machine};
-use crate::report::{Drawn, Picture, PlanePicture, Shown, before_after};
+use crate::report::{Picture, PlanePicture, PlaneQuantity, PlaneStyle, before_after};
 use std::path::PathBuf;
 
 /// What to draw.
@@ -49,7 +49,7 @@ enum ComponentArg {
     Dz,
 }
 
-impl From<ComponentArg> for Shown {
+impl From<ComponentArg> for PlaneQuantity {
     fn from(arg: ComponentArg) -> Self {
         match arg {
             ComponentArg::Length => Self::Length,
@@ -122,7 +122,7 @@ impl Pictures {
         let machine = subject.field.machine();
         let of = |field| Plane::of(field, place.axes, &place.at, nodes(machine, place.axes), view);
         let plane = of(subject.field);
-        let drawn = if self.drawing == DrawingArg::Grid { Drawn::Grid } else { Drawn::Colours };
+        let drawn = if self.drawing == DrawingArg::Grid { PlaneStyle::Grid } else { PlaneStyle::Colours };
         let shown = self.component.into();
         let one = PlanePicture { machine, plane: &plane, view, order, shown, drawn, state: subject.state, like: None };
         let picture = match before.filter(|_| self.drawing == DrawingArg::BeforeAfter).map(of) {

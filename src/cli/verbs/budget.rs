@@ -13,7 +13,7 @@ use crate::cli::tool_poses;
 use crate::cli::tool_poses::Reached;
 use crate::cli::{Format, Outcome, load};
 use crate::machine::Machine;
-use crate::report::{BudgetReport, Drawing, tolerance, tolerance_unit};
+use crate::report::{BudgetReport, DrawSettings, tolerance, tolerance_unit};
 use crate::units::{angle, length, significant};
 use serde_json::json;
 use std::path::PathBuf;
@@ -105,7 +105,7 @@ struct Report<'a> {
     args: &'a Args,
     machine: &'a Machine,
     bounds: &'a [Bound],
-    drawing: Drawing,
+    drawing: DrawSettings,
     poses: usize,
     reached: Option<Reached>,
     at: Option<Vec<f64>>,

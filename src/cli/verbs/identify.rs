@@ -11,8 +11,8 @@ use crate::evaluate::Order;
 use crate::identify::randomness;
 use crate::identify::repeats;
 use crate::identify::{
-    Data, End, Measurement, Model, Parameter, Reading, Residuals, Solution, fitted_file, held_out, moore_penrose,
-    overruled, parameters, read_measurements, slope_bounds, solve, unused,
+    DistanceEnd, Measurement, MeasurementSet, Model, Parameter, Reading, Residuals, Solution, fitted_file, held_out,
+    moore_penrose, overruled, parameters, read_measurements, slope_bounds, solve, unused,
 };
 use crate::machine::{self, Machine};
 use crate::syntax::IdentifyEntry;
@@ -102,7 +102,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let mut data = measurements(session, &machine, args, &files)?;
     remarks::left_out(session, &machine, &data.leave_out(&own));
-    let Data { rows: data, nuisances } = data;
+    let MeasurementSet { rows: data, nuisances } = data;
     // Before the work, not after it.
     write::refuse_outputs(&args.out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     args.svg.iter().try_for_each(|folder| write::refuse_no_folder(folder)).or_else(|d| session.refuse(d))?;
@@ -190,12 +190,17 @@ fn noise(text: &str) -> Result<f64, String> {
     length.filter(|mm| *mm > 0.0).ok_or_else(|| "write a length above zero, such as `2 um`".to_owned())
 }
 
-fn measurements(session: &mut Session, machine: &Machine, args: &Args, files: &Recorded) -> Result<Data, Exit> {
+fn measurements(
+    session: &mut Session,
+    machine: &Machine,
+    args: &Args,
+    files: &Recorded,
+) -> Result<MeasurementSet, Exit> {
     let data = read_measurements(&args.data, machine, args.frame.into(), files, &mut session.diagnostics);
     session.checked()?;
     refuse_copies(session, &args.data, files)?;
     let other = |m: &Measurement| match &m.reading {
-        Reading::Distance { from: End::Pose(to), .. } => Some(to.clone()),
+        Reading::Distance { from: DistanceEnd::Pose(to), .. } => Some(to.clone()),
         _ => None,
     };
     let at: Vec<machine::Pose> =

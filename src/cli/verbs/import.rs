@@ -4,7 +4,7 @@ use crate::cli::output::session::Session;
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
 use crate::diagnostic::{Diagnostic, codes};
-use crate::identify::import::{Figures, Import, ImportRequest, import};
+use crate::identify::import::{AccuracyFigures, Import, ImportRequest, import};
 use crate::machine::ErrorId;
 use crate::syntax::Disk;
 use crate::units::{counted, significant};
@@ -142,7 +142,7 @@ fn text(found: &Import) -> String {
     text + "E systematic deviation, M mean deviation, B reversal, R repeatability, A accuracy: formed after ISO 230-2:2014\n"
 }
 
-fn cells(rotary: bool, error: &ErrorId, f: &Figures) -> Vec<String> {
+fn cells(rotary: bool, error: &ErrorId, f: &AccuracyFigures) -> Vec<String> {
     let (factor, unit) = unit(error);
     let n = |x: f64| significant(x * factor, 4);
     let maybe = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), n);

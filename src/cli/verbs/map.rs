@@ -20,7 +20,7 @@ use crate::controller::{ControllerTarget, Depth, Effect};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{CompiledField, Deviation, Field, Nodes, Order, Poses, Random, Spread, Statistics, Tally, worst};
 use crate::machine::Machine;
-use crate::report::{Form, Rows};
+use crate::report::{RowFormat, Rows};
 use crate::units::significant;
 use serde_json::json;
 use std::io::Cursor;
@@ -209,9 +209,9 @@ impl Whole<'_> {
 /// The table as CSV.
 fn text(rows: &Rows<'_>, deviations: &[Deviation]) -> String {
     let mut bytes = Cursor::new(Vec::new());
-    let all = rows.prepared(&[Form::Csv], 0, rows.poses.iter().zip(deviations.iter().copied()));
+    let all = rows.prepared(&[RowFormat::Csv], 0, rows.poses.iter().zip(deviations.iter().copied()));
     // Writing to memory cannot fail.
-    let _ = rows.stream(Form::Csv, &mut bytes).and_then(|mut csv| {
+    let _ = rows.stream(RowFormat::Csv, &mut bytes).and_then(|mut csv| {
         csv.put(&all)?;
         csv.finish()
     });

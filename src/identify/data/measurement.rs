@@ -36,7 +36,7 @@ pub struct Measurement {
 }
 
 /// A reading, actual values in mm (rad where a single error is an angle). Indices are those of
-/// [`Data::nuisances`].
+/// [`MeasurementSet::nuisances`].
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reading {
     /// dx, dy, dz of the functional point, actual minus nominal; `None`: not measured.
@@ -53,7 +53,7 @@ pub enum Reading {
         /// The distance, less the unknown constant.
         value: f64,
         /// From where.
-        from: End,
+        from: DistanceEnd,
         /// Index of the unknown constant, if there is one.
         zero: Option<usize>,
     },
@@ -77,7 +77,7 @@ pub enum Reading {
 
 /// The other end of a distance.
 #[derive(Debug, Clone, PartialEq)]
-pub enum End {
+pub enum DistanceEnd {
     /// A point fixed to the workpiece, its place (from the workpiece origin) three unknowns from this index on.
     Station(usize),
     /// The functional point itself at another pose.
@@ -175,14 +175,14 @@ pub struct InstrumentUnknown {
 
 /// Measurements of all files, and the unknowns of instruments and set-ups: places of stations, dead paths, first readings.
 #[derive(Debug, Clone, Default)]
-pub struct Data {
+pub struct MeasurementSet {
     /// Row by row.
     pub rows: Vec<Measurement>,
     /// What has to be fitted beside the machine, and is no error of it.
     pub nuisances: Vec<InstrumentUnknown>,
 }
 
-impl Data {
+impl MeasurementSet {
     /// Adds an unknown of `mm` to begin with; gives its index.
     pub(crate) fn unknown(&mut self, name: String, start: f64) -> usize {
         self.nuisances.push(InstrumentUnknown { name, start_mm: start });

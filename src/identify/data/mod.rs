@@ -17,6 +17,6 @@ mod station;
 
 pub(super) use error_name::split_direction;
 pub(super) use measurement::lever;
-pub use measurement::{Data, End, InstrumentUnknown, Measurement, Reading, ReadingKind};
+pub use measurement::{DistanceEnd, InstrumentUnknown, Measurement, MeasurementSet, Reading, ReadingKind};
 pub use reader::read_measurements;
 pub use repeats::{Repeats, repeats};

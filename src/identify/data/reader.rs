@@ -2,7 +2,7 @@
 
 use super::columns::{Column, Content, LengthKind, Quantity, RowForm, columns};
 use super::failure::RowFailure;
-use super::measurement::{Data, End, Measurement, Reading, lever};
+use super::measurement::{DistanceEnd, Measurement, MeasurementSet, Reading, lever};
 use super::station::{self, StationFailure};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, did_you_mean, shown};
 use crate::evaluate::Frame;
@@ -58,7 +58,7 @@ pub struct Reader<'a> {
     /// Name of the file in the names of unknowns; empty if there is only one.
     file: String,
     form: RowForm,
-    data: Data,
+    data: MeasurementSet,
 }
 
 /// Reads files of measurements, deviations in `frame`; whatever is wrong with one is reported, and it adds nothing.
@@ -68,10 +68,10 @@ pub fn read_measurements(
     frame: Frame,
     files: &dyn Files,
     diagnostics: &mut Diagnostics,
-) -> Data {
+) -> MeasurementSet {
     let with = |name: &str| machine.with_tool(name).unwrap_or_else(|| machine.clone());
     let machines = machine.tools().iter().map(|tool| with(&tool.name)).collect();
-    let (data, file) = (Data::default(), String::new());
+    let (data, file) = (MeasurementSet::default(), String::new());
     let mut reader = Reader { machine, machines, frame, file, form: RowForm::Deviation, data };
     for path in paths {
         let stem = path.as_ref().file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
@@ -332,7 +332,7 @@ impl Reader<'_> {
             }
             let zero = self.constant(&run, &drafts, &lengths);
             for (draft, nominal) in drafts.into_iter().zip(lengths) {
-                let from = End::Pose(draft.to.clone().unwrap_or_default());
+                let from = DistanceEnd::Pose(draft.to.clone().unwrap_or_default());
                 self.push_distance(draft, nominal, from, zero);
             }
         }
@@ -364,7 +364,7 @@ impl Reader<'_> {
                 }
                 let zero = self.constant(&format!(" {label}{run}"), &drafts, &nominal);
                 for (draft, nominal) in drafts.into_iter().zip(nominal) {
-                    self.push_distance(draft, nominal, End::Station(first), zero);
+                    self.push_distance(draft, nominal, DistanceEnd::Station(first), zero);
                 }
             }
         }
@@ -406,7 +406,7 @@ impl Reader<'_> {
         Some(self.data.unknown(format!("{}constant{run}", self.file), start))
     }
 
-    fn push_distance(&mut self, draft: Draft, nominal: f64, from: End, zero: Option<usize>) {
+    fn push_distance(&mut self, draft: Draft, nominal: f64, from: DistanceEnd, zero: Option<usize>) {
         let (kind, value) = draft.length.unwrap_or((LengthKind::Whole, 0.0));
         let value = if kind == LengthKind::FromNominal { nominal + value } else { value };
         self.data.rows.push(Measurement { reading: Reading::Distance { value, from, zero }, ..draft.row });

@@ -2,7 +2,7 @@
 
 use crate::algebra::Algebra;
 use crate::evaluate::Frame;
-use crate::identify::data::{End, Measurement, Reading, lever};
+use crate::identify::data::{DistanceEnd, Measurement, Reading, lever};
 use crate::lower::{NominalPose, Source};
 use crate::machine::Machine;
 use nalgebra::{Matrix3, Vector3};
@@ -70,8 +70,10 @@ pub(super) fn observe<S: Algebra>(
         Reading::Distance { from, zero, .. } => {
             let here = at(Subject::Point(&m.pose));
             let (other, station) = match from {
-                End::Station(index) => (Vector3::from_fn(|k, _| S::from_real(unknowns[index + k])), Some(*index)),
-                End::Pose(to) => (at(Subject::Point(to)), None),
+                DistanceEnd::Station(index) => {
+                    (Vector3::from_fn(|k, _| S::from_real(unknowns[index + k])), Some(*index))
+                }
+                DistanceEnd::Pose(to) => (at(Subject::Point(to)), None),
             };
             let (length, towards) = normalised(here - other);
             let pull = |k: usize| first(-(towards[k].real() + towards[k].nilpotent_sum()));

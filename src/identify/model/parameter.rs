@@ -1,6 +1,6 @@
 //! What is fitted: each parameter moves one or more error sources, each by a basis function of the axis position.
 
-use crate::identify::data::{Data, InstrumentUnknown, Reading, lever};
+use crate::identify::data::{InstrumentUnknown, MeasurementSet, Reading, lever};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, AxisKind, Curve, ErrorId, Knots, Machine, sin_cos_degrees};
 
@@ -183,7 +183,7 @@ impl SlopeBound {
     }
 }
 
-impl Data {
+impl MeasurementSet {
     /// Takes out readings of single errors that nothing fitted moves; says how many of which.
     pub fn leave_out(&mut self, fitted: &[Parameter]) -> Vec<(Source, usize)> {
         let mut list: Vec<(Source, usize)> = Vec::new();

@@ -2,9 +2,9 @@
 
 use crate::diagnostic::{Diagnostic, codes};
 
-pub(crate) type Refused = Box<Diagnostic>;
+pub(crate) type Refusal = Box<Diagnostic>;
 
 /// Returns the diagnostic of a request that cannot be fitted.
-pub(super) fn refusal(message: String, help: impl Into<String>) -> Refused {
+pub(super) fn refusal(message: String, help: impl Into<String>) -> Refusal {
     Box::new(Diagnostic::new(codes::E0502, message).help(help))
 }

@@ -4,7 +4,7 @@
 
 use super::curves::{self, MAX_POWER};
 use super::parameter::{Basis, Parameter, SlopeBound, Term, source};
-use super::refusal::{Refused, refusal};
+use super::refusal::{Refusal, refusal};
 use crate::algebra::linear::Svd;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::identify::data::split_direction;
@@ -21,7 +21,7 @@ use nalgebra::{DMatrix, DVector};
 const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
 
 /// The parameters that `request` asks for, in its order, each once.
-pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refused> {
+pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
     let mut list: Vec<Parameter> = Vec::new();
     // What is wrong with a parameter of one's own is said whether it is fitted or not.
     for (name, errors) in &request.parameters {
@@ -146,7 +146,7 @@ pub fn slope_bounds(
     machine: &Machine,
     request: &IdentifyEntry,
     list: &[Parameter],
-) -> Result<Vec<SlopeBound>, Refused> {
+) -> Result<Vec<SlopeBound>, Refusal> {
     let one = |(word, bound): (&String, &Scalar)| {
         let error = error(machine, word)?;
         let source = source(machine, &error);
@@ -171,7 +171,7 @@ pub fn slope_bounds(
 }
 
 /// The same parameter from two words counts once; two forms of curve may not move the same error.
-fn add(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Refused> {
+fn add(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Refusal> {
     if list.iter().any(|known| known.name == parameter.name) {
         return Ok(());
     }
@@ -198,7 +198,7 @@ fn tie(
     follower: &str,
     leaders: &IndexMap<String, Scalar>,
     list: &mut [Parameter],
-) -> Result<(), Refused> {
+) -> Result<(), Refusal> {
     let help = "write one error and a factor: `tied: { EBY: { EBX: -1 } }` is EBY = -EBX; EBX is fitted, EBY is not";
     let own = error(machine, follower)?;
     let Some((leader, factor)) = leaders.first().filter(|_| leaders.len() == 1) else {
@@ -241,7 +241,7 @@ fn kind(parameter: &Parameter) -> u8 {
 }
 
 /// Names of the parameters that a word of `fixed` takes out.
-fn fixed(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<String>, Refused> {
+fn fixed(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<String>, Refusal> {
     if GROUPS.contains(&word) {
         return Ok(of_word(machine, word, &IdentifyEntry::default())?.into_iter().map(|p| p.name).collect());
     }
@@ -263,7 +263,7 @@ fn fixed(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<String
     Ok(list.iter().filter(moved).map(|p| p.name.clone()).collect())
 }
 
-fn of_word(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refused> {
+fn of_word(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
     match word {
         "location" => Ok(machine.axes().iter().enumerate().flat_map(|(i, _)| six(machine, i)).collect()),
         "spindle" if machine.spindle_errors().is_none() => {
@@ -306,7 +306,7 @@ fn setup(machine: &Machine, place: ErrorSite, word: &str, starts: &[f64]) -> Vec
     starts.iter().zip(Direction::ALL).map(one).collect()
 }
 
-fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refused> {
+fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refusal> {
     let Some(error) = parse_error_name(word) else {
         let message = format!("`{}` is neither an error nor a group", shown(word));
         let help = format!("errors such as `EC0Y` or `EXX:poly3`, or a group; {}", did_you_mean(word, &GROUPS));
@@ -323,7 +323,7 @@ fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refused> {
 
 /// One error, with the basis that stands behind it, in `identify.basis`, or usual for the axis; or a parameter of
 /// one's own.
-fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refused> {
+fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
     if let Some(errors) = request.parameters.get(word) {
         return Ok(vec![own_parameter(machine, word, errors)?]);
     }
@@ -357,7 +357,7 @@ fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<
 }
 
 /// A parameter of one's own: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`.
-fn own_parameter(machine: &Machine, name: &str, errors: &IndexMap<String, Vec<Scalar>>) -> Result<Parameter, Refused> {
+fn own_parameter(machine: &Machine, name: &str, errors: &IndexMap<String, Vec<Scalar>>) -> Result<Parameter, Refusal> {
     let help =
         "write coefficients by rising power of the position, in mm and rad: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`";
     if GROUPS.contains(&name) || parse_error_name(name).is_some() || name.contains(':') {

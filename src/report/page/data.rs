@@ -3,7 +3,7 @@
 
 use super::comparison::ComparisonData;
 use super::field::FieldData;
-use super::given::{Given, Written};
+use super::given::{MachineInput, TargetResult};
 use crate::analysis::sources;
 use crate::analysis::{LocationSet, Map, Source, Status, body_diagonals, levers, rest};
 use crate::controller::Handled;
@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 
 /// Everything the page shows.
 #[derive(Debug, Clone, Serialize)]
-pub struct Data {
+pub struct PageData {
     /// Version of the program.
     pub abbe: &'static str,
     /// The machines, in their order.
@@ -69,14 +69,14 @@ const DIAGONAL_STEPS: usize = 20;
 
 impl MachineData {
     /// Computes everything about a machine.
-    pub fn new(number: usize, given: &Given<'_>, map: &Map) -> Self {
+    pub fn new(number: usize, given: &MachineInput<'_>, map: &Map) -> Self {
         let machine = given.machine;
         let bare = Bare { machine, order: given.order };
         let poses = given.sample();
         let bad = worst(&map.deviations, WORST);
         let worst_pose = bad.first().map_or_else(|| rest(machine), |i| poses.get(*i));
         let few = (given.poses.0.min(SOURCE_POSES), given.poses.1);
-        let few_poses = Given { poses: few, ..*given }.sample();
+        let few_poses = MachineInput { poses: few, ..*given }.sample();
         let named = |i: &usize| {
             let d = &map.deviations[*i];
             json!({"axes": positions(machine, &poses.get(*i)), "deviation_um": scaled(d.position, 1e3),
@@ -207,8 +207,8 @@ fn diagonals(bare: &Bare<'_>, approach: Approach) -> Vec<Value> {
     body_diagonals(bare, &rest(machine), DIAGONAL_STEPS, approach).iter().map(of).collect()
 }
 
-fn certificate(machine: &Machine, written: &Written) -> Value {
-    let Written { target, certificate, .. } = written;
+fn certificate(machine: &Machine, written: &TargetResult) -> Value {
+    let TargetResult { target, certificate, .. } = written;
     let manifest = &target.manifest;
     let figures = |f: &crate::controller::Figures| json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis});
     let mut errors: Vec<_> = certificate.errors.iter().collect();

@@ -8,7 +8,7 @@ use crate::report::text::BudgetReport;
 
 /// One machine that was given, and how it is looked at.
 #[derive(Debug, Clone, Copy)]
-pub struct Given<'a> {
+pub struct MachineInput<'a> {
     /// The machine.
     pub machine: &'a Machine,
     /// Its file as it was named.
@@ -20,7 +20,7 @@ pub struct Given<'a> {
     /// How many random poses statistics are taken over, and their seed.
     pub poses: (usize, u64),
     /// What was written for it.
-    pub written: &'a [Written],
+    pub written: &'a [TargetResult],
     /// What instruments read of it.
     pub instruments: &'a Instruments,
     /// Its budget, if errors are bounded.
@@ -31,7 +31,7 @@ pub struct Given<'a> {
 
 /// Compensation for one target: what it does as the controller reads it, and what that leaves.
 #[derive(Debug, Clone)]
-pub struct Written {
+pub struct TargetResult {
     /// The controller.
     pub target: ControllerTarget,
     /// Its tables, or its kinematics.
@@ -40,7 +40,7 @@ pub struct Written {
     pub certificate: Certificate,
 }
 
-impl Given<'_> {
+impl MachineInput<'_> {
     /// The poses that statistics are taken over: those of a certificate.
     pub fn sample(&self) -> Poses {
         Poses::Random(Random::of(self.machine, self.poses.0, self.poses.1))

@@ -24,7 +24,7 @@ pub use chain::chain_picture;
 pub use curves::{all_curves, axis_curves};
 pub use dot::chain_dot;
 pub use fit::{FitPicture, FitPoint};
-pub use plane::{Drawn, PlanePicture, Shown, before_after};
+pub use plane::{PlanePicture, PlaneQuantity, PlaneStyle, before_after};
 pub use polar::PolarPicture;
 pub use readings::{DiagonalPicture, RTestPicture};
 pub(super) use scale::{rising, round_step};

@@ -1,6 +1,6 @@
 //! A mapped field pose by pose, for other programs: CSV, JSON, Parquet and VTK.
 //!
-//! [`Rows`] says what the table is of. Blocks of consecutive poses are [`Prepared`], on any thread, and put into a
+//! [`Rows`] says what the table is of. Blocks of consecutive poses are [`RowBlock`], on any thread, and put into a
 //! [`Stream`] one after the other; so a table is never held as a whole, whatever its form. Positions are in mm and
 //! deg as programmed, deviations in um and urad, actual minus nominal.
 
@@ -11,4 +11,4 @@ mod stream;
 mod table;
 mod vtk;
 
-pub use table::{Form, Prepared, Rows, Stream};
+pub use table::{RowBlock, RowFormat, Rows, Stream};

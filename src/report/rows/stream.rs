@@ -1,6 +1,6 @@
 //! Rows to the streams of their formats.
 
-use super::table::{ControllerTarget, Form, Prepared, Rows, Stream};
+use super::table::{RowBlock, RowFormat, Rows, SeekableOutput, Stream};
 use super::{csv, json, parquet, vtk};
 use crate::evaluate::Deviation;
 use crate::machine::Pose;
@@ -9,21 +9,26 @@ use std::io;
 impl<'a> Rows<'a> {
     /// Prepares rows for some forms: `first` is the index of the first pose, the deviations (mm, rad) are in the
     /// frame of the view.
-    pub fn prepared(&self, forms: &[Form], first: usize, rows: impl Iterator<Item = (Pose, Deviation)>) -> Prepared {
-        let mut made = Prepared { first, ..Prepared::default() };
+    pub fn prepared(
+        &self,
+        forms: &[RowFormat],
+        first: usize,
+        rows: impl Iterator<Item = (Pose, Deviation)>,
+    ) -> RowBlock {
+        let mut made = RowBlock { first, ..RowBlock::default() };
         let wants = |form| forms.contains(&form);
         for (pose, deviation) in rows {
-            if wants(Form::Vtk) {
+            if wants(RowFormat::Vtk) {
                 made.tips.push(self.tip(&pose));
             }
             let mut row = pose;
             row.extend(six(&deviation));
             // Adding zero turns -0 into 0.
             row.iter_mut().for_each(|x| *x += 0.0);
-            if wants(Form::Csv) {
+            if wants(RowFormat::Csv) {
                 csv::line(&row, &mut made.csv);
             }
-            if wants(Form::Json) {
+            if wants(RowFormat::Json) {
                 self.json_line(&row, &mut made.json);
             }
             made.rows.push(row);
@@ -32,15 +37,15 @@ impl<'a> Rows<'a> {
     }
 
     /// Begins a table.
-    pub fn stream<'o>(&self, form: Form, out: impl ControllerTarget + 'o) -> io::Result<Box<dyn Stream + 'o>>
+    pub fn stream<'o>(&self, form: RowFormat, out: impl SeekableOutput + 'o) -> io::Result<Box<dyn Stream + 'o>>
     where
         'a: 'o,
     {
         Ok(match form {
-            Form::Csv => Box::new(csv::Csv::new(self, out)?),
-            Form::Json => Box::new(json::Json::new(self, out)?),
-            Form::Parquet => Box::new(parquet::Parquet::new(self, out)?),
-            Form::Vtk => Box::new(vtk::Vtk::new(self, out)?),
+            RowFormat::Csv => Box::new(csv::Csv::new(self, out)?),
+            RowFormat::Json => Box::new(json::Json::new(self, out)?),
+            RowFormat::Parquet => Box::new(parquet::Parquet::new(self, out)?),
+            RowFormat::Vtk => Box::new(vtk::Vtk::new(self, out)?),
         })
     }
 }

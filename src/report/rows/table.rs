@@ -20,9 +20,9 @@ pub struct Rows<'a> {
     pub target: &'a str,
 }
 
-/// Form of a table.
+/// Format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub enum RowFormat {
     /// A header with units, one pose a line.
     Csv,
     /// An object with one object a pose.
@@ -35,7 +35,7 @@ pub enum Form {
 
 /// Consecutive rows, as far as the forms asked for can be made of them apart from the others.
 #[derive(Debug, Clone, Default)]
-pub struct Prepared {
+pub struct RowBlock {
     /// Index of the first.
     pub(super) first: usize,
     /// Positions (mm, deg), then the deviation (um, urad): the numbers of each row.
@@ -49,16 +49,16 @@ pub struct Prepared {
 /// Where the rows of one table go, in their order.
 pub trait Stream {
     /// The next rows.
-    fn put(&mut self, rows: &Prepared) -> io::Result<()>;
+    fn put(&mut self, rows: &RowBlock) -> io::Result<()>;
 
     /// That was all.
     fn finish(self: Box<Self>) -> io::Result<()>;
 }
 
 /// What a file has to be able to do.
-pub trait ControllerTarget: Write + Seek + Send {}
+pub trait SeekableOutput: Write + Seek + Send {}
 
-impl<T: Write + Seek + Send> ControllerTarget for T {}
+impl<T: Write + Seek + Send> SeekableOutput for T {}
 
 /// Names of the six columns of a deviation.
 const DEVIATION: [&str; 6] = ["dx [um]", "dy [um]", "dz [um]", "wx [urad]", "wy [urad]", "wz [urad]"];

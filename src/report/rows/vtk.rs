@@ -6,7 +6,7 @@
 //! little-endian, as the format's specification calls it (VTK XML file format, version 1.0). They stand one after
 //! the other and their sizes are known beforehand, so rows are written in their places in each of them as they come.
 
-use super::table::{ControllerTarget, Prepared, Rows, Stream};
+use super::table::{RowBlock, Rows, SeekableOutput, Stream};
 use crate::analysis::space_axes;
 use crate::evaluate::Poses;
 use std::io::{self, SeekFrom, Write};
@@ -37,7 +37,7 @@ pub(super) struct Vtk<W> {
     end: u64,
 }
 
-impl<W: ControllerTarget> Vtk<W> {
+impl<W: SeekableOutput> Vtk<W> {
     pub(super) fn new(rows: &Rows<'_>, mut out: W) -> io::Result<Self> {
         let cells = Cells::of(rows);
         let arrays = arrays(rows, &cells);
@@ -82,7 +82,7 @@ impl<W: ControllerTarget> Vtk<W> {
     fn put_array<const N: usize>(
         &mut self,
         array: usize,
-        rows: &Prepared,
+        rows: &RowBlock,
         of: impl Fn(usize) -> [f64; N],
     ) -> io::Result<()> {
         self.within(array, rows.first, |out| {
@@ -92,8 +92,8 @@ impl<W: ControllerTarget> Vtk<W> {
     }
 }
 
-impl<W: ControllerTarget> Stream for Vtk<W> {
-    fn put(&mut self, rows: &Prepared) -> io::Result<()> {
+impl<W: SeekableOutput> Stream for Vtk<W> {
+    fn put(&mut self, rows: &RowBlock) -> io::Result<()> {
         let axes = self.places.len() - VALUES - 3;
         let three = |i: usize, from: usize| -> [f64; 3] { std::array::from_fn(|k| rows.rows[i][axes + from + k]) };
         self.put_array(0, rows, |i| rows.tips[i])?;

@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 
 /// How machines were drawn for a budget.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Drawing {
+pub struct DrawSettings {
     /// The class that bounds what the machine file does not, and its source.
     pub class: Option<(String, String)>,
     /// How many machines.
@@ -36,10 +36,10 @@ pub struct BudgetReport<'a> {
     /// At how many poses.
     pub poses: usize,
     /// How machines were drawn.
-    pub drawing: &'a Drawing,
+    pub drawing: &'a DrawSettings,
 }
 
-impl Drawing {
+impl DrawSettings {
     /// As it stands in JSON.
     pub fn json(&self) -> Map<String, Value> {
         let (class, source) = self.class.clone().unzip();

@@ -5,7 +5,7 @@ pub mod equations;
 mod instruments;
 mod positions;
 
-pub use budget::{BudgetReport, Drawing, budgets_json, tolerance, tolerance_unit};
+pub use budget::{BudgetReport, DrawSettings, budgets_json, tolerance, tolerance_unit};
 pub use instruments::{circle_json, line_json, turn_json};
 pub(super) use positions::pose_words;
 pub use positions::positions;

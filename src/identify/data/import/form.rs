@@ -2,7 +2,7 @@
 
 /// How a table is laid out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub enum TableForm {
     /// A column for each error.
     Wide,
     /// A row for each reading, the error's name in a column.
@@ -11,7 +11,7 @@ pub enum Form {
     Runs,
 }
 
-impl Form {
+impl TableForm {
     /// Its name for people.
     pub fn word(self) -> &'static str {
         match self {

@@ -4,7 +4,7 @@ use super::failure::RowFailure;
 use super::header::{Header, Role, Series};
 use super::layout::{Layout, Meaning};
 use super::order;
-use super::sample::{Import, ImportRequest, LeftOut, Sample, refusal};
+use super::sample::{Import, ImportRequest, Sample, UnusedRow, refusal};
 use super::unit::{component_error, own_axis, reading_unit};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::identify::data::error_name::parse_component_error;
@@ -48,7 +48,7 @@ pub(super) fn gather(lines: &[Line], header: &Header, wanted: &ImportRequest) ->
                 import.samples.extend(samples);
             }
             Err(failure) => {
-                import.left_out.push(LeftOut { place: line.place.clone(), reason: failure.to_string() });
+                import.left_out.push(UnusedRow { place: line.place.clone(), reason: failure.to_string() });
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Where the table begins, the roles of its columns, and the metadata before it.
 
 use super::failure::HeaderFailure;
-use super::form::Form;
+use super::form::TableForm;
 use super::layout::{GENERAL, Layout, Meaning, RunLabel};
 use super::sample::{ImportRequest, refusal};
 use super::unit::{Unit, component_error, own_axis, position_unit, reading_unit};
@@ -48,7 +48,7 @@ impl Role {
 /// A header that was understood.
 pub(super) struct Header {
     pub layout: &'static Layout,
-    pub form: Form,
+    pub form: TableForm,
     pub axis: String,
     /// True for a rotary axis.
     pub rotary: bool,
@@ -247,7 +247,7 @@ impl HeaderReader<'_> {
 
     /// Gives every column its role.
     fn roles(&self, header: &mut Header, titles: &[Title], position: usize) -> Result<(), HeaderFailure> {
-        let runs = if header.form == Form::Runs { self.runs(header, titles)? } else { RunColumns::NotReached };
+        let runs = if header.form == TableForm::Runs { self.runs(header, titles)? } else { RunColumns::NotReached };
         for (k, title) in titles.iter().enumerate() {
             let role = if k == position { Role::Position(header.factor) } else { self.role(header, title, &runs)? };
             header.roles.push(role);
@@ -335,9 +335,9 @@ impl HeaderReader<'_> {
             None => {}
         }
         match header.form {
-            Form::Tidy => Ok(Role::Other(Meaning::Ignored)),
-            Form::Wide => self.role_by_error(header, title),
-            Form::Runs => self.role_by_run(header, title, runs),
+            TableForm::Tidy => Ok(Role::Other(Meaning::Ignored)),
+            TableForm::Wide => self.role_by_error(header, title),
+            TableForm::Runs => self.role_by_run(header, title, runs),
         }
     }
 
@@ -391,12 +391,12 @@ impl HeaderReader<'_> {
 }
 
 /// The form of a table by its titles.
-fn form(titles: &[Title]) -> Form {
+fn form(titles: &[Title]) -> TableForm {
     let has = |word: &str| titles.iter().any(|title| title.lower == word);
     let is_error = |title: &Title| title.error().is_some() && split_direction(&title.name).0.len() >= 3;
     match (has("error") && has("value"), titles.iter().any(is_error)) {
-        (true, _) => Form::Tidy,
-        (_, true) => Form::Wide,
-        _ => Form::Runs,
+        (true, _) => TableForm::Tidy,
+        (_, true) => TableForm::Wide,
+        _ => TableForm::Runs,
     }
 }

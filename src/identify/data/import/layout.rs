@@ -2,7 +2,7 @@
 //!
 //! [`GENERAL`] holds for any instrument. The layout of a particular instrument is another [`Layout`] of this kind.
 
-use super::form::Form;
+use super::form::TableForm;
 use crate::syntax::ColumnDirection::{self, Forward, Reverse};
 
 /// The meaning of a column besides positions and readings by title.
@@ -25,7 +25,7 @@ pub(super) enum Meaning {
 /// Whole titles and their meaning, in tables of one form or of all.
 struct TitleRule {
     titles: &'static [&'static str],
-    form: Option<Form>,
+    form: Option<TableForm>,
     meaning: Meaning,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Layout {
     letters: [(&'static [char], ColumnDirection); 2],
 }
 
-const fn title(titles: &'static [&'static str], form: Option<Form>, meaning: Meaning) -> TitleRule {
+const fn title(titles: &'static [&'static str], form: Option<TableForm>, meaning: Meaning) -> TitleRule {
     TitleRule { titles, form, meaning }
 }
 
@@ -65,9 +65,9 @@ pub(super) const GENERAL: Layout = Layout {
         title(&["axis"], None, Meaning::Axis),
         title(&["direction", "dir", "approach"], None, Meaning::Direction),
         title(&["exclude", "excluded", "reason", "rejected"], None, Meaning::Excluded),
-        title(&["error"], Some(Form::Tidy), Meaning::ErrorName),
-        title(&["unit"], Some(Form::Tidy), Meaning::Unit),
-        title(&["value"], Some(Form::Tidy), Meaning::Value),
+        title(&["error"], Some(TableForm::Tidy), Meaning::ErrorName),
+        title(&["unit"], Some(TableForm::Tidy), Meaning::Unit),
+        title(&["value"], Some(TableForm::Tidy), Meaning::Value),
         title(&["", "temp", "temperature", "time", "comment", "point", "no", "index"], None, Meaning::Ignored),
     ],
     positions: &[
@@ -120,7 +120,7 @@ pub(super) struct RunLabel {
 
 impl Layout {
     /// Returns the meaning of a whole title.
-    pub fn meaning(&self, title: &str, form: Form) -> Option<Meaning> {
+    pub fn meaning(&self, title: &str, form: TableForm) -> Option<Meaning> {
         let fits = |rule: &&TitleRule| rule.form.is_none_or(|own| own == form) && rule.titles.contains(&title);
         self.titles.iter().find(fits).map(|rule| rule.meaning)
     }

@@ -18,9 +18,9 @@ mod sample;
 mod table;
 mod unit;
 
-pub use figures::Figures;
-pub use form::Form;
-pub use sample::{Import, ImportRequest, LeftOut, Sample};
+pub use figures::AccuracyFigures;
+pub use form::TableForm;
+pub use sample::{Import, ImportRequest, Sample, UnusedRow};
 pub use table::ImportedTable;
 
 use crate::diagnostic::Diagnostics;

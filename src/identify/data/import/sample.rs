@@ -1,6 +1,6 @@
 //! An export as it was read: its samples, its unused rows, and the answers that the caller gives for what it leaves open.
 
-use super::form::Form;
+use super::form::TableForm;
 use crate::diagnostic::{Diagnostic, Place, codes, shown};
 use crate::machine::ErrorId;
 use crate::syntax::ColumnDirection;
@@ -44,7 +44,7 @@ pub struct Sample {
 
 /// A row that was not used.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LeftOut {
+pub struct UnusedRow {
     /// Where it stands.
     pub place: Place,
     /// Why.
@@ -55,7 +55,7 @@ pub struct LeftOut {
 #[derive(Debug, Clone)]
 pub struct Import {
     /// How its table is laid out.
-    pub form: Form,
+    pub form: TableForm,
     /// The axis that moved.
     pub axis: String,
     /// Is it rotary (positions in deg)?
@@ -67,7 +67,7 @@ pub struct Import {
     /// What stands before the table, `key: value`.
     pub metadata: Vec<(String, String)>,
     /// Rows that were not used.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<UnusedRow>,
     /// Were directions read off the order of the rows?
     pub inferred: bool,
 }

@@ -1,6 +1,6 @@
 //! From the samples to the table that a machine file takes.
 
-use super::figures::Figures;
+use super::figures::AccuracyFigures;
 use super::sample::{Import, Sample};
 use crate::diagnostic::shown;
 
@@ -17,14 +17,14 @@ pub struct ImportedTable {
 
 impl Import {
     /// The figures of one error; `None` without readings.
-    pub fn figures(&self, error: usize) -> Option<Figures> {
+    pub fn figures(&self, error: usize) -> Option<AccuracyFigures> {
         let samples: Vec<&Sample> = self.samples.iter().filter(|s| s.error == error).collect();
-        Figures::of(&samples)
+        AccuracyFigures::of(&samples)
     }
 
     /// The table as a machine file takes it, means over the runs.
     pub fn table(&self, continuous: bool) -> ImportedTable {
-        let figures: Vec<Figures> = (0..self.errors.len()).filter_map(|k| self.figures(k)).collect();
+        let figures: Vec<AccuracyFigures> = (0..self.errors.len()).filter_map(|k| self.figures(k)).collect();
         let unit = if self.rotary { "deg" } else { "mm" };
         let mut header = vec![format!("{} [{unit}]", self.axis)];
         for (error, figures) in self.errors.iter().zip(&figures) {
@@ -35,7 +35,7 @@ impl Import {
         let mut positions: Vec<f64> = figures.iter().flat_map(|f| f.targets.iter().map(|t| t.position)).collect();
         positions.sort_by(f64::total_cmp);
         positions.dedup();
-        let both: Vec<bool> = figures.iter().map(Figures::bidirectional).collect();
+        let both: Vec<bool> = figures.iter().map(AccuracyFigures::bidirectional).collect();
         let mut missing = Vec::new();
         let mut rows: Vec<(f64, Vec<f64>)> = Vec::new();
         for position in positions {
@@ -61,7 +61,7 @@ impl Import {
     }
 
     /// The cells of one position, um and urad.
-    fn row(&self, figures: &[Figures], both: &[bool], position: f64) -> Option<Vec<f64>> {
+    fn row(&self, figures: &[AccuracyFigures], both: &[bool], position: f64) -> Option<Vec<f64>> {
         let mut cells = Vec::new();
         for ((error, figures), both) in self.errors.iter().zip(figures).zip(both) {
             let factor = if error.direction.is_rotation() { 1e6 } else { 1e3 };

@@ -1,7 +1,7 @@
 //! The drawing of a plane: colours and arrows or a deformed grid, frame, notes.
 
 use super::bands::Bands;
-use super::picture::{Drawn, LEFT, MARGIN, PlanePicture, Shown, TOP};
+use super::picture::{LEFT, MARGIN, PlanePicture, PlaneQuantity, PlaneStyle, TOP};
 use crate::analysis::Plane;
 use crate::evaluate::{Frame, Order};
 use crate::machine::Approach;
@@ -35,18 +35,18 @@ impl PlanePicture<'_> {
         let exaggeration = self.exaggeration(scale);
         let notes: Vec<String> = self.notes(&values, exaggeration).iter().flat_map(|note| wrapped(note, 106)).collect();
         let area = self.area(scale);
-        let least = if self.drawn == Drawn::Colours { BAR } else { 0.0 };
+        let least = if self.drawn == PlaneStyle::Colours { BAR } else { 0.0 };
         let below = TOP + (area.1 + 2.0 * self.margin()).max(least) + 66.0;
         let mut svg = Svg::new(WIDTH, below + 18.5 * notes.len() as f64 + 8.0);
         svg.text((LEFT, 32.0), &fitted(&self.title(), 70), Font::bold(18.0), Anchor::Start, 0.0);
         svg.text((LEFT, 54.0), &fitted(&self.subtitle(), 100), Font::faint(14.0), Anchor::Start, 0.0);
         match self.drawn {
-            Drawn::Colours => {
+            PlaneStyle::Colours => {
                 self.fill(&mut svg, &values, &bands, scale);
                 svg.group(r#"class="on-colour""#, |svg| self.arrows(svg, scale));
                 bands.bar(&mut svg, (LEFT + area.0 + 34.0, TOP), area.1.max(BAR), &self.quantity());
             }
-            Drawn::Grid => self.deformed(&mut svg, scale, exaggeration),
+            PlaneStyle::Grid => self.deformed(&mut svg, scale, exaggeration),
         }
         self.frame(&mut svg, scale);
         for (i, note) in notes.iter().enumerate() {
@@ -58,16 +58,16 @@ impl PlanePicture<'_> {
     /// In um, node by node.
     fn values(&self, plane: &Plane) -> Vec<f64> {
         let value = |d: &crate::evaluate::Deviation| match self.shown {
-            Shown::Length => d.position.norm(),
-            Shown::Component(k) => d.position[k.min(2)],
+            PlaneQuantity::Length => d.position.norm(),
+            PlaneQuantity::Component(k) => d.position[k.min(2)],
         };
         plane.deviations.iter().map(|d| value(d) * 1e3).collect()
     }
 
     fn quantity(&self) -> String {
         match self.shown {
-            Shown::Length => "|d| in µm".to_owned(),
-            Shown::Component(k) => format!("d{} in µm", ["x", "y", "z"][k.min(2)]),
+            PlaneQuantity::Length => "|d| in µm".to_owned(),
+            PlaneQuantity::Component(k) => format!("d{} in µm", ["x", "y", "z"][k.min(2)]),
         }
     }
 
@@ -97,8 +97,8 @@ impl PlanePicture<'_> {
             Approach::Reverse => "approached in negative direction",
         };
         let colour = match self.shown {
-            Shown::Length => "length of the deviation d".to_owned(),
-            Shown::Component(k) => {
+            PlaneQuantity::Length => "length of the deviation d".to_owned(),
+            PlaneQuantity::Component(k) => {
                 format!("component of the deviation d along {} of the {frame} frame", ["x", "y", "z"][k.min(2)])
             }
         };
@@ -108,7 +108,7 @@ impl PlanePicture<'_> {
         } else {
             format!(", tool {}", self.machine.tool().name)
         };
-        let first = if self.drawn == Drawn::Colours { "Colour" } else { "In all directions" };
+        let first = if self.drawn == PlaneStyle::Colours { "Colour" } else { "In all directions" };
         let shared = if self.like.is_some_and(|like| !std::ptr::eq(like, self.plane)) {
             " Colours and factor are those of the first picture."
         } else {
@@ -125,10 +125,10 @@ impl PlanePicture<'_> {
     fn drawn_note(&self, exaggeration: f64) -> String {
         let [right, times] = [self.axis(0).to_owned(), thousands(exaggeration)];
         match self.drawn {
-            Drawn::Colours => format!(
+            PlaneStyle::Colours => format!(
                 "Arrows: the part of d within the plane, {times} times as long as it is; to the right is too far in +{right}."
             ),
-            Drawn::Grid => format!(
+            PlaneStyle::Grid => format!(
                 "Grey: nominal grid; blue: displaced by the part of d within the plane, {times} times as far as it is; to the right is too far in +{right}."
             ),
         }
@@ -268,8 +268,10 @@ impl PlanePicture<'_> {
             libm::hypot(u, v)
         };
         let (nodes, room) = match self.drawn {
-            Drawn::Colours => (self.arrow_nodes(), 45.0),
-            Drawn::Grid => ((0..of.counts[1]).flat_map(|j| (0..of.counts[0]).map(move |i| (i, j))).collect(), MARGIN),
+            PlaneStyle::Colours => (self.arrow_nodes(), 45.0),
+            PlaneStyle::Grid => {
+                ((0..of.counts[1]).flat_map(|j| (0..of.counts[0]).map(move |i| (i, j))).collect(), MARGIN)
+            }
         };
         let longest = nodes.into_iter().map(length).fold(0.0, f64::max);
         let intervals = (self.plane.counts[0].max(self.plane.counts[1]) - 1) as f64;

@@ -7,5 +7,5 @@ mod draw;
 mod picture;
 mod sides;
 
-pub use picture::{Drawn, PlanePicture, Shown};
+pub use picture::{PlanePicture, PlaneQuantity, PlaneStyle};
 pub use sides::before_after;

@@ -6,7 +6,7 @@ use crate::machine::Machine;
 
 /// What the colours show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shown {
+pub enum PlaneQuantity {
     /// Length of the position deviation.
     Length,
     /// One component of it: 0, 1, 2 for x, y, z of the frame.
@@ -15,7 +15,7 @@ pub enum Shown {
 
 /// How the plane is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Drawn {
+pub enum PlaneStyle {
     /// A colour map, with arrows.
     #[default]
     Colours,
@@ -35,9 +35,9 @@ pub struct PlanePicture<'a> {
     /// Order they were computed to.
     pub order: Order,
     /// What the colours show.
-    pub shown: Shown,
+    pub shown: PlaneQuantity,
     /// How it is drawn.
-    pub drawn: Drawn,
+    pub drawn: PlaneStyle,
     /// What is said of the machine's state, such as `after compensation by linuxcnc`; may be empty.
     pub state: &'a str,
     /// The plane (perhaps this one) whose colours, from zero, and exaggeration are shared by pictures that are
@@ -68,7 +68,7 @@ impl PlanePicture<'_> {
     }
 
     pub(super) fn margin(&self) -> f64 {
-        if self.drawn == Drawn::Grid { MARGIN } else { 0.0 }
+        if self.drawn == PlaneStyle::Grid { MARGIN } else { 0.0 }
     }
 
     /// Pixels per mm: the same for both axes, so that one exaggeration is true for all arrows.
