@@ -5,7 +5,8 @@
 //! - [`PlanePicture`]: the deviation over a plane of two linear axes; [`before_after`]: in two states.
 //! - [`FitPicture`]: prediction against data over such a plane.
 //! - [`axis_curves`], [`all_curves`]: curves of the component errors as small multiples.
-//! - [`BudgetReport`]: a budget as JSON and as [`ParetoPicture`] and [`WaterfallPicture`]; [`PolarPicture`], [`RTestPicture`],
+//! - [`BudgetReport`]: a budget as JSON and as [`ParetoPicture`] and [`WaterfallPicture`]; [`PolarPicture`],
+//!   [`RTestPicture`],
 //!   [`DiagonalPicture`]: what instruments read.
 //! - [`chain_picture`], [`chain_dot`]: the kinematic chain.
 //! - [`Rows`]: a map pose by pose as CSV, JSON, Parquet and VTK, streamed.

@@ -173,7 +173,8 @@ pub struct InstrumentUnknown {
     pub start_mm: f64,
 }
 
-/// Measurements of all files, and the unknowns of instruments and set-ups: places of stations, dead paths, first readings.
+/// Measurements of all files, and the unknowns of instruments and set-ups: places of stations, dead paths, first
+/// readings.
 #[derive(Debug, Clone, Default)]
 pub struct MeasurementSet {
     /// Row by row.

@@ -1,6 +1,7 @@
 //! The model of the measurements: its parameters, the readings that it predicts, and prior knowledge of the parameters.
 //!
-//! 1. [`overruled`], [`parameters`], [`slope_bounds`], [`unused`]: the words of a request to [`Parameter`]s; `curves` holds
+//! 1. [`overruled`], [`parameters`], [`slope_bounds`], [`unused`]: the words of a request to [`Parameter`]s; `curves`
+//!    holds
 //!    the bases of error curves.
 //! 2. [`Model`]: the predicted reading of a measurement and its derivatives; `observation` holds the kinds of reading.
 //! 3. `Prior`: prior knowledge of the unknowns.

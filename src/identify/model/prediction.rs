@@ -238,7 +238,8 @@ impl<'a> Model<'a> {
     }
 
     /// The linear problem at these unknowns, `min |J step - residual|`, rows times the root of their weights: the triangle
-    /// of all rows, whose singular values are good to the last digits. Rows are folded piece by piece; neither the pieces
+    /// of all rows, whose singular values are good to the last digits. Rows are folded piece by piece; neither the
+    /// pieces
     /// nor their order depend on the number of threads.
     pub fn triangle(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Reduced {
         let piece = data.len().div_ceil(16).clamp(32, 4096);

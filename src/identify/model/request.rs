@@ -1,5 +1,6 @@
 //! What to fit, in words: groups (`location`, `tool`, `workpiece`, `spindle`, `linear`) and error names, component
-//! errors with a basis (`EXX:poly3`, `ECC:fourier2`, `EYX:spline8`, `EYX:bspline8`, `EBY:blocks4`), each direction of approach for
+//! errors with a basis (`EXX:poly3`, `ECC:fourier2`, `EYX:spline8`, `EYX:bspline8`, `EBY:blocks4`), each direction of
+//! approach for
 //! itself if wanted (`EXX+-:poly3`), and parameters of one's own.
 
 use super::curves::{self, MAX_POWER};
@@ -23,7 +24,7 @@ const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"]
 /// The parameters that `request` asks for, in its order, each once.
 pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
     let mut list: Vec<Parameter> = Vec::new();
-    // What is wrong with a parameter of one's own is said whether it is fitted or not.
+    // A faulty parameter of one's own is refused whether it is fitted or not.
     for (name, errors) in &request.parameters {
         own_parameter(machine, name, errors)?;
     }
@@ -91,7 +92,8 @@ fn formed(word: &str) -> Option<(ErrorId, &str)> {
     Some((parse_error_name(bare)?, form.trim()))
 }
 
-/// What the command line fits goes before what the machine file says: list, and forms of curves. Ties and bounds of what
+/// What the command line fits goes before what the machine file says: list, and forms of curves. Ties and bounds of
+/// what
 /// is then not fitted are left out.
 pub fn overruled(machine: &Machine, mut request: IdentifyEntry, fit: &[String], fixed: &[String]) -> IdentifyEntry {
     request.fixed.extend(fixed.iter().cloned());
@@ -153,7 +155,7 @@ pub fn slope_bounds(
         let axis = machine.axis_index(error.axis.as_str()).filter(|_| !error.location).map(|i| &machine.axes()[i]);
         let help = "write a slope such as `EXX: 20 um/m` or `ECC: 1 urad/deg` of a fitted curve";
         let Some(axis) = axis.filter(|_| list.iter().any(|p| p.terms.iter().any(|t| t.source == source))) else {
-            return Err(refusal(format!("`{error}` is no curve that is fitted: it has no slope to bound"), help));
+            return Err(refusal(format!("`{error}` is not a fitted curve: it has no slope to bound"), help));
         };
         let quantity = crate::units::quantity(&bound.to_string()).ok();
         let per_axis = if axis.kind == AxisKind::Linear { (1, 0) } else { (0, 1) };
@@ -314,7 +316,7 @@ fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refusal> {
     };
     let spindle = machine.chain().spindle().is_some_and(|name| *name == error.axis);
     if machine.axis_index(error.axis.as_str()).is_none() && !(spindle && error.location) {
-        let message = format!("`{error}`: the chain has no axis `{}` that could have it", error.axis);
+        let message = format!("`{error}`: the chain has no axis `{}`", error.axis);
         let known: Vec<&str> = machine.axes().iter().map(|axis| axis.name.as_str()).collect();
         return Err(refusal(message, format!("its axes are {}", known.join(", "))));
     }
@@ -334,7 +336,7 @@ fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<
     let listed = request.basis.iter().find(|(key, _)| parse_error_name(key).as_ref() == Some(&error));
     if let Some((said, (_, listed))) = form.zip(listed).filter(|(said, (_, listed))| said != listed) {
         let message = format!("`{error}` is fitted as `{}`, and its basis is `{}`", shown(said), shown(listed));
-        return Err(refusal(message, "say it once: in `fit`, or in `basis`"));
+        return Err(refusal(message, "give the form once: in `fit`, or in `basis`"));
     }
     let form = form.or(listed.map(|(_, form)| form.as_str()));
     if error.location {
@@ -362,7 +364,7 @@ fn own_parameter(machine: &Machine, name: &str, errors: &IndexMap<String, Vec<Sc
         "write coefficients by rising power of the position, in mm and rad: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`";
     if GROUPS.contains(&name) || parse_error_name(name).is_some() || name.contains(':') {
         return Err(refusal(
-            format!("`{}` cannot be the name of a parameter: it means something else", shown(name)),
+            format!("`{}` cannot be the name of a parameter: it has another meaning", shown(name)),
             help,
         ));
     }

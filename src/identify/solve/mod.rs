@@ -1,6 +1,7 @@
 //! Least squares.
 //!
-//! 1. [`fit()`]: Levenberg-Marquardt with given weights; [`solve()`]: the same with weights by the scatter of the readings.
+//! 1. [`fit()`]: Levenberg-Marquardt with given weights; [`solve()`]: the same with weights by the scatter of the
+//!    readings.
 //! 2. [`Solution`]: rank, null space and uncertainty of a fit; `student` holds the quantiles.
 //! 3. [`Residuals`], [`held_out`], [`randomness()`]: checks of the fit against the data.
 //! 4. [`plan()`]: poses worth measuring, before there are data.

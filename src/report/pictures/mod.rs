@@ -3,7 +3,8 @@
 //! - `chain`, `dot`: the kinematic chain; `curves`: curves of the component errors.
 //! - `plane`: the deviation over a plane, before and after; `fit`: prediction against data over a plane.
 //! - `bars`: a budget; `polar`, `readings`: the readings of instruments.
-//! - `svg` writes the drawing, `lettering` its text, `outlines` the text of a PNG; `scale` and `frame` are ticks, colours and axes.
+//! - `svg` writes the drawing, `lettering` its text, `outlines` the text of a PNG; `scale` and `frame` are ticks,
+//!   colours and axes.
 
 mod bars;
 mod chain;

@@ -303,7 +303,8 @@ impl HeaderReader<'_> {
         axes
     }
 
-    /// As asked for, as the metadata or a column say, the only column that is named like one, or that of the error or of all
+    /// As asked for, as the metadata or a column say, the only column that is named like one, or that of the error or
+    /// of all
     /// errors that have columns.
     fn axis(&self, titles: &[Title], body: usize, paired: bool) -> Result<String, HeaderFailure> {
         let own = |title: &Title| {

@@ -1,4 +1,5 @@
-//! An export as it was read: its samples, its unused rows, and the answers that the caller gives for what it leaves open.
+//! An export as it was read: its samples, its unused rows, and the answers that the caller gives for what it leaves
+//! open.
 
 use super::form::TableForm;
 use crate::diagnostic::{Diagnostic, Place, codes, shown};
