@@ -24,7 +24,6 @@ mod volume;
 pub use closed_form::equations::{Equations, Meaning, Naming, Options, Symbol, equations};
 pub use closed_form::interactions::{Calculation, Effect, Interactions, interactions};
 pub use closed_form::location_set::{LocationSet, Status};
-pub use closed_form::twist::{Map as TwistMap, Quantity, Share, Twist, twists};
 pub use design::compare::{Compared, Comparison, Missed, compare};
 pub use design::contributions::{ErrorAlone, contributions};
 pub use design::sources::{Source, sources};

@@ -22,7 +22,7 @@ pub use pictures::{
     PlaneStyle, PolarPicture, RTestPicture, WaterfallPicture, all_curves, axis_curves, before_after, chain_dot,
     chain_picture,
 };
-pub use rows::{RowBlock, RowFormat, Rows, Stream};
+pub use rows::{RowBlock, RowFormat, Rows, Sink, Stream};
 pub use text::{
     BudgetReport, DrawSettings, budgets_json, circle_json, equations, line_json, positions, tolerance, tolerance_unit,
     turn_json,

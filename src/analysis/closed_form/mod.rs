@@ -1,7 +1,5 @@
-//! What is known without a grid: equations in the errors, interactions of errors, the twist of each error, and the
-//! minimal set of location errors.
+//! Results without a grid: equations in the errors, interactions of errors, and the minimal set of location errors.
 
 pub(super) mod equations;
 pub(super) mod interactions;
 pub(super) mod location_set;
-pub(super) mod twist;

@@ -47,6 +47,15 @@ pub struct Missed {
     pub travel: usize,
 }
 
+/// `12 (3 direction, 9 travel)`.
+impl std::fmt::Display for Missed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let each = [(self.direction, "direction"), (self.place, "place"), (self.travel, "travel")];
+        let list: Vec<String> = each.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect();
+        if list.is_empty() { f.write_str("0") } else { write!(f, "{} ({})", self.total, list.join(", ")) }
+    }
+}
+
 impl Missed {
     /// Counts reasons.
     pub fn count<'a>(reasons: impl Iterator<Item = &'a Unreachable>) -> Self {

@@ -4,7 +4,7 @@ use super::curves::{Curves, Six};
 use super::lanes::Lanes;
 use super::lookup::LookupRequest;
 use crate::machine::{
-    Approach, Axis, AxisKind, Branch, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, Machine, RotaryOrder,
+    Approach, Axis, AxisKind, JointConvention, Joints, LocationAction, LocationOrder, Machine, MotionSide,
 };
 
 /// Three lanes: a vector, a point.
@@ -120,35 +120,30 @@ impl CompiledChain {
 }
 
 fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Option<CompiledJoint> {
-    let conventions = machine.conventions();
+    let convention = axis.convention(machine.conventions());
     let errors = machine.axis_errors(index);
-    let inverse = conventions.errors_are == ErrorsAre::Body && axis.branch == Branch::Workpiece;
-    let carried = conventions.location == Location::CarriedBody;
-    let on_guide = match axis.kind {
-        AxisKind::Linear => conventions.linear == LinearOrder::Before,
-        AxisKind::Rotary => conventions.rotary == RotaryOrder::Stationary,
-    };
     let six = errors.location_values();
-    let (motion, curves) = (motion(axis), Curves::new(errors, approach)?);
+    let (motion, curves) = (motion(axis, &convention), Curves::new(errors, approach)?);
+    let (located, inverse) = match convention.location {
+        LocationAction::Displaces => (Located::Around, false),
+        LocationAction::Factor(factor) if factor.side == MotionSide::Outer => (Located::Outermost, factor.inverse),
+        LocationAction::Factor(factor) => (Located::Innermost, factor.inverse),
+    };
     Some(CompiledJoint {
         errors: !curves.is_zero(),
         turns: matches!(motion, Motion::Turn(_)) || curves.has_waves(),
         motion,
-        origin: axis.origin,
+        origin: convention.pivot,
         curves,
-        outside: on_guide == (axis.branch == Branch::Tool),
-        inverse,
-        location: (six != [0.0; 6]).then_some(Placed { six, about: axis.origin, inverse: inverse && carried }),
-        located: match axis.branch {
-            _ if !carried => Located::Around,
-            Branch::Tool => Located::Outermost,
-            Branch::Workpiece => Located::Innermost,
-        },
+        outside: convention.component.side == MotionSide::Outer,
+        inverse: convention.component.inverse,
+        location: (six != [0.0; 6]).then_some(Placed { six, about: convention.pivot, inverse }),
+        located,
     })
 }
 
-fn motion(axis: &Axis) -> Motion {
-    let direction = axis.direction.map(|u| u * axis.sign());
+fn motion(axis: &Axis, convention: &JointConvention) -> Motion {
+    let direction = axis.direction.map(|u| u * convention.motion_sign);
     match axis.kind {
         AxisKind::Linear => Motion::Slide(direction),
         AxisKind::Rotary => {

@@ -38,14 +38,12 @@ mod lookup;
 mod rows;
 mod scalar;
 mod second;
-mod sensitivity;
 mod steps;
 mod trigonometry;
 mod width;
 
 pub use batch::{Batch, Columns, Output, PoseColumns};
 pub use grid::CompiledGrid;
-pub use sensitivity::{Normal, Unknown};
 pub use width::Width;
 
 use super::{Deviation, Frame, Order, command_deviation, evaluate};

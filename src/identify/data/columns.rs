@@ -233,7 +233,7 @@ fn column(machine: &Machine, cell: &str) -> Result<Column, HeaderFailure> {
 /// `EXX [um]`, `EXX+ [um]`, `EXX reverse [um]`.
 fn error(machine: &Machine, name: &str, unit: Option<&str>) -> Result<Column, HeaderFailure> {
     let (bare, approach) = split_direction(name);
-    let found = parse_error_name(bare).filter(|error| !error.location);
+    let found = parse_error_name(bare).filter(|error| !error.is_location());
     let axis = found.as_ref().and_then(|error| machine.axis_index(error.axis.as_str()));
     let Some((error, axis)) = found.zip(axis) else {
         let axes = machine.axes().iter().map(|axis| axis.name.as_str());

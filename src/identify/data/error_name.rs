@@ -14,7 +14,7 @@ pub(crate) fn split_direction(name: &str) -> (&str, Option<Approach>) {
 
 /// Returns the component error with this ISO name, or this name of VDI 2617 (`xtx`, `xrz`).
 pub(super) fn parse_component_error(text: &str) -> Option<ErrorId> {
-    parse_error_name(text).or_else(|| vdi_error(text)).filter(|error| !error.location)
+    parse_error_name(text).or_else(|| vdi_error(text)).filter(|error| !error.is_location())
 }
 
 /// `xtx` is EXX, `xrz` is ECX: axis, translation or rotation, direction.

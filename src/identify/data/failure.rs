@@ -1,6 +1,7 @@
 //! Failures of the header and of single rows of a file of measurements.
 
 use crate::diagnostic::shown;
+use crate::syntax::sheet::MixedDecimals;
 use crate::units;
 use std::fmt;
 
@@ -41,8 +42,7 @@ pub(super) enum RowFailure {
     Cells(usize, usize),
     EmptyCell,
     Number(units::Failure),
-    /// Decimal comma and decimal point in one file, as the reader of numbers reports it.
-    Decimals(String),
+    Decimals(MixedDecimals),
     NoReading,
     Far(String),
     /// A cell, and the weight that it gives.
@@ -103,7 +103,7 @@ impl fmt::Display for RowFailure {
             Self::Cells(row, header) => write!(f, "this row has {row} cells, the header has {header}"),
             Self::EmptyCell => write!(f, "a cell is empty"),
             Self::Number(failure) => failure.fmt(f),
-            Self::Decimals(message) => f.write_str(message),
+            Self::Decimals(mixed) => mixed.fmt(f),
             Self::NoReading => write!(f, "the row has no reading"),
             Self::Far(cell) => write!(f, "`{}` is more than 1 km: compare the unit in the header", shown(cell)),
             Self::Weight(cell, weight) => {

@@ -149,7 +149,7 @@ impl From<InstrumentUnknown> for Parameter {
 /// Where an error sits. Its axis is one of the chain's, or the spindle.
 pub(crate) fn source(machine: &Machine, error: &ErrorId) -> Source {
     let joint = machine.axis_index(error.axis.as_str()).unwrap_or(machine.axes().len());
-    let place = if error.location { ErrorSite::Location(joint) } else { ErrorSite::Component(joint) };
+    let place = if error.is_location() { ErrorSite::Location(joint) } else { ErrorSite::Component(joint) };
     Source { place, direction: error.direction }
 }
 

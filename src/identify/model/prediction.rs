@@ -3,7 +3,7 @@
 
 use super::observation::{Observation, Subject, observe, single};
 use super::parameter::{Basis, Parameter, SlopeBound, Term, share};
-use crate::algebra::linear::{Reduced, Triangle};
+use crate::algebra::linear::{ReducedSystem, Triangle};
 use crate::algebra::{Algebra, Dual};
 use crate::evaluate::Order;
 use crate::identify::data::Measurement;
@@ -241,7 +241,7 @@ impl<'a> Model<'a> {
     /// of all rows, whose singular values are good to the last digits. Rows are folded piece by piece; neither the
     /// pieces
     /// nor their order depend on the number of threads.
-    pub fn triangle(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Reduced {
+    pub fn triangle(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> ReducedSystem {
         let piece = data.len().div_ceil(16).clamp(32, 4096);
         let one = |(data, weights): (&[Measurement], &[f64])| {
             let mut sum = Triangle::new(self.parameters.len());

@@ -3,8 +3,8 @@
 //! - `chain`, `dot`: the kinematic chain; `curves`: curves of the component errors.
 //! - `plane`: the deviation over a plane, before and after; `fit`: prediction against data over a plane.
 //! - `bars`: a budget; `polar`, `readings`: the readings of instruments.
-//! - `svg` writes the drawing, `lettering` its text, `outlines` the text of a PNG; `scale` and `frame` are ticks,
-//!   colours and axes.
+//! - `svg` writes the drawing, `lettering` its text, `png` the pixels, `outlines` the text of a PNG; `scale` and
+//!   `frame` are ticks, colours and axes.
 
 mod bars;
 mod chain;
@@ -13,8 +13,10 @@ mod dot;
 mod fit;
 mod frame;
 mod lettering;
+#[cfg(feature = "png")]
 mod outlines;
 mod plane;
+mod png;
 mod polar;
 mod readings;
 mod scale;
@@ -26,8 +28,9 @@ pub use curves::{all_curves, axis_curves};
 pub use dot::chain_dot;
 pub use fit::{FitPicture, FitPoint};
 pub use plane::{PlanePicture, PlaneQuantity, PlaneStyle, before_after};
+pub use png::PictureFailure;
 pub use polar::PolarPicture;
 pub use readings::{DiagonalPicture, RTestPicture};
 pub(super) use scale::{rising, round_step};
+pub use svg::Picture;
 pub(super) use svg::escaped;
-pub use svg::{Picture, PictureFailure};

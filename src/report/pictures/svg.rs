@@ -3,8 +3,7 @@
 
 use super::lettering::Text;
 pub use super::lettering::{Anchor, FAINT, FIRST, Font, INK, LINE, SECOND, THIRD, number};
-use super::outlines;
-use std::fmt;
+use super::png::{self, PictureFailure};
 
 /// A picture in the making; coordinates in px, y downwards.
 #[derive(Debug, Clone)]
@@ -165,28 +164,6 @@ fn text_element(text: &Text) -> String {
     format!("<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" fill=\"{colour}\"{weight}{anchor}{turn}>{words}</text>\n")
 }
 
-/// Why a picture has no PNG.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum PictureFailure {
-    /// The drawing cannot be read back.
-    Drawing(String),
-    /// The picture has too many pixels.
-    TooLarge,
-    /// The pixels cannot be encoded.
-    Encoding(String),
-}
-
-impl fmt::Display for PictureFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Drawing(message) | Self::Encoding(message) => f.write_str(message),
-            Self::TooLarge => write!(f, "the picture is too large"),
-        }
-    }
-}
-
-impl std::error::Error for PictureFailure {}
-
 /// A finished picture.
 #[derive(Debug, Clone)]
 pub struct Picture {
@@ -194,25 +171,16 @@ pub struct Picture {
     title: String,
 }
 
-/// Pixels of a PNG for a px of the drawing: sharp in print at the usual size.
-const PNG_SCALE: f32 = 2.0;
-
 impl Picture {
     /// As an SVG file.
     pub fn svg(&self) -> String {
         self.drawing.file(&self.title, text_element)
     }
 
-    /// Returns a PNG file, two pixels for a px; fails if the picture cannot be rasterised.
+    /// Returns a PNG file, two pixels for a px; fails if the picture cannot be rasterised, and in a build without the
+    /// feature `png`.
     pub fn png(&self) -> Result<Vec<u8>, PictureFailure> {
-        let text = self.drawing.file(&self.title, outlines::path_elements);
-        let tree = resvg::usvg::Tree::from_str(&text, &resvg::usvg::Options::default())
-            .map_err(|failure| PictureFailure::Drawing(failure.to_string()))?;
-        let size = tree.size().to_int_size().scale_by(PNG_SCALE).ok_or(PictureFailure::TooLarge)?;
-        let mut pixels = resvg::tiny_skia::Pixmap::new(size.width(), size.height()).ok_or(PictureFailure::TooLarge)?;
-        let scale = resvg::tiny_skia::Transform::from_scale(PNG_SCALE, PNG_SCALE);
-        resvg::render(&tree, scale, &mut pixels.as_mut());
-        pixels.encode_png().map_err(|failure| PictureFailure::Encoding(failure.to_string()))
+        png::pixels(|write_text| self.drawing.file(&self.title, write_text))
     }
 }
 

@@ -6,9 +6,10 @@
 
 mod csv;
 mod json;
+#[cfg(feature = "parquet")]
 mod parquet;
 mod stream;
 mod table;
 mod vtk;
 
-pub use table::{RowBlock, RowFormat, Rows, Stream};
+pub use table::{RowBlock, RowFormat, Rows, Sink, Stream};

@@ -1,7 +1,9 @@
 //! Rows to the streams of their formats.
 
-use super::table::{RowBlock, RowFormat, Rows, SeekableOutput, Stream};
-use super::{csv, json, parquet, vtk};
+#[cfg(feature = "parquet")]
+use super::parquet;
+use super::table::{RowBlock, RowFormat, Rows, Sink, Stream};
+use super::{csv, json, vtk};
 use crate::evaluate::Deviation;
 use crate::machine::Pose;
 use std::io;
@@ -36,15 +38,21 @@ impl<'a> Rows<'a> {
         made
     }
 
-    /// Begins a table.
-    pub fn stream<'o>(&self, form: RowFormat, out: impl SeekableOutput + 'o) -> io::Result<Box<dyn Stream + 'o>>
+    /// Begins a table. Parquet fails with `Unsupported` in a build without the feature `parquet`.
+    pub fn stream<'o>(&self, form: RowFormat, out: impl Sink + 'o) -> io::Result<Box<dyn Stream + 'o>>
     where
         'a: 'o,
     {
         Ok(match form {
             RowFormat::Csv => Box::new(csv::Csv::new(self, out)?),
             RowFormat::Json => Box::new(json::Json::new(self, out)?),
+            #[cfg(feature = "parquet")]
             RowFormat::Parquet => Box::new(parquet::Parquet::new(self, out)?),
+            #[cfg(not(feature = "parquet"))]
+            RowFormat::Parquet => {
+                let refusal = "this build of abbe has no Parquet (feature `parquet`)";
+                return Err(io::Error::new(io::ErrorKind::Unsupported, refusal));
+            }
             RowFormat::Vtk => Box::new(vtk::Vtk::new(self, out)?),
         })
     }

@@ -55,10 +55,10 @@ pub trait Stream {
     fn finish(self: Box<Self>) -> io::Result<()>;
 }
 
-/// What a file has to be able to do.
-pub trait SeekableOutput: Write + Seek + Send {}
+/// A destination of a table: a file, or a cursor over memory.
+pub trait Sink: Write + Seek + Send {}
 
-impl<T: Write + Seek + Send> SeekableOutput for T {}
+impl<T: Write + Seek + Send> Sink for T {}
 
 /// Names of the six columns of a deviation.
 const DEVIATION: [&str; 6] = ["dx [um]", "dy [um]", "dz [um]", "wx [urad]", "wy [urad]", "wz [urad]"];

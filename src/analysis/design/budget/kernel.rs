@@ -3,7 +3,7 @@
 
 use super::bounds::Bound;
 use super::draw::{Draws, NODES};
-use crate::analysis::closed_form::twist::{Map, Quantity, Share, twists};
+use crate::lower::{Quantity, SideWeights, TwistMap, twists};
 use crate::machine::{Axis, Machine, Travel};
 
 /// Samples that are computed side by side.
@@ -31,7 +31,7 @@ pub fn by_joint(machine: &Machine, bounds: &[Bound]) -> Vec<JointBounds> {
     let mut joints: Vec<JointBounds> = machine.axes().iter().map(Some).chain([None]).map(joint).collect();
     for (i, bound) in bounds.iter().enumerate() {
         let index = machine.axis_index(bound.error.axis.as_str()).unwrap_or(machine.axes().len());
-        let six = if bound.error.location { &mut joints[index].location } else { &mut joints[index].component };
+        let six = if bound.error.is_location() { &mut joints[index].location } else { &mut joints[index].component };
         six[bound.error.direction.index()] = Some(i);
     }
     joints
@@ -108,7 +108,7 @@ fn drawn(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> 
 }
 
 /// Adds a map times errors.
-pub fn add(map: &Map, errors: &[Lanes; 6], to: &mut [Lanes; 3]) {
+pub fn add(map: &TwistMap, errors: &[Lanes; 6], to: &mut [Lanes; 3]) {
     for (row, out) in map.iter().zip(to) {
         for lane in 0..LANES {
             let near = row[0] * errors[0][lane] + row[1] * errors[1][lane] + row[2] * errors[2][lane];
@@ -127,19 +127,18 @@ pub fn squares(d: &[Lanes; 3]) -> Lanes {
 #[derive(Debug, Clone)]
 pub struct Station {
     /// Of location and of component errors of every joint.
-    maps: Vec<[Map; 2]>,
+    maps: Vec<[TwistMap; 2]>,
     places: Vec<(usize, f64)>,
 }
 
 impl Station {
     /// A machine at a pose (mm, deg).
     pub fn new(machine: &Machine, joints: &[JointBounds], pose: &[f64], quantity: Quantity) -> Self {
-        let shares = machine
-            .axes()
-            .iter()
-            .map(|axis| [Share::location(axis, machine.conventions()), Share::component(axis, machine.conventions())]);
-        let shares = shares.chain([[Share::SPINDLE; 2]]);
-        let maps = twists(machine, pose, quantity).iter().zip(shares).map(|(t, s)| s.map(|s| s.of(t))).collect();
+        let weights = machine.axes().iter().map(|axis| {
+            [SideWeights::location(axis, machine.conventions()), SideWeights::component(axis, machine.conventions())]
+        });
+        let weights = weights.chain([[SideWeights::SPINDLE; 2]]);
+        let maps = twists(machine, pose, quantity).iter().zip(weights).map(|(t, w)| w.map(|w| w.map(t))).collect();
         let places = joints.iter().zip(pose).map(|(joint, q)| joint.place(*q)).chain([(0, 0.0)]).collect();
         Self { maps, places }
     }

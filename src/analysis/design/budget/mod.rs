@@ -30,8 +30,8 @@ pub use monte_carlo::Statistic;
 pub use quantile::{Percentile, mean, rank};
 pub use worst::longest;
 
-use crate::analysis::closed_form::twist::Quantity;
 use crate::evaluate::{Poses, Random};
+use crate::lower::Quantity;
 use crate::machine::{Machine, Pose};
 use kernel::{JointBounds, Station, by_joint};
 use monte_carlo::Sample;

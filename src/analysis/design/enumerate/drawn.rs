@@ -3,17 +3,17 @@
 //! for either side, and an arrangement is a sum of table-side joints before the bed and tool-side ones
 //! after it, always added up in the same order.
 
-use crate::analysis::closed_form::twist::{Map, Quantity, Share, twists};
 use crate::analysis::design::budget::Statistic;
 use crate::analysis::design::budget::kernel::{Chunk, JointBounds, LANES, Lanes, add, squares};
+use crate::lower::{Quantity, SideWeights, TwistMap, twists};
 use crate::machine::{Axis, Branch, Machine, Pose};
 
 /// A joint at a pose: its index among the drawn joints, its place on its travel, its maps.
 struct Joint {
     drawn: usize,
     place: (usize, f64),
-    location: [Map; 2],
-    component: [Map; 2],
+    location: [TwistMap; 2],
+    component: [TwistMap; 2],
     /// A location error does the same on either side.
     alike: bool,
 }
@@ -21,7 +21,7 @@ struct Joint {
 /// All joints of the walk at one pose.
 struct Stop {
     joints: Vec<Joint>,
-    spindle: Map,
+    spindle: TwistMap,
 }
 
 /// The statistic over the poses, for every arrangement (rows, as `tables` lists them) and sample.
@@ -78,17 +78,17 @@ fn stop(machine: &Machine, axes: &[usize], pose: &[f64], bounds: &[JointBounds])
     let joint = |(i, axis): (usize, &Axis)| {
         let side = |branch| Axis { branch, ..axis.clone() };
         let sides = [side(Branch::Tool), side(Branch::Workpiece)];
-        let location = sides.each_ref().map(|axis| Share::location(axis, conventions));
+        let location = sides.each_ref().map(|axis| SideWeights::location(axis, conventions));
         Joint {
             drawn: axes[i],
             place: bounds[axes[i]].place(pose[i]),
             alike: location[0] == location[1],
-            location: location.map(|share| share.of(&twists[i])),
-            component: sides.map(|axis| Share::component(&axis, conventions).of(&twists[i])),
+            location: location.map(|weights| weights.map(&twists[i])),
+            component: sides.map(|axis| SideWeights::component(&axis, conventions).map(&twists[i])),
         }
     };
     let joints: Vec<Joint> = machine.axes().iter().enumerate().map(joint).collect();
-    Stop { spindle: Share::SPINDLE.of(&twists[joints.len()]), joints }
+    Stop { spindle: SideWeights::SPINDLE.map(&twists[joints.len()]), joints }
 }
 
 type Deviations = [Lanes; 3];

@@ -22,10 +22,10 @@ pub use rule::Rule;
 use super::budget::kernel::{Chunk, JointBounds, LANES, Lanes, by_joint};
 use super::budget::{Bound, Draws, Percentile, Statistic, mean};
 use super::compare::Missed;
-use crate::analysis::closed_form::twist::{Quantity, twists};
 use crate::analysis::inverse::{ToolPose, Unreachable, inverse, rest, tool_pose};
 use crate::analysis::volume::work::Work;
 use crate::evaluate::{Bare, Field, Order, Poses, Random};
+use crate::lower::{Quantity, Twist, twists};
 use crate::machine::{Approach, AxisKind, Machine, Pose};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
@@ -74,7 +74,7 @@ enum Base {
 #[serde(rename_all = "snake_case")]
 pub enum Standing {
     /// It reaches tool poses and has a value.
-    JudgedTables,
+    Judged,
     /// Its rotary axes cannot turn the tool in as many ways as the work asks.
     CannotTurn,
     /// It reaches none of the tool poses.
@@ -207,9 +207,8 @@ impl<'a> Study<'a> {
             return each().map(|of| row(of, Standing::ReachesNothing, missed)).collect();
         }
         let results = self.results(walk, machines, tables, &reached, &poses);
-        let judged = each()
-            .zip(results)
-            .map(|(of, result)| Row { result: Some(result), ..row(of, Standing::JudgedTables, missed) });
+        let judged =
+            each().zip(results).map(|(of, result)| Row { result: Some(result), ..row(of, Standing::Judged, missed) });
         judged.collect()
     }
 
@@ -279,7 +278,7 @@ pub fn freedom(machine: &Machine) -> usize {
     let at = |pose: Pose| {
         let direction = tool_pose(machine, &pose).direction;
         let twists = twists(machine, &pose, Quantity::Rotation);
-        let turn = |(axis, twist): (&crate::machine::Axis, &crate::analysis::closed_form::twist::Twist)| {
+        let turn = |(axis, twist): (&crate::machine::Axis, &Twist)| {
             let u = axis.direction;
             let w = Vector3::from_fn(|i, _| (0..3).map(|k| twist.outer[i][k + 3] * u[k]).sum());
             w.cross(&direction)

@@ -37,7 +37,7 @@ pub(super) fn gather(lines: &[Line], header: &Header, wanted: &ImportRequest) ->
         sheet::drop_empty(&mut cells, header.roles.len());
         for (cell, _) in cells.iter().zip(&header.roles).filter(|(_, role)| role.is_number()) {
             let noted = decimals.note(cell, header.separator);
-            noted.map_err(|words| Box::new(refusal(words, Some(line.place.clone()))))?;
+            noted.map_err(|mixed| Box::new(refusal(mixed.to_string(), Some(line.place.clone()))))?;
         }
         match row(&cells, header, wanted, &mut import) {
             Ok(samples) => {
