@@ -8,7 +8,7 @@ use super::tool_poses::{self, ReachedToolPoses};
 use crate::analysis::budget::{Bound, Budget, Request, budget as computed, budget_poses, known};
 use crate::diagnostic::Diagnostics;
 use crate::machine::{Machine, Pose};
-use crate::report::{BudgetReport, Drawing, Picture};
+use crate::report::{BudgetReport, DrawSettings, Picture};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
@@ -44,7 +44,7 @@ impl Default for BudgetOptions {
 #[derive(Debug, Clone)]
 pub struct BudgetResult {
     machine: Machine,
-    drawing: Drawing,
+    drawing: DrawSettings,
     at: Option<Pose>,
     /// The bounds in the order that [`Contribution::bound`](crate::analysis::budget::Contribution) counts.
     pub bounds: Vec<Bound>,
@@ -68,7 +68,7 @@ impl BudgetResult {
     }
 
     /// Returns how machines were drawn.
-    pub fn drawing(&self) -> &Drawing {
+    pub fn drawing(&self) -> &DrawSettings {
         &self.drawing
     }
 

@@ -5,7 +5,7 @@ use super::tolerances::ToleranceOptions;
 use crate::analysis::budget::{Bound, BoundedError, Budget, Request, beside, budget};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{Machine, Pose};
-use crate::report::{BudgetReport, Drawing, budgets_json};
+use crate::report::{BudgetReport, DrawSettings, budgets_json};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
@@ -29,7 +29,7 @@ pub struct ComparedBudgets {
     /// Error by error, largest first.
     pub errors: Vec<BoundedError>,
     /// How machines were drawn.
-    pub drawing: Drawing,
+    pub drawing: DrawSettings,
 }
 
 impl Serialize for ComparedBudgets {

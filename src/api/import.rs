@@ -2,7 +2,7 @@
 
 use super::run::{Answer, Call, Refused, Run};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
-use crate::identify::import::{Figures, Import, ImportRequest};
+use crate::identify::import::{AccuracyFigures, Import, ImportRequest};
 use crate::machine::ErrorId;
 use serde::Serialize;
 use std::path::Path;
@@ -88,7 +88,7 @@ pub struct ImportedError {
 }
 
 impl ImportedError {
-    fn of(error: &ErrorId, f: &Figures, rotary: bool) -> Self {
+    fn of(error: &ErrorId, f: &AccuracyFigures, rotary: bool) -> Self {
         let (factor, unit) = if error.direction.is_rotation() { (1e6, "urad") } else { (1e3, "um") };
         let (per, length) = if rotary { (1.0, "deg") } else { (1e3, "m") };
         let value = |x: Option<f64>| x.map(|x| x * factor + 0.0);

@@ -4,14 +4,14 @@ use super::run::{Call, Refused};
 use crate::analysis::{Block, Survey, SurveyTask, survey, survey_with_rows};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Deviation;
-use crate::report::{Form, Prepared, Rows, Sink, Stream};
+use crate::report::{RowBlock, RowFormat, Rows, Sink, Stream};
 
 /// A table of every pose with its deviation, and where it goes. Positions are in mm and deg, deviations in um and urad.
 pub struct MapTable<'a> {
     /// Name of the destination, for the refusal if it cannot be written.
     pub name: String,
     /// Form of the table.
-    pub form: Form,
+    pub form: RowFormat,
     /// The destination.
     pub sink: Box<dyn Sink + 'a>,
 }
@@ -22,7 +22,7 @@ const BLOCK: usize = 1 << 14;
 /// Tables in the making.
 pub(super) struct Tables<'a> {
     rows: Rows<'a>,
-    forms: Vec<Form>,
+    forms: Vec<RowFormat>,
     streams: Vec<(String, Box<dyn Stream + 'a>)>,
 }
 
@@ -38,7 +38,7 @@ impl<'a> Tables<'a> {
         Ok(Self { rows, forms, streams })
     }
 
-    fn put(&mut self, block: &Prepared) -> Result<(), Diagnostic> {
+    fn put(&mut self, block: &RowBlock) -> Result<(), Diagnostic> {
         self.streams
             .iter_mut()
             .try_for_each(|(name, stream)| stream.put(block).map_err(|failure| unwritable(name, &failure)))
@@ -72,7 +72,7 @@ impl<'a> Tables<'a> {
         let (rows, forms) = (self.rows, self.forms.clone());
         let make = |block: Block<'_>| rows.prepared(&forms, block.first, block.rows());
         let mut failure = None;
-        let mut put = |block: Prepared| {
+        let mut put = |block: RowBlock| {
             failure = self.put(&block).err();
             failure.is_none()
         };

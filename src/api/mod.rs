@@ -97,7 +97,7 @@ pub use crate::controller::{
 pub use crate::diagnostic::{Diagnostic, Diagnostics, Severity, codes, shown};
 pub use crate::evaluate::{Frame, Order, Statistics, Summary, UnknownOrder};
 pub use crate::machine::{Approach, Axis, AxisKind, Branch, Machine, Sense};
-pub use crate::report::{Form as TableForm, Picture, Sink, tolerance, tolerance_unit};
+pub use crate::report::{Picture, PictureFailure, RowFormat as TableForm, Sink, tolerance, tolerance_unit};
 pub use crate::syntax::{Disk, Files, MemoryFiles};
 pub use crate::units::{angle, length, number, significant};
 

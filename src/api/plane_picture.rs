@@ -6,7 +6,7 @@ use crate::analysis::{Plane, View, rest};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Field, Order};
 use crate::machine::{AxisKind, Machine};
-use crate::report::{Drawn, Picture, PlanePicture, Shown, before_after};
+use crate::report::{Picture, PlanePicture, PlaneQuantity, PlaneStyle, before_after};
 
 /// A picture of the deviation over a plane of two linear axes.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -50,7 +50,7 @@ pub enum PlaneComponent {
     Dz,
 }
 
-impl From<PlaneComponent> for Shown {
+impl From<PlaneComponent> for PlaneQuantity {
     fn from(component: PlaneComponent) -> Self {
         match component {
             PlaneComponent::Length => Self::Length,
@@ -100,7 +100,7 @@ impl PlaneOptions {
         let machine = subject.field.machine();
         let of = |field| Plane::of(field, place.axes, &place.at, nodes(machine, place.axes), view);
         let plane = of(subject.field);
-        let drawn = if self.drawing == PlaneDrawing::Grid { Drawn::Grid } else { Drawn::Colours };
+        let drawn = if self.drawing == PlaneDrawing::Grid { PlaneStyle::Grid } else { PlaneStyle::Colours };
         let shown = self.component.into();
         let one = PlanePicture { machine, plane: &plane, view, order, shown, drawn, state: subject.state, like: None };
         match subject.before.filter(|_| self.drawing == PlaneDrawing::BeforeAfter).map(of) {

@@ -4,7 +4,7 @@ use super::run::{Call, Refused};
 use crate::analysis::budget::{Bound, Class, Distribution, Draws, Statistic, bounds, classes, known, lacks_rotary};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::Machine;
-use crate::report::Drawing;
+use crate::report::DrawSettings;
 
 /// How errors are drawn between their bounds, and judged.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -20,9 +20,9 @@ pub struct ToleranceOptions {
 }
 
 impl ToleranceOptions {
-    pub(crate) fn drawing(&self, source: Option<String>, samples: usize, seed: u64) -> Drawing {
+    pub(crate) fn drawing(&self, source: Option<String>, samples: usize, seed: u64) -> DrawSettings {
         let (distribution, statistic) = (self.distribution, self.statistic);
-        Drawing { class: self.class.clone().zip(source), samples, seed, distribution, statistic }
+        DrawSettings { class: self.class.clone().zip(source), samples, seed, distribution, statistic }
     }
 
     pub(crate) fn draws(&self, seed: u64) -> Draws {

@@ -5,7 +5,7 @@ use super::output::session::Session;
 use crate::analysis::budget::Draws;
 use crate::api::{Bound, Distribution, Statistic, ToleranceOptions};
 use crate::machine::Machine;
-use crate::report::Drawing;
+use crate::report::DrawSettings;
 
 /// How errors are drawn and judged.
 #[derive(Debug, Clone, clap::Args)]
@@ -54,7 +54,7 @@ impl ToleranceArgs {
     }
 
     /// For verbs that compute on their own.
-    pub(super) fn drawing(&self, source: Option<String>, samples: usize, seed: u64) -> Drawing {
+    pub(super) fn drawing(&self, source: Option<String>, samples: usize, seed: u64) -> DrawSettings {
         self.options().drawing(source, samples, seed)
     }
 

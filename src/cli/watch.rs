@@ -8,7 +8,7 @@ use super::store::files::Recorded;
 use super::verbs::report::{Args, Built, build, write};
 use super::{Exit, Outcome};
 use crate::diagnostic::{Diagnostic, Rendering, codes, render};
-use crate::report::page::{Data, Rendered, Served, colours};
+use crate::report::page::{Delivery, PageData, RenderedPage, colours};
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -70,7 +70,7 @@ impl Turn<'_> {
             Err(Exit::Refused) => Some(render(&now.diagnostics, Rendering::default())),
         };
         let good = self.good.get_or_insert_with(nothing);
-        let page = good.page(Served::Watched, problem.as_deref()).or_else(|d| session.refuse(d))?;
+        let page = good.page(Delivery::Watched, problem.as_deref()).or_else(|d| session.refuse(d))?;
         if problem.is_none() {
             write_alone(&mut now, self.args, good)?;
         }
@@ -83,14 +83,14 @@ fn write_alone(session: &mut Session, args: &Args, good: &Built) -> Outcome {
     if args.out.is_none() {
         return Ok(());
     }
-    let page = good.page(Served::Alone, None).or_else(|d| session.refuse(d))?;
+    let page = good.page(Delivery::Alone, None).or_else(|d| session.refuse(d))?;
     write(session, args, &page)
 }
 
 fn nothing() -> Built {
-    Built::new(Data { abbe: env!("CARGO_PKG_VERSION"), machines: Vec::new(), comparison: None, colours: colours() })
+    Built::new(PageData { abbe: env!("CARGO_PKG_VERSION"), machines: Vec::new(), comparison: None, colours: colours() })
 }
 
-fn answer(page: Rendered) -> ServedPage {
+fn answer(page: RenderedPage) -> ServedPage {
     ServedPage { tag: format!("\"{}\"", page.mark), body: page.text.into_bytes().into() }
 }

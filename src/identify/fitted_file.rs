@@ -1,7 +1,7 @@
 //! A fitted machine as a machine file: self-contained, no `extends`, no tables outside.
 
-use super::model::parameter::{Basis, Parameter, Term};
-use super::solve::solution::Solution;
+use super::model::{Basis, Parameter, Term};
+use super::solve::Solution;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
     Approach, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine, MachineParts, machine_file,
@@ -11,7 +11,8 @@ use crate::units::significant;
 use std::collections::BTreeMap;
 
 /// The text of a machine file that says what `machine` says, the fitted parameters with their new values and expanded
-/// uncertainties (k = 2; of a curve the largest over the travel); `provenance` are further entries of that section (single
+/// uncertainties (k = 2; of a curve the largest over the travel); `provenance` are further entries of that section
+/// (single
 /// lines), `request` is what was fitted, for the next time.
 pub fn fitted_file(
     machine: &Machine,
@@ -24,7 +25,8 @@ pub fn fitted_file(
     let mut curves: BTreeMap<(ErrorSite, Direction), Directed> = BTreeMap::new();
     for (parameter, value) in parameters.iter().zip(&theta) {
         for term in &parameter.terms {
-            let sum = &mut curves.entry((term.source.place, term.source.direction)).or_default()[way(term.approach)];
+            let sum = &mut curves.entry((term.source.place, term.source.direction)).or_default()
+                [approach_index(term.approach)];
             *sum = Some(join(sum.take(), &term.basis, *value * term.factor));
         }
     }
@@ -64,7 +66,7 @@ fn expanded(machine: &Machine, parameters: &[Parameter], solution: &Solution, so
     (half > 0.0 && half <= crate::machine::largest(source.direction)).then_some(half)
 }
 
-/// What was said of the value before is not said of the fitted one.
+/// States the uncertainty of the fitted value in place of that of the value before.
 fn state(parts: &mut MachineParts, place: ErrorSite, direction: Direction, half: Option<f64>) {
     let (ErrorSite::Location(joint) | ErrorSite::Component(joint)) = place else { return };
     let axis = parts.axes.get(joint).map(|axis| &axis.name).or_else(|| parts.chain.spindle()).cloned();
@@ -88,8 +90,8 @@ fn section(request: &IdentifyEntry) -> String {
 /// Curves of mean, forward and reverse approach, as far as they were fitted.
 type Directed = [Option<Curve>; 3];
 
-/// Where an approach stands in [`Directed`].
-fn way(approach: Approach) -> usize {
+/// Returns the index of an approach in [`Directed`].
+fn approach_index(approach: Approach) -> usize {
     match approach {
         Approach::Mean => 0,
         Approach::Forward => 1,

@@ -1,6 +1,6 @@
 //! Directions among parameters, in words: what changes nothing, and what the noise drowns.
 
-use super::model::parameter::Parameter;
+use super::model::Parameter;
 use crate::units::significant;
 use nalgebra::{DMatrix, DVector};
 
@@ -95,7 +95,8 @@ pub(super) fn inseparable(direction: &Direction, parameters: &[Parameter], most:
     }
 }
 
-/// Amounts of neighbouring knots of a curve as one: the same throughout, or from one to another. `None` of so few that they
+/// Amounts of neighbouring knots of a curve as one: the same throughout, or from one to another. `None` of so few
+/// that they
 /// may as well be listed.
 fn shape(knots: &[(usize, f64)], amount: &impl Fn(&(usize, f64)) -> f64, parameters: &[Parameter]) -> Option<String> {
     let ([(i, _), .., (j, _)], true) = (knots, knots.len() > 2) else { return None };
@@ -121,7 +122,8 @@ const MAX_NAMED: usize = 6;
 const LARGE: f64 = 1.0;
 
 /// The directions within the rank whose uncertainty is beyond use, each with what it amounts to: one standard deviation
-/// along each, in units of displacement, and the columns' `scale` in these units. What changes nothing (`null`, reduced) is
+/// along each, in units of displacement, and the columns' `scale` in these units. What changes nothing (`null`,
+/// reduced) is
 /// taken out of them.
 pub(super) fn drowned(
     spreads: &[DVector<f64>],

@@ -145,7 +145,7 @@ fn positions_that_were_reached() {
         // Not one row at a time until one is left.
         ("X [mm], reading [mm]\n0, 0\n100, 100.001\n", &["--error", "EXX"], "a reading of 100.001 mm"),
         ("X [mm], pitch [deg]\n0, 0\n100, 30\n", &["--error", "EBX"], "rad is no error of a machine"),
-        ("X [mm], EXX [um]\n0, 0\n100, 3\n", &["--continuous"], "moves along a line"),
+        ("X [mm], EXX [um]\n0, 0\n100, 3\n", &["--continuous"], "axis X is linear"),
     ] {
         let said = refused(text, options);
         assert!(said.contains("E0509") && said.contains(words), "{text}\n{said}");
@@ -402,7 +402,7 @@ fn errors_that_have_columns_say_the_axis() {
     let (report, table) = imported(b"position [deg],ECC [urad],EXC [um]\n0,1,2\n90,2,3\n", &[]);
     assert_eq!((table.as_str(), &report["axis"]), ("C [deg], ECC [urad], EXC [um]\n0, 1, 2\n90, 2, 3\n", &"C".into()));
     let said = refused("position [mm],EXX [um],EYY [um]\n0,1,2\n", &[]);
-    assert!(said.contains("nothing says which axis moved"), "{said}");
+    assert!(said.contains("the file does not say which axis moved"), "{said}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::oracle::random::Random;
 use super::oracle::rigid::Frame as OracleFrame;
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::Frame;
-use abbe::identify::{Data, Fit, Model, Parameter, Solution, fit, read_measurements};
+use abbe::identify::{Fit, MeasurementSet, Model, Parameter, Solution, fit, read_measurements};
 use abbe::machine::Machine;
 use abbe::syntax::Disk;
 use nalgebra::{DMatrix, Matrix3, Vector3};
@@ -38,15 +38,16 @@ fn file(folder: &Folder, name: &str, head: &str, rows: impl Iterator<Item = Stri
     folder.write(name, &format!("{head}\n{}\n", rows.collect::<Vec<_>>().join("\n")))
 }
 
-fn read(machine: &Machine, files: &[std::path::PathBuf]) -> Data {
+fn read(machine: &Machine, files: &[std::path::PathBuf]) -> MeasurementSet {
     let mut diagnostics = Diagnostics::default();
     let data = read_measurements(files, machine, Frame::Workpiece, &Disk, &mut diagnostics);
     assert!(diagnostics.iter().next().is_none(), "{:?}", diagnostics.iter().next());
     data
 }
 
-fn solved(machine: &Machine, words: &[&str], data: &Data) -> (Vec<Parameter>, Fit, Solution) {
-    let unknowns: Vec<Parameter> = wanted(machine, words).into_iter().chain(data.nuisances.clone()).collect();
+fn solved(machine: &Machine, words: &[&str], data: &MeasurementSet) -> (Vec<Parameter>, Fit, Solution) {
+    let unknowns: Vec<Parameter> =
+        wanted(machine, words).into_iter().chain(data.nuisances.iter().cloned().map(Parameter::from)).collect();
     let model = Model::new(machine, &unknowns);
     let found = fit(&model, &data.rows, data.rows.iter().map(|m| m.weight).collect());
     let solution = Solution::of(&found, &unknowns);
@@ -234,7 +235,8 @@ fn intervals_of_a_joint_fit_of_several_kinds_cover_the_truth() {
     let relative = (0..24).map(|i| format!("{}{},{},{}", cells(&poses[i]), off[i].x, off[i].y, off[i].z));
     let relative = file(&folder, "r.csv", "C,A,Y,X,Z,rel.dx [mm],rel.dy [mm],rel.dz [mm]", relative);
     let clean = read(&blank, &[tracer, relative]);
-    let unknowns: Vec<Parameter> = wanted(&blank, &words).into_iter().chain(clean.nuisances.clone()).collect();
+    let unknowns: Vec<Parameter> =
+        wanted(&blank, &words).into_iter().chain(clean.nuisances.iter().cloned().map(Parameter::from)).collect();
     let model = Model::new(&blank, &unknowns);
     for _ in 0..1000 {
         let mut rows = clean.rows.clone();

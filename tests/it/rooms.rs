@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 const STAGES: [&str; 4] = ["controller", "evaluate", "compensation", "identify"];
 
 /// Circles that are still there, as paths below `src`.
-const KNOWN: [&[&str]; 6] = [
+const KNOWN: [&[&str]; 3] = [
     &["controller/certificate/mod.rs", "controller/certificate/module.rs", "controller/certificate/tables.rs"],
     &[
         "evaluate/compiled/affine.rs",
@@ -31,9 +31,6 @@ const KNOWN: [&[&str]; 6] = [
         "evaluate/spread.rs",
     ],
     &["evaluate/compiled/first.rs", "evaluate/compiled/steps.rs"],
-    &["identify/data/import/figures.rs", "identify/data/import/header.rs", "identify/data/import/mod.rs"],
-    &["identify/model/curves.rs", "identify/model/request.rs"],
-    &["identify/solve/fit.rs", "identify/solve/weighing.rs"],
 ];
 
 /// The rooms of `controller`: each may import those before it.

@@ -22,8 +22,9 @@ use crate::controller::sha256;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::evaluate::{Frame, Order};
 use crate::identify::{
-    Data, End, Fit, Measurement, Model, Parameter, Randomness, Reading, Repeats, Residuals, SlopeBound, Solution,
-    fitted_file, held_out, overruled, parameters, randomness, read_measurements, repeats, slope_bounds, solve, unused,
+    DistanceEnd, Fit, Measurement, MeasurementSet, Model, Parameter, Randomness, Reading, Repeats, Residuals,
+    SlopeBound, Solution, fitted_file, held_out, overruled, parameters, randomness, read_measurements, repeats,
+    slope_bounds, solve, unused,
 };
 use crate::machine::{Machine, Pose};
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
@@ -104,7 +105,7 @@ impl Problem {
         let Requested { request, own, bounds } = Requested::of(call, file, &options.fit, &options.fixed)?;
         let (mut data, hashes) = measurements(call, file, options)?;
         call.extend(remarks::left_out(file, &data.leave_out(&own)));
-        let unknowns = own.into_iter().chain(data.nuisances).collect();
+        let unknowns = own.into_iter().chain(data.nuisances.into_iter().map(Parameter::from)).collect();
         Ok(Self { request, unknowns, bounds, rows: data.rows, hashes })
     }
 
@@ -158,7 +159,7 @@ fn measurements(
     call: &mut Call<'_>,
     file: &MachineFile,
     options: &IdentifyOptions,
-) -> Result<(Data, BTreeMap<PathBuf, String>), Refused> {
+) -> Result<(MeasurementSet, BTreeMap<PathBuf, String>), Refused> {
     let texts =
         options.texts.iter().fold(MemoryFiles::default(), |files, (name, text)| files.with(name, text.as_str()));
     let overlay = Overlay { text: texts, files: call.run.files };
@@ -169,7 +170,7 @@ fn measurements(
     let hashes = recording.hashes.into_inner();
     refuse_copies(call, &paths, &hashes)?;
     let other = |m: &Measurement| match &m.reading {
-        Reading::Distance { from: End::Pose(to), .. } => Some(to.clone()),
+        Reading::Distance { from: DistanceEnd::Pose(to), .. } => Some(to.clone()),
         _ => None,
     };
     let at: Vec<Pose> = data.rows.iter().flat_map(|m| std::iter::once(m.pose.clone()).chain(other(m))).collect();

@@ -142,7 +142,7 @@ pub(crate) fn write_picture(
                 Diagnostic::new(codes::E0632, format!("`{}` cannot be drawn: {why}", path.display()))
                     .help("write SVG instead")
             };
-            write_whole(path, &picture.png().map_err(undrawable)?)
+            write_whole(path, &picture.png().map_err(|failure| undrawable(failure.to_string()))?)
         }
     }
 }

@@ -18,9 +18,10 @@ use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Field, Frame, Order};
 use crate::machine::Machine;
 use crate::report::page::{
-    ComparisonData, Data, Given, Instruments, MachineData, Page, Pictures, Rendered, Served, Written, colours,
+    ComparisonData, Delivery, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
+    TargetResult, colours,
 };
-use crate::report::{BudgetReport, Drawing, Drawn as Way, PlanePicture, Shown, axis_curves, chain_picture};
+use crate::report::{BudgetReport, DrawSettings, PlanePicture, PlaneQuantity, PlaneStyle, axis_curves, chain_picture};
 use crate::syntax::Disk;
 use crate::syntax::Files;
 use serde_json::{Value, json};
@@ -64,7 +65,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     refuse_outputs(&args.out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     let built = build(session, args, &Disk)?;
-    let page = built.page(Served::Alone, None).or_else(|d| session.refuse(d))?;
+    let page = built.page(Delivery::Alone, None).or_else(|d| session.refuse(d))?;
     write(session, args, &page)?;
     let (out, bytes) = (args.out.as_deref().unwrap_or(Path::new("")), page.text.len());
     match session.format() {
@@ -75,7 +76,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 /// Writes the page where it was asked for.
-pub(crate) fn write(session: &mut Session, args: &Args, page: &Rendered) -> Outcome {
+pub(crate) fn write(session: &mut Session, args: &Args, page: &RenderedPage) -> Outcome {
     let Some(out) = &args.out else { return Ok(()) };
     refuse_input(out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     write_whole(out, page.text.as_bytes()).or_else(|d| session.refuse(d))
@@ -83,18 +84,18 @@ pub(crate) fn write(session: &mut Session, args: &Args, page: &Rendered) -> Outc
 
 /// All that a page shows.
 pub(crate) struct Built {
-    data: Data,
+    data: PageData,
     pictures: Vec<Pictures>,
 }
 
 impl Built {
     /// A page without machines: there was none yet that is not refused.
-    pub(crate) fn new(data: Data) -> Self {
+    pub(crate) fn new(data: PageData) -> Self {
         Self { data, pictures: Vec::new() }
     }
 
     /// The page, perhaps with what is wrong with the file as it is now.
-    pub(crate) fn page(&self, served: Served, problem: Option<&str>) -> Result<Rendered, Diagnostic> {
+    pub(crate) fn page(&self, served: Delivery, problem: Option<&str>) -> Result<RenderedPage, Diagnostic> {
         let page = Page { data: &self.data, pictures: &self.pictures, served, problem };
         page.html().map_err(|why| Diagnostic::new(codes::E0632, format!("the page cannot be rendered: {why}")))
     }
@@ -116,11 +117,11 @@ pub(crate) fn build(session: &mut Session, args: &Args, files: &dyn Files) -> Re
         let (budget, instruments) = (budgeted(session, args, &machine)?, Instruments::new(&machine));
         machines.push(Subject { machine, file: path.display().to_string(), written, warnings, budget, instruments });
     }
-    let given: Vec<Given<'_>> = machines.iter().map(|subject| subject.given(args)).collect();
+    let given: Vec<MachineInput<'_>> = machines.iter().map(|subject| subject.given(args)).collect();
     let progress = Progress::new(given.len() * args.options.poses as usize, session.is_quiet());
     let done = |count| progress.add(count);
     let comparison = comparison(session, args, &given)?;
-    let data = Data { abbe: env!("CARGO_PKG_VERSION"), machines: Vec::new(), comparison, colours: colours() };
+    let data = PageData { abbe: env!("CARGO_PKG_VERSION"), machines: Vec::new(), comparison, colours: colours() };
     let mut built = Built::new(data);
     for (i, given) in given.iter().enumerate() {
         let view = View { approach: given.approach, frame: Frame::Workpiece };
@@ -138,7 +139,7 @@ pub(crate) fn build(session: &mut Session, args: &Args, files: &dyn Files) -> Re
 struct Subject {
     machine: Machine,
     file: String,
-    written: Vec<Written>,
+    written: Vec<TargetResult>,
     warnings: Vec<String>,
     instruments: Instruments,
     budget: Option<Budgeted>,
@@ -149,7 +150,7 @@ struct Budgeted {
     bounds: Vec<Bound>,
     budget: Budget,
     poses: usize,
-    drawing: Drawing,
+    drawing: DrawSettings,
 }
 
 /// Poses of a budget besides the corners of the volume: as many as `budget` takes.
@@ -172,7 +173,7 @@ fn budgeted(session: &mut Session, args: &Args, machine: &Machine) -> Result<Opt
 }
 
 /// Several machines on the same work, with their budgets where all have one.
-fn comparison(session: &mut Session, args: &Args, given: &[Given<'_>]) -> Result<Option<ComparisonData>, Exit> {
+fn comparison(session: &mut Session, args: &Args, given: &[MachineInput<'_>]) -> Result<Option<ComparisonData>, Exit> {
     let Some(work) = ComparisonData::work(given) else { return Ok(None) };
     let drawn = Drawn { tolerances: &args.tolerances, samples: args.samples as usize, seed: args.options.seed };
     let budgets = budgets(session, &work.1, drawn)?;
@@ -181,9 +182,9 @@ fn comparison(session: &mut Session, args: &Args, given: &[Given<'_>]) -> Result
 }
 
 impl Subject {
-    fn given(&self, args: &Args) -> Given<'_> {
+    fn given(&self, args: &Args) -> MachineInput<'_> {
         let default = self.machine.conventions().default_order.map_or(Order::Exact, Order::Degree);
-        Given {
+        MachineInput {
             machine: &self.machine,
             file: &self.file,
             order: args.order.unwrap_or(default),
@@ -204,10 +205,10 @@ impl Subject {
 }
 
 /// What `compile` would write for a target, and its certificate.
-fn compensation(session: &mut Session, args: &Args, machine: &Machine, name: &str) -> Result<Written, Exit> {
+fn compensation(session: &mut Session, args: &Args, machine: &Machine, name: &str) -> Result<TargetResult, Exit> {
     let depth = Depth { poses: args.options.poses as usize, seed: args.options.seed };
     let (target, effect, certificate) = set_effect::compiled(session, machine, name, &args.options.how, depth)?;
-    Ok(Written { target, effect, certificate })
+    Ok(TargetResult { target, effect, certificate })
 }
 
 /// Intervals along the longer side of a plane.
@@ -216,7 +217,7 @@ const PLANE_NODES: f64 = 48.0;
 /// Bars of a chart.
 const BARS: usize = 14;
 
-fn pictures(given: &Given<'_>, data: &MachineData) -> Pictures {
+fn pictures(given: &MachineInput<'_>, data: &MachineData) -> Pictures {
     let machine = given.machine;
     let curves = (0..machine.axes().len())
         .filter_map(|axis| Some((machine.axes()[axis].name.to_string(), axis_curves(machine, axis)?.svg())));
@@ -233,8 +234,8 @@ fn pictures(given: &Given<'_>, data: &MachineData) -> Pictures {
 }
 
 /// A plane as a map and as a grid, and after each compensation with the same colours.
-fn plane(given: &Given<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
-    let Given { machine, order, approach, .. } = *given;
+fn plane(given: &MachineInput<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
+    let MachineInput { machine, order, approach, .. } = *given;
     let view = View { approach, frame: Frame::Workpiece };
     let spans = axes.map(|i| machine.volume()[i].max - machine.volume()[i].min);
     let longest = spans[0].max(spans[1]);
@@ -242,13 +243,21 @@ fn plane(given: &Given<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
     let of = |field: &dyn Field| Plane::of(field, axes, &rest(machine), counts, view);
     let bare = of(&Bare { machine, order });
     let (state, like) = if given.written.is_empty() { ("", None) } else { ("uncompensated", Some(&bare)) };
-    let picture =
-        PlanePicture { machine, plane: &bare, view, order, shown: Shown::Length, drawn: Way::Colours, state, like };
-    let mut svgs = vec![picture.svg(), PlanePicture { drawn: Way::Grid, ..picture }.svg()];
+    let picture = PlanePicture {
+        machine,
+        plane: &bare,
+        view,
+        order,
+        shown: PlaneQuantity::Length,
+        drawn: PlaneStyle::Colours,
+        state,
+        like,
+    };
+    let mut svgs = vec![picture.svg(), PlanePicture { drawn: PlaneStyle::Grid, ..picture }.svg()];
     for written in given.written {
         let after = of(&*written.effect.field(machine, &written.target));
         let state = format!("after {}", written.target.manifest.target);
-        for drawn in [Way::Colours, Way::Grid] {
+        for drawn in [PlaneStyle::Colours, PlaneStyle::Grid] {
             svgs.push(PlanePicture { plane: &after, drawn, state: &state, like: Some(&bare), ..picture }.svg());
         }
     }

@@ -1,56 +1,71 @@
-//! The header of a file of measurements: which column holds what.
+//! The header of a file of measurements: the content of each column.
 
-use crate::diagnostic::{did_you_mean, shown};
+use super::error_name::split_direction;
+use super::failure::HeaderFailure;
+use crate::diagnostic::did_you_mean;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, AxisKind, Machine, parse_error_name};
 use crate::syntax::sheet;
 use crate::units::{self, Dimension};
 
-/// What a column holds; numbers are factors to mm, deg or rad.
+/// A column: its content, and the factor of its numbers to mm, deg or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Column {
+pub(super) struct Column {
+    pub content: Content,
+    pub factor: f64,
+}
+
+/// The content of a column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Content {
     /// Position of the axis with this index.
-    Axis(usize, f64),
+    Axis(usize),
     /// Position of the axis at the other end of a length: `to.X`.
-    To(usize, f64),
+    To(usize),
     /// Component of the deviation: `dx`.
-    Deviation(usize, f64),
-    /// The same, less what the first reading of the run was: `rel.dx`.
-    Relative(usize, f64),
+    Deviation(usize),
+    /// The same, less that of the first reading of the run: `rel.dx`.
+    Relative(usize),
     /// A ball that the functional point was brought to: `ball`.
     Ball,
-    /// A whole distance: `length`.
-    Length(f64),
-    /// Distance minus nominal distance: `dl`.
-    LengthError(f64),
-    /// Distance less a constant that nobody knows: `displacement`.
-    Displacement(f64),
+    Length(LengthKind),
     /// Deviation along the line of the run: `along`.
-    Along(f64),
+    Along,
     /// A component error, measured in this direction.
-    Error(Source, Option<Approach>, f64),
+    Error(Source, Option<Approach>),
     Station,
-    /// Where a station is about, workpiece frame: `station.x`.
-    StationAt(usize, f64),
+    /// Approximate place of a station, workpiece frame: `station.x`.
+    StationAt(usize),
     Tool,
-    /// How many rows this one counts for.
+    /// Number of rows that this one counts for.
     Weight,
     /// Standard uncertainty of readings of this quantity.
-    Uncertainty(Quantity, f64),
+    Uncertainty(Quantity),
     Run,
     Approach,
 }
 
+/// Kinds of lengths.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LengthKind {
+    /// A whole distance: `length`.
+    Whole,
+    /// Distance minus nominal distance: `dl`.
+    FromNominal,
+    /// Distance less an unknown constant: `displacement`.
+    Displacement,
+}
+
 /// Lengths, or angles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
+pub(super) enum Quantity {
     Length,
     Angle,
 }
 
-/// What the rows of a file are.
+/// The content of the rows of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub(super) enum RowForm {
     Deviation,
     Relative,
     Ball,
@@ -59,235 +74,199 @@ pub enum Form {
     Error,
 }
 
-impl Column {
-    /// The kind of rows that this column makes.
-    fn form(self) -> Option<Form> {
+impl Content {
+    /// The form of the rows that this content makes.
+    fn form(self) -> Option<RowForm> {
         match self {
-            Self::Deviation(..) => Some(Form::Deviation),
-            Self::Relative(..) => Some(Form::Relative),
-            Self::Ball => Some(Form::Ball),
-            Self::Length(_) | Self::LengthError(_) | Self::Displacement(_) => Some(Form::Distance),
-            Self::Along(_) => Some(Form::Along),
-            Self::Error(..) => Some(Form::Error),
+            Self::Deviation(_) => Some(RowForm::Deviation),
+            Self::Relative(_) => Some(RowForm::Relative),
+            Self::Ball => Some(RowForm::Ball),
+            Self::Length(_) => Some(RowForm::Distance),
+            Self::Along => Some(RowForm::Along),
+            Self::Error(..) => Some(RowForm::Error),
             _ => None,
         }
     }
 
-    /// Do both say the same thing?
-    fn same(self, other: Self) -> bool {
-        let bare = |column: Self| match column {
-            Self::Axis(i, _) => Self::Axis(i, 1.0),
-            Self::To(i, _) => Self::To(i, 1.0),
-            Self::Deviation(i, _) => Self::Deviation(i, 1.0),
-            Self::Relative(i, _) => Self::Relative(i, 1.0),
-            Self::StationAt(i, _) => Self::StationAt(i, 1.0),
-            Self::Error(source, approach, _) => Self::Error(source, approach, 1.0),
-            Self::Length(_) | Self::LengthError(_) | Self::Displacement(_) => Self::Length(1.0),
-            Self::Along(_) => Self::Along(1.0),
-            Self::Uncertainty(quantity, _) => Self::Uncertainty(quantity, 1.0),
-            other => other,
-        };
-        bare(self) == bare(other)
+    /// True if a file may have one of both only.
+    fn excludes(self, other: Self) -> bool {
+        self == other || matches!((self, other), (Self::Length(_), Self::Length(_)))
     }
 }
 
-const WORDS: [&str; 22] = [
-    "dx",
-    "dy",
-    "dz",
-    "rel.dx",
-    "rel.dy",
-    "rel.dz",
-    "ball",
-    "length",
-    "dl",
-    "displacement",
-    "along",
-    "station",
-    "station.x",
-    "station.y",
-    "station.z",
-    "tool",
-    "weight",
-    "u",
-    "run",
-    "approach",
-    "EXX",
-    "to.X",
+/// The unit in the title of a column.
+enum TitleUnit {
+    Missing,
+    Length,
+    /// Of a length or of an angle.
+    Reading,
+}
+
+/// Titles, besides those of axes and errors.
+const TITLES: [(&str, TitleUnit, Content); 20] = [
+    ("dx", TitleUnit::Length, Content::Deviation(0)),
+    ("dy", TitleUnit::Length, Content::Deviation(1)),
+    ("dz", TitleUnit::Length, Content::Deviation(2)),
+    ("rel.dx", TitleUnit::Length, Content::Relative(0)),
+    ("rel.dy", TitleUnit::Length, Content::Relative(1)),
+    ("rel.dz", TitleUnit::Length, Content::Relative(2)),
+    ("ball", TitleUnit::Missing, Content::Ball),
+    ("length", TitleUnit::Length, Content::Length(LengthKind::Whole)),
+    ("dl", TitleUnit::Length, Content::Length(LengthKind::FromNominal)),
+    ("displacement", TitleUnit::Length, Content::Length(LengthKind::Displacement)),
+    ("along", TitleUnit::Length, Content::Along),
+    ("station", TitleUnit::Missing, Content::Station),
+    ("station.x", TitleUnit::Length, Content::StationAt(0)),
+    ("station.y", TitleUnit::Length, Content::StationAt(1)),
+    ("station.z", TitleUnit::Length, Content::StationAt(2)),
+    ("tool", TitleUnit::Missing, Content::Tool),
+    ("weight", TitleUnit::Missing, Content::Weight),
+    ("u", TitleUnit::Reading, Content::Uncertainty(Quantity::Length)),
+    ("run", TitleUnit::Missing, Content::Run),
+    ("approach", TitleUnit::Missing, Content::Approach),
 ];
 
-/// The columns of a header and what its rows are.
-pub fn columns(machine: &Machine, header: &str, separator: char) -> Result<(Vec<Column>, Form), String> {
+/// Returns the columns of a header and the form of its rows.
+pub(super) fn columns(
+    machine: &Machine,
+    header: &str,
+    separator: char,
+) -> Result<(Vec<Column>, RowForm), HeaderFailure> {
     let mut columns: Vec<Column> = Vec::new();
     let mut cells = sheet::cells(header, separator);
     sheet::drop_empty(&mut cells, 0);
     for cell in cells {
         let column = column(machine, &cell)?;
-        if columns.iter().any(|known| known.same(column)) {
-            return Err(format!("the column `{}` occurs twice, or two columns say the same", shown(&cell)));
+        if columns.iter().any(|known| known.content.excludes(column.content)) {
+            return Err(HeaderFailure::Repeated(cell));
         }
         columns.push(column);
     }
-    let mut forms = columns.iter().filter_map(|column| column.form());
-    let Some(form) = forms.next() else { return Err("there is no column of readings".to_owned()) };
+    let contents: Vec<Content> = columns.iter().map(|column| column.content).collect();
+    let mut forms = contents.iter().filter_map(|content| content.form());
+    let form = forms.next().ok_or(HeaderFailure::NoReadings)?;
     if forms.any(|other| other != form) {
-        return Err("the header mixes kinds of readings: give every kind a file of its own".to_owned());
+        return Err(HeaderFailure::MixedReadings);
     }
-    belongs(&columns, form)?;
-    weighed(&columns, form)?;
-    positions(machine, &columns)?;
+    check_ends(&contents, form)?;
+    check_weights(&contents, form)?;
+    check_positions(machine, &contents)?;
     Ok((columns, form))
 }
 
 /// A component error is nothing without the position of its own axis.
-fn positions(machine: &Machine, columns: &[Column]) -> Result<(), String> {
-    for column in columns {
-        let Column::Error(Source { place: ErrorSite::Component(axis), .. }, ..) = *column else { continue };
-        if !columns.iter().any(|known| matches!(known, Column::Axis(known, _) if *known == axis)) {
-            let axis = &machine.axes()[axis].name;
-            return Err(format!("errors of `{axis}` are read at positions of `{axis}`: there is no column `{axis}`"));
+fn check_positions(machine: &Machine, contents: &[Content]) -> Result<(), HeaderFailure> {
+    for content in contents {
+        let Content::Error(Source { place: ErrorSite::Component(axis), .. }, _) = *content else { continue };
+        if !contents.contains(&Content::Axis(axis)) {
+            return Err(HeaderFailure::NoPositions(machine.axes()[axis].name.to_string()));
         }
     }
     Ok(())
 }
 
 /// A weight or uncertainties, and then of every quantity that is read.
-fn weighed(columns: &[Column], form: Form) -> Result<(), String> {
-    let angle = |c: &Column| matches!(c, Column::Error(source, ..) if source.direction.is_rotation());
-    let length = |c: &Column| form != Form::Error || (matches!(c, Column::Error(..)) && !angle(c));
-    let given = |wanted| columns.iter().any(|c| matches!(c, Column::Uncertainty(quantity, _) if *quantity == wanted));
-    let (lengths, angles) = (given(Quantity::Length), given(Quantity::Angle));
-    if !(lengths || angles) {
+fn check_weights(contents: &[Content], form: RowForm) -> Result<(), HeaderFailure> {
+    let angle = |c: &Content| matches!(c, Content::Error(source, _) if source.direction.is_rotation());
+    let length = |c: &Content| form != RowForm::Error || (matches!(c, Content::Error(..)) && !angle(c));
+    let given = |quantity| contents.contains(&Content::Uncertainty(quantity));
+    let given = (given(Quantity::Length), given(Quantity::Angle));
+    if given == (false, false) {
         return Ok(());
     }
-    if columns.contains(&Column::Weight) {
-        return Err("`weight` and `u` say the same: leave one out".to_owned());
+    if contents.contains(&Content::Weight) {
+        return Err(HeaderFailure::WeightAndUncertainty);
     }
-    match (columns.iter().any(length), columns.iter().any(angle)) {
-        read if read == (lengths, angles) => Ok(()),
-        (true, true) => Err("lengths and angles are read: give `u [um]` and `u [urad]`, or neither".to_owned()),
-        (true, false) => Err("lengths are read: give `u [um]`".to_owned()),
-        _ => Err("angles are read: give `u [urad]`".to_owned()),
-    }
+    let (lengths, angles) = (contents.iter().any(length), contents.iter().any(angle));
+    if given == (lengths, angles) { Ok(()) } else { Err(HeaderFailure::NoUncertainty(lengths, angles)) }
 }
 
-/// Columns that make sense with this kind of rows only.
-fn belongs(columns: &[Column], form: Form) -> Result<(), String> {
-    let station = columns.iter().any(|c| matches!(c, Column::Station | Column::StationAt(..)));
-    let places = columns.iter().filter(|c| matches!(c, Column::StationAt(..))).count();
-    let to = columns.iter().any(|c| matches!(c, Column::To(..)));
-    if form != Form::Distance && (station || to) {
-        return Err("`station` and `to.` columns belong to a length".to_owned());
-    }
-    if form == Form::Distance && station == to {
-        let words =
-            "a length needs its other end: a column `station`, or `to.` columns with the positions of a second pose";
-        return Err(if to { format!("{words}, not both") } else { words.to_owned() });
+/// Columns that make sense with rows of one form only.
+fn check_ends(contents: &[Content], form: RowForm) -> Result<(), HeaderFailure> {
+    let any = |fits: fn(&Content) -> bool| contents.iter().any(fits);
+    let station = any(|c| matches!(c, Content::Station | Content::StationAt(_)));
+    let to = any(|c| matches!(c, Content::To(_)));
+    let places = contents.iter().filter(|c| matches!(c, Content::StationAt(_))).count();
+    match (form, station, to) {
+        (RowForm::Distance, true, true) => return Err(HeaderFailure::TwoOtherEnds),
+        (RowForm::Distance, false, false) => return Err(HeaderFailure::NoOtherEnd),
+        (RowForm::Distance, ..) | (_, false, false) => {}
+        _ => return Err(HeaderFailure::NoLength),
     }
     if ![0, 3].contains(&places) {
-        return Err("give all of `station.x`, `station.y` and `station.z`, or none".to_owned());
+        return Err(HeaderFailure::PartOfStation);
     }
-    if station && places == 0 && columns.iter().any(|c| matches!(c, Column::LengthError(_))) {
-        return Err(
-            "`dl` is the difference from the nominal distance: say with `station.x [mm]` ... from where".to_owned()
-        );
+    if station && places == 0 && contents.contains(&Content::Length(LengthKind::FromNominal)) {
+        return Err(HeaderFailure::NoStation);
     }
-    let approach = columns.iter().any(|c| matches!(c, Column::Approach));
-    if approach && columns.iter().any(|c| matches!(c, Column::Error(_, Some(_), _))) {
-        return Err("the direction stands in `approach` and in the name of an error: leave one out".to_owned());
+    if contents.contains(&Content::Approach) && any(|c| matches!(c, Content::Error(_, Some(_)))) {
+        return Err(HeaderFailure::TwoApproaches);
     }
     Ok(())
 }
 
-fn column(machine: &Machine, cell: &str) -> Result<Column, String> {
+fn column(machine: &Machine, cell: &str) -> Result<Column, HeaderFailure> {
     // An axis may be called as it likes.
     let (name, unit) = if machine.axis_index(cell).is_some() { (cell.to_owned(), None) } else { sheet::title(cell) };
     let (name, unit) = (name.as_str(), unit.as_deref());
     let position = |axis| unit.map_or(Ok(1.0), |unit| position_factor(machine, axis, unit));
     if let Some(axis) = machine.axis_index(name) {
-        return Ok(Column::Axis(axis, position(axis)?));
+        return Ok(Column { content: Content::Axis(axis), factor: position(axis)? });
     }
     if let Some(axis) = name.strip_prefix("to.").and_then(|name| machine.axis_index(name)) {
-        return Ok(Column::To(axis, position(axis)?));
+        return Ok(Column { content: Content::To(axis), factor: position(axis)? });
     }
-    let length = || length_factor(name, unit);
-    let component = |stem: &str, names: [&str; 3]| {
-        name.strip_prefix(stem).and_then(|rest| names.iter().position(|known| *known == rest))
+    let Some((_, title_unit, content)) = TITLES.iter().find(|(title, ..)| *title == name) else {
+        return error(machine, name, unit);
     };
-    if let Some(k) = component("", ["dx", "dy", "dz"]) {
-        return Ok(Column::Deviation(k, length()?));
-    }
-    if let Some(k) = component("rel.", ["dx", "dy", "dz"]) {
-        return Ok(Column::Relative(k, length()?));
-    }
-    if let Some(k) = component("station.", ["x", "y", "z"]) {
-        return Ok(Column::StationAt(k, length()?));
-    }
-    match name {
-        "length" => Ok(Column::Length(length()?)),
-        "dl" => Ok(Column::LengthError(length()?)),
-        "displacement" => Ok(Column::Displacement(length()?)),
-        "along" => Ok(Column::Along(length()?)),
-        "u" => uncertainty(name, unit),
-        "ball" => Ok(Column::Ball),
-        "station" => Ok(Column::Station),
-        "tool" => Ok(Column::Tool),
-        "weight" => Ok(Column::Weight),
-        "run" => Ok(Column::Run),
-        "approach" => Ok(Column::Approach),
-        _ => error(machine, name, unit),
+    match (title_unit, unit.map(units::unit)) {
+        (TitleUnit::Missing, _) => Ok(Column { content: *content, factor: 1.0 }),
+        (TitleUnit::Reading, Some(Ok((factor, Dimension::ANGLE)))) => {
+            Ok(Column { content: Content::Uncertainty(Quantity::Angle), factor })
+        }
+        (TitleUnit::Length | TitleUnit::Reading, _) => {
+            Ok(Column { content: *content, factor: length_factor(name, unit)? })
+        }
     }
 }
 
 /// `EXX [um]`, `EXX+ [um]`, `EXX reverse [um]`.
-fn error(machine: &Machine, name: &str, unit: Option<&str>) -> Result<Column, String> {
-    let (bare, approach) = crate::identify::model::request::directed(name);
+fn error(machine: &Machine, name: &str, unit: Option<&str>) -> Result<Column, HeaderFailure> {
+    let (bare, approach) = split_direction(name);
     let found = parse_error_name(bare).filter(|error| !error.is_location());
     let axis = found.as_ref().and_then(|error| machine.axis_index(error.axis.as_str()));
     let Some((error, axis)) = found.zip(axis) else {
         let axes = machine.axes().iter().map(|axis| axis.name.as_str());
-        let known: Vec<&str> = axes.chain(WORDS).collect();
-        return Err(format!("nobody here knows the column `{}`; {}", shown(name), did_you_mean(name, &known)));
+        let known: Vec<&str> = axes.chain(TITLES.iter().map(|(title, ..)| *title)).chain(["EXX", "to.X"]).collect();
+        return Err(HeaderFailure::Unknown(name.to_owned(), did_you_mean(name, &known)));
     };
     let wanted = if error.direction.is_rotation() { Dimension::ANGLE } else { Dimension::LENGTH };
-    let unit = unit.ok_or_else(|| format!("column `{name}` has no unit: write `{name} [um]` or `[urad]`"))?;
+    let fits = |found| found == wanted || (found == Dimension::RATIO && wanted == Dimension::ANGLE);
+    let unit = unit.ok_or_else(|| HeaderFailure::NoErrorUnit(name.to_owned()))?;
     match units::unit(unit) {
-        Ok((factor, dimension))
-            if dimension == wanted || (dimension == Dimension::RATIO && wanted == Dimension::ANGLE) =>
-        {
-            Ok(Column::Error(
-                Source { place: ErrorSite::Component(axis), direction: error.direction },
-                approach,
-                factor,
-            ))
+        Ok((factor, dimension)) if fits(dimension) => {
+            let source = Source { place: ErrorSite::Component(axis), direction: error.direction };
+            Ok(Column { content: Content::Error(source, approach), factor })
         }
-        _ => Err(format!("`{}` is not a unit of `{error}`", shown(unit))),
+        _ => Err(HeaderFailure::NotUnitOf(unit.to_owned(), error.to_string())),
     }
 }
 
-/// `u [um]` or `u [urad]`.
-fn uncertainty(name: &str, unit: Option<&str>) -> Result<Column, String> {
-    match unit.map(units::unit) {
-        Some(Ok((factor, Dimension::ANGLE))) => Ok(Column::Uncertainty(Quantity::Angle, factor)),
-        _ => Ok(Column::Uncertainty(Quantity::Length, length_factor(name, unit)?)),
-    }
-}
-
-fn length_factor(name: &str, unit: Option<&str>) -> Result<f64, String> {
-    let unit = unit.ok_or_else(|| format!("column `{name}` has no unit: write `{name} [um]` or `[mm]`"))?;
+fn length_factor(name: &str, unit: Option<&str>) -> Result<f64, HeaderFailure> {
+    let unit = unit.ok_or_else(|| HeaderFailure::NoLengthUnit(name.to_owned()))?;
     match units::unit(unit) {
         Ok((factor, Dimension::LENGTH)) => Ok(factor),
-        _ => Err(format!("`{}` is not a unit of length for `{name}`", shown(unit))),
+        _ => Err(HeaderFailure::NotLength(unit.to_owned(), name.to_owned())),
     }
 }
 
-fn position_factor(machine: &Machine, axis: usize, unit: &str) -> Result<f64, String> {
+fn position_factor(machine: &Machine, axis: usize, unit: &str) -> Result<f64, HeaderFailure> {
     let kind = machine.axes()[axis].kind;
     match units::unit(unit) {
         Ok((factor, Dimension::LENGTH)) if kind == AxisKind::Linear => Ok(factor),
         // Degrees stay degrees: no detour over radians that would cost a bit.
         Ok(_) if kind == AxisKind::Rotary && ["deg", "°"].contains(&unit) => Ok(1.0),
         Ok((factor, Dimension::ANGLE)) if kind == AxisKind::Rotary => Ok(factor.to_degrees()),
-        _ => Err(format!("`{}` is not a unit for positions of `{}`", shown(unit), machine.axes()[axis].name)),
+        _ => Err(HeaderFailure::NotPositionUnit(unit.to_owned(), machine.axes()[axis].name.to_string())),
     }
 }

@@ -2,10 +2,17 @@
 
 use crate::diagnostic::Place;
 use crate::evaluate::Frame;
-use crate::identify::model::parameter::{Parameter, lever};
 use crate::lower::Source;
 use crate::machine::{Approach, Direction, Pose};
 use nalgebra::Vector3;
+
+/// Lever (mm) by which a rotation counts as a displacement where sizes of unlike quantities are compared.
+const LEVER_MM: f64 = 300.0;
+
+/// Returns the displacement (mm) that a unit (mm or rad) of an error in this direction makes.
+pub(crate) fn lever(direction: Direction) -> f64 {
+    if direction.is_rotation() { LEVER_MM } else { 1.0 }
+}
 
 /// One row of a measurement.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +36,7 @@ pub struct Measurement {
 }
 
 /// A reading, actual values in mm (rad where a single error is an angle). Indices are those of
-/// [`Data::nuisances`].
+/// [`MeasurementSet::nuisances`].
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reading {
     /// dx, dy, dz of the functional point, actual minus nominal; `None`: not measured.
@@ -46,7 +53,7 @@ pub enum Reading {
         /// The distance, less the unknown constant.
         value: f64,
         /// From where.
-        from: End,
+        from: DistanceEnd,
         /// Index of the unknown constant, if there is one.
         zero: Option<usize>,
     },
@@ -70,7 +77,7 @@ pub enum Reading {
 
 /// The other end of a distance.
 #[derive(Debug, Clone, PartialEq)]
-pub enum End {
+pub enum DistanceEnd {
     /// A point fixed to the workpiece, its place (from the workpiece origin) three unknowns from this index on.
     Station(usize),
     /// The functional point itself at another pose.
@@ -157,19 +164,29 @@ impl Measurement {
 
 const LETTERS: [&str; 3] = ["x", "y", "z"];
 
-/// Measurements of all files, and the unknowns of instruments and set-ups: places of stations, dead paths, first readings.
+/// An unknown length of an instrument or a set-up: no error of the machine, but fitted with them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InstrumentUnknown {
+    /// `station.x`, `zero 2`, `ball.z`: unique among the files read together.
+    pub name: String,
+    /// Value at the start of the fit (mm).
+    pub start_mm: f64,
+}
+
+/// Measurements of all files, and the unknowns of instruments and set-ups: places of stations, dead paths, first
+/// readings.
 #[derive(Debug, Clone, Default)]
-pub struct Data {
+pub struct MeasurementSet {
     /// Row by row.
     pub rows: Vec<Measurement>,
     /// What has to be fitted beside the machine, and is no error of it.
-    pub nuisances: Vec<Parameter>,
+    pub nuisances: Vec<InstrumentUnknown>,
 }
 
-impl Data {
+impl MeasurementSet {
     /// Adds an unknown of `mm` to begin with; gives its index.
     pub(crate) fn unknown(&mut self, name: String, start: f64) -> usize {
-        self.nuisances.push(Parameter::nuisance(name, start));
+        self.nuisances.push(InstrumentUnknown { name, start_mm: start });
         self.nuisances.len() - 1
     }
 
@@ -185,24 +202,6 @@ impl Data {
     /// Adds an unknown for each component that was read, 0 to begin with; gives their indices.
     pub(crate) fn unknown_components(&mut self, name: &str, read: [bool; 3]) -> [Option<usize>; 3] {
         std::array::from_fn(|k| read[k].then(|| self.unknown(format!("{name}.{}", LETTERS[k]), 0.0)))
-    }
-}
-
-impl Data {
-    /// Takes out readings of single errors that nothing fitted moves; says how many of which.
-    pub fn leave_out(&mut self, fitted: &[Parameter]) -> Vec<(Source, usize)> {
-        let mut list: Vec<(Source, usize)> = Vec::new();
-        self.rows.retain(|m| {
-            let Reading::Error { source, .. } = m.reading else { return true };
-            let told = fitted.iter().any(|p| p.terms.iter().any(|t| t.source == source));
-            match list.iter_mut().find(|(known, _)| *known == source) {
-                _ if told => {}
-                Some((_, count)) => *count += 1,
-                None => list.push((source, 1)),
-            }
-            told
-        });
-        list
     }
 
     /// How much there is, to go back to.

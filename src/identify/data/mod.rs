@@ -1,8 +1,22 @@
-//! Measurements: files, columns, stations, repeats, and the exports of instruments.
+//! Measurements: from files to rows and to the unknowns of instruments.
+//!
+//! 1. `columns`: the header of a file to columns.
+//! 2. [`read_measurements`]: cells to [`Measurement`]s; `station` finds where a distance measurement stands.
+//! 3. [`repeats()`]: poses that were measured more than once.
+//!
+//! [`import`] reads the single-axis exports of instruments; `error_name` are the spellings of errors in files.
 
-pub(super) mod columns;
+mod columns;
+mod error_name;
+mod failure;
 pub mod import;
-pub(super) mod measurement;
-pub(super) mod reader;
-pub(super) mod repeats;
-pub(super) mod station;
+mod measurement;
+mod reader;
+mod repeats;
+mod station;
+
+pub(super) use error_name::split_direction;
+pub(super) use measurement::lever;
+pub use measurement::{DistanceEnd, InstrumentUnknown, Measurement, MeasurementSet, Reading, ReadingKind};
+pub use reader::read_measurements;
+pub use repeats::{Repeats, repeats};

@@ -1,11 +1,11 @@
 //! From a file of measurements to rows: cells to numbers, then what needs the other rows of a run.
 
-use super::columns::{Column, Form, Quantity, columns};
-use super::measurement::{Data, End, Measurement, Reading};
-use super::station;
+use super::columns::{Column, Content, LengthKind, Quantity, RowForm, columns};
+use super::failure::RowFailure;
+use super::measurement::{DistanceEnd, Measurement, MeasurementSet, Reading, lever};
+use super::station::{self, StationFailure};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, did_you_mean, shown};
 use crate::evaluate::Frame;
-use crate::identify::model::parameter::lever;
 use crate::lower::{NominalPose, Source};
 use crate::machine::{Approach, Direction, Machine, Pose};
 use crate::syntax::Files;
@@ -16,11 +16,11 @@ use std::path::Path;
 /// Mistakes after which the rest of a file is of the same kind.
 const MISTAKES: usize = 5;
 /// Longest distance (mm) of anything: 1 km.
-const FARTHEST: f64 = 1e6;
+const MAX_LENGTH_MM: f64 = 1e6;
 /// Least weight; the greatest is its inverse.
-const LIGHTEST: f64 = 1e-15;
+const MIN_WEIGHT: f64 = 1e-15;
 /// Least distance (mm) that has a direction.
-const NEAREST: f64 = 1.0;
+const MIN_LENGTH_MM: f64 = 1.0;
 
 /// One row before its run is known as a whole.
 #[derive(Debug, Clone)]
@@ -28,7 +28,7 @@ struct Draft {
     row: Measurement,
     to: Option<Pose>,
     /// Which length it is.
-    length: Option<(Length, f64)>,
+    length: Option<(LengthKind, f64)>,
     along: f64,
     errors: Vec<(Source, Approach, f64)>,
     /// Weight of angles, where their uncertainty is given.
@@ -38,16 +38,9 @@ struct Draft {
     ball: String,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Length {
-    Whole,
-    FromNominal,
-    Displacement,
-}
-
 impl Draft {
     /// Takes a standard uncertainty (mm or rad) for the weight.
-    fn uncertain(&mut self, quantity: Quantity, value: f64, cell: &str) -> Result<(), String> {
+    fn uncertain(&mut self, quantity: Quantity, value: f64, cell: &str) -> Result<(), RowFailure> {
         let angle = quantity == Quantity::Angle;
         let um = value * 1e3 * if angle { lever(Direction::A) } else { 1.0 };
         let weight = weight(1.0 / (um * um), cell)?;
@@ -64,8 +57,8 @@ pub struct Reader<'a> {
     frame: Frame,
     /// Name of the file in the names of unknowns; empty if there is only one.
     file: String,
-    form: Form,
-    data: Data,
+    form: RowForm,
+    data: MeasurementSet,
 }
 
 /// Reads files of measurements, deviations in `frame`; whatever is wrong with one is reported, and it adds nothing.
@@ -75,11 +68,11 @@ pub fn read_measurements(
     frame: Frame,
     files: &dyn Files,
     diagnostics: &mut Diagnostics,
-) -> Data {
+) -> MeasurementSet {
     let with = |name: &str| machine.with_tool(name).unwrap_or_else(|| machine.clone());
     let machines = machine.tools().iter().map(|tool| with(&tool.name)).collect();
-    let (data, file) = (Data::default(), String::new());
-    let mut reader = Reader { machine, machines, frame, file, form: Form::Deviation, data };
+    let (data, file) = (MeasurementSet::default(), String::new());
+    let mut reader = Reader { machine, machines, frame, file, form: RowForm::Deviation, data };
     for path in paths {
         let stem = path.as_ref().file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
         reader.file = if paths.len() > 1 { format!("{}/", shown(&stem)) } else { String::new() };
@@ -99,7 +92,7 @@ const ROWS: &str =
 fn refusal(code: codes::Code, message: String, place: Option<Place>) -> Diagnostic {
     let help = match code {
         codes::E0505 => {
-            "say with columns `station.x [mm]`, `station.y [mm]`, `station.z [mm]` where it is about, from the workpiece origin"
+            "give its approximate place, from the workpiece origin, in columns `station.x [mm]`, `station.y [mm]`, `station.z [mm]`"
         }
         codes::E0506 => {
             "leave the row out, or correct its pose: a length has a direction only between different points"
@@ -124,8 +117,8 @@ impl Reader<'_> {
         let separator = sheet::separator(&header.text);
         let (columns, form) = match columns(self.machine, &header.text, separator) {
             Ok(found) => found,
-            Err(message) => {
-                diagnostics.push(refusal(codes::E0501, message, Some(header.place.clone())));
+            Err(failure) => {
+                diagnostics.push(refusal(codes::E0501, failure.to_string(), Some(header.place.clone())));
                 return;
             }
         };
@@ -154,10 +147,10 @@ impl Reader<'_> {
         for line in body {
             match self.draft(columns, line, separator, &mut decimals) {
                 Ok(draft) => drafts.push(draft),
-                Err(message) if mistakes < MISTAKES => {
+                Err(failure) if mistakes < MISTAKES => {
                     mistakes += 1;
-                    diagnostics
-                        .push(Diagnostic::new(codes::E0501, message).at(Some(line.place.clone()), "").help(ROWS));
+                    let refusal = Diagnostic::new(codes::E0501, failure.to_string());
+                    diagnostics.push(refusal.at(Some(line.place.clone()), "").help(ROWS));
                 }
                 Err(_) => break,
             }
@@ -189,56 +182,48 @@ impl Reader<'_> {
         line: &Line,
         separator: char,
         decimals: &mut Decimals,
-    ) -> Result<Draft, String> {
+    ) -> Result<Draft, RowFailure> {
         let mut cells = sheet::cells(&line.text, separator);
         sheet::drop_empty(&mut cells, columns.len());
         if cells.len() != columns.len() {
-            return Err(format!("this row has {} cells, the header has {}", cells.len(), columns.len()));
+            return Err(RowFailure::Cells(cells.len(), columns.len()));
         }
         let mut number = |cell: &str| {
-            decimals.note(cell, separator).map_err(|mixed| mixed.to_string())?;
-            let said = |failure: crate::units::Failure| failure.to_string();
-            sheet::number(cell, separator)
-                .map_err(|f| if cell.is_empty() { "a cell is empty".to_owned() } else { said(f) })
+            decimals.note(cell, separator).map_err(RowFailure::Decimals)?;
+            let empty = |failure| if cell.is_empty() { RowFailure::EmptyCell } else { RowFailure::Number(failure) };
+            sheet::number(cell, separator).map_err(empty)
         };
         let mut draft = self.blank(line.place.clone());
         let mut to: Vec<(usize, f64)> = Vec::new();
         let mut values = [None; 3];
-        for (cell, column) in cells.iter().zip(columns) {
-            match *column {
-                Column::Axis(axis, factor) => draft.row.pose[axis] = number(cell)? * factor,
-                Column::To(axis, factor) => to.push((axis, number(cell)? * factor)),
+        for (cell, Column { content, factor }) in cells.iter().zip(columns) {
+            let mut scaled = || Ok(number(cell)? * factor);
+            match *content {
+                Content::Axis(axis) => draft.row.pose[axis] = scaled()?,
+                Content::To(axis) => to.push((axis, scaled()?)),
                 // Not measured.
-                Column::Deviation(..) | Column::Relative(..) | Column::Error(..) | Column::Tool if cell.is_empty() => {}
-                Column::Deviation(k, factor) | Column::Relative(k, factor) => {
-                    values[k] = Some(near(number(cell)? * factor, cell)?);
+                Content::Deviation(_) | Content::Relative(_) | Content::Error(..) | Content::Tool
+                    if cell.is_empty() => {}
+                Content::Deviation(k) | Content::Relative(k) => values[k] = Some(near(scaled()?, cell)?),
+                Content::Error(source, approach) => {
+                    draft.errors.push((source, approach.unwrap_or_default(), near(scaled()?, cell)?));
                 }
-                Column::Error(source, approach, factor) => {
-                    draft.errors.push((source, approach.unwrap_or_default(), near(number(cell)? * factor, cell)?));
-                }
-                Column::Ball => draft.ball = cell.clone(),
-                Column::Length(factor) => {
+                Content::Ball => draft.ball = cell.clone(),
+                Content::Length(kind @ LengthKind::Whole) => {
                     let length = positive(number(cell)?, cell, "length")? * factor;
-                    draft.length = Some((Length::Whole, near(length, cell)?));
+                    draft.length = Some((kind, near(length, cell)?));
                 }
-                Column::LengthError(factor) => {
-                    draft.length = Some((Length::FromNominal, near(number(cell)? * factor, cell)?));
-                }
-                Column::Displacement(factor) => {
-                    draft.length = Some((Length::Displacement, near(number(cell)? * factor, cell)?));
-                }
-                Column::Along(factor) => draft.along = near(number(cell)? * factor, cell)?,
-                Column::Station => draft.station = Some(cell.clone()),
-                Column::StationAt(k, factor) => draft.at[k] = Some(near(number(cell)? * factor, cell)?),
-                Column::Tool => draft.row.tool = tool_index(self.machine, cell)?,
-                Column::Weight => {
-                    draft.row.weight = positive(number(cell)?, cell, "weight").and_then(|w| weight(w, cell))?
-                }
-                Column::Uncertainty(quantity, factor) => {
+                Content::Length(kind) => draft.length = Some((kind, near(scaled()?, cell)?)),
+                Content::Along => draft.along = near(scaled()?, cell)?,
+                Content::Station => draft.station = Some(cell.clone()),
+                Content::StationAt(k) => draft.at[k] = Some(near(scaled()?, cell)?),
+                Content::Tool => draft.row.tool = tool_index(self.machine, cell)?,
+                Content::Weight => draft.row.weight = weight(positive(number(cell)?, cell, "weight")?, cell)?,
+                Content::Uncertainty(quantity) => {
                     draft.uncertain(quantity, positive(number(cell)?, cell, "uncertainty")? * factor, cell)?;
                 }
-                Column::Run => draft.row.run = Some(cell.clone()),
-                Column::Approach => draft.row.approach = approach(cell)?,
+                Content::Run => draft.row.run = Some(cell.clone()),
+                Content::Approach => draft.row.approach = approach(cell)?,
             }
         }
         draft.row.reading = Reading::Deviation { values, frame: self.frame, zero: [None; 3] };
@@ -248,11 +233,11 @@ impl Reader<'_> {
             draft.to = Some(pose);
         }
         let nothing = match self.form {
-            Form::Deviation | Form::Relative => draft.row.readings() == 0,
-            Form::Error => draft.errors.is_empty(),
+            RowForm::Deviation | RowForm::Relative => draft.row.readings() == 0,
+            RowForm::Error => draft.errors.is_empty(),
             _ => false,
         };
-        if nothing { Err("nothing was measured in this row".to_owned()) } else { Ok(draft) }
+        if nothing { Err(RowFailure::NoReading) } else { Ok(draft) }
     }
 
     /// The nominal functional point of a row, from the workpiece origin.
@@ -262,13 +247,13 @@ impl Reader<'_> {
 
     fn rows(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
         match self.form {
-            Form::Deviation => self.data.rows.extend(drafts.into_iter().map(|draft| draft.row)),
-            Form::Error => self.errors(drafts),
-            Form::Relative => self.relative(drafts),
-            Form::Ball => self.balls(drafts),
-            Form::Along => self.lines(drafts)?,
-            Form::Distance if drafts.iter().any(|draft| draft.to.is_some()) => self.pairs(drafts)?,
-            Form::Distance => self.stations(drafts)?,
+            RowForm::Deviation => self.data.rows.extend(drafts.into_iter().map(|draft| draft.row)),
+            RowForm::Error => self.errors(drafts),
+            RowForm::Relative => self.relative(drafts),
+            RowForm::Ball => self.balls(drafts),
+            RowForm::Along => self.lines(drafts)?,
+            RowForm::Distance if drafts.iter().any(|draft| draft.to.is_some()) => self.pairs(drafts)?,
+            RowForm::Distance => self.stations(drafts)?,
         }
         Ok(())
     }
@@ -323,7 +308,7 @@ impl Reader<'_> {
                 .iter()
                 .map(from)
                 .fold(Vector3::zeros(), |a: Vector3<f64>, b| if b.norm() > a.norm() { b } else { a });
-            if far.norm() < NEAREST {
+            if far.norm() < MIN_LENGTH_MM {
                 let message = format!("the poses of this run{run} are in one place: they have no line");
                 return Err(Box::new(refusal(codes::E0507, message, drafts.first().map(|d| d.row.place.clone()))));
             }
@@ -347,7 +332,7 @@ impl Reader<'_> {
             }
             let zero = self.constant(&run, &drafts, &lengths);
             for (draft, nominal) in drafts.into_iter().zip(lengths) {
-                let from = End::Pose(draft.to.clone().unwrap_or_default());
+                let from = DistanceEnd::Pose(draft.to.clone().unwrap_or_default());
                 self.push_distance(draft, nominal, from, zero);
             }
         }
@@ -367,7 +352,9 @@ impl Reader<'_> {
         for (name, drafts) in groups {
             let label = if name.is_empty() { "station".to_owned() } else { format!("station {}", shown(&name)) };
             let place = drafts.first().map(|draft| draft.row.place.clone());
-            let at = self.place(&label, &drafts).map_err(|words| Box::new(refusal(codes::E0505, words, place)))?;
+            let at = self
+                .place(&drafts)
+                .map_err(|failure| Box::new(refusal(codes::E0505, format!("{label}: {failure}"), place)))?;
             let first = self.data.unknown_point(&format!("{}{label}", self.file), at);
             for (run, drafts) in runs(drafts, |_| String::new()) {
                 let distance = |draft: &Draft| (self.nominal(&draft.row, &draft.row.pose) - at).norm();
@@ -377,7 +364,7 @@ impl Reader<'_> {
                 }
                 let zero = self.constant(&format!(" {label}{run}"), &drafts, &nominal);
                 for (draft, nominal) in drafts.into_iter().zip(nominal) {
-                    self.push_distance(draft, nominal, End::Station(first), zero);
+                    self.push_distance(draft, nominal, DistanceEnd::Station(first), zero);
                 }
             }
         }
@@ -385,11 +372,11 @@ impl Reader<'_> {
     }
 
     /// Where a station is about: as the file says, or by its own distances.
-    fn place(&self, label: &str, drafts: &[Draft]) -> Result<Vector3<f64>, String> {
+    fn place(&self, drafts: &[Draft]) -> Result<Vector3<f64>, StationFailure> {
         let Some(first) = drafts.first() else { return Ok(Vector3::zeros()) };
         if let [Some(x), Some(y), Some(z)] = first.at {
             if drafts.iter().any(|draft| draft.at != first.at) {
-                return Err(format!("{label} stands in two places: give it two names"));
+                return Err(StationFailure::TwoPlaces);
             }
             return Ok(Vector3::new(x, y, z));
         }
@@ -400,18 +387,18 @@ impl Reader<'_> {
                 names.push(run);
                 names.len() - 1
             });
-            let (length, value) = draft.length.unwrap_or((Length::Whole, 0.0));
+            let (length, value) = draft.length.unwrap_or((LengthKind::Whole, 0.0));
             let point = self.nominal(&draft.row, &draft.row.pose);
-            station::Sight { point, value, run: (length == Length::Displacement).then_some(index) }
+            station::Sight { point, value, run: (length == LengthKind::Displacement).then_some(index) }
         });
         let rows: Vec<station::Sight> = rows.collect();
-        station::place(&rows).map_err(|words| format!("{label}: {words}"))
+        station::place(&rows)
     }
 
     /// The unknown constant of displacements.
     fn constant(&mut self, run: &str, drafts: &[Draft], nominal: &[f64]) -> Option<usize> {
         let first = drafts.first().and_then(|draft| draft.length)?;
-        if first.0 != Length::Displacement {
+        if first.0 != LengthKind::Displacement {
             return None;
         }
         let off = drafts.iter().zip(nominal).map(|(d, n)| n - d.length.map_or(0.0, |(_, value)| value));
@@ -419,9 +406,9 @@ impl Reader<'_> {
         Some(self.data.unknown(format!("{}constant{run}", self.file), start))
     }
 
-    fn push_distance(&mut self, draft: Draft, nominal: f64, from: End, zero: Option<usize>) {
-        let (kind, value) = draft.length.unwrap_or((Length::Whole, 0.0));
-        let value = if kind == Length::FromNominal { nominal + value } else { value };
+    fn push_distance(&mut self, draft: Draft, nominal: f64, from: DistanceEnd, zero: Option<usize>) {
+        let (kind, value) = draft.length.unwrap_or((LengthKind::Whole, 0.0));
+        let value = if kind == LengthKind::FromNominal { nominal + value } else { value };
         self.data.rows.push(Measurement { reading: Reading::Distance { value, from, zero }, ..draft.row });
     }
 }
@@ -439,49 +426,40 @@ fn runs(drafts: Vec<Draft>, also: impl Fn(&Draft) -> String) -> Vec<(String, Vec
 }
 
 fn long_enough(length: f64, row: &Measurement) -> Result<f64, Box<Diagnostic>> {
-    if length >= NEAREST {
+    if length >= MIN_LENGTH_MM {
         return Ok(length);
     }
     let message = format!("the two ends of this length are {} mm apart", crate::units::significant(length, 3));
     Err(Box::new(refusal(codes::E0506, message, Some(row.place.clone()))))
 }
 
-/// A length (mm) or coordinate that can be measured.
-fn near(value: f64, cell: &str) -> Result<f64, String> {
-    if value.abs() <= FARTHEST {
-        return Ok(value);
-    }
-    Err(format!("`{}` is more than 1 km: compare the unit in the header", shown(cell)))
+/// Refuses a length (mm) or coordinate that nobody can measure.
+fn near(value: f64, cell: &str) -> Result<f64, RowFailure> {
+    if value.abs() <= MAX_LENGTH_MM { Ok(value) } else { Err(RowFailure::Far(cell.to_owned())) }
 }
 
-/// A weight that sums of squares can bear.
-fn weight(value: f64, cell: &str) -> Result<f64, String> {
-    if (LIGHTEST..=1.0 / LIGHTEST).contains(&value) {
-        return Ok(value);
-    }
-    Err(format!("`{}` gives a weight of {value:e}, which is none", shown(cell)))
+/// Refuses a weight that sums of squares cannot bear.
+fn weight(value: f64, cell: &str) -> Result<f64, RowFailure> {
+    let good = (MIN_WEIGHT..=1.0 / MIN_WEIGHT).contains(&value);
+    if good { Ok(value) } else { Err(RowFailure::Weight(cell.to_owned(), value)) }
 }
 
-fn positive(value: f64, cell: &str, word: &str) -> Result<f64, String> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(value);
-    }
-    Err(format!("the {word} `{}` is not above zero; leave the row out", shown(cell)))
+fn positive(value: f64, cell: &str, quantity: &'static str) -> Result<f64, RowFailure> {
+    let good = value > 0.0 && value.is_finite();
+    if good { Ok(value) } else { Err(RowFailure::NotPositive(quantity, cell.to_owned())) }
 }
 
-fn approach(cell: &str) -> Result<Approach, String> {
+fn approach(cell: &str) -> Result<Approach, RowFailure> {
     match cell {
         "" | "mean" => Ok(Approach::Mean),
         "+" | "forward" => Ok(Approach::Forward),
         "-" | "reverse" => Ok(Approach::Reverse),
-        _ => Err(format!("the approach `{}` is none of forward, reverse, mean (or +, -)", shown(cell))),
+        _ => Err(RowFailure::NotApproach(cell.to_owned())),
     }
 }
 
-fn tool_index(machine: &Machine, name: &str) -> Result<usize, String> {
+fn tool_index(machine: &Machine, name: &str) -> Result<usize, RowFailure> {
     let known: Vec<&str> = machine.tools().iter().map(|tool| tool.name.as_str()).collect();
-    known
-        .iter()
-        .position(|known| *known == name)
-        .ok_or_else(|| format!("the machine has no tool `{}`; {}", shown(name), did_you_mean(name, &known)))
+    let found = known.iter().position(|known| *known == name);
+    found.ok_or_else(|| RowFailure::NoTool(name.to_owned(), did_you_mean(name, &known)))
 }

@@ -5,6 +5,7 @@
 
 use crate::algebra::linear::Triangle;
 use nalgebra::{DVector, Vector3};
+use std::fmt;
 
 /// Least singular value, of columns of unit length, that tells a direction.
 const FLAT: f64 = 1e-3;
@@ -19,14 +20,37 @@ pub struct Sight {
     pub run: Option<usize>,
 }
 
-/// The place of the station, or why it cannot be told.
-pub fn place(sights: &[Sight]) -> Result<Vector3<f64>, String> {
+/// Why the place of a station cannot be found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StationFailure {
+    /// The file gives it two places.
+    TwoPlaces,
+    /// The number of distances, and the number that is needed.
+    TooFew(usize, usize),
+    /// The poses do not surround a volume.
+    Flat,
+}
+
+impl fmt::Display for StationFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TwoPlaces => write!(f, "the station has two places: give it two names"),
+            Self::TooFew(found, needed) => {
+                write!(f, "{found} distances do not determine its place ({needed} are needed)")
+            }
+            Self::Flat => write!(f, "its poses lie in a plane or on a line, so its side of them is undetermined"),
+        }
+    }
+}
+
+/// Returns the place of a station (mm) by multilateration.
+pub fn place(sights: &[Sight]) -> Result<Vector3<f64>, StationFailure> {
     let count = sights.len().max(1) as f64;
     let centre = sights.iter().map(|s| s.point).sum::<Vector3<f64>>() / count;
     let runs = sights.iter().filter_map(|s| s.run).max().map_or(0, |last| last + 1);
     let unknowns = 3 + if runs == 0 { 1 } else { 2 * runs };
     if sights.len() < unknowns {
-        return Err(format!("{} distances are too few to tell its place ({unknowns} are needed)", sights.len()));
+        return Err(StationFailure::TooFew(sights.len(), unknowns));
     }
     let mut triangle = Triangle::new(unknowns);
     for sight in sights {
@@ -47,7 +71,7 @@ pub fn place(sights: &[Sight]) -> Result<Vector3<f64>, String> {
     let svd = reduced.scaled(&scale);
     // A constant beside readings that hardly vary is a column like another: the threshold is not for those.
     if svd.rank(FLAT * 1e-3) < unknowns || flat(sights, &centre) {
-        return Err("its poses lie in a plane or on a line, which leaves open on which side it stands".to_owned());
+        return Err(StationFailure::Flat);
     }
     let scaled: DVector<f64> = svd.solve(&reduced.right, unknowns);
     Ok(centre + Vector3::from_fn(|k, _| scaled[k] / scale[k]))

@@ -1,7 +1,7 @@
 //! Error curves as parameters: a basis of functions of the axis position, one parameter each.
 
-use super::parameter::{Basis, Parameter};
-use super::request::{POWERS, Refused, refusal, source};
+use super::parameter::{Basis, Parameter, source};
+use super::refusal::{Refusal, refusal};
 use crate::diagnostic::shown;
 use crate::machine::{
     Approach, AxisKind, BSpline, BSplineFailure, ComponentError, Curve, ErrorId, ErrorTerm, Knots, Machine, Travel,
@@ -10,8 +10,11 @@ use crate::syntax::Scalar;
 use crate::units;
 use nalgebra::{DMatrix, DVector};
 
+/// Highest power of a polynomial.
+pub(super) const MAX_POWER: u8 = 20;
+
 /// An error and the direction of approach its curve is for.
-struct Of<'a> {
+struct ErrorCurve<'a> {
     machine: &'a Machine,
     error: &'a ErrorId,
     axis: usize,
@@ -25,9 +28,9 @@ pub(crate) fn parameters(
     form: Option<&str>,
     knots: Option<&[Scalar]>,
     approach: Approach,
-) -> Result<Vec<Parameter>, Refused> {
+) -> Result<Vec<Parameter>, Refusal> {
     let axis = machine.axis_index(error.axis.as_str()).unwrap_or_default();
-    let of = Of { machine, error, axis, approach };
+    let of = ErrorCurve { machine, error, axis, approach };
     let usual = if machine.axes()[axis].kind == AxisKind::Linear { "poly3" } else { "fourier2" };
     let form = form.unwrap_or(usual);
     let (form, degree) = match form.split_once('/') {
@@ -41,7 +44,7 @@ pub(crate) fn parameters(
     }
     let (family, order) = (&form[..cut], form[cut..].parse::<u8>().ok().filter(|n| (1..=50).contains(n)));
     match (family, order) {
-        ("poly", Some(order)) if order <= POWERS => of.polynomial(order),
+        ("poly", Some(order)) if order <= MAX_POWER => of.polynomial(order),
         ("fourier", Some(order)) => of.fourier(order),
         ("spline", Some(count)) => of.at_knots(&of.even(usize::from(count.max(2)))?, true),
         ("bspline", Some(count)) => of.bspline(&of.even(usize::from(count.max(2)))?, degree),
@@ -56,8 +59,8 @@ pub(crate) fn parameters(
         },
         _ => {
             let message = format!("`{}` is not a basis", shown(form));
-            let help = "write poly3 (powers 0 to 3; at most 20), fourier2 (orders 0 to 2), spline8 or bspline8 (8 knots; at most 50), or blocks4 \
-                        (4 blocks)";
+            let help = "write poly3 (powers 0 to 3; at most 20), fourier2 (orders 0 to 2), spline8 or bspline8 (8 knots; at most 50), \
+                        or blocks4 (4 blocks)";
             Err(refusal(message, help))
         }
     }
@@ -71,7 +74,7 @@ pub(crate) fn plain(scalar: &Scalar) -> Option<f64> {
     }
 }
 
-impl Of<'_> {
+impl ErrorCurve<'_> {
     fn turns(&self) -> bool {
         self.machine.axes()[self.axis].travel == Travel::Continuous
     }
@@ -98,7 +101,7 @@ impl Of<'_> {
         parameter
     }
 
-    fn polynomial(&self, order: u8) -> Result<Vec<Parameter>, Refused> {
+    fn polynomial(&self, order: u8) -> Result<Vec<Parameter>, Refusal> {
         if self.machine.is_continuous(self.axis) {
             let help = format!("use `{}:fourier{order}`", self.error);
             let message = format!("`{}`: a polynomial on an axis without ends is not periodic", self.error);
@@ -112,7 +115,7 @@ impl Of<'_> {
         Ok((0..=order).map(|k| self.parameter(&format!("x^{k}"), Basis::Power(k), start(k))).collect())
     }
 
-    fn fourier(&self, order: u8) -> Result<Vec<Parameter>, Refused> {
+    fn fourier(&self, order: u8) -> Result<Vec<Parameter>, Refusal> {
         if self.machine.axes()[self.axis].kind == AxisKind::Linear {
             let message = format!("`{}`: harmonics are of one turn, axis `{}` is linear", self.error, self.error.axis);
             return Err(refusal(message, "use poly, spline or blocks"));
@@ -131,7 +134,7 @@ impl Of<'_> {
     }
 
     /// Even knots over the travel, both ends among them; over a turn, as many to the turn and its end.
-    fn even(&self, count: usize) -> Result<Vec<f64>, Refused> {
+    fn even(&self, count: usize) -> Result<Vec<f64>, Refusal> {
         let (min, max) = self.machine.axes()[self.axis].travel.interval();
         let intervals = if self.turns() { count } else { count - 1 };
         let position = |i: usize| if i == intervals { max } else { min + (max - min) * i as f64 / intervals as f64 };
@@ -139,7 +142,7 @@ impl Of<'_> {
     }
 
     /// Knots as the file gives them, and the ends of the travel.
-    fn given_knots(&self, list: &[Scalar]) -> Result<Vec<f64>, Refused> {
+    fn given_knots(&self, list: &[Scalar]) -> Result<Vec<f64>, Refusal> {
         let axis = &self.machine.axes()[self.axis];
         let (min, max) = axis.travel.interval();
         let help = format!("positions of `{}` in {} that rise, inside {min} to {max}", self.error.axis, axis.unit());
@@ -168,7 +171,7 @@ impl Of<'_> {
 
     /// One parameter for the value at each knot: a natural (or periodic) cubic spline, or straight lines, through
     /// them. On an axis without ends the last knot is the first again.
-    fn at_knots(&self, knots: &[f64], smooth: bool) -> Result<Vec<Parameter>, Refused> {
+    fn at_knots(&self, knots: &[f64], smooth: bool) -> Result<Vec<Parameter>, Refusal> {
         let turn = self.turns();
         let count = knots.len() - usize::from(turn);
         let one = |k: usize| {
@@ -186,7 +189,7 @@ impl Of<'_> {
     }
 
     /// One parameter for each coefficient of a B-spline, named after where its function is centred.
-    fn bspline(&self, knots: &[f64], degree: u8) -> Result<Vec<Parameter>, Refused> {
+    fn bspline(&self, knots: &[f64], degree: u8) -> Result<Vec<Parameter>, Refusal> {
         let (period, degree) = (self.turns().then_some(360.0), usize::from(degree));
         let zeros = vec![0.0; BSpline::count(degree, knots.len(), period.is_some())];
         let failed = |failure| match failure {

@@ -1,8 +1,24 @@
-//! The model of the measurements: its parameters, what they predict, and what is known of them before.
+//! The model of the measurements: its parameters, the readings that it predicts, and prior knowledge of the parameters.
+//!
+//! 1. [`overruled`], [`parameters`], [`slope_bounds`], [`unused`]: the words of a request to [`Parameter`]s; `curves`
+//!    holds
+//!    the bases of error curves.
+//! 2. [`Model`]: the predicted reading of a measurement and its derivatives; `observation` holds the kinds of reading.
+//! 3. `Prior`: prior knowledge of the unknowns.
+//! 4. [`moore_penrose`]: the method of the papers beside it.
 
-pub(super) mod curves;
-pub(super) mod monomials;
-pub(super) mod parameter;
-pub(super) mod prediction;
-pub(super) mod prior;
-pub(super) mod request;
+mod curves;
+mod monomials;
+mod observation;
+mod parameter;
+mod prediction;
+mod prior;
+mod refusal;
+mod request;
+
+pub use monomials::{Coefficient, Component, Monomial, moore_penrose};
+pub use parameter::{Basis, Parameter, SlopeBound, Term};
+pub use prediction::Model;
+pub(super) use prediction::masked;
+pub(super) use prior::Prior;
+pub use request::{overruled, parameters, slope_bounds, unused};

@@ -4,7 +4,7 @@
 
 use super::prediction::{Model, masked};
 use crate::algebra::linear::{Svd, Triangle};
-use crate::identify::data::measurement::{Measurement, ReadingKind};
+use crate::identify::data::{Measurement, ReadingKind};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 

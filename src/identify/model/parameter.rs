@@ -1,15 +1,8 @@
 //! What is fitted: each parameter moves one or more error sources, each by a basis function of the axis position.
 
+use crate::identify::data::{InstrumentUnknown, MeasurementSet, Reading, lever};
 use crate::lower::{ErrorSite, Source};
-use crate::machine::{Approach, AxisKind, Curve, Direction, Knots, Machine, sin_cos_degrees};
-
-/// Lever (mm) by which a rotation counts as a displacement where sizes of unlike parameters are compared.
-const LEVER: f64 = 300.0;
-
-/// Displacement (mm) that a unit of an error makes.
-pub(crate) fn lever(direction: Direction) -> f64 {
-    if direction.is_rotation() { LEVER } else { 1.0 }
-}
+use crate::machine::{Approach, AxisKind, Curve, ErrorId, Knots, Machine, sin_cos_degrees};
 
 /// A function of the programmed position of an axis (mm or deg).
 #[derive(Debug, Clone, PartialEq)]
@@ -126,11 +119,6 @@ impl Parameter {
         Self { name, unit: format!("{unit}{per}{exponent}"), factor, terms, start, size }
     }
 
-    /// An unknown length (mm) that is no error of the machine.
-    pub(crate) fn nuisance(name: String, start: f64) -> Self {
-        Self { name, unit: "mm".to_owned(), factor: 1.0, terms: Vec::new(), start, size: 1.0 }
-    }
-
     /// Does it belong to an instrument or a set-up?
     pub fn is_nuisance(&self) -> bool {
         self.terms.is_empty()
@@ -149,6 +137,20 @@ impl Parameter {
     pub fn shown(&self, value: f64) -> f64 {
         value * self.factor
     }
+}
+
+impl From<InstrumentUnknown> for Parameter {
+    /// Returns the parameter of an unknown length (mm) that is no error of the machine.
+    fn from(InstrumentUnknown { name, start_mm: start }: InstrumentUnknown) -> Self {
+        Self { name, unit: "mm".to_owned(), factor: 1.0, terms: Vec::new(), start, size: 1.0 }
+    }
+}
+
+/// Where an error sits. Its axis is one of the chain's, or the spindle.
+pub(crate) fn source(machine: &Machine, error: &ErrorId) -> Source {
+    let joint = machine.axis_index(error.axis.as_str()).unwrap_or(machine.axes().len());
+    let place = if error.is_location() { ErrorSite::Location(joint) } else { ErrorSite::Component(joint) };
+    Source { place, direction: error.direction }
 }
 
 /// A soft bound on the slope of a fitted curve, for where nothing was measured.
@@ -178,5 +180,23 @@ impl SlopeBound {
             parameters.iter().map(|p| slope(p) / scale).collect()
         };
         (0..SLOPES).map(row).collect()
+    }
+}
+
+impl MeasurementSet {
+    /// Takes out readings of single errors that nothing fitted moves; says how many of which.
+    pub fn leave_out(&mut self, fitted: &[Parameter]) -> Vec<(Source, usize)> {
+        let mut list: Vec<(Source, usize)> = Vec::new();
+        self.rows.retain(|m| {
+            let Reading::Error { source, .. } = m.reading else { return true };
+            let told = fitted.iter().any(|p| p.terms.iter().any(|t| t.source == source));
+            match list.iter_mut().find(|(known, _)| *known == source) {
+                _ if told => {}
+                Some((_, count)) => *count += 1,
+                None => list.push((source, 1)),
+            }
+            told
+        });
+        list
     }
 }

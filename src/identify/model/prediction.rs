@@ -1,16 +1,18 @@
 //! The measurement model: what the machine with given parameters would have been measured as, exactly or to an order
 //! of the dual numbers, and the derivatives by the unknowns. Rows are streamed; the Jacobian as a whole never exists.
 
-use super::parameter::{Basis, Parameter, SlopeBound, Term, lever, share};
+use super::observation::{Observation, Subject, observe, single};
+use super::parameter::{Basis, Parameter, SlopeBound, Term, share};
 use crate::algebra::linear::{ReducedSystem, Triangle};
 use crate::algebra::{Algebra, Dual};
-use crate::evaluate::{Frame, Order};
-use crate::identify::data::measurement::{End, Measurement, Reading};
+use crate::evaluate::Order;
+use crate::identify::data::Measurement;
+use crate::identify::lists::index_of;
 use crate::lower::{
     ErrorLift, ErrorSite, ErrorValues, Exact, NominalPose, OrderN, Source, point, position_jacobian, values,
 };
 use crate::machine::{Approach, LocationOrder, Machine};
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{DMatrix, Vector3};
 use rayon::prelude::*;
 
 /// Machine and unknowns: parameters of the machine first, then those of the instruments.
@@ -89,9 +91,9 @@ impl<'a> Model<'a> {
             let axis = if let ErrorSite::Component(axis) = term.source.place { axis } else { 0 };
             let function = match &term.basis {
                 Basis::Constant => 0,
-                basis => index(&mut functions, (axis, basis.clone())),
+                basis => index_of(&mut functions, (axis, basis.clone())),
             };
-            let source = index(&mut sources, term.source);
+            let source = index_of(&mut sources, term.source);
             Link { parameter, source, function, factor: term.factor, approach: term.approach }
         };
         let terms = parameters.iter().enumerate().flat_map(|(j, p)| p.terms.iter().map(move |term| (j, term)));
@@ -170,59 +172,24 @@ impl<'a> Model<'a> {
         by
     }
 
-    /// Rotation from the workpiece frame to that of the reading, and the nominal point from the workpiece origin.
-    fn nominal(&self, measurement: &Measurement, frame: Frame) -> (Matrix3<f64>, Vector3<f64>) {
-        let nominal = NominalPose::at(self.machine(measurement), &measurement.pose);
-        let rotation = match frame {
-            Frame::Workpiece => Matrix3::identity(),
-            Frame::Machine => nominal.r_work,
-            Frame::Tool => nominal.pose.linear.transpose(),
-        };
-        (rotation, nominal.pose.translation)
+    /// Returns the reading (mm, its own frame) where `at` gives its subjects.
+    fn observe<S: Algebra>(
+        &self,
+        m: &Measurement,
+        theta: &[f64],
+        at: impl FnMut(Subject<'_>) -> Vector3<S>,
+    ) -> Observation<S> {
+        observe(self.machine(m), m, &theta[self.own..], at)
     }
 
-    fn nuisance(&self, theta: &[f64], index: usize) -> f64 {
-        theta[self.own + index]
-    }
-
-    /// What was subtracted from a deviation.
-    fn first(&self, theta: &[f64], zero: &[Option<usize>; 3]) -> Vector3<f64> {
-        Vector3::from(zero.map(|zero| zero.map_or(0.0, |zero| self.nuisance(theta, zero))))
-    }
-
-    fn nuisance_point(&self, theta: &[f64], index: usize) -> Vector3<f64> {
-        Vector3::from_fn(|k, _| self.nuisance(theta, index + k))
-    }
-
-    /// What would be read, as an element.
+    /// Returns the predicted reading over an algebra.
     fn reading<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Vector3<S> {
         let errors = |pose: &[f64]| self.errors(m, pose, theta, &self.shares(pose, m.approach));
-        let at = |pose: &[f64]| point(self.machine(m), pose, &errors(pose), &S::LIFT);
-        let constant = |zero: &Option<usize>| zero.map_or(0.0, |zero| self.nuisance(theta, zero));
-        let single = |x: S| Vector3::new(x, S::zero(), S::zero());
-        match &m.reading {
-            Reading::Deviation { frame, zero, .. } => {
-                let (rotation, nominal) = self.nominal(m, *frame);
-                let first = self.first(theta, zero);
-                turned(&rotation, &minus(&at(&m.pose), &nominal)).zip_map(&first, |x, c| x - S::from_real(c))
-            }
-            Reading::Distance { from, zero, .. } => {
-                let way = match from {
-                    End::Station(first) => minus(&at(&m.pose), &self.nuisance_point(theta, *first)),
-                    End::Pose(to) => at(&m.pose) - at(to),
-                };
-                single(length(&way) - S::from_real(constant(zero)))
-            }
-            Reading::Along { direction, zero, .. } => {
-                let (_, nominal) = self.nominal(m, Frame::Workpiece);
-                let along = along(direction, &minus(&at(&m.pose), &nominal));
-                single(along - S::from_real(self.nuisance(theta, *zero)))
-            }
-            Reading::Error { source, .. } => {
-                let error = S::LIFT.lift(*source, errors(&m.pose).of(*source));
-                single(error.scaled(lever(source.direction)))
-            }
-        }
+        let at = |subject: Subject<'_>| match subject {
+            Subject::Point(pose) => point(self.machine(m), pose, &errors(pose), &S::LIFT),
+            Subject::Error(source) => single(S::LIFT.lift(source, errors(&m.pose).of(source))),
+        };
+        self.observe(m, theta, at).value
     }
 
     /// What the machine with these unknowns would be read as (mm, in the frame of the reading).
@@ -251,22 +218,13 @@ impl<'a> Model<'a> {
         [first, second]
     }
 
-    /// The reading of the nominal machine.
+    /// Returns the reading of the nominal machine.
     fn nominal_reading(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
-        let at = |pose: &[f64]| NominalPose::at(self.machine(m), pose).pose.translation;
-        let single = |x| Vector3::new(x, 0.0, 0.0);
-        match &m.reading {
-            Reading::Deviation { zero, .. } => -self.first(theta, zero),
-            Reading::Distance { from, zero, .. } => {
-                let way = match from {
-                    End::Station(first) => at(&m.pose) - self.nuisance_point(theta, *first),
-                    End::Pose(to) => at(&m.pose) - at(to),
-                };
-                single(way.norm() - zero.map_or(0.0, |zero| self.nuisance(theta, zero)))
-            }
-            Reading::Along { zero, .. } => single(-self.nuisance(theta, *zero)),
-            Reading::Error { .. } => Vector3::zeros(),
-        }
+        let at = |subject: Subject<'_>| match subject {
+            Subject::Point(pose) => NominalPose::at(self.machine(m), pose).pose.translation,
+            Subject::Error(_) => Vector3::zeros(),
+        };
+        self.observe(m, theta, at).value
     }
 
     /// Measured minus predicted (mm); 0 where nothing was measured.
@@ -280,7 +238,8 @@ impl<'a> Model<'a> {
     }
 
     /// The linear problem at these unknowns, `min |J step - residual|`, rows times the root of their weights: the triangle
-    /// of all rows, whose singular values are good to the last digits. Rows are folded piece by piece; neither the pieces
+    /// of all rows, whose singular values are good to the last digits. Rows are folded piece by piece; neither the
+    /// pieces
     /// nor their order depend on the number of threads.
     pub fn triangle(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> ReducedSystem {
         let piece = data.len().div_ceil(16).clamp(32, 4096);
@@ -330,79 +289,42 @@ impl<'a> Model<'a> {
         ((0..width - 1).map(column).collect(), column(width - 1))
     }
 
-    /// How a derivative by a source counts.
+    /// Returns the part of a derivative by a source that counts.
     fn slope<S: Scheme>(&self, source: Source, x: &S) -> f64 {
         x.slope(self.real_locations && matches!(source.place, ErrorSite::Location(_)))
     }
 
     fn local<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Local {
-        let machine = self.machine(m);
-        let shares = self.shares(&m.pose, m.approach);
-        let tangents_at = |pose: &[f64], shares: &[f64]| {
-            position_jacobian(machine, pose, &self.errors(m, pose, theta, shares), &S::LIFT, &self.sources)
+        // By each source, of one or two subjects, with the shares of the parameters in the sources there.
+        let mut derivatives: Vec<(Vec<Vector3<S>>, Vec<f64>)> = Vec::new();
+        let observed = self.observe(m, theta, |subject| {
+            let pose = if let Subject::Point(pose) = subject { pose } else { &m.pose };
+            let shares = self.shares(pose, m.approach);
+            let errors = self.errors(m, pose, theta, &shares);
+            let (point, by_source) = match subject {
+                Subject::Point(pose) => {
+                    let jacobian = position_jacobian(self.machine(m), pose, &errors, &S::LIFT, &self.sources);
+                    (jacobian.point, jacobian.derivatives)
+                }
+                Subject::Error(source) => {
+                    let by = |s: &Source| single(if *s == source { S::one() } else { S::zero() });
+                    (single(S::LIFT.lift(source, errors.of(source))), self.sources.iter().map(by).collect())
+                }
+            };
+            derivatives.push((by_source, shares));
+            point
+        });
+        let by_subject = |(by_source, shares): &(Vec<Vector3<S>>, Vec<f64>)| {
+            let by = |(s, d): (&Source, &Vector3<S>)| observed.slope.of(d, |x| self.slope(*s, x));
+            self.by_parameter(&self.sources.iter().zip(by_source).map(by).collect::<Vec<_>>(), shares)
         };
-        let by_parameter = |by_source: Vec<Vector3<f64>>| self.by_parameter(&by_source, &shares);
-        let here = || tangents_at(&m.pose, &shares);
-        let unit = |k: usize, x: f64| Vector3::from_fn(|i, _| if i == k { x } else { 0.0 });
-        match &m.reading {
-            Reading::Deviation { frame, zero, .. } => {
-                let (rotation, nominal) = self.nominal(m, *frame);
-                let here = here();
-                let first = self.first(theta, zero);
-                let slope = |(s, d): (&Source, &Vector3<S>)| rotation * d.map(|x| self.slope(*s, &x));
-                Local {
-                    predicted: rotation * minus(&here.point, &nominal).map(|x| x.total()) - first,
-                    by_parameter: by_parameter(self.sources.iter().zip(&here.derivatives).map(slope).collect()),
-                    by_nuisance: (0..3).filter_map(|k| Some((zero[k]?, unit(k, -1.0)))).collect(),
-                }
-            }
-            Reading::Distance { from: End::Station(first), zero, .. } => {
-                let here = here();
-                let way = minus(&here.point, &self.nuisance_point(theta, *first));
-                let (distance, towards) = normalised(way);
-                let slope = |(s, d): (&Source, &Vector3<S>)| unit(0, self.slope(*s, &dot(&towards, d)));
-                let station = (0..3).map(|k| (first + k, unit(0, -towards[k].total())));
-                Local {
-                    predicted: unit(0, distance.total() - zero.map_or(0.0, |z| self.nuisance(theta, z))),
-                    by_parameter: by_parameter(self.sources.iter().zip(&here.derivatives).map(slope).collect()),
-                    by_nuisance: station.chain(zero.map(|z| (z, unit(0, -1.0)))).collect(),
-                }
-            }
-            Reading::Distance { from: End::Pose(to), zero, .. } => {
-                let other = self.shares(to, m.approach);
-                let (here, there) = (here(), tangents_at(to, &other));
-                let (distance, towards) = normalised(here.point.clone() - there.point.clone());
-                let slope = |(s, d): (&Source, &Vector3<S>)| unit(0, self.slope(*s, &dot(&towards, d)));
-                let slopes = |derivatives: &[Vector3<S>]| self.sources.iter().zip(derivatives).map(slope).collect();
-                // The functions of the pose differ at the two ends.
-                let near = by_parameter(slopes(&here.derivatives));
-                let far = self.by_parameter(&slopes(&there.derivatives), &other);
-                Local {
-                    predicted: unit(0, distance.total() - zero.map_or(0.0, |z| self.nuisance(theta, z))),
-                    by_parameter: near.iter().zip(&far).map(|(near, far)| near - far).collect(),
-                    by_nuisance: zero.map(|z| (z, unit(0, -1.0))).into_iter().collect(),
-                }
-            }
-            Reading::Along { direction, zero, .. } => {
-                let (_, nominal) = self.nominal(m, Frame::Workpiece);
-                let here = here();
-                let slope = |(s, d): (&Source, &Vector3<S>)| unit(0, self.slope(*s, &along(direction, d)));
-                let predicted = along(direction, &minus(&here.point, &nominal)).total();
-                Local {
-                    predicted: unit(0, predicted - self.nuisance(theta, *zero)),
-                    by_parameter: by_parameter(self.sources.iter().zip(&here.derivatives).map(slope).collect()),
-                    by_nuisance: vec![(*zero, unit(0, -1.0))],
-                }
-            }
-            Reading::Error { source, .. } => {
-                let lever = lever(source.direction);
-                let slope = |s: &Source| unit(0, if s == source { lever } else { 0.0 });
-                Local {
-                    predicted: unit(0, self.errors(m, &m.pose, theta, &shares).of(*source) * lever),
-                    by_parameter: by_parameter(self.sources.iter().map(slope).collect()),
-                    by_nuisance: Vec::new(),
-                }
-            }
+        // The functions of the pose differ at the two ends of a length.
+        let minus =
+            |near: Vec<Vector3<f64>>, far: Vec<Vector3<f64>>| near.iter().zip(&far).map(|(a, b)| a - b).collect();
+        Local {
+            predicted: observed.value.map(|x| x.total()),
+            by_parameter: derivatives.iter().map(by_subject).reduce(minus).unwrap_or_default(),
+            by_nuisance: observed.by_unknown,
         }
     }
 }
@@ -411,43 +333,6 @@ impl<'a> Model<'a> {
 pub(crate) fn masked(m: &Measurement, v: Vector3<f64>) -> Vector3<f64> {
     let seen = m.seen();
     Vector3::from_fn(|k, _| if seen[k] { v[k] } else { 0.0 })
-}
-
-fn minus<S: Algebra>(x: &Vector3<S>, point: &Vector3<f64>) -> Vector3<S> {
-    x.zip_map(point, |x, p| x - S::from_real(p))
-}
-
-fn turned<S: Algebra>(rotation: &Matrix3<f64>, x: &Vector3<S>) -> Vector3<S> {
-    Vector3::from_fn(|i, _| (0..3).map(|j| x[j].scaled(rotation[(i, j)])).fold(S::zero(), |a, b| a + b))
-}
-
-fn along<S: Algebra>(direction: &Vector3<f64>, x: &Vector3<S>) -> S {
-    (0..3).map(|k| x[k].scaled(direction[k])).fold(S::zero(), |a, b| a + b)
-}
-
-fn dot<S: Algebra>(a: &Vector3<S>, b: &Vector3<S>) -> S {
-    (0..3).map(|k| a[k].clone() * b[k].clone()).fold(S::zero(), |a, b| a + b)
-}
-
-/// Length; 0 of a way without length.
-fn length<S: Algebra>(way: &Vector3<S>) -> S {
-    dot(way, way).sqrt().unwrap_or_else(S::zero)
-}
-
-/// Length and unit vector; both 0 of a way without length.
-fn normalised<S: Algebra>(way: Vector3<S>) -> (S, Vector3<S>) {
-    let length = length(&way);
-    let recip = length.recip().unwrap_or_else(S::zero);
-    let unit = way.map(|x| x * recip.clone());
-    (length, unit)
-}
-
-/// Where something stands in a list; at its end if it was not there.
-pub(crate) fn index<T: PartialEq>(list: &mut Vec<T>, wanted: T) -> usize {
-    list.iter().position(|known| *known == wanted).unwrap_or_else(|| {
-        list.push(wanted);
-        list.len() - 1
-    })
 }
 
 /// The number of a source among the errors.

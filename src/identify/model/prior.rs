@@ -1,14 +1,15 @@
 //! What is known before the data.
 //!
 //! Unknowns are compared as displacements: of an error that is one number its own, of a curve the root mean square over
-//! the travel. So it does not matter in which basis a curve is written: powers about the machine's zero point may be large
+//! the travel. So it does not matter in which basis a curve is written: powers about the machine's zero point may be
+//! large
 //! and cancel, as long as the curve is small.
 
-use super::parameter::{Basis, Parameter, lever};
+use super::parameter::{Basis, Parameter};
 use super::prediction::Model;
 use crate::algebra::linear::{ReducedSystem, Svd, Triangle};
 use crate::evaluate::Order;
-use crate::identify::data::measurement::Measurement;
+use crate::identify::data::{Measurement, lever};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::Approach;
 use nalgebra::{DMatrix, DVector};
@@ -17,7 +18,8 @@ use nalgebra::{DMatrix, DVector};
 const SIGMA: f64 = 3.0;
 /// Places of the travel where a curve is looked at.
 const SITES: usize = 50;
-/// Least displacement of a unit of an unknown, as a share of its usual one: bases that say the same curve twice are told
+/// Least displacement of a unit of an unknown, as a share of its usual one: bases that say the same curve twice are
+/// told
 /// apart by this alone.
 const FAINT: f64 = 1e-7;
 /// Standard deviation (mm) of what only products of errors show: 0.1 mrad of a rotation. Noise that is no noise, but
@@ -155,7 +157,8 @@ fn bilinear(model: &Model<'_>, data: &[Measurement], prior: &Prior, home: &Reduc
     let first = model.clone().to_order(Order::Degree(1)).triangle(&some, &vec![1.0; some.len()], &theta);
     let first = Svd::new(&prior.by_displacement(&first.r));
     let hidden = first.null_space(first.rank(NULL));
-    // Not the unknowns of instruments, of which the first step may be a long one, and not what other knowledge is about.
+    // Not the unknowns of instruments, of which the first step may be a long one, and not what other knowledge is
+    // about.
     let instruments = hidden.rows(prior.own, hidden.nrows() - prior.own).into_owned();
     let hidden = unseen(&instruments, hidden);
     let known = prior.by_displacement(&prior.rows) * &hidden;

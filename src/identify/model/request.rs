@@ -1,11 +1,15 @@
 //! What to fit, in words: groups (`location`, `tool`, `workpiece`, `spindle`, `linear`) and error names, component
-//! errors with a basis (`EXX:poly3`, `ECC:fourier2`, `EYX:spline8`, `EYX:bspline8`, `EBY:blocks4`), each direction of approach for
+//! errors with a basis (`EXX:poly3`, `ECC:fourier2`, `EYX:spline8`, `EYX:bspline8`, `EBY:blocks4`), each direction of
+//! approach for
 //! itself if wanted (`EXX+-:poly3`), and parameters of one's own.
 
-use super::curves;
-use super::parameter::{Basis, Parameter, SlopeBound, Term};
+use super::curves::{self, MAX_POWER};
+use super::parameter::{Basis, Parameter, SlopeBound, Term, source};
+use super::refusal::{Refusal, refusal};
 use crate::algebra::linear::Svd;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
+use crate::identify::data::split_direction;
+use crate::identify::lists::index_of;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
     Approach, AxisKind, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine, parse_error_name,
@@ -14,18 +18,13 @@ use crate::syntax::{IdentifyEntry, Scalar};
 use indexmap::IndexMap;
 use nalgebra::{DMatrix, DVector};
 
-/// Highest power of a polynomial.
-pub(crate) const POWERS: u8 = 20;
-
 /// Groups by name.
 const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
 
-pub(crate) type Refused = Box<Diagnostic>;
-
 /// The parameters that `request` asks for, in its order, each once.
-pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refused> {
+pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
     let mut list: Vec<Parameter> = Vec::new();
-    // What is wrong with a parameter of one's own is said whether it is fitted or not.
+    // A faulty parameter of one's own is refused whether it is fitted or not.
     for (name, errors) in &request.parameters {
         own_parameter(machine, name, errors)?;
     }
@@ -59,7 +58,7 @@ fn restart(machine: &Machine, list: &mut [Parameter]) {
     let mut powers: Vec<(Source, u8)> = Vec::new();
     let power = |t: &Term| if let Basis::Power(k) = t.basis { (t.source, k) } else { (t.source, 0) };
     for term in joint.iter().flat_map(|j| &list[*j].terms) {
-        let _ = super::prediction::index(&mut powers, power(term));
+        let _ = index_of(&mut powers, power(term));
     }
     let factor =
         |j: usize, key: (Source, u8)| list[j].terms.iter().filter(|t| power(t) == key).map(|t| t.factor).sum::<f64>();
@@ -89,11 +88,12 @@ fn coefficient(machine: &Machine, (source, power): (Source, u8)) -> f64 {
 fn formed(word: &str) -> Option<(ErrorId, &str)> {
     let (name, form) = word.split_once(':')?;
     let name = name.trim();
-    let bare = name.strip_suffix("+-").map_or_else(|| directed(name).0, str::trim);
+    let bare = name.strip_suffix("+-").map_or_else(|| split_direction(name).0, str::trim);
     Some((parse_error_name(bare)?, form.trim()))
 }
 
-/// What the command line fits goes before what the machine file says: list, and forms of curves. Ties and bounds of what
+/// What the command line fits goes before what the machine file says: list, and forms of curves. Ties and bounds of
+/// what
 /// is then not fitted are left out.
 pub fn overruled(machine: &Machine, mut request: IdentifyEntry, fit: &[String], fixed: &[String]) -> IdentifyEntry {
     request.fixed.extend(fixed.iter().cloned());
@@ -148,14 +148,14 @@ pub fn slope_bounds(
     machine: &Machine,
     request: &IdentifyEntry,
     list: &[Parameter],
-) -> Result<Vec<SlopeBound>, Refused> {
+) -> Result<Vec<SlopeBound>, Refusal> {
     let one = |(word, bound): (&String, &Scalar)| {
         let error = error(machine, word)?;
         let source = source(machine, &error);
         let axis = machine.axis_index(error.axis.as_str()).filter(|_| !error.is_location()).map(|i| &machine.axes()[i]);
         let help = "write a slope such as `EXX: 20 um/m` or `ECC: 1 urad/deg` of a fitted curve";
         let Some(axis) = axis.filter(|_| list.iter().any(|p| p.terms.iter().any(|t| t.source == source))) else {
-            return Err(refusal(format!("`{error}` is no curve that is fitted: it has no slope to bound"), help));
+            return Err(refusal(format!("`{error}` is not a fitted curve: it has no slope to bound"), help));
         };
         let quantity = crate::units::quantity(&bound.to_string()).ok();
         let per_axis = if axis.kind == AxisKind::Linear { (1, 0) } else { (0, 1) };
@@ -173,7 +173,7 @@ pub fn slope_bounds(
 }
 
 /// The same parameter from two words counts once; two forms of curve may not move the same error.
-fn add(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Refused> {
+fn add(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Refusal> {
     if list.iter().any(|known| known.name == parameter.name) {
         return Ok(());
     }
@@ -194,23 +194,13 @@ fn add(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Refused> {
     Ok(())
 }
 
-/// `EXX+`, `EXX forward`: the error's name and the direction it is meant for.
-pub(crate) fn directed(name: &str) -> (&str, Option<Approach>) {
-    let cut = |endings: [&str; 2]| endings.iter().find_map(|ending| name.strip_suffix(ending)).map(str::trim);
-    match (cut(["+", " forward"]), cut(["-", " reverse"])) {
-        (Some(bare), _) => (bare, Some(Approach::Forward)),
-        (_, Some(bare)) => (bare, Some(Approach::Reverse)),
-        _ => (name, None),
-    }
-}
-
 /// Lets an error follow another: what moves that one moves this one too.
 fn tie(
     machine: &Machine,
     follower: &str,
     leaders: &IndexMap<String, Scalar>,
     list: &mut [Parameter],
-) -> Result<(), Refused> {
+) -> Result<(), Refusal> {
     let help = "write one error and a factor: `tied: { EBY: { EBX: -1 } }` is EBY = -EBX; EBX is fitted, EBY is not";
     let own = error(machine, follower)?;
     let Some((leader, factor)) = leaders.first().filter(|_| leaders.len() == 1) else {
@@ -252,12 +242,8 @@ fn kind(parameter: &Parameter) -> u8 {
     }
 }
 
-pub(crate) fn refusal(message: String, help: impl Into<String>) -> Refused {
-    Box::new(Diagnostic::new(codes::E0502, message).help(help))
-}
-
 /// Names of the parameters that a word of `fixed` takes out.
-fn fixed(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<String>, Refused> {
+fn fixed(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<String>, Refusal> {
     if GROUPS.contains(&word) {
         return Ok(of_word(machine, word, &IdentifyEntry::default())?.into_iter().map(|p| p.name).collect());
     }
@@ -279,7 +265,7 @@ fn fixed(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<String
     Ok(list.iter().filter(moved).map(|p| p.name.clone()).collect())
 }
 
-fn of_word(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refused> {
+fn of_word(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
     match word {
         "location" => Ok(machine.axes().iter().enumerate().flat_map(|(i, _)| six(machine, i)).collect()),
         "spindle" if machine.spindle_errors().is_none() => {
@@ -322,14 +308,7 @@ fn setup(machine: &Machine, place: ErrorSite, word: &str, starts: &[f64]) -> Vec
     starts.iter().zip(Direction::ALL).map(one).collect()
 }
 
-/// Where an error sits. Its axis is one of the chain's, or the spindle.
-pub(crate) fn source(machine: &Machine, error: &ErrorId) -> Source {
-    let joint = machine.axis_index(error.axis.as_str()).unwrap_or(machine.axes().len());
-    let place = if error.is_location() { ErrorSite::Location(joint) } else { ErrorSite::Component(joint) };
-    Source { place, direction: error.direction }
-}
-
-fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refused> {
+fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refusal> {
     let Some(error) = parse_error_name(word) else {
         let message = format!("`{}` is neither an error nor a group", shown(word));
         let help = format!("errors such as `EC0Y` or `EXX:poly3`, or a group; {}", did_you_mean(word, &GROUPS));
@@ -337,7 +316,7 @@ fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refused> {
     };
     let spindle = machine.chain().spindle().is_some_and(|name| *name == error.axis);
     if machine.axis_index(error.axis.as_str()).is_none() && !(spindle && error.is_location()) {
-        let message = format!("`{error}`: the chain has no axis `{}` that could have it", error.axis);
+        let message = format!("`{error}`: the chain has no axis `{}`", error.axis);
         let known: Vec<&str> = machine.axes().iter().map(|axis| axis.name.as_str()).collect();
         return Err(refusal(message, format!("its axes are {}", known.join(", "))));
     }
@@ -346,18 +325,18 @@ fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refused> {
 
 /// One error, with the basis that stands behind it, in `identify.basis`, or usual for the axis; or a parameter of
 /// one's own.
-fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refused> {
+fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
     if let Some(errors) = request.parameters.get(word) {
         return Ok(vec![own_parameter(machine, word, errors)?]);
     }
     let (name, form) = word.split_once(':').map_or((word, None), |(name, form)| (name.trim(), Some(form.trim())));
     let both = name.strip_suffix("+-").map(str::trim);
-    let (bare, approach) = both.map_or_else(|| directed(name), |bare| (bare, None));
+    let (bare, approach) = both.map_or_else(|| split_direction(name), |bare| (bare, None));
     let error = error(machine, bare)?;
     let listed = request.basis.iter().find(|(key, _)| parse_error_name(key).as_ref() == Some(&error));
     if let Some((said, (_, listed))) = form.zip(listed).filter(|(said, (_, listed))| said != listed) {
         let message = format!("`{error}` is fitted as `{}`, and its basis is `{}`", shown(said), shown(listed));
-        return Err(refusal(message, "say it once: in `fit`, or in `basis`"));
+        return Err(refusal(message, "give the form once: in `fit`, or in `basis`"));
     }
     let form = form.or(listed.map(|(_, form)| form.as_str()));
     if error.is_location() {
@@ -380,12 +359,12 @@ fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<
 }
 
 /// A parameter of one's own: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`.
-fn own_parameter(machine: &Machine, name: &str, errors: &IndexMap<String, Vec<Scalar>>) -> Result<Parameter, Refused> {
+fn own_parameter(machine: &Machine, name: &str, errors: &IndexMap<String, Vec<Scalar>>) -> Result<Parameter, Refusal> {
     let help =
         "write coefficients by rising power of the position, in mm and rad: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`";
     if GROUPS.contains(&name) || parse_error_name(name).is_some() || name.contains(':') {
         return Err(refusal(
-            format!("`{}` cannot be the name of a parameter: it means something else", shown(name)),
+            format!("`{}` cannot be the name of a parameter: it has another meaning", shown(name)),
             help,
         ));
     }
@@ -396,8 +375,10 @@ fn own_parameter(machine: &Machine, name: &str, errors: &IndexMap<String, Vec<Sc
         for (k, factor) in powers.iter().enumerate() {
             let said = || refusal(format!("`{}`: `{factor}` is not a coefficient of `{error}`", shown(name)), help);
             let factor = curves::plain(factor).ok_or_else(said)?;
-            let power =
-                u8::try_from(k).ok().filter(|k| *k <= POWERS && (*k == 0 || !error.is_location())).ok_or_else(said)?;
+            let power = u8::try_from(k)
+                .ok()
+                .filter(|k| *k <= MAX_POWER && (*k == 0 || !error.is_location()))
+                .ok_or_else(said)?;
             if factor != 0.0 {
                 terms.push(Term::new(
                     source,

@@ -1,8 +1,8 @@
 //! What is left after the fit: residuals, outliers, orders apart, and the prediction of data not used.
 
 use super::weighing::{median, solve, standardised};
-use crate::identify::data::measurement::{Measurement, ReadingKind};
-use crate::identify::model::prediction::{Model, masked};
+use crate::identify::data::{Measurement, ReadingKind};
+use crate::identify::model::{Model, masked};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 

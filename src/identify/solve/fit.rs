@@ -5,16 +5,16 @@
 //! undamped step is a large turn, the model is not linear over it, and the iteration runs to and fro. For the
 //! same reason there is a weak prior.
 
-use super::weighing::Scatter;
 use crate::algebra::linear::{ReducedSystem, Svd};
-use crate::identify::data::measurement::Measurement;
-use crate::identify::model::prediction::Model;
-use crate::identify::model::prior::Prior;
+use crate::identify::data::{Measurement, ReadingKind};
+use crate::identify::model::Model;
+use crate::identify::model::Prior;
 use nalgebra::{DMatrix, DVector};
 
-/// Most accepted steps.
-const STEPS: usize = 200;
-/// Relative offset of Bates and Watts (1981): a step that moves the estimate by less than this share of the radius of its
+/// Limit of accepted steps.
+const MAX_STEPS: usize = 200;
+/// Relative offset of Bates and Watts (1981): a step that moves the estimate by less than this share of the radius of
+/// its
 /// confidence region is the last.
 const OFFSET: f64 = 1e-3;
 /// The same within which the linear problem is trusted for the last step, if the steps before converged.
@@ -26,11 +26,20 @@ const ROUNDING: f64 = 1e-22;
 /// Singular values below this share of the largest are noise of rounding, for steps.
 const NOISE: f64 = 1e-12;
 /// Damping as a share of the largest squared singular value: first, and where it is given up.
-const FIRST: f64 = 1e-12;
-const MOST: f64 = 1e6;
+const FIRST_DAMPING: f64 = 1e-12;
+const MAX_DAMPING: f64 = 1e6;
 
 /// Condition up to which the normal equations of the triangle give the step.
 const EASY: f64 = 1e5;
+
+/// How readings of one quantity scatter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scatter {
+    /// Which; `None`: those whose uncertainty the files give.
+    pub of: Option<ReadingKind>,
+    /// Standard deviation of a reading of weight 1 (mm); in units of 1 um of the uncertainty where that is given.
+    pub sigma: f64,
+}
 
 /// Where a fit has come to.
 #[derive(Debug, Clone)]
@@ -98,7 +107,8 @@ impl<'a> Search<'a> {
     fn descend(&self, weights: Vec<f64>, theta: Vec<f64>, reduced: ReducedSystem) -> Fit {
         let linear = |theta: &[f64]| self.model.triangle(self.data, &weights, theta);
         let prior = &self.prior;
-        let mut descent = Descent { linear: &linear, prior, theta, reduced, damping: FIRST, steps: 0, last: None };
+        let mut descent =
+            Descent { linear: &linear, prior, theta, reduced, damping: FIRST_DAMPING, steps: 0, last: None };
         let settled = descent.run();
         let Descent { theta, reduced, steps, .. } = descent;
         let bounded = self.model.slopes().column_iter().map(|column| column.iter().any(|x| *x != 0.0)).collect();
@@ -123,7 +133,7 @@ struct Descent<'a> {
 impl Descent<'_> {
     /// Goes down. False: there is no end to it, or no way.
     fn run(&mut self) -> bool {
-        while self.steps < STEPS && self.damping <= MOST {
+        while self.steps < MAX_STEPS && self.damping <= MAX_DAMPING {
             // What the prior is weighed against.
             let variance = self.scatter();
             let problem = Problem::new(self.prior, &self.reduced, &self.theta, variance);
@@ -144,7 +154,7 @@ impl Descent<'_> {
 
     /// Is the rest of the way so short that the linear problem will do for it? Then goes there.
     fn arrives(&mut self, problem: &Problem, before: f64, variance: f64) -> bool {
-        let whole = problem.step(FIRST);
+        let whole = problem.step(FIRST_DAMPING);
         let ahead = before - problem.cost(&whole);
         let radius = self.theta.len() as f64 * variance;
         let small = (OFFSET * OFFSET * radius).max(unseen(before));
@@ -162,7 +172,7 @@ impl Descent<'_> {
     /// Takes a step, as long a one as keeps its promise. True: no step promises anything.
     fn stands(&mut self, problem: &Problem, before: f64, variance: f64) -> bool {
         let (mut first, unseen) = (true, unseen(before));
-        while self.damping <= MOST {
+        while self.damping <= MAX_DAMPING {
             let scaled = problem.step(self.damping);
             let promise = before - problem.cost(&scaled);
             if promise.is_nan() || promise <= PROMISE * before + ROUNDING * self.reduced.rows as f64 {
@@ -188,7 +198,7 @@ impl Descent<'_> {
 
     /// Damps until the step is half as long.
     fn shorten(&mut self, problem: &Problem, scaled: &DVector<f64>) {
-        while self.damping <= MOST && problem.step(self.damping).norm() > 0.5 * scaled.norm() {
+        while self.damping <= MAX_DAMPING && problem.step(self.damping).norm() > 0.5 * scaled.norm() {
             self.damping *= 10.0;
         }
     }

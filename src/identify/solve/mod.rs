@@ -1,9 +1,22 @@
-//! Least squares: weights, the fit, its uncertainty, its residuals, and the plan of a measurement before there is one.
+//! Least squares.
+//!
+//! 1. [`fit()`]: Levenberg-Marquardt with given weights; [`solve()`]: the same with weights by the scatter of the
+//!    readings.
+//! 2. [`Solution`]: rank, null space and uncertainty of a fit; `student` holds the quantiles.
+//! 3. [`Residuals`], [`held_out`], [`randomness()`]: checks of the fit against the data.
+//! 4. [`plan()`]: poses worth measuring, before there are data.
 
-pub(super) mod checks;
-pub(super) mod fit;
-pub(super) mod plan;
-pub(super) mod randomness;
-pub(super) mod solution;
-pub(super) mod student;
-pub(super) mod weighing;
+mod checks;
+mod fit;
+mod plan;
+mod randomness;
+mod solution;
+mod student;
+mod weighing;
+
+pub use checks::{Outlier, Residuals, held_out};
+pub use fit::{Fit, Scatter, fit};
+pub use plan::{MeasurementPlan, plan};
+pub use randomness::{Randomness, randomness};
+pub use solution::{Estimate, Solution};
+pub use weighing::solve;

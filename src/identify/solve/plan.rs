@@ -4,8 +4,8 @@ use super::fit::Fit;
 use super::solution::Solution;
 use crate::diagnostic::{Place, SourceId};
 use crate::evaluate::{Frame, random_poses};
-use crate::identify::data::measurement::{Measurement, Reading};
-use crate::identify::model::prediction::Model;
+use crate::identify::data::{Measurement, Reading};
+use crate::identify::model::Model;
 use nalgebra::{DMatrix, Matrix3};
 
 /// Random poses to choose from, for each tool.

@@ -1,7 +1,7 @@
 //! Are the residuals noise? Three tests that a calibration engineer can act on, per kind of row and component, in the
 //! order in which was measured.
 
-use crate::identify::data::measurement::{Measurement, ReadingKind};
+use crate::identify::data::{Measurement, ReadingKind};
 use nalgebra::Vector3;
 
 /// Fewer residuals than this tell nothing.

@@ -3,7 +3,7 @@
 use super::fit::Fit;
 use super::student;
 use crate::algebra::linear::Svd;
-use crate::identify::model::parameter::Parameter;
+use crate::identify::model::Parameter;
 use crate::identify::words::{drowned, echelon, inseparable, list, named};
 use nalgebra::{DMatrix, DVector};
 
@@ -22,7 +22,8 @@ const LOST: f64 = 1e-3;
 pub struct Estimate {
     /// The value. Of parameters that the data do not tell apart, the shortest combination.
     pub value: f64,
-    /// Standard uncertainty from the scatter of the residuals; `None`: the data leave the value free, or have no reading
+    /// Standard uncertainty from the scatter of the residuals; `None`: the data leave the value free, or have no
+    /// reading
     /// more than the rank, so that nothing scatters.
     pub sigma: Option<f64>,
     /// How many standard uncertainties a 95 % interval reaches to either side (Student); `None` without scatter.
@@ -127,7 +128,8 @@ impl Solution {
         }
     }
 
-    /// Standard uncertainty of a sum of so much of each parameter; `None` if the data leave it free, or nothing scatters.
+    /// Standard uncertainty of a sum of so much of each parameter; `None` if the data leave it free, or nothing
+    /// scatters.
     pub fn uncertainty(&self, sum: &[(usize, f64)]) -> Option<f64> {
         let mut row = DVector::zeros(self.units.len());
         sum.iter().for_each(|(j, factor)| row[*j] += factor / self.units[*j]);
@@ -142,7 +144,8 @@ impl Solution {
         reaches.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
-    /// What cannot be told apart, in sentences that can be read: those without effect in one, the others of a few parts.
+    /// What cannot be told apart, in sentences that can be read: those without effect in one, the others of a few
+    /// parts.
     pub fn free(&self) -> Vec<String> {
         let idle: Vec<&str> = self.idle.iter().map(String::as_str).collect();
         let all = if idle.len() < 2 { None } else { Some(format!("{} have no effect on these data", list(&idle))) };

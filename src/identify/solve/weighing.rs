@@ -1,11 +1,13 @@
-//! What readings weigh. Readings of one quantity scatter alike; those of another have a variance of their own, found with
+//! What readings weigh. Readings of one quantity scatter alike; those of another have a variance of their own, found
+//! with
 //! the fit (Helmert's variance components), unless the files give uncertainties. With robust weights (Huber) readings
 //! that stand out count less, and the uncertainty is that of Huber's estimate.
 
-use super::fit::{Fit, Search};
+use super::fit::{Fit, Scatter, Search};
 use crate::algebra::linear::{ReducedSystem, Triangle};
-use crate::identify::data::measurement::{Measurement, ReadingKind};
-use crate::identify::model::prediction::Model;
+use crate::identify::data::{Measurement, ReadingKind};
+use crate::identify::lists::index_of;
+use crate::identify::model::Model;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Huber's constant, in standard deviations of a component.
@@ -18,26 +20,19 @@ const BALANCING: usize = 100;
 const SETTLED: f64 = 1e-3;
 /// The median of the absolute value of a normal deviate, in standard deviations.
 const MEDIAN: f64 = 0.6745;
-/// Degrees of freedom of the median of absolute values as a share of those of the standard deviation: 0.37 of many readings,
+/// Degrees of freedom of the median of absolute values as a share of those of the standard deviation: 0.37 of many
+/// readings,
 /// more of few, where the upper of two middle values errs to the safe side.
 const EFFICIENCY: f64 = 0.5;
 /// A quantity with less redundancy than this has no variance of its own.
 const REDUNDANT: f64 = 3.0;
 /// Least standard deviation (mm), and as a share of the largest: less is rounding.
-const LEAST: (f64, f64) = (1e-9, 1e-3);
+const MIN_SIGMA: (f64, f64) = (1e-9, 1e-3);
 /// Singular values below this share of the largest are zero.
 const RANK: f64 = 1e-10;
 
-/// How readings of one quantity scatter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scatter {
-    /// Which; `None`: those whose uncertainty the files give.
-    pub of: Option<ReadingKind>,
-    /// Standard deviation of a reading of weight 1 (mm); in units of 1 um of the uncertainty where that is given.
-    pub sigma: f64,
-}
-
-/// Fits the unknowns to the data, readings weighed by how they scatter; `robust`: what stands out counts less, so that a
+/// Fits the unknowns to the data, readings weighed by how they scatter; `robust`: what stands out counts less, so
+/// that a
 /// bumped set-up does not bend the machine.
 pub fn solve(model: &Model<'_>, data: &[Measurement], robust: bool) -> Fit {
     let search = Search::new(model, data);
@@ -82,8 +77,7 @@ struct Groups {
 impl Groups {
     fn of(data: &[Measurement]) -> Self {
         let mut kinds = Vec::new();
-        let index =
-            |m: &Measurement| crate::identify::model::prediction::index(&mut kinds, (!m.known).then(|| m.kind()));
+        let index = |m: &Measurement| index_of(&mut kinds, (!m.known).then(|| m.kind()));
         let of = data.iter().map(index).collect();
         Self { kinds, of }
     }
@@ -92,7 +86,8 @@ impl Groups {
         (0..self.of.len()).filter(move |i| self.of[*i] == group)
     }
 
-    /// Standard deviation of a reading of each quantity (mm), where it was `before`: from the residuals, of robust fits.
+    /// Standard deviation of a reading of each quantity (mm), where it was `before`: from the residuals, of robust
+    /// fits.
     fn sigmas(
         &self,
         model: &Model<'_>,
@@ -119,7 +114,8 @@ impl Groups {
         shared(&parts.collect::<Vec<_>>())
     }
 
-    /// Degrees of freedom of each unknown's variance, which is a sum over the quantities (Welch 1947, Satterthwaite 1946).
+    /// Degrees of freedom of each unknown's variance, which is a sum over the quantities (Welch 1947, Satterthwaite
+    /// 1946).
     fn freedoms(&self, model: &Model<'_>, data: &[Measurement], found: &Fit, robust: bool) -> Vec<f64> {
         let (linear, seen) = (self.linear(model, data, &found.weights, found), seen(model, found));
         let ones = vec![1.0; linear.len()];
@@ -186,7 +182,8 @@ fn stacked(linear: &[ReducedSystem], sigmas: &[f64]) -> ReducedSystem {
     triangle.finish()
 }
 
-/// What all quantities together use up of each one's readings, and what they leave of it (mm^2, weighted), each over its
+/// What all quantities together use up of each one's readings, and what they leave of it (mm^2, weighted), each over
+/// its
 /// standard deviation.
 fn used(linear: &[ReducedSystem], sigmas: &[f64]) -> Vec<(f64, f64)> {
     let whole = stacked(linear, sigmas);
@@ -222,7 +219,7 @@ fn shared(parts: &[(f64, f64)]) -> Vec<f64> {
     let variance =
         |(squares, redundant): &(f64, f64)| if *redundant < REDUNDANT { common } else { squares / redundant };
     let sigmas: Vec<f64> = parts.iter().map(|part| libm::sqrt(variance(part))).collect();
-    let least = sigmas.iter().fold(LEAST.0, |least: f64, sigma| least.max(sigma * LEAST.1));
+    let least = sigmas.iter().fold(MIN_SIGMA.0, |least: f64, sigma| least.max(sigma * MIN_SIGMA.1));
     sigmas.into_iter().map(|sigma| sigma.max(least)).collect()
 }
 
@@ -232,7 +229,8 @@ fn shares(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<f64> {
     sizes.into_iter().map(|size| if size > HUBER { HUBER / size } else { 1.0 }).collect()
 }
 
-/// Turns the last of the linear problems, whose readings count in part, into that of all readings, with what they scatter
+/// Turns the last of the linear problems, whose readings count in part, into that of all readings, with what they
+/// scatter
 /// by as far as the estimate goes: `K^2 sum psi^2 / mean(psi')^2` (Huber 1981, section 7.6). `psi` of a reading of d
 /// components is that of their length.
 fn huber(model: &Model<'_>, data: &[Measurement], groups: &Groups, sigmas: &[f64], found: &mut Fit) {

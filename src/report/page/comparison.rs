@@ -1,6 +1,6 @@
 //! Two or more machines on the same tool poses.
 
-use super::data::Given;
+use super::given::MachineInput;
 use crate::analysis::{Compared, Comparison, ErrorAlone, Work};
 use crate::analysis::{compare, contributions};
 use crate::evaluate::{Bare, Field};
@@ -31,7 +31,7 @@ const ERRORS: usize = 20;
 
 impl ComparisonData {
     /// Two or more machines at tool poses drawn from the volume of the first.
-    pub fn work<'a>(given: &[Given<'a>]) -> Option<(Comparison, Sides<'a>)> {
+    pub fn work<'a>(given: &[MachineInput<'a>]) -> Option<(Comparison, Sides<'a>)> {
         let first = given.first().filter(|_| given.len() > 1)?;
         let bare: Vec<Bare<'_>> = given.iter().map(|g| Bare { machine: g.machine, order: g.order }).collect();
         let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
@@ -42,8 +42,8 @@ impl ComparisonData {
     }
 
     /// What the page shows of them; `budgets` is null if there are none.
-    pub fn new(given: &[Given<'_>], (comparison, sides): &(Comparison, Sides<'_>), budgets: Value) -> Self {
-        let side = |(g, c): (&Given<'_>, &Compared)| {
+    pub fn new(given: &[MachineInput<'_>], (comparison, sides): &(Comparison, Sides<'_>), budgets: Value) -> Self {
+        let side = |(g, c): (&MachineInput<'_>, &Compared)| {
             json!({"name": g.machine.name(), "file": g.file, "chain": g.machine.chain().to_string(),
                 "unreachable": c.unreachable, "position_um": c.statistics.position_um,
                 "rotation_urad": c.statistics.rotation_urad, "minus_first": c.difference})

@@ -3,53 +3,20 @@
 
 use super::comparison::ComparisonData;
 use super::field::FieldData;
-use super::instruments::Instruments;
+use super::given::{MachineInput, TargetResult};
 use crate::analysis::sources;
 use crate::analysis::{LocationSet, Map, Source, Status, body_diagonals, levers, rest};
-use crate::controller::{Certificate, ControllerTarget, Effect, Handled};
-use crate::evaluate::{Bare, Order, Poses, Random, Summary, worst};
-use crate::machine::{Approach, Axis, ErrorTerm, Machine, Pose, Travel};
-use crate::report::{Bar, BudgetReport, ParetoPicture, Picture};
+use crate::controller::Handled;
+use crate::evaluate::{Bare, Order, Summary, worst};
+use crate::machine::{Approach, Axis, ErrorTerm, Machine, Travel};
+use crate::report::pictures::{Bar, ParetoPicture, Picture};
+use crate::report::text::positions;
 use serde::Serialize;
-use serde_json::{Map as Object, Value, json};
-
-/// One machine that was given, and how it is looked at.
-#[derive(Debug, Clone, Copy)]
-pub struct Given<'a> {
-    /// The machine.
-    pub machine: &'a Machine,
-    /// Its file as it was named.
-    pub file: &'a str,
-    /// How far errors are followed.
-    pub order: Order,
-    /// From which side poses are approached.
-    pub approach: Approach,
-    /// How many random poses statistics are taken over, and their seed.
-    pub poses: (usize, u64),
-    /// What was written for it.
-    pub written: &'a [Written],
-    /// What instruments read of it.
-    pub instruments: &'a Instruments,
-    /// Its budget, if errors are bounded.
-    pub budget: Option<BudgetReport<'a>>,
-    /// Warnings, each as a line.
-    pub warnings: &'a [String],
-}
-
-/// Compensation for one target: what it does as the controller reads it, and what that leaves.
-#[derive(Debug, Clone)]
-pub struct Written {
-    /// The controller.
-    pub target: ControllerTarget,
-    /// Its tables, or its kinematics.
-    pub effect: Effect,
-    /// What is left.
-    pub certificate: Certificate,
-}
+use serde_json::{Value, json};
 
 /// Everything the page shows.
 #[derive(Debug, Clone, Serialize)]
-pub struct Data {
+pub struct PageData {
     /// Version of the program.
     pub abbe: &'static str,
     /// The machines, in their order.
@@ -102,14 +69,14 @@ const DIAGONAL_STEPS: usize = 20;
 
 impl MachineData {
     /// Computes everything about a machine.
-    pub fn new(number: usize, given: &Given<'_>, map: &Map) -> Self {
+    pub fn new(number: usize, given: &MachineInput<'_>, map: &Map) -> Self {
         let machine = given.machine;
         let bare = Bare { machine, order: given.order };
         let poses = given.sample();
         let bad = worst(&map.deviations, WORST);
         let worst_pose = bad.first().map_or_else(|| rest(machine), |i| poses.get(*i));
         let few = (given.poses.0.min(SOURCE_POSES), given.poses.1);
-        let few_poses = Given { poses: few, ..*given }.sample();
+        let few_poses = MachineInput { poses: few, ..*given }.sample();
         let named = |i: &usize| {
             let d = &map.deviations[*i];
             json!({"axes": positions(machine, &poses.get(*i)), "deviation_um": scaled(d.position, 1e3),
@@ -162,29 +129,16 @@ impl MachineData {
     }
 }
 
-impl Given<'_> {
-    /// The poses that statistics are taken over: those of a certificate.
-    pub fn sample(&self) -> Poses {
-        Poses::Random(Random::of(self.machine, self.poses.0, self.poses.1))
-    }
-}
-
 /// Adding zero turns -0 into 0.
 fn scaled(v: nalgebra::Vector3<f64>, factor: f64) -> [f64; 3] {
     v.map(|x| x * factor + 0.0).into()
 }
 
-pub(super) fn order_word(order: Order) -> String {
+fn order_word(order: Order) -> String {
     match order {
         Order::Exact => "exact model".to_owned(),
         Order::Degree(n) => format!("model of order {n}"),
     }
-}
-
-/// An object of axis names and positions (mm, deg).
-pub fn positions(machine: &Machine, pose: &[f64]) -> Value {
-    let entry = |(axis, q): (&Axis, &f64)| (axis.name.to_string(), json!(q + 0.0));
-    machine.axes().iter().zip(pose).map(entry).collect::<Object<_, _>>().into()
 }
 
 fn arcsec(urad: &Summary) -> Value {
@@ -230,7 +184,7 @@ fn locations(machine: &Machine) -> Vec<Value> {
     let word = |status: Status| match status {
         Status::Given => "given",
         Status::Bounded => "only bounded by a tolerance: zero here",
-        Status::Covered => "said by the others",
+        Status::Covered => "implied by the others",
         Status::Missing => "missing: taken as zero",
     };
     let needed = set.members.iter().map(|(id, status)| row(id, word(*status)));
@@ -253,8 +207,8 @@ fn diagonals(bare: &Bare<'_>, approach: Approach) -> Vec<Value> {
     body_diagonals(bare, &rest(machine), DIAGONAL_STEPS, approach).iter().map(of).collect()
 }
 
-fn certificate(machine: &Machine, written: &Written) -> Value {
-    let Written { target, certificate, .. } = written;
+fn certificate(machine: &Machine, written: &TargetResult) -> Value {
+    let TargetResult { target, certificate, .. } = written;
     let manifest = &target.manifest;
     let figures = |f: &crate::controller::Figures| json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis});
     let mut errors: Vec<_> = certificate.errors.iter().collect();
@@ -282,13 +236,4 @@ fn handled(handled: Handled) -> &'static str {
         Handled::Partly => "partly",
         Handled::No => "no",
     }
-}
-
-/// A pose in words: `A = -120°, C = 90°`.
-pub(super) fn pose_words(machine: &Machine, axes: &[usize], pose: &Pose) -> String {
-    let word = |i: &usize| {
-        let (axis, q) = (&machine.axes()[*i], crate::units::significant(pose[*i] + 0.0, 6));
-        if axis.unit() == "mm" { format!("{} = {q} mm", axis.name) } else { format!("{} = {q}°", axis.name) }
-    };
-    axes.iter().map(word).collect::<Vec<_>>().join(", ")
 }

@@ -4,11 +4,12 @@
 //! Positions and vectors are in directions of the machine frame, positions relative to the workpiece origin:
 //! so the volume stands still while a table turns.
 
-use super::data::{Given, pose_words, positions};
+use super::given::MachineInput;
 use crate::analysis::{View, deviation_in, frame_rotation, rest, space_axes};
 use crate::evaluate::{Bare, Deviation, Frame, error_by_error, evaluate};
 use crate::machine::{Axis, ErrorId, ErrorTerm, Machine, Pose};
-use crate::report::pictures::scale::round_step;
+use crate::report::pictures::round_step;
+use crate::report::text::{pose_words, positions};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -82,7 +83,7 @@ const MAX_STATIONS: usize = 8;
 
 impl FieldData {
     /// Evaluates all layers.
-    pub fn new(given: &Given<'_>) -> Self {
+    pub fn new(given: &MachineInput<'_>) -> Self {
         let machine = given.machine;
         let axes = grid_axes(machine);
         let poses = stations(machine, &axes);
@@ -176,7 +177,7 @@ struct Sampled {
 
 /// The grid at work.
 struct Lattice<'a> {
-    given: &'a Given<'a>,
+    given: &'a MachineInput<'a>,
     axes: Vec<usize>,
     count: usize,
 }
@@ -221,7 +222,7 @@ impl Lattice<'_> {
 
     /// Nominal tip, and the deviation of every layer, in machine directions.
     fn node(&self, pose: &Pose, groups: &[Group]) -> (Vector3<f64>, Vec<Vector3<f64>>) {
-        let Given { machine, order, approach, written, .. } = *self.given;
+        let MachineInput { machine, order, approach, written, .. } = *self.given;
         let view = View { approach, frame: Frame::Machine };
         let total = deviation_in(&Bare { machine, order }, pose, view).position;
         let alone = error_by_error(machine, pose, approach);

@@ -1,9 +1,9 @@
 //! What virtual instruments would read of a machine, on the page: ball bar, R-tests, a laser along the diagonals.
 
-use super::data::positions;
 use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest, ball_bar, diagonals, r_test, within};
 use crate::machine::{AxisKind, Machine, Pose};
-use crate::report::{DiagonalPicture, PolarPicture, RTestPicture, circle_json, line_json, turn_json};
+use crate::report::pictures::{DiagonalPicture, PolarPicture, RTestPicture};
+use crate::report::text::{circle_json, line_json, positions, turn_json};
 use serde_json::{Value, json};
 
 /// Radii that ball bars have, mm, the one tried first in front.

@@ -1,6 +1,6 @@
 //! The report: one self-contained HTML page for a design review.
 //!
-//! 1. [`Data`] is everything the page shows, computed here: machine, statistics, sources of error, curves,
+//! 1. [`PageData`] is everything the page shows, computed here: machine, statistics, sources of error, curves,
 //!    the field of the 3D view, certificates, comparison;
 //! 2. pictures are drawn as SVG by this module's neighbours;
 //! 3. [`Page::html`] renders `page.html.j2` with them, escaped, and embeds the data as one JSON object, from
@@ -12,15 +12,17 @@
 mod comparison;
 mod data;
 mod field;
+mod given;
 mod instruments;
 mod render;
 
 pub use comparison::ComparisonData;
-pub use data::{Data, Given, MachineData, Written, positions};
+pub use data::{MachineData, PageData};
+pub use given::{MachineInput, TargetResult};
 pub use instruments::Instruments;
-pub use render::{Page, Pictures, Rendered, Served};
+pub use render::{Delivery, Page, PageFailure, Pictures, RenderedPage};
 
-use super::pictures::scale::rising;
+use super::pictures::rising;
 
 /// The scale of colours, from no deviation to the largest.
 pub fn colours() -> Vec<String> {

@@ -1,7 +1,7 @@
 //! Template, data and pictures to one HTML text.
 
-use super::data::Data;
-use crate::report::pictures::svg::escaped;
+use super::data::PageData;
+use crate::report::pictures::escaped;
 use crate::units::significant;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
@@ -9,6 +9,7 @@ use minijinja::value::{Kwargs, Serde as ViaSerde};
 use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value, context};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
+use std::fmt;
 
 const TEMPLATE: &str = include_str!("page.html.j2");
 const STYLE: &str = include_str!("style.css");
@@ -17,7 +18,7 @@ const SCRIPT: &str = include_str!("page.js");
 
 /// How the page is delivered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Served {
+pub enum Delivery {
     /// As a file: it may reach nothing.
     Alone,
     /// By `report --watch`: it may ask its own server for a newer page.
@@ -45,39 +46,59 @@ pub struct Pictures {
 #[derive(Debug, Clone)]
 pub struct Page<'a> {
     /// All numbers.
-    pub data: &'a Data,
+    pub data: &'a PageData,
     /// The same for each machine.
     pub pictures: &'a [Pictures],
     /// How it gets to the reader.
-    pub served: Served,
+    pub served: Delivery,
     /// Diagnostics of the machine file as it is now, if the page shows an earlier state.
     pub problem: Option<&'a str>,
 }
 
 impl Page<'_> {
-    /// The page; what went wrong, if a template of ours does not render.
-    pub fn html(&self) -> Result<Rendered, String> {
-        let json = embedded(self.data).map_err(|failure| failure.to_string())?;
-        self.render(&json).map_err(|failure| format!("{failure:#}"))
+    /// Returns the page; fails if the data cannot be written as JSON or the template does not render.
+    pub fn html(&self) -> Result<RenderedPage, PageFailure> {
+        let json = embedded(self.data).map_err(PageFailure::Data)?;
+        self.render(&json).map_err(PageFailure::Template)
     }
 
-    fn render(&self, json: &str) -> Result<Rendered, minijinja::Error> {
+    fn render(&self, json: &str) -> Result<RenderedPage, minijinja::Error> {
         let script = format!("{VIEW}{SCRIPT}");
         let mark = hash(&format!("{json}{}", self.problem.unwrap_or_default()));
-        let watched = (self.served == Served::Watched).then_some(&mark);
+        let watched = (self.served == Delivery::Watched).then_some(&mark);
         let environment = environment()?;
         let page = context! {
             data => Value::from(ViaSerde(self.data)), pictures => Value::from(ViaSerde(self.pictures)), json,
             style => STYLE, policy => policy(&script, self.served), script, watched, problem => self.problem,
         };
         let text = environment.get_template("page.html")?.render(page)?;
-        Ok(Rendered { text, mark })
+        Ok(RenderedPage { text, mark })
     }
 }
 
+/// Why a page cannot be rendered.
+#[derive(Debug)]
+pub enum PageFailure {
+    /// The data have no JSON.
+    Data(serde_json::Error),
+    /// The template does not render.
+    Template(minijinja::Error),
+}
+
+impl fmt::Display for PageFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Data(failure) => failure.fmt(f),
+            Self::Template(failure) => write!(f, "{failure:#}"),
+        }
+    }
+}
+
+impl std::error::Error for PageFailure {}
+
 /// A rendered page.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Rendered {
+pub struct RenderedPage {
     /// All of it.
     pub text: String,
     /// Another one for other content: an entity tag.
@@ -89,9 +110,9 @@ fn hash(text: &str) -> String {
 }
 
 /// Nothing may be loaded, only our own style and script run.
-fn policy(script: &str, served: Served) -> String {
+fn policy(script: &str, served: Delivery) -> String {
     let own = |text: &str| format!("'sha256-{}'", hash(text));
-    let connect = if served == Served::Watched { "'self'" } else { "'none'" };
+    let connect = if served == Delivery::Watched { "'self'" } else { "'none'" };
     format!(
         "default-src 'none'; script-src {}; style-src {}; connect-src {connect}; img-src data:; base-uri 'none'; form-action 'none'",
         own(script),

@@ -1,16 +1,36 @@
-//! SVG, PNG and Graphviz: chains, curves, planes, budgets, fits and readings.
+//! Pictures as SVG, PNG and Graphviz.
+//!
+//! - `chain`, `dot`: the kinematic chain; `curves`: curves of the component errors.
+//! - `plane`: the deviation over a plane, before and after; `fit`: prediction against data over a plane.
+//! - `bars`: a budget; `polar`, `readings`: the readings of instruments.
+//! - `svg` writes the drawing, `lettering` its text, `png` the pixels, `outlines` the text of a PNG; `scale` and
+//!   `frame` are ticks, colours and axes.
 
-pub(super) mod bars;
-pub(super) mod chain;
-pub(super) mod curves;
-pub(super) mod dot;
-pub(super) mod fit;
-pub(super) mod frame;
+mod bars;
+mod chain;
+mod curves;
+mod dot;
+mod fit;
+mod frame;
+mod lettering;
 #[cfg(feature = "png")]
-pub(super) mod outlines;
-pub(super) mod plane;
-pub(super) mod png;
-pub(super) mod polar;
-pub(super) mod readings;
-pub(super) mod scale;
-pub(super) mod svg;
+mod outlines;
+mod plane;
+mod png;
+mod polar;
+mod readings;
+mod scale;
+mod svg;
+
+pub use bars::{Bar, ParetoPicture, WaterfallPicture};
+pub use chain::chain_picture;
+pub use curves::{all_curves, axis_curves};
+pub use dot::chain_dot;
+pub use fit::{FitPicture, FitPoint};
+pub use plane::{PlanePicture, PlaneQuantity, PlaneStyle, before_after};
+pub use png::PictureFailure;
+pub use polar::PolarPicture;
+pub use readings::{DiagonalPicture, RTestPicture};
+pub(super) use scale::{rising, round_step};
+pub use svg::Picture;
+pub(super) use svg::escaped;

@@ -1,62 +1,9 @@
 //! A small writer of SVG: numbers short and never `-0`, text escaped, no outside resources, the same
 //! bytes for the same picture. A finished [`Picture`] can be had as PNG too, its text as outlines.
 
-use super::png;
-
-/// Where a text hangs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Anchor {
-    /// It begins at the point.
-    Start,
-    /// It is centred on the point.
-    Middle,
-    /// It ends at the point.
-    End,
-}
-
-/// How a text looks: size in px, weight, colour.
-#[derive(Debug, Clone, Copy)]
-pub struct Font {
-    /// Height in px.
-    pub size: f64,
-    /// Bold?
-    pub bold: bool,
-    /// Any CSS colour.
-    pub colour: &'static str,
-}
-
-/// Colour of lines and text.
-pub const INK: &str = "#1f2933";
-
-/// Colour of what stands back.
-pub const FAINT: &str = "#5f6b76";
-
-/// Colour of lines across a diagram.
-pub const LINE: &str = "#c3cad1";
-
-/// Colours of curves and bars: of the first, of the second, of the third kind. A page maps them to its own.
-pub const FIRST: &str = "#1d5fa8";
-/// Of the second.
-pub const SECOND: &str = "#b8590f";
-/// Of the third.
-pub const THIRD: &str = "#1c7a3d";
-
-impl Font {
-    /// Plain text in ink.
-    pub const fn plain(size: f64) -> Self {
-        Self { size, bold: false, colour: INK }
-    }
-
-    /// Bold text in ink.
-    pub const fn bold(size: f64) -> Self {
-        Self { size, bold: true, colour: INK }
-    }
-
-    /// Plain text that stands back.
-    pub const fn faint(size: f64) -> Self {
-        Self { size, bold: false, colour: FAINT }
-    }
-}
+use super::lettering::Text;
+pub use super::lettering::{Anchor, FAINT, FIRST, Font, INK, LINE, SECOND, THIRD, number};
+use super::png::{self, PictureFailure};
 
 /// A picture in the making; coordinates in px, y downwards.
 #[derive(Debug, Clone)]
@@ -71,16 +18,6 @@ pub struct Svg {
 enum Piece {
     Markup(String),
     Text(Text),
-}
-
-/// A line of text.
-#[derive(Debug, Clone)]
-pub(crate) struct Text {
-    pub at: (f64, f64),
-    pub text: String,
-    pub font: Font,
-    pub anchor: Anchor,
-    pub turned: f64,
 }
 
 impl Svg {
@@ -240,8 +177,9 @@ impl Picture {
         self.drawing.file(&self.title, text_element)
     }
 
-    /// As a PNG file, two pixels for a px; fails if it cannot be drawn, and in a build without the feature `png`.
-    pub fn png(&self) -> Result<Vec<u8>, String> {
+    /// Returns a PNG file, two pixels for a px; fails if the picture cannot be rasterised, and in a build without the
+    /// feature `png`.
+    pub fn png(&self) -> Result<Vec<u8>, PictureFailure> {
         png::pixels(|write_text| self.drawing.file(&self.title, write_text))
     }
 }
@@ -258,16 +196,6 @@ pub fn polyline(points: &[(f64, f64)]) -> String {
     let step =
         |(i, (x, y)): (usize, &(f64, f64))| format!("{}{} {}", if i == 0 { "M" } else { "L" }, number(*x), number(*y));
     points.iter().enumerate().map(step).collect()
-}
-
-/// With two decimals at most; what is not finite has no place in a picture and becomes 0.
-pub fn number(value: f64) -> String {
-    if !value.is_finite() {
-        return "0".to_owned();
-    }
-    let text = format!("{value:.2}");
-    let short = text.trim_end_matches('0').trim_end_matches('.');
-    if short == "-0" { "0".to_owned() } else { short.to_owned() }
 }
 
 /// Text as XML takes it, in elements and in quoted attributes.

@@ -1,6 +1,6 @@
 //! CSV: a header with units, one pose a line.
 
-use super::{Prepared, Rows, Stream};
+use super::table::{RowBlock, Rows, Stream};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
@@ -25,7 +25,7 @@ impl<W: Write> Csv<W> {
 }
 
 impl<W: Write> Stream for Csv<W> {
-    fn put(&mut self, rows: &Prepared) -> io::Result<()> {
+    fn put(&mut self, rows: &RowBlock) -> io::Result<()> {
         self.out.write_all(rows.csv.as_bytes())
     }
 

@@ -1,6 +1,6 @@
 //! JSON: the facts, then one object a pose, a line each, so that it can be read by eye and by line.
 
-use super::{Prepared, Rows, Stream};
+use super::table::{RowBlock, Rows, Stream};
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
 
@@ -31,7 +31,7 @@ impl<W: Write> Json<W> {
 }
 
 impl<W: Write> Stream for Json<W> {
-    fn put(&mut self, rows: &Prepared) -> io::Result<()> {
+    fn put(&mut self, rows: &RowBlock) -> io::Result<()> {
         let text = if rows.first == 0 { rows.json.trim_start_matches(',') } else { &rows.json };
         self.out.write_all(text.as_bytes())
     }

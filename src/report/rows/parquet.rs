@@ -1,6 +1,6 @@
 //! Parquet: the columns of the CSV as doubles, uncompressed, the facts as the file's metadata.
 
-use super::{Prepared, Rows, Stream};
+use super::table::{RowBlock, Rows, Stream};
 use parquet::basic::{Repetition, Type as Physical};
 use parquet::data_type::DoubleType;
 use parquet::errors::ParquetError;
@@ -52,7 +52,7 @@ impl<W: Write + Send> Parquet<W> {
 }
 
 impl<W: Write + Send> Stream for Parquet<W> {
-    fn put(&mut self, rows: &Prepared) -> io::Result<()> {
+    fn put(&mut self, rows: &RowBlock) -> io::Result<()> {
         for row in &rows.rows {
             self.waiting.iter_mut().zip(row).for_each(|(column, x)| column.push(*x));
             if self.waiting() == GROUP {

@@ -6,7 +6,7 @@
 //! little-endian, as the format's specification calls it (VTK XML file format, version 1.0). They stand one after
 //! the other and their sizes are known beforehand, so rows are written in their places in each of them as they come.
 
-use super::{Prepared, Rows, Sink, Stream};
+use super::table::{RowBlock, Rows, Sink, Stream};
 use crate::analysis::space_axes;
 use crate::evaluate::Poses;
 use std::io::{self, SeekFrom, Write};
@@ -82,7 +82,7 @@ impl<W: Sink> Vtk<W> {
     fn put_array<const N: usize>(
         &mut self,
         array: usize,
-        rows: &Prepared,
+        rows: &RowBlock,
         of: impl Fn(usize) -> [f64; N],
     ) -> io::Result<()> {
         self.within(array, rows.first, |out| {
@@ -93,7 +93,7 @@ impl<W: Sink> Vtk<W> {
 }
 
 impl<W: Sink> Stream for Vtk<W> {
-    fn put(&mut self, rows: &Prepared) -> io::Result<()> {
+    fn put(&mut self, rows: &RowBlock) -> io::Result<()> {
         let axes = self.places.len() - VALUES - 3;
         let three = |i: usize, from: usize| -> [f64; 3] { std::array::from_fn(|k| rows.rows[i][axes + from + k]) };
         self.put_array(0, rows, |i| rows.tips[i])?;

@@ -1,18 +1,17 @@
 //! A budget as JSON and as pictures, the same in `budget`, in a comparison and on the page.
 
+use super::positions::positions;
 use crate::analysis::budget::{
     Bound, BoundedError, Budget, Contribution, Distribution, PERCENTS, Statistic, Totals, known,
 };
 use crate::machine::{ErrorId, Machine};
-use crate::report::page::positions;
-use crate::report::pictures::bars::{Bar, ParetoPicture, WaterfallPicture};
-use crate::report::pictures::svg::Picture;
+use crate::report::pictures::{Bar, ParetoPicture, Picture, WaterfallPicture};
 use crate::units::significant;
 use serde_json::{Map, Value, json};
 
 /// How machines were drawn for a budget.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Drawing {
+pub struct DrawSettings {
     /// The class that bounds what the machine file does not, and its source.
     pub class: Option<(String, String)>,
     /// How many machines.
@@ -37,10 +36,10 @@ pub struct BudgetReport<'a> {
     /// At how many poses.
     pub poses: usize,
     /// How machines were drawn.
-    pub drawing: &'a Drawing,
+    pub drawing: &'a DrawSettings,
 }
 
-impl Drawing {
+impl DrawSettings {
     /// As it stands in JSON.
     pub fn json(&self) -> Map<String, Value> {
         let (class, source) = self.class.clone().unzip();
@@ -170,7 +169,10 @@ impl BudgetReport<'_> {
         let p = &self.budget.position;
         WaterfallPicture {
             title: self.machine.name().to_owned(),
-            subtitle: format!("What each tolerance has of the 95 % value of {} drawn machines", self.drawing.samples),
+            subtitle: format!(
+                "Contribution of each tolerance to the 95 % value of {} drawn machines",
+                self.drawing.samples
+            ),
             quantity: "position deviation in µm".to_owned(),
             bars,
             marks: vec![

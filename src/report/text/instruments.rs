@@ -1,8 +1,8 @@
 //! What virtual instruments read, as JSON: the same in `instrument` and on the page.
 
+use super::positions::positions;
 use crate::analysis::instrument::{BallBar, Diagonal, RTest};
 use crate::machine::{Machine, Pose};
-use crate::report::page::positions;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 

@@ -1,5 +1,11 @@
-//! Reports as text, LaTeX and JSON.
+//! Results as text, LaTeX and JSON.
 
-pub(super) mod budget;
+mod budget;
 pub mod equations;
-pub(super) mod instruments;
+mod instruments;
+mod positions;
+
+pub use budget::{BudgetReport, DrawSettings, budgets_json, tolerance, tolerance_unit};
+pub use instruments::{circle_json, line_json, turn_json};
+pub(super) use positions::pose_words;
+pub use positions::positions;

@@ -1,7 +1,7 @@
 //! Figures of a single-axis measurement, formed as ISO 230-2:2014 forms them (mm or rad): means and standard
 //! deviations by target and direction, reversal, repeatability, systematic deviation and accuracy with 2 s.
 
-use super::Sample;
+use super::sample::Sample;
 use crate::syntax::ColumnDirection;
 
 /// Mean and standard deviation of repeated readings.
@@ -54,7 +54,7 @@ impl TargetReadings {
 
 /// The figures of one error over an axis.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Figures {
+pub struct AccuracyFigures {
     /// By rising position.
     pub targets: Vec<TargetReadings>,
     /// How many runs each target saw in a direction, at least.
@@ -75,7 +75,7 @@ pub struct Figures {
     pub slope: f64,
 }
 
-impl Figures {
+impl AccuracyFigures {
     pub(crate) fn of(samples: &[&Sample]) -> Option<Self> {
         let targets = targets(samples);
         let means = || targets.iter().flat_map(TargetReadings::all).map(|r| r.mean);
@@ -173,7 +173,7 @@ mod tests {
             sample(100.0, r, 7.0),
             sample(100.0, r, 9.0),
         ];
-        let figures = Figures::of(&all.iter().collect::<Vec<_>>()).unwrap();
+        let figures = AccuracyFigures::of(&all.iter().collect::<Vec<_>>()).unwrap();
         let s = 2.0_f64.sqrt();
         // Means 2, 0 | 5, 8; reversals 2, -3; spans 2 s + 2 s + |B|.
         assert_eq!((figures.reversal, figures.mean_reversal, figures.runs), (Some(-3.0), Some(-0.5), 2));

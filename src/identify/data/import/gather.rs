@@ -1,8 +1,14 @@
 //! Rows to samples; what is left out, and why.
 
-use super::header::{Header, Role, component_error, direction, fits, index, own_axis, reading_unit};
-use super::{Import, ImportRequest, LeftOut, Sample, error_name, order, refusal};
-use crate::diagnostic::{Diagnostic, Place, shown};
+use super::failure::RowFailure;
+use super::header::{Header, Role, Series};
+use super::layout::{Layout, Meaning};
+use super::order;
+use super::sample::{Import, ImportRequest, Sample, UnusedRow, refusal};
+use super::unit::{component_error, own_axis, reading_unit};
+use crate::diagnostic::{Diagnostic, Place};
+use crate::identify::data::error_name::parse_component_error;
+use crate::identify::lists::index_of;
 use crate::machine::{AxisName, ErrorId};
 use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{self, Decimals, Line};
@@ -12,32 +18,42 @@ const FARTHEST: f64 = 1e6;
 /// Largest readings (mm, rad) that are believed.
 const LARGEST: (f64, f64) = (10.0, 0.1);
 
-pub(crate) fn gather(lines: &[Line], header: Header, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
-    let Header { form, axis, rotary, errors, roles, separator, place, body, metadata, .. } = header;
-    let mut import =
-        Import { form, axis, rotary, errors, samples: Vec::new(), metadata, left_out: Vec::new(), inferred: false };
+pub(super) fn gather(lines: &[Line], header: &Header, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
+    let by_row = header.roles.contains(&Role::Other(Meaning::Direction));
+    let mut import = Import {
+        form: header.form,
+        axis: header.axis.clone(),
+        rotary: header.rotary,
+        errors: header.errors.clone(),
+        samples: Vec::new(),
+        metadata: header.metadata.clone(),
+        left_out: Vec::new(),
+        inferred: false,
+    };
     let mut decimals = Decimals::default();
-    let by_row = roles.contains(&Role::Direction);
     let mut marked: Vec<Option<bool>> = Vec::new();
-    for line in &lines[body..] {
-        let mut cells = sheet::cells(&line.text, separator);
-        sheet::drop_empty(&mut cells, roles.len());
-        for (cell, _) in cells.iter().zip(&roles).filter(|(_, role)| role.is_number()) {
-            let noted = decimals.note(cell, separator);
+    for line in &lines[header.body..] {
+        let mut cells = sheet::cells(&line.text, header.separator);
+        sheet::drop_empty(&mut cells, header.roles.len());
+        for (cell, _) in cells.iter().zip(&header.roles).filter(|(_, role)| role.is_number()) {
+            let noted = decimals.note(cell, header.separator);
             noted.map_err(|mixed| Box::new(refusal(mixed.to_string(), Some(line.place.clone()))))?;
         }
-        match row(&cells, &roles, separator, wanted, &mut import) {
+        match row(&cells, header, wanted, &mut import) {
             Ok(samples) => {
-                believed(&samples, &import.errors).map_err(|why| Box::new(too_large(why, &line.place)))?;
-                let at = if by_row { &line.place } else { &place };
+                believed(&samples, &import.errors)
+                    .map_err(|failure| Box::new(too_large(failure.to_string(), &line.place)))?;
+                let at = if by_row { &line.place } else { &header.place };
                 agree(&samples, &mut marked).map_err(|error| Box::new(half_marked(&import.errors[error], at)))?;
                 import.samples.extend(samples);
             }
-            Err(reason) => import.left_out.push(LeftOut { place: line.place.clone(), reason }),
+            Err(failure) => {
+                import.left_out.push(UnusedRow { place: line.place.clone(), reason: failure.to_string() });
+            }
         }
     }
     if import.samples.is_empty() {
-        let place = lines.get(body).or(lines.last()).map(|line| line.place.clone());
+        let place = lines.get(header.body).or(lines.last()).map(|line| line.place.clone());
         let why = import.left_out.first().map(|first| format!("; the first row: {}", first.reason));
         return Err(Box::new(refusal(
             format!("the table has no row to use{}{}", wanted.of(), why.unwrap_or_default()),
@@ -66,16 +82,17 @@ fn agree(samples: &[Sample], marked: &mut Vec<Option<bool>>) -> Result<(), usize
 
 fn half_marked(error: &ErrorId, place: &Place) -> Diagnostic {
     let message = format!("some readings of `{error}` have a direction and others have none");
-    let help = "mark all runs (`1+`, `1-`, `2+` ...; `V1`, `R1` ...) or none: then the order of the rows says it";
+    let help =
+        "mark all runs (`1+`, `1-`, `2+` ...; `V1`, `R1` ...) or none: then the order of the rows gives the directions";
     refusal(message, Some(place.clone())).help(help)
 }
 
 /// Readings that no machine shows are of another unit, or of another column: no row of its own is at fault.
-fn believed(samples: &[Sample], errors: &[ErrorId]) -> Result<(), String> {
+fn believed(samples: &[Sample], errors: &[ErrorId]) -> Result<(), RowFailure> {
     let turns = |sample: &Sample| errors[sample.error].direction.is_rotation();
     let unit = |sample: &Sample| if turns(sample) { (LARGEST.1, "rad") } else { (LARGEST.0, "mm") };
     let far = samples.iter().find(|sample| sample.value.abs() > unit(sample).0);
-    far.map_or(Ok(()), |far| Err(format!("a reading of {} {} is no error of a machine", far.value, unit(far).1)))
+    far.map_or(Ok(()), |far| Err(RowFailure::TooLarge(far.value, unit(far).1)))
 }
 
 fn too_large(message: String, place: &Place) -> Diagnostic {
@@ -84,83 +101,97 @@ fn too_large(message: String, place: &Place) -> Diagnostic {
     refusal(message, Some(place.clone())).help(help)
 }
 
-/// The samples of one row, or why it is left out.
+/// Returns the samples of one row.
 fn row(
     cells: &[String],
-    roles: &[Role],
-    separator: char,
+    header: &Header,
     wanted: &ImportRequest,
     import: &mut Import,
-) -> Result<Vec<Sample>, String> {
-    let Import { errors, axis, rotary, .. } = import;
+) -> Result<Vec<Sample>, RowFailure> {
+    let Header { roles, separator, .. } = header;
     if cells.len() > roles.len() {
-        return Err(format!("{} cells under {} columns", cells.len(), roles.len()));
+        return Err(RowFailure::Cells(cells.len(), roles.len()));
     }
-    let number = |cell: &str| sheet::number(cell, separator).map_err(|failure| failure.to_string());
     let at = |k: usize| cells.get(k).map_or("", String::as_str);
     let mut common = Sample { error: 0, position: f64::NAN, direction: None, run: String::new(), value: 0.0 };
-    let (mut name, mut unit, mut reading) = (None, None, None);
+    let (mut name, mut unit, mut reading) = ("", "", None);
     for (k, role) in roles.iter().enumerate() {
+        let cell = at(k);
         match role {
-            Role::Excluded if !at(k).is_empty() && at(k) != "0" => return Err(format!("marked `{}`", shown(at(k)))),
-            Role::Position(_) if at(k).is_empty() => return Err("no position".to_owned()),
-            Role::Position(factor) => common.position = number(at(k))? * factor,
-            Role::Axis if !at(k).eq_ignore_ascii_case(axis) && AxisName::new(&at(k).to_uppercase()).is_some() => {
-                return Err(format!("a row of axis {}", shown(at(k))));
+            Role::Position(_) if cell.is_empty() => return Err(RowFailure::NoPosition),
+            Role::Position(factor) => common.position = sheet::number(cell, *separator)? * factor,
+            Role::Reading(unit) => reading = Some((cell, unit)),
+            Role::Other(Meaning::Excluded) if !["", "0"].contains(&cell) => {
+                return Err(RowFailure::Excluded(cell.to_owned()));
             }
-            Role::Run => common.run = at(k).to_owned(),
-            Role::Direction => common.direction = way(at(k))?,
-            Role::ErrorName => name = Some(at(k)),
-            Role::Unit => unit = Some(at(k)),
-            Role::Reading(known) => reading = Some((at(k), known)),
+            Role::Other(Meaning::Axis) if is_other_axis(cell, &import.axis) => {
+                return Err(RowFailure::OtherAxis(cell.to_owned()));
+            }
+            Role::Other(Meaning::Run) => common.run = cell.to_owned(),
+            Role::Other(Meaning::Direction) => common.direction = direction(cell, header.layout)?,
+            Role::Other(Meaning::ErrorName) => name = cell,
+            Role::Other(Meaning::Unit) => unit = cell,
             _ => {}
         }
     }
     if common.position.abs() > FARTHEST {
-        return Err(format!("the position {} is beyond 1000000 mm or deg", common.position));
+        return Err(RowFailure::Far(common.position));
     }
     let sign = if wanted.correction { -1.0 } else { 1.0 };
     let sample = |error: usize, value: f64| Sample { error, value: value * sign + 0.0, ..common.clone() };
     if let Some((cell, known)) = reading {
-        let name = name.unwrap_or_default();
-        let error = component_error(name)?;
-        own_axis(&error, axis)?;
-        if wanted.error.as_deref().and_then(error_name).is_some_and(|wanted| wanted != error) {
-            return Err(format!("a reading of {error}"));
+        let error = error_of_row(name, wanted, &import.axis)?;
+        let own = if unit.is_empty() { None } else { Some(reading_unit(unit)?) };
+        let unit = own.or(*known).ok_or(RowFailure::NoUnit)?;
+        if !unit.fits(&error) {
+            return Err(RowFailure::NotUnitOf(error));
         }
-        let own = unit.filter(|unit| !unit.is_empty()).map(reading_unit).transpose()?;
-        let (factor, dimension) = own.or(*known).ok_or("the reading has no unit")?;
-        fits(&error, dimension).map_err(|()| format!("not a unit of `{error}`"))?;
-        let value = number(cell)? * factor;
-        return Ok(vec![sample(index(errors, error), value)]);
+        let value = sheet::number(cell, *separator)? * unit.factor;
+        return Ok(vec![sample(index_of(&mut import.errors, error), value)]);
     }
     let mut samples = Vec::new();
-    for (k, role) in roles.iter().enumerate() {
-        let (error, direction, run, value) = match role {
-            _ if at(k).is_empty() => continue,
-            Role::Value { error, direction, run, factor } => (error, direction, run, number(at(k))? * factor),
-            Role::Reached { error, direction, run, factor } => {
-                let off = number(at(k))? * factor - common.position;
-                // No error is a turn: encoders count from 0 again, or from -180.
-                let off = if *rotary { (off - 360.0 * libm::round(off / 360.0)).to_radians() } else { off };
-                (error, direction, run, off)
-            }
-            _ => continue,
-        };
-        let mut sample = sample(*error, value);
-        sample.direction = direction.or(sample.direction);
-        if !run.is_empty() {
-            sample.run.clone_from(run);
-        }
-        samples.push(sample);
+    for (k, role) in roles.iter().enumerate().filter(|(k, _)| !at(*k).is_empty()) {
+        let (Role::Deviation(series) | Role::Reached(series)) = role else { continue };
+        let read = sheet::number(at(k), *separator)? * series.factor;
+        let value = if let Role::Reached(_) = role { off_target(read - common.position, import.rotary) } else { read };
+        samples.push(labelled(sample(series.error, value), series));
     }
-    if samples.is_empty() { Err("nothing was measured in this row".to_owned()) } else { Ok(samples) }
+    if samples.is_empty() { Err(RowFailure::NoReading) } else { Ok(samples) }
 }
 
-fn way(cell: &str) -> Result<Option<ColumnDirection>, String> {
-    match (cell, direction(cell, true).0) {
+/// True for the name of an axis other than the one that moved.
+fn is_other_axis(cell: &str, axis: &str) -> bool {
+    !cell.eq_ignore_ascii_case(axis) && AxisName::new(&cell.to_uppercase()).is_some()
+}
+
+/// The error that a row names.
+fn error_of_row(name: &str, wanted: &ImportRequest, axis: &str) -> Result<ErrorId, RowFailure> {
+    let error = component_error(name)?;
+    own_axis(&error, axis)?;
+    if wanted.error.as_deref().and_then(parse_component_error).is_some_and(|wanted| wanted != error) {
+        return Err(RowFailure::OtherError(error));
+    }
+    Ok(error)
+}
+
+/// Distance from a target (mm or rad). No error is a turn: encoders count from 0 again, or from -180.
+fn off_target(off: f64, rotary: bool) -> f64 {
+    if rotary { (off - 360.0 * libm::round(off / 360.0)).to_radians() } else { off }
+}
+
+/// A sample with direction and run as the title of its column has them.
+fn labelled(mut sample: Sample, series: &Series) -> Sample {
+    sample.direction = series.label.direction.or(sample.direction);
+    if !series.label.run.is_empty() {
+        sample.run.clone_from(&series.label.run);
+    }
+    sample
+}
+
+fn direction(cell: &str, layout: &Layout) -> Result<Option<ColumnDirection>, RowFailure> {
+    match (cell, layout.label(cell, true).direction) {
         ("", _) => Ok(None),
-        (_, Some(way)) => Ok(Some(way)),
-        _ => Err(format!("`{}` is no direction", shown(cell))),
+        (_, Some(direction)) => Ok(Some(direction)),
+        _ => Err(RowFailure::NotDirection(cell.to_owned())),
     }
 }

@@ -1,7 +1,7 @@
 //! What the order of the rows and the places of the readings say: which are one target, where a pass begins and
 //! ends, from which side its targets were approached, and on a turning axis which end meets which.
 
-use super::{Import, Sample};
+use super::sample::{Import, Sample};
 use crate::syntax::ColumnDirection;
 use indexmap::IndexMap;
 

@@ -3,7 +3,7 @@
 //! The outlines are those of DejaVu Sans (`LICENSE`), the font that the SVG pictures name first; written by
 //! `generate.py`. Bold is drawn with a stroke. A character that is not there becomes the replacement mark.
 
-use super::svg::{Anchor, Text, number};
+use super::lettering::{Anchor, Text, number};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 

@@ -1,6 +1,6 @@
 //! Bands of colour between round levels, and their bar.
 
-use super::Shown;
+use super::picture::PlaneQuantity;
 use crate::report::pictures::scale::{rising, round_step, signed, tick_text};
 use crate::report::pictures::svg::{Anchor, FAINT, Font, INK, Svg, number};
 
@@ -16,10 +16,10 @@ pub(crate) struct Bands {
 }
 
 impl Bands {
-    pub(crate) fn new(values: &[f64], shown: Shown) -> Self {
+    pub(crate) fn new(values: &[f64], shown: PlaneQuantity) -> Self {
         let (min, max) =
             values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), v| (min.min(*v), max.max(*v)));
-        let signed = shown != Shown::Length;
+        let signed = shown != PlaneQuantity::Length;
         let (min, max) = if max >= min { (min, max) } else { (0.0, 0.0) };
         // Differences below a tenth of a nanometre are rounding, not errors.
         let step = round_step((max - min).max(1e-4), BANDS - 2);

@@ -1,6 +1,6 @@
 //! The plane as a grid: nominal in grey, displaced in blue with one exaggeration.
 
-use super::PlanePicture;
+use super::picture::PlanePicture;
 use crate::report::pictures::svg::{Svg, polyline};
 
 /// Lines along the longer side, about.

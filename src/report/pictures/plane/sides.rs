@@ -1,6 +1,6 @@
 //! Before and after: the same plane in two states.
 
-use super::PlanePicture;
+use super::picture::PlanePicture;
 use crate::report::pictures::svg::{Picture, Svg};
 
 /// Size of a panel of three, as a share of a plane's own.

@@ -1,0 +1,177 @@
+//! Layouts of exports as tables of rules: the words of titles and labels, and their meanings.
+//!
+//! [`GENERAL`] holds for any instrument. The layout of a particular instrument is another [`Layout`] of this kind.
+
+use super::form::TableForm;
+use crate::syntax::ColumnDirection::{self, Forward, Reverse};
+
+/// The meaning of a column besides positions and readings by title.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Meaning {
+    Run,
+    Direction,
+    /// The axis that moved.
+    Axis,
+    ErrorName,
+    /// The unit of the reading in the same row.
+    Unit,
+    /// A reading whose error stands in its row.
+    Value,
+    /// Rows with text here are unused.
+    Excluded,
+    Ignored,
+}
+
+/// Whole titles and their meaning, in tables of one form or of all.
+struct TitleRule {
+    titles: &'static [&'static str],
+    form: Option<TableForm>,
+    meaning: Meaning,
+}
+
+/// Words of a direction, at the beginning or at the end of a label.
+struct DirectionRule {
+    words: &'static [&'static str],
+    direction: ColumnDirection,
+}
+
+/// The words of one family of exports, in lower case.
+pub(super) struct Layout {
+    titles: &'static [TitleRule],
+    /// Titles of columns of targets, beside the name of the axis.
+    positions: &'static [&'static str],
+    /// Beginnings of titles of positions that were reached; a word stands before its own beginnings.
+    reached: &'static [&'static str],
+    /// Beginnings of titles of deviations, beside positions that were reached.
+    deviations: &'static [&'static str],
+    /// Rules of directions; a word stands before its own beginnings and ends.
+    directions: &'static [DirectionRule],
+    /// Letters of numbered runs, directions where a table has both.
+    letters: [(&'static [char], ColumnDirection); 2],
+}
+
+const fn title(titles: &'static [&'static str], form: Option<TableForm>, meaning: Meaning) -> TitleRule {
+    TitleRule { titles, form, meaning }
+}
+
+const fn direction(direction: ColumnDirection, words: &'static [&'static str]) -> DirectionRule {
+    DirectionRule { words, direction }
+}
+
+/// The words of English and German exports.
+pub(super) const GENERAL: Layout = Layout {
+    titles: &[
+        title(&["run"], None, Meaning::Run),
+        title(&["axis"], None, Meaning::Axis),
+        title(&["direction", "dir", "approach"], None, Meaning::Direction),
+        title(&["exclude", "excluded", "reason", "rejected"], None, Meaning::Excluded),
+        title(&["error"], Some(TableForm::Tidy), Meaning::ErrorName),
+        title(&["unit"], Some(TableForm::Tidy), Meaning::Unit),
+        title(&["value"], Some(TableForm::Tidy), Meaning::Value),
+        title(&["", "temp", "temperature", "time", "comment", "point", "no", "index"], None, Meaning::Ignored),
+    ],
+    positions: &[
+        "position",
+        "target",
+        "pos",
+        "nominal",
+        "target position",
+        "nominal position",
+        "soll",
+        "sollposition",
+        "soll-position",
+    ],
+    reached: &[
+        "actual position",
+        "actual pos",
+        "actual",
+        "measured position",
+        "istposition",
+        "ist-position",
+        "ist position",
+        "istwert",
+        "ist",
+    ],
+    deviations: &["deviation", "error", "abweichung", "difference"],
+    directions: &[
+        direction(Forward, &["forward"]),
+        direction(Reverse, &["reverse", "backward"]),
+        direction(Forward, &["vorwärts", "vorwaerts"]),
+        direction(Reverse, &["rückwärts", "rueckwaerts", "zurück", "zurueck", "rück", "rueck"]),
+        direction(Forward, &["vor", "hin", "fwd"]),
+        direction(Reverse, &["bwd", "rev", "down"]),
+        direction(Forward, &["up", "->"]),
+        direction(Reverse, &["<-"]),
+        direction(Forward, &["→"]),
+        direction(Reverse, &["←"]),
+        direction(Forward, &["+"]),
+        direction(Reverse, &["-"]),
+    ],
+    letters: [(&['f', 'v'], Forward), (&['r'], Reverse)],
+};
+
+/// Direction and run in a label, as far as it has them.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct RunLabel {
+    pub direction: Option<ColumnDirection>,
+    /// The name of the run; empty without one.
+    pub run: String,
+}
+
+impl Layout {
+    /// Returns the meaning of a whole title.
+    pub fn meaning(&self, title: &str, form: TableForm) -> Option<Meaning> {
+        let fits = |rule: &&TitleRule| rule.form.is_none_or(|own| own == form) && rule.titles.contains(&title);
+        self.titles.iter().find(fits).map(|rule| rule.meaning)
+    }
+
+    /// True for titles of targets that do not name the axis.
+    pub fn is_position(&self, title: &str) -> bool {
+        self.positions.contains(&title)
+    }
+
+    /// True for titles of deviations beside positions that were reached.
+    pub fn is_deviation(&self, title: &str) -> bool {
+        self.deviations.iter().any(|word| title.starts_with(word))
+    }
+
+    /// Splits a label such as `Run 1 +`, `2 reverse`, `up`, `<-`. `F1`, `V1` and `R1` are directions if `paired`, and
+    /// runs otherwise.
+    pub fn label(&self, label: &str, paired: bool) -> RunLabel {
+        let lower = label.trim().to_lowercase();
+        let words = self.directions.iter().flat_map(|rule| rule.words.iter().map(|word| (*word, rule.direction)));
+        let mut split = words.filter_map(|(word, direction)| {
+            Some((direction, lower.strip_suffix(word).or_else(|| lower.strip_prefix(word))?.trim()))
+        });
+        let found = split.next().or_else(|| self.letter(&lower).filter(|_| paired));
+        let (direction, rest) = found.map_or((None, lower.as_str()), |(direction, rest)| (Some(direction), rest));
+        let run = rest.strip_prefix("run").unwrap_or(rest).trim_matches(|c: char| c.is_whitespace() || c == '_');
+        RunLabel { direction, run: run.to_owned() }
+    }
+
+    /// Splits a title of positions that were reached, such as `actual`, `actual position 2 -`, `ist_1`. A title with
+    /// another word, such as `actual deviation` or `actual feed`, is none.
+    pub fn reached(&self, title: &str, paired: bool) -> Option<RunLabel> {
+        let rest = self.reached.iter().find_map(|word| title.strip_prefix(word))?;
+        let name = rest.trim_start_matches([' ', '_', '-']);
+        // A sign by itself is a direction, one before a name joins the two.
+        let label = self.label(if name.is_empty() { rest } else { name }, paired);
+        label.run.chars().all(|c| c.is_ascii_digit()).then_some(label)
+    }
+
+    /// Splits `f1`, `v 2`, `r`: a letter and the number of a run.
+    pub fn letter<'t>(&self, title: &'t str) -> Option<(ColumnDirection, &'t str)> {
+        let split =
+            |(letters, direction): &(&[char], ColumnDirection)| Some((*direction, title.strip_prefix(*letters)?));
+        let (direction, rest) = self.letters.iter().find_map(split)?;
+        let number = rest.trim();
+        number.chars().all(|c| c.is_ascii_digit()).then_some((direction, number))
+    }
+
+    /// True if letters of both directions are among the titles.
+    pub fn is_paired<'t>(&self, titles: impl Iterator<Item = &'t str> + Clone) -> bool {
+        let has =
+            |wanted| titles.clone().filter_map(|title| self.letter(title.trim())).any(|(found, _)| found == wanted);
+        has(Forward) && has(Reverse)
+    }
+}

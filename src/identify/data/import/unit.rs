@@ -1,0 +1,51 @@
+//! Units of positions and readings, and the errors that they fit.
+
+use super::failure::HeaderFailure;
+use crate::identify::data::error_name::parse_component_error;
+use crate::machine::ErrorId;
+use crate::units::{self, Dimension};
+
+/// A unit of readings: factor to mm or rad, and dimension.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Unit {
+    pub factor: f64,
+    dimension: Dimension,
+}
+
+impl Unit {
+    /// True if the error can be measured in this unit. Angles may be ratios (`um/m`).
+    pub fn fits(&self, error: &ErrorId) -> bool {
+        match self.dimension {
+            Dimension::LENGTH => !error.direction.is_rotation(),
+            Dimension::ANGLE | Dimension::RATIO => error.direction.is_rotation(),
+            _ => false,
+        }
+    }
+}
+
+/// Returns the unit of readings with this name.
+pub(super) fn reading_unit(unit: &str) -> Result<Unit, HeaderFailure> {
+    let found = units::unit(unit).map(|(factor, dimension)| Unit { factor, dimension });
+    found.map_err(|_| HeaderFailure::NotUnit(unit.to_owned()))
+}
+
+/// Returns true for a unit of rotary axes, and its factor to mm or deg.
+pub(super) fn position_unit(unit: &str) -> Result<(bool, f64), HeaderFailure> {
+    match units::unit(unit) {
+        Ok((factor, Dimension::LENGTH)) => Ok((false, factor)),
+        Ok((_, Dimension::ANGLE)) if unit == "deg" || unit == "°" => Ok((true, 1.0)),
+        Ok((factor, Dimension::ANGLE)) => Ok((true, factor.to_degrees())),
+        _ => Err(HeaderFailure::NotPositionUnit(unit.to_owned())),
+    }
+}
+
+/// Returns the component error with this name.
+pub(super) fn component_error(name: &str) -> Result<ErrorId, HeaderFailure> {
+    parse_component_error(name).ok_or_else(|| HeaderFailure::NotComponentError(name.to_owned()))
+}
+
+/// Refuses an error of another axis.
+pub(super) fn own_axis(error: &ErrorId, axis: &str) -> Result<(), HeaderFailure> {
+    let own = error.axis.to_string().eq_ignore_ascii_case(axis);
+    if own { Ok(()) } else { Err(HeaderFailure::ErrorOfOtherAxis(error.clone(), axis.to_owned())) }
+}

@@ -1,0 +1,141 @@
+//! Readings as functions of the actual geometry: the one place that knows the kinds of reading.
+
+use crate::algebra::Algebra;
+use crate::evaluate::Frame;
+use crate::identify::data::{DistanceEnd, Measurement, Reading, lever};
+use crate::lower::{NominalPose, Source};
+use crate::machine::Machine;
+use nalgebra::{Matrix3, Vector3};
+
+/// The actual geometry that a reading depends on, as a point (mm, workpiece frame).
+pub(super) enum Subject<'a> {
+    /// The functional point at a pose.
+    Point(&'a [f64]),
+    /// A component error at the pose of the measurement, as the first coordinate.
+    Error(Source),
+}
+
+/// A reading (mm, in its own frame) of subjects over an algebra; the first [`Measurement::seen`] components count.
+pub(super) struct Observation<S> {
+    /// The reading.
+    pub value: Vector3<S>,
+    /// Its derivative by the first subject; by the second subject it is the negative of that.
+    pub slope: Slope<S>,
+    /// Its derivatives by unknowns of instruments, with their indices.
+    pub by_unknown: Vec<(usize, Vector3<f64>)>,
+}
+
+/// The linear map from displacements of a subject to changes of a reading.
+pub(super) enum Slope<S> {
+    /// All three components, in another frame.
+    Rotation(Matrix3<f64>),
+    /// The component along a fixed direction.
+    Along(Vector3<f64>),
+    /// The component along the actual line of sight.
+    Towards(Vector3<S>),
+}
+
+impl<S: Algebra> Slope<S> {
+    /// Returns the change of the reading by a displacement, of which `real` is the part that counts.
+    pub fn of(&self, displacement: &Vector3<S>, real: impl Fn(&S) -> f64) -> Vector3<f64> {
+        match self {
+            Self::Rotation(rotation) => rotation * displacement.map(|x| real(&x)),
+            Self::Along(direction) => first(real(&along(direction, displacement))),
+            Self::Towards(direction) => first(real(&dot(direction, displacement))),
+        }
+    }
+}
+
+/// Returns the reading of a measurement where `at` gives its one or two subjects and `unknowns` (mm) are those of the
+/// instruments.
+pub(super) fn observe<S: Algebra>(
+    machine: &Machine,
+    m: &Measurement,
+    unknowns: &[f64],
+    mut at: impl FnMut(Subject<'_>) -> Vector3<S>,
+) -> Observation<S> {
+    let constant = |index: &Option<usize>| S::from_real(index.map_or(0.0, |index| unknowns[index]));
+    let less_constant = |index: usize| (index, first(-1.0));
+    match &m.reading {
+        Reading::Deviation { frame, zero, .. } => {
+            let nominal = NominalPose::at(machine, &m.pose);
+            let rotation = rotation_to(*frame, &nominal);
+            let deviation = minus(&at(Subject::Point(&m.pose)), &nominal.pose.translation);
+            Observation {
+                value: turned(&rotation, &deviation).zip_map(&Vector3::from(*zero), |x, zero| x - constant(&zero)),
+                slope: Slope::Rotation(rotation),
+                by_unknown: (0..3).filter_map(|k| Some((zero[k]?, -Vector3::ith(k, 1.0)))).collect(),
+            }
+        }
+        Reading::Distance { from, zero, .. } => {
+            let here = at(Subject::Point(&m.pose));
+            let (other, station) = match from {
+                DistanceEnd::Station(index) => {
+                    (Vector3::from_fn(|k, _| S::from_real(unknowns[index + k])), Some(*index))
+                }
+                DistanceEnd::Pose(to) => (at(Subject::Point(to)), None),
+            };
+            let (length, towards) = normalised(here - other);
+            let pull = |k: usize| first(-(towards[k].real() + towards[k].nilpotent_sum()));
+            let by_station = station.into_iter().flat_map(|index| (0..3).map(move |k| (index + k, k)));
+            let by_unknown = by_station.map(|(index, k)| (index, pull(k))).chain(zero.map(less_constant)).collect();
+            Observation { value: single(length - constant(zero)), slope: Slope::Towards(towards), by_unknown }
+        }
+        Reading::Along { direction, zero, .. } => {
+            let nominal = NominalPose::at(machine, &m.pose).pose.translation;
+            let deviation = along(direction, &minus(&at(Subject::Point(&m.pose)), &nominal));
+            Observation {
+                value: single(deviation - constant(&Some(*zero))),
+                slope: Slope::Along(*direction),
+                by_unknown: vec![less_constant(*zero)],
+            }
+        }
+        Reading::Error { source, .. } => {
+            let direction = first(lever(source.direction));
+            let value = single(along(&direction, &at(Subject::Error(*source))));
+            Observation { value, slope: Slope::Along(direction), by_unknown: Vec::new() }
+        }
+    }
+}
+
+/// Returns the rotation from the workpiece frame to another.
+fn rotation_to(frame: Frame, nominal: &NominalPose) -> Matrix3<f64> {
+    match frame {
+        Frame::Workpiece => Matrix3::identity(),
+        Frame::Machine => nominal.r_work,
+        Frame::Tool => nominal.pose.linear.transpose(),
+    }
+}
+
+/// Returns a vector of one number.
+pub(super) fn single<S: Algebra>(x: S) -> Vector3<S> {
+    Vector3::new(x, S::zero(), S::zero())
+}
+
+fn first(x: f64) -> Vector3<f64> {
+    Vector3::new(x, 0.0, 0.0)
+}
+
+fn minus<S: Algebra>(x: &Vector3<S>, point: &Vector3<f64>) -> Vector3<S> {
+    x.zip_map(point, |x, p| x - S::from_real(p))
+}
+
+fn turned<S: Algebra>(rotation: &Matrix3<f64>, x: &Vector3<S>) -> Vector3<S> {
+    Vector3::from_fn(|i, _| (0..3).map(|j| x[j].scaled(rotation[(i, j)])).fold(S::zero(), |a, b| a + b))
+}
+
+fn along<S: Algebra>(direction: &Vector3<f64>, x: &Vector3<S>) -> S {
+    (0..3).map(|k| x[k].scaled(direction[k])).fold(S::zero(), |a, b| a + b)
+}
+
+fn dot<S: Algebra>(a: &Vector3<S>, b: &Vector3<S>) -> S {
+    (0..3).map(|k| a[k].clone() * b[k].clone()).fold(S::zero(), |a, b| a + b)
+}
+
+/// Returns the length and the direction of a vector; both 0 for a vector without length.
+fn normalised<S: Algebra>(way: Vector3<S>) -> (S, Vector3<S>) {
+    let length = dot(&way, &way).sqrt().unwrap_or_else(S::zero);
+    let recip = length.recip().unwrap_or_else(S::zero);
+    let unit = way.map(|x| x * recip.clone());
+    (length, unit)
+}

@@ -1,0 +1,48 @@
+//! A machine as it was handed to the page.
+
+use super::instruments::Instruments;
+use crate::controller::{Certificate, ControllerTarget, Effect};
+use crate::evaluate::{Order, Poses, Random};
+use crate::machine::{Approach, Machine};
+use crate::report::text::BudgetReport;
+
+/// One machine that was given, and how it is looked at.
+#[derive(Debug, Clone, Copy)]
+pub struct MachineInput<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// Its file as it was named.
+    pub file: &'a str,
+    /// How far errors are followed.
+    pub order: Order,
+    /// From which side poses are approached.
+    pub approach: Approach,
+    /// How many random poses statistics are taken over, and their seed.
+    pub poses: (usize, u64),
+    /// What was written for it.
+    pub written: &'a [TargetResult],
+    /// What instruments read of it.
+    pub instruments: &'a Instruments,
+    /// Its budget, if errors are bounded.
+    pub budget: Option<BudgetReport<'a>>,
+    /// Warnings, each as a line.
+    pub warnings: &'a [String],
+}
+
+/// Compensation for one target: what it does as the controller reads it, and what that leaves.
+#[derive(Debug, Clone)]
+pub struct TargetResult {
+    /// The controller.
+    pub target: ControllerTarget,
+    /// Its tables, or its kinematics.
+    pub effect: Effect,
+    /// What is left.
+    pub certificate: Certificate,
+}
+
+impl MachineInput<'_> {
+    /// The poses that statistics are taken over: those of a certificate.
+    pub fn sample(&self) -> Poses {
+        Poses::Random(Random::of(self.machine, self.poses.0, self.poses.1))
+    }
+}

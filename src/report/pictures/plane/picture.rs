@@ -1,0 +1,101 @@
+//! A plane to be drawn, and its places in the picture.
+
+use crate::analysis::{Plane, View};
+use crate::evaluate::Order;
+use crate::machine::Machine;
+
+/// What the colours show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlaneQuantity {
+    /// Length of the position deviation.
+    Length,
+    /// One component of it: 0, 1, 2 for x, y, z of the frame.
+    Component(usize),
+}
+
+/// How the plane is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PlaneStyle {
+    /// A colour map, with arrows.
+    #[default]
+    Colours,
+    /// The nominal grid, and the same displaced.
+    Grid,
+}
+
+/// A plane to be drawn, and how it was computed.
+#[derive(Debug, Clone, Copy)]
+pub struct PlanePicture<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// The deviations.
+    pub plane: &'a Plane,
+    /// Frame and approach they were computed with.
+    pub view: View,
+    /// Order they were computed to.
+    pub order: Order,
+    /// What the colours show.
+    pub shown: PlaneQuantity,
+    /// How it is drawn.
+    pub drawn: PlaneStyle,
+    /// What is said of the machine's state, such as `after compensation by linuxcnc`; may be empty.
+    pub state: &'a str,
+    /// The plane (perhaps this one) whose colours, from zero, and exaggeration are shared by pictures that are
+    /// to be compared; `None` for a scale of its own.
+    pub like: Option<&'a Plane>,
+}
+
+pub(super) const LEFT: f64 = 78.0;
+pub(super) const TOP: f64 = 74.0;
+const WIDEST: f64 = 640.0;
+const HIGHEST: f64 = 560.0;
+/// Room around a grid for what is displaced beyond its edges.
+pub(super) const MARGIN: f64 = 42.0;
+
+impl PlanePicture<'_> {
+    /// The plane that sets colours and exaggeration.
+    pub(super) fn reference(&self) -> &Plane {
+        self.like.unwrap_or(self.plane)
+    }
+
+    pub(super) fn axis(&self, k: usize) -> &str {
+        self.machine.axes()[self.plane.axes[k]].name.as_str()
+    }
+
+    pub(super) fn span(&self, k: usize) -> f64 {
+        let (min, max) = self.plane.intervals[k];
+        (max - min).max(1e-9)
+    }
+
+    pub(super) fn margin(&self) -> f64 {
+        if self.drawn == PlaneStyle::Grid { MARGIN } else { 0.0 }
+    }
+
+    /// Pixels per mm: the same for both axes, so that one exaggeration is true for all arrows.
+    pub(super) fn scale(&self) -> f64 {
+        let around = 2.0 * self.margin();
+        ((WIDEST - around) / self.span(0)).min((HIGHEST - around) / self.span(1))
+    }
+
+    pub(super) fn area(&self, scale: f64) -> (f64, f64) {
+        (self.span(0) * scale, self.span(1) * scale)
+    }
+
+    pub(super) fn at(&self, scale: f64, position: (f64, f64)) -> (f64, f64) {
+        let [(left, _), (_, top)] = self.plane.intervals;
+        let margin = self.margin();
+        (LEFT + margin + (position.0 - left) * scale, TOP + margin + (top - position.1) * scale)
+    }
+
+    pub(super) fn node(&self, i: usize, j: usize) -> (f64, f64) {
+        (self.plane.position(0, i), self.plane.position(1, j))
+    }
+
+    pub(super) fn in_plane(&self, (i, j): (usize, usize)) -> [f64; 2] {
+        self.plane.in_plane[j * self.plane.counts[0] + i]
+    }
+
+    pub(super) fn title(&self) -> String {
+        self.machine.name().to_owned()
+    }
+}

@@ -1,0 +1,65 @@
+//! Rows to the streams of their formats.
+
+#[cfg(feature = "parquet")]
+use super::parquet;
+use super::table::{RowBlock, RowFormat, Rows, Sink, Stream};
+use super::{csv, json, vtk};
+use crate::evaluate::Deviation;
+use crate::machine::Pose;
+use std::io;
+
+impl<'a> Rows<'a> {
+    /// Prepares rows for some forms: `first` is the index of the first pose, the deviations (mm, rad) are in the
+    /// frame of the view.
+    pub fn prepared(
+        &self,
+        forms: &[RowFormat],
+        first: usize,
+        rows: impl Iterator<Item = (Pose, Deviation)>,
+    ) -> RowBlock {
+        let mut made = RowBlock { first, ..RowBlock::default() };
+        let wants = |form| forms.contains(&form);
+        for (pose, deviation) in rows {
+            if wants(RowFormat::Vtk) {
+                made.tips.push(self.tip(&pose));
+            }
+            let mut row = pose;
+            row.extend(six(&deviation));
+            // Adding zero turns -0 into 0.
+            row.iter_mut().for_each(|x| *x += 0.0);
+            if wants(RowFormat::Csv) {
+                csv::line(&row, &mut made.csv);
+            }
+            if wants(RowFormat::Json) {
+                self.json_line(&row, &mut made.json);
+            }
+            made.rows.push(row);
+        }
+        made
+    }
+
+    /// Begins a table. Parquet fails with `Unsupported` in a build without the feature `parquet`.
+    pub fn stream<'o>(&self, form: RowFormat, out: impl Sink + 'o) -> io::Result<Box<dyn Stream + 'o>>
+    where
+        'a: 'o,
+    {
+        Ok(match form {
+            RowFormat::Csv => Box::new(csv::Csv::new(self, out)?),
+            RowFormat::Json => Box::new(json::Json::new(self, out)?),
+            #[cfg(feature = "parquet")]
+            RowFormat::Parquet => Box::new(parquet::Parquet::new(self, out)?),
+            #[cfg(not(feature = "parquet"))]
+            RowFormat::Parquet => {
+                let refusal = "this build of abbe has no Parquet (feature `parquet`)";
+                return Err(io::Error::new(io::ErrorKind::Unsupported, refusal));
+            }
+            RowFormat::Vtk => Box::new(vtk::Vtk::new(self, out)?),
+        })
+    }
+}
+
+/// um and urad.
+fn six(deviation: &Deviation) -> [f64; 6] {
+    let (p, r) = (deviation.position * 1e3, deviation.rotation * 1e6);
+    [p.x, p.y, p.z, r.x, r.y, r.z]
+}
