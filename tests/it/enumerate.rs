@@ -76,7 +76,7 @@ fn given_errors_are_those_of_an_independent_model_placed_anew() {
         let study = Study::new(&machine, list.clone(), Judge::Errors, Statistic::Max, &Work::random(&machine, 12, 1));
         for (step, walk) in list.iter().enumerate().step_by(5) {
             for (row, table) in study.step(step).iter().zip(&walk.tables) {
-                if row.standing != Standing::JudgedTables {
+                if row.standing != Standing::Judged {
                     continue;
                 }
                 let sides = walk.sides(&machine, *table);
@@ -120,7 +120,7 @@ fn budgets_are_those_of_one_machine_after_the_other() {
         let mut judged = 0;
         for (step, walk) in list.iter().enumerate().step_by(17) {
             for (row, table) in study.step(step).iter().zip(&walk.tables).step_by(2) {
-                if row.standing != Standing::JudgedTables {
+                if row.standing != Standing::Judged {
                     continue;
                 }
                 let other = machine.rearranged(&walk.sides(&machine, *table)).unwrap();

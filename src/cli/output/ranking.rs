@@ -167,7 +167,7 @@ impl Report<'_> {
 }
 
 fn row_json(row: &Row) -> serde_json::Value {
-    let standing = row.standing == Standing::JudgedTables;
+    let standing = row.standing == Standing::Judged;
     json!({
         "chain": row.chain, "on_table": row.table, "reached": row.reached, "unreachable": row.unreachable,
         "um": row.result.filter(|_| standing).map(|r| r.um), "low": row.result.and_then(|r| r.low),

@@ -74,7 +74,7 @@ enum Base {
 #[serde(rename_all = "snake_case")]
 pub enum Standing {
     /// It reaches tool poses and has a value.
-    JudgedTables,
+    Judged,
     /// Its rotary axes cannot turn the tool in as many ways as the work asks.
     CannotTurn,
     /// It reaches none of the tool poses.
@@ -209,7 +209,7 @@ impl<'a> Study<'a> {
         let results = self.results(walk, machines, tables, &reached, &poses);
         let judged = each()
             .zip(results)
-            .map(|(of, result)| Row { result: Some(result), ..row(of, Standing::JudgedTables, missed) });
+            .map(|(of, result)| Row { result: Some(result), ..row(of, Standing::Judged, missed) });
         judged.collect()
     }
 

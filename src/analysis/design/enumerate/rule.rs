@@ -21,7 +21,7 @@ pub struct Rule {
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Clause {
     Before(AxisName, AxisName),
-    ModuleContent(AxisName, AxisName),
+    Carries(AxisName, AxisName),
     On(AxisName, Branch),
     AtMost(usize, Branch),
     AtLeast(usize, Branch),
@@ -45,7 +45,7 @@ impl Rule {
         let number = |word: &str| word.parse::<usize>().map_err(|_| format!("`{word}` is not a number of axes"));
         let clause = match words {
             [a, "before", b] => Clause::Before(axis(a)?, axis(b)?),
-            [a, "carries", b] => Clause::ModuleContent(axis(a)?, axis(b)?),
+            [a, "carries", b] => Clause::Carries(axis(a)?, axis(b)?),
             [a, "on", side] => Clause::On(axis(a)?, branch(side)?),
             ["at", "most", n, "on", side] => Clause::AtMost(number(n)?, branch(side)?),
             ["at", "least", n, "on", side] => Clause::AtLeast(number(n)?, branch(side)?),
@@ -60,7 +60,7 @@ impl Rule {
         let count = |side: Branch| if side == Branch::Workpiece { table } else { walk.len() - table };
         let holds = match &self.clause {
             Clause::Before(a, b) => place(a).zip(place(b)).map(|(a, b)| a < b),
-            Clause::ModuleContent(a, b) => place(a).zip(place(b)).map(|(a, b)| {
+            Clause::Carries(a, b) => place(a).zip(place(b)).map(|(a, b)| {
                 // The bed stands before the axis with the index `table`.
                 if a < table { b < a } else { b > a }
             }),
@@ -88,7 +88,7 @@ impl fmt::Display for Rule {
         }
         match &self.clause {
             Clause::Before(a, b) => write!(f, "{a} before {b}"),
-            Clause::ModuleContent(a, b) => write!(f, "{a} carries {b}"),
+            Clause::Carries(a, b) => write!(f, "{a} carries {b}"),
             Clause::On(a, branch) => write!(f, "{a} on {}", side(branch)),
             Clause::AtMost(n, branch) => write!(f, "at most {n} on {}", side(branch)),
             Clause::AtLeast(n, branch) => write!(f, "at least {n} on {}", side(branch)),
