@@ -21,20 +21,17 @@ pub mod instrument;
 mod inverse;
 mod volume;
 
-pub use closed_form::equations::{Equations, Meaning, Naming, Options, Symbol, equations};
-pub use closed_form::interactions::{Calculation, Effect, Interactions, interactions};
-pub use closed_form::location_set::{LocationSet, Status};
-pub use closed_form::twist::{Map as TwistMap, Quantity, Share, Twist, twists};
-pub use design::compare::{Compared, Comparison, Missed, compare};
-pub use design::contributions::{ErrorAlone, contributions};
-pub use design::sources::{Source, sources};
-pub use design::{budget, enumerate};
+pub use closed_form::{
+    Calculation, Effect, Equations, Interactions, LocationSet, Meaning, Naming, Options, Quantity, Share, Status,
+    Symbol, Twist, TwistMap, equations, interactions, twists,
+};
+pub use design::{
+    Compared, Comparison, ErrorAlone, Missed, Source, budget, compare, contributions, enumerate, sources,
+};
 pub use inverse::{
     DIRECTION_TOLERANCE, Inverse, PLACE_TOLERANCE, ToolPose, Unreachable, inverse, place, rest, tool_pose,
 };
-pub use volume::diagonals::{Diagonal, body_diagonals, space_axes};
-pub use volume::lever::{Lever, levers};
-pub use volume::map::{MAX_POSES, Map, TooManyPoses, View, deviation_in, frame_rotation, map};
-pub use volume::plane::Plane;
-pub use volume::survey::{Block, MAX_SURVEYED, Survey, Task as SurveyTask, survey, survey_with_rows};
-pub use volume::work::Work;
+pub use volume::{
+    Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, Survey, SurveyTask, TooManyPoses, View, Work,
+    body_diagonals, deviation_in, frame_rotation, levers, map, space_axes, survey, survey_with_rows,
+};

@@ -1,6 +1,8 @@
 //! Fields of deviations over the poses of a machine.
 
-use super::{Batch, CompiledModel, Deviation, Frame, Order, Output, command_deviation, evaluate};
+use super::compiled::batch::{Batch, Output};
+use super::compiled::model::CompiledModel;
+use super::deviation::{Deviation, Frame, Order, command_deviation, evaluate};
 use crate::lower::{NominalPose, sensitivities};
 use crate::machine::{Approach, ErrorId, Machine};
 use std::sync::OnceLock;

@@ -20,5 +20,6 @@ pub use deviation::{
 pub use field::{Bare, CompiledField, Field, commanded_deviation, error_by_error, tool_axis_tilt};
 pub use poses::{Nodes, Poses, Random, node_count, node_positions, random_poses};
 pub use spread::Spread;
+pub(crate) use spread::radical_inverse;
 pub use statistics::{Difference, Statistics, Summary, quantile_95, worst};
 pub use tally::Tally;

@@ -3,7 +3,8 @@
 //! A pose depends on nothing but its index (and the seed), so any number of threads sees the same ones,
 //! and a map need not store them.
 
-use super::{PoseColumns, Spread};
+use super::compiled::batch::PoseColumns;
+use super::spread::{Spread, unit};
 use crate::machine::{Grid, Machine, Pose};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -204,12 +205,6 @@ impl Random {
         pose.clear();
         pose.extend(self.intervals.iter().map(position));
     }
-}
-
-/// 53 bits as a number in [0, 1).
-pub(super) fn unit(bits: u64) -> f64 {
-    const SCALE: f64 = 1.0 / (1_u64 << 53) as f64;
-    (bits >> 11) as f64 * SCALE
 }
 
 /// Random poses over the machine's volume (mm, deg); the first ones of a longer list are the same.

@@ -2,7 +2,6 @@
 //! prime as base, moved as a whole by a random shift modulo 1 (Cranley and Patterson, SIAM J. Numer. Anal. 13,
 //! 1976, 904-914), so that another seed gives another sample of the same evenness.
 
-use super::poses::unit;
 use crate::machine::{Machine, Pose};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -51,8 +50,14 @@ fn primes() -> impl Iterator<Item = u64> {
     (2..).filter(|n: &u64| (2..*n).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d)))
 }
 
+/// 53 bits as a number in [0, 1).
+pub(super) fn unit(bits: u64) -> f64 {
+    const SCALE: f64 = 1.0 / (1_u64 << 53) as f64;
+    (bits >> 11) as f64 * SCALE
+}
+
 /// The digits of the index in this base, mirrored at the point.
-fn radical_inverse(mut index: u64, base: u64) -> f64 {
+pub fn radical_inverse(mut index: u64, base: u64) -> f64 {
     let (mut value, mut weight) = (0.0, 1.0);
     while index > 0 {
         weight /= base as f64;

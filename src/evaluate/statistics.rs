@@ -1,6 +1,6 @@
 //! What a volume's deviations come to, in micrometres and microradians.
 
-use super::Deviation;
+use super::deviation::Deviation;
 use nalgebra::Vector3;
 use serde::Serialize;
 

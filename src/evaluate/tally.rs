@@ -10,8 +10,12 @@
 
 #![allow(clippy::needless_range_loop, reason = "kernels have plain loops: see `plan`")]
 
-use super::compiled::lanes::{Kernel, Lanes, run};
-use super::{Columns, Deviation, Statistics, Summary, Width};
+use super::compiled::batch::Columns;
+use super::compiled::lanes::run;
+use super::compiled::simd::{Kernel, Lanes};
+use super::compiled::width::Width;
+use super::deviation::Deviation;
+use super::statistics::{Statistics, Summary};
 use std::collections::BinaryHeap;
 
 /// Statistics so far.
@@ -391,7 +395,7 @@ impl Tally {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::worst;
+    use crate::evaluate::statistics::worst;
     use nalgebra::Vector3;
 
     /// Lengths over twelve decades.

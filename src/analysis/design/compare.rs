@@ -2,9 +2,8 @@
 //! each machine's own nominal inverse kinematics.
 
 use crate::analysis::inverse::{ToolPose, Unreachable, inverse, rest};
-use crate::analysis::volume::work::Work;
-use crate::evaluate::{Deviation, Field};
-use crate::evaluate::{Difference, Statistics};
+use crate::analysis::volume::Work;
+use crate::evaluate::{Deviation, Difference, Field, Statistics};
 use crate::machine::{Approach, Pose};
 use rayon::prelude::*;
 

@@ -1,7 +1,11 @@
 //! Choosing a design: machines side by side, tolerances to the volumetric error, and arrangements of the axes.
 
 pub mod budget;
-pub(super) mod compare;
-pub(super) mod contributions;
+mod compare;
+mod contributions;
 pub mod enumerate;
-pub(super) mod sources;
+mod sources;
+
+pub use compare::{Compared, Comparison, Missed, compare};
+pub use contributions::{ErrorAlone, contributions};
+pub use sources::{Source, sources};

@@ -1,7 +1,7 @@
 //! A ball bar: the distance of a ball at the functional point from a ball on the workpiece while the
 //! machine drives a circle about it, both ways round.
 
-use super::{Path, hold, range};
+use super::path::{Path, deviation_from, hold, range};
 use crate::analysis::inverse::{Unreachable, tool_pose};
 use crate::machine::{Approach, Machine, sin_cos_degrees};
 use nalgebra::Vector3;
@@ -85,7 +85,7 @@ pub fn ball_bar(
     let angles: Vec<f64> = (0..points).map(|i| 360.0 * i as f64 / points as f64).collect();
     let there = hold(machine, centre, angles.iter().map(|angle| middle + arm(angle)))?;
     let back = there.iter().rev().cloned().collect();
-    let ball = super::deviation_from(machine, centre, &vec![Approach::Mean; centre.len()]);
+    let ball = deviation_from(machine, centre, &vec![Approach::Mean; centre.len()]);
     let read = |deviations: Vec<Vector3<f64>>| -> Vec<f64> {
         let one = |(d, angle): (Vector3<f64>, &f64)| ((arm(angle) + d - ball).norm() - radius) * 1e3;
         deviations.into_iter().zip(&angles).map(one).collect()

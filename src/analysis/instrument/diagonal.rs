@@ -1,7 +1,7 @@
 //! A laser along the body diagonals of the volume: the way really made along each, there and back; with
 //! steps, one axis moves at a time, so that every reading belongs to one axis.
 
-use super::{Path, range};
+use super::path::{Path, range};
 use crate::analysis::inverse::tool_pose;
 use crate::machine::{AxisKind, Machine, Pose};
 

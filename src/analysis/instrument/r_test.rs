@@ -1,7 +1,7 @@
 //! An R-test, or probing of a ball on the table: a rotary axis turns while the other axes hold the
 //! functional point at a ball fixed to the workpiece; read is where the point really is.
 
-use super::{Path, range};
+use super::path::{Path, range};
 use crate::analysis::inverse::{Unreachable, place, tool_pose};
 use crate::lower::NominalPose;
 use crate::machine::{Machine, Pose};

@@ -1,6 +1,6 @@
 //! Linear axes: the place by the smallest motion from the reference, within the travel.
 
-use super::{PLACE_TOLERANCE, Unreachable, tool_pose};
+use super::tool_pose::{PLACE_TOLERANCE, Unreachable, tool_pose};
 use crate::algebra::rotation_about;
 use crate::machine::{Axis, AxisKind, Machine, Pose, Travel, sin_cos_degrees};
 use nalgebra::{Matrix3, Vector3};

@@ -5,7 +5,9 @@
 //! `R_1 ... R_m e = d`. With all axes but two held, that is `exp(w_1 a) exp(w_2 b) p = t`, which has
 //! at most two solutions in closed form, for axes in any directions.
 
+use super::tool_pose::DIRECTION_TOLERANCE;
 use crate::algebra::rotation_about;
+use crate::evaluate::radical_inverse;
 use crate::machine::{Axis, AxisKind, Pose, Travel, sin_cos_degrees};
 use nalgebra::{Matrix3, Vector3};
 
@@ -16,10 +18,10 @@ const ALONG: f64 = 1e-12;
 const AT_END: f64 = 1e-6;
 
 /// Where the axes that are held are tried, besides their reference.
-const SAMPLES: usize = 48;
+const SAMPLES: u64 = 48;
 
 /// The same where an axis more than two might still find a way within the travel of the linear axes.
-const MANY_SAMPLES: usize = 512;
+const MANY_SAMPLES: u64 = 512;
 
 /// How many of the positions of more than two axes are followed towards the reference.
 const REFINED: usize = 6;
@@ -91,9 +93,9 @@ impl Directions {
     }
 
     /// Positions spread over the travels: a Halton sequence.
-    fn sample(&self, index: usize) -> Vec<f64> {
+    fn sample(&self, index: u64) -> Vec<f64> {
         let bases = [2, 3, 5, 7, 11, 13, 17, 19];
-        let position = |(turn, base): (&Turn, &usize)| {
+        let position = |(turn, base): (&Turn, &u64)| {
             let (min, max) = turn.travel.interval();
             min + (max - min) * radical_inverse(index, *base)
         };
@@ -227,7 +229,7 @@ impl Search<'_> {
     /// Solves for every pair of axes (or the only one) with the others held at `angles`.
     fn around(&mut self, angles: &[f64]) {
         let count = angles.len();
-        if count == 0 && (self.direction - Vector3::z()).norm() < super::DIRECTION_TOLERANCE {
+        if count == 0 && (self.direction - Vector3::z()).norm() < DIRECTION_TOLERANCE {
             self.found.push(Vec::new());
         }
         for i in 0..count {
@@ -327,17 +329,6 @@ fn meeting(
         let foot = axis * height + towards * near;
         [foot + aside, foot - aside]
     })
-}
-
-/// The index with its digits mirrored at the point: evenly spread over [0, 1).
-fn radical_inverse(index: usize, base: usize) -> f64 {
-    let (mut rest, mut scale, mut value) = (index, 1.0, 0.0);
-    while rest > 0 {
-        scale /= base as f64;
-        value += scale * (rest % base) as f64;
-        rest /= base;
-    }
-    value
 }
 
 #[cfg(test)]

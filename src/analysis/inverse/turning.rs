@@ -1,7 +1,8 @@
 //! Linear axes that span no more than a plane (a lathe's X and Z): a rotary axis about the tool axis, which the direction
 //! does not depend on, turns the place into that plane.
 
-use super::{linear, tool_pose};
+use super::linear;
+use super::tool_pose::tool_pose;
 use crate::machine::{AxisKind, Machine, Pose, Travel};
 use nalgebra::Vector3;
 

@@ -1,6 +1,6 @@
 //! The four body diagonals of the volume of three linear axes: a quick check of a machine (ISO 230-6).
 
-use crate::analysis::tool_pose;
+use crate::analysis::inverse::tool_pose;
 use crate::evaluate::Field;
 use crate::machine::{Approach, AxisKind, Machine, Pose};
 use nalgebra::Vector3;

@@ -5,9 +5,16 @@
 //! - [`mod@lever`]: the arms that turn angles into displacements;
 //! - [`mod@work`]: the tool poses on which machines are compared.
 
-pub(super) mod diagonals;
-pub(super) mod lever;
-pub(super) mod map;
-pub(super) mod plane;
-pub(super) mod survey;
-pub(super) mod work;
+mod diagonals;
+mod lever;
+mod map;
+mod plane;
+mod survey;
+mod work;
+
+pub use diagonals::{Diagonal, body_diagonals, space_axes};
+pub use lever::{Lever, levers};
+pub use map::{MAX_POSES, Map, TooManyPoses, View, deviation_in, frame_rotation, map};
+pub use plane::Plane;
+pub use survey::{Block, MAX_SURVEYED, Survey, Task as SurveyTask, survey, survey_with_rows};
+pub use work::Work;

@@ -1,7 +1,7 @@
 //! A field over a plane of two linear axes.
 
 use super::map::{View, deviation_in};
-use crate::analysis::tool_pose;
+use crate::analysis::inverse::tool_pose;
 use crate::evaluate::{Deviation, Field};
 use crate::machine::{Machine, Pose};
 use nalgebra::Vector3;

@@ -11,10 +11,11 @@
 //! The last term is a product of errors: order 1 goes without, at order 2 it is of second degree, the exact model has it whole. The
 //! rotation relative to the nominal one is 1 + G A^T.
 
-use super::batch::FARTHEST;
-use super::chain::{CompiledChain, CompiledJoint, Motion, cross, dot, minus, plus, plus_cross, plus_times, times};
+use super::chain::{CompiledChain, CompiledJoint, Motion};
 use super::curves::Six;
 use super::lookup::Inputs;
+use super::pass::FARTHEST;
+use super::vector::{cross, dot, minus, plus, plus_cross, plus_times, times};
 
 /// A vector or a point.
 pub type Vector3 = [f64; 3];

@@ -1,14 +1,12 @@
 //! The chain, compiled: what of a machine does not depend on the pose, joint by joint.
 
 use super::curves::{Curves, Six};
-use super::lanes::Lanes;
-use super::lookup::LookupRequest;
+use super::lookup::{Lookup, LookupRequest, Part};
+use super::simd::Lanes;
+use super::vector::{Vector, cross, dot, minus, plus, plus_times, splat, times};
 use crate::machine::{
     Approach, Axis, AxisKind, Branch, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, Machine, RotaryOrder,
 };
-
-/// Three lanes: a vector, a point.
-pub type Vector<V> = [V; 3];
 
 /// A machine from the tool to the workpiece, ready for any order.
 #[derive(Debug, Clone)]
@@ -117,6 +115,18 @@ impl CompiledChain {
             real_locations: conventions.location_order == LocationOrder::Real,
         })
     }
+
+    /// Looks up, for a chunk of poses, everything that the walks of order 2 and of the exact model read.
+    #[inline(always)]
+    pub fn look_up<V: Lanes>(&self, axes: &mut [Lookup], part: Part<'_>) {
+        for axis in 0..axes.len() {
+            let wanted = self.joints[axis].wanted();
+            axes[axis].look::<V>(wanted, axis, part);
+            if let Some(curves) = wanted.curves {
+                axes[axis].six::<V>(curves, axis, part);
+            }
+        }
+    }
 }
 
 fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Option<CompiledJoint> {
@@ -157,56 +167,6 @@ fn motion(axis: &Axis) -> Motion {
             Motion::Turn(unit.map_or(About::Oblique(direction), |k| About::Principal(k, direction[k])))
         }
     }
-}
-
-/// `a x b`.
-#[inline(always)]
-pub fn cross<V: Lanes>(a: Vector<V>, b: Vector<V>) -> Vector<V> {
-    let products = [a[1] * b[2], a[2] * b[0], a[0] * b[1]];
-    [products[0].minus_times(a[2], b[1]), products[1].minus_times(a[0], b[2]), products[2].minus_times(a[1], b[0])]
-}
-
-/// `sum + a x b`.
-#[inline(always)]
-pub fn plus_cross<V: Lanes>(sum: Vector<V>, a: Vector<V>, b: Vector<V>) -> Vector<V> {
-    let sum = [sum[0].plus_times(a[1], b[2]), sum[1].plus_times(a[2], b[0]), sum[2].plus_times(a[0], b[1])];
-    [sum[0].minus_times(a[2], b[1]), sum[1].minus_times(a[0], b[2]), sum[2].minus_times(a[1], b[0])]
-}
-
-/// `a + b`.
-#[inline(always)]
-pub fn plus<V: Lanes>(a: Vector<V>, b: Vector<V>) -> Vector<V> {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-/// `a - b`.
-#[inline(always)]
-pub fn minus<V: Lanes>(a: Vector<V>, b: Vector<V>) -> Vector<V> {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-/// `a * factor`.
-#[inline(always)]
-pub fn times<V: Lanes>(a: Vector<V>, factor: V) -> Vector<V> {
-    [a[0] * factor, a[1] * factor, a[2] * factor]
-}
-
-/// `sum + a * factor`.
-#[inline(always)]
-pub fn plus_times<V: Lanes>(sum: Vector<V>, a: Vector<V>, factor: V) -> Vector<V> {
-    [sum[0].plus_times(a[0], factor), sum[1].plus_times(a[1], factor), sum[2].plus_times(a[2], factor)]
-}
-
-/// The same vector in all lanes.
-#[inline(always)]
-pub fn splat<V: Lanes>(a: &[f64; 3]) -> Vector<V> {
-    [V::splat(a[0]), V::splat(a[1]), V::splat(a[2])]
-}
-
-/// `a . b`.
-#[inline(always)]
-pub fn dot<V: Lanes>(a: Vector<V>, b: Vector<V>) -> V {
-    (a[0] * b[0]).plus_times(a[1], b[1]).plus_times(a[2], b[2])
 }
 
 impl About {

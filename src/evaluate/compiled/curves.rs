@@ -7,8 +7,8 @@
 //! rows too. Constants, means of two directions, and any linear map of the six are folded in.
 
 use super::intervals::{Found, Intervals, apart, search};
-use super::lanes::{Lanes, MOST, Places};
-use super::rows::{Pieces, Row};
+use super::lanes::Places;
+use super::simd::{Lanes, MOST, Pieces, Row};
 use super::trigonometry::nearest;
 use crate::machine::{Approach, BSpline, ComponentError, Curve, ErrorTerm, JointErrors, Knots};
 

@@ -7,16 +7,14 @@
 //! rotation is a matrix, which need not be orthogonal.
 
 use super::affine::{Section, Sections};
-use super::batch::{FARTHEST, Task};
-use super::chain::{
-    About, CompiledChain, CompiledJoint, Located, Motion, Placed, Vector, cross, dot, minus, plus, plus_cross,
-    plus_times, slid, splat, times,
-};
-use super::lanes::Lanes;
-use super::lookup::{Inputs, Lookup, Part, Scattered, look_up};
+use super::chain::{About, CompiledChain, CompiledJoint, Located, Motion, Placed, slid};
+use super::lookup::{Inputs, Lookup, Part, Scattered};
+use super::pass::{FARTHEST, Task};
+use super::simd::Lanes;
 use super::trigonometry::RADIAN;
+use super::vector::{Vector, cross, dot, minus, plus, plus_cross, plus_times, splat, times};
 
-/// Terms of the series: good to the last bit up to [`super::batch::FARTHEST`].
+/// Terms of the series: good to the last bit up to [`super::pass::FARTHEST`].
 const TERMS: usize = 10;
 
 /// `first, first * ratio(1), ...` with the ratio of two whole numbers linear in i.
@@ -409,7 +407,7 @@ impl Task for Exact {
 
     #[inline(always)]
     fn lookup<V: Lanes>(&self, axes: &mut [Lookup], _: &mut (), part: Part<'_>) {
-        look_up::<V>(&self.chain, axes, part);
+        self.chain.look_up::<V>(axes, part);
     }
 
     #[inline(always)]

@@ -5,20 +5,20 @@
 //! of the functional point about the point of reference counts once, at the end. The errors (delta, eps) about a point o displace r by
 //! `delta + eps x (r - o)`: that is folded into the tables, and so are location errors.
 
-use super::batch::Task;
-use super::chain::{
-    About, CompiledChain, CompiledJoint, Located, Motion, Placed, Vector, cross, minus, plus, plus_cross, splat,
-};
-use super::curves::{Curves, Six, splat_six};
-use super::lanes::Lanes;
+use super::chain::{About, CompiledChain, Motion};
+use super::curves::{Six, splat_six};
 use super::lookup::{CHUNK, Lookup, LookupRequest, Part, Scattered};
+use super::pass::Task;
+use super::simd::Lanes;
 use super::steps::{self, Step, Sum};
+use super::twist::{TwistChain, TwistJoint};
+use super::vector::{Vector, minus, plus, plus_cross, splat};
 
 /// The plan of order 1.
 #[derive(Debug, Clone)]
 pub struct FirstOrder {
     /// From the workpiece to the tool.
-    joints: Vec<Joint>,
+    joints: Vec<TwistJoint>,
     /// From the tool to the workpiece, by the numbers of the joints.
     steps: Vec<Step>,
     /// The functional point at the zero pose less the first point of reference.
@@ -27,75 +27,13 @@ pub struct FirstOrder {
     tool: [f64; 3],
 }
 
-/// A joint of it.
-#[derive(Debug, Clone)]
-pub struct Joint {
-    pub motion: Motion,
-    pub origin: [f64; 3],
-    /// Twists `(delta - eps x o, eps)`; `None` if there are no errors.
-    pub curves: Option<Curves>,
-    pub outside: bool,
-    /// Are the sine and cosine of the position needed?
-    pub turns: bool,
-    /// A constant twist on the workpiece's side of the joint.
-    pub constant: Option<Six>,
-    /// Displacement per mm of way, of an axis that is not square.
-    pub bend: Option<[f64; 3]>,
-}
-
-/// `(delta, eps)` about a point to displacement of the machine's zero point, and rotation.
-pub fn twist(six: &Six, about: &[f64; 3], sign: f64) -> Six {
-    let [dx, dy, dz, ex, ey, ez] = six.map(|e| e * sign);
-    let [x, y, z] = cross([ex, ey, ez], *about);
-    [dx - x, dy - y, dz - z, ex, ey, ez]
-}
-
-fn placed(placed: &Placed) -> Six {
-    twist(&placed.six, &placed.about, if placed.inverse { -1.0 } else { 1.0 })
-}
-
-/// Sum of constants that are there or not.
-fn sum(a: Option<Six>, b: Option<Six>) -> Option<Six> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(std::array::from_fn(|k| a[k] + b[k])),
-        (a, b) => a.or(b),
-    }
-}
-
 impl FirstOrder {
     /// `None` where location errors count in the real part.
     pub fn new(chain: &CompiledChain) -> Option<Self> {
         if chain.real_locations {
             return None;
         }
-        // The constant twist on the workpiece's side of what comes next, from the workpiece on.
-        let mut pending = chain.clamping.as_ref().map(placed);
-        let mut joints: Vec<Joint> = Vec::new();
-        for link in &chain.joints {
-            let [outer, inner] = constants(link);
-            let sign = if link.inverse { -1.0 } else { 1.0 };
-            let mut curves = link.curves.clone().mapped(|six| twist(six, &link.origin, sign));
-            let mut before = sum(pending, outer);
-            pending = inner;
-            if !curves.is_zero() {
-                let constant = if link.outside { before.take() } else { pending.take() };
-                curves = curves.plus(&constant.unwrap_or_default());
-            }
-            // What is left on this side goes to the joint before, which may hold it in its tables.
-            if let Some(Joint { outside: false, curves: Some(last), .. }) = joints.last_mut() {
-                *last = std::mem::take(last).plus(&before.take().unwrap_or_default());
-            }
-            joints.push(Joint {
-                turns: link.turns,
-                motion: link.motion,
-                origin: link.origin,
-                curves: (!curves.is_zero()).then_some(curves),
-                outside: link.outside,
-                constant: before,
-                bend: bend(link),
-            });
-        }
-        let end = sum(pending, chain.spindle.as_ref().map(placed));
+        let TwistChain { joints, end } = TwistChain::new(chain);
         let point = minus(chain.tip, steps::reference(&joints, joints.len()));
         Some(Self { steps: steps::of(&joints, end), joints, point, tool: chain.tool })
     }
@@ -223,7 +161,7 @@ impl States {
 
     /// By a joint's own motion.
     #[inline(always)]
-    fn moved<V: Lanes>(&mut self, joint: &Joint, step: &Step, lookup: &Lookup, positions: &[f64]) {
+    fn moved<V: Lanes>(&mut self, joint: &TwistJoint, step: &Step, lookup: &Lookup, positions: &[f64]) {
         match joint.motion {
             Motion::Slide(direction) => self.slid::<V>(&direction, joint.bend.as_ref(), step.rotated, positions),
             // Each by itself: the compiler leaves out what stays as it is.
@@ -349,30 +287,5 @@ impl States {
     fn add<V: Lanes>(&mut self, i: usize, [x, y, z, ex, ey, ez]: [V; 6]) {
         self.displacement.put(i, plus(self.displacement.get(i), [x, y, z]));
         self.rotation.put(i, plus(self.rotation.get(i), [ex, ey, ez]));
-    }
-}
-
-/// Constant twists of a joint on the workpiece's side and on the tool's side.
-fn constants(link: &CompiledJoint) -> [Option<Six>; 2] {
-    let Some(location) = &link.location else { return [None, None] };
-    match (link.located, link.motion) {
-        (Located::Around, Motion::Slide(_)) => [None, None],
-        (Located::Around, Motion::Turn(_)) => {
-            let outer = placed(location);
-            [Some(outer), Some(outer.map(|e| -e))]
-        }
-        (Located::Outermost, _) => [Some(placed(location)), None],
-        (Located::Innermost, _) => [None, Some(placed(location))],
-    }
-}
-
-/// `eps x u`: the direction of an axis that is not square.
-fn bend(link: &CompiledJoint) -> Option<[f64; 3]> {
-    match (link.motion, &link.location) {
-        (Motion::Slide(u), Some(location)) if link.located == Located::Around => {
-            let [.., a, b, c] = location.six;
-            Some(cross([a, b, c], u))
-        }
-        _ => None,
     }
 }

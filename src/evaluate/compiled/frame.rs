@@ -1,11 +1,12 @@
 //! Deviations in another frame: turned by the nominal rotations of the joints passed.
 
-use super::CompiledModel;
 use super::batch::{Batch, Output, Slices};
 use super::chain::{About, Motion};
-use super::lanes::{Kernel, Lanes};
+use super::lanes::run;
+use super::model::CompiledModel;
+use super::simd::{Kernel, Lanes};
 use super::trigonometry::sin_cos;
-use crate::evaluate::Frame;
+use crate::evaluate::deviation::Frame;
 use crate::lower::NominalPose;
 use crate::machine::Branch;
 
@@ -62,7 +63,7 @@ impl CompiledModel {
             .filter_map(|(axis, link)| if let Motion::Turn(about) = link.motion { Some((axis, about)) } else { None })
             .collect();
         let poses = Slices { axes: poses.axes(), added: &[], whole: poses.len() };
-        super::lanes::run(self.width, Turned { joints: &joints, poses, out });
+        run(self.width, Turned { joints: &joints, poses, out });
     }
 
     fn to_frame_one_by_one(&self, frame: Frame, poses: &Batch<'_>, out: &mut Output<'_>) {

@@ -8,9 +8,9 @@ use super::affine::Product;
 use super::batch::Output;
 use super::grid_lines::{GridLines, Lines};
 use super::lanes::run;
+use super::model::{CompiledModel, Walk};
 use super::second::SecondOrder;
-use super::{CompiledModel, Walk};
-use crate::evaluate::Nodes;
+use crate::evaluate::poses::Nodes;
 use rayon::prelude::*;
 
 /// A plan with the nodes of a grid.
@@ -83,16 +83,4 @@ impl CompiledModel {
         };
         Some(CompiledGrid { plan: self.clone(), counts: nodes.counts().collect(), composed: Box::new(composed?) })
     }
-}
-
-/// The next line; which is the outermost axis that moved.
-pub fn advance(nodes: &mut [usize], count: impl Fn(usize) -> usize) -> usize {
-    for k in (0..nodes.len()).rev() {
-        nodes[k] += 1;
-        if nodes[k] < count(k) {
-            return k;
-        }
-        nodes[k] = 0;
-    }
-    0
 }

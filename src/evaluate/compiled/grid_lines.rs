@@ -17,11 +17,10 @@
 
 use super::affine::{Affine, Linear, Node, Product, Section, Sections, Vector3};
 use super::batch::Output;
-use super::chain::{cross, dot, plus, splat, times};
 use super::exact::{arcsine, polynomial};
-use super::grid::advance;
-use super::lanes::{Kernel, Lanes, MOST};
+use super::simd::{Kernel, Lanes, MOST};
 use super::trigonometry::sin_cos;
+use super::vector::{cross, dot, plus, splat, times};
 
 /// A plan with the nodes of a grid.
 #[derive(Debug, Clone)]
@@ -290,4 +289,16 @@ fn write<V: Lanes>(out: &mut Output<'_>, at: usize, d: [V; 3], w: [V; 3]) {
             out.rotation[k][at..].copy_from_slice(&w[k].spread()[..room]);
         }
     }
+}
+
+/// The next line; which is the outermost axis that moved.
+fn advance(nodes: &mut [usize], count: impl Fn(usize) -> usize) -> usize {
+    for k in (0..nodes.len()).rev() {
+        nodes[k] += 1;
+        if nodes[k] < count(k) {
+            return k;
+        }
+        nodes[k] = 0;
+    }
+    0
 }

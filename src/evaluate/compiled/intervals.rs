@@ -4,8 +4,7 @@
 //! range is divided into cells of one length, few enough to stay in the cache and short enough that none has two knots in it. Then a cell
 //! has a row with both intervals that meet in it, read as the rows of the table are. Where knots crowd together there is a search.
 
-use super::lanes::{Lanes, MOST};
-use super::rows::{Pieces, Row};
+use super::simd::{Lanes, MOST, Pieces, Row};
 
 /// How the interval of a position is found.
 #[derive(Debug, Clone, PartialEq)]

@@ -15,15 +15,8 @@
 
 #![allow(unsafe_code)]
 
-use super::rows::{Pieces, Row};
+use super::simd::{Kernel, Lanes, MOST, Row};
 use super::width::Width;
-use std::ops::{Add, Mul, Sub};
-
-/// Lanes of the widest vector; smaller ones leave the rest of an array unused.
-pub const MOST: usize = 8;
-
-/// The sign of a double.
-const SIGN: u64 = 1 << 63;
 
 /// Places of many poses in a table: to each a row that has another one behind it.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,74 +60,6 @@ impl<const N: usize> Places<N> {
         // SAFETY: `at` is at most `last`, which with the row behind it lies in `rows`; both are multiples of a row.
         unsafe { (&*first.cast::<Row>(), &*first.wrapping_add(size_of::<Row>()).cast::<Row>()) }
     }
-}
-
-/// Some doubles that are worked on at once.
-pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    /// How many.
-    const COUNT: usize;
-    /// Eight doubles in as many registers as they need.
-    type Eight: Pieces;
-
-    /// The same number in all lanes.
-    fn splat(x: f64) -> Self;
-    /// The first numbers of a slice (it must have as many).
-    fn load(from: &[f64]) -> Self;
-    /// To the beginning of a slice (it must be long enough).
-    fn store(self, to: &mut [f64]);
-    /// Is a vector a whole cache line, which can be stored past the caches?
-    const LINE: bool = false;
-    /// Likewise, past the caches if [`Self::LINE`] and the place is a line. [`settle`] must follow.
-    #[inline(always)]
-    fn store_past(self, to: &mut [f64]) {
-        self.store(to);
-    }
-    /// `self + a * b` with one rounding.
-    fn plus_times(self, a: Self, b: Self) -> Self;
-    /// `self - a * b` with one rounding.
-    fn minus_times(self, a: Self, b: Self) -> Self;
-    /// Quotient.
-    fn over(self, other: Self) -> Self;
-    /// `yes` where `self < than`, else `no` (also where one is not a number).
-    fn if_less(self, than: Self, yes: Self, no: Self) -> Self;
-    /// Cut to whole numbers, for `0 <= x < 2^31`: as numbers and as indices.
-    fn whole(self) -> (Self, [u32; MOST]);
-    /// Lane by lane.
-    fn spread(self) -> [f64; MOST];
-    /// Sine and cosine of an angle, some quarter turns further: as many as the last bits of `counted` say
-    /// (a whole number to which 1.5 * 2^52 has been added).
-    #[inline(always)]
-    fn quarters_further(counted: Self, sine: Self, cosine: Self) -> (Self, Self) {
-        let (counted, mut sine, mut cosine) = (counted.spread(), sine.spread(), cosine.spread());
-        for lane in 0..Self::COUNT {
-            let count = counted[lane].to_bits();
-            let (s, c) = (sine[lane], cosine[lane]);
-            let (s, c) = if count & 1 == 0 { (s, c) } else { (c, s) };
-            sine[lane] = f64::from_bits(s.to_bits() ^ (count << 62 & SIGN));
-            cosine[lane] = f64::from_bits(c.to_bits() ^ (count.wrapping_add(1) << 62 & SIGN));
-        }
-        (Self::load(&sine), Self::load(&cosine))
-    }
-
-    /// Column k of the result holds element k of each row: lane i is row i.
-    fn columns(rows: &[Self::Eight; MOST]) -> [Self; 8];
-
-    /// The smaller one.
-    #[inline(always)]
-    fn smaller(self, other: Self) -> Self {
-        self.if_less(other, self, other)
-    }
-    /// The larger one.
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        other.if_less(self, self, other)
-    }
-}
-
-/// Something to be computed over vectors. `run` must be inlined: it is compiled once for each width.
-pub trait Kernel {
-    /// The computation.
-    fn run<V: Lanes>(self);
 }
 
 /// Runs a kernel; a width that the processor has not is the scalar one.
@@ -276,8 +201,9 @@ macro_rules! common {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Add, Kernel, Lanes, MOST, Mul, SIGN, Sub};
+    use crate::evaluate::compiled::simd::{Kernel, Lanes, MOST, SIGN};
     use std::arch::x86_64::*;
+    use std::ops::{Add, Mul, Sub};
 
     #[target_feature(enable = "fma")]
     pub(super) fn fused<K: Kernel>(kernel: K) {
@@ -446,8 +372,9 @@ mod x86 {
 
 #[cfg(target_arch = "aarch64")]
 mod arm {
-    use super::{Add, Lanes, MOST, Mul, Sub};
+    use crate::evaluate::compiled::simd::{Lanes, MOST};
     use std::arch::aarch64::*;
+    use std::ops::{Add, Mul, Sub};
 
     /// Every processor of this architecture has these vectors.
     #[derive(Clone, Copy)]

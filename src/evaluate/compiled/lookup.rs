@@ -7,9 +7,8 @@
 //! (6 % less time); order 1, which sums them, does not: its walk is short, and the stores would take what is won.
 
 use super::batch::Slices;
-use super::chain::CompiledChain;
 use super::curves::{Curves, Spots};
-use super::lanes::Lanes;
+use super::simd::Lanes;
 use super::trigonometry::{sin_cos, sines_cosines};
 
 /// Poses of a chunk: whole vectors of any width, few enough that everything stays in the first cache.
@@ -197,17 +196,5 @@ impl<V: Lanes> Inputs<V> for Scattered<'_> {
     #[inline(always)]
     fn six(self, axis: usize) -> [V; 6] {
         self.axes[axis].errors(self.i)
-    }
-}
-
-/// What orders 2 and exact find out ahead: everything that their walk reads.
-#[inline(always)]
-pub fn look_up<V: Lanes>(chain: &CompiledChain, axes: &mut [Lookup], part: Part<'_>) {
-    for axis in 0..axes.len() {
-        let wanted = chain.joints[axis].wanted();
-        axes[axis].look::<V>(wanted, axis, part);
-        if let Some(curves) = wanted.curves {
-            axes[axis].six::<V>(curves, axis, part);
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! A vector of one double: the width that every processor has.
 
-use super::lanes::{Lanes, MOST};
+use super::simd::{Lanes, MOST};
 
 impl Lanes for f64 {
     const COUNT: usize = 1;

@@ -5,14 +5,12 @@
 //! in one walk. With E^-1 in place of E (`errors_are: body`) the signs and the squares change as its series says.
 
 use super::affine::{Section, Sections};
-use super::batch::Task;
-use super::chain::{
-    About, CompiledChain, CompiledJoint, Located, Motion, Placed, Vector, cross, minus, plus, plus_cross, plus_times,
-    slid, splat, times,
-};
+use super::chain::{About, CompiledChain, CompiledJoint, Located, Motion, Placed, slid};
 use super::curves::splat_six;
-use super::lanes::Lanes;
-use super::lookup::{Inputs, Lookup, Part, Scattered, look_up};
+use super::lookup::{Inputs, Lookup, Part, Scattered};
+use super::pass::Task;
+use super::simd::Lanes;
+use super::vector::{Vector, cross, minus, plus, plus_cross, plus_times, splat, times};
 
 /// The plan of order 2.
 #[derive(Debug, Clone)]
@@ -148,7 +146,7 @@ impl Task for SecondOrder {
 
     #[inline(always)]
     fn lookup<V: Lanes>(&self, axes: &mut [Lookup], _: &mut (), part: Part<'_>) {
-        look_up::<V>(&self.chain, axes, part);
+        self.chain.look_up::<V>(axes, part);
     }
 
     #[inline(always)]

@@ -3,13 +3,13 @@
 //! A unit error at a joint is a twist in the nominal frame of that joint: from the frames of the chain, which all sources
 //! share, each source costs one cross product.
 
-use super::batch::{Batch, Output, Slices};
-use super::chain::{
-    CompiledChain, CompiledJoint, Located, Motion, Vector, cross, minus, plus, plus_times, splat, times,
-};
-use super::lanes::{Kernel, Lanes};
+use super::batch::{Batch, Columns, Output, Slices};
+use super::chain::{CompiledChain, CompiledJoint, Located, Motion};
+use super::lanes::run;
+use super::model::{CompiledModel, MAX_AXES};
+use super::simd::{Kernel, Lanes};
 use super::trigonometry::sin_cos;
-use super::{CompiledModel, MAX_AXES};
+use super::vector::{Vector, cross, minus, plus, plus_times, splat, times};
 use crate::lower::{ErrorSite, Source};
 use rayon::prelude::*;
 
@@ -217,7 +217,7 @@ impl CompiledModel {
         let responses: Vec<Response> =
             sources.iter().map(|source| Response::new(chain, *source, origin, gauge)).collect();
         let poses = Slices { axes: poses.axes(), added: &[], whole: poses.len() };
-        super::lanes::run(self.width, Sensitivities { chain, responses: &responses, poses, count, out });
+        run(self.width, Sensitivities { chain, responses: &responses, poses, count, out });
         Some(())
     }
 
@@ -256,7 +256,7 @@ impl CompiledModel {
         let (_, rest) = poses.split_at(start);
         let (part, _) = rest.split_at(PIECE.min(rest.len()));
         let sources: Vec<Source> = unknowns.iter().map(|u| u.source).collect();
-        let mut columns = vec![super::Columns::new(part.len()); unknowns.len()];
+        let mut columns = vec![Columns::new(part.len()); unknowns.len()];
         let mut out: Vec<Output<'_>> = columns.iter_mut().map(|c| c.output(part.len())).collect();
         self.sensitivities(&part, &sources, &mut out)?;
         let range = start..start + part.len();

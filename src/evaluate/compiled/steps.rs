@@ -7,9 +7,10 @@
 //! What has been summed is a rotation and the displacement of a point of reference, so that a twist more is a sum and nothing else.
 //! That point lies on the axis of the turn that comes next, which leaves it where it is; the twists are those about it.
 
-use super::chain::{Motion, cross, minus};
+use super::chain::Motion;
 use super::curves::{Curves, Six};
-use super::first::{Joint, twist};
+use super::twist::{TwistJoint, twist};
+use super::vector::{cross, minus};
 
 /// A step of the walk: each part after the one before, if it is there.
 #[derive(Debug, Clone, Default)]
@@ -45,14 +46,14 @@ pub struct Slide {
 }
 
 /// The point of reference on the workpiece's side of these joints' end: of the next turn there, else of the last one passed.
-pub fn reference(joints: &[Joint], end: usize) -> [f64; 3] {
-    let turn = |joint: &&Joint| matches!(joint.motion, Motion::Turn(_));
+pub fn reference(joints: &[TwistJoint], end: usize) -> [f64; 3] {
+    let turn = |joint: &&TwistJoint| matches!(joint.motion, Motion::Turn(_));
     let next = joints[..end].iter().rev().find(turn);
     next.or_else(|| joints.iter().find(turn)).map_or([0.0; 3], |joint| joint.origin)
 }
 
 /// Of these joints, from the tool to the workpiece, beginning with a constant twist.
-pub fn of(joints: &[Joint], end: Option<Six>) -> Vec<Step> {
+pub fn of(joints: &[TwistJoint], end: Option<Six>) -> Vec<Step> {
     let mut maker = Maker { joints, steps: vec![Step::default()], open: None };
     maker.constant(end, joints.len());
     for (axis, joint) in joints.iter().enumerate().rev() {
@@ -79,7 +80,7 @@ fn about_point(six: &Six, point: [f64; 3]) -> Six {
 }
 
 struct Maker<'a> {
-    joints: &'a [Joint],
+    joints: &'a [TwistJoint],
     steps: Vec<Step>,
     /// Which step has the latest sum, and the slides passed since, if others may still join it.
     open: Option<(usize, Vec<usize>)>,

@@ -4,7 +4,7 @@
 //! polynomials of FreeBSD's msun (`k_sin`, `k_cos`, S. Moshier's and Sun's coefficients), by Horner's scheme in fused
 //! operations: within 1 ulp of the sine and cosine of the rest in radians.
 
-use super::lanes::Lanes;
+use super::simd::Lanes;
 use std::ops::{Mul, Sub};
 
 #[allow(clippy::excessive_precision, reason = "as published")]

@@ -1,7 +1,7 @@
 //! Budgets side by side: tolerance by tolerance, what each has of the 95 % value in each of several machines.
 
 use super::bounds::Bound;
-use super::{Budget, Tighten};
+use super::totals::{Budget, Tighten};
 use crate::machine::ErrorId;
 use std::collections::BTreeMap;
 

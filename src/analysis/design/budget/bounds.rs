@@ -1,7 +1,7 @@
 //! Which errors are bounded, and by how much.
 
 use super::class::Class;
-use crate::analysis::closed_form::location_set::LocationSet;
+use crate::analysis::closed_form::LocationSet;
 use crate::machine::{AxisKind, Direction, ErrorId, ErrorTerm, Machine};
 
 /// An error of which only the bound is known.

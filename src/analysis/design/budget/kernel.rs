@@ -3,7 +3,7 @@
 
 use super::bounds::Bound;
 use super::draw::{Draws, NODES};
-use crate::analysis::closed_form::twist::{Map, Quantity, Share, twists};
+use crate::analysis::closed_form::{Quantity, Share, TwistMap as Map, twists};
 use crate::machine::{Axis, Machine, Travel};
 
 /// Samples that are computed side by side.

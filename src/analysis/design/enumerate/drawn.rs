@@ -3,9 +3,8 @@
 //! for either side, and an arrangement is a sum of table-side joints before the bed and tool-side ones
 //! after it, always added up in the same order.
 
-use crate::analysis::closed_form::twist::{Map, Quantity, Share, twists};
-use crate::analysis::design::budget::Statistic;
-use crate::analysis::design::budget::kernel::{Chunk, JointBounds, LANES, Lanes, add, squares};
+use crate::analysis::closed_form::{Quantity, Share, TwistMap as Map, twists};
+use crate::analysis::design::budget::{Chunk, JointBounds, LANES, Lanes, Statistic, add, squares};
 use crate::machine::{Axis, Branch, Machine, Pose};
 
 /// A joint at a pose: its index among the drawn joints, its place on its travel, its maps.

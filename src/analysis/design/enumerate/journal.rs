@@ -1,7 +1,7 @@
 //! Results walk by walk as text: a line that says what study they are of, then a line for each walk.
 //! Parts of a study, made on other machines or before an interruption, are put together from these.
 
-use super::Row;
+use super::ranking::Row;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -5,10 +5,7 @@
 //! 2. The same joints and the same chain as in every evaluation are multiplied.
 //! 3. E_VE takes the inverse joint by joint; deviations are those of `eval`, workpiece frame.
 
-mod symbols;
-
-pub use symbols::{Meaning, Naming, Symbol};
-
+use super::symbols::{self, Meaning, Naming, Symbol};
 use crate::algebra::symbolic::{Kind, MAX_PRODUCTS, Rules, Symbolic};
 use crate::algebra::{Algebra, Htm};
 use crate::diagnostic::{Diagnostic, codes};
