@@ -12,7 +12,7 @@ mod spread;
 mod statistics;
 mod tally;
 
-pub use compiled::{Batch, Columns, CompiledGrid, CompiledModel, Normal, Output, PoseColumns, Unknown, Width};
+pub use compiled::{Batch, Columns, CompiledGrid, CompiledModel, NormalEquations, Output, PoseColumns, Unknown, Width};
 pub use deviation::{
     Deviation, Evaluation, Frame, MAX_DUAL_ORDER, Order, Response, command_deviation, evaluate, evaluate_over,
     response, rotation,

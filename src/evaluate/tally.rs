@@ -22,23 +22,23 @@ use std::collections::BinaryHeap;
 #[derive(Debug, Clone)]
 pub struct Tally {
     poses: u64,
-    kinds: [Lengths; 2],
-    blocks: Vec<Block>,
+    kinds: [LengthStatistics; 2],
+    blocks: Vec<BlockSums>,
     worst: BinaryHeap<Worst>,
-    most: usize,
+    max_worst: usize,
     width: Width,
 }
 
 /// The number of a block's first pose, and sum and sum of squares of positions and of rotations.
 #[derive(Debug, Clone, Copy)]
-struct Block {
+struct BlockSums {
     first: usize,
     sums: [[f64; 2]; 2],
 }
 
 /// Of positions, or of rotations.
 #[derive(Debug, Clone)]
-struct Lengths {
+struct LengthStatistics {
     max: f64,
     range: [(f64, f64); 3],
     sketch: Sketch,
@@ -51,7 +51,7 @@ struct Sketch {
     first: usize,
     counts: Vec<u64>,
     /// Lengths in bucket 0 before it had a place: zeros, mostly, for which no room is made.
-    nothing: u64,
+    below_range: u64,
 }
 
 /// A pose among the worst; the greatest is the one to be dropped first.
@@ -91,17 +91,17 @@ impl Sketch {
         // What is beyond the buckets has no place here either.
         match self.counts.get_mut(cut.wrapping_sub(FIRST + self.first as u64) as usize) {
             Some(count) => *count += 1,
-            None => self.unplaced(cut),
+            None => self.count_out_of_range(cut),
         }
     }
 
     /// One whose bucket has no place yet, or that is beyond the first or the last.
     #[inline(never)]
-    fn unplaced(&mut self, cut: u64) {
+    fn count_out_of_range(&mut self, cut: u64) {
         let bucket = (cut.saturating_sub(FIRST) as usize).min(BUCKETS - 1);
         match self.counts.get_mut(bucket.wrapping_sub(self.first)) {
             Some(count) => *count += 1,
-            None if bucket == 0 => self.nothing += 1,
+            None if bucket == 0 => self.below_range += 1,
             None => {
                 self.reach(bucket, bucket + 1);
                 self.counts[bucket - self.first] += 1;
@@ -123,7 +123,7 @@ impl Sketch {
     }
 
     fn merge(&mut self, other: &Self) {
-        self.nothing += other.nothing;
+        self.below_range += other.below_range;
         if !other.counts.is_empty() {
             self.reach(other.first, other.first + other.counts.len());
             let at = other.first - self.first;
@@ -133,19 +133,19 @@ impl Sketch {
 
     /// The middle of the bucket that holds the length of this rank (from 1); `None` if that is all but nothing.
     fn quantile(&self, rank: u64) -> Option<f64> {
-        let mut seen = self.nothing;
+        let mut seen = self.below_range;
         let place = self.counts.iter().position(|count| {
             seen += count;
             seen >= rank
         });
-        let bucket = place.filter(|_| self.nothing < rank)? + self.first;
+        let bucket = place.filter(|_| self.below_range < rank)? + self.first;
         let edge = |bucket: usize| f64::from_bits((FIRST + bucket as u64) << BELOW);
         (bucket > 0).then(|| 0.5 * (edge(bucket) + edge(bucket + 1)))
     }
 }
 
 /// Sums and extremes of a block, eight poses abreast.
-struct Eights {
+struct Accumulators {
     sum: [f64; 8],
     squares: [f64; 8],
     max: [f64; 8],
@@ -153,7 +153,7 @@ struct Eights {
     high: [[f64; 8]; 3],
 }
 
-impl Eights {
+impl Accumulators {
     const NONE: Self = Self {
         sum: [0.0; 8],
         squares: [0.0; 8],
@@ -201,18 +201,18 @@ fn eights(columns: &[Vec<f64>; 3], len: usize) -> ([&[[f64; 8]]; 3], [&[f64]; 3]
     ([x, y, z], [a, b, c])
 }
 
-impl Lengths {
+impl LengthStatistics {
     const NONE: Self = Self {
         max: 0.0,
         range: [(f64::INFINITY, f64::NEG_INFINITY); 3],
-        sketch: Sketch { first: 0, counts: Vec::new(), nothing: 0 },
+        sketch: Sketch { first: 0, counts: Vec::new(), below_range: 0 },
     };
 
     /// One block; returns its largest length, and its sums.
     #[inline(always)]
     fn add(&mut self, columns: &[Vec<f64>; 3], len: usize) -> (f64, [f64; 2]) {
         let ([x, y, z], rest) = eights(columns, len);
-        let mut block = Eights::NONE;
+        let mut block = Accumulators::NONE;
         for ((x, y), z) in x.iter().zip(y).zip(z) {
             let lengths = block.add([x, y, z]);
             for k in 0..8 {
@@ -231,7 +231,7 @@ impl Lengths {
     }
 
     /// Fewer than eight: padded with their first, which changes no extreme; the sums go without.
-    fn add_rest(&mut self, block: &mut Eights, rest: [&[f64]; 3]) {
+    fn add_rest(&mut self, block: &mut Accumulators, rest: [&[f64]; 3]) {
         let count = rest[0].len();
         if count == 0 {
             return;
@@ -269,22 +269,22 @@ impl Lengths {
 }
 
 /// A block to be added: compiled for every width, with the same bits.
-struct Counted<'a> {
+struct TallyBlock<'a> {
     tally: &'a mut Tally,
     first: usize,
     columns: &'a Columns,
     len: usize,
 }
 
-impl Kernel for Counted<'_> {
+impl Kernel for TallyBlock<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
         let Self { tally, first, columns, len } = self;
         let (longest, position) = tally.kinds[0].add(&columns.position, len);
         let (_, rotation) = tally.kinds[1].add(&columns.rotation, len);
         tally.poses += len as u64;
-        tally.blocks.push(Block { first, sums: [position, rotation] });
-        if longest >= tally.least() {
+        tally.blocks.push(BlockSums { first, sums: [position, rotation] });
+        if longest >= tally.worst_threshold() {
             tally.look_for_worst(first, columns, len);
         }
     }
@@ -295,9 +295,9 @@ impl Tally {
     pub const QUANTILE_ERROR: f64 = 1.0 / 2048.0;
 
     /// Of nothing yet; so many of the worst poses will be kept.
-    pub fn new(most: usize) -> Self {
-        let kinds = [Lengths::NONE, Lengths::NONE];
-        Self { poses: 0, kinds, blocks: Vec::new(), worst: BinaryHeap::new(), most, width: Width::widest() }
+    pub fn new(max_worst: usize) -> Self {
+        let kinds = [LengthStatistics::NONE, LengthStatistics::NONE];
+        Self { poses: 0, kinds, blocks: Vec::new(), worst: BinaryHeap::new(), max_worst, width: Width::widest() }
     }
 
     /// The same tally with narrower vectors; one that the processor has not is the scalar one.
@@ -309,33 +309,37 @@ impl Tally {
 
     /// Adds a block: the first `len` deviations of the columns (mm, rad), whose poses are numbered from `first` on.
     pub fn add(&mut self, first: usize, columns: &Columns, len: usize) {
-        run(self.width, Counted { tally: self, first, columns, len });
+        run(self.width, TallyBlock { tally: self, first, columns, len });
     }
 
     /// Length below which a pose is none of the worst.
-    fn least(&self) -> f64 {
-        if self.worst.len() < self.most { 0.0 } else { self.worst.peek().map_or(f64::INFINITY, |worst| worst.length) }
+    fn worst_threshold(&self) -> f64 {
+        if self.worst.len() < self.max_worst {
+            0.0
+        } else {
+            self.worst.peek().map_or(f64::INFINITY, |worst| worst.length)
+        }
     }
 
     /// Its square, less what rounding may do to it.
-    fn least_square(&self) -> f64 {
-        let least = self.least();
-        least * least * (1.0 - 1e-14)
+    fn squared_threshold(&self) -> f64 {
+        let threshold = self.worst_threshold();
+        threshold * threshold * (1.0 - 1e-14)
     }
 
     #[inline(always)]
     fn look_for_worst(&mut self, first: usize, columns: &Columns, len: usize) {
         let ([x, y, z], rest) = eights(&columns.position, len);
-        let mut least = self.least_square();
+        let mut threshold = self.squared_threshold();
         for at in 0..x.len() {
             let squares = squares([&x[at], &y[at], &z[at]]);
             let mut found = false;
             for k in 0..8 {
-                found |= squares[k] >= least || squares[k].is_nan();
+                found |= squares[k] >= threshold || squares[k].is_nan();
             }
             if found {
                 self.keep(first, columns, 8 * at..8 * at + 8);
-                least = self.least_square();
+                threshold = self.squared_threshold();
             }
         }
         self.keep(first, columns, len - rest[0].len()..len);
@@ -350,7 +354,7 @@ impl Tally {
     }
 
     fn keep_one(&mut self, worst: Worst) {
-        if self.worst.len() < self.most {
+        if self.worst.len() < self.max_worst {
             self.worst.push(worst);
         } else if self.worst.peek().is_some_and(|last| worst < *last) {
             let _ = self.worst.pop();
@@ -375,7 +379,7 @@ impl Tally {
         if self.poses == 0 {
             return Statistics::of(&[]);
         }
-        let mut blocks: Vec<&Block> = self.blocks.iter().collect();
+        let mut blocks: Vec<&BlockSums> = self.blocks.iter().collect();
         blocks.sort_unstable_by_key(|block| block.first);
         let total = |kind: usize| [0, 1].map(|k| blocks.iter().map(|block| block.sums[kind][k]).sum());
         Statistics {
@@ -398,7 +402,7 @@ mod tests {
     use crate::evaluate::statistics::worst;
     use nalgebra::Vector3;
 
-    /// Lengths over twelve decades.
+    /// LengthStatistics over twelve decades.
     fn deviations(count: usize) -> Vec<Deviation> {
         let one = |i: usize| {
             let x = ((i * 7919) % count) as f64 / count as f64;
@@ -493,10 +497,10 @@ mod tests {
         let list: Vec<Deviation> = (0..40).flat_map(|_| lengths).map(of).collect();
         let mut tally = Tally::new(0);
         tally.add(0, &columns(&list), list.len());
-        let Sketch { first, counts, nothing } = &tally.kinds[0].sketch;
+        let Sketch { first, counts, below_range } = &tally.kinds[0].sketch;
         assert_eq!((*first, counts.len()), (0, BUCKETS));
-        assert_eq!((nothing + counts[0], counts[BUCKETS - 1]), (160, 120));
-        assert_eq!(nothing + counts.iter().sum::<u64>(), 400);
-        assert_eq!(tally.kinds[1].sketch.nothing, 400);
+        assert_eq!((below_range + counts[0], counts[BUCKETS - 1]), (160, 120));
+        assert_eq!(below_range + counts.iter().sum::<u64>(), 400);
+        assert_eq!(tally.kinds[1].sketch.below_range, 400);
     }
 }

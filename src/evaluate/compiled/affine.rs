@@ -14,7 +14,7 @@
 use super::chain::{CompiledChain, CompiledJoint, Motion};
 use super::curves::Six;
 use super::lookup::Inputs;
-use super::pass::FARTHEST;
+use super::pass::MAX_SQUARED_HALF_ANGLE;
 use super::vector::{cross, dot, minus, plus, plus_cross, plus_times, times};
 
 /// A vector or a point.
@@ -52,7 +52,7 @@ impl Inputs<f64> for Node {
         self.turn
     }
 
-    fn six(self, _: usize) -> Six {
+    fn errors(self, _: usize) -> Six {
         self.six
     }
 }
@@ -62,19 +62,19 @@ pub trait Sections {
     /// The chain.
     fn chain(&self) -> &CompiledChain;
     /// The displacement of a point by its errors, of first and of second degree (exact: all in the first), and a number that is
-    /// above [`FARTHEST`] if it must not be trusted.
+    /// above [`MAX_SQUARED_HALF_ANGLE`] if it must not be trusted.
     fn displaced(&self, section: Section, point: Vector3) -> ([Vector3; 2], f64);
 }
 
 /// Where the product of two errors belongs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Product {
+pub enum ErrorProducts {
     /// Nowhere: order 1.
-    Nowhere,
+    Dropped,
     /// Into the second degree: order 2.
-    Second,
+    SecondDegree,
     /// To all the rest: exact.
-    Whole,
+    Kept,
 }
 
 /// Of the image of x: `columns x + shift`.
@@ -141,7 +141,7 @@ impl Affine {
         let base = sections.chain().tip;
         let asked = |point: Vector3| {
             let (displaced, far) = sections.displaced(section, plus(base, point));
-            (far <= FARTHEST).then_some(displaced)
+            (far <= MAX_SQUARED_HALF_ANGLE).then_some(displaced)
         };
         let origin = asked([0.0; 3])?;
         let mut displacement = origin.map(|shift| Linear { columns: [[0.0; 3]; 3], shift });
@@ -160,32 +160,32 @@ impl Affine {
 
     /// This one outside another.
     #[inline(always)]
-    pub fn times(&self, inner: &Self, product: Product) -> Self {
+    pub fn times(&self, inner: &Self, products: ErrorProducts) -> Self {
         let (a, [first, second]) = (&self.nominal, &self.displacement);
         let [of_first, of_second] = &inner.displacement;
-        let displacement = match product {
-            Product::Nowhere => [first.past(inner).plus(&a.after(of_first)), Linear::default()],
-            Product::Second => [
+        let displacement = match products {
+            ErrorProducts::Dropped => [first.past(inner).plus(&a.after(of_first)), Linear::default()],
+            ErrorProducts::SecondDegree => [
                 first.past(inner).plus(&a.after(of_first)),
                 second.past(inner).plus(&a.after(of_second)).plus(&first.after(of_first)),
             ],
-            Product::Whole => [first.past(inner).plus(&a.plus(first).after(of_first)), Linear::default()],
+            ErrorProducts::Kept => [first.past(inner).plus(&a.plus(first).after(of_first)), Linear::default()],
         };
         Self { nominal: a.past(inner), displacement, turns: self.turns || inner.turns }
     }
 
     /// The displacement of the base, by degree, that is already displaced from where it ideally is.
-    pub fn displaced(&self, by: Vector3, product: Product) -> [Vector3; 2] {
+    pub fn displaced(&self, by: Vector3, products: ErrorProducts) -> [Vector3; 2] {
         let [first, second] = self.displacement.map(|displacement| displacement.shift);
         let (first, again) = (plus(first, self.nominal.turned(by)), self.displacement[0].turned(by));
-        match product {
-            Product::Nowhere => [first, second],
-            Product::Second => [first, plus(second, again)],
-            Product::Whole => [plus(first, again), second],
+        match products {
+            ErrorProducts::Dropped => [first, second],
+            ErrorProducts::SecondDegree => [first, plus(second, again)],
+            ErrorProducts::Kept => [plus(first, again), second],
         }
     }
 
-    /// By degree, the vector of the rotation's antisymmetric part: the sine of the angle, along the axis.
+    /// By degree, the vector of the rotation's antisymmetric chunk: the sine of the angle, along the axis.
     #[inline(always)]
     pub fn rotation(&self) -> [Vector3; 2] {
         let ([a, b, c], mut sines) = (self.nominal.columns, [[0.0; 3]; 2]);

@@ -1,7 +1,7 @@
 //! The chain, compiled: what of a machine does not depend on the pose, joint by joint.
 
 use super::curves::{Curves, Six};
-use super::lookup::{Lookup, LookupRequest, Part};
+use super::lookup::{Chunk, Lookup, LookupRequest};
 use super::simd::Lanes;
 use super::vector::{Vector, cross, dot, minus, plus, plus_times, splat, times};
 use crate::machine::{
@@ -118,12 +118,12 @@ impl CompiledChain {
 
     /// Looks up, for a chunk of poses, everything that the walks of order 2 and of the exact model read.
     #[inline(always)]
-    pub fn look_up<V: Lanes>(&self, axes: &mut [Lookup], part: Part<'_>) {
+    pub fn look_up<V: Lanes>(&self, axes: &mut [Lookup], chunk: Chunk<'_>) {
         for axis in 0..axes.len() {
             let wanted = self.joints[axis].wanted();
-            axes[axis].look::<V>(wanted, axis, part);
+            axes[axis].fill::<V>(wanted, axis, chunk);
             if let Some(curves) = wanted.curves {
-                axes[axis].six::<V>(curves, axis, part);
+                axes[axis].fill_errors::<V>(curves, axis, chunk);
             }
         }
     }
@@ -142,7 +142,7 @@ fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Opt
     let (motion, curves) = (motion(axis), Curves::new(errors, approach)?);
     Some(CompiledJoint {
         errors: !curves.is_zero(),
-        turns: matches!(motion, Motion::Turn(_)) || curves.has_waves(),
+        turns: matches!(motion, Motion::Turn(_)) || curves.has_harmonics(),
         motion,
         origin: axis.origin,
         curves,

@@ -8,13 +8,13 @@
 
 use super::affine::{Section, Sections};
 use super::chain::{About, CompiledChain, CompiledJoint, Located, Motion, Placed, slid};
-use super::lookup::{Inputs, Lookup, Part, Scattered};
-use super::pass::{FARTHEST, Task};
+use super::lookup::{Chunk, Inputs, Lookup, PoseInputs};
+use super::pass::{LaneDeviation, MAX_SQUARED_HALF_ANGLE, PoseKernel};
 use super::simd::Lanes;
 use super::trigonometry::RADIAN;
 use super::vector::{Vector, cross, dot, minus, plus, plus_cross, plus_times, splat, times};
 
-/// Terms of the series: good to the last bit up to [`super::pass::FARTHEST`].
+/// Terms of the series: good to the last bit up to [`super::pass::MAX_SQUARED_HALF_ANGLE`].
 const TERMS: usize = 10;
 
 /// `first, first * ratio(1), ...` with the ratio of two whole numbers linear in i.
@@ -60,25 +60,25 @@ pub fn polynomial<V: Lanes>(terms: &[f64], x: V) -> V {
 
 /// An error motion, ready to be applied.
 #[derive(Debug, Clone, Copy)]
-struct Small<V> {
+struct ErrorMotion<V> {
     turn: Vector<V>,
     shift: Vector<V>,
     /// K = a hat(turn) + b hat(turn)^2.
     a: V,
     b: V,
-    /// Scalar part of its quaternion, and the factor of `turn` in the vector part.
+    /// Scalar part of its quaternion, and the factor of `turn` in the vector chunk.
     half: (V, V),
     inverse: bool,
 }
 
 /// The actual rotation relative to the nominal one.
-trait Relative<V: Lanes>: Copy {
+trait RelativeRotation<V: Lanes>: Copy {
     fn none() -> Self;
     /// The error motion of six numbers; a number too large where the series are not good enough.
-    fn small(six: [V; 6], inverse: bool) -> (Small<V>, V);
+    fn motion(six: [V; 6], inverse: bool) -> (ErrorMotion<V>, V);
     fn turned(self, about: &About, turn: (V, V)) -> Self;
     /// After an error motion.
-    fn after(self, small: &Small<V>) -> Self;
+    fn after(self, motion: &ErrorMotion<V>) -> Self;
     fn vector(self) -> (Vector<V>, V);
 }
 
@@ -86,21 +86,21 @@ trait Relative<V: Lanes>: Copy {
 #[derive(Clone, Copy)]
 struct Quaternion<V>(V, Vector<V>);
 
-impl<V: Lanes> Relative<V> for Quaternion<V> {
+impl<V: Lanes> RelativeRotation<V> for Quaternion<V> {
     #[inline(always)]
     fn none() -> Self {
         Self(V::splat(1.0), [V::splat(0.0); 3])
     }
 
     #[inline(always)]
-    fn small(six: [V; 6], inverse: bool) -> (Small<V>, V) {
+    fn motion(six: [V; 6], inverse: bool) -> (ErrorMotion<V>, V) {
         let [dx, dy, dz, ex, ey, ez] = six;
         let turn = [ex, ey, ez];
         let half = V::splat(0.5);
         let quarter = dot(turn, turn) * V::splat(0.25);
         let (sine, cosine) = (polynomial(&SINC[..6], quarter), polynomial(&COSINE[..7], quarter));
         let sign = V::splat(if inverse { -1.0 } else { 1.0 });
-        let small = Small {
+        let motion = ErrorMotion {
             turn,
             shift: [dx, dy, dz],
             a: sine * cosine * sign,
@@ -108,7 +108,7 @@ impl<V: Lanes> Relative<V> for Quaternion<V> {
             half: (cosine, sine * half * sign),
             inverse,
         };
-        (small, quarter)
+        (motion, quarter)
     }
 
     #[inline(always)]
@@ -117,8 +117,8 @@ impl<V: Lanes> Relative<V> for Quaternion<V> {
     }
 
     #[inline(always)]
-    fn after(self, small: &Small<V>) -> Self {
-        let (c, v) = (small.half.0, times(small.turn, small.half.1));
+    fn after(self, motion: &ErrorMotion<V>) -> Self {
+        let (c, v) = (motion.half.0, times(motion.turn, motion.half.1));
         let vector = plus_cross(plus_times(times(self.1, c), v, self.0), v, self.1);
         Self(c * self.0 - dot(v, self.1), vector)
     }
@@ -139,20 +139,20 @@ fn transposed<V: Lanes>([a, b, c]: [Vector<V>; 3]) -> [Vector<V>; 3] {
     [[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]]]
 }
 
-impl<V: Lanes> Relative<V> for Matrix<V> {
+impl<V: Lanes> RelativeRotation<V> for Matrix<V> {
     #[inline(always)]
     fn none() -> Self {
         Self([[V::splat(0.0); 3]; 3])
     }
 
     #[inline(always)]
-    fn small(six: [V; 6], inverse: bool) -> (Small<V>, V) {
+    fn motion(six: [V; 6], inverse: bool) -> (ErrorMotion<V>, V) {
         let [dx, dy, dz, ex, ey, ez] = six;
         let (turn, zero, one) = ([ex, ey, ez], V::splat(0.0), V::splat(1.0));
         // (1 + H)^-1 = 1 - H / (1 + s) + H^2 / (1 + s) with s the square of the vector.
-        let factor = if inverse { one.over(one + dot(turn, turn)) } else { zero };
+        let factor = if inverse { one.quotient(one + dot(turn, turn)) } else { zero };
         let a = if inverse { zero - factor } else { one };
-        (Small { turn, shift: [dx, dy, dz], a, b: factor, half: (one, zero), inverse }, zero)
+        (ErrorMotion { turn, shift: [dx, dy, dz], a, b: factor, half: (one, zero), inverse }, zero)
     }
 
     #[inline(always)]
@@ -163,12 +163,12 @@ impl<V: Lanes> Relative<V> for Matrix<V> {
     }
 
     #[inline(always)]
-    fn after(self, small: &Small<V>) -> Self {
+    fn after(self, motion: &ErrorMotion<V>) -> Self {
         let mut columns = self.0;
         for k in 0..3 {
             let mut whole = columns[k];
             whole[k] = whole[k] + V::splat(1.0);
-            columns[k] = plus(columns[k], small.moved(whole));
+            columns[k] = plus(columns[k], motion.moved(whole));
         }
         Self(columns)
     }
@@ -181,7 +181,7 @@ impl<V: Lanes> Relative<V> for Matrix<V> {
     }
 }
 
-impl<V: Lanes> Small<V> {
+impl<V: Lanes> ErrorMotion<V> {
     /// K y.
     #[inline(always)]
     fn moved(&self, y: Vector<V>) -> Vector<V> {
@@ -190,11 +190,11 @@ impl<V: Lanes> Small<V> {
     }
 }
 
-impl Small<f64> {
+impl ErrorMotion<f64> {
     /// The same in all lanes.
     #[inline(always)]
-    fn splat<V: Lanes>(&self) -> Small<V> {
-        Small {
+    fn splat<V: Lanes>(&self) -> ErrorMotion<V> {
+        ErrorMotion {
             turn: splat(&self.turn),
             shift: splat(&self.shift),
             a: V::splat(self.a),
@@ -207,21 +207,21 @@ impl Small<f64> {
 
 /// A constant error motion and its inverse.
 #[derive(Debug, Clone, Copy)]
-struct Fixed {
-    motion: Small<f64>,
-    undone: Small<f64>,
+struct ConstantMotion {
+    motion: ErrorMotion<f64>,
+    undone: ErrorMotion<f64>,
     about: [f64; 3],
 }
 
-impl Fixed {
+impl ConstantMotion {
     /// `None` if it is too large for the series.
     fn new(placed: &Placed, linearised: bool) -> Option<Self> {
-        let small = |inverse| match linearised {
-            true => Matrix::small(placed.six, inverse),
-            false => Quaternion::small(placed.six, inverse),
+        let motion = |inverse| match linearised {
+            true => Matrix::motion(placed.six, inverse),
+            false => Quaternion::motion(placed.six, inverse),
         };
-        let ((motion, far), (undone, _)) = (small(placed.inverse), small(!placed.inverse));
-        (far <= FARTHEST).then_some(Self { motion, undone, about: placed.about })
+        let ((motion, far), (undone, _)) = (motion(placed.inverse), motion(!placed.inverse));
+        (far <= MAX_SQUARED_HALF_ANGLE).then_some(Self { motion, undone, about: placed.about })
     }
 }
 
@@ -233,7 +233,7 @@ struct State<V, R> {
     far: V,
 }
 
-impl<V: Lanes, R: Relative<V>> State<V, R> {
+impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
     /// A point and its displacement, before any rotation.
     #[inline(always)]
     fn at(point: Vector<V>, displacement: Vector<V>) -> Self {
@@ -241,25 +241,25 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
     }
 
     #[inline(always)]
-    fn apply(&mut self, small: &Small<V>, about: &[f64; 3]) {
+    fn apply(&mut self, motion: &ErrorMotion<V>, about: &[f64; 3]) {
         let arm = plus(minus(self.point, splat(about)), self.displacement);
-        let added = if small.inverse {
-            minus(small.moved(minus(arm, small.shift)), small.shift)
+        let added = if motion.inverse {
+            minus(motion.moved(minus(arm, motion.shift)), motion.shift)
         } else {
-            plus(small.moved(arm), small.shift)
+            plus(motion.moved(arm), motion.shift)
         };
         self.displacement = plus(self.displacement, added);
-        self.relative = self.relative.after(small);
+        self.relative = self.relative.after(motion);
     }
 
     #[inline(always)]
-    fn small(&mut self, (small, far): &(Small<V>, V), about: &[f64; 3]) {
+    fn motion(&mut self, (motion, far): &(ErrorMotion<V>, V), about: &[f64; 3]) {
         self.far = self.far.larger(*far);
-        self.apply(small, about);
+        self.apply(motion, about);
     }
 
     #[inline(always)]
-    fn fixed(&mut self, fixed: &Fixed) {
+    fn fixed(&mut self, fixed: &ConstantMotion) {
         self.apply(&fixed.motion.splat(), &fixed.about);
     }
 
@@ -268,13 +268,13 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
     fn further(&mut self, about: &About, angle: V, origin: &[f64; 3]) {
         let [x, y, z] = times(splat(&about.direction()), angle * V::splat(RADIAN));
         let zero = V::splat(0.0);
-        let (small, far) = Quaternion::small([zero, zero, zero, x, y, z], false);
+        let (motion, far) = Quaternion::motion([zero, zero, zero, x, y, z], false);
         self.far = self.far.larger(far);
-        self.apply(&small, origin);
+        self.apply(&motion, origin);
     }
 
     #[inline(always)]
-    fn link<I: Inputs<V>>(&mut self, link: &CompiledJoint, axis: usize, location: Option<&Fixed>, inputs: I) {
+    fn link<I: Inputs<V>>(&mut self, link: &CompiledJoint, axis: usize, location: Option<&ConstantMotion>, inputs: I) {
         let zero = V::splat(0.0);
         let (q, added) = (inputs.position(axis), inputs.added(axis));
         let there = match added {
@@ -282,20 +282,20 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
             None => q,
         };
         let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
-        let errors = if link.errors { Some(R::small(inputs.six(axis), link.inverse)) } else { None };
+        let errors = if link.errors { Some(R::motion(inputs.errors(axis), link.inverse)) } else { None };
         if let (Some(location), Located::Innermost) = (location, link.located) {
             self.fixed(location);
         }
-        if let (Some(small), false) = (&errors, link.outside) {
-            self.small(small, &link.origin);
+        if let (Some(motion), false) = (&errors, link.outside) {
+            self.motion(motion, &link.origin);
         }
         let around = if link.located == Located::Around { location } else { None };
         match &link.motion {
             Motion::Slide(direction) => self.slide(direction, around, (q, there), added),
             Motion::Turn(about) => self.turn(about, &link.origin, around, turn, added),
         }
-        if let (Some(small), true) = (&errors, link.outside) {
-            self.small(small, &link.origin);
+        if let (Some(motion), true) = (&errors, link.outside) {
+            self.motion(motion, &link.origin);
         }
         if let (Some(location), Located::Outermost) = (location, link.located) {
             self.fixed(location);
@@ -304,7 +304,7 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
 
     /// A linear axis; an error of its place only bends its direction.
     #[inline(always)]
-    fn slide(&mut self, direction: &[f64; 3], around: Option<&Fixed>, (q, there): (V, V), added: Option<V>) {
+    fn slide(&mut self, direction: &[f64; 3], around: Option<&ConstantMotion>, (q, there): (V, V), added: Option<V>) {
         self.point = slid(direction, q, self.point);
         if let Some(added) = added {
             self.displacement = plus_times(self.displacement, splat(direction), added);
@@ -317,7 +317,14 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
 
     /// A rotary axis: N, or Loc N Loc^-1.
     #[inline(always)]
-    fn turn(&mut self, about: &About, origin: &[f64; 3], around: Option<&Fixed>, turn: (V, V), added: Option<V>) {
+    fn turn(
+        &mut self,
+        about: &About,
+        origin: &[f64; 3],
+        around: Option<&ConstantMotion>,
+        turn: (V, V),
+        added: Option<V>,
+    ) {
         if let Some(location) = around {
             self.apply(&location.undone.splat(), origin);
         }
@@ -335,18 +342,18 @@ impl<V: Lanes, R: Relative<V>> State<V, R> {
 
 /// The plan of the exact model.
 #[derive(Debug, Clone)]
-pub struct Exact {
+pub struct ExactModel {
     chain: CompiledChain,
-    locations: Vec<Option<Fixed>>,
-    spindle: Option<Fixed>,
-    clamping: Option<Fixed>,
+    locations: Vec<Option<ConstantMotion>>,
+    spindle: Option<ConstantMotion>,
+    clamping: Option<ConstantMotion>,
 }
 
-impl Exact {
+impl ExactModel {
     /// `None` if a constant error is too large for the series.
     pub fn new(chain: CompiledChain) -> Option<Self> {
         let fixed = |placed: &Option<Placed>| match placed {
-            Some(placed) => Fixed::new(placed, chain.linearised).map(Some),
+            Some(placed) => ConstantMotion::new(placed, chain.linearised).map(Some),
             None => Some(None),
         };
         Some(Self {
@@ -358,7 +365,7 @@ impl Exact {
     }
 
     #[inline(always)]
-    fn chain<V: Lanes, R: Relative<V>>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+    fn chain<V: Lanes, R: RelativeRotation<V>>(&self, inputs: PoseInputs<'_>) -> LaneDeviation<V> {
         let chain = &self.chain;
         let mut state = State::<V, R>::at(splat(&chain.tip), splat(&chain.tool));
         if let Some(spindle) = &self.spindle {
@@ -371,10 +378,10 @@ impl Exact {
             state.fixed(clamping);
         }
         let (rotation, far) = state.relative.vector();
-        (state.displacement, rotation, state.far.larger(far))
+        LaneDeviation { position: state.displacement, rotation, squared_half_angle: state.far.larger(far) }
     }
 
-    fn past<R: Relative<f64>>(&self, section: Section, point: [f64; 3]) -> ([f64; 3], f64) {
+    fn past<R: RelativeRotation<f64>>(&self, section: Section, point: [f64; 3]) -> ([f64; 3], f64) {
         let mut state = State::<f64, R>::at(point, [0.0; 3]);
         match section {
             Section::Joint(axis, at) => {
@@ -387,7 +394,7 @@ impl Exact {
     }
 }
 
-impl Sections for Exact {
+impl Sections for ExactModel {
     fn chain(&self) -> &CompiledChain {
         &self.chain
     }
@@ -401,17 +408,17 @@ impl Sections for Exact {
     }
 }
 
-impl Task for Exact {
-    type Room = ();
-    const ROOM: () = ();
+impl PoseKernel for ExactModel {
+    type Workspace = ();
+    const EMPTY: () = ();
 
     #[inline(always)]
-    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], _: &mut (), part: Part<'_>) {
-        self.chain.look_up::<V>(axes, part);
+    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], _: &mut (), chunk: Chunk<'_>) {
+        self.chain.look_up::<V>(axes, chunk);
     }
 
     #[inline(always)]
-    fn at<V: Lanes>(&self, _: &(), inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+    fn at<V: Lanes>(&self, _: &(), inputs: PoseInputs<'_>) -> LaneDeviation<V> {
         if self.chain.linearised { self.chain::<V, Matrix<V>>(inputs) } else { self.chain::<V, Quaternion<V>>(inputs) }
     }
 }

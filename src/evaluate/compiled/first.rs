@@ -7,8 +7,8 @@
 
 use super::chain::{About, CompiledChain, Motion};
 use super::curves::{Six, splat_six};
-use super::lookup::{CHUNK, Lookup, LookupRequest, Part, Scattered};
-use super::pass::Task;
+use super::lookup::{CHUNK, Chunk, Lookup, LookupRequest, PoseInputs};
+use super::pass::{LaneDeviation, PoseKernel};
 use super::simd::Lanes;
 use super::steps::{self, Step, Sum};
 use super::twist::{TwistChain, TwistJoint};
@@ -28,66 +28,65 @@ pub struct FirstOrder {
 }
 
 impl FirstOrder {
-    /// `None` where location errors count in the real part.
+    /// `None` where location errors count in the real chunk.
     pub fn new(chain: &CompiledChain) -> Option<Self> {
         if chain.real_locations {
             return None;
         }
         let TwistChain { joints, end } = TwistChain::new(chain);
         let point = minus(chain.tip, steps::reference(&joints, joints.len()));
-        Some(Self { steps: steps::of(&joints, end), joints, point, tool: chain.tool })
+        Some(Self { steps: steps::steps(&joints, end), joints, point, tool: chain.tool })
     }
 
     /// A chunk of poses from the tool past all steps.
     #[inline(always)]
-    fn walk<V: Lanes>(&self, states: &mut States, axes: &[Lookup], part: Part<'_>) {
-        states.begin::<V>(self, part.count);
+    fn walk<V: Lanes>(&self, states: &mut WalkStates, axes: &[Lookup], chunk: Chunk<'_>) {
+        states.begin::<V>(self, chunk.count);
         for step in &self.steps {
             if let Some(axis) = step.motion {
-                states.moved::<V>(&self.joints[axis], step, &axes[axis], part.positions(axis));
+                states.moved::<V>(&self.joints[axis], step, &axes[axis], chunk.positions(axis));
             }
             if let Some(sum) = &step.sum {
-                states.summed::<V>(sum, axes, part);
+                states.summed::<V>(sum, axes, chunk);
             }
             if let Some((axis, _)) = &step.errors {
-                states.add_errors::<V>(&axes[*axis], part.count);
+                states.add_errors::<V>(&axes[*axis], chunk.count);
             }
             if let Some(constant) = &step.constant {
-                states.add_constant::<V>(constant, part.count);
+                states.add_constant::<V>(constant, chunk.count);
             }
         }
     }
 }
 
-impl Task for FirstOrder {
-    type Room = States;
-    const ROOM: States = States::NONE;
+impl PoseKernel for FirstOrder {
+    type Workspace = WalkStates;
+    const EMPTY: WalkStates = WalkStates::NONE;
 
     #[inline(always)]
-    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], states: &mut States, part: Part<'_>) {
+    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], states: &mut WalkStates, chunk: Chunk<'_>) {
         for axis in 0..axes.len() {
             let joint = &self.joints[axis];
-            axes[axis].look::<V>(LookupRequest { turns: joint.turns, curves: joint.curves.as_ref() }, axis, part);
+            axes[axis].fill::<V>(LookupRequest { turns: joint.turns, curves: joint.curves.as_ref() }, axis, chunk);
         }
         for step in &self.steps {
             if let Some((axis, curves)) = &step.errors {
-                axes[*axis].six::<V>(curves, *axis, part);
+                axes[*axis].fill_errors::<V>(curves, *axis, chunk);
             }
         }
-        self.walk::<V>(states, axes, part);
+        self.walk::<V>(states, axes, chunk);
     }
 
     #[inline(always)]
-    fn at<V: Lanes>(&self, states: &States, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
-        let (displacement, rotation) = states.at(inputs.i);
-        (displacement, rotation, V::splat(0.0))
+    fn at<V: Lanes>(&self, states: &WalkStates, inputs: PoseInputs<'_>) -> LaneDeviation<V> {
+        states.at(inputs.i)
     }
 }
 
 /// What is carried from the tool to the workpiece, of a chunk of poses. Every step goes over all of them: finding out what it
 /// has to do would cost as much as doing it for one vector.
 #[repr(C, align(64))]
-pub struct States {
+pub struct WalkStates {
     /// The functional point less the point of reference.
     point: Vectors,
     /// Displacement of the point of reference.
@@ -136,7 +135,7 @@ impl Vectors {
     }
 }
 
-impl States {
+impl WalkStates {
     /// Before anything.
     pub const NONE: Self = Self { point: Vectors::NONE, displacement: Vectors::NONE, rotation: Vectors::NONE };
 
@@ -152,11 +151,12 @@ impl States {
         }
     }
 
-    /// Displacement of the functional point, and rotation.
+    /// Returns the deviations: the lever of the functional point about the point of reference counts here.
     #[inline(always)]
-    fn at<V: Lanes>(&self, i: usize) -> (Vector<V>, Vector<V>) {
+    fn at<V: Lanes>(&self, i: usize) -> LaneDeviation<V> {
         let rotation = self.rotation.get(i);
-        (plus_cross(self.displacement.get(i), rotation, self.point.get(i)), rotation)
+        let position = plus_cross(self.displacement.get(i), rotation, self.point.get(i));
+        LaneDeviation { position, rotation, squared_half_angle: V::splat(0.0) }
     }
 
     /// By a joint's own motion.
@@ -191,7 +191,7 @@ impl States {
             while factor != 0.0 && i < positions.len() {
                 let q = V::load(&positions[i..]);
                 let way = if factor == 1.0 { q } else { q * V::splat(factor) };
-                self.farther(k, i, way, rotated);
+                self.advance_point(k, i, way, rotated);
                 i += V::COUNT;
             }
             i = 0;
@@ -208,7 +208,7 @@ impl States {
         for k in 0..3 {
             let mut i = 0;
             while by[k] != 0.0 && i < count {
-                self.farther(k, i, V::splat(-by[k]), true);
+                self.advance_point(k, i, V::splat(-by[k]), true);
                 i += V::COUNT;
             }
         }
@@ -216,7 +216,7 @@ impl States {
 
     /// The functional point is farther along a machine axis from the point of reference.
     #[inline(always)]
-    fn farther<V: Lanes>(&mut self, k: usize, i: usize, way: V, rotated: bool) {
+    fn advance_point<V: Lanes>(&mut self, k: usize, i: usize, way: V, rotated: bool) {
         self.point.add(k, i, way);
         if rotated {
             let (next, last) = ((k + 1) % 3, (k + 2) % 3);
@@ -241,17 +241,17 @@ impl States {
 
     /// The errors of several axes, transposed once.
     #[inline(always)]
-    fn summed<V: Lanes>(&mut self, sum: &Sum, axes: &[Lookup], part: Part<'_>) {
+    fn summed<V: Lanes>(&mut self, sum: &Sum, axes: &[Lookup], chunk: Chunk<'_>) {
         let mut i = 0;
-        while i < part.count {
-            let mut rows = sum.first.1.rows::<V, CHUNK>(axes[sum.first.0].spots(i));
+        while i < chunk.count {
+            let mut rows = sum.first.1.rows::<V, CHUNK>(axes[sum.first.0].table_vector(i));
             for (axis, curves) in &sum.others {
-                curves.add_rows::<V, CHUNK>(&mut rows, axes[*axis].spots(i));
+                curves.add_rows::<V, CHUNK>(&mut rows, axes[*axis].table_vector(i));
             }
-            let [x, y, z, ex, ey, ez, aside, other] = V::columns(&rows);
+            let [x, y, z, ex, ey, ez, aside, other] = V::transpose(&rows);
             self.add::<V>(i, [x, y, z, ex, ey, ez]);
             if let Some(slide) = sum.slide {
-                let q = V::load(&part.positions(slide.axis)[i..]);
+                let q = V::load(&chunk.positions(slide.axis)[i..]);
                 let [x, y, z]: Vector<V> = self.displacement.get(i);
                 let moved = match slide.along {
                     0 => [x, y.plus_times(aside, q), z.plus_times(other, q)],

@@ -10,13 +10,13 @@ use crate::evaluate::deviation::Frame;
 use crate::lower::NominalPose;
 use crate::machine::Branch;
 
-struct Turned<'a, 'o> {
+struct FrameRotation<'a, 'o> {
     joints: &'a [(usize, About)],
     poses: Slices<'a>,
     out: Output<'o>,
 }
 
-impl Kernel for Turned<'_, '_> {
+impl Kernel for FrameRotation<'_, '_> {
     #[inline(always)]
     fn run<V: Lanes>(mut self) {
         let (count, mut at) = (self.out.len(), 0);
@@ -31,7 +31,7 @@ impl Kernel for Turned<'_, '_> {
     }
 }
 
-impl Turned<'_, '_> {
+impl FrameRotation<'_, '_> {
     #[inline(always)]
     fn step<V: Lanes>(&mut self, at: usize) {
         let (p, r) = (&self.out.position, &self.out.rotation);
@@ -63,7 +63,7 @@ impl CompiledModel {
             .filter_map(|(axis, link)| if let Motion::Turn(about) = link.motion { Some((axis, about)) } else { None })
             .collect();
         let poses = Slices { axes: poses.axes(), added: &[], whole: poses.len() };
-        run(self.width, Turned { joints: &joints, poses, out });
+        run(self.width, FrameRotation { joints: &joints, poses, out });
     }
 
     fn to_frame_one_by_one(&self, frame: Frame, poses: &Batch<'_>, out: &mut Output<'_>) {

@@ -1,14 +1,14 @@
 //! Tensor grids: nothing that does not depend on the inner axis is computed at its nodes.
 //!
-//! The inner axis is the last one, which is the joint next to the tool. The outer joints are composed into one map for a whole line
+//! The inner axis is the last one, which is the joint next to the tool. The outer joints are lines into one map for a whole line
 //! (`composed`): the numbers are those of scattered poses up to rounding, 1e-12 of the largest, and the same at any vector width and on any
 //! number of threads.
 
-use super::affine::Product;
+use super::affine::ErrorProducts;
 use super::batch::Output;
 use super::grid_lines::{GridLines, Lines};
 use super::lanes::run;
-use super::model::{CompiledModel, Walk};
+use super::model::{CompiledModel, OrderKernel};
 use super::second::SecondOrder;
 use crate::evaluate::poses::Nodes;
 use rayon::prelude::*;
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 pub struct CompiledGrid {
     plan: CompiledModel,
     counts: Vec<usize>,
-    composed: Box<GridLines>,
+    lines: Box<GridLines>,
 }
 
 /// Lines that one thread does at a time, in nodes.
@@ -48,7 +48,7 @@ impl CompiledGrid {
         for (node, count) in at.iter_mut().zip(&self.counts).rev() {
             (*node, index) = (index % count, index / count);
         }
-        run(self.plan.width, Lines { grid: &self.composed, first: at, out: whole });
+        run(self.plan.width, Lines { grid: &self.lines, first: at, out: whole });
     }
 
     /// The same on all threads of rayon's pool.
@@ -75,12 +75,14 @@ impl CompiledModel {
             return None;
         }
         let positions = nodes.positions();
-        let composed = match &self.kernel {
-            Walk::First(_) => GridLines::new(&SecondOrder::new(self.chain.clone()?)?, Product::Nowhere, &positions),
-            Walk::Second(task) => GridLines::new(task, Product::Second, &positions),
-            Walk::Exact(task) => GridLines::new(task.as_ref(), Product::Whole, &positions),
-            Walk::General => None,
+        let lines = match &self.kernel {
+            OrderKernel::First(_) => {
+                GridLines::new(&SecondOrder::new(self.chain.clone()?)?, ErrorProducts::Dropped, &positions)
+            }
+            OrderKernel::Second(task) => GridLines::new(task, ErrorProducts::SecondDegree, &positions),
+            OrderKernel::Exact(task) => GridLines::new(task.as_ref(), ErrorProducts::Kept, &positions),
+            OrderKernel::General => None,
         };
-        Some(CompiledGrid { plan: self.clone(), counts: nodes.counts().collect(), composed: Box::new(composed?) })
+        Some(CompiledGrid { plan: self.clone(), counts: nodes.counts().collect(), lines: Box::new(lines?) })
     }
 }

@@ -15,17 +15,17 @@
 //! with point p, displacement d, rotation r behind the inner joint (1: of first degree), and 1 + X its relative rotation. Of orthogonal
 //! joints that axial vector is the sine of the angle along the axis, and a series makes the rotation vector of it.
 
-use super::affine::{Affine, Linear, Node, Product, Section, Sections, Vector3};
+use super::affine::{Affine, ErrorProducts, Linear, Node, Section, Sections, Vector3};
 use super::batch::Output;
 use super::exact::{arcsine, polynomial};
-use super::simd::{Kernel, Lanes, MOST};
+use super::simd::{Kernel, Lanes, MAX_LANES};
 use super::trigonometry::sin_cos;
 use super::vector::{cross, dot, plus, splat, times};
 
 /// A plan with the nodes of a grid.
 #[derive(Debug, Clone)]
 pub struct GridLines {
-    product: Product,
+    products: ErrorProducts,
     /// Is the rotation vector to be made of its sine?
     arc: bool,
     clamping: Affine,
@@ -44,15 +44,15 @@ struct Inner {
 }
 
 /// Rotations (rad) of all errors together up to which the series is good to the last bit.
-const WIDEST: f64 = 0.3;
+const MAX_ROTATION: f64 = 0.3;
 
-/// asin s / s by powers of s^2, up to the sine of [`WIDEST`].
+/// asin s / s by powers of s^2, up to the sine of [`MAX_ROTATION`].
 const ARCSINE: [f64; 14] = arcsine();
 
 impl GridLines {
     /// On the nodes of a grid: their positions, axis by axis. `None` without axes, and where the errors together might turn
     /// by more than the series can bear.
-    pub fn new(sections: &impl Sections, product: Product, positions: &[Vec<f64>]) -> Option<Self> {
+    pub fn new(sections: &impl Sections, products: ErrorProducts, positions: &[Vec<f64>]) -> Option<Self> {
         let chain = sections.chain();
         let (spindle, clamping) = (Affine::of(sections, Section::Spindle)?, Affine::of(sections, Section::Clamping)?);
         let mut outer: Vec<Vec<Affine>> = Vec::new();
@@ -60,22 +60,22 @@ impl GridLines {
             let at = |q: &f64| Affine::of(sections, Section::Joint(axis, node(sections, axis, *q)));
             outer.push(positions.iter().map(at).collect::<Option<_>>()?);
         }
-        let inner: Vec<Affine> = outer.pop()?.iter().map(|joint| joint.times(&spindle, product)).collect();
-        let arc = product == Product::Whole && !chain.linearised;
+        let inner: Vec<Affine> = outer.pop()?.iter().map(|joint| joint.times(&spindle, products)).collect();
+        let arc = products == ErrorProducts::Kept && !chain.linearised;
         let widest = |nodes: &Vec<Affine>| nodes.iter().map(Affine::angle).fold(0.0, f64::max);
         let angle = clamping.angle() + outer.iter().map(widest).sum::<f64>() + widest(&inner);
-        if arc && angle > WIDEST {
+        if arc && angle > MAX_ROTATION {
             return None;
         }
-        let inner = Inner::new(&inner, chain.tool, product);
-        Some(Self { product, arc, clamping, outer, inner })
+        let inner = Inner::new(&inner, chain.tool, products);
+        Some(Self { products, arc, clamping, outer, inner })
     }
 
     /// The map after every outer joint, from the joint `from` on, at these nodes.
     #[inline(always)]
-    fn climb(&self, levels: &mut [Affine], nodes: &[usize], from: usize) {
+    fn compose_outer(&self, levels: &mut [Affine], nodes: &[usize], from: usize) {
         for k in from..self.outer.len() {
-            levels[k + 1] = levels[k].times(&self.outer[k][nodes[k]], self.product);
+            levels[k + 1] = levels[k].times(&self.outer[k][nodes[k]], self.products);
         }
     }
 }
@@ -83,35 +83,35 @@ impl GridLines {
 fn node(sections: &impl Sections, axis: usize, position: f64) -> Node {
     let turn = sin_cos(position);
     let curves = sections.chain().joints[axis].wanted().curves;
-    Node { position, turn, six: curves.map_or([0.0; 6], |curves| curves.alone(position, turn)) }
+    Node { position, turn, six: curves.map_or([0.0; 6], |curves| curves.at_position(position, turn)) }
 }
 
 impl Inner {
     /// Of the maps at its nodes, and the displacement of the functional point by clamping.
-    fn new(nodes: &[Affine], tool: Vector3, product: Product) -> Self {
+    fn new(nodes: &[Affine], tool: Vector3, products: ErrorProducts) -> Self {
         let count = nodes.len();
         let mut inner = Self { count, displacement: Vec::new(), rotation: Vec::new() };
         let padded = |numbers: &mut Vec<Vec<f64>>, value: &dyn Fn(&Affine) -> Vector3| {
             for k in 0..3 {
                 let mut column: Vec<f64> = nodes.iter().map(|node| value(node)[k]).collect();
-                column.resize(count.next_multiple_of(MOST), 0.0);
+                column.resize(count.next_multiple_of(MAX_LANES), 0.0);
                 numbers.push(column);
             }
         };
-        let displaced = |node: &Affine| node.displaced(tool, product);
+        let displaced = |node: &Affine| node.displaced(tool, products);
         padded(&mut inner.displacement, &|node| node.nominal.shift);
-        match product {
-            Product::Nowhere => {
+        match products {
+            ErrorProducts::Dropped => {
                 padded(&mut inner.displacement, &|node| displaced(node)[0]);
                 padded(&mut inner.rotation, &|node| node.rotation()[0]);
             }
-            Product::Second => {
+            ErrorProducts::SecondDegree => {
                 padded(&mut inner.displacement, &|node| plus(displaced(node)[1], displaced(node)[0]));
                 padded(&mut inner.displacement, &|node| displaced(node)[0]);
                 padded(&mut inner.rotation, &|node| plus(node.rotation()[1], node.rotation()[0]));
                 padded(&mut inner.rotation, &|node| node.rotation()[0]);
             }
-            Product::Whole => {
+            ErrorProducts::Kept => {
                 padded(&mut inner.displacement, &|node| displaced(node)[0]);
                 for k in 0..3 {
                     padded(&mut inner.rotation, &|node| node.relative()[k]);
@@ -135,11 +135,11 @@ pub struct Lines<'a, 'o> {
 impl Kernel for Lines<'_, '_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        match (self.grid.product, self.grid.arc) {
-            (Product::Nowhere, _) => self.all::<V, First, 6, 3>(),
-            (Product::Second, _) => self.all::<V, Second, 9, 6>(),
-            (Product::Whole, false) => self.all::<V, Whole<false>, 6, 9>(),
-            (Product::Whole, true) => self.all::<V, Whole<true>, 6, 9>(),
+        match (self.grid.products, self.grid.arc) {
+            (ErrorProducts::Dropped, _) => self.all::<V, FirstOrderLine, 6, 3>(),
+            (ErrorProducts::SecondDegree, _) => self.all::<V, SecondOrderLine, 9, 6>(),
+            (ErrorProducts::Kept, false) => self.all::<V, ExactLine<false>, 6, 9>(),
+            (ErrorProducts::Kept, true) => self.all::<V, ExactLine<true>, 6, 9>(),
         }
     }
 }
@@ -153,7 +153,7 @@ struct Line<const D: usize, const R: usize> {
 }
 
 /// The lines of an order. (A trait and no closures: those are compiled without the vector features.)
-trait Order<const D: usize, const R: usize> {
+trait LineForm<const D: usize, const R: usize> {
     fn line(outer: &Affine) -> Line<D, R>;
 
     /// The rotation vector of the sum.
@@ -163,12 +163,12 @@ trait Order<const D: usize, const R: usize> {
     }
 }
 
-struct First;
-struct Second;
+struct FirstOrderLine;
+struct SecondOrderLine;
 /// Exact; with orthogonal joints an arc is made of its sine.
-struct Whole<const ARC: bool>;
+struct ExactLine<const ARC: bool>;
 
-impl Order<6, 3> for First {
+impl LineForm<6, 3> for FirstOrderLine {
     #[inline(always)]
     fn line(outer: &Affine) -> Line<6, 3> {
         let ([a, b, c], displaced) = (outer.nominal.columns, &outer.displacement[0]);
@@ -182,7 +182,7 @@ impl Order<6, 3> for First {
     }
 }
 
-impl Order<9, 6> for Second {
+impl LineForm<9, 6> for SecondOrderLine {
     #[inline(always)]
     fn line(outer: &Affine) -> Line<9, 6> {
         let ([a, b, c], [first, second]) = (outer.nominal.columns, &outer.displacement);
@@ -199,7 +199,7 @@ impl Order<9, 6> for Second {
     }
 }
 
-impl<const ARC: bool> Order<6, 9> for Whole<ARC> {
+impl<const ARC: bool> LineForm<6, 9> for ExactLine<ARC> {
     #[inline(always)]
     fn line(outer: &Affine) -> Line<6, 9> {
         let displaced = &outer.displacement[0];
@@ -233,21 +233,21 @@ impl<const ARC: bool> Order<6, 9> for Whole<ARC> {
 
 impl Lines<'_, '_> {
     #[inline(always)]
-    fn all<V: Lanes, O: Order<D, R>, const D: usize, const R: usize>(mut self) {
+    fn all<V: Lanes, O: LineForm<D, R>, const D: usize, const R: usize>(mut self) {
         let grid = self.grid;
         let lines = self.out.len() / grid.inner.count;
         let mut nodes = std::mem::take(&mut self.first);
         let mut levels = vec![grid.clamping; grid.outer.len() + 1];
         let mut from = 0;
         for line in 0..lines {
-            grid.climb(&mut levels, &nodes, from);
+            grid.compose_outer(&mut levels, &nodes, from);
             self.one::<V, O, D, R>(line, &O::line(&levels[grid.outer.len()]));
             from = advance(&mut nodes, |axis| grid.outer[axis].len());
         }
     }
 
     #[inline(always)]
-    fn one<V: Lanes, O: Order<D, R>, const D: usize, const R: usize>(&mut self, line: usize, of: &Line<D, R>) {
+    fn one<V: Lanes, O: LineForm<D, R>, const D: usize, const R: usize>(&mut self, line: usize, of: &Line<D, R>) {
         let inner = &self.grid.inner;
         let mut i = 0;
         while i < inner.count {
@@ -285,8 +285,8 @@ fn write<V: Lanes>(out: &mut Output<'_>, at: usize, d: [V; 3], w: [V; 3]) {
             d[k].store(&mut out.position[k][at..]);
             w[k].store(&mut out.rotation[k][at..]);
         } else {
-            out.position[k][at..].copy_from_slice(&d[k].spread()[..room]);
-            out.rotation[k][at..].copy_from_slice(&w[k].spread()[..room]);
+            out.position[k][at..].copy_from_slice(&d[k].to_array()[..room]);
+            out.rotation[k][at..].copy_from_slice(&w[k].to_array()[..room]);
         }
     }
 }

@@ -50,5 +50,5 @@ pub(super) mod width;
 pub use batch::{Batch, Columns, Output, PoseColumns};
 pub use grid::CompiledGrid;
 pub use model::CompiledModel;
-pub use sensitivity::{Normal, Unknown};
+pub use sensitivity::{NormalEquations, Unknown};
 pub use width::Width;

@@ -2,10 +2,10 @@
 
 use super::batch::{Batch, Columns, Output, Slices};
 use super::chain::CompiledChain;
-use super::exact::Exact;
+use super::exact::ExactModel;
 use super::first::FirstOrder;
 use super::lanes::run;
-use super::pass::{Pass, Task};
+use super::pass::{Pass, PoseKernel};
 use super::second::SecondOrder;
 use super::width::Width;
 use crate::evaluate::deviation::{Deviation, Frame, Order, command_deviation, evaluate};
@@ -19,7 +19,7 @@ pub const MAX_AXES: usize = 16;
 const BLOCK: usize = 4096;
 
 /// Of a larger batch that many pieces are made, so that threads end together; but none is of more blocks than this.
-const PIECES: usize = 64;
+const MIN_TASKS: usize = 64;
 const MAX_BLOCKS: usize = 8;
 
 /// A machine compiled for an order and a side of approach. Deviations are those of the workpiece frame.
@@ -31,14 +31,14 @@ pub struct CompiledModel {
     pub(super) width: Width,
     /// `None` if the chain cannot be compiled.
     pub(super) chain: Option<CompiledChain>,
-    pub(super) kernel: Walk,
+    pub(super) kernel: OrderKernel,
 }
 
 #[derive(Debug, Clone)]
-pub enum Walk {
+pub enum OrderKernel {
     First(FirstOrder),
     Second(SecondOrder),
-    Exact(Box<Exact>),
+    Exact(Box<ExactModel>),
     /// Pose by pose over the general algebra.
     General,
 }
@@ -48,12 +48,12 @@ impl CompiledModel {
     pub fn new(machine: &Machine, order: Order, approach: Approach) -> Self {
         let chain = CompiledChain::new(machine, approach).filter(|chain| chain.joints.len() <= MAX_AXES);
         let kernel = chain.as_ref().and_then(|chain| match order {
-            Order::Degree(0 | 1) => FirstOrder::new(chain).map(Walk::First),
-            Order::Degree(2) => SecondOrder::new(chain.clone()).map(Walk::Second),
+            Order::Degree(0 | 1) => FirstOrder::new(chain).map(OrderKernel::First),
+            Order::Degree(2) => SecondOrder::new(chain.clone()).map(OrderKernel::Second),
             Order::Degree(_) => None,
-            Order::Exact => Exact::new(chain.clone()).map(|exact| Walk::Exact(Box::new(exact))),
+            Order::Exact => ExactModel::new(chain.clone()).map(|exact| OrderKernel::Exact(Box::new(exact))),
         });
-        let kernel = kernel.unwrap_or(Walk::General);
+        let kernel = kernel.unwrap_or(OrderKernel::General);
         Self { machine: machine.clone(), order, approach, width: Width::widest(), chain, kernel }
     }
 
@@ -81,7 +81,7 @@ impl CompiledModel {
 
     /// Does it run on vectors (rather than pose by pose over the general algebra)?
     pub fn is_compiled(&self) -> bool {
-        !matches!(self.kernel, Walk::General)
+        !matches!(self.kernel, OrderKernel::General)
     }
 
     /// Deviations at a batch of poses, on this thread. As many as fit into `out` are computed.
@@ -92,18 +92,18 @@ impl CompiledModel {
     /// The same on all threads of rayon's pool.
     pub fn deviations_parallel(&self, poses: &Batch<'_>, out: Output<'_>) {
         let whole = poses.len().min(out.len());
-        let piece = (whole / PIECES).clamp(BLOCK, MAX_BLOCKS * BLOCK).next_multiple_of(BLOCK);
-        self.parallel(poses, out, piece, whole);
+        let task = (whole / MIN_TASKS).clamp(BLOCK, MAX_BLOCKS * BLOCK).next_multiple_of(BLOCK);
+        self.parallel(poses, out, task, whole);
     }
 
-    fn parallel(&self, poses: &Batch<'_>, out: Output<'_>, piece: usize, whole: usize) {
+    fn parallel(&self, poses: &Batch<'_>, out: Output<'_>, task: usize, whole: usize) {
         let count = poses.len().min(out.len());
-        if count <= piece {
+        if count <= task {
             return self.block(Slices { axes: poses.axes(), added: &[], whole }, out);
         }
-        let half = (count / 2).next_multiple_of(piece);
+        let half = (count / 2).next_multiple_of(task);
         let ((low, high), (low_out, high_out)) = (poses.split_at(half), out.split_at(half));
-        rayon::join(|| self.parallel(&low, low_out, piece, whole), || self.parallel(&high, high_out, piece, whole));
+        rayon::join(|| self.parallel(&low, low_out, task, whole), || self.parallel(&high, high_out, task, whole));
     }
 
     /// Exact deviations of commands, `added` to the positions, from where the nominal machine would be without: what is left
@@ -127,17 +127,17 @@ impl CompiledModel {
     }
 
     fn block(&self, poses: Slices<'_>, mut out: Output<'_>) {
-        let mut beyond = Vec::new();
-        let pass = (self.width, poses, &mut beyond);
+        let mut uncovered = Vec::new();
+        let pass = (self.width, poses, &mut uncovered);
         match &self.kernel {
-            Walk::First(task) => over(task, pass, out.reborrow()),
-            Walk::Second(task) => over(task, pass, out.reborrow()),
-            Walk::Exact(task) => over(task.as_ref(), pass, out.reborrow()),
-            Walk::General => beyond.extend(0..out.len()),
+            OrderKernel::First(task) => run_padded(task, pass, out.reborrow()),
+            OrderKernel::Second(task) => run_padded(task, pass, out.reborrow()),
+            OrderKernel::Exact(task) => run_padded(task.as_ref(), pass, out.reborrow()),
+            OrderKernel::General => uncovered.extend(0..out.len()),
         }
-        beyond.sort_unstable();
-        beyond.dedup();
-        for index in beyond {
+        uncovered.sort_unstable();
+        uncovered.dedup();
+        for index in uncovered {
             let pose: Vec<f64> = poses.axes.iter().map(|column| column[index]).collect();
             let deviation = if poses.added.is_empty() {
                 self.general(&pose)
@@ -156,10 +156,14 @@ impl CompiledModel {
 }
 
 /// Over all poses that there is room for; fewer than a vector are padded with the last of them.
-fn over<T: Task>(task: &T, (width, poses, beyond): (Width, Slices<'_>, &mut Vec<usize>), mut out: Output<'_>) {
+fn run_padded<T: PoseKernel>(
+    kernel: &T,
+    (width, poses, uncovered): (Width, Slices<'_>, &mut Vec<usize>),
+    mut out: Output<'_>,
+) {
     let (count, lanes) = (out.len(), width.lanes());
     if count == 0 || count >= lanes {
-        return run(width, Pass { task, poses, out, beyond });
+        return run(width, Pass { kernel, poses, out, uncovered });
     }
     let padded = |columns: &[&[f64]]| -> Vec<Vec<f64>> {
         columns.iter().map(|q| (0..lanes).map(|i| q[i.min(count - 1)]).collect()).collect()
@@ -167,7 +171,7 @@ fn over<T: Task>(task: &T, (width, poses, beyond): (Width, Slices<'_>, &mut Vec<
     let (axes, added, mut columns) = (padded(poses.axes), padded(poses.added), Columns::new(lanes));
     let [axes, added] = [&axes, &added].map(|columns| columns.iter().map(Vec::as_slice).collect::<Vec<_>>());
     let poses = Slices { axes: &axes, added: &added, whole: lanes };
-    run(width, Pass { task, poses, out: columns.output(lanes), beyond });
-    beyond.retain(|index| *index < count);
+    run(width, Pass { kernel, poses, out: columns.output(lanes), uncovered });
+    uncovered.retain(|index| *index < count);
     (0..count).for_each(|index| out.put(index, &columns.get(index)));
 }

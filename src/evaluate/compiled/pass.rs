@@ -1,76 +1,95 @@
 //! One pass over a batch: chunk by chunk what can be looked up ahead, then vector by vector the walk of the order.
 
 use super::batch::{Output, Slices};
-use super::lanes::{expect, settle};
-use super::lookup::{CHUNK, Lookup, Part, Scattered};
+use super::lanes::{prefetch, store_fence};
+use super::lookup::{CHUNK, Chunk, Lookup, PoseInputs};
 use super::simd::{Kernel, Lanes};
 use super::vector::Vector;
+use std::ops::Range;
 
-/// Something that has a deviation at a pose, lane by lane.
-pub trait Task {
-    /// What it keeps of a chunk of poses, beside what is known of each axis.
-    type Room;
-    /// Nothing yet.
-    const ROOM: Self::Room;
+/// The walk of an order over the chain: deviations at poses, a pose per lane.
+pub trait PoseKernel {
+    /// Data that the kernel keeps for a chunk of poses, beside those of each axis.
+    type Workspace;
+    /// The workspace before the first chunk.
+    const EMPTY: Self::Workspace;
 
-    /// Does for a chunk of poses what can be done ahead.
-    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], room: &mut Self::Room, part: Part<'_>);
+    /// Looks up everything that a chunk of poses needs before the walk.
+    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], workspace: &mut Self::Workspace, chunk: Chunk<'_>);
 
-    /// Position, rotation, and a number that is above [`FARTHEST`] where they must not be trusted.
-    fn at<V: Lanes>(&self, room: &Self::Room, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V);
+    /// Returns the deviations at one vector of poses of the chunk.
+    fn at<V: Lanes>(&self, workspace: &Self::Workspace, inputs: PoseInputs<'_>) -> LaneDeviation<V>;
 }
 
-/// Squared half angle (rad) up to which the series of the kernels are good to the last bit.
-pub const FARTHEST: f64 = 0.0225;
+/// Deviations at a vector of poses, workpiece frame.
+#[derive(Debug, Clone, Copy)]
+pub struct LaneDeviation<V> {
+    /// Displacement of the functional point, mm.
+    pub position: Vector<V>,
+    /// Rotation vector of the tool, rad.
+    pub rotation: Vector<V>,
+    /// Largest squared half angle met on the walk, rad^2: above [`MAX_SQUARED_HALF_ANGLE`] the general algebra takes over.
+    pub squared_half_angle: V,
+}
+
+/// Squared half angle (rad^2) up to which the series of the kernels are exact to rounding: rotations of 0.3 rad.
+pub const MAX_SQUARED_HALF_ANGLE: f64 = 0.0225;
 
 /// Doubles of a cache line.
 const LINE: usize = 8;
 
-/// Poses of a batch that may be in the second cache with their deviations.
-const IN_CACHE: usize = 1 << 14;
+/// Batches up to this number of poses fit into the second cache with their deviations.
+const CACHE_POSES: usize = 1 << 14;
 
-/// Poses of a batch whose deviations (12 MB) would drive everything else from the caches, and be driven out themselves.
-const PAST_CACHES: usize = 1 << 18;
+/// Above this number of poses the deviations (12 MB) would evict everything else from the caches before they are read again.
+const STREAM_ABOVE: usize = 1 << 18;
 
-/// How many poses ahead memory is asked for: no more than needed, for tables of five axes all but fill the first cache.
-const EXPECTED: usize = 2 * CHUNK;
+/// Distance of prefetches in poses: as short as latency permits, for the tables of five axes almost fill the first cache.
+const PREFETCH_DISTANCE: usize = 2 * CHUNK;
 
-/// A task over a batch of at least a vector.
+/// A kernel over a batch of at least one vector of poses.
 pub struct Pass<'a, 'o, T> {
-    /// What is computed.
-    pub task: &'a T,
-    /// Where.
+    /// The kernel.
+    pub kernel: &'a T,
+    /// The poses.
     pub poses: Slices<'a>,
-    /// Where to.
+    /// The deviations.
     pub out: Output<'o>,
-    /// Poses that the kernel could not do.
-    pub beyond: &'a mut Vec<usize>,
+    /// Indices of the poses whose rotations exceed the kernel's range.
+    pub uncovered: &'a mut Vec<usize>,
 }
 
-/// What memory is asked for.
+/// Data of the current chunk.
+struct ChunkData<W> {
+    axes: Vec<Lookup>,
+    workspace: W,
+}
+
+/// How the pass treats the memory of the batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Traffic {
-    /// Everything is in the caches.
-    Near,
-    /// Lines are asked for before they are read or written.
-    Expected,
-    /// Likewise those that are read; deviations are stored past the caches.
-    Past,
+enum MemoryAccess {
+    /// Everything fits into the caches: no prefetch.
+    InCache,
+    /// Lines are prefetched before they are read or written.
+    Prefetch,
+    /// Lines are prefetched before they are read; deviations are stored past the caches.
+    Stream,
 }
 
-impl<T: Task> Kernel for Pass<'_, '_, T> {
+impl<T: PoseKernel> Kernel for Pass<'_, '_, T> {
     #[inline(always)]
     fn run<V: Lanes>(mut self) {
-        let mut lookup = (vec![Lookup::NONE; self.poses.axes.len()], T::ROOM);
+        let mut data = ChunkData { axes: vec![Lookup::NONE; self.poses.axes.len()], workspace: T::EMPTY };
         let count = self.out.len();
-        let traffic = match self.poses.whole {
-            0..=IN_CACHE => Traffic::Near,
-            _ if V::LINE && self.poses.whole > PAST_CACHES => Traffic::Past,
-            _ => Traffic::Expected,
+        let access = match self.poses.whole {
+            0..=CACHE_POSES => MemoryAccess::InCache,
+            _ if V::FILLS_CACHE_LINE && self.poses.whole > STREAM_ABOVE => MemoryAccess::Stream,
+            _ => MemoryAccess::Prefetch,
         };
-        // So that vectors are whole lines, the numbers before the first line are done by themselves; and the last vector ends
-        // where the batch does. Both overlap others, with the same bits.
-        let before = if traffic == Traffic::Near || count < LINE { 0 } else { before_line(self.out.position[0]) };
+        // Vectors are to be whole cache lines: the poses before the first line are a chunk of their own, and the last vector ends
+        // where the batch does. Both overlap other vectors, with the same bits.
+        let before =
+            if access == MemoryAccess::InCache || count < LINE { 0 } else { doubles_before_line(self.out.position[0]) };
         let mut from = 0;
         while from < count {
             let start = from.min(count - V::COUNT);
@@ -79,69 +98,74 @@ impl<T: Task> Kernel for Pass<'_, '_, T> {
                 0 if before > 0 => (before.next_multiple_of(V::COUNT), before),
                 _ => (start + room.min(CHUNK), start + room.min(CHUNK)),
             };
-            self.chunk::<V>(&mut lookup, start, end, traffic);
+            self.chunk::<V>(&mut data, start..end, access);
             from = next;
         }
-        if traffic == Traffic::Past {
-            settle();
+        if access == MemoryAccess::Stream {
+            store_fence();
         }
     }
 }
 
-/// Numbers before the first that begins a cache line.
-fn before_line(column: &[f64]) -> usize {
+/// Returns the number of doubles before the first that begins a cache line.
+fn doubles_before_line(column: &[f64]) -> usize {
     column.as_ptr().align_offset(64).min(LINE - 1)
 }
 
-impl<T: Task> Pass<'_, '_, T> {
-    /// A vector from here on will be read and written: eleven columns are more than a processor foresees by itself.
+impl<T: PoseKernel> Pass<'_, '_, T> {
+    /// Prefetches the columns at a pose: eleven are more than a hardware prefetcher follows.
     #[inline(always)]
-    fn expect(&self, at: usize, traffic: Traffic) {
-        if traffic != Traffic::Near {
+    fn prefetch(&self, at: usize, access: MemoryAccess) {
+        if access != MemoryAccess::InCache {
             for column in self.poses.axes {
-                expect(column, at);
+                prefetch(column, at);
             }
         }
-        if traffic == Traffic::Expected {
+        if access == MemoryAccess::Prefetch {
             for column in self.out.position.iter().chain(&self.out.rotation) {
-                expect(column, at);
+                prefetch(column, at);
             }
         }
     }
 
     #[inline(always)]
-    fn chunk<V: Lanes>(&mut self, (axes, room): &mut (Vec<Lookup>, T::Room), from: usize, to: usize, traffic: Traffic) {
-        self.task.lookup::<V>(axes, room, Part { poses: self.poses, from, count: to - from });
-        let mut at = from;
-        while at < to {
-            if (at - from).is_multiple_of(LINE) {
-                self.expect(at + EXPECTED, traffic);
+    fn chunk<V: Lanes>(
+        &mut self,
+        ChunkData { axes, workspace }: &mut ChunkData<T::Workspace>,
+        range: Range<usize>,
+        access: MemoryAccess,
+    ) {
+        let Range { start, end } = range;
+        self.kernel.lookup::<V>(axes, workspace, Chunk { poses: self.poses, from: start, count: end - start });
+        let mut at = start;
+        while at < end {
+            if (at - start).is_multiple_of(LINE) {
+                self.prefetch(at + PREFETCH_DISTANCE, access);
             }
-            // The mask changes nothing, and shows the compiler that the vector lies within the chunk.
-            let i = (at - from) & (CHUNK - V::COUNT);
-            self.step::<V>(room, Scattered { poses: self.poses, at, axes, i }, traffic);
+            // The mask changes nothing; it shows the compiler that the vector lies within the chunk.
+            let i = (at - start) & (CHUNK - V::COUNT);
+            self.step::<V>(workspace, PoseInputs { poses: self.poses, at, axes, i }, access);
             at += V::COUNT;
         }
     }
 
     #[inline(always)]
-    fn step<V: Lanes>(&mut self, room: &T::Room, inputs: Scattered<'_>, traffic: Traffic) {
+    fn step<V: Lanes>(&mut self, workspace: &T::Workspace, inputs: PoseInputs<'_>, access: MemoryAccess) {
         let at = inputs.at;
-        let (d, w, far) = self.task.at::<V>(room, inputs);
+        let LaneDeviation { position: d, rotation: w, squared_half_angle } = self.kernel.at::<V>(workspace, inputs);
         for k in 0..3 {
             let (position, rotation) = (&mut self.out.position[k][at..], &mut self.out.rotation[k][at..]);
-            if traffic == Traffic::Past {
-                d[k].store_past(position);
-                w[k].store_past(rotation);
+            if access == MemoryAccess::Stream {
+                d[k].store_streaming(position);
+                w[k].store_streaming(rotation);
             } else {
                 d[k].store(position);
                 w[k].store(rotation);
             }
         }
-        let far = far.spread();
-        for (lane, far) in far.iter().enumerate().take(V::COUNT) {
-            if *far > FARTHEST {
-                self.beyond.push(at + lane);
+        for (lane, square) in squared_half_angle.to_array().iter().enumerate().take(V::COUNT) {
+            if *square > MAX_SQUARED_HALF_ANGLE {
+                self.uncovered.push(at + lane);
             }
         }
     }

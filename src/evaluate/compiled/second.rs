@@ -7,8 +7,8 @@
 use super::affine::{Section, Sections};
 use super::chain::{About, CompiledChain, CompiledJoint, Located, Motion, Placed, slid};
 use super::curves::splat_six;
-use super::lookup::{Inputs, Lookup, Part, Scattered};
-use super::pass::Task;
+use super::lookup::{Chunk, Inputs, Lookup, PoseInputs};
+use super::pass::{LaneDeviation, PoseKernel};
 use super::simd::Lanes;
 use super::vector::{Vector, cross, minus, plus, plus_cross, plus_times, splat, times};
 
@@ -95,7 +95,7 @@ impl<V: Lanes> State<V> {
         let zero = V::splat(0.0);
         let q = inputs.position(axis);
         let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
-        let errors = if link.errors { Some(inputs.six(axis)) } else { None };
+        let errors = if link.errors { Some(inputs.errors(axis)) } else { None };
         let location = link.location.as_ref();
         if let (Some(location), Located::Innermost) = (location, link.located) {
             self.placed(location, false);
@@ -118,7 +118,7 @@ impl<V: Lanes> State<V> {
 }
 
 impl SecondOrder {
-    /// `None` where location errors count in the real part.
+    /// `None` where location errors count in the real chunk.
     pub fn new(chain: CompiledChain) -> Option<Self> {
         (!chain.real_locations).then_some(Self { chain })
     }
@@ -140,17 +140,17 @@ impl Sections for SecondOrder {
     }
 }
 
-impl Task for SecondOrder {
-    type Room = ();
-    const ROOM: () = ();
+impl PoseKernel for SecondOrder {
+    type Workspace = ();
+    const EMPTY: () = ();
 
     #[inline(always)]
-    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], _: &mut (), part: Part<'_>) {
-        self.chain.look_up::<V>(axes, part);
+    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], _: &mut (), chunk: Chunk<'_>) {
+        self.chain.look_up::<V>(axes, chunk);
     }
 
     #[inline(always)]
-    fn at<V: Lanes>(&self, _: &(), inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+    fn at<V: Lanes>(&self, _: &(), inputs: PoseInputs<'_>) -> LaneDeviation<V> {
         let chain = &self.chain;
         let mut state = State::<V>::at(chain, splat(&chain.tip), splat(&chain.tool));
         if let Some(spindle) = &chain.spindle {
@@ -164,6 +164,6 @@ impl Task for SecondOrder {
         }
         let [d, dd] = state.displacement;
         let [w, ww] = state.rotation;
-        (plus(dd, d), plus(ww, w), V::splat(0.0))
+        LaneDeviation { position: plus(dd, d), rotation: plus(ww, w), squared_half_angle: V::splat(0.0) }
     }
 }

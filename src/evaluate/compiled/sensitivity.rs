@@ -195,9 +195,9 @@ pub struct Unknown<'a> {
     pub basis: Option<&'a [f64]>,
 }
 
-/// Normal equations `J^T J x = J^T r` of the position deviations.
+/// NormalEquations equations `J^T J x = J^T r` of the position deviations.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Normal {
+pub struct NormalEquations {
     /// J^T J.
     pub matrix: nalgebra::DMatrix<f64>,
     /// J^T r.
@@ -205,7 +205,7 @@ pub struct Normal {
 }
 
 /// Poses whose products are summed by themselves: the sums do not depend on the threads.
-const PIECE: usize = 2048;
+const BLOCK: usize = 2048;
 
 impl CompiledModel {
     /// What a unit of each source (1 mm, 1 rad) does to first order, at every pose, in the workpiece frame: the same as
@@ -221,28 +221,29 @@ impl CompiledModel {
         Some(())
     }
 
-    /// Normal equations of unknowns against measured position deviations (mm), streamed: memory does not grow with the poses.
+    /// NormalEquations equations of unknowns against measured position deviations (mm), streamed: memory does not grow with the poses.
     /// The same bits on any number of threads. `None` for chains that are not compiled, or if lengths differ.
     pub fn normal_equations(
         &self,
         poses: &Batch<'_>,
         unknowns: &[Unknown<'_>],
         measured: [&[f64]; 3],
-    ) -> Option<Normal> {
+    ) -> Option<NormalEquations> {
         let lengths = unknowns.iter().filter_map(|u| u.basis).chain(measured).map(<[f64]>::len);
         if self.chain.is_none() || !lengths.into_iter().all(|len| len == poses.len()) {
             return None;
         }
-        let starts: Vec<usize> = (0..poses.len()).step_by(PIECE).collect();
+        let starts: Vec<usize> = (0..poses.len()).step_by(BLOCK).collect();
         let n = unknowns.len();
-        let zero = Normal { matrix: nalgebra::DMatrix::zeros(n, n), right: nalgebra::DVector::zeros(n) };
-        // A few pieces at a time, summed in their order.
+        let zero = NormalEquations { matrix: nalgebra::DMatrix::zeros(n, n), right: nalgebra::DVector::zeros(n) };
+        // A few blocks at a time, summed in their order.
         Some(starts.chunks(64).fold(zero, |sum, starts| {
-            let pieces: Vec<Normal> =
+            let blocks: Vec<NormalEquations> =
                 starts.par_iter().filter_map(|start| self.piece(poses, unknowns, measured, *start)).collect();
-            pieces
-                .into_iter()
-                .fold(sum, |sum, piece| Normal { matrix: sum.matrix + piece.matrix, right: sum.right + piece.right })
+            blocks.into_iter().fold(sum, |sum, sums| NormalEquations {
+                matrix: sum.matrix + sums.matrix,
+                right: sum.right + sums.right,
+            })
         }))
     }
 
@@ -252,9 +253,9 @@ impl CompiledModel {
         unknowns: &[Unknown<'_>],
         measured: [&[f64]; 3],
         start: usize,
-    ) -> Option<Normal> {
+    ) -> Option<NormalEquations> {
         let (_, rest) = poses.split_at(start);
-        let (part, _) = rest.split_at(PIECE.min(rest.len()));
+        let (part, _) = rest.split_at(BLOCK.min(rest.len()));
         let sources: Vec<Source> = unknowns.iter().map(|u| u.source).collect();
         let mut columns = vec![Columns::new(part.len()); unknowns.len()];
         let mut out: Vec<Output<'_>> = columns.iter_mut().map(|c| c.output(part.len())).collect();
@@ -276,7 +277,7 @@ impl CompiledModel {
             }
         }
         let against = |i: usize, _| (0..3).map(|k| sum(&columns[i].position[k], &measured[k][range.clone()])).sum();
-        Some(Normal { matrix, right: nalgebra::DVector::from_fn(n, against) })
+        Some(NormalEquations { matrix, right: nalgebra::DVector::from_fn(n, against) })
     }
 }
 

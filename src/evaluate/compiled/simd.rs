@@ -6,7 +6,7 @@
 use std::ops::{Add, Mul, Sub};
 
 /// Lanes of the widest vector; smaller ones leave the rest of an array unused.
-pub const MOST: usize = 8;
+pub const MAX_LANES: usize = 8;
 
 /// The sign of a double.
 pub const SIGN: u64 = 1 << 63;
@@ -16,7 +16,7 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     /// How many.
     const COUNT: usize;
     /// Eight doubles in as many registers as they need.
-    type Eight: Pieces;
+    type Row: RowVector;
 
     /// The same number in all lanes.
     fn splat(x: f64) -> Self;
@@ -25,10 +25,10 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     /// To the beginning of a slice (it must be long enough).
     fn store(self, to: &mut [f64]);
     /// Is a vector a whole cache line, which can be stored past the caches?
-    const LINE: bool = false;
-    /// Likewise, past the caches if [`Self::LINE`] and the place is a line. [`settle`] must follow.
+    const FILLS_CACHE_LINE: bool = false;
+    /// Likewise, past the caches if [`Self::FILLS_CACHE_LINE`] and the place is a line. [`store_fence`] must follow.
     #[inline(always)]
-    fn store_past(self, to: &mut [f64]) {
+    fn store_streaming(self, to: &mut [f64]) {
         self.store(to);
     }
     /// `self + a * b` with one rounding.
@@ -36,18 +36,18 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     /// `self - a * b` with one rounding.
     fn minus_times(self, a: Self, b: Self) -> Self;
     /// Quotient.
-    fn over(self, other: Self) -> Self;
+    fn quotient(self, other: Self) -> Self;
     /// `yes` where `self < than`, else `no` (also where one is not a number).
-    fn if_less(self, than: Self, yes: Self, no: Self) -> Self;
+    fn select_less(self, than: Self, yes: Self, no: Self) -> Self;
     /// Cut to whole numbers, for `0 <= x < 2^31`: as numbers and as indices.
-    fn whole(self) -> (Self, [u32; MOST]);
+    fn truncate(self) -> (Self, [u32; MAX_LANES]);
     /// Lane by lane.
-    fn spread(self) -> [f64; MOST];
+    fn to_array(self) -> [f64; MAX_LANES];
     /// Sine and cosine of an angle, some quarter turns further: as many as the last bits of `counted` say
     /// (a whole number to which 1.5 * 2^52 has been added).
     #[inline(always)]
-    fn quarters_further(counted: Self, sine: Self, cosine: Self) -> (Self, Self) {
-        let (counted, mut sine, mut cosine) = (counted.spread(), sine.spread(), cosine.spread());
+    fn add_quarter_turns(counted: Self, sine: Self, cosine: Self) -> (Self, Self) {
+        let (counted, mut sine, mut cosine) = (counted.to_array(), sine.to_array(), cosine.to_array());
         for lane in 0..Self::COUNT {
             let count = counted[lane].to_bits();
             let (s, c) = (sine[lane], cosine[lane]);
@@ -59,17 +59,17 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     }
 
     /// Column k of the result holds element k of each row: lane i is row i.
-    fn columns(rows: &[Self::Eight; MOST]) -> [Self; 8];
+    fn transpose(rows: &[Self::Row; MAX_LANES]) -> [Self; 8];
 
     /// The smaller one.
     #[inline(always)]
     fn smaller(self, other: Self) -> Self {
-        self.if_less(other, self, other)
+        self.select_less(other, self, other)
     }
     /// The larger one.
     #[inline(always)]
     fn larger(self, other: Self) -> Self {
-        other.if_less(self, self, other)
+        other.select_less(self, self, other)
     }
 }
 
@@ -82,12 +82,12 @@ pub trait Kernel {
 /// One row: as long as a cache line and aligned with it, so that of the widest vectors it is one load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
-pub struct Row(pub [f64; 8]);
+pub struct TableRow(pub [f64; 8]);
 
 /// A row in as many vectors as it needs.
-pub trait Pieces: Copy {
+pub trait RowVector: Copy {
     /// Of the table.
-    fn of(row: &Row) -> Self;
+    fn of(row: &TableRow) -> Self;
     /// Sum.
     fn plus(self, other: Self) -> Self;
     /// Difference.
@@ -96,9 +96,9 @@ pub trait Pieces: Copy {
     fn plus_times(self, other: Self, factor: f64) -> Self;
 }
 
-impl<V: Lanes, const N: usize> Pieces for [V; N] {
+impl<V: Lanes, const N: usize> RowVector for [V; N] {
     #[inline(always)]
-    fn of(row: &Row) -> Self {
+    fn of(row: &TableRow) -> Self {
         let mut pieces = [V::splat(0.0); N];
         for k in 0..N {
             pieces[k] = V::load(&row.0[k * V::COUNT..]);

@@ -53,25 +53,25 @@ pub fn reference(joints: &[TwistJoint], end: usize) -> [f64; 3] {
 }
 
 /// Of these joints, from the tool to the workpiece, beginning with a constant twist.
-pub fn of(joints: &[TwistJoint], end: Option<Six>) -> Vec<Step> {
-    let mut maker = Maker { joints, steps: vec![Step::default()], open: None };
-    maker.constant(end, joints.len());
+pub fn steps(joints: &[TwistJoint], end: Option<Six>) -> Vec<Step> {
+    let mut builder = StepBuilder { joints, steps: vec![Step::default()], open: None };
+    builder.constant(end, joints.len());
     for (axis, joint) in joints.iter().enumerate().rev() {
         if !joint.outside {
-            maker.errors(axis, axis + 1);
+            builder.errors(axis, axis + 1);
         }
-        maker.motion(axis);
+        builder.motion(axis);
         if joint.outside {
-            maker.errors(axis, axis);
+            builder.errors(axis, axis);
         }
-        maker.constant(joint.constant, axis);
+        builder.constant(joint.constant, axis);
     }
     let mut rotated = false;
-    for step in &mut maker.steps {
+    for step in &mut builder.steps {
         step.rotated = rotated;
         rotated |= step.sum.is_some() || step.errors.is_some() || step.constant.is_some();
     }
-    maker.steps
+    builder.steps
 }
 
 /// A twist about the machine's zero point as one about another.
@@ -79,14 +79,14 @@ fn about_point(six: &Six, point: [f64; 3]) -> Six {
     twist(six, &point.map(|x| -x), 1.0)
 }
 
-struct Maker<'a> {
+struct StepBuilder<'a> {
     joints: &'a [TwistJoint],
     steps: Vec<Step>,
     /// Which step has the latest sum, and the slides passed since, if others may still join it.
     open: Option<(usize, Vec<usize>)>,
 }
 
-impl Maker<'_> {
+impl StepBuilder<'_> {
     /// The step that is being made.
     fn last(&mut self) -> &mut Step {
         if self.steps.is_empty() {
@@ -121,7 +121,7 @@ impl Maker<'_> {
         let Some(curves) = self.joints[axis].curves.clone() else { return };
         let about = reference(self.joints, end);
         let curves = curves.mapped(|six| about_point(six, about));
-        if !curves.are_rows() {
+        if !curves.is_linear_table() {
             if self.last().errors.is_some() {
                 self.steps.push(Step::default());
             }
@@ -162,7 +162,7 @@ impl Sum {
         let Motion::Slide(u) = motion else { return None };
         let along = (0..3).find(|k| (0..3).all(|j| j == *k || u[j] == 0.0))?;
         for (_, curves) in std::iter::once(&mut self.first).chain(&mut self.others) {
-            curves.set_asides(|[.., a, b, c]| {
+            curves.set_auxiliary(|[.., a, b, c]| {
                 let [x, y, z] = cross([*a, *b, *c], u).map(|way| -way);
                 [[y, z], [x, z], [x, y]][along]
             });

@@ -49,29 +49,29 @@ pub fn sin_cos<V: Lanes>(degrees: V) -> (V, V) {
 /// Of several vectors of angles, side by side: a polynomial alone would wait for itself.
 #[inline(always)]
 pub fn sines_cosines<V: Lanes, const N: usize>(degrees: [V; N]) -> ([V; N], [V; N]) {
-    let degrees = Several(degrees);
-    let counted = same(COUNTER).plus_times(degrees, same(1.0 / 90.0));
-    let quarter = counted - same(COUNTER);
-    let rest = degrees.minus_times(quarter, same(90.0)) * same(RADIAN);
-    let (Several(mut s), Several(mut c)) = (sine(rest), cosine(rest));
+    let degrees = VectorArray(degrees);
+    let counted = broadcast(COUNTER).plus_times(degrees, broadcast(1.0 / 90.0));
+    let quarter = counted - broadcast(COUNTER);
+    let rest = degrees.minus_times(quarter, broadcast(90.0)) * broadcast(RADIAN);
+    let (VectorArray(mut s), VectorArray(mut c)) = (sine(rest), cosine(rest));
     for k in 0..N {
-        (s[k], c[k]) = V::quarters_further(counted.0[k], s[k], c[k]);
+        (s[k], c[k]) = V::add_quarter_turns(counted.0[k], s[k], c[k]);
     }
     (s, c)
 }
 
 /// Several vectors that are computed with in turn.
 #[derive(Clone, Copy)]
-struct Several<V, const N: usize>([V; N]);
+struct VectorArray<V, const N: usize>([V; N]);
 
 /// The same number everywhere.
 #[inline(always)]
-fn same<V: Lanes, const N: usize>(x: f64) -> Several<V, N> {
-    Several([V::splat(x); N])
+fn broadcast<V: Lanes, const N: usize>(x: f64) -> VectorArray<V, N> {
+    VectorArray([V::splat(x); N])
 }
 
 /// One by one, with the operations of [`Lanes`].
-macro_rules! one_by_one {
+macro_rules! lanewise {
     ($name:ident, $($other:ident),+) => {
         #[inline(always)]
         fn $name(mut self, $($other: Self),+) -> Self {
@@ -83,41 +83,41 @@ macro_rules! one_by_one {
     };
 }
 
-impl<V: Lanes, const N: usize> Several<V, N> {
-    one_by_one!(plus_times, a, b);
-    one_by_one!(minus_times, a, b);
+impl<V: Lanes, const N: usize> VectorArray<V, N> {
+    lanewise!(plus_times, a, b);
+    lanewise!(minus_times, a, b);
 }
 
-impl<V: Lanes, const N: usize> Sub for Several<V, N> {
+impl<V: Lanes, const N: usize> Sub for VectorArray<V, N> {
     type Output = Self;
-    one_by_one!(sub, other);
+    lanewise!(sub, other);
 }
 
-impl<V: Lanes, const N: usize> Mul for Several<V, N> {
+impl<V: Lanes, const N: usize> Mul for VectorArray<V, N> {
     type Output = Self;
-    one_by_one!(mul, other);
+    lanewise!(mul, other);
 }
 
 /// The angle (up to 45 deg, in rad) and a product: 0.65 ulp.
 #[inline(always)]
-fn sine<V: Lanes, const N: usize>(x: Several<V, N>) -> Several<V, N> {
+fn sine<V: Lanes, const N: usize>(x: VectorArray<V, N>) -> VectorArray<V, N> {
     let z = x * x;
     x.plus_times(z * x, horner(&SINE, z))
 }
 
 /// Of an angle up to 45 deg, in rad: 1 and a product, 0.7 ulp.
 #[inline(always)]
-fn cosine<V: Lanes, const N: usize>(x: Several<V, N>) -> Several<V, N> {
+fn cosine<V: Lanes, const N: usize>(x: VectorArray<V, N>) -> VectorArray<V, N> {
     let z = x * x;
-    let half = same(-0.5).plus_times(z, horner(&COSINE, z));
-    same(1.0).plus_times(z, half)
+    let half = broadcast(-0.5).plus_times(z, horner(&COSINE, z));
+    broadcast(1.0).plus_times(z, half)
 }
 
 #[inline(always)]
-fn horner<V: Lanes, const N: usize>([a, b, c, d, e, f]: &[f64; 6], z: Several<V, N>) -> Several<V, N> {
-    let mut sum = same(*f);
+fn horner<V: Lanes, const N: usize>([a, b, c, d, e, f]: &[f64; 6], z: VectorArray<V, N>) -> VectorArray<V, N> {
+    let mut sum = broadcast(*f);
     for term in [e, d, c, b, a] {
-        sum = same(*term).plus_times(sum, z);
+        sum = broadcast(*term).plus_times(sum, z);
     }
     sum
 }
