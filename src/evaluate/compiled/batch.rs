@@ -1,4 +1,4 @@
-//! Batches: many poses in columns, and where their deviations go.
+//! Batches: many poses in columns, and columns of their deviations.
 
 use crate::evaluate::deviation::Deviation;
 use nalgebra::Vector3;
@@ -11,32 +11,32 @@ pub struct Batch<'a> {
 }
 
 impl<'a> Batch<'a> {
-    /// `None` if the columns are not of one length; a machine without axes has `len` poses.
+    /// Returns a batch of `len` poses (mm, deg) with a column per axis; `None` if a column has another length.
     pub fn new(axes: Vec<&'a [f64]>, len: usize) -> Option<Self> {
         axes.iter().all(|column| column.len() == len).then_some(Self { axes, len })
     }
 
-    /// How many poses.
+    /// Returns the number of poses.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// None at all?
+    /// True if there is none.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// The columns.
+    /// Returns the columns, one per axis.
     pub fn axes(&self) -> &[&'a [f64]] {
         &self.axes
     }
 
-    /// One pose.
+    /// Returns one pose (mm, deg), in the order of the axes.
     pub fn pose(&self, index: usize) -> Vec<f64> {
         self.axes.iter().map(|column| column[index]).collect()
     }
 
-    /// The first `at` poses, and the rest.
+    /// Returns the first `at` poses, and the others.
     pub fn split_at(&self, at: usize) -> (Self, Self) {
         let (low, high) = self.axes.iter().map(|column| column.split_at(at)).unzip();
         (Self { axes: low, len: at }, Self { axes: high, len: self.len - at })
@@ -46,63 +46,63 @@ impl<'a> Batch<'a> {
 /// Poses by columns, owned.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PoseColumns {
-    /// One column per axis.
+    /// One column of positions (mm or deg) per axis.
     pub axes: Vec<Vec<f64>>,
     len: usize,
 }
 
 impl PoseColumns {
-    /// No poses of so many axes.
+    /// Returns no poses, for a number of axes.
     pub fn new(axes: usize) -> Self {
         Self { axes: vec![Vec::new(); axes], len: 0 }
     }
 
-    /// Of a list.
+    /// Returns the poses of a list (mm, deg), each in the order of the axes.
     pub fn of<'p>(axes: usize, poses: impl IntoIterator<Item = &'p [f64]>) -> Self {
         let mut columns = Self::new(axes);
         poses.into_iter().for_each(|pose| columns.push(pose));
         columns
     }
 
-    /// One pose more; its positions in the order of the axes.
+    /// Appends a pose (mm, deg), in the order of the axes.
     pub fn push(&mut self, pose: &[f64]) {
         self.axes.iter_mut().zip(pose).for_each(|(column, q)| column.push(*q));
         self.len += 1;
     }
 
-    /// No poses any more; the memory stays.
+    /// Removes all poses; keeps the memory.
     pub fn clear(&mut self) {
         self.axes.iter_mut().for_each(Vec::clear);
         self.len = 0;
     }
 
-    /// As a batch.
+    /// Borrows the poses as a batch.
     pub fn batch(&self) -> Batch<'_> {
         Batch { axes: self.axes.iter().map(|column| &column[..self.len]).collect(), len: self.len }
     }
 }
 
-/// Where deviations go: slices of the caller's, as long as the batch.
+/// The caller's slices for deviations, each as long as the batch.
 #[derive(Debug)]
 pub struct Output<'a> {
-    /// Of the functional point (mm).
+    /// Deviation of the functional point by component (mm), workpiece frame.
     pub position: [&'a mut [f64]; 3],
-    /// Of the tool's orientation (rad).
+    /// Rotation vector of the tool by component (rad), workpiece frame.
     pub rotation: [&'a mut [f64]; 3],
 }
 
 impl<'a> Output<'a> {
-    /// The length of the shortest slice.
+    /// Returns the length of the shortest slice.
     pub fn len(&self) -> usize {
         self.position.iter().chain(&self.rotation).map(|column| column.len()).min().unwrap_or(0)
     }
 
-    /// No room at all?
+    /// True if a slice is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// For a while.
+    /// Reborrows the output slices.
     pub fn reborrow(&mut self) -> Output<'_> {
         Output {
             position: self.position.each_mut().map(|c| &mut **c),
@@ -110,7 +110,7 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// One deviation.
+    /// Writes one deviation.
     pub fn put(&mut self, index: usize, deviation: &Deviation) {
         for k in 0..3 {
             self.position[k][index] = deviation.position[k];
@@ -118,7 +118,7 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Room for the first `at` poses, and for the rest.
+    /// Returns the slices of the first `at` poses, and those of the others.
     pub fn split_at(self, at: usize) -> (Self, Self) {
         let halves = |columns: [&'a mut [f64]; 3]| {
             let [(a, b), (c, d), (e, f)] = columns.map(|column| column.split_at_mut(at));
@@ -132,30 +132,30 @@ impl<'a> Output<'a> {
 /// Deviations by columns, owned.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Columns {
-    /// Of the functional point (mm).
+    /// Deviation of the functional point by component (mm), workpiece frame.
     pub position: [Vec<f64>; 3],
-    /// Of the tool's orientation (rad).
+    /// Rotation vector of the tool by component (rad), workpiece frame.
     pub rotation: [Vec<f64>; 3],
 }
 
 impl Columns {
-    /// Zeros.
+    /// Returns `len` deviations of zero.
     pub fn new(len: usize) -> Self {
         let three = || std::array::from_fn(|_| vec![0.0; len]);
         Self { position: three(), rotation: three() }
     }
 
-    /// How many.
+    /// Returns the number of deviations.
     pub fn len(&self) -> usize {
         self.position[0].len()
     }
 
-    /// None at all?
+    /// True if there is none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Where deviations go: the first `len`.
+    /// Borrows the first `len` deviations as an output.
     pub fn output(&mut self, len: usize) -> Output<'_> {
         Output {
             position: self.position.each_mut().map(|c| &mut c[..len]),
@@ -163,20 +163,20 @@ impl Columns {
         }
     }
 
-    /// One deviation.
+    /// Returns one deviation.
     pub fn get(&self, index: usize) -> Deviation {
         let of = |columns: &[Vec<f64>; 3]| Vector3::from_fn(|k, _| columns[k][index]);
         Deviation { position: of(&self.position), rotation: of(&self.rotation) }
     }
 }
 
-/// Columns that a kernel reads.
+/// The columns that a kernel reads.
 #[derive(Debug, Clone, Copy)]
 pub struct Slices<'a> {
-    /// Positions.
+    /// Positions (mm or deg), one column per axis.
     pub axes: &'a [&'a [f64]],
-    /// What is added to them for the real machine only; nothing if there are none.
+    /// Corrections (mm or deg) added to the positions of the actual machine only; empty without corrections.
     pub added: &'a [&'a [f64]],
-    /// Poses of the batch that they are a part of.
+    /// Number of poses of the batch to which these belong.
     pub whole: usize,
 }

@@ -1,6 +1,6 @@
 //! The exact model in closed form: every joint by its increments, so that nothing small is a difference of large numbers.
 //!
-//! From the tool to the workpiece are carried the nominal functional point p, the displacement d of the actual one, and
+//! The walk from the tool to the workpiece carries the nominal functional point p, the displacement d of the actual one, and
 //! the actual rotation relative to the nominal one. An error motion about o with the linear part 1 + K adds
 //! `delta + K (p + d - o)` to d. With orthogonal joints K = a hat(eps) + b hat(eps)^2 with the series of sin t / t and
 //! (1 - cos t) / t^2, and the rotation is a quaternion; with linearised joints a and b are rational, and the
@@ -14,10 +14,10 @@ use super::simd::Lanes;
 use super::trigonometry::RADIAN;
 use super::vector::{Vector, cross, dot, minus, plus, plus_cross, plus_times, splat, times};
 
-/// Terms of the series: good to the last bit up to [`super::pass::MAX_SQUARED_HALF_ANGLE`].
+/// Number of terms of the series: exact to rounding up to [`MAX_SQUARED_HALF_ANGLE`].
 const TERMS: usize = 10;
 
-/// `first, first * ratio(1), ...` with the ratio of two whole numbers linear in i.
+/// Returns the coefficients of sin t / t, or of cos t if `even`, by powers of t^2, times `first`.
 const fn series(first: f64, even: bool) -> [f64; TERMS] {
     let mut terms = [first; TERMS];
     let mut i = 1;
@@ -30,11 +30,11 @@ const fn series(first: f64, even: bool) -> [f64; TERMS] {
     terms
 }
 
-/// sin t / t and cos t by powers of t^2.
+/// Coefficients of sin t / t and of cos t by powers of t^2.
 const SINC: [f64; TERMS] = series(1.0, false);
 const COSINE: [f64; TERMS] = series(1.0, true);
 
-/// asin s / s by powers of s^2.
+/// Returns the coefficients of asin s / s by powers of s^2.
 pub const fn arcsine<const N: usize>() -> [f64; N] {
     let mut terms = [1.0; N];
     let mut i = 1;
@@ -48,7 +48,7 @@ pub const fn arcsine<const N: usize>() -> [f64; N] {
 
 const ARCSINE: [f64; TERMS] = arcsine();
 
-/// With the coefficients of the powers of x from 0 on.
+/// Returns the polynomial with these coefficients of the powers 0, 1, ... at x.
 #[inline(always)]
 pub fn polynomial<V: Lanes>(terms: &[f64], x: V) -> V {
     let mut sum = V::splat(terms[terms.len() - 1]);
@@ -58,7 +58,7 @@ pub fn polynomial<V: Lanes>(terms: &[f64], x: V) -> V {
     sum
 }
 
-/// An error motion, ready to be applied.
+/// An error motion, or its inverse, as the walk applies it.
 #[derive(Debug, Clone, Copy)]
 struct ErrorMotion<V> {
     turn: Vector<V>,
@@ -74,10 +74,10 @@ struct ErrorMotion<V> {
 /// The actual rotation relative to the nominal one.
 trait RelativeRotation<V: Lanes>: Copy {
     fn none() -> Self;
-    /// The error motion of six numbers; a number too large where the series are not good enough.
+    /// Returns the error motion of six errors, and its squared half angle (rad^2).
     fn motion(six: [V; 6], inverse: bool) -> (ErrorMotion<V>, V);
     fn turned(self, about: &About, turn: (V, V)) -> Self;
-    /// After an error motion.
+    /// Returns the rotation after an error motion.
     fn after(self, motion: &ErrorMotion<V>) -> Self;
     fn vector(self) -> (Vector<V>, V);
 }
@@ -130,7 +130,7 @@ impl<V: Lanes> RelativeRotation<V> for Quaternion<V> {
     }
 }
 
-/// A matrix less 1, by columns.
+/// A matrix minus the identity, by columns.
 #[derive(Clone, Copy)]
 struct Matrix<V>([Vector<V>; 3]);
 
@@ -149,7 +149,7 @@ impl<V: Lanes> RelativeRotation<V> for Matrix<V> {
     fn motion(six: [V; 6], inverse: bool) -> (ErrorMotion<V>, V) {
         let [dx, dy, dz, ex, ey, ez] = six;
         let (turn, zero, one) = ([ex, ey, ez], V::splat(0.0), V::splat(1.0));
-        // (1 + H)^-1 = 1 - H / (1 + s) + H^2 / (1 + s) with s the square of the vector.
+        // (1 + H)^-1 = 1 - H / (1 + s) + H^2 / (1 + s) with s the squared length of the vector.
         let factor = if inverse { one.quotient(one + dot(turn, turn)) } else { zero };
         let a = if inverse { zero - factor } else { one };
         (ErrorMotion { turn, shift: [dx, dy, dz], a, b: factor, half: (one, zero), inverse }, zero)
@@ -182,7 +182,7 @@ impl<V: Lanes> RelativeRotation<V> for Matrix<V> {
 }
 
 impl<V: Lanes> ErrorMotion<V> {
-    /// K y.
+    /// Returns K y.
     #[inline(always)]
     fn moved(&self, y: Vector<V>) -> Vector<V> {
         let once = cross(self.turn, y);
@@ -191,7 +191,7 @@ impl<V: Lanes> ErrorMotion<V> {
 }
 
 impl ErrorMotion<f64> {
-    /// The same in all lanes.
+    /// Returns the same motion in all lanes.
     #[inline(always)]
     fn splat<V: Lanes>(&self) -> ErrorMotion<V> {
         ErrorMotion {
@@ -205,39 +205,39 @@ impl ErrorMotion<f64> {
     }
 }
 
-/// A constant error motion and its inverse.
+/// A constant error motion and its inverse, about a point.
 #[derive(Debug, Clone, Copy)]
 struct ConstantMotion {
     motion: ErrorMotion<f64>,
-    undone: ErrorMotion<f64>,
+    inverse: ErrorMotion<f64>,
     about: [f64; 3],
 }
 
 impl ConstantMotion {
-    /// `None` if it is too large for the series.
+    /// Returns `None` if the rotation is too large for the series.
     fn new(placed: &Placed, linearised: bool) -> Option<Self> {
         let motion = |inverse| match linearised {
             true => Matrix::motion(placed.six, inverse),
             false => Quaternion::motion(placed.six, inverse),
         };
-        let ((motion, far), (undone, _)) = (motion(placed.inverse), motion(!placed.inverse));
-        (far <= MAX_SQUARED_HALF_ANGLE).then_some(Self { motion, undone, about: placed.about })
+        let ((motion, squared_half_angle), (inverse, _)) = (motion(placed.inverse), motion(!placed.inverse));
+        (squared_half_angle <= MAX_SQUARED_HALF_ANGLE).then_some(Self { motion, inverse, about: placed.about })
     }
 }
 
-/// What is carried from the tool to the workpiece.
+/// The quantities that the walk carries from the tool to the workpiece.
 struct State<V, R> {
     point: Vector<V>,
     displacement: Vector<V>,
     relative: R,
-    far: V,
+    squared_half_angle: V,
 }
 
 impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
-    /// A point and its displacement, before any rotation.
+    /// Returns the state at a point with its displacement, before any rotation.
     #[inline(always)]
     fn at(point: Vector<V>, displacement: Vector<V>) -> Self {
-        Self { point, displacement, relative: R::none(), far: V::splat(0.0) }
+        Self { point, displacement, relative: R::none(), squared_half_angle: V::splat(0.0) }
     }
 
     #[inline(always)]
@@ -253,23 +253,23 @@ impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
     }
 
     #[inline(always)]
-    fn motion(&mut self, (motion, far): &(ErrorMotion<V>, V), about: &[f64; 3]) {
-        self.far = self.far.larger(*far);
+    fn motion(&mut self, (motion, squared_half_angle): &(ErrorMotion<V>, V), about: &[f64; 3]) {
+        self.squared_half_angle = self.squared_half_angle.larger(*squared_half_angle);
         self.apply(motion, about);
     }
 
     #[inline(always)]
-    fn fixed(&mut self, fixed: &ConstantMotion) {
-        self.apply(&fixed.motion.splat(), &fixed.about);
+    fn apply_constant(&mut self, constant: &ConstantMotion) {
+        self.apply(&constant.motion.splat(), &constant.about);
     }
 
-    /// The axis turned further than the nominal one: by an angle that need not be small.
+    /// Rotates on by the correction of a rotary axis (deg), which need not be small.
     #[inline(always)]
-    fn further(&mut self, about: &About, angle: V, origin: &[f64; 3]) {
+    fn rotate_on(&mut self, about: &About, angle: V, origin: &[f64; 3]) {
         let [x, y, z] = times(splat(&about.direction()), angle * V::splat(RADIAN));
         let zero = V::splat(0.0);
-        let (motion, far) = Quaternion::motion([zero, zero, zero, x, y, z], false);
-        self.far = self.far.larger(far);
+        let (motion, squared_half_angle) = Quaternion::motion([zero, zero, zero, x, y, z], false);
+        self.squared_half_angle = self.squared_half_angle.larger(squared_half_angle);
         self.apply(&motion, origin);
     }
 
@@ -277,45 +277,45 @@ impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
     fn link<I: Inputs<V>>(&mut self, link: &CompiledJoint, axis: usize, location: Option<&ConstantMotion>, inputs: I) {
         let zero = V::splat(0.0);
         let (q, added) = (inputs.position(axis), inputs.added(axis));
-        let there = match added {
+        let command = match added {
             Some(added) => q + added,
             None => q,
         };
         let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
         let errors = if link.errors { Some(R::motion(inputs.errors(axis), link.inverse)) } else { None };
         if let (Some(location), Located::Innermost) = (location, link.located) {
-            self.fixed(location);
+            self.apply_constant(location);
         }
         if let (Some(motion), false) = (&errors, link.outside) {
             self.motion(motion, &link.origin);
         }
         let around = if link.located == Located::Around { location } else { None };
         match &link.motion {
-            Motion::Slide(direction) => self.slide(direction, around, (q, there), added),
+            Motion::Slide(direction) => self.slide(direction, around, (q, command), added),
             Motion::Turn(about) => self.turn(about, &link.origin, around, turn, added),
         }
         if let (Some(motion), true) = (&errors, link.outside) {
             self.motion(motion, &link.origin);
         }
         if let (Some(location), Located::Outermost) = (location, link.located) {
-            self.fixed(location);
+            self.apply_constant(location);
         }
     }
 
-    /// A linear axis; an error of its place only bends its direction.
+    /// Passes a linear axis; its location error only bends its direction.
     #[inline(always)]
-    fn slide(&mut self, direction: &[f64; 3], around: Option<&ConstantMotion>, (q, there): (V, V), added: Option<V>) {
+    fn slide(&mut self, direction: &[f64; 3], around: Option<&ConstantMotion>, (q, command): (V, V), added: Option<V>) {
         self.point = slid(direction, q, self.point);
         if let Some(added) = added {
             self.displacement = plus_times(self.displacement, splat(direction), added);
         }
         if let Some(location) = around {
             let bent = location.motion.moved(*direction);
-            self.displacement = plus_times(self.displacement, splat(&bent), there);
+            self.displacement = plus_times(self.displacement, splat(&bent), command);
         }
     }
 
-    /// A rotary axis: N, or Loc N Loc^-1.
+    /// Passes a rotary axis: N, or Loc N Loc^-1.
     #[inline(always)]
     fn turn(
         &mut self,
@@ -326,21 +326,21 @@ impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
         added: Option<V>,
     ) {
         if let Some(location) = around {
-            self.apply(&location.undone.splat(), origin);
+            self.apply(&location.inverse.splat(), origin);
         }
         self.point = about.turned_about(turn, origin, self.point);
         self.displacement = about.turned(turn, self.displacement);
         self.relative = self.relative.turned(about, turn);
         if let Some(added) = added {
-            self.further(about, added, origin);
+            self.rotate_on(about, added, origin);
         }
         if let Some(location) = around {
-            self.fixed(location);
+            self.apply_constant(location);
         }
     }
 }
 
-/// The plan of the exact model.
+/// The compiled exact model.
 #[derive(Debug, Clone)]
 pub struct ExactModel {
     chain: CompiledChain,
@@ -350,7 +350,7 @@ pub struct ExactModel {
 }
 
 impl ExactModel {
-    /// `None` if a constant error is too large for the series.
+    /// Returns `None` if a constant error is too large for the series.
     pub fn new(chain: CompiledChain) -> Option<Self> {
         let fixed = |placed: &Option<Placed>| match placed {
             Some(placed) => ConstantMotion::new(placed, chain.linearised).map(Some),
@@ -369,16 +369,20 @@ impl ExactModel {
         let chain = &self.chain;
         let mut state = State::<V, R>::at(splat(&chain.tip), splat(&chain.tool));
         if let Some(spindle) = &self.spindle {
-            state.fixed(spindle);
+            state.apply_constant(spindle);
         }
         for (axis, link) in chain.joints.iter().enumerate().rev() {
             state.link(link, axis, self.locations[axis].as_ref(), inputs);
         }
         if let Some(clamping) = &self.clamping {
-            state.fixed(clamping);
+            state.apply_constant(clamping);
         }
-        let (rotation, far) = state.relative.vector();
-        LaneDeviation { position: state.displacement, rotation, squared_half_angle: state.far.larger(far) }
+        let (rotation, squared_half_angle) = state.relative.vector();
+        LaneDeviation {
+            position: state.displacement,
+            rotation,
+            squared_half_angle: state.squared_half_angle.larger(squared_half_angle),
+        }
     }
 
     fn past<R: RelativeRotation<f64>>(&self, section: Section, point: [f64; 3]) -> ([f64; 3], f64) {
@@ -387,10 +391,10 @@ impl ExactModel {
             Section::Joint(axis, at) => {
                 state.link(&self.chain.joints[axis], axis, self.locations[axis].as_ref(), at);
             }
-            Section::Spindle => self.spindle.iter().for_each(|spindle| state.fixed(spindle)),
-            Section::Clamping => self.clamping.iter().for_each(|clamping| state.fixed(clamping)),
+            Section::Spindle => self.spindle.iter().for_each(|spindle| state.apply_constant(spindle)),
+            Section::Clamping => self.clamping.iter().for_each(|clamping| state.apply_constant(clamping)),
         }
-        (state.displacement, state.far)
+        (state.displacement, state.squared_half_angle)
     }
 }
 
@@ -400,11 +404,11 @@ impl Sections for ExactModel {
     }
 
     fn displaced(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
-        let (displacement, far) = match self.chain.linearised {
+        let (displacement, squared_half_angle) = match self.chain.linearised {
             true => self.past::<Matrix<f64>>(section, point),
             false => self.past::<Quaternion<f64>>(section, point),
         };
-        ([displacement, [0.0; 3]], far)
+        ([displacement, [0.0; 3]], squared_half_angle)
     }
 }
 

@@ -1,9 +1,9 @@
 //! Order 1: the sum over the joints of Ad(prefix) times the joint's six errors.
 //!
-//! From the tool to the workpiece a point and two vectors are carried: the functional point, the rotation, and the displacement
-//! of a point of reference, all in the frame reached. So every prefix is applied once, to what has been summed, and the lever
-//! of the functional point about the point of reference counts once, at the end. The errors (delta, eps) about a point o displace r by
-//! `delta + eps x (r - o)`: that is folded into the tables, and so are location errors.
+//! The walk from the tool to the workpiece carries a point and two vectors: the functional point, the rotation, and the
+//! displacement of a point of reference, all in the frame reached. So every prefix is applied once, to the sum so far, and the
+//! lever of the functional point about the point of reference counts once, at the end. The errors (delta, eps) about a point o
+//! displace r by `delta + eps x (r - o)`: that is folded into the tables, and so are location errors (`twist`).
 
 use super::chain::{About, CompiledChain, Motion};
 use super::curves::{Six, splat_six};
@@ -14,16 +14,16 @@ use super::steps::{self, Step, Sum};
 use super::twist::{TwistChain, TwistJoint};
 use super::vector::{Vector, minus, plus, plus_cross, splat};
 
-/// The plan of order 1.
+/// The compiled model of order 1.
 #[derive(Debug, Clone)]
 pub struct FirstOrder {
     /// From the workpiece to the tool.
     joints: Vec<TwistJoint>,
-    /// From the tool to the workpiece, by the numbers of the joints.
+    /// From the tool to the workpiece; joints by their index.
     steps: Vec<Step>,
-    /// The functional point at the zero pose less the first point of reference.
+    /// The functional point at the zero pose minus the first point of reference, mm.
     point: [f64; 3],
-    /// Its displacement by clamping.
+    /// Its displacement by the set-up of the tool, mm.
     tool: [f64; 3],
 }
 
@@ -38,7 +38,7 @@ impl FirstOrder {
         Some(Self { steps: steps::steps(&joints, end), joints, point, tool: chain.tool })
     }
 
-    /// A chunk of poses from the tool past all steps.
+    /// Walks a chunk of poses from the tool past all steps.
     #[inline(always)]
     fn walk<V: Lanes>(&self, states: &mut WalkStates, axes: &[Lookup], chunk: Chunk<'_>) {
         states.begin::<V>(self, chunk.count);
@@ -83,18 +83,18 @@ impl PoseKernel for FirstOrder {
     }
 }
 
-/// What is carried from the tool to the workpiece, of a chunk of poses. Every step goes over all of them: finding out what it
-/// has to do would cost as much as doing it for one vector.
+/// The quantities that the walk carries, for a chunk of poses. Every step goes over the whole chunk: deciding what a step does
+/// costs as much as doing it for one vector.
 #[repr(C, align(64))]
 pub struct WalkStates {
-    /// The functional point less the point of reference.
+    /// The functional point minus the point of reference.
     point: Vectors,
     /// Displacement of the point of reference.
     displacement: Vectors,
     rotation: Vectors,
 }
 
-/// Vectors by columns.
+/// Vectors of a chunk by columns.
 struct Vectors([[f64; CHUNK]; 3]);
 
 impl Vectors {
@@ -102,7 +102,7 @@ impl Vectors {
 
     #[inline(always)]
     fn get<V: Lanes>(&self, i: usize) -> Vector<V> {
-        // The mask changes nothing, and shows the compiler that the vector lies within the chunk.
+        // The mask changes nothing; it shows the compiler that the vector lies within the chunk.
         let (i, [x, y, z]) = (i & (CHUNK - V::COUNT), &self.0);
         [V::load(&x[i..]), V::load(&y[i..]), V::load(&z[i..])]
     }
@@ -115,14 +115,14 @@ impl Vectors {
         vector[2].store(&mut z[i..]);
     }
 
-    /// One column more by a vector.
+    /// Adds to a column.
     #[inline(always)]
     fn add<V: Lanes>(&mut self, k: usize, i: usize, more: V) {
         let place = &mut self.0[k][i & (CHUNK - V::COUNT)..];
         (V::load(place) + more).store(place);
     }
 
-    /// One column more by a product.
+    /// Adds a product to a column.
     #[inline(always)]
     fn add_product<V: Lanes>(&mut self, k: usize, i: usize, a: V, b: V) {
         let place = &mut self.0[k][i & (CHUNK - V::COUNT)..];
@@ -136,16 +136,16 @@ impl Vectors {
 }
 
 impl WalkStates {
-    /// Before anything.
+    /// The state before any chunk.
     pub const NONE: Self = Self { point: Vectors::NONE, displacement: Vectors::NONE, rotation: Vectors::NONE };
 
-    /// At the tool.
+    /// Sets the state at the tool.
     #[inline(always)]
-    fn begin<V: Lanes>(&mut self, plan: &FirstOrder, count: usize) {
-        let (mut i, point) = (0, splat::<V>(&plan.point));
+    fn begin<V: Lanes>(&mut self, model: &FirstOrder, count: usize) {
+        let (mut i, point) = (0, splat::<V>(&model.point));
         while i < count {
             self.point.put(i, point);
-            self.displacement.put(i, splat::<V>(&plan.tool));
+            self.displacement.put(i, splat::<V>(&model.tool));
             self.rotation.put(i, [V::splat(0.0); 3]);
             i += V::COUNT;
         }
@@ -159,12 +159,12 @@ impl WalkStates {
         LaneDeviation { position, rotation, squared_half_angle: V::splat(0.0) }
     }
 
-    /// By a joint's own motion.
+    /// Passes the nominal motion of a joint.
     #[inline(always)]
     fn moved<V: Lanes>(&mut self, joint: &TwistJoint, step: &Step, lookup: &Lookup, positions: &[f64]) {
         match joint.motion {
             Motion::Slide(direction) => self.slid::<V>(&direction, joint.bend.as_ref(), step.rotated, positions),
-            // Each by itself: the compiler leaves out what stays as it is.
+            // One call per machine axis: the compiler drops the component that stays as it is.
             Motion::Turn(About::Principal(0, sense)) => {
                 self.turned::<V>(&About::Principal(0, sense), lookup, positions.len());
             }
@@ -183,15 +183,15 @@ impl WalkStates {
         }
     }
 
-    /// By the positions times a direction; before all errors a machine axis costs one sum.
+    /// Moves by the positions times a direction; before all errors a machine axis costs one sum.
     #[inline(always)]
     fn slid<V: Lanes>(&mut self, direction: &[f64; 3], bend: Option<&[f64; 3]>, rotated: bool, positions: &[f64]) {
         for k in 0..3 {
             let (factor, bend, mut i) = (direction[k], bend.map_or(0.0, |bend| bend[k]), 0);
             while factor != 0.0 && i < positions.len() {
                 let q = V::load(&positions[i..]);
-                let way = if factor == 1.0 { q } else { q * V::splat(factor) };
-                self.advance_point(k, i, way, rotated);
+                let travel = if factor == 1.0 { q } else { q * V::splat(factor) };
+                self.advance_point(k, i, travel, rotated);
                 i += V::COUNT;
             }
             i = 0;
@@ -202,7 +202,7 @@ impl WalkStates {
         }
     }
 
-    /// About another point of reference.
+    /// Moves the point of reference.
     #[inline(always)]
     fn shifted<V: Lanes>(&mut self, by: &[f64; 3], count: usize) {
         for k in 0..3 {
@@ -214,19 +214,19 @@ impl WalkStates {
         }
     }
 
-    /// The functional point is farther along a machine axis from the point of reference.
+    /// Moves the functional point along machine axis k, away from the point of reference.
     #[inline(always)]
-    fn advance_point<V: Lanes>(&mut self, k: usize, i: usize, way: V, rotated: bool) {
-        self.point.add(k, i, way);
+    fn advance_point<V: Lanes>(&mut self, k: usize, i: usize, travel: V, rotated: bool) {
+        self.point.add(k, i, travel);
         if rotated {
             let (next, last) = ((k + 1) % 3, (k + 2) % 3);
             let (a, b): (V, V) = (self.rotation.column(last, i), self.rotation.column(next, i));
-            self.displacement.add_product(next, i, V::splat(0.0) - a, way);
-            self.displacement.add_product(last, i, b, way);
+            self.displacement.add_product(next, i, V::splat(0.0) - a, travel);
+            self.displacement.add_product(last, i, b, travel);
         }
     }
 
-    /// About an axis through the point of reference.
+    /// Rotates about an axis through the point of reference.
     #[inline(always)]
     fn turned<V: Lanes>(&mut self, about: &About, lookup: &Lookup, count: usize) {
         let mut i = 0;
@@ -239,7 +239,7 @@ impl WalkStates {
         }
     }
 
-    /// The errors of several axes, transposed once.
+    /// Adds the errors of several axes: rows summed, then transposed once.
     #[inline(always)]
     fn summed<V: Lanes>(&mut self, sum: &Sum, axes: &[Lookup], chunk: Chunk<'_>) {
         let mut i = 0;
@@ -248,15 +248,15 @@ impl WalkStates {
             for (axis, curves) in &sum.others {
                 curves.add_rows::<V, CHUNK>(&mut rows, axes[*axis].table_vector(i));
             }
-            let [x, y, z, ex, ey, ez, aside, other] = V::transpose(&rows);
+            let [x, y, z, ex, ey, ez, lever_a, lever_b] = V::transpose(&rows);
             self.add::<V>(i, [x, y, z, ex, ey, ez]);
             if let Some(slide) = sum.slide {
                 let q = V::load(&chunk.positions(slide.axis)[i..]);
                 let [x, y, z]: Vector<V> = self.displacement.get(i);
                 let moved = match slide.along {
-                    0 => [x, y.plus_times(aside, q), z.plus_times(other, q)],
-                    1 => [x.plus_times(aside, q), y, z.plus_times(other, q)],
-                    _ => [x.plus_times(aside, q), y.plus_times(other, q), z],
+                    0 => [x, y.plus_times(lever_a, q), z.plus_times(lever_b, q)],
+                    1 => [x.plus_times(lever_a, q), y, z.plus_times(lever_b, q)],
+                    _ => [x.plus_times(lever_a, q), y.plus_times(lever_b, q), z],
                 };
                 self.displacement.put(i, moved);
             }
@@ -282,7 +282,7 @@ impl WalkStates {
         }
     }
 
-    /// A twist more.
+    /// Adds a twist.
     #[inline(always)]
     fn add<V: Lanes>(&mut self, i: usize, [x, y, z, ex, ey, ez]: [V; 6]) {
         self.displacement.put(i, plus(self.displacement.get(i), [x, y, z]));

@@ -1,4 +1,4 @@
-//! Deviations in another frame: turned by the nominal rotations of the joints passed.
+//! Deviations in other frames: rotated by the nominal motions of the joints passed.
 
 use super::batch::{Batch, Output, Slices};
 use super::chain::{About, Motion};
@@ -50,15 +50,15 @@ impl FrameRotation<'_, '_> {
 }
 
 impl CompiledModel {
-    /// Turns deviations from the workpiece frame into another one.
+    /// Rotates deviations at these poses (mm, deg) from the workpiece frame into another one, in place.
     pub fn to_frame(&self, frame: Frame, poses: &Batch<'_>, mut out: Output<'_>) {
-        let on_the_way = |axis: usize| match frame {
+        let passed = |axis: usize| match frame {
             Frame::Workpiece => false,
             Frame::Machine => self.machine.axes()[axis].branch == Branch::Workpiece,
             Frame::Tool => true,
         };
         let Some(chain) = &self.chain else { return self.to_frame_one_by_one(frame, poses, &mut out) };
-        let turns = chain.joints.iter().enumerate().filter(|(axis, _)| on_the_way(*axis));
+        let turns = chain.joints.iter().enumerate().filter(|(axis, _)| passed(*axis));
         let joints: Vec<(usize, About)> = turns
             .filter_map(|(axis, link)| if let Motion::Turn(about) = link.motion { Some((axis, about)) } else { None })
             .collect();

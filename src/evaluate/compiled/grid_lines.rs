@@ -1,9 +1,9 @@
-//! The lines of a tensor grid: nothing that does not depend on the inner axis is computed at its nodes.
+//! The lines of a tensor grid: at a node nothing is computed that depends on the outer axes or on the inner axis alone.
 //!
-//! The inner axis is the last one, which is the joint next to the tool. What happens on its tool side and in it depends on its own
-//! position alone and is computed once for the grid. The outer joints are one map ([`Affine`]) for a whole line, put together from those
-//! at the nodes of each outer axis. At the nodes of a line displacement and rotation are then sums of a few numbers of the
-//! inner node times vectors of the line:
+//! The inner axis is the last one, the joint next to the tool. The maps of its nodes, and of everything on its tool side, are
+//! computed once for the grid. The outer joints are one map ([`Affine`]) for a whole line, the product of those at the
+//! nodes of each outer axis. Displacement and rotation at the nodes of a line are then sums of a few numbers of the inner
+//! node times vectors of the line:
 //!
 //! ```text
 //!          displacement                          rotation
@@ -12,8 +12,8 @@
 //! exact    h + G p + (A + G) d                   the axial vector of G A^T + (A + G) X A^T
 //! ```
 //!
-//! with point p, displacement d, rotation r behind the inner joint (1: of first degree), and 1 + X its relative rotation. Of orthogonal
-//! joints that axial vector is the sine of the angle along the axis, and a series makes the rotation vector of it.
+//! with point p, displacement d, rotation r behind the inner joint (1: of first degree), and 1 + X its relative rotation. With
+//! orthogonal joints that axial vector is the sine of the angle along the axis, and a series makes the rotation vector of it.
 
 use super::affine::{Affine, ErrorProducts, Linear, Node, Section, Sections, Vector3};
 use super::batch::Output;
@@ -22,20 +22,19 @@ use super::simd::{Kernel, Lanes, MAX_LANES};
 use super::trigonometry::sin_cos;
 use super::vector::{cross, dot, plus, splat, times};
 
-/// A plan with the nodes of a grid.
+/// A compiled model on the nodes of a grid.
 #[derive(Debug, Clone)]
 pub struct GridLines {
     products: ErrorProducts,
-    /// Is the rotation vector to be made of its sine?
+    /// True if the rotation vector is computed from its sine.
     arc: bool,
     clamping: Affine,
-    /// At the nodes of every outer axis.
+    /// Maps at the nodes of every outer axis.
     outer: Vec<Vec<Affine>>,
     inner: Inner,
 }
 
-/// Numbers at the nodes of the inner axis, in columns that are padded to whole vectors: those that displacements are sums of, and
-/// those of rotations.
+/// Numbers at the nodes of the inner axis, in columns padded to whole vectors: the terms of displacements and of rotations.
 #[derive(Debug, Clone)]
 struct Inner {
     count: usize,
@@ -43,15 +42,15 @@ struct Inner {
     rotation: Vec<Vec<f64>>,
 }
 
-/// Rotations (rad) of all errors together up to which the series is good to the last bit.
-const MAX_ROTATION: f64 = 0.3;
+/// Rotation (rad) of all errors together up to which the series is exact to rounding.
+const MAX_ROTATION_RAD: f64 = 0.3;
 
-/// asin s / s by powers of s^2, up to the sine of [`MAX_ROTATION`].
+/// Coefficients of asin s / s by powers of s^2, for s up to the sine of [`MAX_ROTATION_RAD`].
 const ARCSINE: [f64; 14] = arcsine();
 
 impl GridLines {
-    /// On the nodes of a grid: their positions, axis by axis. `None` without axes, and where the errors together might turn
-    /// by more than the series can bear.
+    /// Returns the model on the nodes of a grid, given by their positions (mm, deg) per axis; `None` without axes, and if the
+    /// errors together may rotate beyond the range of the series.
     pub fn new(sections: &impl Sections, products: ErrorProducts, positions: &[Vec<f64>]) -> Option<Self> {
         let chain = sections.chain();
         let (spindle, clamping) = (Affine::of(sections, Section::Spindle)?, Affine::of(sections, Section::Clamping)?);
@@ -64,14 +63,14 @@ impl GridLines {
         let arc = products == ErrorProducts::Kept && !chain.linearised;
         let widest = |nodes: &Vec<Affine>| nodes.iter().map(Affine::angle).fold(0.0, f64::max);
         let angle = clamping.angle() + outer.iter().map(widest).sum::<f64>() + widest(&inner);
-        if arc && angle > MAX_ROTATION {
+        if arc && angle > MAX_ROTATION_RAD {
             return None;
         }
         let inner = Inner::new(&inner, chain.tool, products);
         Some(Self { products, arc, clamping, outer, inner })
     }
 
-    /// The map after every outer joint, from the joint `from` on, at these nodes.
+    /// Multiplies the maps of the outer joints at these nodes, from the joint `from` on.
     #[inline(always)]
     fn compose_outer(&self, levels: &mut [Affine], nodes: &[usize], from: usize) {
         for k in from..self.outer.len() {
@@ -87,7 +86,7 @@ fn node(sections: &impl Sections, axis: usize, position: f64) -> Node {
 }
 
 impl Inner {
-    /// Of the maps at its nodes, and the displacement of the functional point by clamping.
+    /// Returns the columns for the maps at the nodes, and the set-up displacement of the functional point (mm).
     fn new(nodes: &[Affine], tool: Vector3, products: ErrorProducts) -> Self {
         let count = nodes.len();
         let mut inner = Self { count, displacement: Vec::new(), rotation: Vec::new() };
@@ -122,13 +121,13 @@ impl Inner {
     }
 }
 
-/// Whole lines of a grid.
+/// A run of whole lines of a grid.
 pub struct Lines<'a, 'o> {
     /// The grid.
     pub grid: &'a GridLines,
-    /// The first line, by the node of every outer axis.
+    /// The first line: index of the node of every outer axis.
     pub first: Vec<usize>,
-    /// As many lines as there is room for.
+    /// Deviations of whole lines.
     pub out: Output<'o>,
 }
 
@@ -144,7 +143,7 @@ impl Kernel for Lines<'_, '_> {
     }
 }
 
-/// A line: displacement and rotation as sums of vectors times the numbers of the inner node, and constants.
+/// A line: displacement and rotation as constants plus sums of vectors times the numbers of the inner node.
 struct Line<const D: usize, const R: usize> {
     displacement: [Vector3; D],
     shift: Vector3,
@@ -152,20 +151,22 @@ struct Line<const D: usize, const R: usize> {
     turn: Vector3,
 }
 
-/// The lines of an order. (A trait and no closures: those are compiled without the vector features.)
+/// The form of the lines of an order. (A trait, for closures are compiled without the vector features.)
 trait LineForm<const D: usize, const R: usize> {
     fn line(outer: &Affine) -> Line<D, R>;
 
-    /// The rotation vector of the sum.
+    /// Returns the rotation vector of the sum.
     #[inline(always)]
     fn finished<V: Lanes>(sum: [V; 3]) -> [V; 3] {
         sum
     }
 }
 
+/// Order 1.
 struct FirstOrderLine;
+/// Order 2.
 struct SecondOrderLine;
-/// Exact; with orthogonal joints an arc is made of its sine.
+/// The exact model; with orthogonal joints (`ARC`) the angle is computed from its sine.
 struct ExactLine<const ARC: bool>;
 
 impl LineForm<6, 3> for FirstOrderLine {
@@ -276,22 +277,22 @@ fn sum<V: Lanes, const N: usize>(
     sum
 }
 
-/// A vector of nodes. It may reach into the next line, which is written after it; not beyond the end.
+/// Writes a vector of nodes. It may reach into the next line, which is written later, but not beyond the end.
 #[inline(always)]
 fn write<V: Lanes>(out: &mut Output<'_>, at: usize, d: [V; 3], w: [V; 3]) {
-    let room = out.position[0].len() - at;
+    let remaining = out.position[0].len() - at;
     for k in 0..3 {
-        if V::COUNT <= room {
+        if V::COUNT <= remaining {
             d[k].store(&mut out.position[k][at..]);
             w[k].store(&mut out.rotation[k][at..]);
         } else {
-            out.position[k][at..].copy_from_slice(&d[k].to_array()[..room]);
-            out.rotation[k][at..].copy_from_slice(&w[k].to_array()[..room]);
+            out.position[k][at..].copy_from_slice(&d[k].to_array()[..remaining]);
+            out.rotation[k][at..].copy_from_slice(&w[k].to_array()[..remaining]);
         }
     }
 }
 
-/// The next line; which is the outermost axis that moved.
+/// Moves to the next line; returns the outermost axis that moved.
 fn advance(nodes: &mut [usize], count: impl Fn(usize) -> usize) -> usize {
     for k in (0..nodes.len()).rev() {
         nodes[k] += 1;

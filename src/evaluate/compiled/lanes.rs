@@ -1,4 +1,4 @@
-//! Vectors of the processor, and the choice among them at run time. The only file with `unsafe`.
+//! The vectors of each processor, and the choice among them at run time. The only file with `unsafe`.
 //!
 //! A [`Kernel`] is written once over [`Lanes`], and [`run`] compiles it for every width. All operations
 //! are those of IEEE 754 on doubles with one rounding each. Products are fused with sums where the kernel says so and nowhere
@@ -11,20 +11,20 @@
 //!   The operations below are inlined there; without the feature no code of theirs is reached.
 //! - Loads and stores go through references to arrays of the vector's size: checked by slices, any alignment. Stores past the
 //!   caches ask for an aligned place first, and a fence follows them.
-//! - [`RowOffsets`] never holds one beyond its bound, and whoever looks there has the bound checked against the table.
+//! - [`RowOffsets`] never holds one beyond its bound, and every read checks the bound against the table.
 
 #![allow(unsafe_code)]
 
 use super::simd::{Kernel, Lanes, MAX_LANES, TableRow};
 use super::width::Width;
 
-/// RowOffsets of many poses in a table: to each a row that has another one behind it.
+/// Offsets of the rows of many poses in a table; every row has another one behind it.
 #[derive(Debug, Clone, PartialEq)]
 #[repr(C, align(64))]
 pub struct RowOffsets<const N: usize> {
-    /// In doubles from the beginning: the processor scales by 8 and no further.
+    /// In doubles from the beginning: the processor scales an index by 8 at most.
     at: [u32; N],
-    /// The largest that may stand there.
+    /// Upper bound of the offsets.
     last: u32,
 }
 
@@ -32,16 +32,16 @@ pub struct RowOffsets<const N: usize> {
 const ROW: u32 = 8;
 
 impl<const N: usize> RowOffsets<N> {
-    /// Before anything is placed.
+    /// Offsets before any is stored.
     pub const NONE: Self = Self { at: [0; N], last: 0 };
 
-    /// From now on places may be as far as a table of so many rows has them.
+    /// Raises the bound to that of a table with this number of rows.
     #[inline(always)]
     pub fn cover(&mut self, rows: usize) {
         self.last = self.last.max((rows as u32).saturating_sub(2).saturating_mul(ROW));
     }
 
-    /// RowOffsets a vector of poses from pose `i` on, by the numbers of their rows.
+    /// Stores the rows of a vector of poses from pose `i` on, by their indices; those beyond the bound become the bound.
     #[inline(always)]
     pub fn put<V: Lanes>(&mut self, i: usize, row: &[u32; MAX_LANES]) {
         let (last, mut at) = (self.last, *row);
@@ -51,7 +51,7 @@ impl<const N: usize> RowOffsets<N> {
         self.at[i..i + V::COUNT].copy_from_slice(&at[..V::COUNT]);
     }
 
-    /// The row of a pose, and the next one. What bounds them all is checked, not each one.
+    /// Returns the row of a pose, and the next one. The bound of all offsets is checked, not each offset.
     #[inline(always)]
     pub fn row_pair<'r>(&self, rows: &'r [TableRow], i: usize) -> (&'r TableRow, &'r TableRow) {
         let _ = &rows[(self.last / ROW) as usize + 1];
@@ -80,7 +80,7 @@ pub fn run<K: Kernel>(width: Width, kernel: K) {
     }
 }
 
-/// Asks for the cache line of an element of a column beforehand, whether or not there is one: it changes nothing but the time.
+/// Prefetches the cache line of an element of a column; the element need not exist. Affects nothing but the time.
 #[inline(always)]
 pub fn prefetch(column: &[f64], index: usize) {
     #[cfg(target_arch = "x86_64")]
@@ -93,7 +93,7 @@ pub fn prefetch(column: &[f64], index: usize) {
     let _ = (column, index);
 }
 
-/// Ends a series of [`Lanes::store_streaming`]: other threads see them before anything stored later.
+/// Ends a series of [`Lanes::store_streaming`]: other threads see these before anything stored later.
 pub fn store_fence() {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: every such processor has it.

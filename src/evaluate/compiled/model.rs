@@ -12,17 +12,19 @@ use crate::evaluate::deviation::{Deviation, Frame, Order, command_deviation, eva
 use crate::lower::NominalPose;
 use crate::machine::{Approach, Machine};
 
-/// Axes that kernels have room for; longer chains go through the general algebra.
+/// Maximum number of axes of a kernel; longer chains go through the general algebra.
 pub const MAX_AXES: usize = 16;
 
-/// Poses that one thread does at a time, at least.
+/// Minimum number of poses of a task for one thread.
 const BLOCK: usize = 4096;
 
-/// Of a larger batch that many pieces are made, so that threads end together; but none is of more blocks than this.
+/// Minimum number of tasks of a large batch, so that all threads end together.
 const MIN_TASKS: usize = 64;
+
+/// Maximum number of [`BLOCK`]s of a task.
 const MAX_BLOCKS: usize = 8;
 
-/// A machine compiled for an order and a side of approach. Deviations are those of the workpiece frame.
+/// A machine compiled for an order and a side of approach. Deviations are actual minus nominal (mm, rad), workpiece frame.
 #[derive(Debug, Clone)]
 pub struct CompiledModel {
     pub(super) machine: Machine,
@@ -34,6 +36,7 @@ pub struct CompiledModel {
     pub(super) kernel: OrderKernel,
 }
 
+/// The kernel of an order.
 #[derive(Debug, Clone)]
 pub enum OrderKernel {
     First(FirstOrder),
@@ -44,7 +47,7 @@ pub enum OrderKernel {
 }
 
 impl CompiledModel {
-    /// Compiles. The machine is copied: a plan stands alone.
+    /// Compiles a machine, which is copied. What cannot be compiled runs through the general algebra: this never fails.
     pub fn new(machine: &Machine, order: Order, approach: Approach) -> Self {
         let chain = CompiledChain::new(machine, approach).filter(|chain| chain.joints.len() <= MAX_AXES);
         let kernel = chain.as_ref().and_then(|chain| match order {
@@ -57,39 +60,40 @@ impl CompiledModel {
         Self { machine: machine.clone(), order, approach, width: Width::widest(), chain, kernel }
     }
 
-    /// The same plan with narrower vectors; one that the processor has not is the scalar one.
+    /// Returns the model with vectors of this width; a width that the processor lacks runs as [`Width::Scalar`].
     #[must_use]
     pub fn with_width(mut self, width: Width) -> Self {
         self.width = width;
         self
     }
 
-    /// The machine.
+    /// Returns the machine.
     pub fn machine(&self) -> &Machine {
         &self.machine
     }
 
-    /// The order.
+    /// Returns the order.
     pub fn order(&self) -> Order {
         self.order
     }
 
-    /// The side of approach.
+    /// Returns the side of approach.
     pub fn approach(&self) -> Approach {
         self.approach
     }
 
-    /// Does it run on vectors (rather than pose by pose over the general algebra)?
+    /// True if poses run on vectors rather than one by one through the general algebra.
     pub fn is_compiled(&self) -> bool {
         !matches!(self.kernel, OrderKernel::General)
     }
 
-    /// Deviations at a batch of poses, on this thread. As many as fit into `out` are computed.
+    /// Computes the deviations at the first `out.len()` poses (mm, deg) on this thread; `poses` holds at least as many.
     pub fn deviations(&self, poses: &Batch<'_>, out: Output<'_>) {
         self.block(Slices { axes: poses.axes(), added: &[], whole: out.len() }, out);
     }
 
-    /// The same on all threads of rayon's pool.
+    /// Computes the deviations at as many poses as both `poses` and `out` hold, on all threads of rayon's pool; the same bits
+    /// as [`Self::deviations`].
     pub fn deviations_parallel(&self, poses: &Batch<'_>, out: Output<'_>) {
         let whole = poses.len().min(out.len());
         let task = (whole / MIN_TASKS).clamp(BLOCK, MAX_BLOCKS * BLOCK).next_multiple_of(BLOCK);
@@ -106,14 +110,14 @@ impl CompiledModel {
         rayon::join(|| self.parallel(&low, low_out, task, whole), || self.parallel(&high, high_out, task, whole));
     }
 
-    /// Exact deviations of commands, `added` to the positions, from where the nominal machine would be without: what is left
-    /// of a correction. `None` unless the order is exact.
+    /// Computes what a correction leaves: the position of the actual machine at the commands `poses + added` (mm, deg) minus that of
+    /// the nominal machine at `poses`. Returns `None` unless the order is exact and `added` has the shape of `poses`.
     pub fn commanded(&self, poses: &Batch<'_>, added: &Batch<'_>, out: Output<'_>) -> Option<()> {
         let fits = self.order == Order::Exact && added.len() == poses.len() && added.axes().len() == poses.axes().len();
         fits.then(|| self.block(Slices { axes: poses.axes(), added: added.axes(), whole: out.len() }, out))
     }
 
-    /// Deviation at one pose.
+    /// Returns the deviation at one pose (mm, deg).
     pub fn deviation(&self, pose: &[f64]) -> Deviation {
         let mut numbers = [0.0; 6];
         let [a, b, c, d, e, f] = numbers.each_mut().map(std::slice::from_mut);
@@ -128,12 +132,18 @@ impl CompiledModel {
 
     fn block(&self, poses: Slices<'_>, mut out: Output<'_>) {
         let mut uncovered = Vec::new();
-        let pass = (self.width, poses, &mut uncovered);
+        let (width, all) = (self.width, out.reborrow());
         match &self.kernel {
-            OrderKernel::First(task) => run_padded(task, pass, out.reborrow()),
-            OrderKernel::Second(task) => run_padded(task, pass, out.reborrow()),
-            OrderKernel::Exact(task) => run_padded(task.as_ref(), pass, out.reborrow()),
-            OrderKernel::General => uncovered.extend(0..out.len()),
+            OrderKernel::First(kernel) => {
+                run_padded(width, Pass { kernel, poses, out: all, uncovered: &mut uncovered })
+            }
+            OrderKernel::Second(kernel) => {
+                run_padded(width, Pass { kernel, poses, out: all, uncovered: &mut uncovered })
+            }
+            OrderKernel::Exact(kernel) => {
+                run_padded(width, Pass { kernel: kernel.as_ref(), poses, out: all, uncovered: &mut uncovered });
+            }
+            OrderKernel::General => uncovered.extend(0..all.len()),
         }
         uncovered.sort_unstable();
         uncovered.dedup();
@@ -149,22 +159,19 @@ impl CompiledModel {
         }
     }
 
-    /// Over the general algebra.
+    /// Returns the deviation over the general algebra.
     fn general(&self, pose: &[f64]) -> Deviation {
         evaluate(&self.machine, pose, self.order, self.approach, Frame::Workpiece).deviation
     }
 }
 
-/// Over all poses that there is room for; fewer than a vector are padded with the last of them.
-fn run_padded<T: PoseKernel>(
-    kernel: &T,
-    (width, poses, uncovered): (Width, Slices<'_>, &mut Vec<usize>),
-    mut out: Output<'_>,
-) {
-    let (count, lanes) = (out.len(), width.lanes());
+/// Runs a pass; poses fewer than a vector holds are padded with copies of the last.
+fn run_padded<T: PoseKernel>(width: Width, pass: Pass<'_, '_, T>) {
+    let (count, lanes) = (pass.out.len(), width.lanes());
     if count == 0 || count >= lanes {
-        return run(width, Pass { kernel, poses, out, uncovered });
+        return run(width, pass);
     }
+    let Pass { kernel, poses, mut out, uncovered } = pass;
     let padded = |columns: &[&[f64]]| -> Vec<Vec<f64>> {
         columns.iter().map(|q| (0..lanes).map(|i| q[i.min(count - 1)]).collect()).collect()
     };

@@ -1,4 +1,4 @@
-//! A vector of one double: the width that every processor has.
+//! Vectors of one double: the width that every processor has.
 
 use super::simd::{Lanes, MAX_LANES};
 

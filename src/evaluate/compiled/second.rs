@@ -1,8 +1,8 @@
 //! Order 2: every joint's own second order, and every pair of joints once.
 //!
-//! Beside the sums of order 1 a second displacement and a second rotation are carried. A joint adds to them its own
-//! square and its product with everything summed so far, which are the joints on its tool side: all pairs,
-//! in one walk. With E^-1 in place of E (`errors_are: body`) the signs and the squares change as its series says.
+//! Beside the sums of order 1 the walk carries a displacement and a rotation of second degree. A joint adds to them its own
+//! square and its product with the sums so far, which are the joints on its tool side: all pairs, in one walk. With E^-1 in
+//! place of E (`errors_are: body`) the signs and the squares change as the series of the inverse says.
 
 use super::affine::{Section, Sections};
 use super::chain::{About, CompiledChain, CompiledJoint, Located, Motion, Placed, slid};
@@ -12,27 +12,27 @@ use super::pass::{LaneDeviation, PoseKernel};
 use super::simd::Lanes;
 use super::vector::{Vector, cross, minus, plus, plus_cross, plus_times, splat, times};
 
-/// The plan of order 2.
+/// The compiled model of order 2.
 #[derive(Debug, Clone)]
 pub struct SecondOrder {
     chain: CompiledChain,
 }
 
-/// What is carried from the tool to the workpiece: by degree.
+/// The quantities that the walk carries from the tool to the workpiece: first and second degree.
 struct State<V> {
     point: Vector<V>,
     displacement: [Vector<V>; 2],
     rotation: [Vector<V>; 2],
-    /// Share of hat(eps)^2 in an error matrix, and in its inverse.
+    /// Coefficient of hat(eps)^2 in an error matrix, and in its inverse.
     squares: [V; 2],
 }
 
 impl<V: Lanes> State<V> {
-    /// A point and its displacement, before any rotation.
+    /// Returns the state at a point with its displacement, before any rotation.
     #[inline(always)]
     fn at(chain: &CompiledChain, point: Vector<V>, displacement: Vector<V>) -> Self {
         let zero = [V::splat(0.0); 3];
-        // exp: 1/2 and 1/2; 1 + hat: none, and 1 in its inverse.
+        // exp: 1/2 and 1/2; 1 + hat: 0, and 1 in its inverse.
         let squares = if chain.linearised { [0.0, 1.0] } else { [0.5, 0.5] };
         Self {
             point,
@@ -49,7 +49,7 @@ impl<V: Lanes> State<V> {
         let (shift, turn) = (times([dx, dy, dz], sign), times([ex, ey, ez], sign));
         let once = cross(turn, minus(self.point, splat(about)));
         let [first, second] = self.displacement;
-        // The inverse turns what its own shift has moved.
+        // The inverse rotates the point that its own translation has moved.
         let moved = if inverse { plus(first, shift) } else { first };
         let square = self.squares[usize::from(inverse)];
         let added = plus_cross(times(cross(turn, once), square), turn, moved);

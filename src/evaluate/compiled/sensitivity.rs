@@ -1,7 +1,7 @@
 //! First-order sensitivities over a batch, and the normal equations of a fit.
 //!
-//! A unit error at a joint is a twist in the nominal frame of that joint: from the frames of the chain, which all sources
-//! share, each source costs one cross product.
+//! A unit error at a joint is a twist in the nominal frame of that joint: the frames are computed once per pose, and each source of
+//! error costs one cross product.
 
 use super::batch::{Batch, Columns, Output, Slices};
 use super::chain::{CompiledChain, CompiledJoint, Located, Motion};
@@ -13,18 +13,18 @@ use super::vector::{Vector, cross, minus, plus, plus_times, splat, times};
 use crate::lower::{ErrorSite, Source};
 use rayon::prelude::*;
 
-/// A unit error, compiled.
+/// The effect of a unit error, compiled.
 #[derive(Debug, Clone, Copy)]
 enum Response {
-    /// Twists in frames: frame, point about which it turns, sign.
+    /// A twist in a frame, about a point.
     Twist { frame: usize, about: [f64; 3], sign: f64, direction: usize },
     /// The difference of the same twist in the frames on both sides of a joint.
     Around { frame: usize, about: [f64; 3], direction: usize },
-    /// A displacement per mm of way, in a frame.
+    /// A displacement per mm of travel, in a frame.
     Bend { axis: usize, by: [f64; 3] },
     /// A displacement of the tip.
     Tip { direction: usize },
-    /// Nothing happens.
+    /// No effect.
     Nothing,
 }
 
@@ -66,8 +66,17 @@ fn sign(inverse: bool) -> f64 {
     if inverse { -1.0 } else { 1.0 }
 }
 
-/// Nominal frames of the chain: images of the unit vectors and of the machine's zero point.
-type Frames<V> = [([Vector<V>; 3], Vector<V>); MAX_AXES + 1];
+/// A nominal frame of the chain.
+#[derive(Clone, Copy)]
+struct NominalFrame<V> {
+    /// Images of the unit vectors.
+    columns: [Vector<V>; 3],
+    /// Image of the machine's zero point, mm.
+    origin: Vector<V>,
+}
+
+/// The frames before every joint, and after the last.
+type Frames<V> = [NominalFrame<V>; MAX_AXES + 1];
 
 struct Sensitivities<'a, 'o> {
     chain: &'a CompiledChain,
@@ -112,12 +121,14 @@ impl Sensitivities<'_, '_> {
     fn frames<V: Lanes>(&self, at: usize) -> Frames<V> {
         let zero = V::splat(0.0);
         let unit: [Vector<V>; 3] = [splat(&[1.0, 0.0, 0.0]), splat(&[0.0, 1.0, 0.0]), splat(&[0.0, 0.0, 1.0])];
-        let mut frames = [(unit, [zero; 3]); MAX_AXES + 1];
+        let mut frames = [NominalFrame { columns: unit, origin: [zero; 3] }; MAX_AXES + 1];
         for (axis, link) in self.chain.joints.iter().enumerate() {
             let q = V::load(&self.poses.axes[axis][at..]);
-            let (columns, place) = frames[axis];
+            let NominalFrame { columns, origin } = frames[axis];
             frames[axis + 1] = match &link.motion {
-                Motion::Slide(u) => (columns, plus_times(place, combined(&columns, splat(u)), q)),
+                Motion::Slide(u) => {
+                    NominalFrame { columns, origin: plus_times(origin, combined(&columns, splat(u)), q) }
+                }
                 Motion::Turn(about) => {
                     let turn = sin_cos(q);
                     let [a, b, c] = unit;
@@ -128,7 +139,7 @@ impl Sensitivities<'_, '_> {
                     ];
                     let o = splat(&link.origin);
                     let moved = minus(o, about.turned(turn, o));
-                    (turned, plus(place, combined(&columns, moved)))
+                    NominalFrame { columns: turned, origin: plus(origin, combined(&columns, moved)) }
                 }
             };
         }
@@ -156,9 +167,9 @@ impl Sensitivities<'_, '_> {
             }
             Response::Bend { axis, by } => {
                 let q = V::load(&self.poses.axes[*axis][at..]);
-                (times(combined(&frames[*axis].0, splat(by)), q), zero)
+                (times(combined(&frames[*axis].columns, splat(by)), q), zero)
             }
-            Response::Tip { direction } => (frames[self.chain.joints.len()].0[*direction], zero),
+            Response::Tip { direction } => (frames[self.chain.joints.len()].columns[*direction], zero),
             Response::Nothing => (zero, zero),
         }
     }
@@ -170,28 +181,28 @@ fn combined<V: Lanes>(columns: &[Vector<V>; 3], v: Vector<V>) -> Vector<V> {
 }
 
 #[inline(always)]
-fn image<V: Lanes>((columns, place): &([Vector<V>; 3], Vector<V>), point: &[f64; 3]) -> Vector<V> {
-    plus(combined(columns, splat(point)), *place)
+fn image<V: Lanes>(frame: &NominalFrame<V>, point: &[f64; 3]) -> Vector<V> {
+    plus(combined(&frame.columns, splat(point)), frame.origin)
 }
 
-/// What a unit error in a frame does to the tip.
+/// Returns displacement and rotation of the tip by a unit error in a frame.
 #[inline(always)]
 fn twist<V: Lanes>(
-    frame: &([Vector<V>; 3], Vector<V>),
+    frame: &NominalFrame<V>,
     about: &[f64; 3],
     direction: usize,
     tip: Vector<V>,
 ) -> (Vector<V>, Vector<V>) {
-    let axis = frame.0[direction % 3];
+    let axis = frame.columns[direction % 3];
     if direction < 3 { (axis, [V::splat(0.0); 3]) } else { (cross(axis, minus(tip, image(frame, about))), axis) }
 }
 
 /// One unknown of a fit: an error times a function of the pose.
 #[derive(Debug, Clone, Copy)]
 pub struct Unknown<'a> {
-    /// The error.
+    /// The source of the error.
     pub source: Source,
-    /// The function at every pose of the batch; `None` is 1.
+    /// The function at every pose of the batch; `None` is the constant 1.
     pub basis: Option<&'a [f64]>,
 }
 
@@ -204,12 +215,13 @@ pub struct NormalEquations {
     pub right: nalgebra::DVector<f64>,
 }
 
-/// Poses whose products are summed by themselves: the sums do not depend on the threads.
+/// Number of poses summed together: the sums do not depend on the number of threads.
 const BLOCK: usize = 2048;
 
 impl CompiledModel {
-    /// What a unit of each source (1 mm, 1 rad) does to first order, at every pose, in the workpiece frame: the same as
-    /// [`sensitivities`](crate::lower::sensitivities). One output for each source. `None` for chains that are not compiled.
+    /// Computes the deviations by a unit of each source (1 mm, 1 rad) to first order, at every pose (mm, deg), in the workpiece frame:
+    /// the same as [`sensitivities`](crate::lower::sensitivities). `out` has one output per source. Returns `None` if the chain is not
+    /// compiled.
     pub fn sensitivities(&self, poses: &Batch<'_>, sources: &[Source], out: &mut [Output<'_>]) -> Option<()> {
         let chain = self.chain.as_ref()?;
         let count = out.iter().map(|out| out.len()).min().unwrap_or(0).min(poses.len());
@@ -236,10 +248,10 @@ impl CompiledModel {
         let starts: Vec<usize> = (0..poses.len()).step_by(BLOCK).collect();
         let n = unknowns.len();
         let zero = NormalEquations { matrix: nalgebra::DMatrix::zeros(n, n), right: nalgebra::DVector::zeros(n) };
-        // A few blocks at a time, summed in their order.
+        // A few blocks at a time, added in their order.
         Some(starts.chunks(64).fold(zero, |sum, starts| {
             let blocks: Vec<NormalEquations> =
-                starts.par_iter().filter_map(|start| self.piece(poses, unknowns, measured, *start)).collect();
+                starts.par_iter().filter_map(|start| self.block_sums(poses, unknowns, measured, *start)).collect();
             blocks.into_iter().fold(sum, |sum, sums| NormalEquations {
                 matrix: sum.matrix + sums.matrix,
                 right: sum.right + sums.right,
@@ -247,7 +259,8 @@ impl CompiledModel {
         }))
     }
 
-    fn piece(
+    /// Returns the sums of one block, which begins at pose `start`.
+    fn block_sums(
         &self,
         poses: &Batch<'_>,
         unknowns: &[Unknown<'_>],
@@ -281,7 +294,7 @@ impl CompiledModel {
     }
 }
 
-/// Scalar product in eight interleaved sums: one order for any vector width.
+/// Returns the scalar product in eight interleaved sums: one order for any vector width.
 fn sum(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
     let (a_eights, b_eights) = (a.chunks_exact(8), b.chunks_exact(8));

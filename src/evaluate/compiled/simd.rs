@@ -5,46 +5,47 @@
 
 use std::ops::{Add, Mul, Sub};
 
-/// Lanes of the widest vector; smaller ones leave the rest of an array unused.
+/// Lanes of the widest vector; narrower ones leave the rest of an array unused.
 pub const MAX_LANES: usize = 8;
 
-/// The sign of a double.
+/// The sign bit of a double.
 pub const SIGN: u64 = 1 << 63;
 
-/// Some doubles that are worked on at once.
+/// A vector of doubles. All operations are those of IEEE 754, with one rounding each.
 pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    /// How many.
+    /// Number of lanes.
     const COUNT: usize;
-    /// Eight doubles in as many registers as they need.
+    /// The eight doubles of a table row, in as many registers as they need.
     type Row: RowVector;
 
-    /// The same number in all lanes.
+    /// Returns a vector with the same number in all lanes.
     fn splat(x: f64) -> Self;
-    /// The first numbers of a slice (it must have as many).
+    /// Loads the first numbers of a slice, which must hold as many as the vector has lanes.
     fn load(from: &[f64]) -> Self;
-    /// To the beginning of a slice (it must be long enough).
+    /// Stores to the beginning of a slice, which must hold as many as the vector has lanes.
     fn store(self, to: &mut [f64]);
-    /// Is a vector a whole cache line, which can be stored past the caches?
+    /// True if a vector is a whole cache line, which can be stored past the caches.
     const FILLS_CACHE_LINE: bool = false;
-    /// Likewise, past the caches if [`Self::FILLS_CACHE_LINE`] and the place is a line. [`store_fence`] must follow.
+    /// Stores past the caches if [`Self::FILLS_CACHE_LINE`] and the address is that of a line, else as [`Self::store`]. A
+    /// `lanes::store_fence` must follow.
     #[inline(always)]
     fn store_streaming(self, to: &mut [f64]) {
         self.store(to);
     }
-    /// `self + a * b` with one rounding.
+    /// Returns `self + a * b` with one rounding.
     fn plus_times(self, a: Self, b: Self) -> Self;
-    /// `self - a * b` with one rounding.
+    /// Returns `self - a * b` with one rounding.
     fn minus_times(self, a: Self, b: Self) -> Self;
-    /// Quotient.
+    /// Returns `self / other`.
     fn quotient(self, other: Self) -> Self;
-    /// `yes` where `self < than`, else `no` (also where one is not a number).
+    /// Returns `yes` where `self < than`, else `no` (also where one is not a number).
     fn select_less(self, than: Self, yes: Self, no: Self) -> Self;
-    /// Cut to whole numbers, for `0 <= x < 2^31`: as numbers and as indices.
+    /// Truncates to integers, for `0 <= x < 2^31`: as doubles and as indices.
     fn truncate(self) -> (Self, [u32; MAX_LANES]);
-    /// Lane by lane.
+    /// Returns the lanes as an array.
     fn to_array(self) -> [f64; MAX_LANES];
-    /// Sine and cosine of an angle, some quarter turns further: as many as the last bits of `counted` say
-    /// (a whole number to which 1.5 * 2^52 has been added).
+    /// Returns sine and cosine of an angle increased by quarter turns, whose number is `counted - 1.5 * 2^52`: the last bits of
+    /// `counted` hold it.
     #[inline(always)]
     fn add_quarter_turns(counted: Self, sine: Self, cosine: Self) -> (Self, Self) {
         let (counted, mut sine, mut cosine) = (counted.to_array(), sine.to_array(), cosine.to_array());
@@ -58,52 +59,52 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
         (Self::load(&sine), Self::load(&cosine))
     }
 
-    /// Column k of the result holds element k of each row: lane i is row i.
+    /// Transposes rows: lane i of vector k is element k of row i.
     fn transpose(rows: &[Self::Row; MAX_LANES]) -> [Self; 8];
 
-    /// The smaller one.
+    /// Returns the smaller of both.
     #[inline(always)]
     fn smaller(self, other: Self) -> Self {
         self.select_less(other, self, other)
     }
-    /// The larger one.
+    /// Returns the larger of both.
     #[inline(always)]
     fn larger(self, other: Self) -> Self {
         other.select_less(self, self, other)
     }
 }
 
-/// Something to be computed over vectors. `run` must be inlined: it is compiled once for each width.
+/// A computation over vectors. Its `run` must be inlined: it is compiled once for each width.
 pub trait Kernel {
-    /// The computation.
+    /// Runs the computation.
     fn run<V: Lanes>(self);
 }
 
-/// One row: as long as a cache line and aligned with it, so that of the widest vectors it is one load.
+/// One row of a table: a cache line, aligned, so that the widest vectors load it at once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 pub struct TableRow(pub [f64; 8]);
 
-/// A row in as many vectors as it needs.
+/// A row of a table in as many vectors as it needs.
 pub trait RowVector: Copy {
-    /// Of the table.
+    /// Loads a row.
     fn of(row: &TableRow) -> Self;
-    /// Sum.
+    /// Returns the sum.
     fn plus(self, other: Self) -> Self;
-    /// Difference.
+    /// Returns the difference.
     fn minus(self, other: Self) -> Self;
-    /// `self + other * factor`.
+    /// Returns `self + other * factor`.
     fn plus_times(self, other: Self, factor: f64) -> Self;
 }
 
 impl<V: Lanes, const N: usize> RowVector for [V; N] {
     #[inline(always)]
     fn of(row: &TableRow) -> Self {
-        let mut pieces = [V::splat(0.0); N];
+        let mut vectors = [V::splat(0.0); N];
         for k in 0..N {
-            pieces[k] = V::load(&row.0[k * V::COUNT..]);
+            vectors[k] = V::load(&row.0[k * V::COUNT..]);
         }
-        pieces
+        vectors
     }
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! Sine and cosine of degrees over vectors, with the same bits at any width.
 //!
-//! The angle is reduced in degrees, where quarter turns are exact. On the rest (at most 45 deg) stand the
+//! The angle is reduced in degrees, where quarter turns are exact. The remainder (at most 45 deg) goes into the
 //! polynomials of FreeBSD's msun (`k_sin`, `k_cos`, S. Moshier's and Sun's coefficients), by Horner's scheme in fused
 //! operations: within 1 ulp of the sine and cosine of the rest in radians.
 
@@ -27,26 +27,26 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_482_65e-11,
 ];
 
-/// Degrees in radians.
+/// One degree in radians.
 pub const RADIAN: f64 = std::f64::consts::PI / 180.0;
 
 /// 1.5 * 2^52: added to a number below 2^51 it leaves no bit for a fraction.
 const COUNTER: f64 = 6_755_399_441_055_744.0;
 
-/// The nearest whole number, ties to even, for numbers below 2^51.
+/// Returns the nearest integers, ties to even, of numbers below 2^51.
 #[inline(always)]
 pub fn nearest<V: Lanes>(x: V) -> V {
     (x + V::splat(COUNTER)) - V::splat(COUNTER)
 }
 
-/// Sine and cosine of an angle in degrees (below 1e9), exact at multiples of 90.
+/// Returns sine and cosine of angles in degrees (below 1e9), exact at multiples of 90.
 #[inline(always)]
 pub fn sin_cos<V: Lanes>(degrees: V) -> (V, V) {
     let ([sine], [cosine]) = sines_cosines([degrees]);
     (sine, cosine)
 }
 
-/// Of several vectors of angles, side by side: a polynomial alone would wait for itself.
+/// Returns the sines and cosines of several vectors of angles in degrees: interleaved, one polynomial fills the latency of another.
 #[inline(always)]
 pub fn sines_cosines<V: Lanes, const N: usize>(degrees: [V; N]) -> ([V; N], [V; N]) {
     let degrees = VectorArray(degrees);
@@ -60,17 +60,17 @@ pub fn sines_cosines<V: Lanes, const N: usize>(degrees: [V; N]) -> ([V; N], [V; 
     (s, c)
 }
 
-/// Several vectors that are computed with in turn.
+/// Several vectors with the same operations, interleaved.
 #[derive(Clone, Copy)]
 struct VectorArray<V, const N: usize>([V; N]);
 
-/// The same number everywhere.
+/// Returns the same number in all lanes.
 #[inline(always)]
 fn broadcast<V: Lanes, const N: usize>(x: f64) -> VectorArray<V, N> {
     VectorArray([V::splat(x); N])
 }
 
-/// One by one, with the operations of [`Lanes`].
+/// Applies an operation of [`Lanes`] to each of the vectors.
 macro_rules! lanewise {
     ($name:ident, $($other:ident),+) => {
         #[inline(always)]
@@ -98,14 +98,14 @@ impl<V: Lanes, const N: usize> Mul for VectorArray<V, N> {
     lanewise!(mul, other);
 }
 
-/// The angle (up to 45 deg, in rad) and a product: 0.65 ulp.
+/// Returns the sine of angles up to 45 deg, in rad: x plus a product, 0.65 ulp.
 #[inline(always)]
 fn sine<V: Lanes, const N: usize>(x: VectorArray<V, N>) -> VectorArray<V, N> {
     let z = x * x;
     x.plus_times(z * x, horner(&SINE, z))
 }
 
-/// Of an angle up to 45 deg, in rad: 1 and a product, 0.7 ulp.
+/// Returns the cosine of angles up to 45 deg, in rad: 1 plus a product, 0.7 ulp.
 #[inline(always)]
 fn cosine<V: Lanes, const N: usize>(x: VectorArray<V, N>) -> VectorArray<V, N> {
     let z = x * x;

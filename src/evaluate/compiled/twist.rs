@@ -10,20 +10,23 @@ use super::vector::cross;
 /// A joint of order 1: its nominal motion, and its errors as twists.
 #[derive(Debug, Clone)]
 pub struct TwistJoint {
+    /// Nominal motion.
     pub motion: Motion,
+    /// Point of a rotary axis.
     pub origin: [f64; 3],
     /// Twists `(delta - eps x o, eps)`; `None` if there are no errors.
     pub curves: Option<Curves>,
+    /// True if the errors act on the workpiece's side of the motion.
     pub outside: bool,
-    /// Are the sine and cosine of the position needed?
+    /// True if the walk reads the sine and cosine of the position.
     pub turns: bool,
     /// A constant twist on the workpiece's side of the joint.
     pub constant: Option<Six>,
-    /// Displacement per mm of way, of an axis that is not square.
+    /// Displacement per mm of travel, of a linear axis that is not square.
     pub bend: Option<[f64; 3]>,
 }
 
-/// `(delta, eps)` about a point to displacement of the machine's zero point, and rotation.
+/// Returns `sign` times the errors `(delta, eps)` about a point as displacement of the machine's zero point and rotation.
 pub fn twist(six: &Six, about: &[f64; 3], sign: f64) -> Six {
     let [dx, dy, dz, ex, ey, ez] = six.map(|e| e * sign);
     let [x, y, z] = cross([ex, ey, ez], *about);
@@ -34,8 +37,8 @@ fn placed(placed: &Placed) -> Six {
     twist(&placed.six, &placed.about, if placed.inverse { -1.0 } else { 1.0 })
 }
 
-/// Sum of constants that are there or not.
-fn sum(a: Option<Six>, b: Option<Six>) -> Option<Six> {
+/// Returns the sum of two constants; an absent one is zero.
+fn add(a: Option<Six>, b: Option<Six>) -> Option<Six> {
     match (a, b) {
         (Some(a), Some(b)) => Some(std::array::from_fn(|k| a[k] + b[k])),
         (a, b) => a.or(b),
@@ -54,20 +57,20 @@ pub struct TwistChain {
 impl TwistChain {
     /// Folds location errors into the curves where a joint has any, else into constant twists.
     pub fn new(chain: &CompiledChain) -> Self {
-        // The constant twist on the workpiece's side of what comes next, from the workpiece on.
+        // The constant twist on the workpiece's side of the next joint, from the workpiece on.
         let mut pending = chain.clamping.as_ref().map(placed);
         let mut joints: Vec<TwistJoint> = Vec::new();
         for link in &chain.joints {
             let [outer, inner] = constants(link);
             let sign = if link.inverse { -1.0 } else { 1.0 };
             let mut curves = link.curves.clone().mapped(|six| twist(six, &link.origin, sign));
-            let mut before = sum(pending, outer);
+            let mut before = add(pending, outer);
             pending = inner;
             if !curves.is_zero() {
                 let constant = if link.outside { before.take() } else { pending.take() };
                 curves = curves.plus(&constant.unwrap_or_default());
             }
-            // What is left on this side goes to the joint before, which may hold it in its tables.
+            // A constant that remains on this side goes to the joint before, which may hold it in its tables.
             if let Some(TwistJoint { outside: false, curves: Some(last), .. }) = joints.last_mut() {
                 *last = std::mem::take(last).plus(&before.take().unwrap_or_default());
             }
@@ -81,11 +84,11 @@ impl TwistChain {
                 bend: bend(link),
             });
         }
-        Self { joints, end: sum(pending, chain.spindle.as_ref().map(placed)) }
+        Self { joints, end: add(pending, chain.spindle.as_ref().map(placed)) }
     }
 }
 
-/// Constant twists of a joint on the workpiece's side and on the tool's side.
+/// Returns the constant twists of a joint's location errors on its workpiece side and on its tool side.
 fn constants(link: &CompiledJoint) -> [Option<Six>; 2] {
     let Some(location) = &link.location else { return [None, None] };
     match (link.located, link.motion) {
@@ -99,7 +102,7 @@ fn constants(link: &CompiledJoint) -> [Option<Six>; 2] {
     }
 }
 
-/// `eps x u`: the direction of an axis that is not square.
+/// Returns `eps x u`, by which the direction of a linear axis deviates.
 fn bend(link: &CompiledJoint) -> Option<[f64; 3]> {
     match (link.motion, &link.location) {
         (Motion::Slide(u), Some(location)) if link.located == Located::Around => {
