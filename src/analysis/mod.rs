@@ -11,7 +11,7 @@
 //! - [`Inverse`]: the same for the real machine over an algebra, by Newton's iteration.
 //! - [`equations()`]: the closed forms, over an algebra of polynomials in symbols.
 //! - [`interactions()`]: what errors do one by one and two by two, and what order 1 neglects.
-//! - [`sources()`]: what each error alone does over the volume; [`body_diagonals`]: its four diagonals.
+//! - [`error_statistics()`]: what each error alone does over the volume; [`body_diagonals`]: its four diagonals.
 //! - [`levers`]: the lever arms that turn angles into displacements.
 //! - [`LocationSet`]: the location errors this chain needs, and which of them are given.
 
@@ -26,7 +26,8 @@ pub use closed_form::{
     Symbol, Twist, TwistMap, equations, interactions, twists,
 };
 pub use design::{
-    Compared, Comparison, ErrorAlone, Missed, Source, budget, compare, contributions, enumerate, sources,
+    Comparison, ErrorContribution, ErrorStatistics, MachineResult, UnreachableCount, budget, compare, contributions,
+    enumerate, error_statistics,
 };
 pub use inverse::{
     DIRECTION_TOLERANCE, Inverse, PLACE_TOLERANCE, ToolPose, Unreachable, inverse, place, rest, tool_pose,

@@ -6,7 +6,7 @@
 use super::output::session::Session;
 use super::poses::check;
 use super::{Exit, Outcome};
-use crate::analysis::{Missed, ToolPose, Unreachable, inverse, place, rest, tool_pose};
+use crate::analysis::{ToolPose, Unreachable, UnreachableCount, inverse, place, rest, tool_pose};
 use crate::diagnostic::{Diagnostic, Place, SourceId, codes, shown};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::syntax::Disk;
@@ -136,7 +136,7 @@ impl ToolPoses {
 
 /// `3 direction, 9 travel`.
 fn reasons<'a>(why: impl Iterator<Item = &'a Unreachable>) -> String {
-    let m = Missed::count(why);
+    let m = UnreachableCount::count(why);
     let each = [(m.direction, "direction"), (m.place, "place"), (m.travel, "travel")];
     each.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect::<Vec<_>>().join(", ")
 }
@@ -170,7 +170,7 @@ impl Reached {
         let row = |(line, why): &(usize, Unreachable)| json!({"line": line, "why": why});
         json!({
             "file": self.file, "asked": self.asked, "reached": self.poses.len(),
-            "unreachable": Missed::count(self.missed.iter().map(|(_, why)| why)),
+            "unreachable": UnreachableCount::count(self.missed.iter().map(|(_, why)| why)),
             "rows": self.missed.iter().map(row).collect::<Vec<_>>(),
         })
     }

@@ -2,13 +2,13 @@
 //!
 //! Tallies are merged in any order. Counts, extremes and the worst poses do not depend on how the poses were divided; the
 //! sums are kept block by block and added up in the order of the blocks, so the result is the same to the bit on any number of
-//! threads, as long as the blocks are the same. Within a block eight poses are summed abreast, at any vector width.
+//! threads, as long as the blocks are the same. Within a block eight poses are summed side by side, at any vector width.
 //!
-//! The sketch counts lengths in buckets: 1024 to each power of two, from 2^-50 mm (or rad) to 2^14. Its quantile is the
+//! The sketch counts lengths in buckets: 1024 per power of two, from 2^-50 mm (or rad) to 2^14. Its quantile is the
 //! middle of the bucket that holds the exact one: within 0.05 % ([`Tally::QUANTILE_ERROR`]), whatever the distribution.
-//! It has room for the powers of two that occur.
+//! It allocates the powers of two that occur.
 
-#![allow(clippy::needless_range_loop, reason = "kernels have plain loops: see `plan`")]
+#![allow(clippy::needless_range_loop, reason = "kernels have plain loops: see `compiled`")]
 
 use super::compiled::batch::Columns;
 use super::compiled::lanes::run;
@@ -18,25 +18,26 @@ use super::deviation::Deviation;
 use super::statistics::{Statistics, Summary};
 use std::collections::BinaryHeap;
 
-/// Statistics so far.
+/// Statistics of the deviations added so far.
 #[derive(Debug, Clone)]
 pub struct Tally {
     poses: u64,
-    kinds: [LengthStatistics; 2],
+    /// Of positions (mm) and of rotations (rad).
+    lengths: [LengthStatistics; 2],
     blocks: Vec<BlockSums>,
     worst: BinaryHeap<Worst>,
     max_worst: usize,
     width: Width,
 }
 
-/// The number of a block's first pose, and sum and sum of squares of positions and of rotations.
+/// Index of a block's first pose; sum and sum of squares of the lengths of positions and of rotations.
 #[derive(Debug, Clone, Copy)]
 struct BlockSums {
     first: usize,
     sums: [[f64; 2]; 2],
 }
 
-/// Of positions, or of rotations.
+/// Extremes and sketch of the lengths of one kind of vectors.
 #[derive(Debug, Clone)]
 struct LengthStatistics {
     max: f64,
@@ -44,13 +45,13 @@ struct LengthStatistics {
     sketch: Sketch,
 }
 
-/// How many lengths are in each bucket, for the powers of two from the smallest length to the largest.
+/// Number of lengths in each bucket, for the powers of two from the smallest length to the largest.
 #[derive(Debug, Clone, Default)]
 struct Sketch {
-    /// Number of the first bucket that has a place: where a power of two begins.
+    /// Index of the first allocated bucket, at which a power of two begins.
     first: usize,
     counts: Vec<u64>,
-    /// Lengths in bucket 0 before it had a place: zeros, mostly, for which no room is made.
+    /// Number of lengths in bucket 0 while it was not allocated: mainly zeros.
     below_range: u64,
 }
 
@@ -76,26 +77,27 @@ impl PartialOrd for Worst {
     }
 }
 
-/// Buckets to a power of two: 10 bits of the mantissa stay.
+/// Buckets per power of two: 10 bits of the mantissa are kept.
 const POWER: usize = 1 << 10;
-/// Bits of a double below its bucket.
+/// Number of bits of a double that do not affect its bucket.
 const BELOW: u32 = 42;
-/// The bucket of 2^-50, and how many there are.
+/// Bits of 2^-50 above [`BELOW`]: the first bucket.
 const FIRST: u64 = (1023 - 50) << 10;
+/// Number of buckets.
 const BUCKETS: usize = 64 * POWER;
 
 impl Sketch {
     #[inline(always)]
     fn count(&mut self, length: f64) {
         let cut = length.to_bits() >> BELOW;
-        // What is beyond the buckets has no place here either.
+        // A length beyond all buckets has no counter either.
         match self.counts.get_mut(cut.wrapping_sub(FIRST + self.first as u64) as usize) {
             Some(count) => *count += 1,
             None => self.count_out_of_range(cut),
         }
     }
 
-    /// One whose bucket has no place yet, or that is beyond the first or the last.
+    /// Counts a length whose bucket is not allocated, or that is beyond the first or the last.
     #[inline(never)]
     fn count_out_of_range(&mut self, cut: u64) {
         let bucket = (cut.saturating_sub(FIRST) as usize).min(BUCKETS - 1);
@@ -103,15 +105,15 @@ impl Sketch {
             Some(count) => *count += 1,
             None if bucket == 0 => self.below_range += 1,
             None => {
-                self.reach(bucket, bucket + 1);
+                self.allocate(bucket, bucket + 1);
                 self.counts[bucket - self.first] += 1;
             }
         }
     }
 
-    /// Makes room for the powers of two of some buckets.
+    /// Allocates the powers of two of a range of buckets.
     #[cold]
-    fn reach(&mut self, from: usize, to: usize) {
+    fn allocate(&mut self, from: usize, to: usize) {
         let (from, to) = (from / POWER * POWER, to.next_multiple_of(POWER));
         let (old_from, old_to) = (self.first, self.first + self.counts.len());
         let (from, to) = if self.counts.is_empty() { (from, to) } else { (from.min(old_from), to.max(old_to)) };
@@ -125,13 +127,13 @@ impl Sketch {
     fn merge(&mut self, other: &Self) {
         self.below_range += other.below_range;
         if !other.counts.is_empty() {
-            self.reach(other.first, other.first + other.counts.len());
+            self.allocate(other.first, other.first + other.counts.len());
             let at = other.first - self.first;
             self.counts[at..].iter_mut().zip(&other.counts).for_each(|(sum, count)| *sum += count);
         }
     }
 
-    /// The middle of the bucket that holds the length of this rank (from 1); `None` if that is all but nothing.
+    /// Returns the middle of the bucket that holds the length of this rank (from 1); `None` if that is the first bucket.
     fn quantile(&self, rank: u64) -> Option<f64> {
         let mut seen = self.below_range;
         let place = self.counts.iter().position(|count| {
@@ -144,7 +146,7 @@ impl Sketch {
     }
 }
 
-/// Sums and extremes of a block, eight poses abreast.
+/// Sums and extremes of a block, eight poses side by side.
 struct Accumulators {
     sum: [f64; 8],
     squares: [f64; 8],
@@ -162,7 +164,7 @@ impl Accumulators {
         high: [[f64::NEG_INFINITY; 8]; 3],
     };
 
-    /// Eight vectors more; returns their lengths.
+    /// Adds eight vectors; returns their lengths.
     #[inline(always)]
     fn add(&mut self, vectors: [&[f64; 8]; 3]) -> [f64; 8] {
         let squares = squares(vectors);
@@ -184,7 +186,7 @@ impl Accumulators {
     }
 }
 
-/// Squared lengths.
+/// Returns squared lengths.
 #[inline(always)]
 fn squares([x, y, z]: [&[f64; 8]; 3]) -> [f64; 8] {
     let mut squares = [0.0; 8];
@@ -194,7 +196,7 @@ fn squares([x, y, z]: [&[f64; 8]; 3]) -> [f64; 8] {
     squares
 }
 
-/// The first `len` of each column in eights, and the rest.
+/// Returns the first `len` numbers of each column in groups of eight, and the remainder.
 #[inline(always)]
 fn eights(columns: &[Vec<f64>; 3], len: usize) -> ([&[[f64; 8]]; 3], [&[f64]; 3]) {
     let [(x, a), (y, b), (z, c)] = columns.each_ref().map(|column| column[..len].as_chunks::<8>());
@@ -208,7 +210,7 @@ impl LengthStatistics {
         sketch: Sketch { first: 0, counts: Vec::new(), below_range: 0 },
     };
 
-    /// One block; returns its largest length, and its sums.
+    /// Adds a block; returns its largest length, and its sum and sum of squares.
     #[inline(always)]
     fn add(&mut self, columns: &[Vec<f64>; 3], len: usize) -> (f64, [f64; 2]) {
         let ([x, y, z], rest) = eights(columns, len);
@@ -230,7 +232,7 @@ impl LengthStatistics {
         (max, [block.sum.iter().sum(), block.squares.iter().sum()])
     }
 
-    /// Fewer than eight: padded with their first, which changes no extreme; the sums go without.
+    /// Adds fewer than eight vectors: padded with the first, which changes no extreme, and is left out of the sums.
     fn add_rest(&mut self, block: &mut Accumulators, rest: [&[f64]; 3]) {
         let count = rest[0].len();
         if count == 0 {
@@ -268,7 +270,7 @@ impl LengthStatistics {
     }
 }
 
-/// A block to be added: compiled for every width, with the same bits.
+/// The addition of a block, compiled for every width, with the same bits.
 struct TallyBlock<'a> {
     tally: &'a mut Tally,
     first: usize,
@@ -280,8 +282,8 @@ impl Kernel for TallyBlock<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
         let Self { tally, first, columns, len } = self;
-        let (longest, position) = tally.kinds[0].add(&columns.position, len);
-        let (_, rotation) = tally.kinds[1].add(&columns.rotation, len);
+        let (longest, position) = tally.lengths[0].add(&columns.position, len);
+        let (_, rotation) = tally.lengths[1].add(&columns.rotation, len);
         tally.poses += len as u64;
         tally.blocks.push(BlockSums { first, sums: [position, rotation] });
         if longest >= tally.worst_threshold() {
@@ -294,25 +296,25 @@ impl Tally {
     /// Largest relative error of the 95 % quantile.
     pub const QUANTILE_ERROR: f64 = 1.0 / 2048.0;
 
-    /// Of nothing yet; so many of the worst poses will be kept.
+    /// Returns an empty tally that will keep the `max_worst` worst poses.
     pub fn new(max_worst: usize) -> Self {
-        let kinds = [LengthStatistics::NONE, LengthStatistics::NONE];
-        Self { poses: 0, kinds, blocks: Vec::new(), worst: BinaryHeap::new(), max_worst, width: Width::widest() }
+        let lengths = [LengthStatistics::NONE, LengthStatistics::NONE];
+        Self { poses: 0, lengths, blocks: Vec::new(), worst: BinaryHeap::new(), max_worst, width: Width::widest() }
     }
 
-    /// The same tally with narrower vectors; one that the processor has not is the scalar one.
+    /// Returns the tally with vectors of this width; a width that the processor lacks runs as [`Width::Scalar`].
     #[must_use]
     pub fn with_width(mut self, width: Width) -> Self {
         self.width = width;
         self
     }
 
-    /// Adds a block: the first `len` deviations of the columns (mm, rad), whose poses are numbered from `first` on.
+    /// Adds a block: the first `len` deviations of the columns (mm, rad); the first has index `first`.
     pub fn add(&mut self, first: usize, columns: &Columns, len: usize) {
         run(self.width, TallyBlock { tally: self, first, columns, len });
     }
 
-    /// Length below which a pose is none of the worst.
+    /// Returns the length (mm) below which a pose is not among the worst.
     fn worst_threshold(&self) -> f64 {
         if self.worst.len() < self.max_worst {
             0.0
@@ -321,7 +323,7 @@ impl Tally {
         }
     }
 
-    /// Its square, less what rounding may do to it.
+    /// Returns the square of the threshold, reduced by its rounding error.
     fn squared_threshold(&self) -> f64 {
         let threshold = self.worst_threshold();
         threshold * threshold * (1.0 - 1e-14)
@@ -362,11 +364,11 @@ impl Tally {
         }
     }
 
-    /// Adds the tally of other poses.
+    /// Returns the tally of the poses of both.
     #[must_use]
     pub fn merged(mut self, other: Self) -> Self {
         self.poses += other.poses;
-        for (kind, others) in self.kinds.iter_mut().zip(&other.kinds) {
+        for (kind, others) in self.lengths.iter_mut().zip(&other.lengths) {
             kind.merge(others);
         }
         self.blocks.extend(other.blocks);
@@ -374,7 +376,7 @@ impl Tally {
         self
     }
 
-    /// Statistics of all poses; the quantiles are those of the sketch.
+    /// Returns the statistics of all poses; the quantiles are those of the sketch.
     pub fn statistics(&self) -> Statistics {
         if self.poses == 0 {
             return Statistics::of(&[]);
@@ -384,12 +386,12 @@ impl Tally {
         let total = |kind: usize| [0, 1].map(|k| blocks.iter().map(|block| block.sums[kind][k]).sum());
         Statistics {
             poses: self.poses as usize,
-            position_um: self.kinds[0].summary(self.poses, total(0), 1e3),
-            rotation_urad: self.kinds[1].summary(self.poses, total(1), 1e6),
+            position_um: self.lengths[0].summary(self.poses, total(0), 1e3),
+            rotation_urad: self.lengths[1].summary(self.poses, total(1), 1e6),
         }
     }
 
-    /// The worst poses, by number, with their deviations: largest first; of equal ones the first.
+    /// Returns the worst poses by index with their deviations: largest first; of equal ones the first.
     pub fn worst(&self) -> Vec<(usize, Deviation)> {
         let sorted = self.worst.clone().into_sorted_vec();
         sorted.into_iter().map(|worst| (worst.index, worst.deviation)).collect()
@@ -426,7 +428,7 @@ mod tests {
         columns
     }
 
-    /// In blocks of 1001, merged in groups of so many.
+    /// Returns the tally of blocks of 1001, merged in groups.
     fn tallied(list: &[Deviation], group: usize) -> Tally {
         tallied_at(Width::widest(), list, group)
     }
@@ -497,10 +499,10 @@ mod tests {
         let list: Vec<Deviation> = (0..40).flat_map(|_| lengths).map(of).collect();
         let mut tally = Tally::new(0);
         tally.add(0, &columns(&list), list.len());
-        let Sketch { first, counts, below_range } = &tally.kinds[0].sketch;
+        let Sketch { first, counts, below_range } = &tally.lengths[0].sketch;
         assert_eq!((*first, counts.len()), (0, BUCKETS));
         assert_eq!((below_range + counts[0], counts[BUCKETS - 1]), (160, 120));
         assert_eq!(below_range + counts.iter().sum::<u64>(), 400);
-        assert_eq!(tally.kinds[1].sketch.below_range, 400);
+        assert_eq!(tally.lengths[1].sketch.below_range, 400);
     }
 }

@@ -15,14 +15,14 @@ pub struct Comparison {
     /// Those that all machines reach, in their order.
     pub common: Vec<ToolPose>,
     /// The machines, in their order.
-    pub machines: Vec<Compared>,
+    pub machines: Vec<MachineResult>,
 }
 
 /// One machine of a comparison.
 #[derive(Debug, Clone)]
-pub struct Compared {
+pub struct MachineResult {
     /// Tool poses it cannot reach, whether the others can or not.
-    pub unreachable: Missed,
+    pub unreachable: UnreachableCount,
     /// The same by index, in order.
     pub missed: Vec<(usize, Unreachable)>,
     /// Its pose (mm, deg) at each common tool pose, with the deviation there (workpiece frame).
@@ -35,7 +35,7 @@ pub struct Compared {
 
 /// Why tool poses were missed, and how many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-pub struct Missed {
+pub struct UnreachableCount {
     /// All of them.
     pub total: usize,
     /// The rotary axes cannot point the tool there.
@@ -46,7 +46,7 @@ pub struct Missed {
     pub travel: usize,
 }
 
-impl Missed {
+impl UnreachableCount {
     /// Counts reasons.
     pub fn count<'a>(reasons: impl Iterator<Item = &'a Unreachable>) -> Self {
         reasons.fold(Self::default(), |mut missed, reason| {
@@ -109,8 +109,8 @@ fn side_by_side(rows: Vec<(ToolPose, Row)>, count: usize) -> Comparison {
     }
     let of = |list: &Vec<(Pose, Deviation)>| Statistics::of(&list.iter().map(|(_, d)| *d).collect::<Vec<_>>());
     let statistics: Vec<Statistics> = reached.iter().map(of).collect();
-    let sides = missed.into_iter().zip(reached).zip(&statistics).map(|((missed, reached), s)| Compared {
-        unreachable: Missed::count(missed.iter().map(|(_, why)| why)),
+    let sides = missed.into_iter().zip(reached).zip(&statistics).map(|((missed, reached), s)| MachineResult {
+        unreachable: UnreachableCount::count(missed.iter().map(|(_, why)| why)),
         missed,
         reached,
         statistics: *s,

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 /// One error in several machines.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ErrorAlone {
+pub struct ErrorContribution {
     /// The error.
     pub error: ErrorId,
     /// The 95 % position deviation over the poses with only this error, first order, um; `None` in a
@@ -15,7 +15,7 @@ pub struct ErrorAlone {
     pub um: Vec<Option<f64>>,
 }
 
-impl ErrorAlone {
+impl ErrorContribution {
     /// The largest of all machines.
     pub fn largest(&self) -> f64 {
         self.um.iter().flatten().copied().fold(0.0, f64::max)
@@ -29,7 +29,7 @@ impl ErrorAlone {
 }
 
 /// Every error of any of the machines, each at its own poses of the same work; largest first, then by name.
-pub fn contributions(machines: &[(&Machine, Vec<Pose>)], approach: Approach) -> Vec<ErrorAlone> {
+pub fn contributions(machines: &[(&Machine, Vec<Pose>)], approach: Approach) -> Vec<ErrorContribution> {
     let mut by_error: BTreeMap<ErrorId, Vec<Option<f64>>> = BTreeMap::new();
     for (index, (machine, poses)) in machines.iter().enumerate() {
         for (error, um) in alone(machine, poses, approach) {
@@ -37,7 +37,8 @@ pub fn contributions(machines: &[(&Machine, Vec<Pose>)], approach: Approach) -> 
             slots[index] = Some(um);
         }
     }
-    let mut list: Vec<ErrorAlone> = by_error.into_iter().map(|(error, um)| ErrorAlone { error, um }).collect();
+    let mut list: Vec<ErrorContribution> =
+        by_error.into_iter().map(|(error, um)| ErrorContribution { error, um }).collect();
     list.sort_by(|a, b| b.largest().total_cmp(&a.largest()));
     list
 }

@@ -4,8 +4,8 @@ pub mod budget;
 mod compare;
 mod contributions;
 pub mod enumerate;
-mod sources;
+mod error_statistics;
 
-pub use compare::{Compared, Comparison, Missed, compare};
-pub use contributions::{ErrorAlone, contributions};
-pub use sources::{Source, sources};
+pub use compare::{Comparison, MachineResult, UnreachableCount, compare};
+pub use contributions::{ErrorContribution, contributions};
+pub use error_statistics::{ErrorStatistics, error_statistics};

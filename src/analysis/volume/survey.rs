@@ -27,7 +27,7 @@ pub struct Survey {
 
 /// What is to be surveyed.
 #[derive(Clone, Copy)]
-pub struct Task<'a> {
+pub struct SurveyTask<'a> {
     /// The field; its plan does the work if it has one.
     pub field: &'a dyn Field,
     /// Where.
@@ -57,7 +57,7 @@ impl Block<'_> {
 
 /// Surveys a field. Memory does not grow with the number of poses, and no bit depends on the number of threads.
 /// `progress` is told how many poses were done.
-pub fn survey(task: Task<'_>, progress: &(dyn Fn(usize) + Sync)) -> Survey {
+pub fn survey(task: SurveyTask<'_>, progress: &(dyn Fn(usize) + Sync)) -> Survey {
     let run = Run::new(task, progress, false);
     // Every thread takes the next block when it is done with one: none waits for another, and each has one tally.
     let (next, count) = (AtomicUsize::new(0), run.blocks());
@@ -78,7 +78,7 @@ pub fn survey(task: Task<'_>, progress: &(dyn Fn(usize) + Sync)) -> Survey {
 /// The same, with something made of every block, on any thread; `sink` takes these in the order of the poses.
 /// `None` if it has had enough.
 pub fn survey_with_rows<T: Send>(
-    task: Task<'_>,
+    task: SurveyTask<'_>,
     make: &(dyn Fn(Block<'_>) -> T + Sync),
     sink: &mut dyn FnMut(T) -> bool,
     progress: &(dyn Fn(usize) + Sync),
@@ -107,7 +107,7 @@ pub fn survey_with_rows<T: Send>(
 
 /// What all threads share.
 struct Run<'a> {
-    task: Task<'a>,
+    task: SurveyTask<'a>,
     count: usize,
     /// Poses of a block: of a grid whole lines.
     block: usize,
@@ -129,9 +129,9 @@ struct Worker {
 }
 
 impl<'a> Run<'a> {
-    fn new(task: Task<'a>, progress: &'a (dyn Fn(usize) + Sync), rows: bool) -> Self {
+    fn new(task: SurveyTask<'a>, progress: &'a (dyn Fn(usize) + Sync), rows: bool) -> Self {
         let grid = match task.poses {
-            Poses::Nodes(nodes) => task.field.plan(task.view.approach).and_then(|plan| plan.grid(nodes)),
+            Poses::Nodes(nodes) => task.field.compiled_model(task.view.approach).and_then(|model| model.grid(nodes)),
             _ => None,
         };
         let grid = grid.filter(|grid| grid.line() > 1);

@@ -8,7 +8,7 @@ use crate::machine::Machine;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Work {
     /// Those that the nominal machine takes at these poses.
-    Taken(Poses),
+    OfPoses(Poses),
     /// As listed.
     Listed(Vec<ToolPose>),
 }
@@ -16,13 +16,13 @@ pub enum Work {
 impl Work {
     /// So many at random poses over a machine's volume.
     pub fn random(machine: &Machine, count: usize, seed: u64) -> Self {
-        Self::Taken(Poses::Random(Random::of(machine, count, seed)))
+        Self::OfPoses(Poses::Random(Random::of(machine, count, seed)))
     }
 
     /// How many.
     pub fn len(&self) -> usize {
         match self {
-            Self::Taken(poses) => poses.len(),
+            Self::OfPoses(poses) => poses.len(),
             Self::Listed(list) => list.len(),
         }
     }
@@ -35,7 +35,7 @@ impl Work {
     /// The one with this index, which is less than the number; `machine` is the one that takes them.
     pub fn get(&self, machine: &Machine, index: usize) -> ToolPose {
         match self {
-            Self::Taken(poses) => tool_pose(machine, &poses.get(index)),
+            Self::OfPoses(poses) => tool_pose(machine, &poses.get(index)),
             Self::Listed(list) => list[index],
         }
     }

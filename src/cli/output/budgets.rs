@@ -3,7 +3,7 @@
 use super::progress::Progress;
 use super::session::Session;
 use super::view::table;
-use crate::analysis::budget::{Bound, BoundedError, Budget, Request, beside, budget};
+use crate::analysis::budget::{Bound, BoundedError, Budget, Request, budget, side_by_side};
 use crate::cli::Exit;
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::verbs::budget::{TOTALS, TOTALS_NOTE, totals_row};
@@ -69,7 +69,7 @@ pub(crate) fn budgets(
     let list: Vec<Budget> = sides.iter().zip(&all).map(one).collect();
     let pairs: Vec<(&[Bound], &Budget)> = all.iter().map(Vec::as_slice).zip(&list).collect();
     Ok(Some(Budgets {
-        errors: beside(&pairs),
+        errors: side_by_side(&pairs),
         bounds: all,
         budgets: list,
         poses: sides.first().map_or(0, |(_, poses)| poses.len()),
@@ -125,7 +125,7 @@ impl Budgets {
         let header: Vec<String> = std::iter::once("of the 95 % value, um".to_owned()).chain(columns).collect();
         let mut rows = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
         for e in self.errors.iter().take(top) {
-            let part = |p: &Option<crate::analysis::budget::Part>| {
+            let part = |p: &Option<crate::analysis::budget::BudgetPart>| {
                 p.map_or("-".to_owned(), |p| {
                     format!("{} ± {}", significant(p.of_p95.effect, 3), significant(p.of_p95.sigma, 2))
                 })

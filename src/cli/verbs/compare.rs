@@ -1,6 +1,6 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
-use crate::analysis::{Comparison, ErrorAlone, Missed, Work};
+use crate::analysis::{Comparison, ErrorContribution, UnreachableCount, Work};
 use crate::analysis::{compare, contributions};
 use crate::cli::output::budgets::{Budgets, Drawn, budgets};
 use crate::cli::output::progress::Progress;
@@ -70,7 +70,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
             check(session, machine, &side.reached.iter().map(|(pose, _)| pose.clone()).collect::<Vec<_>>())?;
         }
     }
-    let poses = |side: &crate::analysis::Compared| side.reached.iter().map(|(pose, _)| pose.clone()).collect();
+    let poses = |side: &crate::analysis::MachineResult| side.reached.iter().map(|(pose, _)| pose.clone()).collect();
     let sides: Vec<(&Machine, Vec<Pose>)> = machines.iter().zip(comparison.machines.iter().map(poses)).collect();
     let errors = contributions(&sides, args.view.approach());
     if comparison.common.is_empty() {
@@ -91,7 +91,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 fn nothing_in_common(args: &Args, comparison: &Comparison) -> Diagnostic {
-    let missed = |(file, m): (String, &Missed)| format!("{file} misses {}", reasons(m));
+    let missed = |(file, m): (String, &UnreachableCount)| format!("{file} misses {}", reasons(m));
     let sides = files(args).zip(comparison.machines.iter().map(|c| &c.unreachable));
     let help = sides.map(missed).collect::<Vec<_>>().join("; ");
     let message = format!("none of the {} tool poses is reached by all machines", comparison.asked);
@@ -101,7 +101,7 @@ fn nothing_in_common(args: &Args, comparison: &Comparison) -> Diagnostic {
 }
 
 /// `12: 3 direction, 9 travel`.
-fn reasons(missed: &Missed) -> String {
+fn reasons(missed: &UnreachableCount) -> String {
     let each = [(missed.direction, "direction"), (missed.place, "place"), (missed.travel, "travel")];
     let list: Vec<String> = each.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect();
     if list.is_empty() { "0".to_owned() } else { format!("{} ({})", missed.total, list.join(", ")) }
@@ -112,7 +112,7 @@ struct Report<'a> {
     args: &'a Args,
     machines: &'a [Machine],
     comparison: &'a Comparison,
-    errors: Vec<ErrorAlone>,
+    errors: Vec<ErrorContribution>,
     budgets: Option<Budgets>,
     file: Option<ToolPoses>,
 }
@@ -127,7 +127,7 @@ impl Report<'_> {
     }
 
     fn json(&self) -> serde_json::Value {
-        let side = |((machine, file), c): ((&Machine, String), &crate::analysis::Compared)| {
+        let side = |((machine, file), c): ((&Machine, String), &crate::analysis::MachineResult)| {
             let mut json = json!({
                 "machine": machine.name(), "file": file, "order": order_text(self.args.view.order(machine)),
                 "unreachable": c.unreachable, "position_um": c.statistics.position_um,
@@ -140,7 +140,7 @@ impl Report<'_> {
         };
         let machines: Vec<_> =
             self.machines.iter().zip(self.files()).zip(&self.comparison.machines).map(side).collect();
-        let error = |e: &ErrorAlone| {
+        let error = |e: &ErrorContribution| {
             let minus: Vec<f64> = (0..e.um.len()).map(|i| e.minus_first(i)).collect();
             json!({"error": e.error, "um": e.um, "minus_first": minus})
         };

@@ -24,7 +24,7 @@ pub type Vector3 = [f64; 3];
 #[derive(Debug, Clone, Copy)]
 pub enum Section {
     /// The set-up errors of the workpiece.
-    Clamping,
+    WorkpieceSetup,
     /// A joint at a position.
     Joint(usize, Node),
     /// The errors of the spindle.
@@ -161,7 +161,7 @@ impl Affine {
         }
         let (nominal, turns) = match section {
             Section::Joint(axis, at) => moved(&sections.chain().joints[axis], base, &at),
-            Section::Clamping | Section::Spindle => (UNIT, false),
+            Section::WorkpieceSetup | Section::Spindle => (UNIT, false),
         };
         Some(Self { nominal, displacement, turns })
     }
@@ -193,7 +193,7 @@ impl Affine {
         }
     }
 
-    /// By degree, the vector of the rotation's antisymmetric chunk: the sine of the angle, along the axis.
+    /// Returns the axial vector of the rotation, by degree: the sine of the angle, along the axis.
     #[inline(always)]
     pub fn rotation(&self) -> [Vector3; 2] {
         let ([a, b, c], mut sines) = (self.nominal.columns, [[0.0; 3]; 2]);

@@ -1,4 +1,4 @@
-//! The chain, compiled: what of a machine does not depend on the pose, joint by joint.
+//! The compiled chain: everything about a machine's joints that does not depend on the pose.
 
 use super::curves::{Curves, Six};
 use super::lookup::{Chunk, Lookup, LookupRequest};
@@ -8,33 +8,33 @@ use crate::machine::{
     Approach, Axis, AxisKind, Branch, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, Machine, RotaryOrder,
 };
 
-/// A machine from the tool to the workpiece, ready for any order.
+/// A machine's chain, ready for the walk of any order. Lengths in mm, angles in rad, positions of rotary axes in deg.
 #[derive(Debug, Clone)]
 pub struct CompiledChain {
     /// Joints in the order of the machine's axes: from the workpiece to the tool.
     pub joints: Vec<CompiledJoint>,
-    /// The functional point at the zero pose.
+    /// The functional point at the zero pose, mm.
     pub tip: [f64; 3],
-    /// Its displacement by clamping.
+    /// Its displacement by the set-up of the tool, mm.
     pub tool: [f64; 3],
     /// Errors of the spindle about the gauge point.
-    pub spindle: Option<Placed>,
-    /// Errors of the clamped workpiece about its origin; inverted.
-    pub clamping: Option<Placed>,
-    /// Shape of error matrices.
+    pub spindle: Option<ErrorsAtPoint>,
+    /// Set-up errors of the workpiece about its origin; inverted.
+    pub workpiece_setup: Option<ErrorsAtPoint>,
+    /// True if error matrices are 1 + hat(eps) rather than rotations.
     pub linearised: bool,
-    /// Do location errors count in the real part?
+    /// True if location errors count in the real part.
     pub real_locations: bool,
 }
 
-/// Six errors with the point about which they turn.
+/// Six constant errors about a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Placed {
-    /// The errors.
+pub struct ErrorsAtPoint {
+    /// The errors (mm, rad).
     pub six: Six,
-    /// The point.
+    /// The point, mm.
     pub about: [f64; 3],
-    /// Does the inverse of their matrix count?
+    /// True if the inverse of their matrix acts.
     pub inverse: bool,
 }
 
@@ -47,31 +47,31 @@ pub struct CompiledJoint {
     pub origin: [f64; 3],
     /// Component errors.
     pub curves: Curves,
-    /// Are there any?
+    /// True if there are any.
     pub errors: bool,
-    /// Are the sine and cosine of the position needed?
+    /// True if a walk reads the sine and cosine of the position.
     pub turns: bool,
-    /// Do they act before the motion, seen from the workpiece (E M rather than M E)?
+    /// True if they act before the motion, seen from the workpiece (E M rather than M E).
     pub outside: bool,
-    /// Does the inverse of their matrix count?
+    /// True if the inverse of their matrix acts.
     pub inverse: bool,
     /// Location errors.
-    pub location: Option<Placed>,
-    /// How they act.
-    pub located: Located,
+    pub location: Option<ErrorsAtPoint>,
+    /// Their place among the joint's factors.
+    pub location_effect: LocationEffect,
 }
 
 impl CompiledJoint {
-    /// What a walk wants to know at it.
+    /// Returns the data that the walks of order 2 and of the exact model read at this joint.
     #[inline(always)]
-    pub fn wanted(&self) -> LookupRequest<'_> {
+    pub fn lookup_request(&self) -> LookupRequest<'_> {
         LookupRequest { turns: self.turns, curves: if self.errors { Some(&self.curves) } else { None } }
     }
 }
 
-/// How a location error acts.
+/// The place of a location error among the factors of its joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Located {
+pub enum LocationEffect {
     /// `Loc N Loc^-1`.
     Around,
     /// Before the motion and the component errors, seen from the workpiece.
@@ -83,34 +83,34 @@ pub enum Located {
 /// Nominal motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {
-    /// By the position times this vector.
+    /// A translation by the position times this vector.
     Slide([f64; 3]),
-    /// By the position, about a direction through the origin.
-    Turn(About),
+    /// A rotation by the position, about a direction through the origin.
+    Turn(RotationAxis),
 }
 
-/// The direction of a rotary axis; `-1` turns the sense.
+/// The direction of a rotary axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum About {
-    /// A machine axis, 0 to 2.
+pub enum RotationAxis {
+    /// Machine axis 0 to 2, and the sense: 1 or -1.
     Principal(usize, f64),
     /// Any unit vector.
     Oblique([f64; 3]),
 }
 
 impl CompiledChain {
-    /// `None` if its curves cannot be compiled.
+    /// Returns `None` if the error curves cannot be compiled.
     pub fn new(machine: &Machine, approach: Approach) -> Option<Self> {
         let conventions = machine.conventions();
         let link = |(i, axis): (usize, &Axis)| link(machine, i, axis, approach);
-        let placed = |six: Six, about, inverse| (six != [0.0; 6]).then_some(Placed { six, about, inverse });
+        let placed = |six: Six, about, inverse| (six != [0.0; 6]).then_some(ErrorsAtPoint { six, about, inverse });
         let spindle = machine.spindle_errors().map(|errors| errors.location_values());
         Some(Self {
             joints: machine.axes().iter().enumerate().map(link).collect::<Option<_>>()?,
             tip: machine.tool().tip,
             tool: machine.setup().tool,
             spindle: spindle.and_then(|six| placed(six, machine.tool().gauge, false)),
-            clamping: placed(machine.setup().workpiece, machine.workpiece(), true),
+            workpiece_setup: placed(machine.setup().workpiece, machine.workpiece(), true),
             linearised: conventions.joints == Joints::Linearised,
             real_locations: conventions.location_order == LocationOrder::Real,
         })
@@ -120,9 +120,9 @@ impl CompiledChain {
     #[inline(always)]
     pub fn look_up<V: Lanes>(&self, axes: &mut [Lookup], chunk: Chunk<'_>) {
         for axis in 0..axes.len() {
-            let wanted = self.joints[axis].wanted();
-            axes[axis].fill::<V>(wanted, axis, chunk);
-            if let Some(curves) = wanted.curves {
+            let request = self.joints[axis].lookup_request();
+            axes[axis].fill::<V>(request, axis, chunk);
+            if let Some(curves) = request.curves {
                 axes[axis].fill_errors::<V>(curves, axis, chunk);
             }
         }
@@ -148,11 +148,11 @@ fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Opt
         curves,
         outside: on_guide == (axis.branch == Branch::Tool),
         inverse,
-        location: (six != [0.0; 6]).then_some(Placed { six, about: axis.origin, inverse: inverse && carried }),
-        located: match axis.branch {
-            _ if !carried => Located::Around,
-            Branch::Tool => Located::Outermost,
-            Branch::Workpiece => Located::Innermost,
+        location: (six != [0.0; 6]).then_some(ErrorsAtPoint { six, about: axis.origin, inverse: inverse && carried }),
+        location_effect: match axis.branch {
+            _ if !carried => LocationEffect::Around,
+            Branch::Tool => LocationEffect::Outermost,
+            Branch::Workpiece => LocationEffect::Innermost,
         },
     })
 }
@@ -164,13 +164,13 @@ fn motion(axis: &Axis) -> Motion {
         AxisKind::Rotary => {
             let unit =
                 (0..3).find(|k| (0..3).all(|j| if j == *k { direction[j].abs() == 1.0 } else { direction[j] == 0.0 }));
-            Motion::Turn(unit.map_or(About::Oblique(direction), |k| About::Principal(k, direction[k])))
+            Motion::Turn(unit.map_or(RotationAxis::Oblique(direction), |k| RotationAxis::Principal(k, direction[k])))
         }
     }
 }
 
-impl About {
-    /// A vector turned by the angle with this sine and cosine.
+impl RotationAxis {
+    /// Returns a vector rotated by the angle with this sine and cosine.
     #[inline(always)]
     pub fn turned<V: Lanes>(&self, (s, c): (V, V), v: Vector<V>) -> Vector<V> {
         match *self {
@@ -194,7 +194,7 @@ impl About {
         }
     }
 
-    /// A point turned about an origin. What lies along a machine axis stays as it is.
+    /// Returns a point rotated about an origin; of a machine axis, the component along it stays as it is.
     #[inline(always)]
     pub fn turned_about<V: Lanes>(&self, turn: (V, V), origin: &[f64; 3], point: Vector<V>) -> Vector<V> {
         let o = splat(origin);
@@ -207,7 +207,7 @@ impl About {
         }
     }
 
-    /// The direction, with its sense.
+    /// Returns the unit vector of the direction.
     pub fn direction(&self) -> [f64; 3] {
         match *self {
             Self::Principal(k, sense) => std::array::from_fn(|i| if i == k { sense } else { 0.0 }),
@@ -216,13 +216,13 @@ impl About {
     }
 }
 
-/// A point moved by the position times a direction; a machine axis costs one sum.
+/// Returns a point moved by the position times a direction; a machine axis costs one sum.
 #[inline(always)]
 pub fn slid<V: Lanes>(direction: &[f64; 3], position: V, point: Vector<V>) -> Vector<V> {
     const ONE: u64 = 1.0_f64.to_bits();
     let mut moved = point;
     for k in 0..3 {
-        // Compared as bits: to the vectors in flight that is less in the way.
+        // Compared as integers, which leaves the vector registers alone.
         let bits = direction[k].to_bits();
         if bits == ONE {
             moved[k] = point[k] + position;

@@ -7,7 +7,7 @@
 //! rotation is a matrix, which need not be orthogonal.
 
 use super::affine::{Section, Sections};
-use super::chain::{About, CompiledChain, CompiledJoint, Located, Motion, Placed, slid};
+use super::chain::{CompiledChain, CompiledJoint, ErrorsAtPoint, LocationEffect, Motion, RotationAxis, slid};
 use super::lookup::{Chunk, Inputs, Lookup, PoseInputs};
 use super::pass::{LaneDeviation, MAX_SQUARED_HALF_ANGLE, PoseKernel};
 use super::simd::Lanes;
@@ -66,7 +66,7 @@ struct ErrorMotion<V> {
     /// K = a hat(turn) + b hat(turn)^2.
     a: V,
     b: V,
-    /// Scalar part of its quaternion, and the factor of `turn` in the vector chunk.
+    /// Scalar part of the quaternion, and the factor of `turn` in the vector part.
     half: (V, V),
     inverse: bool,
 }
@@ -76,7 +76,7 @@ trait RelativeRotation<V: Lanes>: Copy {
     fn none() -> Self;
     /// Returns the error motion of six errors, and its squared half angle (rad^2).
     fn motion(six: [V; 6], inverse: bool) -> (ErrorMotion<V>, V);
-    fn turned(self, about: &About, turn: (V, V)) -> Self;
+    fn turned(self, about: &RotationAxis, turn: (V, V)) -> Self;
     /// Returns the rotation after an error motion.
     fn after(self, motion: &ErrorMotion<V>) -> Self;
     fn vector(self) -> (Vector<V>, V);
@@ -112,7 +112,7 @@ impl<V: Lanes> RelativeRotation<V> for Quaternion<V> {
     }
 
     #[inline(always)]
-    fn turned(self, about: &About, turn: (V, V)) -> Self {
+    fn turned(self, about: &RotationAxis, turn: (V, V)) -> Self {
         Self(self.0, about.turned(turn, self.1))
     }
 
@@ -156,7 +156,7 @@ impl<V: Lanes> RelativeRotation<V> for Matrix<V> {
     }
 
     #[inline(always)]
-    fn turned(self, about: &About, turn: (V, V)) -> Self {
+    fn turned(self, about: &RotationAxis, turn: (V, V)) -> Self {
         let [a, b, c] = self.0;
         let [a, b, c] = transposed([about.turned(turn, a), about.turned(turn, b), about.turned(turn, c)]);
         Self(transposed([about.turned(turn, a), about.turned(turn, b), about.turned(turn, c)]))
@@ -215,7 +215,7 @@ struct ConstantMotion {
 
 impl ConstantMotion {
     /// Returns `None` if the rotation is too large for the series.
-    fn new(placed: &Placed, linearised: bool) -> Option<Self> {
+    fn new(placed: &ErrorsAtPoint, linearised: bool) -> Option<Self> {
         let motion = |inverse| match linearised {
             true => Matrix::motion(placed.six, inverse),
             false => Quaternion::motion(placed.six, inverse),
@@ -265,7 +265,7 @@ impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
 
     /// Rotates on by the correction of a rotary axis (deg), which need not be small.
     #[inline(always)]
-    fn rotate_on(&mut self, about: &About, angle: V, origin: &[f64; 3]) {
+    fn rotate_on(&mut self, about: &RotationAxis, angle: V, origin: &[f64; 3]) {
         let [x, y, z] = times(splat(&about.direction()), angle * V::splat(RADIAN));
         let zero = V::splat(0.0);
         let (motion, squared_half_angle) = Quaternion::motion([zero, zero, zero, x, y, z], false);
@@ -283,13 +283,13 @@ impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
         };
         let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
         let errors = if link.errors { Some(R::motion(inputs.errors(axis), link.inverse)) } else { None };
-        if let (Some(location), Located::Innermost) = (location, link.located) {
+        if let (Some(location), LocationEffect::Innermost) = (location, link.location_effect) {
             self.apply_constant(location);
         }
         if let (Some(motion), false) = (&errors, link.outside) {
             self.motion(motion, &link.origin);
         }
-        let around = if link.located == Located::Around { location } else { None };
+        let around = if link.location_effect == LocationEffect::Around { location } else { None };
         match &link.motion {
             Motion::Slide(direction) => self.slide(direction, around, (q, command), added),
             Motion::Turn(about) => self.turn(about, &link.origin, around, turn, added),
@@ -297,7 +297,7 @@ impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
         if let (Some(motion), true) = (&errors, link.outside) {
             self.motion(motion, &link.origin);
         }
-        if let (Some(location), Located::Outermost) = (location, link.located) {
+        if let (Some(location), LocationEffect::Outermost) = (location, link.location_effect) {
             self.apply_constant(location);
         }
     }
@@ -319,7 +319,7 @@ impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
     #[inline(always)]
     fn turn(
         &mut self,
-        about: &About,
+        about: &RotationAxis,
         origin: &[f64; 3],
         around: Option<&ConstantMotion>,
         turn: (V, V),
@@ -346,20 +346,20 @@ pub struct ExactModel {
     chain: CompiledChain,
     locations: Vec<Option<ConstantMotion>>,
     spindle: Option<ConstantMotion>,
-    clamping: Option<ConstantMotion>,
+    workpiece_setup: Option<ConstantMotion>,
 }
 
 impl ExactModel {
     /// Returns `None` if a constant error is too large for the series.
     pub fn new(chain: CompiledChain) -> Option<Self> {
-        let fixed = |placed: &Option<Placed>| match placed {
+        let fixed = |placed: &Option<ErrorsAtPoint>| match placed {
             Some(placed) => ConstantMotion::new(placed, chain.linearised).map(Some),
             None => Some(None),
         };
         Some(Self {
             locations: chain.joints.iter().map(|link| fixed(&link.location)).collect::<Option<_>>()?,
             spindle: fixed(&chain.spindle)?,
-            clamping: fixed(&chain.clamping)?,
+            workpiece_setup: fixed(&chain.workpiece_setup)?,
             chain,
         })
     }
@@ -374,8 +374,8 @@ impl ExactModel {
         for (axis, link) in chain.joints.iter().enumerate().rev() {
             state.link(link, axis, self.locations[axis].as_ref(), inputs);
         }
-        if let Some(clamping) = &self.clamping {
-            state.apply_constant(clamping);
+        if let Some(workpiece_setup) = &self.workpiece_setup {
+            state.apply_constant(workpiece_setup);
         }
         let (rotation, squared_half_angle) = state.relative.vector();
         LaneDeviation {
@@ -392,7 +392,9 @@ impl ExactModel {
                 state.link(&self.chain.joints[axis], axis, self.locations[axis].as_ref(), at);
             }
             Section::Spindle => self.spindle.iter().for_each(|spindle| state.apply_constant(spindle)),
-            Section::Clamping => self.clamping.iter().for_each(|clamping| state.apply_constant(clamping)),
+            Section::WorkpieceSetup => {
+                self.workpiece_setup.iter().for_each(|workpiece_setup| state.apply_constant(workpiece_setup))
+            }
         }
         (state.displacement, state.squared_half_angle)
     }

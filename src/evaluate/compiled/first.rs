@@ -5,7 +5,7 @@
 //! lever of the functional point about the point of reference counts once, at the end. The errors (delta, eps) about a point o
 //! displace r by `delta + eps x (r - o)`: that is folded into the tables, and so are location errors (`twist`).
 
-use super::chain::{About, CompiledChain, Motion};
+use super::chain::{CompiledChain, Motion, RotationAxis};
 use super::curves::{Six, splat_six};
 use super::lookup::{CHUNK, Chunk, Lookup, LookupRequest, PoseInputs};
 use super::pass::{LaneDeviation, PoseKernel};
@@ -28,7 +28,7 @@ pub struct FirstOrder {
 }
 
 impl FirstOrder {
-    /// `None` where location errors count in the real chunk.
+    /// Returns `None` if location errors count in the real part.
     pub fn new(chain: &CompiledChain) -> Option<Self> {
         if chain.real_locations {
             return None;
@@ -165,17 +165,17 @@ impl WalkStates {
         match joint.motion {
             Motion::Slide(direction) => self.slid::<V>(&direction, joint.bend.as_ref(), step.rotated, positions),
             // One call per machine axis: the compiler drops the component that stays as it is.
-            Motion::Turn(About::Principal(0, sense)) => {
-                self.turned::<V>(&About::Principal(0, sense), lookup, positions.len());
+            Motion::Turn(RotationAxis::Principal(0, sense)) => {
+                self.turned::<V>(&RotationAxis::Principal(0, sense), lookup, positions.len());
             }
-            Motion::Turn(About::Principal(1, sense)) => {
-                self.turned::<V>(&About::Principal(1, sense), lookup, positions.len());
+            Motion::Turn(RotationAxis::Principal(1, sense)) => {
+                self.turned::<V>(&RotationAxis::Principal(1, sense), lookup, positions.len());
             }
-            Motion::Turn(About::Principal(_, sense)) => {
-                self.turned::<V>(&About::Principal(2, sense), lookup, positions.len());
+            Motion::Turn(RotationAxis::Principal(_, sense)) => {
+                self.turned::<V>(&RotationAxis::Principal(2, sense), lookup, positions.len());
             }
-            Motion::Turn(About::Oblique(direction)) => {
-                self.turned::<V>(&About::Oblique(direction), lookup, positions.len());
+            Motion::Turn(RotationAxis::Oblique(direction)) => {
+                self.turned::<V>(&RotationAxis::Oblique(direction), lookup, positions.len());
             }
         }
         if let Some(shift) = &step.shift {
@@ -228,7 +228,7 @@ impl WalkStates {
 
     /// Rotates about an axis through the point of reference.
     #[inline(always)]
-    fn turned<V: Lanes>(&mut self, about: &About, lookup: &Lookup, count: usize) {
+    fn turned<V: Lanes>(&mut self, about: &RotationAxis, lookup: &Lookup, count: usize) {
         let mut i = 0;
         while i < count {
             let turn = lookup.turn::<V>(i);

@@ -1,7 +1,7 @@
 //! Deviations in other frames: rotated by the nominal motions of the joints passed.
 
 use super::batch::{Batch, Output, Slices};
-use super::chain::{About, Motion};
+use super::chain::{Motion, RotationAxis};
 use super::lanes::run;
 use super::model::CompiledModel;
 use super::simd::{Kernel, Lanes};
@@ -11,7 +11,7 @@ use crate::lower::NominalPose;
 use crate::machine::Branch;
 
 struct FrameRotation<'a, 'o> {
-    joints: &'a [(usize, About)],
+    joints: &'a [(usize, RotationAxis)],
     poses: Slices<'a>,
     out: Output<'o>,
 }
@@ -59,7 +59,7 @@ impl CompiledModel {
         };
         let Some(chain) = &self.chain else { return self.to_frame_one_by_one(frame, poses, &mut out) };
         let turns = chain.joints.iter().enumerate().filter(|(axis, _)| passed(*axis));
-        let joints: Vec<(usize, About)> = turns
+        let joints: Vec<(usize, RotationAxis)> = turns
             .filter_map(|(axis, link)| if let Motion::Turn(about) = link.motion { Some((axis, about)) } else { None })
             .collect();
         let poses = Slices { axes: poses.axes(), added: &[], whole: poses.len() };

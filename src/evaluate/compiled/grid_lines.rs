@@ -28,7 +28,7 @@ pub struct GridLines {
     products: ErrorProducts,
     /// True if the rotation vector is computed from its sine.
     arc: bool,
-    clamping: Affine,
+    workpiece_setup: Affine,
     /// Maps at the nodes of every outer axis.
     outer: Vec<Vec<Affine>>,
     inner: Inner,
@@ -53,7 +53,8 @@ impl GridLines {
     /// errors together may rotate beyond the range of the series.
     pub fn new(sections: &impl Sections, products: ErrorProducts, positions: &[Vec<f64>]) -> Option<Self> {
         let chain = sections.chain();
-        let (spindle, clamping) = (Affine::of(sections, Section::Spindle)?, Affine::of(sections, Section::Clamping)?);
+        let (spindle, workpiece_setup) =
+            (Affine::of(sections, Section::Spindle)?, Affine::of(sections, Section::WorkpieceSetup)?);
         let mut outer: Vec<Vec<Affine>> = Vec::new();
         for (axis, positions) in positions.iter().enumerate() {
             let at = |q: &f64| Affine::of(sections, Section::Joint(axis, node(sections, axis, *q)));
@@ -62,12 +63,12 @@ impl GridLines {
         let inner: Vec<Affine> = outer.pop()?.iter().map(|joint| joint.times(&spindle, products)).collect();
         let arc = products == ErrorProducts::Kept && !chain.linearised;
         let widest = |nodes: &Vec<Affine>| nodes.iter().map(Affine::angle).fold(0.0, f64::max);
-        let angle = clamping.angle() + outer.iter().map(widest).sum::<f64>() + widest(&inner);
+        let angle = workpiece_setup.angle() + outer.iter().map(widest).sum::<f64>() + widest(&inner);
         if arc && angle > MAX_ROTATION_RAD {
             return None;
         }
         let inner = Inner::new(&inner, chain.tool, products);
-        Some(Self { products, arc, clamping, outer, inner })
+        Some(Self { products, arc, workpiece_setup, outer, inner })
     }
 
     /// Multiplies the maps of the outer joints at these nodes, from the joint `from` on.
@@ -81,7 +82,7 @@ impl GridLines {
 
 fn node(sections: &impl Sections, axis: usize, position: f64) -> Node {
     let turn = sin_cos(position);
-    let curves = sections.chain().joints[axis].wanted().curves;
+    let curves = sections.chain().joints[axis].lookup_request().curves;
     Node { position, turn, six: curves.map_or([0.0; 6], |curves| curves.at_position(position, turn)) }
 }
 
@@ -238,7 +239,7 @@ impl Lines<'_, '_> {
         let grid = self.grid;
         let lines = self.out.len() / grid.inner.count;
         let mut nodes = std::mem::take(&mut self.first);
-        let mut levels = vec![grid.clamping; grid.outer.len() + 1];
+        let mut levels = vec![grid.workpiece_setup; grid.outer.len() + 1];
         let mut from = 0;
         for line in 0..lines {
             grid.compose_outer(&mut levels, &nodes, from);

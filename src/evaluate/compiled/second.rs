@@ -5,7 +5,7 @@
 //! place of E (`errors_are: body`) the signs and the squares change as the series of the inverse says.
 
 use super::affine::{Section, Sections};
-use super::chain::{About, CompiledChain, CompiledJoint, Located, Motion, Placed, slid};
+use super::chain::{CompiledChain, CompiledJoint, ErrorsAtPoint, LocationEffect, Motion, RotationAxis, slid};
 use super::curves::splat_six;
 use super::lookup::{Chunk, Inputs, Lookup, PoseInputs};
 use super::pass::{LaneDeviation, PoseKernel};
@@ -60,12 +60,12 @@ impl<V: Lanes> State<V> {
     }
 
     #[inline(always)]
-    fn placed(&mut self, placed: &Placed, undone: bool) {
+    fn placed(&mut self, placed: &ErrorsAtPoint, undone: bool) {
         self.apply(splat_six(&placed.six), placed.inverse != undone, &placed.about);
     }
 
     #[inline(always)]
-    fn slide(&mut self, direction: &[f64; 3], around: Option<&Placed>, q: V) {
+    fn slide(&mut self, direction: &[f64; 3], around: Option<&ErrorsAtPoint>, q: V) {
         self.point = slid(direction, q, self.point);
         if let Some(location) = around {
             let [.., a, b, c] = splat_six(&location.six);
@@ -77,7 +77,7 @@ impl<V: Lanes> State<V> {
     }
 
     #[inline(always)]
-    fn turn(&mut self, about: &About, origin: &[f64; 3], around: Option<&Placed>, turn: (V, V)) {
+    fn turn(&mut self, about: &RotationAxis, origin: &[f64; 3], around: Option<&ErrorsAtPoint>, turn: (V, V)) {
         if let Some(location) = around {
             self.placed(location, true);
         }
@@ -97,13 +97,13 @@ impl<V: Lanes> State<V> {
         let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
         let errors = if link.errors { Some(inputs.errors(axis)) } else { None };
         let location = link.location.as_ref();
-        if let (Some(location), Located::Innermost) = (location, link.located) {
+        if let (Some(location), LocationEffect::Innermost) = (location, link.location_effect) {
             self.placed(location, false);
         }
         if let (Some(six), false) = (errors, link.outside) {
             self.apply(six, link.inverse, &link.origin);
         }
-        let around = if link.located == Located::Around { location } else { None };
+        let around = if link.location_effect == LocationEffect::Around { location } else { None };
         match &link.motion {
             Motion::Slide(direction) => self.slide(direction, around, q),
             Motion::Turn(about) => self.turn(about, &link.origin, around, turn),
@@ -111,14 +111,14 @@ impl<V: Lanes> State<V> {
         if let (Some(six), true) = (errors, link.outside) {
             self.apply(six, link.inverse, &link.origin);
         }
-        if let (Some(location), Located::Outermost) = (location, link.located) {
+        if let (Some(location), LocationEffect::Outermost) = (location, link.location_effect) {
             self.placed(location, false);
         }
     }
 }
 
 impl SecondOrder {
-    /// `None` where location errors count in the real chunk.
+    /// Returns `None` if location errors count in the real part.
     pub fn new(chain: CompiledChain) -> Option<Self> {
         (!chain.real_locations).then_some(Self { chain })
     }
@@ -134,7 +134,9 @@ impl Sections for SecondOrder {
         match section {
             Section::Joint(axis, at) => state.link(&self.chain.joints[axis], axis, at),
             Section::Spindle => self.chain.spindle.iter().for_each(|spindle| state.placed(spindle, false)),
-            Section::Clamping => self.chain.clamping.iter().for_each(|clamping| state.placed(clamping, false)),
+            Section::WorkpieceSetup => {
+                self.chain.workpiece_setup.iter().for_each(|workpiece_setup| state.placed(workpiece_setup, false))
+            }
         }
         (state.displacement, 0.0)
     }
@@ -159,8 +161,8 @@ impl PoseKernel for SecondOrder {
         for (axis, link) in chain.joints.iter().enumerate().rev() {
             state.link(link, axis, inputs);
         }
-        if let Some(clamping) = &chain.clamping {
-            state.placed(clamping, false);
+        if let Some(workpiece_setup) = &chain.workpiece_setup {
+            state.placed(workpiece_setup, false);
         }
         let [d, dd] = state.displacement;
         let [w, ww] = state.rotation;

@@ -4,7 +4,7 @@
 //! error costs one cross product.
 
 use super::batch::{Batch, Columns, Output, Slices};
-use super::chain::{CompiledChain, CompiledJoint, Located, Motion};
+use super::chain::{CompiledChain, CompiledJoint, LocationEffect, Motion};
 use super::lanes::run;
 use super::model::{CompiledModel, MAX_AXES};
 use super::simd::{Kernel, Lanes};
@@ -49,15 +49,17 @@ impl Response {
 
     fn location(link: &CompiledJoint, axis: usize, direction: usize) -> Self {
         let (about, frame) = (link.origin, axis);
-        match (link.located, link.motion) {
-            (Located::Around, Motion::Slide(_)) if direction < 3 => Self::Nothing,
-            (Located::Around, Motion::Slide(u)) => {
+        match (link.location_effect, link.motion) {
+            (LocationEffect::Around, Motion::Slide(_)) if direction < 3 => Self::Nothing,
+            (LocationEffect::Around, Motion::Slide(u)) => {
                 let unit = std::array::from_fn(|k| if k + 3 == direction { 1.0 } else { 0.0 });
                 Self::Bend { axis, by: cross(unit, u) }
             }
-            (Located::Around, Motion::Turn(_)) => Self::Around { frame, about, direction },
-            (Located::Outermost, _) => Self::Twist { frame, about, sign: sign(link.inverse), direction },
-            (Located::Innermost, _) => Self::Twist { frame: axis + 1, about, sign: sign(link.inverse), direction },
+            (LocationEffect::Around, Motion::Turn(_)) => Self::Around { frame, about, direction },
+            (LocationEffect::Outermost, _) => Self::Twist { frame, about, sign: sign(link.inverse), direction },
+            (LocationEffect::Innermost, _) => {
+                Self::Twist { frame: axis + 1, about, sign: sign(link.inverse), direction }
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 //! The errors (delta, eps) about a point o displace r by `delta + eps x (r - o)`. That is a displacement of the machine's zero
 //! point and a rotation: constants are added up and curves of tables mapped, before any pose is known.
 
-use super::chain::{CompiledChain, CompiledJoint, Located, Motion, Placed};
+use super::chain::{CompiledChain, CompiledJoint, ErrorsAtPoint, LocationEffect, Motion};
 use super::curves::{Curves, Six};
 use super::vector::cross;
 
@@ -33,7 +33,7 @@ pub fn twist(six: &Six, about: &[f64; 3], sign: f64) -> Six {
     [dx - x, dy - y, dz - z, ex, ey, ez]
 }
 
-fn placed(placed: &Placed) -> Six {
+fn placed(placed: &ErrorsAtPoint) -> Six {
     twist(&placed.six, &placed.about, if placed.inverse { -1.0 } else { 1.0 })
 }
 
@@ -58,7 +58,7 @@ impl TwistChain {
     /// Folds location errors into the curves where a joint has any, else into constant twists.
     pub fn new(chain: &CompiledChain) -> Self {
         // The constant twist on the workpiece's side of the next joint, from the workpiece on.
-        let mut pending = chain.clamping.as_ref().map(placed);
+        let mut pending = chain.workpiece_setup.as_ref().map(placed);
         let mut joints: Vec<TwistJoint> = Vec::new();
         for link in &chain.joints {
             let [outer, inner] = constants(link);
@@ -91,21 +91,21 @@ impl TwistChain {
 /// Returns the constant twists of a joint's location errors on its workpiece side and on its tool side.
 fn constants(link: &CompiledJoint) -> [Option<Six>; 2] {
     let Some(location) = &link.location else { return [None, None] };
-    match (link.located, link.motion) {
-        (Located::Around, Motion::Slide(_)) => [None, None],
-        (Located::Around, Motion::Turn(_)) => {
+    match (link.location_effect, link.motion) {
+        (LocationEffect::Around, Motion::Slide(_)) => [None, None],
+        (LocationEffect::Around, Motion::Turn(_)) => {
             let outer = placed(location);
             [Some(outer), Some(outer.map(|e| -e))]
         }
-        (Located::Outermost, _) => [Some(placed(location)), None],
-        (Located::Innermost, _) => [None, Some(placed(location))],
+        (LocationEffect::Outermost, _) => [Some(placed(location)), None],
+        (LocationEffect::Innermost, _) => [None, Some(placed(location))],
     }
 }
 
 /// Returns `eps x u`, by which the direction of a linear axis deviates.
 fn bend(link: &CompiledJoint) -> Option<[f64; 3]> {
     match (link.motion, &link.location) {
-        (Motion::Slide(u), Some(location)) if link.located == Located::Around => {
+        (Motion::Slide(u), Some(location)) if link.location_effect == LocationEffect::Around => {
             let [.., a, b, c] = location.six;
             Some(cross([a, b, c], u))
         }

@@ -4,8 +4,8 @@
 use super::comparison::ComparisonData;
 use super::field::FieldData;
 use super::instruments::Instruments;
-use crate::analysis::sources;
-use crate::analysis::{LocationSet, Map, Source, Status, body_diagonals, levers, rest};
+use crate::analysis::error_statistics;
+use crate::analysis::{ErrorStatistics, LocationSet, Map, Status, body_diagonals, levers, rest};
 use crate::controller::{Certificate, ControllerTarget, Effect, Handled};
 use crate::evaluate::{Bare, Order, Poses, Random, Summary, worst};
 use crate::machine::{Approach, Axis, ErrorTerm, Machine, Pose, Travel};
@@ -81,7 +81,7 @@ pub struct MachineData {
     locations: Vec<Value>,
     statistics: Value,
     worst: Vec<Value>,
-    /// The first so many poses are those of `sources`.
+    /// The first so many poses are those of `error_statistics`.
     source_poses: usize,
     sources: Vec<Value>,
     diagonals: Vec<Value>,
@@ -135,7 +135,7 @@ impl MachineData {
                 "rotation_arcsec": arcsec(&map.statistics.rotation_urad)}),
             worst: bad.iter().map(named).collect(),
             source_poses: few.0,
-            sources: sources(&bare, &few_poses, &worst_pose, given.approach).iter().map(source).collect(),
+            sources: error_statistics(&bare, &few_poses, &worst_pose, given.approach).iter().map(source).collect(),
             diagonals: diagonals(&bare, given.approach),
             instruments: given.instruments.json(machine),
             budget: given.budget.map_or(Value::Null, |budget| budget.json().into()),
@@ -237,7 +237,7 @@ fn locations(machine: &Machine) -> Vec<Value> {
     needed.chain(set.besides.iter().map(|id| row(id, "given besides"))).collect()
 }
 
-fn source(source: &Source) -> Value {
+fn source(source: &ErrorStatistics) -> Value {
     json!({"error": source.error, "kind": if source.error.location { "location" } else { "component" },
         "p95_um": source.position.p95, "max_um": source.position.max, "mean_um": source.position.mean,
         "p95_urad": source.rotation.p95, "at_worst_um": source.along + 0.0})

@@ -197,7 +197,7 @@ pub fn budgets_json(budgets: &[BudgetReport<'_>], errors: &[BoundedError]) -> Va
         })
     };
     let error = |e: &BoundedError| {
-        let each = |f: &dyn Fn(&crate::analysis::budget::Part) -> f64| -> Vec<Option<f64>> {
+        let each = |f: &dyn Fn(&crate::analysis::budget::BudgetPart) -> f64| -> Vec<Option<f64>> {
             e.parts.iter().map(|part| part.as_ref().map(f)).collect()
         };
         let minus: Vec<f64> = (0..e.parts.len()).map(|i| e.minus_first(i)).collect();

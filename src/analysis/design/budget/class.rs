@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 #[derive(Debug, Deserialize)]
 struct ClassTable {
-    least_travel_m: f64,
+    min_travel_m: f64,
     classes: BTreeMap<String, Class>,
 }
 
@@ -16,7 +16,7 @@ pub struct Class {
     /// Where its numbers come from.
     pub source: String,
     #[serde(skip)]
-    least_travel: f64,
+    min_travel: f64,
     linear: Linear,
     rotary: Option<Rotary>,
 }
@@ -43,7 +43,7 @@ struct Rotary {
 pub fn classes() -> BTreeMap<String, Class> {
     let table: Option<ClassTable> = serde_yaml::from_str(include_str!("classes.yaml")).ok();
     let Some(table) = table else { return BTreeMap::new() };
-    let complete = |(name, class)| (name, Class { least_travel: table.least_travel_m * 1e3, ..class });
+    let complete = |(name, class)| (name, Class { min_travel: table.min_travel_m * 1e3, ..class });
     table.classes.into_iter().map(complete).collect()
 }
 
@@ -60,7 +60,7 @@ impl Class {
         let Some(axis) = axis else { return turns.then_some(self.linear.squareness_urad * urad) };
         let own = along(axis, error.direction);
         let (min, max) = axis.travel.interval();
-        let metres = (max - min).max(self.least_travel) * 1e-3;
+        let metres = (max - min).max(self.min_travel) * 1e-3;
         Some(match (axis.kind, error.location, turns) {
             (AxisKind::Linear, true, true) => self.linear.squareness_urad * urad,
             (AxisKind::Linear, true, false) => return None,

@@ -1,5 +1,5 @@
 //! Deviations of many drawn machines at once: per pose a small matrix for every joint, times the
-//! errors of [`LANES`] samples side by side. Each error lives in one joint, so this is a sum over joints.
+//! errors of [`SAMPLE_LANES`] samples side by side. Each error lives in one joint, so this is a sum over joints.
 
 use super::bounds::Bound;
 use super::draw::{Draws, NODES};
@@ -7,10 +7,10 @@ use crate::analysis::closed_form::{Quantity, Share, TwistMap as Map, twists};
 use crate::machine::{Axis, Machine, Travel};
 
 /// Samples that are computed side by side.
-pub const LANES: usize = 40;
+pub const SAMPLE_LANES: usize = 40;
 
 /// A number for each of these samples.
-pub type Lanes = [f64; LANES];
+pub type SampleLanes = [f64; SAMPLE_LANES];
 
 /// The bounds of one joint's errors by direction (mm, rad), with the index of each in the list of bounds.
 #[derive(Debug, Clone, Default)]
@@ -51,32 +51,32 @@ impl JointBounds {
 
 /// The errors of a joint in a chunk of samples (mm, rad).
 #[derive(Debug)]
-pub struct DrawnJoint {
-    location: Option<Box<[Lanes; 6]>>,
-    nodes: Vec<[Lanes; 6]>,
+pub struct JointSamples {
+    location: Option<Box<[SampleLanes; 6]>>,
+    nodes: Vec<[SampleLanes; 6]>,
 }
 
 /// A chunk of drawn machines.
 #[derive(Debug)]
-pub struct Chunk(Vec<DrawnJoint>);
+pub struct SampleChunk(Vec<JointSamples>);
 
-impl Chunk {
-    /// Samples `first..first + LANES`.
+impl SampleChunk {
+    /// Samples `first..first + SAMPLE_LANES`.
     pub fn new(joints: &[JointBounds], bounds: &[Bound], draws: &Draws, first: usize) -> Self {
         Self(joints.iter().map(|joint| drawn(joint, bounds, draws, first)).collect())
     }
 
     /// Location errors of a joint, if it has any.
-    pub fn location(&self, joint: usize) -> Option<&[Lanes; 6]> {
+    pub fn location(&self, joint: usize) -> Option<&[SampleLanes; 6]> {
         self.0[joint].location.as_deref()
     }
 
     /// Component errors of a joint at a place of its travel, if it has any.
-    pub fn component(&self, joint: usize, (node, share): (usize, f64)) -> Option<[Lanes; 6]> {
+    pub fn component(&self, joint: usize, (node, share): (usize, f64)) -> Option<[SampleLanes; 6]> {
         let [low, high] = self.0[joint].nodes.get(node..node + 2)? else { return None };
-        let mut six = [[0.0; LANES]; 6];
+        let mut six = [[0.0; SAMPLE_LANES]; 6];
         for ((out, a), b) in six.iter_mut().zip(low).zip(high) {
-            for lane in 0..LANES {
+            for lane in 0..SAMPLE_LANES {
                 out[lane] = a[lane] + share * (b[lane] - a[lane]);
             }
         }
@@ -84,10 +84,10 @@ impl Chunk {
     }
 }
 
-fn drawn(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> DrawnJoint {
+fn drawn(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> JointSamples {
     let any = |six: &[Option<usize>; 6]| six.iter().any(Option::is_some);
     let location = any(&joint.location).then(|| {
-        let mut six = Box::new([[0.0; LANES]; 6]);
+        let mut six = Box::new([[0.0; SAMPLE_LANES]; 6]);
         for (row, bound) in six.iter_mut().zip(joint.location).filter_map(|(row, i)| Some((row, &bounds[i?]))) {
             let draw = |lane: usize| bound.tolerance * draws.constant(&bound.error, first + lane);
             *row = std::array::from_fn(draw);
@@ -96,21 +96,21 @@ fn drawn(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> 
     });
     let mut nodes = Vec::new();
     if any(&joint.component) {
-        nodes = vec![[[0.0; LANES]; 6]; NODES];
+        nodes = vec![[[0.0; SAMPLE_LANES]; 6]; NODES];
         for (k, bound) in joint.component.iter().enumerate().filter_map(|(k, i)| Some((k, &bounds[(*i)?]))) {
-            for lane in 0..LANES {
+            for lane in 0..SAMPLE_LANES {
                 let curve = draws.curve(&bound.error, first + lane, joint.closed);
                 nodes.iter_mut().zip(curve).for_each(|(node, u)| node[k][lane] = bound.tolerance * u);
             }
         }
     }
-    DrawnJoint { location, nodes }
+    JointSamples { location, nodes }
 }
 
 /// Adds a map times errors.
-pub fn add(map: &Map, errors: &[Lanes; 6], to: &mut [Lanes; 3]) {
+pub fn add(map: &Map, errors: &[SampleLanes; 6], to: &mut [SampleLanes; 3]) {
     for (row, out) in map.iter().zip(to) {
-        for lane in 0..LANES {
+        for lane in 0..SAMPLE_LANES {
             let near = row[0] * errors[0][lane] + row[1] * errors[1][lane] + row[2] * errors[2][lane];
             let far = row[3] * errors[3][lane] + row[4] * errors[4][lane] + row[5] * errors[5][lane];
             out[lane] += near + far;
@@ -119,19 +119,19 @@ pub fn add(map: &Map, errors: &[Lanes; 6], to: &mut [Lanes; 3]) {
 }
 
 /// Squared lengths.
-pub fn squares(d: &[Lanes; 3]) -> Lanes {
+pub fn squares(d: &[SampleLanes; 3]) -> SampleLanes {
     std::array::from_fn(|lane| d[0][lane] * d[0][lane] + d[1][lane] * d[1][lane] + d[2][lane] * d[2][lane])
 }
 
 /// A pose, ready for any number of samples.
 #[derive(Debug, Clone)]
-pub struct Station {
+pub struct BudgetPose {
     /// Of location and of component errors of every joint.
     maps: Vec<[Map; 2]>,
     places: Vec<(usize, f64)>,
 }
 
-impl Station {
+impl BudgetPose {
     /// A machine at a pose (mm, deg).
     pub fn new(machine: &Machine, joints: &[JointBounds], pose: &[f64], quantity: Quantity) -> Self {
         let shares = machine
@@ -145,8 +145,8 @@ impl Station {
     }
 
     /// What every sample of the chunk deviates by.
-    pub fn deviations(&self, chunk: &Chunk) -> [Lanes; 3] {
-        let mut d = [[0.0; LANES]; 3];
+    pub fn deviations(&self, chunk: &SampleChunk) -> [SampleLanes; 3] {
+        let mut d = [[0.0; SAMPLE_LANES]; 3];
         for (joint, ([location, component], place)) in self.maps.iter().zip(&self.places).enumerate() {
             if let Some(errors) = chunk.location(joint) {
                 add(location, errors, &mut d);
@@ -159,7 +159,7 @@ impl Station {
     }
 
     /// What each bounded error does in one sample, in the order of the bounds.
-    pub fn parts(&self, chunk: &Chunk, joints: &[JointBounds], lane: usize, count: usize) -> Vec<[f64; 3]> {
+    pub fn parts(&self, chunk: &SampleChunk, joints: &[JointBounds], lane: usize, count: usize) -> Vec<[f64; 3]> {
         let mut parts = vec![[0.0; 3]; count];
         for (joint, (([location, component], place), bounds)) in
             self.maps.iter().zip(&self.places).zip(joints).enumerate()

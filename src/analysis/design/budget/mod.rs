@@ -9,26 +9,26 @@
 //! 4. Which tolerance to tighten first: the derivative of the 95 % value. All derivatives come from the
 //!    same random numbers. Since the error of a machine grows in proportion to all tolerances together,
 //!    tolerance times derivative, summed up, is the 95 % value itself (Euler).
-//! 5. [`beside()`]: these parts in several machines.
+//! 5. [`side_by_side()`]: these parts in several machines.
 //!
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
-mod beside;
 mod bounds;
 mod class;
 mod draw;
 mod kernel;
 mod monte_carlo;
 mod quantile;
+mod side_by_side;
 mod totals;
 mod worst;
 
-pub use beside::{BoundedError, Part, beside};
 pub use bounds::{Bound, bounds, known, lacks_rotary};
 pub use class::{Class, classes};
 pub use draw::{Distribution, Draws, HARMONICS, NODES};
-pub(crate) use kernel::{Chunk, JointBounds, LANES, Lanes, add, by_joint, squares};
+pub(crate) use kernel::{JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, add, by_joint, squares};
 pub use monte_carlo::Statistic;
 pub use quantile::{Percentile, mean, rank};
-pub use totals::{Budget, Contribution, PERCENTS, Request, Tighten, Totals, budget, budget_poses};
+pub use side_by_side::{BoundedError, BudgetPart, side_by_side};
+pub use totals::{Budget, Contribution, PERCENTS, Request, ToleranceEffect, Totals, budget, budget_poses};
 pub use worst::longest;

@@ -2,7 +2,7 @@
 
 use super::bounds::Bound;
 use super::draw::Draws;
-use super::kernel::{Chunk, JointBounds, LANES, Lanes, Station, squares};
+use super::kernel::{BudgetPose, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, squares};
 use super::quantile::rank;
 use rayon::prelude::*;
 
@@ -50,7 +50,7 @@ pub struct Sample {
 
 /// Draws so many machines; the same to the bit on any number of threads.
 pub fn draw(
-    stations: &[Station],
+    poses: &[BudgetPose],
     joints: &[JointBounds],
     bounds: &[Bound],
     draws: &Draws,
@@ -59,20 +59,20 @@ pub fn draw(
     progress: &(dyn Fn(usize) + Sync),
 ) -> Vec<Sample> {
     let chunk = |index: usize| {
-        let first = index * LANES;
-        let chunk = Chunk::new(joints, bounds, draws, first);
-        let lengths: Vec<Lanes> = stations.iter().map(|station| squares(&station.deviations(&chunk))).collect();
-        let count = LANES.min(samples - first);
+        let first = index * SAMPLE_LANES;
+        let chunk = SampleChunk::new(joints, bounds, draws, first);
+        let lengths: Vec<SampleLanes> = poses.iter().map(|pose| squares(&pose.deviations(&chunk))).collect();
+        let count = SAMPLE_LANES.min(samples - first);
         progress(count);
         let sample = |lane: usize| {
             let column: Vec<f64> = lengths.iter().map(|lanes| lanes[lane]).collect();
             let (pose, square) = statistic.attained(&column);
             let value = square.sqrt();
-            Sample { value, parts: parts(&stations[pose].parts(&chunk, joints, lane, bounds.len())) }
+            Sample { value, parts: parts(&poses[pose].parts(&chunk, joints, lane, bounds.len())) }
         };
         (0..count).map(sample).collect::<Vec<_>>()
     };
-    (0..samples.div_ceil(LANES)).into_par_iter().flat_map_iter(chunk).collect()
+    (0..samples.div_ceil(SAMPLE_LANES)).into_par_iter().flat_map_iter(chunk).collect()
 }
 
 /// Components along the sum.

@@ -2,7 +2,7 @@
 
 use super::bounds::Bound;
 use super::draw::Draws;
-use super::kernel::{JointBounds, Station, by_joint};
+use super::kernel::{BudgetPose, JointBounds, by_joint};
 use super::monte_carlo::{self, Sample, Statistic};
 use super::quantile::{Percentile, mean};
 use super::worst::longest;
@@ -61,7 +61,7 @@ pub struct Totals {
     /// Their mean and its standard error.
     pub mean: (f64, f64),
     /// Which tolerance has how much of the 95 % value, in the order of the bounds.
-    pub tighten: Vec<Tighten>,
+    pub tighten: Vec<ToleranceEffect>,
 }
 
 /// One error at its bound.
@@ -77,7 +77,7 @@ pub struct Contribution {
 
 /// How the 95 % value hangs on a tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tighten {
+pub struct ToleranceEffect {
     /// Tolerance times derivative of the 95 % value (um or urad): a tenth of it is won, to first order,
     /// by a tolerance a tenth smaller.
     pub effect: f64,
@@ -115,8 +115,8 @@ pub fn budget(request: Request<'_>, progress: &(dyn Fn(usize) + Sync)) -> Budget
     let (position, extremes) = totals(&request, &joints, Quantity::Position, progress);
     let (rotation, _) = totals(&request, &joints, Quantity::Rotation, progress);
     let at = request.at.map(|pose| {
-        let station = Station::new(request.machine, &joints, pose, Quantity::Position);
-        contributions(&lengths(&station.extremes(&joints, request.bounds)))
+        let budget_pose = BudgetPose::new(request.machine, &joints, pose, Quantity::Position);
+        contributions(&lengths(&budget_pose.extremes(&joints, request.bounds)))
     });
     let rss = |list: &Vec<[f64; 3]>| lengths(list).iter().map(|x| x * x).sum::<f64>();
     let worst = largest(&extremes.iter().map(rss).collect::<Vec<_>>());
@@ -140,11 +140,12 @@ fn totals(
 ) -> (Totals, Extremes) {
     let Request { machine, bounds, poses, draws, samples, statistic, .. } = *request;
     let scale = if quantity == Quantity::Position { 1e3 } else { 1e6 };
-    let stations: Vec<Station> = poses.par_iter().map(|pose| Station::new(machine, joints, pose, quantity)).collect();
-    let extremes: Extremes = stations.par_iter().map(|station| station.extremes(joints, bounds)).collect();
+    let budget_poses: Vec<BudgetPose> =
+        poses.par_iter().map(|pose| BudgetPose::new(machine, joints, pose, quantity)).collect();
+    let extremes: Extremes = budget_poses.par_iter().map(|budget_pose| budget_pose.extremes(joints, bounds)).collect();
     let (worst, worst_case) = worst_of(&extremes);
     let rss: Vec<f64> = extremes.iter().map(|list| lengths(list).iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
-    let mut drawn = monte_carlo::draw(&stations, joints, bounds, draws, statistic, samples, progress);
+    let mut drawn = monte_carlo::draw(&budget_poses, joints, bounds, draws, statistic, samples, progress);
     // A stable order of equal values keeps the window the same on every run.
     drawn.sort_by(|a, b| a.value.total_cmp(&b.value));
     let sorted: Vec<f64> = drawn.iter().map(|sample| sample.value * scale).collect();
@@ -219,7 +220,7 @@ fn contributions(lengths: &[f64]) -> Vec<Contribution> {
 }
 
 /// Means of the parts over the samples around the 95 % value.
-fn tighten(drawn: &[Sample], count: usize, scale: f64) -> Vec<Tighten> {
+fn tighten(drawn: &[Sample], count: usize, scale: f64) -> Vec<ToleranceEffect> {
     let n = drawn.len() as f64;
     let first = ((WINDOW.0 * n) as usize).min(drawn.len() - 1);
     let last = (libm::ceil(WINDOW.1 * n) as usize).clamp(first + 1, drawn.len());
@@ -227,7 +228,7 @@ fn tighten(drawn: &[Sample], count: usize, scale: f64) -> Vec<Tighten> {
     let one = |bound: usize| {
         let parts: Vec<f64> = around.iter().map(|sample| sample.parts[bound] * scale).collect();
         let (effect, sigma) = mean(&parts);
-        Tighten { effect, sigma }
+        ToleranceEffect { effect, sigma }
     };
     (0..count).map(one).collect()
 }

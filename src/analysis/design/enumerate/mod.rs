@@ -11,11 +11,11 @@
 //! Origins, directions and curves keep their values in machine coordinates at the zero pose.
 
 mod arrangement;
-mod drawn;
 mod journal;
 mod ranking;
 mod rule;
 mod study;
+mod walk_budget;
 
 pub use arrangement::{MAX_ARRANGEMENTS, TooMany, Walk, walks};
 pub use journal::{Journal, JournalFailure};

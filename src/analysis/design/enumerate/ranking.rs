@@ -1,6 +1,6 @@
 //! Arrangements with their results, and their order.
 
-use crate::analysis::design::compare::Missed;
+use crate::analysis::design::compare::UnreachableCount;
 use serde::{Deserialize, Serialize};
 
 /// How an arrangement did.
@@ -27,7 +27,7 @@ pub struct Row {
     /// Tool poses it reaches.
     pub reached: usize,
     /// Those it does not.
-    pub unreachable: Missed,
+    pub unreachable: UnreachableCount,
     /// Over the tool poses it reaches, um.
     pub result: Option<Outcome>,
 }

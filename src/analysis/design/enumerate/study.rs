@@ -1,13 +1,13 @@
 //! A study: every walk on the same tool poses, judged by a budget or by the errors that have a value.
 
 use super::arrangement::Walk;
-use super::drawn;
 use super::ranking::{Outcome, Row, Standing};
+use super::walk_budget;
 use crate::analysis::closed_form::{Quantity, Twist, twists};
 use crate::analysis::design::budget::{
-    Bound, Chunk, Draws, JointBounds, LANES, Lanes, Percentile, Statistic, by_joint, mean,
+    Bound, Draws, JointBounds, Percentile, SAMPLE_LANES, SampleChunk, SampleLanes, Statistic, by_joint, mean,
 };
-use crate::analysis::design::compare::Missed;
+use crate::analysis::design::compare::UnreachableCount;
 use crate::analysis::inverse::{ToolPose, Unreachable, inverse, rest, tool_pose};
 use crate::analysis::volume::Work;
 use crate::evaluate::{Bare, Field, Order, Poses, Random};
@@ -39,18 +39,18 @@ pub struct Study<'a> {
     statistic: Statistic,
     judge: Judge,
     work: Vec<ToolPose>,
-    base: Base,
+    reference: Reference,
     joints: Vec<JointBounds>,
-    chunks: Vec<Chunk>,
+    chunks: Vec<SampleChunk>,
     freedom: usize,
 }
 
 /// The machine as its file has it, at every tool pose: squared lengths of deviations.
 #[derive(Debug)]
-enum Base {
-    /// Chunk by chunk.
-    Drawn(Vec<Vec<Lanes>>),
-    Given(Vec<f64>),
+enum Reference {
+    /// SampleChunk by chunk.
+    Drawn(Vec<Vec<SampleLanes>>),
+    Values(Vec<f64>),
 }
 
 impl<'a> Study<'a> {
@@ -67,26 +67,26 @@ impl<'a> Study<'a> {
             Judge::Errors => (Vec::new(), Vec::new()),
             Judge::Budget { bounds, draws, samples } => {
                 let joints = by_joint(machine, bounds);
-                let chunk = |i: usize| Chunk::new(&joints, bounds, draws, i * LANES);
-                let chunks = (0..samples.div_ceil(LANES)).into_par_iter().map(chunk).collect();
+                let chunk = |i: usize| SampleChunk::new(&joints, bounds, draws, i * SAMPLE_LANES);
+                let chunks = (0..samples.div_ceil(SAMPLE_LANES)).into_par_iter().map(chunk).collect();
                 (joints, chunks)
             }
         };
         let freedom = freedom(machine);
-        let base = Base::Given(Vec::new());
-        let mut study = Self { machine, walks, statistic, judge, work, base, joints, chunks, freedom };
-        study.base = study.own(&poses);
+        let reference = Reference::Values(Vec::new());
+        let mut study = Self { machine, walks, statistic, judge, work, reference, joints, chunks, freedom };
+        study.reference = study.own(&poses);
         study
     }
 
     /// The machine's own deviations at the work.
-    fn own(&self, poses: &[Pose]) -> Base {
+    fn own(&self, poses: &[Pose]) -> Reference {
         if let Judge::Errors = self.judge {
-            return Base::Given(poses.par_iter().map(|pose| given(self.machine, pose)).collect());
+            return Reference::Values(poses.par_iter().map(|pose| squared_deviation(self.machine, pose)).collect());
         }
         let axes: Vec<usize> = (0..self.machine.axes().len()).collect();
         let table = self.machine.axes().iter().filter(|a| a.branch == Branch::Workpiece).count();
-        Base::Drawn(drawn::squared(self.machine, &axes, table, poses, &self.joints, &self.chunks))
+        Reference::Drawn(walk_budget::squared_lengths(self.machine, &axes, table, poses, &self.joints, &self.chunks))
     }
 
     /// How many walks there are: the steps of the study.
@@ -124,7 +124,7 @@ impl<'a> Study<'a> {
     /// Arrangements with the same nominal machine.
     fn alike(&self, walk: &Walk, machines: &[Machine], tables: &[usize]) -> Vec<Row> {
         let nominal = &machines[0];
-        let row = |(machine, table): (&Machine, &usize), standing, missed: Missed| Row {
+        let row = |(machine, table): (&Machine, &usize), standing, missed: UnreachableCount| Row {
             chain: machine.chain().to_string(),
             table: *table,
             standing,
@@ -134,13 +134,14 @@ impl<'a> Study<'a> {
         };
         let each = || machines.iter().zip(tables);
         if freedom(nominal) < self.freedom {
-            let missed = Missed { total: self.work.len(), direction: self.work.len(), ..Missed::default() };
+            let missed =
+                UnreachableCount { total: self.work.len(), direction: self.work.len(), ..UnreachableCount::default() };
             return each().map(|of| row(of, Standing::CannotTurn, missed)).collect();
         }
         let at_rest = rest(nominal);
         let found: Vec<Result<Pose, Unreachable>> =
             self.work.iter().map(|target| inverse(nominal, target, &at_rest)).collect();
-        let missed = Missed::count(found.iter().filter_map(|pose| pose.as_ref().err()));
+        let missed = UnreachableCount::count(found.iter().filter_map(|pose| pose.as_ref().err()));
         let (reached, poses): (Vec<usize>, Vec<Pose>) =
             found.into_iter().enumerate().filter_map(|(i, pose)| Some((i, pose.ok()?))).unzip();
         if poses.is_empty() {
@@ -160,14 +161,14 @@ impl<'a> Study<'a> {
         reached: &[usize],
         poses: &[Pose],
     ) -> Vec<Outcome> {
-        match (&self.judge, &self.base) {
-            (Judge::Budget { samples, .. }, Base::Drawn(own)) => {
+        match (&self.judge, &self.reference) {
+            (Judge::Budget { samples, .. }, Reference::Drawn(own)) => {
                 let file = own.iter().flat_map(|lanes| {
-                    let same: Vec<Lanes> = reached.iter().map(|i| lanes[*i]).collect();
-                    drawn::over_poses(self.statistic, &same)
+                    let same: Vec<SampleLanes> = reached.iter().map(|i| lanes[*i]).collect();
+                    walk_budget::over_poses(self.statistic, &same)
                 });
                 let file = percentile(file.take(*samples).collect()).value;
-                let rows = drawn::statistics(
+                let rows = walk_budget::statistics(
                     &machines[0],
                     &walk.axes,
                     tables,
@@ -186,16 +187,16 @@ impl<'a> Study<'a> {
                 };
                 rows.into_iter().map(outcome).collect()
             }
-            (_, Base::Given(own)) => {
+            (_, Reference::Values(own)) => {
                 let file = self.statistic.of(&mut reached.iter().map(|i| own[*i]).collect::<Vec<_>>()).sqrt();
                 let outcome = |machine: &Machine| {
-                    let mut squares: Vec<f64> = poses.iter().map(|pose| given(machine, pose)).collect();
+                    let mut squares: Vec<f64> = poses.iter().map(|pose| squared_deviation(machine, pose)).collect();
                     let um = self.statistic.of(&mut squares).sqrt() * 1e3;
                     Outcome { um, low: None, high: None, mean: None, minus_file: um - file * 1e3 }
                 };
                 machines.iter().map(outcome).collect()
             }
-            (Judge::Errors, Base::Drawn(_)) => Vec::new(),
+            (Judge::Errors, Reference::Drawn(_)) => Vec::new(),
         }
     }
 }
@@ -206,14 +207,14 @@ fn percentile(mut values: Vec<f64>) -> Percentile {
 }
 
 /// Squared length of the deviation by the errors that have a value.
-fn given(machine: &Machine, pose: &[f64]) -> f64 {
+fn squared_deviation(machine: &Machine, pose: &[f64]) -> f64 {
     Bare { machine, order: Order::Exact }.deviation(pose, Approach::Mean).position.norm_squared()
 }
 
 /// In how many ways the machine can turn its tool axis: 0, 1 or 2, at almost all poses.
 pub fn freedom(machine: &Machine) -> usize {
     const POSES: usize = 4;
-    const LEAST: f64 = 1e-9;
+    const MIN_EIGENVALUE: f64 = 1e-9;
     let intervals = machine.axes().iter().map(|axis| axis.travel.interval()).collect();
     let at = |pose: Pose| {
         let direction = tool_pose(machine, &pose).direction;
@@ -225,7 +226,7 @@ pub fn freedom(machine: &Machine) -> usize {
         };
         let rotary = machine.axes().iter().zip(&twists).filter(|(axis, _)| axis.kind == AxisKind::Rotary);
         let gram = rotary.map(turn).fold(Matrix3::zeros(), |sum, w| sum + w * w.transpose());
-        gram.symmetric_eigenvalues().iter().filter(|value| **value > LEAST).count()
+        gram.symmetric_eigenvalues().iter().filter(|value| **value > MIN_EIGENVALUE).count()
     };
     Poses::Random(Random::new(intervals, POSES, 0)).iter().map(at).max().unwrap_or(0)
 }

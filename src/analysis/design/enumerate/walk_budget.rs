@@ -4,11 +4,11 @@
 //! after it, always added up in the same order.
 
 use crate::analysis::closed_form::{Quantity, Share, TwistMap as Map, twists};
-use crate::analysis::design::budget::{Chunk, JointBounds, LANES, Lanes, Statistic, add, squares};
+use crate::analysis::design::budget::{JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, Statistic, add, squares};
 use crate::machine::{Axis, Branch, Machine, Pose};
 
 /// A joint at a pose: its index among the drawn joints, its place on its travel, its maps.
-struct Joint {
+struct JointMaps {
     drawn: usize,
     place: (usize, f64),
     location: [Map; 2],
@@ -18,8 +18,8 @@ struct Joint {
 }
 
 /// All joints of the walk at one pose.
-struct Stop {
-    joints: Vec<Joint>,
+struct PoseMaps {
+    joints: Vec<JointMaps>,
     spindle: Map,
 }
 
@@ -31,16 +31,16 @@ pub fn statistics(
     tables: &[usize],
     poses: &[Pose],
     bounds: &[JointBounds],
-    chunks: &[Chunk],
+    chunks: &[SampleChunk],
     statistic: Statistic,
 ) -> Vec<Vec<f64>> {
-    let stops: Vec<Stop> = poses.iter().map(|pose| stop(machine, axes, pose, bounds)).collect();
-    let mut rows = vec![Vec::with_capacity(chunks.len() * LANES); tables.len()];
-    let mut lengths: Vec<Vec<Lanes>> = vec![Vec::with_capacity(poses.len()); tables.len()];
+    let pose_maps: Vec<PoseMaps> = poses.iter().map(|pose| maps(machine, axes, pose, bounds)).collect();
+    let mut rows = vec![Vec::with_capacity(chunks.len() * SAMPLE_LANES); tables.len()];
+    let mut lengths: Vec<Vec<SampleLanes>> = vec![Vec::with_capacity(poses.len()); tables.len()];
     for chunk in chunks {
         lengths.iter_mut().for_each(Vec::clear);
-        for stop in &stops {
-            let deviations = stop.deviations(chunk, bounds.len() - 1);
+        for maps in &pose_maps {
+            let deviations = maps.deviations(chunk, bounds.len() - 1);
             lengths.iter_mut().zip(tables).for_each(|(list, table)| list.push(squares(&deviations[*table])));
         }
         rows.iter_mut().zip(&lengths).for_each(|(row, lanes)| row.extend(over_poses(statistic, lanes)));
@@ -49,21 +49,21 @@ pub fn statistics(
 }
 
 /// Squared lengths of one arrangement, chunk by chunk and pose by pose.
-pub fn squared(
+pub fn squared_lengths(
     machine: &Machine,
     axes: &[usize],
     table: usize,
     poses: &[Pose],
     bounds: &[JointBounds],
-    chunks: &[Chunk],
-) -> Vec<Vec<Lanes>> {
-    let stops: Vec<Stop> = poses.iter().map(|pose| stop(machine, axes, pose, bounds)).collect();
-    let at = |stop: &Stop, chunk: &Chunk| squares(&stop.deviations(chunk, bounds.len() - 1)[table]);
-    chunks.iter().map(|chunk| stops.iter().map(|stop| at(stop, chunk)).collect()).collect()
+    chunks: &[SampleChunk],
+) -> Vec<Vec<SampleLanes>> {
+    let pose_maps: Vec<PoseMaps> = poses.iter().map(|pose| maps(machine, axes, pose, bounds)).collect();
+    let at = |maps: &PoseMaps, chunk: &SampleChunk| squares(&maps.deviations(chunk, bounds.len() - 1)[table]);
+    chunks.iter().map(|chunk| pose_maps.iter().map(|maps| at(maps, chunk)).collect()).collect()
 }
 
 /// The statistic of lengths over the poses, for every lane.
-pub fn over_poses(statistic: Statistic, squares: &[Lanes]) -> Lanes {
+pub fn over_poses(statistic: Statistic, squares: &[SampleLanes]) -> SampleLanes {
     let mut column = vec![0.0; squares.len()];
     std::array::from_fn(|lane| {
         column.iter_mut().zip(squares).for_each(|(x, lanes)| *x = lanes[lane]);
@@ -71,14 +71,14 @@ pub fn over_poses(statistic: Statistic, squares: &[Lanes]) -> Lanes {
     })
 }
 
-fn stop(machine: &Machine, axes: &[usize], pose: &[f64], bounds: &[JointBounds]) -> Stop {
+fn maps(machine: &Machine, axes: &[usize], pose: &[f64], bounds: &[JointBounds]) -> PoseMaps {
     let twists = twists(machine, pose, Quantity::Position);
     let conventions = machine.conventions();
     let joint = |(i, axis): (usize, &Axis)| {
         let side = |branch| Axis { branch, ..axis.clone() };
         let sides = [side(Branch::Tool), side(Branch::Workpiece)];
         let location = sides.each_ref().map(|axis| Share::location(axis, conventions));
-        Joint {
+        JointMaps {
             drawn: axes[i],
             place: bounds[axes[i]].place(pose[i]),
             alike: location[0] == location[1],
@@ -86,17 +86,17 @@ fn stop(machine: &Machine, axes: &[usize], pose: &[f64], bounds: &[JointBounds])
             component: sides.map(|axis| Share::component(&axis, conventions).of(&twists[i])),
         }
     };
-    let joints: Vec<Joint> = machine.axes().iter().enumerate().map(joint).collect();
-    Stop { spindle: Share::SPINDLE.of(&twists[joints.len()]), joints }
+    let joints: Vec<JointMaps> = machine.axes().iter().enumerate().map(joint).collect();
+    PoseMaps { spindle: Share::SPINDLE.of(&twists[joints.len()]), joints }
 }
 
-type Deviations = [Lanes; 3];
+type Deviations = [SampleLanes; 3];
 
-const NONE: Deviations = [[0.0; LANES]; 3];
+const NONE: Deviations = [[0.0; SAMPLE_LANES]; 3];
 
-impl Stop {
+impl PoseMaps {
     /// With no axis on the table, with one, ... with all.
-    fn deviations(&self, chunk: &Chunk, spindle: usize) -> Vec<Deviations> {
+    fn deviations(&self, chunk: &SampleChunk, spindle: usize) -> Vec<Deviations> {
         let sides: Vec<[Deviations; 2]> = self.joints.iter().map(|joint| joint.deviations(chunk)).collect();
         let mut last = NONE;
         if let Some(errors) = chunk.location(spindle) {
@@ -118,9 +118,9 @@ impl Stop {
     }
 }
 
-impl Joint {
+impl JointMaps {
     /// On the tool side, on the table side.
-    fn deviations(&self, chunk: &Chunk) -> [Deviations; 2] {
+    fn deviations(&self, chunk: &SampleChunk) -> [Deviations; 2] {
         let mut sides = [NONE; 2];
         if let Some(errors) = chunk.location(self.drawn) {
             add(&self.location[0], errors, &mut sides[0]);

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 /// One error alone.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Source {
+pub struct ErrorStatistics {
     /// Which.
     pub error: ErrorId,
     /// The deviation of the functional point it makes over the poses, um.
@@ -20,8 +20,8 @@ pub struct Source {
 }
 
 /// Every error with a value, largest 95 % position deviation first; of equal ones in the machine's order.
-/// `worst` is the pose for [`Source::along`].
-pub fn sources(field: &dyn Field, poses: &Poses, worst: &[f64], approach: Approach) -> Vec<Source> {
+/// `worst` is the pose for [`ErrorStatistics::along`].
+pub fn error_statistics(field: &dyn Field, poses: &Poses, worst: &[f64], approach: Approach) -> Vec<ErrorStatistics> {
     let machine = field.machine();
     let rows: Vec<Vec<Deviation>> = (0..poses.len())
         .into_par_iter()
@@ -32,13 +32,13 @@ pub fn sources(field: &dyn Field, poses: &Poses, worst: &[f64], approach: Approa
     let column = |k: usize, pick: fn(&Deviation) -> Vector3<f64>| -> Summary {
         Summary::of(&rows.iter().map(|row| pick(&row[k])).collect::<Vec<_>>())
     };
-    let source = |k: usize| Source {
+    let source = |k: usize| ErrorStatistics {
         error: at_worst[k].0.clone(),
         position: column(k, |d| d.position * 1e3),
         rotation: column(k, |d| d.rotation * 1e6),
         along: at_worst[k].1.position.dot(&all) * 1e3,
     };
-    let mut sources: Vec<Source> = known(machine).into_iter().map(source).collect();
+    let mut sources: Vec<ErrorStatistics> = known(machine).into_iter().map(source).collect();
     sources.sort_by(|a, b| b.position.p95.total_cmp(&a.position.p95));
     sources
 }
