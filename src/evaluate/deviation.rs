@@ -29,8 +29,8 @@ pub enum Frame {
     Tool,
 }
 
-/// Actual minus nominal, of the tool relative to the workpiece. Not a correction: a correction has the opposite sign, and only
-/// `compensation` makes one from the other.
+/// Actual minus nominal, of the tool relative to the workpiece. Not a correction: a correction has the opposite sign,
+/// and only `compensation` makes one from the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Deviation {
     /// Displacement of the functional point, mm.
@@ -50,8 +50,8 @@ pub struct Evaluation {
     pub e_ve: Matrix4<f64>,
 }
 
-/// Returns the evaluation at a pose (mm, deg, in the order of the axes), its vectors in `frame`. Order 0 counts as 1, orders above
-/// [`MAX_DUAL_ORDER`] as that.
+/// Returns the evaluation at a pose (mm, deg, in the order of the axes), its vectors in `frame`. Order 0 counts as 1,
+/// orders above [`MAX_DUAL_ORDER`] as that.
 pub fn evaluate(machine: &Machine, pose: &[f64], order: Order, approach: Approach, frame: Frame) -> Evaluation {
     let at = At { machine, pose, approach };
     let evaluation = match order {
@@ -66,7 +66,8 @@ pub fn evaluate(machine: &Machine, pose: &[f64], order: Order, approach: Approac
     framed(evaluation, machine, pose, frame)
 }
 
-/// Returns the evaluation at a pose (mm, deg) over any algebra: errors enter through `lift`, and all degrees are summed.
+/// Returns the evaluation at a pose (mm, deg) over any algebra: errors enter through `lift`, and all degrees are
+/// summed.
 pub fn evaluate_over<S: Algebra>(
     machine: &Machine,
     pose: &[f64],
@@ -163,7 +164,8 @@ impl At<'_> {
     }
 }
 
-/// Returns the vector of log(R_actual R_nominal^T), rad; with linearised joints that of the skew part, for R_actual is not orthogonal.
+/// Returns the vector of log(R_actual R_nominal^T), rad; with linearised joints that of the skew part, for R_actual is
+/// not orthogonal.
 pub fn rotation<S: Algebra>(actual: &Matrix3<S>, nominal: &Matrix3<S>, joints: Joints) -> Vector3<S> {
     let relative = actual * nominal.transpose();
     match joints {

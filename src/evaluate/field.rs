@@ -8,7 +8,8 @@ use crate::machine::{Approach, ErrorId, Machine};
 use nalgebra::Vector3;
 use std::sync::OnceLock;
 
-/// A function from pose (mm, deg) to deviation (mm, rad) in the workpiece frame. A compensated machine is mapped like a bare one.
+/// A function from pose (mm, deg) to deviation (mm, rad) in the workpiece frame. A compensated machine is mapped like a
+/// bare one.
 pub trait Field: Sync {
     /// Returns the machine whose poses these are.
     fn machine(&self) -> &Machine;
@@ -16,7 +17,8 @@ pub trait Field: Sync {
     /// Returns actual minus nominal at a pose, approached from a side.
     fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation;
 
-    /// Computes the deviations at the first `out.len()` poses; one by one, unless the implementation has a faster method.
+    /// Computes the deviations at the first `out.len()` poses; one by one, unless the implementation has a faster
+    /// method.
     fn deviations(&self, poses: &Batch<'_>, approach: Approach, mut out: Output<'_>) {
         for i in 0..out.len() {
             out.put(i, &self.deviation(&poses.pose(i), approach));
@@ -53,7 +55,8 @@ impl Field for Bare<'_> {
     }
 }
 
-/// A machine without compensation, compiled: the deviations of [`Bare`] up to rounding, at millions of poses per second.
+/// A machine without compensation, compiled: the deviations of [`Bare`] up to rounding, at millions of poses per
+/// second.
 #[derive(Debug, Clone)]
 pub struct CompiledField {
     machine: Machine,
@@ -96,7 +99,8 @@ impl Field for CompiledField {
     }
 }
 
-/// Returns the deviation at a pose when the controller sends another command in its place (both mm, deg), by the exact model.
+/// Returns the deviation at a pose when the controller sends another command in its place (both mm, deg), by the exact
+/// model.
 pub fn commanded_deviation(machine: &Machine, pose: &[f64], command: &[f64], approach: Approach) -> Deviation {
     command_deviation(machine, &NominalPose::at(machine, pose).pose, command, approach)
 }
@@ -113,8 +117,8 @@ pub fn error_by_error(machine: &Machine, pose: &[f64], approach: Approach) -> Ve
     sensitivities(machine, pose, |_| true).into_iter().zip(values).map(effect).collect()
 }
 
-/// Returns the part of a rotation vector (rad, workpiece frame) that tilts the tool axis: without the rotation about the tool axis
-/// itself, which no compensation corrects and a rotating tool does not show.
+/// Returns the part of a rotation vector (rad, workpiece frame) that tilts the tool axis: without the rotation about
+/// the tool axis itself, which no compensation corrects and a rotating tool does not show.
 pub fn tool_axis_tilt(machine: &Machine, pose: &[f64], rotation: &Vector3<f64>) -> Vector3<f64> {
     let axis = NominalPose::at(machine, pose).pose.linear.column(2).into_owned();
     rotation - axis * axis.dot(rotation)

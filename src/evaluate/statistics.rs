@@ -95,8 +95,8 @@ fn range(values: impl Iterator<Item = f64>) -> f64 {
     max - min
 }
 
-/// Returns the ceil(0.95 n)-th smallest value, its rank computed in integers because 0.95 is not a double; 0 without values. Reorders the
-/// values.
+/// Returns the ceil(0.95 n)-th smallest value, its rank computed in integers because 0.95 is not a double; 0 without
+/// values. Reorders the values.
 pub fn quantile_95(values: &mut [f64]) -> f64 {
     let rank = (values.len() * 95).div_ceil(100);
     if rank == 0 {

@@ -1,8 +1,9 @@
 //! Statistics of deviations that are not kept: sums, extremes, a sketch of the quantile, the worst poses.
 //!
-//! Tallies are merged in any order. Counts, extremes and the worst poses do not depend on how the poses were divided; the
-//! sums are kept block by block and added up in the order of the blocks, so the result is the same to the bit on any number of
-//! threads, as long as the blocks are the same. Within a block eight poses are summed side by side, at any vector width.
+//! Tallies are merged in any order. Counts, extremes and the worst poses do not depend on how the poses were divided;
+//! the sums are kept block by block and added up in the order of the blocks, so the result is the same to the bit on
+//! any number of threads, as long as the blocks are the same. Within a block eight poses are summed side by side, at
+//! any vector width.
 //!
 //! The sketch counts lengths in buckets: 1024 per power of two, from 2^-50 mm (or rad) to 2^14. Its quantile is the
 //! middle of the bucket that holds the exact one: within 0.05 % ([`Tally::QUANTILE_ERROR`]), whatever the distribution.
@@ -133,7 +134,8 @@ impl Sketch {
         }
     }
 
-    /// Returns the middle of the bucket that holds the length of this rank (from 1); `None` if that is the first bucket.
+    /// Returns the middle of the bucket that holds the length of this rank (from 1); `None` if that is the first
+    /// bucket.
     fn quantile(&self, rank: u64) -> Option<f64> {
         let mut seen = self.below_range;
         let place = self.counts.iter().position(|count| {

@@ -1,5 +1,9 @@
-//! What is known without a grid: equations in the errors, interactions of errors, the twist of each error, and the
-//! minimal set of location errors.
+//! Closed forms, which take no grid.
+//!
+//! - `equations`, `symbols`: E_VE and deviations as polynomials in symbols;
+//! - `interactions`: effects of errors one by one and two by two, read off the algebra;
+//! - `twist`: first-order effects joint by joint;
+//! - `location_set`: the minimal set of location errors.
 
 mod equations;
 mod interactions;

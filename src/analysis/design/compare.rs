@@ -10,9 +10,9 @@ use rayon::prelude::*;
 /// Two or more machines over the tool poses that all of them can reach.
 #[derive(Debug, Clone)]
 pub struct Comparison {
-    /// How many tool poses were asked for.
+    /// Number of tool poses requested.
     pub asked: usize,
-    /// Those that all machines reach, in their order.
+    /// The tool poses that all machines reach, in their order.
     pub common: Vec<ToolPose>,
     /// The machines, in their order.
     pub machines: Vec<MachineResult>,
@@ -21,9 +21,9 @@ pub struct Comparison {
 /// One machine of a comparison.
 #[derive(Debug, Clone)]
 pub struct MachineResult {
-    /// Tool poses it cannot reach, whether the others can or not.
+    /// Number of tool poses it cannot reach, whether or not the others can.
     pub unreachable: UnreachableCount,
-    /// The same by index, in order.
+    /// These tool poses by index with the reason, in order.
     pub missed: Vec<(usize, Unreachable)>,
     /// Its pose (mm, deg) at each common tool pose, with the deviation there (workpiece frame).
     pub reached: Vec<(Pose, Deviation)>,
@@ -33,21 +33,21 @@ pub struct MachineResult {
     pub difference: Difference,
 }
 
-/// Why tool poses were missed, and how many.
+/// Number of unreachable tool poses, by reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub struct UnreachableCount {
-    /// All of them.
+    /// Their total number.
     pub total: usize,
-    /// The rotary axes cannot point the tool there.
+    /// Number for which the rotary axes cannot point the tool in the direction.
     pub direction: usize,
-    /// The linear axes do not span the place.
+    /// Number whose place the linear axes do not span.
     pub place: usize,
-    /// An axis would leave its travel.
+    /// Number for which an axis would leave its travel.
     pub travel: usize,
 }
 
 impl UnreachableCount {
-    /// Counts reasons.
+    /// Returns the numbers of reasons.
     pub fn count<'a>(reasons: impl Iterator<Item = &'a Unreachable>) -> Self {
         reasons.fold(Self::default(), |mut missed, reason| {
             missed.total += 1;
@@ -61,12 +61,12 @@ impl UnreachableCount {
     }
 }
 
-/// What every machine does at one tool pose.
+/// The result of every machine at one tool pose.
 type Row = Vec<Result<(Pose, Deviation), Unreachable>>;
 
-/// Compares machines on the same work, which may be what the first one's nominal takes at its poses. Of several ways to
-/// a tool pose each machine takes the one nearest to its zero pose. `progress` is told how many
-/// tool poses were done.
+/// Returns the comparison of machines on the same work, which may be the tool poses of the first. Of several poses for
+/// a tool pose each machine takes the one nearest to its zero pose. Calls `progress` with the number of tool poses done
+/// since its last call.
 pub fn compare(
     fields: &[&dyn Field],
     work: &Work,

@@ -1,26 +1,26 @@
-//! What each error alone does over a volume, to first order.
+//! Deviations by each error alone over a volume, to first order.
 
 use crate::evaluate::{Deviation, Field, Poses, Summary, error_by_error};
 use crate::machine::{Approach, ErrorId, ErrorTerm, Machine};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// One error alone.
+/// Statistics of the deviations by one error alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorStatistics {
-    /// Which.
+    /// The error.
     pub error: ErrorId,
-    /// The deviation of the functional point it makes over the poses, um.
+    /// Position deviation of the functional point over the poses, um.
     pub position: Summary,
-    /// The rotation of the tool, urad.
+    /// Rotation of the tool over the poses, urad.
     pub rotation: Summary,
     /// At one pose: the part of its deviation along the deviation of all errors together, um. The sum over
     /// the errors is (to first order) that deviation's length.
     pub along: f64,
 }
 
-/// Every error with a value, largest 95 % position deviation first; of equal ones in the machine's order.
-/// `worst` is the pose for [`ErrorStatistics::along`].
+/// Returns every error with a value, largest 95 % position deviation first; equal ones in the machine's order. `worst`
+/// is the pose (mm, deg) of [`ErrorStatistics::along`].
 pub fn error_statistics(field: &dyn Field, poses: &Poses, worst: &[f64], approach: Approach) -> Vec<ErrorStatistics> {
     let machine = field.machine();
     let rows: Vec<Vec<Deviation>> = (0..poses.len())
@@ -43,7 +43,7 @@ pub fn error_statistics(field: &dyn Field, poses: &Poses, worst: &[f64], approac
     sources
 }
 
-/// Places in [`Machine::errors`] of those that have a value: tolerances have none.
+/// Returns the indices in [`Machine::errors`] of those that have a value: tolerances have none.
 fn known(machine: &Machine) -> Vec<usize> {
     let valued = |(_, (_, term)): &(usize, (ErrorId, &ErrorTerm))| !matches!(term, ErrorTerm::Tolerance(_));
     machine.errors().enumerate().filter(valued).map(|(k, _)| k).collect()

@@ -1,4 +1,9 @@
-//! Choosing a design: machines side by side, tolerances to the volumetric error, and arrangements of the axes.
+//! Choosing a design.
+//!
+//! - `compare`: machines side by side on the same tool poses; `contributions`: each error alone on them;
+//! - `error_statistics`: each error alone over a volume;
+//! - [`budget`]: tolerances to the volumetric error;
+//! - [`enumerate`]: all arrangements of the axes, ranked.
 
 pub mod budget;
 mod compare;

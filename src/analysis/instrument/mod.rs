@@ -1,8 +1,8 @@
-//! Virtual instruments: what would be read of the machine by a ball bar, by a probe nest at a ball on
-//! the table (R-test), by a laser along the diagonals.
+//! Virtual instruments: the readings of a ball bar, of a probe nest at a ball on the table (R-test), and of a laser
+//! along the diagonals.
 //!
-//! A path is a list of poses; [`Path::driven`] evaluates it with the exact model, every axis approached
-//! from the side it comes from, so that reversal shows where an axis turns round, as on the machine.
+//! A [`Path`] is a list of poses; [`Path::driven`] evaluates it with the exact model, every axis approached from the
+//! side it comes from, so that reversal shows where an axis turns round, as on the machine.
 
 mod ball_bar;
 mod diagonal;

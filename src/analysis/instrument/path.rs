@@ -5,27 +5,27 @@ use crate::lower::{Chain, ErrorValues, Exact, NominalPose, values};
 use crate::machine::{Approach, AxisKind, Machine, Pose};
 use nalgebra::Vector3;
 
-/// A way through poses (mm, deg).
+/// A path through poses (mm, deg).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Path {
-    /// One after the other.
+    /// The poses, in order.
     pub poses: Vec<Pose>,
-    /// The last leads to the first again.
+    /// True if the last pose leads to the first again.
     pub closed: bool,
 }
 
 /// Motion below this (mm, deg) is rounding: the axis stands.
-const STANDS: f64 = 1e-9;
+const MIN_MOTION: f64 = 1e-9;
 
 impl Path {
-    /// From which side every axis comes at every pose. An axis that stands keeps the side it came from
+    /// Returns the side from which every axis comes at every pose. An axis that stands keeps the side it came from
     /// last; before it has ever moved, it is at the mean of both.
     fn approaches(&self) -> Vec<Vec<Approach>> {
         let axes = self.poses.first().map_or(0, Vec::len);
         let mut sides = vec![Approach::Mean; axes];
         let mut all = Vec::new();
-        // The first round of a closed path only tells from where its first pose is come to; an open one
-        // is set out on as it goes on.
+        // The first round of a closed path yields the approach of its first pose only; the first pose of an open path
+        // is approached in the sense of its first motion.
         let lead = if self.closed { self.poses.len() } else { 1.min(self.poses.len().saturating_sub(1)) };
         let count = self.poses.len();
         for step in 0..lead + count {
@@ -35,7 +35,7 @@ impl Path {
                 (false, _) => ((step - lead).saturating_sub(1), step - lead),
             };
             for (side, (a, b)) in sides.iter_mut().zip(self.poses[from].iter().zip(&self.poses[to])) {
-                if (b - a).abs() > STANDS {
+                if (b - a).abs() > MIN_MOTION {
                     *side = if b > a { Approach::Forward } else { Approach::Reverse };
                 }
             }
@@ -46,13 +46,14 @@ impl Path {
         all
     }
 
-    /// The deviation of the functional point at every pose, workpiece frame, mm.
+    /// Returns the deviation of the functional point at every pose, workpiece frame, mm.
     pub fn driven(&self, machine: &Machine) -> Vec<Vector3<f64>> {
         self.poses.iter().zip(self.approaches()).map(|(pose, sides)| deviation_from(machine, pose, &sides)).collect()
     }
 }
 
-/// Deviation of the functional point (workpiece frame, mm) with a side of approach for every axis.
+/// Returns the deviation of the functional point (workpiece frame, mm) at a pose (mm, deg), with a side of approach per
+/// axis.
 pub fn deviation_from(machine: &Machine, pose: &[f64], sides: &[Approach]) -> Vector3<f64> {
     let of = |side| values(machine, pose, side);
     let (mean, forward, reverse) = (of(Approach::Mean), of(Approach::Forward), of(Approach::Reverse));
@@ -66,17 +67,18 @@ pub fn deviation_from(machine: &Machine, pose: &[f64], sides: &[Approach]) -> Ve
     real.translation - NominalPose::at(machine, pose).pose.translation
 }
 
-/// Rotary axes at rest, linear ones at a share of their volume.
-pub fn within(machine: &Machine, share: f64) -> Pose {
+/// Returns the pose (mm, deg) with rotary axes at rest and linear ones at a fraction of their interval in the volume: 0
+/// its start, 1 its end.
+pub fn within(machine: &Machine, fraction: f64) -> Pose {
     let at_rest = rest(machine);
     let at = |((axis, grid), rest): ((&crate::machine::Axis, &crate::machine::Grid), f64)| match axis.kind {
-        AxisKind::Linear => grid.min + share * (grid.max - grid.min),
+        AxisKind::Linear => grid.min + fraction * (grid.max - grid.min),
         AxisKind::Rotary => rest,
     };
     machine.axes().iter().zip(machine.volume()).zip(at_rest).map(at).collect()
 }
 
-/// Poses that hold the functional point at places of the workpiece, rotary axes as given.
+/// Returns the poses that hold the functional point at places of the workpiece (mm), rotary axes as in `pose`.
 pub fn hold(
     machine: &Machine,
     pose: &[f64],
@@ -85,7 +87,7 @@ pub fn hold(
     tips.map(|tip| place(machine, &tip, pose)).collect()
 }
 
-/// Largest minus smallest; 0 of nothing.
+/// Returns the largest minus the smallest value; 0 without values.
 pub fn range(values: impl Iterator<Item = f64>) -> f64 {
     let (min, max) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), x| (min.min(x), max.max(x)));
     if max >= min { max - min } else { 0.0 }

@@ -1,12 +1,15 @@
-//! Nominal inverse kinematics of any serial chain the language can say: where the axes must be for the
-//! functional point to be at a place of the workpiece and the tool to point in a direction.
+//! Nominal inverse kinematics of any serial chain of the language: the positions of the axes that bring the functional
+//! point to a place of the workpiece and the tool into a direction.
 //!
-//! 1. [`rotary`] finds the positions of the rotary axes that give the direction: all of them where
+//! 1. `rotary` finds the positions of the rotary axes that give the direction: all of them where
 //!    two axes or fewer turn, in closed form; the nearest ones where there are more.
-//! 2. [`linear`] finds those of the linear axes that give the place, moving them as little as it can.
-//! 3. Where the linear axes span a plane only, [`turning`] brings the place into it by a rotary axis about the tool axis.
+//! 2. `linear` finds those of the linear axes that give the place, moving them as little as it can.
+//! 3. Where the linear axes span a plane only, `turning` brings the place into it by a rotary axis about the tool axis.
 //! 4. The first of the candidates, nearest to the reference first, that is within the travel is taken,
-//!    and the nominal machine is asked whether it gets there.
+//!    and checked with the nominal machine (`nominal`).
+//!
+//! `tool_pose` holds the poses of the tool, and the reasons why one is unreachable. `algebra` solves for the actual
+//! machine over an algebra, by Newton's iteration.
 
 mod algebra;
 mod linear;

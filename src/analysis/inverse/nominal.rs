@@ -1,18 +1,18 @@
 //! The nominal inverse kinematics: candidates of the rotary axes, completed by the linear axes, and checked.
 
 use super::rotary::Directions;
-use super::tool_pose::{DIRECTION_TOLERANCE, PLACE_TOLERANCE, ToolPose, Unreachable, held, tool_pose};
+use super::tool_pose::{DIRECTION_TOLERANCE, PLACE_TOLERANCE, ToolPose, Unreachable, tool_pose, within_travel};
 use super::{linear, turning};
 use crate::machine::{Machine, Pose};
 use nalgebra::Vector3;
 
-/// The pose (mm, deg) within the travel that brings the tool of the nominal machine there. Of several
-/// the one whose rotary axes, then linear axes, are nearest to `reference`; an axis the tool pose does
-/// not depend on stays at its reference.
+/// Returns the pose (mm, deg) within the travel at which the nominal machine takes a tool pose; of several the one
+/// whose rotary axes, then linear axes, are nearest to `reference` (mm, deg). An axis on which the tool pose does not
+/// depend stays at its reference. Fails with the reason if there is no such pose.
 pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Result<Pose, Unreachable> {
     let axes = machine.axes();
     let reference: Pose =
-        axes.iter().enumerate().map(|(i, a)| held(a, reference.get(i).copied().unwrap_or(0.0))).collect();
+        axes.iter().enumerate().map(|(i, a)| within_travel(a, reference.get(i).copied().unwrap_or(0.0))).collect();
     let directions = Directions::new(axes, &reference);
     let mut failure = Unreachable::Direction;
     let mut tried = |candidates: Vec<Pose>| {
@@ -31,14 +31,15 @@ pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Resul
     found.ok_or(if near.beyond_travel { failure.max(Unreachable::Travel) } else { failure })
 }
 
-/// The pose within the travel that brings the functional point to a place of the workpiece (from its
-/// origin, mm) by the linear axes alone, moved as little as can be; the rotary axes stay as they are.
+/// Returns the pose (mm, deg) within the travel that brings the functional point to a place of the workpiece (from its
+/// origin, mm) by the least motion of the linear axes; the rotary axes stay as in `pose`. Fails with the reason if
+/// there is none.
 pub fn place(machine: &Machine, tip: &Vector3<f64>, pose: &[f64]) -> Result<Pose, Unreachable> {
     let placed = linear::complete(machine, tip, pose.to_vec(), pose)?;
     if (tool_pose(machine, &placed).tip - tip).norm() <= PLACE_TOLERANCE { Ok(placed) } else { Err(Unreachable::Place) }
 }
 
-/// Completes a candidate by the linear axes, and checks it.
+/// Returns a candidate completed by the linear axes, once it has been checked.
 fn reach(machine: &Machine, target: &ToolPose, candidate: Pose, reference: &[f64]) -> Result<Pose, Unreachable> {
     let pose = linear::complete(machine, &target.tip, candidate, reference)?;
     let reached = tool_pose(machine, &pose);

@@ -4,10 +4,10 @@ use crate::lower::NominalPose;
 use crate::machine::{Axis, Machine, Pose, Travel};
 use nalgebra::Vector3;
 
-/// How far the place reached may be from the one asked for, mm.
+/// Maximum distance of the place reached from the one requested, mm.
 pub const PLACE_TOLERANCE: f64 = 1e-9;
 
-/// How far the direction reached may be from the one asked for, rad.
+/// Maximum angle of the direction reached from the one requested, rad.
 pub const DIRECTION_TOLERANCE: f64 = 1e-12;
 
 /// A pose of the tool in the workpiece frame.
@@ -19,7 +19,7 @@ pub struct ToolPose {
     pub direction: Vector3<f64>,
 }
 
-/// Why a machine cannot bring its tool somewhere.
+/// The reason why a machine cannot take a tool pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Unreachable {
@@ -32,7 +32,7 @@ pub enum Unreachable {
 }
 
 impl Unreachable {
-    /// Why, in words.
+    /// Returns the reason in words.
     pub fn words(self) -> &'static str {
         match self {
             Self::Direction => "the tool cannot be held in this direction",
@@ -42,19 +42,19 @@ impl Unreachable {
     }
 }
 
-/// Where the nominal machine holds its tool at a pose (mm, deg).
+/// Returns the tool pose of the nominal machine at a pose (mm, deg).
 pub fn tool_pose(machine: &Machine, pose: &[f64]) -> ToolPose {
     let nominal = NominalPose::at(machine, pose).pose;
     ToolPose { tip: nominal.translation, direction: nominal.linear.column(2).into_owned() }
 }
 
-/// The pose of zeros, each held within its axis's travel (mm, deg).
+/// Returns the pose of zeros, each moved into its axis's travel (mm, deg).
 pub fn rest(machine: &Machine) -> Pose {
-    machine.axes().iter().map(|axis| held(axis, 0.0)).collect()
+    machine.axes().iter().map(|axis| within_travel(axis, 0.0)).collect()
 }
 
-/// A position within the travel.
-pub fn held(axis: &Axis, position: f64) -> f64 {
+/// Returns a position (mm or deg) moved into the travel.
+pub fn within_travel(axis: &Axis, position: f64) -> f64 {
     match axis.travel {
         Travel::Range(min, max) => position.clamp(min, max),
         Travel::Continuous => position,

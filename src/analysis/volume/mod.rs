@@ -1,9 +1,9 @@
 //! The errors of one machine over its volume.
 //!
-//! - [`mod@map`] keeps every pose, [`mod@survey`] only the statistics;
-//! - [`mod@plane`] is a section for drawing, [`mod@diagonals`] are the four space diagonals;
-//! - [`mod@lever`]: the arms that turn angles into displacements;
-//! - [`mod@work`]: the tool poses on which machines are compared.
+//! - `map` keeps every pose, `survey` only the statistics;
+//! - `plane` is a section for drawing, `diagonals` are the four body diagonals;
+//! - `lever`: the arms that turn angles into displacements;
+//! - `work`: the tool poses on which machines are compared.
 
 mod diagonals;
 mod lever;

@@ -157,7 +157,7 @@ fn rules(session: &mut Session, args: &Args, machine: &Machine) -> Result<Vec<Ru
             Err(why) => {
                 let help =
                     "write `X before Y`, `X carries Y`, `X on table`, `at most 2 on table`, or one of them after `not`";
-                return session.refuse(Diagnostic::new(codes::E0608, shown(&why)).help(help));
+                return session.refuse(Diagnostic::new(codes::E0608, shown(&why.to_string())).help(help));
             }
         }
     }

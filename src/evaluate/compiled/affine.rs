@@ -1,15 +1,16 @@
-//! Joints as maps of points: nominally a rigid motion, and beside it a displacement. Both are affine in the point, at every order.
+//! Joints as maps of points: nominally a rigid motion, and beside it a displacement. Both are affine in the point, at
+//! every order.
 //!
-//! So a section of a chain is known when the displacements of four points are; they are computed by the walk of the order
-//! itself. Maps of sections are multiplied from the workpiece on. With the displacement D(x) = G x + h of a point x, the nominal
-//! motion A x + t, and a dash for the inner of two sections,
+//! So a section of a chain is known when the displacements of four points are; they are computed by the walk of the
+//! order itself. Maps of sections are multiplied from the workpiece on. With the displacement D(x) = G x + h of a point
+//! x, the nominal motion A x + t, and a dash for the inner of two sections,
 //!
 //! ```text
 //! (A, t) (A', t') = (A A', A t' + t)        D D' (x) = G (A' x + t') + h + A D'(x) [+ G D'(x)]
 //! ```
 //!
-//! The last term is a product of errors: order 1 drops it, at order 2 it is of second degree, the exact model keeps it. The
-//! rotation relative to the nominal one is 1 + G A^T.
+//! The last term is a product of errors: order 1 drops it, at order 2 it is of second degree, the exact model keeps it.
+//! The rotation relative to the nominal one is 1 + G A^T.
 
 use super::chain::{CompiledChain, CompiledJoint, Motion};
 use super::curves::Six;
@@ -64,8 +65,9 @@ impl Inputs<f64> for Node {
 pub trait Sections {
     /// Returns the chain.
     fn chain(&self) -> &CompiledChain;
-    /// Returns the displacement of a point (mm) by the errors of a section, of first and of second degree (exact: all in the
-    /// first), and the largest squared half angle met: above [`MAX_SQUARED_HALF_ANGLE`] the displacement is not valid.
+    /// Returns the displacement of a point (mm) by the errors of a section, of first and of second degree (exact: all
+    /// in the first), and the largest squared half angle met: above [`MAX_SQUARED_HALF_ANGLE`] the displacement is not
+    /// valid.
     fn displaced(&self, section: Section, point: Vector3) -> ([Vector3; 2], f64);
 }
 
@@ -143,8 +145,8 @@ pub struct Affine {
 const PROBE_MM: f64 = 1024.0;
 
 impl Affine {
-    /// Returns the map of a section in coordinates about the functional point of the zero pose, for the machine's zero point may be far
-    /// away; `None` if its rotations are beyond the range of the series.
+    /// Returns the map of a section in coordinates about the functional point of the zero pose, for the machine's zero
+    /// point may be far away; `None` if its rotations are beyond the range of the series.
     pub fn of(sections: &impl Sections, section: Section) -> Option<Self> {
         let base = sections.chain().tip;
         let probe = |point: Vector3| {

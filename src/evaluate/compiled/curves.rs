@@ -1,10 +1,10 @@
 //! The six error curves of an axis, compiled into one table: one interval and one fraction serve all six.
 //!
-//! All tables of the axis are brought onto the union of their knots, which changes nothing: a piecewise linear function stays
-//! one, a cubic piece cut in two is two cubic pieces, and beyond its ends a table is constant. A row holds the six values at
-//! a knot (two columns are spare); a cubic table has a second row per knot with the six second derivatives. A look-up reads
-//! adjacent rows and gathers no single numbers. Polynomials and harmonics are sums of rows too. Constants, means of the two
-//! directions, and any linear map of the six errors are folded into the rows.
+//! All tables of the axis are brought onto the union of their knots, which changes nothing: a piecewise linear function
+//! stays one, a cubic piece cut in two is two cubic pieces, and beyond its ends a table is constant. A row holds the
+//! six values at a knot (two columns are spare); a cubic table has a second row per knot with the six second
+//! derivatives. A look-up reads adjacent rows and gathers no single numbers. Polynomials and harmonics are sums of rows
+//! too. Constants, means of the two directions, and any linear map of the six errors are folded into the rows.
 
 use super::intervals::{IntervalPoint, Intervals, find_by_bucket, find_by_search};
 use super::lanes::RowOffsets;
@@ -65,8 +65,8 @@ impl<const N: usize> TablePositions<N> {
 }
 
 impl Curves {
-    /// Compiles the component errors of an axis. Returns `None` if periodic tables stand beside others, or if a B-spline is not
-    /// piecewise cubic.
+    /// Compiles the component errors of an axis. Returns `None` if periodic tables stand beside others, or if a
+    /// B-spline is not piecewise cubic.
     pub fn new(errors: &JointErrors, approach: Approach) -> Option<Self> {
         let (mut curves, mut parts, mut tables) = (Self::default(), Vec::new(), Vec::new());
         for (column, term) in errors.component.iter().enumerate() {
@@ -157,7 +157,8 @@ impl Curves {
         }
     }
 
-    /// Returns the six errors at located positions. `turn` holds sine and cosine of the positions; only harmonics read it.
+    /// Returns the six errors at located positions. `turn` holds sine and cosine of the positions; only harmonics read
+    /// it.
     #[inline(always)]
     pub fn at<V: Lanes, const N: usize>(&self, position: V, turn: (V, V), vector: TableVector<'_, N>) -> [V; 6] {
         let mut six = match &self.table {
@@ -193,8 +194,8 @@ impl Curves {
         }
     }
 
-    /// Returns interpolated rows at located positions of a [linear table](Self::is_linear_table): the six errors and the two spare
-    /// columns.
+    /// Returns interpolated rows at located positions of a [linear table](Self::is_linear_table): the six errors and
+    /// the two spare columns.
     #[inline(always)]
     pub fn rows<V: Lanes, const N: usize>(&self, vector: TableVector<'_, N>) -> [V::Row; MAX_LANES] {
         match &self.table {
@@ -455,7 +456,8 @@ impl CurveTable {
     }
 }
 
-/// Returns all knots in rising order, at least two; of a periodic axis those of one period from the start of the first table.
+/// Returns all knots in rising order, at least two; of a periodic axis those of one period from the start of the first
+/// table.
 fn union_of_knots(all: &[&Knots], period: Option<f64>, columns: &[CurveColumn<'_>]) -> Option<Vec<f64>> {
     let start = *all.first()?.positions().first()?;
     let mut knots: Vec<f64> = match period {

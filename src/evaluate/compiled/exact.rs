@@ -1,10 +1,11 @@
-//! The exact model in closed form: every joint by its increments, so that nothing small is a difference of large numbers.
+//! The exact model in closed form: every joint by its increments, so that nothing small is a difference of large
+//! numbers.
 //!
-//! The walk from the tool to the workpiece carries the nominal functional point p, the displacement d of the actual one, and
-//! the actual rotation relative to the nominal one. An error motion about o with the linear part 1 + K adds
+//! The walk from the tool to the workpiece carries the nominal functional point p, the displacement d of the actual
+//! one, and the actual rotation relative to the nominal one. An error motion about o with the linear part 1 + K adds
 //! `delta + K (p + d - o)` to d. With orthogonal joints K = a hat(eps) + b hat(eps)^2 with the series of sin t / t and
-//! (1 - cos t) / t^2, and the rotation is a quaternion; with linearised joints a and b are rational, and the
-//! rotation is a matrix, which need not be orthogonal.
+//! (1 - cos t) / t^2, and the rotation is a quaternion; with linearised joints a and b are rational, and the rotation
+//! is a matrix, which need not be orthogonal.
 
 use super::affine::{Section, Sections};
 use super::chain::{CompiledChain, CompiledJoint, ErrorsAtPoint, LocationEffect, Motion, RotationAxis, slid};

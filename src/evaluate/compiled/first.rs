@@ -1,9 +1,10 @@
 //! Order 1: the sum over the joints of Ad(prefix) times the joint's six errors.
 //!
 //! The walk from the tool to the workpiece carries a point and two vectors: the functional point, the rotation, and the
-//! displacement of a point of reference, all in the frame reached. So every prefix is applied once, to the sum so far, and the
-//! lever of the functional point about the point of reference counts once, at the end. The errors (delta, eps) about a point o
-//! displace r by `delta + eps x (r - o)`: that is folded into the tables, and so are location errors (`twist`).
+//! displacement of a point of reference, all in the frame reached. So every prefix is applied once, to the sum so far,
+//! and the lever of the functional point about the point of reference counts once, at the end. The errors (delta, eps)
+//! about a point o displace r by `delta + eps x (r - o)`: that is folded into the tables, and so are location errors
+//! (`twist`).
 
 use super::chain::{CompiledChain, Motion, RotationAxis};
 use super::curves::{Six, splat_six};
@@ -83,8 +84,8 @@ impl PoseKernel for FirstOrder {
     }
 }
 
-/// The quantities that the walk carries, for a chunk of poses. Every step goes over the whole chunk: deciding what a step does
-/// costs as much as doing it for one vector.
+/// The quantities that the walk carries, for a chunk of poses. Every step goes over the whole chunk: deciding what a
+/// step does costs as much as doing it for one vector.
 #[repr(C, align(64))]
 pub struct WalkStates {
     /// The functional point minus the point of reference.

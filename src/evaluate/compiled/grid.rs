@@ -1,8 +1,8 @@
 //! Tensor grids: at a node nothing is computed that depends on the outer axes or on the inner axis alone.
 //!
-//! The inner axis is the last one, the joint next to the tool. The outer joints are multiplied into one map for a whole line
-//! (`grid_lines`): the numbers are those of scattered poses up to rounding, 1e-12 of the largest, and the same at any vector width and
-//! on any number of threads.
+//! The inner axis is the last one, the joint next to the tool. The outer joints are multiplied into one map for a whole
+//! line (`grid_lines`): the numbers are those of scattered poses up to rounding, 1e-12 of the largest, and the same at
+//! any vector width and on any number of threads.
 
 use super::affine::ErrorProducts;
 use super::batch::Output;
@@ -38,8 +38,8 @@ impl CompiledGrid {
         self.counts.iter().rev().skip(1).copied().fold(1, usize::saturating_mul)
     }
 
-    /// Computes the deviations at the nodes of whole lines from line `first` on, in the order of [`Nodes::get`], as many as fit into
-    /// `out`, on this thread.
+    /// Computes the deviations at the nodes of whole lines from line `first` on, in the order of [`Nodes::get`], as
+    /// many as fit into `out`, on this thread.
     pub fn fill(&self, first: usize, out: Output<'_>) {
         let lines = (out.len() / self.line()).min(self.lines().saturating_sub(first));
         let (whole, _) = out.split_at(lines * self.line());
@@ -67,8 +67,8 @@ impl CompiledGrid {
 }
 
 impl CompiledModel {
-    /// Returns the model on the nodes of a grid; `None` if the model is not compiled or has no axes, if the errors of the exact model
-    /// together may rotate by more than 0.3 rad, and if the axes have more than 65536 nodes together.
+    /// Returns the model on the nodes of a grid; `None` if the model is not compiled or has no axes, if the errors of
+    /// the exact model together may rotate by more than 0.3 rad, and if the axes have more than 65536 nodes together.
     pub fn grid(&self, nodes: &Nodes) -> Option<CompiledGrid> {
         let count = nodes.counts().fold(0, usize::saturating_add);
         if count > MAX_AXIS_NODES || nodes.counts().count() != self.machine.axes().len() {

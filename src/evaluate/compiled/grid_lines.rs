@@ -1,9 +1,9 @@
 //! The lines of a tensor grid: at a node nothing is computed that depends on the outer axes or on the inner axis alone.
 //!
-//! The inner axis is the last one, the joint next to the tool. The maps of its nodes, and of everything on its tool side, are
-//! computed once for the grid. The outer joints are one map ([`Affine`]) for a whole line, the product of those at the
-//! nodes of each outer axis. Displacement and rotation at the nodes of a line are then sums of a few numbers of the inner
-//! node times vectors of the line:
+//! The inner axis is the last one, the joint next to the tool. The maps of its nodes, and of everything on its tool
+//! side, are computed once for the grid. The outer joints are one map ([`Affine`]) for a whole line, the product of
+//! those at the nodes of each outer axis. Displacement and rotation at the nodes of a line are then sums of a few
+//! numbers of the inner node times vectors of the line:
 //!
 //! ```text
 //!          displacement                          rotation
@@ -12,8 +12,9 @@
 //! exact    h + G p + (A + G) d                   the axial vector of G A^T + (A + G) X A^T
 //! ```
 //!
-//! with point p, displacement d, rotation r behind the inner joint (1: of first degree), and 1 + X its relative rotation. With
-//! orthogonal joints that axial vector is the sine of the angle along the axis, and a series makes the rotation vector of it.
+//! with point p, displacement d, rotation r behind the inner joint (1: of first degree), and 1 + X its relative
+//! rotation. With orthogonal joints that axial vector is the sine of the angle along the axis, and a series makes the
+//! rotation vector of it.
 
 use super::affine::{Affine, ErrorProducts, Linear, Node, Section, Sections, Vector3};
 use super::batch::Output;
@@ -34,7 +35,8 @@ pub struct GridLines {
     inner: Inner,
 }
 
-/// Numbers at the nodes of the inner axis, in columns padded to whole vectors: the terms of displacements and of rotations.
+/// Numbers at the nodes of the inner axis, in columns padded to whole vectors: the terms of displacements and of
+/// rotations.
 #[derive(Debug, Clone)]
 struct Inner {
     count: usize,
@@ -49,8 +51,8 @@ const MAX_ROTATION_RAD: f64 = 0.3;
 const ARCSINE: [f64; 14] = arcsine();
 
 impl GridLines {
-    /// Returns the model on the nodes of a grid, given by their positions (mm, deg) per axis; `None` without axes, and if the
-    /// errors together may rotate beyond the range of the series.
+    /// Returns the model on the nodes of a grid, given by their positions (mm, deg) per axis; `None` without axes, and
+    /// if the errors together may rotate beyond the range of the series.
     pub fn new(sections: &impl Sections, products: ErrorProducts, positions: &[Vec<f64>]) -> Option<Self> {
         let chain = sections.chain();
         let (spindle, workpiece_setup) =

@@ -1,9 +1,9 @@
 //! The interval of a table in which a position lies, and the fraction of the interval that lies below the position.
 //!
-//! The index of a uniform interval is a product. Measured tables are not uniform (ISO 230-2 asks for targets at uneven steps): their
-//! range is divided into buckets of one length, few enough to stay in the cache and short enough that each holds at most one
-//! knot. A bucket has a row with the two intervals that meet in it, read as the rows of the table are. Knots too close
-//! together for that are found by a binary search within the bucket.
+//! The index of a uniform interval is a product. Measured tables are not uniform (ISO 230-2 asks for targets at uneven
+//! steps): their range is divided into buckets of one length, few enough to stay in the cache and short enough that
+//! each holds at most one knot. A bucket has a row with the two intervals that meet in it, read as the rows of the
+//! table are. Knots too close together for that are found by a binary search within the bucket.
 
 use super::simd::{Lanes, MAX_LANES, RowVector, TableRow};
 
@@ -12,8 +12,9 @@ use super::simd::{Lanes, MAX_LANES, RowVector, TableRow};
 pub enum Intervals {
     /// Intervals of one length: intervals per mm or deg, the index of the last, and the length.
     Uniform { per_unit: f64, last: f64, width: f64 },
-    /// One row per bucket: its knot (infinity if it has none); begin, inverse length and length of the interval in which the
-    /// bucket begins; inverse length and length of the interval that begins at the knot; and the index of the first of the two.
+    /// One row per bucket: its knot (infinity if it has none); begin, inverse length and length of the interval in
+    /// which the bucket begins; inverse length and length of the interval that begins at the knot; and the index of the
+    /// first of the two.
     Bucketed { buckets: Buckets, rows: Vec<TableRow> },
     /// The interval at the start of each bucket, and a binary search up to that of the next.
     Searched { buckets: Buckets, starts: Vec<u32>, knots: Vec<f64> },

@@ -1,16 +1,16 @@
 //! The vectors of each processor, and the choice among them at run time. The only file with `unsafe`.
 //!
-//! A [`Kernel`] is written once over [`Lanes`], and [`run`] compiles it for every width. All operations
-//! are those of IEEE 754 on doubles with one rounding each. Products are fused with sums where the kernel says so and nowhere
-//! else, so a number does not depend on the width in which it was computed, to the bit. Processors that cannot fuse (of
+//! A [`Kernel`] is written once over [`Lanes`], and [`run`] compiles it for every width. All operations are those of
+//! IEEE 754 on doubles with one rounding each. Products are fused with sums where the kernel says so and nowhere else,
+//! so a number does not depend on the width in which it was computed, to the bit. Processors that cannot fuse (of
 //! before 2013) run the scalar width with the C library's `fma`: slowly, and with the same bits.
 //!
 //! Why the unsafe code is sound:
 //! - `F64x4`, `F64x8` and `F64x2` vectors exist only within a kernel, and [`run`] is the one way into it: it enters a
 //!   function compiled for a feature only with a [`Width`] that [`Width::is_supported`] admits on this processor.
 //!   The operations below are inlined there; without the feature no code of theirs is reached.
-//! - Loads and stores go through references to arrays of the vector's size: checked by slices, any alignment. Stores past the
-//!   caches ask for an aligned place first, and a fence follows them.
+//! - Loads and stores go through references to arrays of the vector's size: checked by slices, any alignment. Stores
+//!   past the caches ask for an aligned place first, and a fence follows them.
 //! - [`RowOffsets`] never holds one beyond its bound, and every read checks the bound against the table.
 
 #![allow(unsafe_code)]
@@ -41,7 +41,8 @@ impl<const N: usize> RowOffsets<N> {
         self.last = self.last.max((rows as u32).saturating_sub(2).saturating_mul(ROW));
     }
 
-    /// Stores the rows of a vector of poses from pose `i` on, by their indices; those beyond the bound become the bound.
+    /// Stores the rows of a vector of poses from pose `i` on, by their indices; those beyond the bound become the
+    /// bound.
     #[inline(always)]
     pub fn put<V: Lanes>(&mut self, i: usize, row: &[u32; MAX_LANES]) {
         let (last, mut at) = (self.last, *row);
@@ -132,7 +133,8 @@ macro_rules! operators {
     };
 }
 
-/// Minimum and maximum by one instruction, which gives its second operand where one is not a number: as `select_less` does.
+/// Minimum and maximum by one instruction, which gives its second operand where one is not a number: as `select_less`
+/// does.
 #[cfg(target_arch = "x86_64")]
 macro_rules! extremes {
     ($min:ident, $max:ident) => {

@@ -1,10 +1,12 @@
-//! Everything that is computed for a chunk of poses before their walk: positions in the tables, sines, cosines, and errors.
+//! Everything that is computed for a chunk of poses before their walk: positions in the tables, sines, cosines, and
+//! errors.
 //!
-//! A walk that looked this up itself would wait for it joint by joint, and compilers would keep the lanes of an index or of a
-//! fraction in a register and take them apart by shuffles, on the very port that transposes the rows. Computed a chunk ahead
-//! they lie in memory: an index is there when its row is due, and a fraction is an operand of its product. Measured with
-//! AVX-512, order 1, in the cache: 26 ns per pose without, 17 with. The errors of order 2 and of the exact model are looked up
-//! ahead too (6 % less time); order 1 sums rows instead: its walk is short, and the stores would cost what is won.
+//! A walk that looked this up itself would wait for it joint by joint, and compilers would keep the lanes of an index
+//! or of a fraction in a register and take them apart by shuffles, on the very port that transposes the rows. Computed
+//! a chunk ahead they lie in memory: an index is there when its row is due, and a fraction is an operand of its
+//! product. Measured with AVX-512, order 1, in the cache: 26 ns per pose without, 17 with. The errors of order 2 and of
+//! the exact model are looked up ahead too (6 % less time); order 1 sums rows instead: its walk is short, and the
+//! stores would cost what is won.
 
 use super::batch::Slices;
 use super::curves::{Curves, TablePositions, TableVector};

@@ -24,7 +24,8 @@ const MIN_TASKS: usize = 64;
 /// Maximum number of [`BLOCK`]s of a task.
 const MAX_BLOCKS: usize = 8;
 
-/// A machine compiled for an order and a side of approach. Deviations are actual minus nominal (mm, rad), workpiece frame.
+/// A machine compiled for an order and a side of approach. Deviations are actual minus nominal (mm, rad), workpiece
+/// frame.
 #[derive(Debug, Clone)]
 pub struct CompiledModel {
     pub(super) machine: Machine,
@@ -92,8 +93,8 @@ impl CompiledModel {
         self.block(Slices { axes: poses.axes(), added: &[], whole: out.len() }, out);
     }
 
-    /// Computes the deviations at as many poses as both `poses` and `out` hold, on all threads of rayon's pool; the same bits
-    /// as [`Self::deviations`].
+    /// Computes the deviations at as many poses as both `poses` and `out` hold, on all threads of rayon's pool; the
+    /// same bits as [`Self::deviations`].
     pub fn deviations_parallel(&self, poses: &Batch<'_>, out: Output<'_>) {
         let whole = poses.len().min(out.len());
         let task = (whole / MIN_TASKS).clamp(BLOCK, MAX_BLOCKS * BLOCK).next_multiple_of(BLOCK);
@@ -110,8 +111,9 @@ impl CompiledModel {
         rayon::join(|| self.parallel(&low, low_out, task, whole), || self.parallel(&high, high_out, task, whole));
     }
 
-    /// Computes what a correction leaves: the position of the actual machine at the commands `poses + added` (mm, deg) minus that of
-    /// the nominal machine at `poses`. Returns `None` unless the order is exact and `added` has the shape of `poses`.
+    /// Computes what a correction leaves: the position of the actual machine at the commands `poses + added` (mm, deg)
+    /// minus that of the nominal machine at `poses`. Returns `None` unless the order is exact and `added` has the shape
+    /// of `poses`.
     pub fn commanded(&self, poses: &Batch<'_>, added: &Batch<'_>, out: Output<'_>) -> Option<()> {
         let fits = self.order == Order::Exact && added.len() == poses.len() && added.axes().len() == poses.axes().len();
         fits.then(|| self.block(Slices { axes: poses.axes(), added: added.axes(), whole: out.len() }, out))

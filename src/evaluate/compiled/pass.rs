@@ -28,7 +28,8 @@ pub struct LaneDeviation<V> {
     pub position: Vector<V>,
     /// Rotation vector of the tool, rad.
     pub rotation: Vector<V>,
-    /// Largest squared half angle met on the walk, rad^2: above [`MAX_SQUARED_HALF_ANGLE`] the general algebra takes over.
+    /// Largest squared half angle met on the walk, rad^2: above [`MAX_SQUARED_HALF_ANGLE`] the general algebra takes
+    /// over.
     pub squared_half_angle: V,
 }
 
@@ -41,10 +42,12 @@ const LINE: usize = 8;
 /// Batches up to this number of poses fit into the second cache with their deviations.
 const CACHE_POSES: usize = 1 << 14;
 
-/// Above this number of poses the deviations (12 MB) would evict everything else from the caches before they are read again.
+/// Above this number of poses the deviations (12 MB) would evict everything else from the caches before they are read
+/// again.
 const STREAM_ABOVE: usize = 1 << 18;
 
-/// Distance of prefetches in poses: as short as latency permits, for the tables of five axes almost fill the first cache.
+/// Distance of prefetches in poses: as short as latency permits, for the tables of five axes almost fill the first
+/// cache.
 const PREFETCH_DISTANCE: usize = 2 * CHUNK;
 
 /// A kernel over a batch of at least one vector of poses.
@@ -86,8 +89,8 @@ impl<T: PoseKernel> Kernel for Pass<'_, '_, T> {
             _ if V::FILLS_CACHE_LINE && self.poses.whole > STREAM_ABOVE => MemoryAccess::Stream,
             _ => MemoryAccess::Prefetch,
         };
-        // Vectors are to be whole cache lines: the poses before the first line are a chunk of their own, and the last vector ends
-        // where the batch does. Both overlap other vectors, with the same bits.
+        // Vectors are to be whole cache lines: the poses before the first line are a chunk of their own, and the last
+        // vector ends where the batch does. Both overlap other vectors, with the same bits.
         let before =
             if access == MemoryAccess::InCache || count < LINE { 0 } else { doubles_before_line(self.out.position[0]) };
         let mut from = 0;

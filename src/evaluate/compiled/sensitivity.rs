@@ -1,7 +1,7 @@
 //! First-order sensitivities over a batch, and the normal equations of a fit.
 //!
-//! A unit error at a joint is a twist in the nominal frame of that joint: the frames are computed once per pose, and each source of
-//! error costs one cross product.
+//! A unit error at a joint is a twist in the nominal frame of that joint: the frames are computed once per pose, and
+//! each source of error costs one cross product.
 
 use super::batch::{Batch, Columns, Output, Slices};
 use super::chain::{CompiledChain, CompiledJoint, LocationEffect, Motion};
@@ -221,9 +221,9 @@ pub struct NormalEquations {
 const BLOCK: usize = 2048;
 
 impl CompiledModel {
-    /// Computes the deviations by a unit of each source (1 mm, 1 rad) to first order, at every pose (mm, deg), in the workpiece frame:
-    /// the same as [`sensitivities`](crate::lower::sensitivities). `out` has one output per source. Returns `None` if the chain is not
-    /// compiled.
+    /// Computes the deviations by a unit of each source (1 mm, 1 rad) to first order, at every pose (mm, deg), in the
+    /// workpiece frame: the same as [`sensitivities`](crate::lower::sensitivities). `out` has one output per source.
+    /// Returns `None` if the chain is not compiled.
     pub fn sensitivities(&self, poses: &Batch<'_>, sources: &[Source], out: &mut [Output<'_>]) -> Option<()> {
         let chain = self.chain.as_ref()?;
         let count = out.iter().map(|out| out.len()).min().unwrap_or(0).min(poses.len());
@@ -235,8 +235,9 @@ impl CompiledModel {
         Some(())
     }
 
-    /// NormalEquations equations of unknowns against measured position deviations (mm), streamed: memory does not grow with the poses.
-    /// The same bits on any number of threads. `None` for chains that are not compiled, or if lengths differ.
+    /// NormalEquations equations of unknowns against measured position deviations (mm), streamed: memory does not grow
+    /// with the poses. The same bits on any number of threads. `None` for chains that are not compiled, or if lengths
+    /// differ.
     pub fn normal_equations(
         &self,
         poses: &Batch<'_>,

@@ -1,7 +1,7 @@
 //! The interface of the processor's vectors: what a kernel may do with [`Lanes`], and the rows of tables that it reads.
 //!
-//! A [`Kernel`] is written once over [`Lanes`]; `lanes` implements them for the vectors of each processor, `scalar` for one
-//! double, and compiles the kernel for every width.
+//! A [`Kernel`] is written once over [`Lanes`]; `lanes` implements them for the vectors of each processor, `scalar` for
+//! one double, and compiles the kernel for every width.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -26,8 +26,8 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     fn store(self, to: &mut [f64]);
     /// True if a vector is a whole cache line, which can be stored past the caches.
     const FILLS_CACHE_LINE: bool = false;
-    /// Stores past the caches if [`Self::FILLS_CACHE_LINE`] and the address is that of a line, else as [`Self::store`]. A
-    /// `lanes::store_fence` must follow.
+    /// Stores past the caches if [`Self::FILLS_CACHE_LINE`] and the address is that of a line, else as [`Self::store`].
+    /// A `lanes::store_fence` must follow.
     #[inline(always)]
     fn store_streaming(self, to: &mut [f64]) {
         self.store(to);
@@ -44,8 +44,8 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     fn truncate(self) -> (Self, [u32; MAX_LANES]);
     /// Returns the lanes as an array.
     fn to_array(self) -> [f64; MAX_LANES];
-    /// Returns sine and cosine of an angle increased by quarter turns, whose number is `counted - 1.5 * 2^52`: the last bits of
-    /// `counted` hold it.
+    /// Returns sine and cosine of an angle increased by quarter turns, whose number is `counted - 1.5 * 2^52`: the last
+    /// bits of `counted` hold it.
     #[inline(always)]
     fn add_quarter_turns(counted: Self, sine: Self, cosine: Self) -> (Self, Self) {
         let (counted, mut sine, mut cosine) = (counted.to_array(), sine.to_array(), cosine.to_array());

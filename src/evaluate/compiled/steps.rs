@@ -1,11 +1,13 @@
 //! The steps of the walk of order 1, with the rows of neighbouring axes summed before they are transposed.
 //!
-//! Twists that act at one point add up: the table rows of such axes are summed, transposed once, and share one lever. One
-//! slide along a machine axis may lie between some of them and that point. A twist moved past the slide is the same with its
-//! displacement reduced by `eps x u` times the position: two numbers, which stand in the spare columns of the rows.
+//! Twists that act at one point add up: the table rows of such axes are summed, transposed once, and share one lever.
+//! One slide along a machine axis may lie between some of them and that point. A twist moved past the slide is the same
+//! with its displacement reduced by `eps x u` times the position: two numbers, which stand in the spare columns of the
+//! rows.
 //!
-//! The sum so far is a rotation and the displacement of a point of reference, so that another twist is added component by
-//! component. The point of reference lies on the axis of the next rotary joint, which leaves it where it is; twists are taken about it.
+//! The sum so far is a rotation and the displacement of a point of reference, so that another twist is added component
+//! by component. The point of reference lies on the axis of the next rotary joint, which leaves it where it is; twists
+//! are taken about it.
 
 use super::chain::Motion;
 use super::curves::{Curves, Six};
@@ -49,7 +51,8 @@ pub struct Slide {
     pub along: usize,
 }
 
-/// Returns the point of reference after the joints from `end` on: the origin of the next rotary joint, else of the last one passed.
+/// Returns the point of reference after the joints from `end` on: the origin of the next rotary joint, else of the last
+/// one passed.
 pub fn reference(joints: &[TwistJoint], end: usize) -> [f64; 3] {
     let turn = |joint: &&TwistJoint| matches!(joint.motion, Motion::Turn(_));
     let next = joints[..end].iter().rev().find(turn);

@@ -46,7 +46,8 @@ pub fn sin_cos<V: Lanes>(degrees: V) -> (V, V) {
     (sine, cosine)
 }
 
-/// Returns the sines and cosines of several vectors of angles in degrees: interleaved, one polynomial fills the latency of another.
+/// Returns the sines and cosines of several vectors of angles in degrees: interleaved, one polynomial fills the latency
+/// of another.
 #[inline(always)]
 pub fn sines_cosines<V: Lanes, const N: usize>(degrees: [V; N]) -> ([V; N], [V; N]) {
     let degrees = VectorArray(degrees);
@@ -143,7 +144,8 @@ mod tests {
                 assert!(ulps(s, es) <= 1 && ulps(c, ec) <= 1, "{rest}: {s} {es} {c} {ec}");
             }
             let ((s, c), (es, ec)) = (sin_cos(angle), sin_cos_degrees(angle));
-            // Besides, the general reduction adds 360 to negative angles, which rounds them to half a last place of 360 deg.
+            // Besides, the general reduction adds 360 to negative angles, which rounds them to half a last place of 360
+            // deg.
             let bound = 1.7e-16 + if angle < 0.0 { 128.0 * f64::EPSILON * RADIAN } else { 0.0 };
             assert!((s - es).abs() <= bound && (c - ec).abs() <= bound, "{angle}: {s} {es} {c} {ec}");
         }

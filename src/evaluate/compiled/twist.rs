@@ -1,7 +1,7 @@
 //! Errors as twists about the machine's zero point: what order 1 sums.
 //!
-//! The errors (delta, eps) about a point o displace r by `delta + eps x (r - o)`. That is a displacement of the machine's zero
-//! point and a rotation: constants are added up and curves of tables mapped, before any pose is known.
+//! The errors (delta, eps) about a point o displace r by `delta + eps x (r - o)`. That is a displacement of the
+//! machine's zero point and a rotation: constants are added up and curves of tables mapped, before any pose is known.
 
 use super::chain::{CompiledChain, CompiledJoint, ErrorsAtPoint, LocationEffect, Motion};
 use super::curves::{Curves, Six};
@@ -26,7 +26,8 @@ pub struct TwistJoint {
     pub bend: Option<[f64; 3]>,
 }
 
-/// Returns `sign` times the errors `(delta, eps)` about a point as displacement of the machine's zero point and rotation.
+/// Returns `sign` times the errors `(delta, eps)` about a point as displacement of the machine's zero point and
+/// rotation.
 pub fn twist(six: &Six, about: &[f64; 3], sign: f64) -> Six {
     let [dx, dy, dz, ex, ey, ez] = six.map(|e| e * sign);
     let [x, y, z] = cross([ex, ey, ez], *about);

@@ -6,10 +6,10 @@ use super::draw::{Draws, NODES};
 use crate::analysis::closed_form::{Quantity, Share, TwistMap as Map, twists};
 use crate::machine::{Axis, Machine, Travel};
 
-/// Samples that are computed side by side.
+/// Number of samples computed side by side.
 pub const SAMPLE_LANES: usize = 40;
 
-/// A number for each of these samples.
+/// A number per sample.
 pub type SampleLanes = [f64; SAMPLE_LANES];
 
 /// The bounds of one joint's errors by direction (mm, rad), with the index of each in the list of bounds.
@@ -21,7 +21,7 @@ pub struct JointBounds {
     closed: bool,
 }
 
-/// The bounds joint by joint: of every axis in the order of the machine, then of the spindle.
+/// Returns the bounds joint by joint: of every axis in the order of the machine, then of the spindle.
 pub fn by_joint(machine: &Machine, bounds: &[Bound]) -> Vec<JointBounds> {
     let joint = |axis: Option<&Axis>| JointBounds {
         interval: axis.map_or((0.0, 0.0), |axis| axis.travel.interval()),
@@ -38,15 +38,23 @@ pub fn by_joint(machine: &Machine, bounds: &[Bound]) -> Vec<JointBounds> {
 }
 
 impl JointBounds {
-    /// Between which nodes of a curve a position is (the lower one), and how far towards the upper one;
-    /// beyond the travel the curve keeps its end value.
-    pub fn place(&self, position: f64) -> (usize, f64) {
+    /// Returns the point of a curve at a position (mm or deg); beyond the travel the curve keeps its end value.
+    pub fn curve_point(&self, position: f64) -> CurvePoint {
         let (min, max) = self.interval;
         let along = if self.closed { (position - min).rem_euclid(max - min) } else { position.clamp(min, max) - min };
         let x = if max > min { along / (max - min) * (NODES - 1) as f64 } else { 0.0 };
         let node = (x as usize).min(NODES - 2);
-        (node, x - node as f64)
+        CurvePoint { node, fraction: x - node as f64 }
     }
+}
+
+/// A point between two nodes of a curve.
+#[derive(Debug, Clone, Copy)]
+pub struct CurvePoint {
+    /// Index of the lower node.
+    pub node: usize,
+    /// Fraction of the interval to the upper node.
+    pub fraction: f64,
 }
 
 /// The errors of a joint in a chunk of samples (mm, rad).
@@ -61,23 +69,23 @@ pub struct JointSamples {
 pub struct SampleChunk(Vec<JointSamples>);
 
 impl SampleChunk {
-    /// Samples `first..first + SAMPLE_LANES`.
+    /// Draws samples `first..first + SAMPLE_LANES`.
     pub fn new(joints: &[JointBounds], bounds: &[Bound], draws: &Draws, first: usize) -> Self {
         Self(joints.iter().map(|joint| drawn(joint, bounds, draws, first)).collect())
     }
 
-    /// Location errors of a joint, if it has any.
+    /// Returns the location errors of a joint, if it has any.
     pub fn location(&self, joint: usize) -> Option<&[SampleLanes; 6]> {
         self.0[joint].location.as_deref()
     }
 
-    /// Component errors of a joint at a place of its travel, if it has any.
-    pub fn component(&self, joint: usize, (node, share): (usize, f64)) -> Option<[SampleLanes; 6]> {
-        let [low, high] = self.0[joint].nodes.get(node..node + 2)? else { return None };
+    /// Returns the component errors of a joint at a point of its curves, if it has any.
+    pub fn component(&self, joint: usize, at: CurvePoint) -> Option<[SampleLanes; 6]> {
+        let [low, high] = self.0[joint].nodes.get(at.node..at.node + 2)? else { return None };
         let mut six = [[0.0; SAMPLE_LANES]; 6];
         for ((out, a), b) in six.iter_mut().zip(low).zip(high) {
             for lane in 0..SAMPLE_LANES {
-                out[lane] = a[lane] + share * (b[lane] - a[lane]);
+                out[lane] = a[lane] + at.fraction * (b[lane] - a[lane]);
             }
         }
         Some(six)
@@ -107,7 +115,7 @@ fn drawn(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> 
     JointSamples { location, nodes }
 }
 
-/// Adds a map times errors.
+/// Adds a map times the errors of every sample.
 pub fn add(map: &Map, errors: &[SampleLanes; 6], to: &mut [SampleLanes; 3]) {
     for (row, out) in map.iter().zip(to) {
         for lane in 0..SAMPLE_LANES {
@@ -118,21 +126,21 @@ pub fn add(map: &Map, errors: &[SampleLanes; 6], to: &mut [SampleLanes; 3]) {
     }
 }
 
-/// Squared lengths.
+/// Returns squared lengths.
 pub fn squares(d: &[SampleLanes; 3]) -> SampleLanes {
     std::array::from_fn(|lane| d[0][lane] * d[0][lane] + d[1][lane] * d[1][lane] + d[2][lane] * d[2][lane])
 }
 
-/// A pose, ready for any number of samples.
+/// The maps of all joints at a pose, for any number of samples.
 #[derive(Debug, Clone)]
 pub struct BudgetPose {
-    /// Of location and of component errors of every joint.
+    /// Maps of location and of component errors of every joint.
     maps: Vec<[Map; 2]>,
-    places: Vec<(usize, f64)>,
+    points: Vec<CurvePoint>,
 }
 
 impl BudgetPose {
-    /// A machine at a pose (mm, deg).
+    /// Returns the maps of a machine at a pose (mm, deg).
     pub fn new(machine: &Machine, joints: &[JointBounds], pose: &[f64], quantity: Quantity) -> Self {
         let shares = machine
             .axes()
@@ -140,31 +148,32 @@ impl BudgetPose {
             .map(|axis| [Share::location(axis, machine.conventions()), Share::component(axis, machine.conventions())]);
         let shares = shares.chain([[Share::SPINDLE; 2]]);
         let maps = twists(machine, pose, quantity).iter().zip(shares).map(|(t, s)| s.map(|s| s.of(t))).collect();
-        let places = joints.iter().zip(pose).map(|(joint, q)| joint.place(*q)).chain([(0, 0.0)]).collect();
-        Self { maps, places }
+        let points = joints.iter().zip(pose).map(|(joint, q)| joint.curve_point(*q));
+        let points = points.chain([CurvePoint { node: 0, fraction: 0.0 }]).collect();
+        Self { maps, points }
     }
 
-    /// What every sample of the chunk deviates by.
+    /// Returns the deviations of every sample of a chunk (mm or rad).
     pub fn deviations(&self, chunk: &SampleChunk) -> [SampleLanes; 3] {
         let mut d = [[0.0; SAMPLE_LANES]; 3];
-        for (joint, ([location, component], place)) in self.maps.iter().zip(&self.places).enumerate() {
+        for (joint, ([location, component], point)) in self.maps.iter().zip(&self.points).enumerate() {
             if let Some(errors) = chunk.location(joint) {
                 add(location, errors, &mut d);
             }
-            if let Some(errors) = chunk.component(joint, *place) {
+            if let Some(errors) = chunk.component(joint, *point) {
                 add(component, &errors, &mut d);
             }
         }
         d
     }
 
-    /// What each bounded error does in one sample, in the order of the bounds.
+    /// Returns the deviation by each bounded error in one sample, in the order of the bounds.
     pub fn parts(&self, chunk: &SampleChunk, joints: &[JointBounds], lane: usize, count: usize) -> Vec<[f64; 3]> {
         let mut parts = vec![[0.0; 3]; count];
-        for (joint, (([location, component], place), bounds)) in
-            self.maps.iter().zip(&self.places).zip(joints).enumerate()
+        for (joint, (([location, component], point), bounds)) in
+            self.maps.iter().zip(&self.points).zip(joints).enumerate()
         {
-            let drawn = [chunk.location(joint).copied(), chunk.component(joint, *place)];
+            let drawn = [chunk.location(joint).copied(), chunk.component(joint, *point)];
             let indices = [&bounds.location, &bounds.component];
             for ((map, errors), index) in [location, component].into_iter().zip(drawn).zip(indices) {
                 let Some(errors) = errors else { continue };
@@ -176,7 +185,7 @@ impl BudgetPose {
         parts
     }
 
-    /// What each bounded error does at its bound, in the order of the bounds.
+    /// Returns the deviation by each error at its bound, in the order of the bounds.
     pub fn extremes(&self, joints: &[JointBounds], bounds: &[Bound]) -> Vec<[f64; 3]> {
         let mut extremes = vec![[0.0; 3]; bounds.len()];
         for (maps, joint) in self.maps.iter().zip(joints) {

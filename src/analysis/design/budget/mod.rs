@@ -1,15 +1,15 @@
 //! Error budget: from tolerances to the volumetric error.
 //!
 //! 1. [`bounds()`]: which errors are bounded, by the machine file or by a [`Class`] of machines.
-//! 2. At every pose, what each does at its bound. Added up with the worst signs that is the worst case;
-//!    as root of the sum of squares it is the RSS; each by itself makes the Pareto chart.
+//! 2. At every pose, the effect of each error at its bound. Their sum with the worst signs is the worst case, the root
+//!    of the sum of their squares the RSS; each by itself is a bar of the Pareto chart.
 //! 3. [`Draws`]: random machines whose errors respect the tolerances. Every deviation goes through the
 //!    model, so errors that act together, and poses, are correlated as in the machine. The error of a
 //!    machine is a [`Statistic`] over the poses; percentiles are over machines.
-//! 4. Which tolerance to tighten first: the derivative of the 95 % value. All derivatives come from the
+//! 4. The tolerance to tighten first: the derivative of the 95 % value. All derivatives come from the
 //!    same random numbers. Since the error of a machine grows in proportion to all tolerances together,
 //!    tolerance times derivative, summed up, is the 95 % value itself (Euler).
-//! 5. [`side_by_side()`]: these parts in several machines.
+//! 5. [`side_by_side()`]: these effects in several machines.
 //!
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
@@ -26,7 +26,7 @@ mod worst;
 pub use bounds::{Bound, bounds, known, lacks_rotary};
 pub use class::{Class, classes};
 pub use draw::{Distribution, Draws, HARMONICS, NODES};
-pub(crate) use kernel::{JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, add, by_joint, squares};
+pub(crate) use kernel::{CurvePoint, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, add, by_joint, squares};
 pub use monte_carlo::Statistic;
 pub use quantile::{Percentile, mean, rank};
 pub use side_by_side::{BoundedError, BudgetPart, side_by_side};

@@ -1,4 +1,4 @@
-//! Budgets side by side: tolerance by tolerance, what each has of the 95 % value in each of several machines.
+//! Budgets side by side: the effect of each tolerance on the 95 % value of each of several machines.
 
 use super::bounds::Bound;
 use super::totals::{Budget, ToleranceEffect};
@@ -10,9 +10,10 @@ use std::collections::BTreeMap;
 pub struct BudgetPart {
     /// Its bound (mm, rad).
     pub tolerance: f64,
-    /// What it has of the 95 % value of the drawn machines' position (um): the parts of a machine add up to it.
+    /// Its effect on the 95 % value of the drawn machines' position (um): the effects of a machine add up to that
+    /// value.
     pub of_p95: ToleranceEffect,
-    /// What it does alone at its bound, root mean square over the poses (um).
+    /// Deviation by it alone at its bound, root mean square over the poses (um).
     pub average: f64,
 }
 
@@ -26,12 +27,12 @@ pub struct BoundedError {
 }
 
 impl BoundedError {
-    /// The largest part of all machines.
+    /// Returns the largest effect of all machines, um.
     pub fn largest(&self) -> f64 {
         self.parts.iter().flatten().map(|part| part.of_p95.effect.abs()).fold(0.0, f64::max)
     }
 
-    /// Its part of a machine's 95 % value minus that of the first; an error that is not bounded has no part.
+    /// Returns its effect on a machine's 95 % value minus that on the first machine's, um; without a bound it is 0.
     /// Over all errors these differences add up to that of the 95 % values.
     pub fn minus_first(&self, machine: usize) -> f64 {
         let effect = |i: usize| self.parts.get(i).copied().flatten().map_or(0.0, |part| part.of_p95.effect);
@@ -39,7 +40,7 @@ impl BoundedError {
     }
 }
 
-/// Every error that is bounded in any of the machines; largest first, then by name.
+/// Returns every error that is bounded in any of the machines; largest first, then by name.
 pub fn side_by_side(budgets: &[(&[Bound], &Budget)]) -> Vec<BoundedError> {
     let mut by_error: BTreeMap<&ErrorId, Vec<Option<BudgetPart>>> = BTreeMap::new();
     for (machine, (bounds, budget)) in budgets.iter().enumerate() {

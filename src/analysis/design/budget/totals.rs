@@ -11,33 +11,33 @@ use crate::evaluate::{Poses, Random};
 use crate::machine::{Machine, Pose};
 use rayon::prelude::*;
 
-/// What is to be budgeted.
+/// The request for a budget.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
     /// The machine; errors with a value do not count.
     pub machine: &'a Machine,
-    /// What is bounded.
+    /// The bounded errors.
     pub bounds: &'a [Bound],
-    /// Where to look.
+    /// The poses (mm, deg).
     pub poses: &'a [Pose],
-    /// One more pose for the Pareto chart.
+    /// Another pose (mm, deg) for the Pareto chart.
     pub at: Option<&'a [f64]>,
-    /// How machines are drawn.
+    /// The generator of drawn machines.
     pub draws: &'a Draws,
-    /// How many.
+    /// Number of drawn machines.
     pub samples: usize,
-    /// What counts of each.
+    /// Statistic of each machine over the poses.
     pub statistic: Statistic,
 }
 
 /// A budget of the functional point's position (um) and of the tool's orientation (urad).
 #[derive(Debug, Clone)]
 pub struct Budget {
-    /// Of the functional point, um.
+    /// Position of the functional point, um.
     pub position: Totals,
-    /// Of the orientation, urad.
+    /// Orientation of the tool, urad.
     pub rotation: Totals,
-    /// What each error does at its bound to the position at the pose where the RSS is largest, um.
+    /// Effect of each error at its bound on the position, at the pose where the RSS is largest, um.
     pub worst: Vec<Contribution>,
     /// The same as root of the mean square over the poses.
     pub average: Vec<Contribution>,
@@ -45,7 +45,7 @@ pub struct Budget {
     pub at: Option<Vec<Contribution>>,
 }
 
-/// What the tolerances come to.
+/// The totals of a budget, in um or urad.
 #[derive(Debug, Clone)]
 pub struct Totals {
     /// All errors at their bounds with the worst signs, at the pose where that is largest.
@@ -60,7 +60,7 @@ pub struct Totals {
     pub sorted: Vec<f64>,
     /// Their mean and its standard error.
     pub mean: (f64, f64),
-    /// Which tolerance has how much of the 95 % value, in the order of the bounds.
+    /// Effect of each tolerance on the 95 % value, in the order of the bounds.
     pub tighten: Vec<ToleranceEffect>,
 }
 
@@ -69,32 +69,32 @@ pub struct Totals {
 pub struct Contribution {
     /// Index in the list of bounds.
     pub bound: usize,
-    /// Share of the sum of squares.
+    /// Fraction of the sum of squares.
     pub share: f64,
-    /// What it does alone, um.
+    /// Deviation by this error alone, um.
     pub um: f64,
 }
 
-/// How the 95 % value hangs on a tolerance.
+/// The dependence of the 95 % value on a tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToleranceEffect {
-    /// Tolerance times derivative of the 95 % value (um or urad): a tenth of it is won, to first order,
-    /// by a tolerance a tenth smaller.
+    /// Tolerance times derivative of the 95 % value (um or urad): tightening the tolerance by 10 % lowers that value by
+    /// a tenth of this, to first order.
     pub effect: f64,
     /// Its standard error from the number of samples.
     pub sigma: f64,
 }
 
-/// Percentiles that are reported.
+/// The reported percentiles, in percent.
 pub const PERCENTS: [usize; 4] = [50, 90, 95, 99];
 
-/// Samples that tell the derivative of the 95 % value: those between these percentiles.
+/// The derivative of the 95 % value is estimated from the samples between these fractions.
 const WINDOW: (f64, f64) = (0.925, 0.975);
 
-/// Up to so many axes all corners of the volume are among the poses.
-const CORNERS: usize = 10;
+/// Maximum number of axes with which all corners of the volume are among the poses.
+const MAX_CORNER_AXES: usize = 10;
 
-/// The corners of the volume, and random poses within it.
+/// Returns the corners of the volume, and `count` random poses within it (mm, deg).
 pub fn budget_poses(machine: &Machine, count: usize, seed: u64) -> Vec<Pose> {
     let volume = machine.volume();
     let moving: Vec<usize> = (0..volume.len()).filter(|i| volume[*i].max > volume[*i].min).collect();
@@ -103,13 +103,13 @@ pub fn budget_poses(machine: &Machine, count: usize, seed: u64) -> Vec<Pose> {
         moving.iter().enumerate().filter(|(bit, _)| k >> bit & 1 == 1).for_each(|(_, i)| pose[*i] = volume[*i].max);
         pose
     };
-    let corners = if moving.len() > CORNERS { 0 } else { 1 << moving.len() };
+    let corners = if moving.len() > MAX_CORNER_AXES { 0 } else { 1 << moving.len() };
     let within = Poses::Random(Random::of(machine, count, seed));
     (0..corners).map(corner).chain(within.iter()).collect()
 }
 
-/// The budget. There is at least one bound, pose and sample. `progress` is told how many machines were
-/// drawn: twice the samples in all.
+/// Returns the budget; the request has at least one bound, pose and sample. Calls `progress` with the number of
+/// machines drawn since its last call: in all twice the samples.
 pub fn budget(request: Request<'_>, progress: &(dyn Fn(usize) + Sync)) -> Budget {
     let joints = by_joint(request.machine, request.bounds);
     let (position, extremes) = totals(&request, &joints, Quantity::Position, progress);
@@ -129,7 +129,7 @@ pub fn budget(request: Request<'_>, progress: &(dyn Fn(usize) + Sync)) -> Budget
     }
 }
 
-/// Every error at its bound, at every pose.
+/// Deviations by every error at its bound, at every pose.
 type Extremes = Vec<Vec<[f64; 3]>>;
 
 fn totals(
@@ -163,25 +163,26 @@ fn totals(
 }
 
 impl Totals {
-    /// Mean of worst case and RSS: what budgets of this kind promise (A. H. Slocum).
+    /// Returns the mean of worst case and RSS, the estimate of such budgets (A. H. Slocum).
     pub fn mean_of_both(&self) -> f64 {
         0.5 * (self.worst_case + self.rss)
     }
 
-    /// A percentile of the drawn machines.
+    /// Returns a percentile of the drawn machines, with its confidence interval.
     pub fn percentile(&self, percent: usize) -> Percentile {
         Percentile::of(&self.sorted, percent)
     }
 }
 
-/// The pose with the largest worst case. The sum of lengths is never shorter, so most are passed over.
+/// Returns the pose with the largest worst case, and its length. The sum of lengths is an upper bound that skips other
+/// poses.
 fn worst_of(extremes: &Extremes) -> (usize, f64) {
-    let most: Vec<f64> = extremes.iter().map(|list| lengths(list).iter().sum()).collect();
+    let upper: Vec<f64> = extremes.iter().map(|list| lengths(list).iter().sum()).collect();
     let mut order: Vec<usize> = (0..extremes.len()).collect();
-    order.sort_by(|a, b| most[*b].total_cmp(&most[*a]).then(a.cmp(b)));
+    order.sort_by(|a, b| upper[*b].total_cmp(&upper[*a]).then(a.cmp(b)));
     let mut best = (0, f64::NEG_INFINITY);
     for index in order {
-        if most[index] < best.1 {
+        if upper[index] < best.1 {
             break;
         }
         let length = longest(&extremes[index]);
@@ -196,7 +197,7 @@ fn lengths(vectors: &[[f64; 3]]) -> Vec<f64> {
     vectors.iter().map(|v| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()).collect()
 }
 
-/// Of equal ones the first.
+/// Returns the index of the largest value; of equal ones the first.
 fn largest(values: &[f64]) -> usize {
     (0..values.len()).fold(0, |best, i| if values[i] > values[best] { i } else { best })
 }
@@ -209,7 +210,7 @@ fn root_mean_square(extremes: &Extremes) -> Vec<f64> {
     sums.into_iter().map(|sum| (sum / extremes.len() as f64).sqrt()).collect()
 }
 
-/// Largest first.
+/// Returns the contributions of lengths (mm), largest first.
 fn contributions(lengths: &[f64]) -> Vec<Contribution> {
     let total: f64 = lengths.iter().map(|x| x * x).sum();
     let share = |x: f64| if total > 0.0 { x * x / total } else { 0.0 };
@@ -219,7 +220,7 @@ fn contributions(lengths: &[f64]) -> Vec<Contribution> {
     list
 }
 
-/// Means of the parts over the samples around the 95 % value.
+/// Returns the means of the parts over the samples around the 95 % value.
 fn tighten(drawn: &[Sample], count: usize, scale: f64) -> Vec<ToleranceEffect> {
     let n = drawn.len() as f64;
     let first = ((WINDOW.0 * n) as usize).min(drawn.len() - 1);

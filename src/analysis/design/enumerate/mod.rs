@@ -3,10 +3,10 @@
 //! 1. [`walks`] lists them, walk by walk, without those that a [`Rule`] excludes.
 //! 2. The [`Work`] is a list of tool poses in the workpiece frame, drawn from the volume of the machine as
 //!    its file has it, or given. Every walk reaches them by its nominal inverse kinematics, or does not.
-//! 3. A walk that cannot turn the tool as the work asks is set apart.
+//! 3. A walk that cannot turn the tool as the work requires is set apart.
 //! 4. The others are judged by a budget (the same drawn errors for all) or by the errors given.
 //! 5. [`ranked`] puts them in order; [`Journal`] keeps results walk by walk, so that a run can be
-//!    interrupted, cut into parts and put together again. A walk's result hangs on nothing else.
+//!    interrupted, cut into parts and put together again. A walk's result depends on nothing else.
 //!
 //! Origins, directions and curves keep their values in machine coordinates at the zero pose.
 
@@ -20,5 +20,5 @@ mod walk_budget;
 pub use arrangement::{MAX_ARRANGEMENTS, TooMany, Walk, walks};
 pub use journal::{Journal, JournalFailure};
 pub use ranking::{Outcome, Ranking, Row, Standing, ranked};
-pub use rule::Rule;
+pub use rule::{Rule, RuleFailure};
 pub use study::{Judge, Study, freedom};

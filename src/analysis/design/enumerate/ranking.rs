@@ -3,13 +3,13 @@
 use crate::analysis::design::compare::UnreachableCount;
 use serde::{Deserialize, Serialize};
 
-/// How an arrangement did.
+/// The standing of an arrangement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Standing {
-    /// It reaches tool poses and has a value.
+    /// It reaches tool poses and has a result.
     Judged,
-    /// Its rotary axes cannot turn the tool in as many ways as the work asks.
+    /// Its rotary axes cannot turn the tool in as many directions as the work requires.
     CannotTurn,
     /// It reaches none of the tool poses.
     ReachesNothing,
@@ -20,7 +20,7 @@ pub enum Standing {
 pub struct Row {
     /// The chain as ISO prints it.
     pub chain: String,
-    /// How many axes carry the workpiece.
+    /// Number of axes that carry the workpiece.
     pub table: usize,
     /// How it did.
     pub standing: Standing,
@@ -47,18 +47,19 @@ pub struct Outcome {
     pub minus_file: f64,
 }
 
-/// Rows in three groups, each in order.
+/// Arrangements in three groups, each in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranking {
     /// Best first; of equal ones the one listed first.
     pub ranked: Vec<Row>,
-    /// Judged, but they reach less than the share asked for; those that reach more come first.
+    /// Judged, but they reach a smaller fraction of the work than required; those that reach more come first.
     pub short: Vec<Row>,
-    /// They cannot turn the tool as the work asks.
+    /// They cannot turn the tool as the work requires.
     pub cannot_turn: Vec<Row>,
 }
 
-/// Puts arrangements in order; `reach` is the share of the tool poses that a ranked one reaches.
+/// Returns the arrangements in order; a ranked one reaches at least the fraction `reach` (0 to 1) of the `work` tool
+/// poses.
 pub fn ranked(rows: Vec<Row>, work: usize, reach: f64) -> Ranking {
     let (cannot_turn, able): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(|r| r.standing == Standing::CannotTurn);
     let enough = |row: &Row| row.result.is_some() && row.reached as f64 >= reach * work as f64;

@@ -15,19 +15,19 @@ use crate::machine::{Approach, Axis, AxisKind, Branch, Machine, Pose};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-/// By what arrangements are judged.
+/// The criterion by which arrangements are judged.
 #[derive(Debug, Clone)]
 pub enum Judge {
-    /// By errors drawn between bounds.
+    /// Errors drawn between bounds.
     Budget {
         /// The bounds.
         bounds: Vec<Bound>,
-        /// How errors are drawn.
+        /// The generator of errors.
         draws: Draws,
-        /// How often.
+        /// Number of samples.
         samples: usize,
     },
-    /// By the errors that have a value, with the exact model.
+    /// The errors that have a value, with the exact model.
     Errors,
 }
 
@@ -45,7 +45,7 @@ pub struct Study<'a> {
     freedom: usize,
 }
 
-/// The machine as its file has it, at every tool pose: squared lengths of deviations.
+/// The machine as its file has it: squared lengths of the deviations (mm^2) at every tool pose.
 #[derive(Debug)]
 enum Reference {
     /// SampleChunk by chunk.
@@ -54,7 +54,7 @@ enum Reference {
 }
 
 impl<'a> Study<'a> {
-    /// Draws the work and the errors. Tool poses that the machine itself misses are left out.
+    /// Returns a study with its work and errors drawn. Tool poses that the machine itself cannot reach are left out.
     pub fn new(machine: &'a Machine, walks: Vec<Walk>, judge: Judge, statistic: Statistic, work: &Work) -> Self {
         let at_rest = rest(machine);
         let own = |i: usize| {
@@ -79,7 +79,7 @@ impl<'a> Study<'a> {
         study
     }
 
-    /// The machine's own deviations at the work.
+    /// Returns the machine's own deviations at the work.
     fn own(&self, poses: &[Pose]) -> Reference {
         if let Judge::Errors = self.judge {
             return Reference::Values(poses.par_iter().map(|pose| squared_deviation(self.machine, pose)).collect());
@@ -89,28 +89,28 @@ impl<'a> Study<'a> {
         Reference::Drawn(walk_budget::squared_lengths(self.machine, &axes, table, poses, &self.joints, &self.chunks))
     }
 
-    /// How many walks there are: the steps of the study.
+    /// Returns the number of walks: the steps of the study.
     pub fn steps(&self) -> usize {
         self.walks.len()
     }
 
-    /// How many arrangements there are.
+    /// Returns the number of arrangements.
     pub fn arrangements(&self) -> usize {
         self.walks.iter().map(|walk| walk.tables.len()).sum()
     }
 
-    /// The tool poses of the work.
+    /// Returns the tool poses of the work.
     pub fn work(&self) -> &[ToolPose] {
         &self.work
     }
 
-    /// All arrangements of one walk; hangs on nothing but the study.
+    /// Returns the rows of all arrangements of one walk.
     pub fn step(&self, index: usize) -> Vec<Row> {
         let walk = &self.walks[index];
         let mut rows = Vec::new();
         let machines: Vec<Machine> =
             walk.tables.iter().filter_map(|table| self.machine.rearranged(&walk.sides(self.machine, *table))).collect();
-        // Axes whose sense hangs on their side (`direct`) make another nominal machine of each arrangement.
+        // Axes whose sense depends on their side (`direct`) make another nominal machine of each arrangement.
         let sense = |machine: &Machine| machine.axes().iter().map(|axis| axis.sign() > 0.0).collect::<Vec<_>>();
         let mut from = 0;
         while from < machines.len() {
@@ -121,7 +121,7 @@ impl<'a> Study<'a> {
         rows
     }
 
-    /// Arrangements with the same nominal machine.
+    /// Returns the rows of arrangements with the same nominal machine.
     fn alike(&self, walk: &Walk, machines: &[Machine], tables: &[usize]) -> Vec<Row> {
         let nominal = &machines[0];
         let row = |(machine, table): (&Machine, &usize), standing, missed: UnreachableCount| Row {
@@ -206,12 +206,12 @@ fn percentile(mut values: Vec<f64>) -> Percentile {
     Percentile::of(&values, 95)
 }
 
-/// Squared length of the deviation by the errors that have a value.
+/// Returns the squared length (mm^2) of the deviation by the errors that have a value.
 fn squared_deviation(machine: &Machine, pose: &[f64]) -> f64 {
     Bare { machine, order: Order::Exact }.deviation(pose, Approach::Mean).position.norm_squared()
 }
 
-/// In how many ways the machine can turn its tool axis: 0, 1 or 2, at almost all poses.
+/// Returns the number of directions in which the machine can turn its tool axis: 0, 1 or 2, at almost all poses.
 pub fn freedom(machine: &Machine) -> usize {
     const POSES: usize = 4;
     const MIN_EIGENVALUE: f64 = 1e-9;

@@ -1,19 +1,22 @@
 //! The budget of all arrangements of a walk at once. Where the bed stands does not change the nominal
-//! machine, only on which side of its motion each axis errs. So what every joint does is computed once
+//! machine, only the side of its motion on which each axis errs. So the deviation by every joint is computed once
 //! for either side, and an arrangement is a sum of table-side joints before the bed and tool-side ones
 //! after it, always added up in the same order.
 
 use crate::analysis::closed_form::{Quantity, Share, TwistMap as Map, twists};
-use crate::analysis::design::budget::{JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, Statistic, add, squares};
+use crate::analysis::design::budget::{
+    CurvePoint, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, Statistic, add, squares,
+};
 use crate::machine::{Axis, Branch, Machine, Pose};
 
-/// A joint at a pose: its index among the drawn joints, its place on its travel, its maps.
+/// A joint at a pose: maps of its errors on the tool side and on the table side.
 struct JointMaps {
+    /// Index among the drawn joints.
     drawn: usize,
-    place: (usize, f64),
+    point: CurvePoint,
     location: [Map; 2],
     component: [Map; 2],
-    /// A location error does the same on either side.
+    /// True if a location error acts the same on either side.
     alike: bool,
 }
 
@@ -23,7 +26,7 @@ struct PoseMaps {
     spindle: Map,
 }
 
-/// The statistic over the poses, for every arrangement (rows, as `tables` lists them) and sample.
+/// Returns the statistic over the poses, mm, for every arrangement (rows, as `tables` lists them) and sample.
 /// `axes` are the indices of the walk's axes among the drawn joints; the last joint is the spindle.
 pub fn statistics(
     machine: &Machine,
@@ -48,7 +51,7 @@ pub fn statistics(
     rows
 }
 
-/// Squared lengths of one arrangement, chunk by chunk and pose by pose.
+/// Returns the squared lengths (mm^2) of one arrangement, chunk by chunk and pose by pose.
 pub fn squared_lengths(
     machine: &Machine,
     axes: &[usize],
@@ -62,7 +65,7 @@ pub fn squared_lengths(
     chunks.iter().map(|chunk| pose_maps.iter().map(|maps| at(maps, chunk)).collect()).collect()
 }
 
-/// The statistic of lengths over the poses, for every lane.
+/// Returns the statistic of lengths over the poses, for every lane.
 pub fn over_poses(statistic: Statistic, squares: &[SampleLanes]) -> SampleLanes {
     let mut column = vec![0.0; squares.len()];
     std::array::from_fn(|lane| {
@@ -80,7 +83,7 @@ fn maps(machine: &Machine, axes: &[usize], pose: &[f64], bounds: &[JointBounds])
         let location = sides.each_ref().map(|axis| Share::location(axis, conventions));
         JointMaps {
             drawn: axes[i],
-            place: bounds[axes[i]].place(pose[i]),
+            point: bounds[axes[i]].curve_point(pose[i]),
             alike: location[0] == location[1],
             location: location.map(|share| share.of(&twists[i])),
             component: sides.map(|axis| Share::component(&axis, conventions).of(&twists[i])),
@@ -95,7 +98,7 @@ type Deviations = [SampleLanes; 3];
 const NONE: Deviations = [[0.0; SAMPLE_LANES]; 3];
 
 impl PoseMaps {
-    /// With no axis on the table, with one, ... with all.
+    /// Returns the deviations with 0, 1, ... all axes on the table.
     fn deviations(&self, chunk: &SampleChunk, spindle: usize) -> Vec<Deviations> {
         let sides: Vec<[Deviations; 2]> = self.joints.iter().map(|joint| joint.deviations(chunk)).collect();
         let mut last = NONE;
@@ -119,7 +122,7 @@ impl PoseMaps {
 }
 
 impl JointMaps {
-    /// On the tool side, on the table side.
+    /// Returns the deviations on the tool side, and on the table side.
     fn deviations(&self, chunk: &SampleChunk) -> [Deviations; 2] {
         let mut sides = [NONE; 2];
         if let Some(errors) = chunk.location(self.drawn) {
@@ -130,7 +133,7 @@ impl JointMaps {
                 add(&self.location[1], errors, &mut sides[1]);
             }
         }
-        if let Some(errors) = chunk.component(self.drawn, self.place) {
+        if let Some(errors) = chunk.component(self.drawn, self.point) {
             add(&self.component[0], &errors, &mut sides[0]);
             add(&self.component[1], &errors, &mut sides[1]);
         }
