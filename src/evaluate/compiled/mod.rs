@@ -26,7 +26,7 @@
 #![allow(
     clippy::needless_range_loop,
     clippy::manual_map,
-    reason = "closures are compiled without the vector features of the function around them: kernels have plain loops and matches"
+    reason = "closures lack the vector features of the function around them: kernels have plain loops and matches"
 )]
 
 mod affine;
