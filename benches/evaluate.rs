@@ -1,6 +1,7 @@
-//! Samples of the compiled evaluator, on request: `evaluate MACHINE.yaml POSES` reads the names of samples from standard
-//! input, one a line, runs each once, and answers with nanoseconds per pose. `benches/run` asks for them in turn with those of
-//! other programs, so that ratios are of the same minute. POSES holds columns of doubles, one per axis.
+//! Samples of the compiled evaluator, on request: `evaluate MACHINE.yaml POSES` reads the names of samples from
+//! standard input, one a line, runs each once, and answers with nanoseconds per pose. `benches/run` asks for them in
+//! turn with those of other programs, so that ratios are of the same minute. POSES holds columns of doubles, one per
+//! axis.
 
 #![allow(
     clippy::needless_range_loop,

@@ -1,5 +1,5 @@
-//! The kernels of the compiled evaluator by themselves, for whoever works on them: `cargo bench --bench kernels` in this
-//! package. Ratios to other programs are the business of `benches/run`, which takes turns.
+//! The kernels of the compiled evaluator by themselves, for whoever works on them: `cargo bench --bench kernels` in
+//! this package. Ratios to other programs are the business of `benches/run`, which takes turns.
 
 #![allow(clippy::unwrap_used)]
 
