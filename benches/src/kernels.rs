@@ -47,7 +47,8 @@ fn scattered(bencher: Bencher, (order, width): (Order, Width)) {
 #[divan::bench(args = kernels())]
 fn grid(bencher: Bencher, (order, width): (Order, Width)) {
     let machine = trunnion();
-    let grid = CompiledModel::new(&machine, order, Approach::Mean).with_width(width).grid(&Nodes::of(&machine)).unwrap();
+    let model = CompiledModel::new(&machine, order, Approach::Mean).with_width(width);
+    let grid = model.grid(&Nodes::of(&machine)).unwrap();
     let nodes = POSES / grid.line() * grid.line();
     let mut out = Columns::new(nodes);
     bencher.counter(ItemsCount::new(nodes)).bench_local(|| grid.fill(grid.lines() / 3, out.output(nodes)));
