@@ -38,6 +38,7 @@ pub mod algebra;
 pub mod analysis;
 #[doc(hidden)]
 pub mod api;
+#[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
 #[doc(hidden)]

@@ -3,7 +3,7 @@
 use super::{Algebra, Dual};
 use nalgebra::{DMatrix, Matrix3, Matrix4, Vector3};
 
-/// How far a matrix over D_n is from orthogonal: the largest coefficient of each degree of C^T C - 1.
+/// Returns the largest coefficient of each degree of C^T C - 1 of a matrix over D_n.
 /// It is a member of O(n, D_n) if all of them are 0, to rounding.
 pub fn orthogonality_defect<const M: usize>(c: &DMatrix<Dual<M>>) -> [f64; M] {
     let product = c.transpose() * c;
@@ -17,7 +17,7 @@ pub fn orthogonality_defect<const M: usize>(c: &DMatrix<Dual<M>>) -> [f64; M] {
     std::array::from_fn(of_degree)
 }
 
-/// Is it in SO(n, D_n), given that it is in O(n, D_n)? The real part decides.
+/// True if a matrix of O(n, D_n) is in SO(n, D_n): the real part decides.
 pub fn is_special<const M: usize>(c: &DMatrix<Dual<M>>) -> bool {
     c.map(|entry| entry.real()).determinant() > 0.0
 }
@@ -41,9 +41,9 @@ pub struct Split {
     pub after: [f64; 6],
 }
 
-/// Why a 4x4 matrix over D is no motion with small errors.
+/// The reason for which a 4x4 matrix over D is no motion with small errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Inadmissible {
+pub enum AdmissibilityFailure {
     /// The last row is not 0 0 0 1; largest difference.
     LastRow(f64),
     /// The real 3x3 block is not orthogonal; largest entry of A^T A - 1.
@@ -57,20 +57,20 @@ pub enum Inadmissible {
 
 /// Splits `real + i dual` into nominal motion and six errors. `tolerance` is for entries without a
 /// unit; the i-part is compared with its own size.
-pub fn split(real: &Matrix4<f64>, dual: &Matrix4<f64>, tolerance: f64) -> Result<Split, Inadmissible> {
+pub fn split(real: &Matrix4<f64>, dual: &Matrix4<f64>, tolerance: f64) -> Result<Split, AdmissibilityFailure> {
     let wanted = nalgebra::RowVector4::new(0.0, 0.0, 0.0, 1.0);
     let last = (real.row(3) - wanted).amax().max(dual.row(3).amax());
     if last > tolerance {
-        return Err(Inadmissible::LastRow(last));
+        return Err(AdmissibilityFailure::LastRow(last));
     }
     let block = |m: &Matrix4<f64>| m.fixed_view::<3, 3>(0, 0).into_owned();
     let (a, b) = (block(real), block(dual));
     let defect = (a.transpose() * a - Matrix3::identity()).amax();
     if defect > tolerance {
-        return Err(Inadmissible::NotOrthogonal(defect));
+        return Err(AdmissibilityFailure::NotOrthogonal(defect));
     }
     if a.determinant() < 0.0 {
-        return Err(Inadmissible::Reflection);
+        return Err(AdmissibilityFailure::Reflection);
     }
     in_class(&a, &b, tolerance)?;
     let column = |m: &Matrix4<f64>| m.fixed_view::<3, 1>(0, 3).into_owned();
@@ -85,12 +85,12 @@ pub fn split(real: &Matrix4<f64>, dual: &Matrix4<f64>, tolerance: f64) -> Result
     })
 }
 
-fn in_class(a: &Matrix3<f64>, b: &Matrix3<f64>, tolerance: f64) -> Result<(), Inadmissible> {
+fn in_class(a: &Matrix3<f64>, b: &Matrix3<f64>, tolerance: f64) -> Result<(), AdmissibilityFailure> {
     let product = a.transpose() * b;
     let symmetric = product + product.transpose();
     let (row, column) = symmetric.map(f64::abs).iamax_full();
     let largest = symmetric[(row, column)].abs();
-    if largest > tolerance * b.amax() { Err(Inadmissible::NotInClass(largest, row, column)) } else { Ok(()) }
+    if largest > tolerance * b.amax() { Err(AdmissibilityFailure::NotInClass(largest, row, column)) } else { Ok(()) }
 }
 
 #[cfg(test)]
@@ -140,13 +140,15 @@ mod tests {
             other[at] += by;
             split(&other, &dual, 1e-9)
         };
-        assert!(matches!(with((3, 0), 0.1), Err(Inadmissible::LastRow(_))));
-        assert!(matches!(with((0, 0), 0.1), Err(Inadmissible::NotOrthogonal(_))));
+        assert!(matches!(with((3, 0), 0.1), Err(AdmissibilityFailure::LastRow(_))));
+        assert!(matches!(with((0, 0), 0.1), Err(AdmissibilityFailure::NotOrthogonal(_))));
         let mut mirrored = real;
         mirrored.column_mut(1).neg_mut();
-        assert_eq!(split(&mirrored, &dual, 1e-9), Err(Inadmissible::Reflection));
+        assert_eq!(split(&mirrored, &dual, 1e-9), Err(AdmissibilityFailure::Reflection));
         let stretch = dual + real * Matrix4::from_diagonal(&nalgebra::Vector4::new(0.0, 1e-5, 0.0, 0.0));
-        let Err(Inadmissible::NotInClass(size, 1, 1)) = split(&real, &stretch, 1e-9) else { panic!("{stretch}") };
+        let Err(AdmissibilityFailure::NotInClass(size, 1, 1)) = split(&real, &stretch, 1e-9) else {
+            panic!("{stretch}")
+        };
         assert!((size - 2e-5).abs() < 1e-15);
     }
 }

@@ -119,7 +119,7 @@ pub fn exp_hat<S: Algebra>(w: &[S; 3]) -> Matrix3<S> {
     sum
 }
 
-/// How the rotation exp(hat(w)) moves with its vector: exp(hat(w + dw)) = (1 + hat(J dw)) exp(hat(w)) + O(dw^2),
+/// The derivative J of a rotation by its vector: exp(hat(w + dw)) = (1 + hat(J dw)) exp(hat(w)) + O(dw^2),
 /// J = 1 + (1 - cos t)/t^2 hat(w) + (t - sin t)/t^3 hat(w)^2 with t = |w|.
 pub fn left_jacobian<S: Algebra>(w: &[S; 3]) -> Matrix3<S> {
     let square = w.iter().map(|x| x.clone() * x.clone()).fold(S::zero(), |a, b| a + b);

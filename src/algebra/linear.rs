@@ -59,7 +59,7 @@ impl Triangle {
         householder::fold(&mut self.folded, &mut other.folded);
     }
 
-    /// How many rows went in.
+    /// The number of rows pushed.
     pub fn rows(&self) -> usize {
         self.rows
     }
@@ -73,10 +73,10 @@ impl Triangle {
     }
 
     /// R (square, as many rows as unknowns) and Q^T r.
-    pub fn finish(mut self) -> Reduced {
+    pub fn finish(mut self) -> ReducedSystem {
         self.fold();
         let n = self.unknowns;
-        Reduced {
+        ReducedSystem {
             r: self.folded.view((0, 0), (n, n)).into_owned(),
             right: self.folded.view((0, n), (n, 1)).column(0).into_owned(),
             rest: self.folded[(n, n)].abs(),
@@ -87,7 +87,7 @@ impl Triangle {
 
 /// A least-squares problem reduced to a triangle.
 #[derive(Debug, Clone)]
-pub struct Reduced {
+pub struct ReducedSystem {
     /// Upper triangle, one column per unknown.
     pub r: DMatrix<f64>,
     /// Right side in the rows of `r`.
@@ -99,7 +99,7 @@ pub struct Reduced {
     pub rows: usize,
 }
 
-impl Reduced {
+impl ReducedSystem {
     /// Euclidean length of the right side, all rows together.
     pub fn right_norm(&self) -> f64 {
         libm::hypot(self.rest, self.right.norm())
@@ -151,7 +151,7 @@ impl Reduced {
     }
 
     /// Rank: singular values above `relative` of the largest, columns scaled to unit length. A column
-    /// below `relative` of the longest one, in the units of the caller, is not told from zero.
+    /// below `relative` of the longest one, in the units of the caller, counts as zero.
     pub fn rank(&self, relative: f64) -> usize {
         self.scaled(&self.column_norms()).rank(relative)
     }
@@ -200,7 +200,7 @@ impl Svd {
         }
     }
 
-    /// How many singular values are above `relative` of the largest.
+    /// Returns the number of singular values above `relative` of the largest.
     pub fn rank(&self, relative: f64) -> usize {
         let largest = self.values.iter().copied().fold(0.0, f64::max);
         self.values.iter().filter(|value| **value > relative * largest && **value > 0.0).count()
@@ -290,7 +290,7 @@ mod tests {
         })
     }
 
-    fn reduce(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Reduced {
+    fn reduce(matrix: &DMatrix<f64>, right: &DVector<f64>) -> ReducedSystem {
         let mut triangle = Triangle::new(matrix.ncols());
         for i in 0..matrix.nrows() {
             triangle.push(matrix.row(i).iter().copied().collect::<Vec<_>>(), right[i]);

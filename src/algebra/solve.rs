@@ -115,7 +115,8 @@ mod tests {
 
     proptest! {
         #[test]
-        fn solutions_solve(entries in prop::collection::vec(element(), 9), right in prop::collection::vec(element(), 3)) {
+        fn solutions_solve(entries in prop::collection::vec(element(), 9),
+                           right in prop::collection::vec(element(), 3)) {
             let matrix: Vec<Vec<D4>> = entries.chunks(3).map(<[D4]>::to_vec).collect();
             let real = nalgebra::Matrix3::from_fn(|i, j| matrix[i][j].real());
             prop_assume!(real.determinant().abs() > 0.1);

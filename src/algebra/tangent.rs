@@ -8,7 +8,7 @@ use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 /// `value + slope t`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tangent<S> {
-    /// What is left at t = 0.
+    /// The value at t = 0.
     pub value: S,
     /// The derivative.
     pub slope: S,

@@ -19,8 +19,8 @@ mod inverse;
 mod volume;
 
 pub use closed_form::{
-    Calculation, Effect, Equations, Interactions, LocationSet, Meaning, Naming, Options, Quantity, Share, Status,
-    Symbol, Twist, TwistMap, equations, interactions, twists,
+    Calculation, Effect, Equations, Interactions, LocationSet, Meaning, Naming, Options, Status, Symbol, equations,
+    interactions,
 };
 pub use design::{
     Comparison, ErrorContribution, ErrorStatistics, MachineResult, UnreachableCount, budget, compare, contributions,

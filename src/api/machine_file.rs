@@ -7,7 +7,7 @@ use crate::machine::{self, ErrorTerm, Machine};
 use crate::syntax::{self, Files, IdentifyEntry, MemoryFiles};
 use crate::units::counted;
 use std::ops::Deref;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A machine with the files it was read from. Dereferences to its [`Machine`].
 #[derive(Debug, Clone)]
@@ -15,6 +15,8 @@ pub struct MachineFile {
     pub(crate) machine: Machine,
     pub(crate) identify: Option<IdentifyEntry>,
     pub(crate) sources: Sources,
+    /// The path of the file.
+    pub(crate) path: PathBuf,
 }
 
 impl Deref for MachineFile {
@@ -26,6 +28,11 @@ impl Deref for MachineFile {
 }
 
 impl MachineFile {
+    /// Returns the name of the machine file.
+    pub fn path(&self) -> &str {
+        self.sources.iter().next().map_or("", |(name, _)| name)
+    }
+
     /// Returns name and text of every file that the machine was read from, in the order read.
     pub fn sources(&self) -> &Sources {
         &self.sources
@@ -42,6 +49,21 @@ impl MachineFile {
             Some(machine) => Ok(Self { machine, ..self.clone() }),
             None => Err(unknown_tool(&self.machine, name)),
         }
+    }
+}
+
+/// Reads back a machine file of our own making; fails with the reason of its refusal.
+pub(crate) fn read_back(text: &str) -> Result<MachineFile, ReadBackFailure> {
+    let answer = loads(text, &LoadOptions::default(), Run::default());
+    answer.map(|answer| answer.value).map_err(|refusal| ReadBackFailure(refusal.iter().next().cloned()))
+}
+
+/// The first reason why a machine file of our own making is refused.
+pub(crate) struct ReadBackFailure(Option<Diagnostic>);
+
+impl std::fmt::Display for ReadBackFailure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.0.as_ref().map_or("it does not read back", |refusal| &refusal.message))
     }
 }
 
@@ -76,14 +98,18 @@ pub fn loads(text: &str, options: &LoadOptions, run: Run) -> Result<Answer<Machi
 const TEXT_NAME: &str = "machine.yaml";
 
 /// A text in front of other files.
-struct Overlay<'a> {
-    text: MemoryFiles,
-    files: &'a dyn Files,
+pub(crate) struct Overlay<'a> {
+    pub text: MemoryFiles,
+    pub files: &'a dyn Files,
 }
 
 impl Files for Overlay<'_> {
     fn read(&self, path: &Path) -> Result<Vec<u8>, syntax::ReadFailure> {
         self.text.read(path).or_else(|_| self.files.read(path))
+    }
+
+    fn read_at_most(&self, path: &Path, limit: u64) -> Result<Vec<u8>, syntax::ReadFailure> {
+        self.text.read_at_most(path, limit).or_else(|_| self.files.read_at_most(path, limit))
     }
 }
 
@@ -93,7 +119,7 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
     call.checked()?;
     let machine = machine.ok_or(Refused)?;
     let identify = document.and_then(|document| document.identify);
-    let file = MachineFile { machine, identify, sources: call.diagnostics.sources.clone() };
+    let file = MachineFile { machine, identify, sources: call.diagnostics.sources.clone(), path: path.to_owned() };
     match &options.tool {
         None => Ok(file),
         Some(name) => file.with_tool(name).or_else(|refusal| call.refuse(refusal)),

@@ -2,10 +2,10 @@
 
 use super::Exit;
 use super::output::session::Session;
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{self, ErrorTerm, Machine};
 use crate::syntax::Disk;
-use crate::syntax::{self, Files, IdentifyEntry, ReadFailure};
+use crate::syntax::{self, Files, IdentifyEntry};
 use crate::units::counted;
 use std::path::Path;
 
@@ -61,22 +61,4 @@ fn unknown_tool(machine: &Machine, name: &str) -> Diagnostic {
         format!("its tools are {}", known.join(", "))
     };
     Diagnostic::new(codes::E0801, format!("the machine has no tool `{name}`")).help(help)
-}
-
-/// One file in memory.
-struct Text<'a>(&'a str);
-
-impl Files for Text<'_> {
-    fn read(&self, _: &Path) -> Result<Vec<u8>, ReadFailure> {
-        Ok(self.0.as_bytes().to_vec())
-    }
-}
-
-/// A machine file of our own making, read back; or why it is refused.
-pub(super) fn own(text: &str) -> Result<Machine, String> {
-    let (files, mut own) = (Text(text), Diagnostics::default());
-    let document = syntax::load(Path::new("machine.yaml"), &files, &mut own);
-    let machine = document.and_then(|d| machine::resolve(&d, &files, &mut own));
-    let why = || own.iter().map(|d| d.message.clone()).next().unwrap_or_else(|| "it does not read back".to_owned());
-    machine.ok_or_else(why)
 }

@@ -11,7 +11,6 @@ mod serve;
 mod set_effect;
 mod store;
 mod tolerances;
-mod tool_poses;
 mod verbs;
 mod watch;
 
@@ -21,12 +20,12 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
     budget, check, classify, compare, compile, convert, diff, enumerate, equations, eval, explain, identify, import,
-    init, instrument, map, report, show, targets, verify,
+    init, instrument, man, map, report, show, targets, verify,
 };
 
 /// A compiler from machine-tool configurations to volumetric compensation.
 #[derive(Debug, Parser)]
-#[command(name = "abbe", version, about, max_term_width = 100)]
+#[command(name = "abbe", version = env!("ABBE_VERSION"), about, max_term_width = 100)]
 struct Cli {
     #[command(flatten)]
     global: Global,
@@ -37,9 +36,9 @@ struct Cli {
 /// Options of every verb.
 #[derive(Debug, Clone, clap::Args)]
 struct Global {
-    /// What goes to standard output; json and csv are the only thing there.
+    /// Form of standard output; json, csv and sarif are the only thing there.
     #[arg(long, global = true, value_enum, default_value = "text")]
-    format: Format,
+    format: FormatArg,
     /// No warnings, no progress.
     #[arg(long, global = true)]
     quiet: bool,
@@ -54,14 +53,24 @@ struct Global {
     confined: bool,
 }
 
-/// Form of the output.
+/// Form of the output, as an argument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
+enum FormatArg {
     /// For people.
     Text,
     /// For programs; see the contracts in docs/formats.md.
     Json,
     /// For spreadsheets.
+    Csv,
+    /// For annotations in reviews: diagnostics as SARIF 2.1.0 (only `check`).
+    Sarif,
+}
+
+/// Form of the output of a verb.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Text,
+    Json,
     Csv,
 }
 
@@ -125,6 +134,9 @@ enum Verb {
         /// Which.
         shell: clap_complete::Shell,
     },
+    /// Write the manual pages.
+    #[command(hide = true)]
+    Man(man::Args),
 }
 
 /// Why a verb did not finish; everything there is to say has been said to the session.
@@ -171,6 +183,9 @@ fn usage(message: &clap::Error) -> ExitCode {
 }
 
 fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
+    if session.is_sarif() && !matches!(verb, Verb::Check(_)) {
+        return session.usage("`--format sarif` goes with `check` only");
+    }
     match verb {
         Verb::Eval(args) => eval::run(session, &args),
         Verb::Classify(args) => classify::run(session, &args),
@@ -194,6 +209,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Explain(args) => explain::run(session, &args),
         Verb::Schema => schema(session),
         Verb::Completions { shell } => completions(session, shell),
+        Verb::Man(args) => man::run(session, &args),
     }
 }
 
@@ -205,6 +221,6 @@ fn completions(session: &Session, shell: clap_complete::Shell) -> Outcome {
 }
 
 fn schema(session: &Session) -> Outcome {
-    session.print(&format!("{:#}", crate::syntax::schema()));
+    session.print(&format!("{:#}", crate::api::schema()));
     Ok(())
 }

@@ -66,7 +66,7 @@ impl Turn<'_> {
                 None
             }
             // The command line itself: no file will mend it.
-            Err(Exit::Usage) => return Err(Exit::Usage),
+            Err(Exit::Usage) => return session.unfit_as(&now),
             Err(Exit::Refused) => Some(render(&now.diagnostics, Rendering::default())),
         };
         let good = self.good.get_or_insert_with(nothing);

@@ -1,4 +1,4 @@
-//! What a controller's compensation can hold: the `mechanism:` of a target's manifest.
+//! The mechanisms of a controller's compensation: the `mechanism:` of a target's manifest.
 
 use super::increment::{Increment, round};
 use super::tables::{CorrectionTable, CorrectionTables};
@@ -32,7 +32,7 @@ pub struct Mechanisms {
     /// direction of approach and is not the kinematics' to know.
     #[serde(default)]
     pub kinematics: Option<KinematicsMechanism>,
-    /// So many tables of all mechanisms together.
+    /// Maximum number of tables of all mechanisms together.
     #[serde(default)]
     pub tables: Option<usize>,
 }
@@ -41,7 +41,7 @@ pub struct Mechanisms {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KinematicsMechanism {
-    /// What the module carries.
+    /// The content of the module.
     pub carries: ModuleContent,
     /// Sine of the angle from a singular pose below which corrections of rotary axes are bounded.
     #[serde(default)]
@@ -56,7 +56,7 @@ pub struct KinematicsMechanism {
     pub increment: Increment,
 }
 
-/// What a kinematics module can carry.
+/// The content of a kinematics module.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ModuleContent {
@@ -65,11 +65,11 @@ pub enum ModuleContent {
     /// A 3x3 matrix from the axes X, Y, Z to their joints; constants row by row.
     LinearMap,
     /// The lines of a tilting table: A or B, and C on it, tables turning right-handed. Constants: a point of
-    /// C's line (X, Y, Z), the way from it to the tilting line (X, Y, Z), the length of the tool.
+    /// C's line (X, Y, Z), the vector from it to the tilting line (X, Y, Z), the length of the tool.
     RotaryCentres,
 }
 
-/// How the points of a table may lie.
+/// The spacing of the points of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Spacing {
@@ -88,7 +88,7 @@ pub enum Spacing {
     Line,
 }
 
-/// What a stored number means.
+/// The meaning of a stored number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stored {
@@ -100,7 +100,7 @@ pub enum Stored {
     Command,
 }
 
-/// Where the tables must be zero.
+/// The position at which tables must be zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reference {
@@ -111,7 +111,7 @@ pub enum Reference {
     Zero,
 }
 
-/// What tables are made for.
+/// The error that tables are fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fit {
@@ -122,22 +122,22 @@ pub enum Fit {
     FunctionalPoint,
 }
 
-/// Which part of the corrections tables hold.
+/// The part of the corrections that tables hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Holds {
     /// All of it.
     #[default]
     All,
-    /// What forward and reverse differ from their mean: the mean is held by something else.
+    /// The difference of forward and reverse from their mean: something else corrects the mean.
     Reversal,
 }
 
-/// How a table tells the directions of approach apart.
+/// The values of a table for the directions of approach.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Directions {
-    /// It does not: it holds the mean of forward and reverse.
+    /// The mean of forward and reverse.
     #[default]
     Mean,
     /// One value for each direction.
@@ -149,7 +149,7 @@ pub enum Directions {
     Backlash,
 }
 
-/// How a stored number is encoded.
+/// The encoding of a stored number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Encoding {
@@ -162,7 +162,7 @@ pub enum Encoding {
     Magnified(u32),
 }
 
-/// How the points of a plane lie over its two axes.
+/// The grid of a plane over its two axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PlaneGrid {
@@ -190,10 +190,10 @@ pub struct TableRules {
     /// Maximum number of points on one axis of a table.
     #[serde(default = "unlimited")]
     pub max_points_per_axis: usize,
-    /// How the points may lie.
+    /// The spacing of the points.
     #[serde(default, with = "serde_yaml::with::singleton_map")]
     pub spacing: Spacing,
-    /// How they tell the directions of approach apart.
+    /// Their values for the directions of approach.
     #[serde(default)]
     pub directions: Directions,
     /// Range of positions that tables of continuous axes cover, deg.
@@ -207,7 +207,7 @@ pub struct TableRules {
     /// Its encoding.
     #[serde(default, with = "serde_yaml::with::singleton_map")]
     pub encoding: Encoding,
-    /// Where the tables must be zero.
+    /// The position at which they must be zero.
     #[serde(default)]
     pub reference: Reference,
     /// The error that they are made for.
@@ -233,7 +233,7 @@ pub struct OwnAxisRules {
     /// True if there is one for every axis, of zeros where there is nothing.
     #[serde(default)]
     pub every_axis: bool,
-    /// Which part of the corrections they hold.
+    /// The part of the corrections that they hold.
     #[serde(default)]
     pub holds: Holds,
 }
@@ -260,7 +260,7 @@ pub struct PlaneRules {
     /// Those of every mechanism.
     #[serde(flatten)]
     pub table: TableRules,
-    /// How the points lie over the two axes.
+    /// The grid over the two axes.
     #[serde(default)]
     pub grid: PlaneGrid,
     /// True if rotary axes may be inputs.
@@ -325,8 +325,7 @@ impl TableRules {
         (1..=most).map(f64::from).find(|times| does(*times)).unwrap_or(f64::from(most))
     }
 
-    /// Rounds a lattice to what the controller stores of it with the least magnification that brings all within its
-    /// range.
+    /// Rounds a lattice to its stored numbers, with the least magnification that brings all within the range.
     fn magnify(&self, machine: &Machine, table: &mut CorrectionTable) {
         let decimals = self.increment.correction_decimals;
         let (scales, width) = (self.scales(machine, table), table.corrected.len());
@@ -340,7 +339,7 @@ impl TableRules {
 
     /// The magnification of a rounded lattice: the least with which every number is stored as it is.
     pub fn magnification_of(&self, machine: &Machine, table: &CorrectionTable) -> f64 {
-        /// Of the last place: what division and multiplication leave.
+        /// Rounding of a division and a multiplication, in last places.
         const ROUNDING: f64 = 1e-6;
         let last = libm::pow(10.0, f64::from(self.increment.correction_decimals));
         let (scales, width) = (self.scales(machine, table), table.corrected.len());
@@ -391,7 +390,7 @@ impl Mechanisms {
         }
     }
 
-    /// Does without tables of one kind. False if there are none of this name, or nothing would be left.
+    /// Removes the tables of one mechanism. Returns false if there are none of this name, or nothing would remain.
     pub fn leave_out(&mut self, name: &str) -> bool {
         let there = match name {
             "own_axis" => self.own_axis.take().is_some(),
@@ -451,12 +450,12 @@ impl Mechanisms {
         }
     }
 
-    /// Is a table written as products?
+    /// True if a table is written as products.
     pub fn is_product(&self, table: &CorrectionTable) -> bool {
         self.plane.is_none() && self.product.is_some() && (table.axes.len(), table.corrected.len()) == (2, 1)
     }
 
-    /// How many of the controller's tables a table takes.
+    /// Returns the number of the controller's tables that a table takes.
     pub fn count(&self, table: &CorrectionTable) -> usize {
         table.count(self.rules(table).is_some_and(|rules| rules.directions == Directions::TwoTables))
     }

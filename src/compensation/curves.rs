@@ -6,7 +6,7 @@
 
 use super::nodes::{Columns, Curves};
 use super::{ErrorCurve, TableRules};
-use crate::machine::{Approach, AxisKind, Direction, ErrorId, ErrorTerm, Location, Machine};
+use crate::machine::{Approach, AxisKind, Direction, ErrorFamily, ErrorId, ErrorTerm, LocationAction, Machine};
 use nalgebra::Vector3;
 
 /// The errors of the machine's axes, sampled: the six curves of an axis over the same positions. The mean
@@ -27,8 +27,8 @@ impl AxisCurves<'_> {
         [self.constants(), self.sampled()].concat()
     }
 
-    fn curve(&self, location: bool, direction: Direction, positions: &[f64], values: &[f64]) -> ErrorCurve {
-        let error = ErrorId { axis: self.machine.axes()[self.axis].name.clone(), location, direction };
+    fn curve(&self, family: ErrorFamily, direction: Direction, positions: &[f64], values: &[f64]) -> ErrorCurve {
+        let error = ErrorId { axis: self.machine.axes()[self.axis].name.clone(), family, direction };
         let values = values.iter().map(|value| self.rules.increment.error(*value, direction)).collect();
         ErrorCurve { error, positions: positions.to_vec(), values }
     }
@@ -37,14 +37,16 @@ impl AxisCurves<'_> {
         let errors = self.machine.axis_errors(self.axis);
         let given = |direction: Direction| matches!(errors.location[direction.index()], Some(ErrorTerm::Constant(_)));
         let values = located(self.machine, self.axis);
-        let written = written(point(self.machine, self.axis, true), given);
-        written.map(|direction| self.curve(true, direction, &[], &[values[direction.index()]])).collect()
+        let written = written(point(self.machine, self.axis, ErrorFamily::Location), given);
+        written
+            .map(|direction| self.curve(ErrorFamily::Location, direction, &[], &[values[direction.index()]]))
+            .collect()
     }
 
     fn sampled(&self) -> Vec<ErrorCurve> {
         let errors = self.machine.axis_errors(self.axis);
         let given = |direction: Direction| matches!(errors.component[direction.index()], Some(ErrorTerm::Component(_)));
-        let written: Vec<Direction> = written(point(self.machine, self.axis, false), given).collect();
+        let written: Vec<Direction> = written(point(self.machine, self.axis, ErrorFamily::Component), given).collect();
         if written.is_empty() {
             return Vec::new();
         }
@@ -55,7 +57,10 @@ impl AxisCurves<'_> {
             .positions(self.rules, &Columns { value: &weighed, stored: &|x| x });
         let values =
             |direction: Direction| -> Vec<f64> { positions.iter().map(|q| at(*q)[direction.index()]).collect() };
-        written.into_iter().map(|direction| self.curve(false, direction, &positions, &values(direction))).collect()
+        written
+            .into_iter()
+            .map(|direction| self.curve(ErrorFamily::Component, direction, &positions, &values(direction)))
+            .collect()
     }
 }
 
@@ -64,9 +69,9 @@ pub(super) fn curves_like(machine: &Machine, layout: &[ErrorCurve]) -> Vec<Error
     let like = |curve: &ErrorCurve| {
         let axis = machine.axis_index(curve.error.axis.as_str())?;
         let direction = curve.error.direction.index();
-        let values: Vec<f64> = match curve.error.location {
-            true => vec![located(machine, axis)[direction]],
-            false => curve.positions.iter().map(|q| component(machine, axis, *q)[direction]).collect(),
+        let values: Vec<f64> = match curve.error.family {
+            ErrorFamily::Location => vec![located(machine, axis)[direction]],
+            ErrorFamily::Component => curve.positions.iter().map(|q| component(machine, axis, *q)[direction]).collect(),
         };
         values.iter().any(|value| *value != 0.0).then(|| ErrorCurve { values, ..curve.clone() })
     };
@@ -74,9 +79,10 @@ pub(super) fn curves_like(machine: &Machine, layout: &[ErrorCurve]) -> Vec<Error
 }
 
 /// Returns the point about which the errors of an axis turn and of which the files know nothing; zero if they do.
-fn point(machine: &Machine, axis: usize, location: bool) -> Vector3<f64> {
+fn point(machine: &Machine, axis: usize, family: ErrorFamily) -> Vector3<f64> {
     let this = &machine.axes()[axis];
-    let turns = !location || machine.conventions().location == Location::CarriedBody;
+    let action = this.convention(machine.conventions()).location;
+    let turns = family == ErrorFamily::Component || matches!(action, LocationAction::Factor(_));
     if this.kind == AxisKind::Linear && turns { this.origin.into() } else { Vector3::zeros() }
 }
 
@@ -92,12 +98,12 @@ fn written(point: Vector3<f64>, given: impl Fn(Direction) -> bool) -> impl Itera
 
 /// Returns the location errors of an axis (mm, rad) about the points that the files know.
 fn located(machine: &Machine, axis: usize) -> [f64; 6] {
-    about_zero(machine.axis_errors(axis).location_values(), point(machine, axis, true))
+    about_zero(machine.axis_errors(axis).location_values(), point(machine, axis, ErrorFamily::Location))
 }
 
 /// Returns the component errors of an axis at a position (mm, rad) about the points that the files know.
 fn component(machine: &Machine, axis: usize, position: f64) -> [f64; 6] {
-    about_zero(machine.component_values(axis, position, Approach::Mean), point(machine, axis, false))
+    about_zero(machine.component_values(axis, position, Approach::Mean), point(machine, axis, ErrorFamily::Component))
 }
 
 /// Refers errors about a point to the zero of the machine coordinates: `delta - eps x point`.

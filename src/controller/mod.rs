@@ -9,26 +9,25 @@
 //!
 //! Targets without tables, which replace the controller's kinematics, have their own passes in `kinematics`.
 //!
-//! The rooms import one another in this order only: manifest, replay, emit, read, kinematics, effect, certificate, certify.
+//! The rooms import one another in this order only: manifest, replay, emit, read, kinematics,
+//! certificate, single_errors.
 
 mod certificate;
-mod certify;
-mod effect;
 mod emit;
 mod kinematics;
 mod manifest;
 mod read;
 mod replay;
+mod single_errors;
 
 pub use certificate::{
-    Certificate, Depth, ErrorLeft, Figures, Handled, JudgedTables, ROUNDING_UM, RaisedFigure, ZeroShift, micro,
+    Certificate, Depth, Effect, ErrorLeft, Figures, Handled, JudgedTables, ROUNDING_UM, RaisedFigure, ZeroShift, micro,
 };
-pub use certify::{certify, certify_kinematics};
-pub use effect::Effect;
 pub use emit::{Hashed, LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile, sha256};
 pub use kinematics::{KinematicsModule, Model, ModuleField, ModuleWords, Setting, World};
 pub use manifest::{
     Certainty, Controller, ControllerTarget, FileSpec, Layout, Level, Manifest, NAMES, assigned_letters, is_plain_name,
 };
-pub use read::{Found, ReadBack, RecognisedSet, recognise};
+pub use read::{NamedText, ReadBack, RecognisedSet, recognise};
 pub use replay::{Compensated, Replay};
+pub use single_errors::{certify, certify_kinematics};

@@ -1,17 +1,20 @@
-//! What the component errors of an axis become, as functions of its new position.
+//! The component errors of an axis after conversion, as functions of its new position.
 
 use super::changes_side;
 use super::constants::{inverse, six_of};
 use crate::algebra::Htm;
-use crate::lower::{JointElements, Position, error_motion, error_outside, invert_if, joint};
-use crate::machine::{Approach, Axis, AxisKind, Branch, Conventions, ErrorsAre, Machine, MachineParts};
+use crate::lower::{JointElements, Position, error_motion, invert_if, joint};
+use crate::machine::{Approach, Axis, AxisKind, JointConvention, Joints, Machine, MachineParts, MotionSide};
 
 /// The errors of one axis under old and new conventions.
 #[derive(Debug)]
 pub struct ComponentErrors<'a> {
     machine: &'a Machine,
     index: usize,
-    new: Conventions,
+    /// The joint before and after.
+    conventions: [JointConvention; 2],
+    /// The shape of error matrices before and after.
+    joints: [Joints; 2],
     /// The frames C and D: X holds C^-1 E C, and E' = D X D^-1.
     frames: [Htm<f64>; 2],
     /// D C^-1 is not the identity.
@@ -21,7 +24,7 @@ pub struct ComponentErrors<'a> {
 }
 
 impl<'a> ComponentErrors<'a> {
-    /// Of the axis with this index.
+    /// Prepares the axis with this index.
     pub fn new(machine: &'a Machine, index: usize, parts: &MachineParts, [old, new]: [&Htm<f64>; 2]) -> Self {
         let axis = &machine.axes()[index];
         let both = new.compose(&inverse(old));
@@ -29,7 +32,8 @@ impl<'a> ComponentErrors<'a> {
         Self {
             machine,
             index,
-            new: parts.conventions,
+            conventions: [machine.conventions(), &parts.conventions].map(|c| axis.convention(c)),
+            joints: [machine.conventions(), &parts.conventions].map(|c| c.joints),
             frames: [old.clone(), new.clone()],
             moved: gap > super::TINY[1] || both.translation.amax() > super::TINY[0],
             mirrored: parts.axes[index].sign() != axis.sign(),
@@ -41,34 +45,29 @@ impl<'a> ComponentErrors<'a> {
         &self.machine.axes()[self.index]
     }
 
-    /// Is the new position the negative of the old one?
+    /// True if the new position is the negative of the old one.
     pub fn is_mirrored(&self) -> bool {
         self.mirrored
     }
 
-    /// Do the new errors depend on several old ones to first order?
+    /// True if the new errors depend on several old ones to first order.
     pub fn mixes(&self) -> bool {
         self.changes_side
     }
 
-    /// Are the six the same numbers as before?
+    /// True if the six are the same numbers as before.
     pub fn unchanged(&self) -> bool {
-        let old = self.machine.conventions();
-        let (was, is) = (self.body(old), self.body(&self.new));
-        !self.changes_side && !self.moved && was == is && old.joints == self.new.joints
+        let [was, is] = self.conventions.map(|convention| convention.component.inverse);
+        !self.changes_side && !self.moved && was == is && self.joints[0] == self.joints[1]
     }
 
-    /// Why a curve of the language may not be able to say it, in words.
+    /// The reason, in words, for which a curve of the language may not hold the error.
     pub fn nature(&self) -> &'static str {
         match (self.changes_side, self.axis().kind) {
             (true, AxisKind::Linear) => "the position times an angle",
             (true, AxisKind::Rotary) => "an error times sine and cosine of the position",
             (false, _) => "the product of two errors",
         }
-    }
-
-    fn body(&self, conventions: &Conventions) -> bool {
-        self.axis().branch == Branch::Workpiece && conventions.errors_are == ErrorsAre::Body
     }
 
     /// The new six at a new position (mm or deg), approached from one side.
@@ -78,22 +77,22 @@ impl<'a> ComponentErrors<'a> {
         if self.unchanged() {
             return old;
         }
-        let conventions = self.machine.conventions();
-        let error = invert_if(self.body(conventions), error_motion(&old, conventions.joints));
+        let [was, is] = self.conventions.map(|convention| convention.component);
+        let error = invert_if(was.inverse, error_motion(&old, self.joints[0]));
         let [from, to] = &self.frames;
         let mut frame = to.clone();
         if self.changes_side {
             let nominal = self.nominal(position);
             // N X = (N X N^-1) N.
-            let across = if error_outside(self.axis(), conventions) { inverse(&nominal) } else { nominal };
+            let across = if was.side == MotionSide::Outer { inverse(&nominal) } else { nominal };
             frame = frame.compose(&across);
         }
         if self.changes_side || self.moved {
             frame = frame.compose(&inverse(from));
             let moved = frame.compose(&error).compose(&inverse(&frame));
-            return six_of(&invert_if(self.body(&self.new), moved), self.new.joints);
+            return six_of(&invert_if(is.inverse, moved), self.joints[1]);
         }
-        six_of(&invert_if(self.body(&self.new), error), self.new.joints)
+        six_of(&invert_if(is.inverse, error), self.joints[1])
     }
 
     /// The old position and direction of approach.

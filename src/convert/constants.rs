@@ -1,12 +1,12 @@
 //! The constants of a walk, and their regrouping.
 
-use super::{TINY, Wish, only_bounded, regroups};
+use super::{ConversionRequest, TINY, only_bounded, regroups};
 use crate::algebra::{Htm, rotation_vector, skew_vector};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::lower::{error_motion, invert_if};
 use crate::machine::{
-    Approach, Axis, AxisKind, AxisName, Branch, Conventions, Direction, ErrorTerm, ErrorsAre, JointErrors, Joints,
-    KinematicChain, Location, Machine, MachineParts,
+    Approach, Axis, AxisKind, AxisName, Branch, Direction, ErrorTerm, JointErrors, Joints, KinematicChain, Location,
+    LocationAction, Machine, MachineParts, MotionSide,
 };
 use nalgebra::Vector3;
 
@@ -25,7 +25,6 @@ impl Constants {
     /// Reads them from a machine.
     pub fn of(machine: &Machine) -> Self {
         let (conventions, axes) = (machine.conventions(), machine.axes());
-        let carried = conventions.location == Location::CarriedBody;
         let setup = error_motion(&machine.setup().workpiece, conventions.joints);
         let mut now = Htm::about(&machine.workpiece(), inverse(&setup));
         let (mut before, mut frames) = (Vec::new(), Vec::new());
@@ -34,19 +33,23 @@ impl Constants {
             if axis.branch == Branch::Tool {
                 bed.get_or_insert_with(|| now.clone());
             }
-            let own = location(axis, conventions, &machine.axis_errors(i).location_values());
-            let located = Htm::about(&axis.origin, own.clone());
-            let first = !carried || axis.branch == Branch::Tool;
-            if first {
-                now = now.compose(&located);
+            let convention = axis.convention(conventions);
+            let own = error_motion(&machine.axis_errors(i).location_values(), conventions.joints);
+            match convention.location {
+                LocationAction::Displaces => {
+                    let located = Htm::about(&convention.pivot, own.clone());
+                    now = now.compose(&located);
+                    before.push(now.clone());
+                    now = now.compose(&inverse(&located));
+                    frames.push(own);
+                }
+                LocationAction::Factor(factor) => {
+                    let located = now.compose(&Htm::about(&convention.pivot, invert_if(factor.inverse, own)));
+                    before.push(if factor.side == MotionSide::Outer { located.clone() } else { now });
+                    now = located;
+                    frames.push(Htm::identity());
+                }
             }
-            before.push(now.clone());
-            if !carried {
-                now = now.compose(&inverse(&located));
-            } else if !first {
-                now = now.compose(&located);
-            }
-            frames.push(if carried { Htm::identity() } else { own });
         }
         let bed = bed.unwrap_or_else(|| now.clone());
         if let Some(errors) = machine.spindle_errors() {
@@ -62,18 +65,18 @@ impl Constants {
     pub(super) fn regroup(
         &self,
         machine: &Machine,
-        wish: &Wish,
+        request: &ConversionRequest,
         parts: &mut MachineParts,
     ) -> Result<Vec<Htm<f64>>, Diagnostic> {
-        if !regroups(machine.conventions(), wish) && machine.conventions().joints == wish.conventions.joints {
+        if !regroups(machine.conventions(), request) && machine.conventions().joints == request.conventions.joints {
             return Ok(self.frames.clone());
         }
-        if regroups(machine.conventions(), wish) {
+        if regroups(machine.conventions(), request) {
             bounded(machine)?;
         }
-        match wish.conventions.location {
-            Location::AxisOnly => self.in_one_frame(machine, wish, parts),
-            Location::CarriedBody => self.each_in_its_carrier(machine, wish, parts),
+        match request.conventions.location {
+            Location::AxisOnly => self.in_one_frame(machine, request, parts),
+            Location::CarriedBody => self.each_in_its_carrier(machine, request, parts),
         }
     }
 
@@ -81,11 +84,11 @@ impl Constants {
     fn in_one_frame(
         &self,
         machine: &Machine,
-        wish: &Wish,
+        request: &ConversionRequest,
         parts: &mut MachineParts,
     ) -> Result<Vec<Htm<f64>>, Diagnostic> {
         let mut origin = self.bed.clone();
-        if let Some(name) = &wish.datum {
+        if let Some(name) = &request.datum {
             let index = machine.axis_index(name.as_str()).unwrap_or_default();
             let axis = &machine.axes()[index];
             let line = line_only(axis, &at_joint(axis, &inverse(&origin).compose(&self.before[index])));
@@ -94,13 +97,13 @@ impl Constants {
         let back = inverse(&origin);
         let frames: Vec<Htm<f64>> =
             machine.axes().iter().zip(&self.before).map(|(axis, q)| at_joint(axis, &back.compose(q))).collect();
-        let same = machine.conventions().location == Location::AxisOnly && wish.datum.is_none();
+        let same = machine.conventions().location == Location::AxisOnly && request.datum.is_none();
         for (i, (axis, frame)) in machine.axes().iter().zip(&frames).enumerate() {
             // What cannot act is dropped, unless it is the file's own.
             let written = if same { frame.clone() } else { line_only(axis, frame) };
-            locate(&mut parts.errors[i], &six_of(&written, wish.conventions.joints));
+            locate(&mut parts.errors[i], &six_of(&written, request.conventions.joints));
         }
-        self.ends(machine, wish, parts, [&origin, &origin])?;
+        self.ends(machine, request, parts, [&origin, &origin])?;
         Ok(frames)
     }
 
@@ -108,10 +111,10 @@ impl Constants {
     fn each_in_its_carrier(
         &self,
         machine: &Machine,
-        wish: &Wish,
+        request: &ConversionRequest,
         parts: &mut MachineParts,
     ) -> Result<Vec<Htm<f64>>, Diagnostic> {
-        if wish.datum.is_some() {
+        if request.datum.is_some() {
             let message =
                 "`--datum` names one frame for all axes, `carried_body` refers each to the body that carries it";
             return Err(Diagnostic::new(codes::E0528, message).help("leave one of them out"));
@@ -126,41 +129,42 @@ impl Constants {
                 Branch::Tool => (&self.bed, &self.before[i]),
             };
             let own = at_joint(axis, &inverse(from).compose(to));
-            let body = axis.branch == Branch::Workpiece && wish.conventions.errors_are == ErrorsAre::Body;
-            locate(&mut parts.errors[i], &six_of(&invert_if(body, own), wish.conventions.joints));
+            let inverted =
+                matches!(axis.convention(&request.conventions).location, LocationAction::Factor(f) if f.inverse);
+            locate(&mut parts.errors[i], &six_of(&invert_if(inverted, own), request.conventions.joints));
         }
         let last = axes.len() - 1;
         let first = if side(0) == Some(Branch::Workpiece) { &self.before[0] } else { &self.bed };
         let tool = if side(last) == Some(Branch::Tool) { &self.before[last] } else { &self.bed };
-        self.ends(machine, wish, parts, [first, tool])?;
+        self.ends(machine, request, parts, [first, tool])?;
         Ok(vec![Htm::identity(); axes.len()])
     }
 
-    /// What is left at the workpiece (before the first motion) and at the tool (after the last one).
+    /// Writes the rest at the workpiece (before the first motion) and at the tool (after the last one).
     fn ends(
         &self,
         machine: &Machine,
-        wish: &Wish,
+        request: &ConversionRequest,
         parts: &mut MachineParts,
         [first, last]: [&Htm<f64>; 2],
     ) -> Result<(), Diagnostic> {
-        let joints = wish.conventions.joints;
+        let joints = request.conventions.joints;
         let clamping = inverse(&seen_from(&machine.workpiece(), first));
         parts.setup.workpiece = tidied(&six_of(&clamping, joints), &machine.setup().workpiece);
         let all = self.before.last().unwrap_or(&self.bed);
         let rest = inverse(last).compose(all);
-        self.at_the_tool(machine, wish, parts, &rest)
+        self.at_the_tool(machine, request, parts, &rest)
     }
 
     fn at_the_tool(
         &self,
         machine: &Machine,
-        wish: &Wish,
+        request: &ConversionRequest,
         parts: &mut MachineParts,
         rest: &Htm<f64>,
     ) -> Result<(), Diagnostic> {
         let old = machine.spindle_errors().map(JointErrors::location_values);
-        let six = six_of(&seen_from(&machine.tool().gauge, rest), wish.conventions.joints);
+        let six = six_of(&seen_from(&machine.tool().gauge, rest), request.conventions.joints);
         let turns = six[3..].iter().any(|e| e.abs() > TINY[1]);
         if old.is_none() && !turns {
             let shifted: [f64; 3] = std::array::from_fn(|i| parts.setup.tool[i] + six[i]);
@@ -192,7 +196,7 @@ fn new_spindle(machine: &Machine) -> Result<AxisName, Diagnostic> {
     let names = ["S", "SP", "SPINDLE"].into_iter().filter(|name| machine.axis_index(name).is_none());
     names.filter_map(AxisName::new).next().ok_or_else(|| {
         let message =
-            "what turns the tool against the last axis needs a spindle, and `S`, `SP`, `SPINDLE` are axes here";
+            "a rotation of the tool against the last axis needs a spindle, but `S`, `SP` and `SPINDLE` are axes";
         Diagnostic::new(codes::E0529, message).help("put a spindle into the chain, such as `(C9)` before `t`")
     })
 }
@@ -200,17 +204,10 @@ fn new_spindle(machine: &Machine) -> Result<AxisName, Diagnostic> {
 /// A location error that is only a tolerance cannot be regrouped.
 fn bounded(machine: &Machine) -> Result<(), Diagnostic> {
     let is = |term: &ErrorTerm| matches!(term, ErrorTerm::Tolerance(_));
-    match machine.errors().find(|(id, term)| id.location && is(term)) {
+    match machine.errors().find(|(id, term)| id.is_location() && is(term)) {
         Some((id, _)) => Err(only_bounded(&id)),
         None => Ok(()),
     }
-}
-
-/// Loc of an axis as it stands in its joint.
-fn location(axis: &Axis, conventions: &Conventions, six: &[f64; 6]) -> Htm<f64> {
-    let body = axis.branch == Branch::Workpiece && conventions.errors_are == ErrorsAre::Body;
-    let carried = conventions.location == Location::CarriedBody;
-    invert_if(body && carried, error_motion(six, conventions.joints))
 }
 
 pub(super) fn inverse(motion: &Htm<f64>) -> Htm<f64> {
@@ -226,7 +223,7 @@ fn at_joint(axis: &Axis, motion: &Htm<f64>) -> Htm<f64> {
     seen_from(&axis.origin, motion)
 }
 
-/// The least displacement that puts the axis's line of motion where this one does.
+/// The smallest displacement that puts the axis's line of motion where this one does.
 fn line_only(axis: &Axis, located: &Htm<f64>) -> Htm<f64> {
     let u = Vector3::from(axis.direction);
     let turned = (located.linear * u).normalize();

@@ -22,75 +22,74 @@ pub use proof::{Proof, prove};
 pub use shape::shape;
 
 use crate::diagnostic::{Diagnostic, codes};
-use crate::lower::error_outside;
 use crate::machine::{
-    Approach, Axis, AxisName, Branch, Conventions, Direction, ErrorId, ErrorTerm, Grid, JointErrors, Location, Machine,
-    MachineParts, Travel,
+    Approach, Axis, AxisName, Branch, Conventions, Direction, ErrorFamily, ErrorId, ErrorTerm, Grid, JointErrors,
+    Location, Machine, MachineParts, Travel,
 };
 
-/// What counts as nothing: a femtometre, and the same over a metre.
+/// Differences that count as zero: a femtometre, and the same over a metre.
 const TINY: [f64; 2] = [1e-12, 1e-15];
 
 /// Difference (mm) that is rounding: of positions of some metres, in matrices multiplied and taken apart again.
 pub const ROUNDING: f64 = 1e-9;
 
-/// What is wanted.
+/// A conversion to make.
 #[derive(Debug, Clone)]
-pub struct Wish {
+pub struct ConversionRequest {
     /// The new conventions.
     pub conventions: Conventions,
     /// `axis_only`: the axis from whose actual line location errors count, instead of the machine frame.
     pub datum: Option<AxisName>,
-    /// How far the machines may differ (mm; rotations: this over a metre). Above [`ROUNDING`], tables may get more
+    /// Allowed difference of the machines (mm; rotations: this over a metre). Above [`ROUNDING`], tables may get more
     /// points.
-    pub within: f64,
+    pub within_mm: f64,
 }
 
 /// An error that no curve of the language holds exactly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Misfit {
-    /// Which.
+    /// The error.
     pub error: ErrorId,
-    /// How far the curve written is off (mm or rad).
+    /// The deviation of the curve written (mm or rad).
     pub size: f64,
-    /// What it would have to be, in words.
+    /// The function it would have to be, in words.
     pub nature: &'static str,
 }
 
 /// A machine under its new conventions, not yet proved.
 #[derive(Debug, Clone)]
 pub struct Conversion {
-    /// What to write.
+    /// The parts of the converted machine.
     pub parts: MachineParts,
-    /// What the curves miss.
+    /// The errors that the curves miss.
     pub misfits: Vec<Misfit>,
 }
 
 /// Rewrites the errors of a machine for other conventions.
-pub fn convert(machine: &Machine, wish: &Wish) -> Result<Conversion, Diagnostic> {
+pub fn convert(machine: &Machine, request: &ConversionRequest) -> Result<Conversion, Diagnostic> {
     let mut parts = machine.to_parts();
-    parts.conventions = wish.conventions;
-    // Values are regrouped: what was said of one of them is not said of the sums.
+    parts.conventions = request.conventions;
+    // Values are regrouped: the uncertainty of one of them is not that of the sums.
     parts.uncertainty.clear();
-    let turned = |axis: &Axis| turns_over(machine, axis, wish);
+    let turned = |axis: &Axis| turns_over(machine, axis, request);
     for (axis, grid) in parts.axes.iter_mut().zip(&mut parts.volume).filter(|(axis, _)| turned(axis)) {
         *axis = mirrored(axis);
         *grid = Grid { min: -grid.max, max: -grid.min, ..*grid };
     }
     let constants = Constants::of(machine);
-    let frames = constants.regroup(machine, wish, &mut parts)?;
+    let frames = constants.regroup(machine, request, &mut parts)?;
     let mut misfits = Vec::new();
     for (i, frame) in frames.iter().enumerate() {
         let errors = ComponentErrors::new(machine, i, &parts, [&constants.frames[i], frame]);
         tolerances(machine, i, &errors)?;
-        component(machine, i, &errors, wish, &mut parts, &mut misfits);
+        component(machine, i, &errors, request, &mut parts, &mut misfits);
     }
     Ok(Conversion { parts, misfits })
 }
 
-/// Does a positive command of the axis mean the other way from now on?
-fn turns_over(machine: &Machine, axis: &Axis, wish: &Wish) -> bool {
-    let wanted = wish.conventions.workpiece_axes;
+/// True if the conversion reverses the sense of a positive command of the axis.
+fn turns_over(machine: &Machine, axis: &Axis, request: &ConversionRequest) -> bool {
+    let wanted = request.conventions.workpiece_axes;
     axis.branch == Branch::Workpiece && wanted != machine.conventions().workpiece_axes && axis.sense != wanted
 }
 
@@ -109,10 +108,12 @@ fn mirrored(axis: &Axis) -> Axis {
 /// A tolerance says nothing of how errors go together: it can stay, but not be turned into others.
 fn tolerances(machine: &Machine, axis: usize, errors: &ComponentErrors<'_>) -> Result<(), Diagnostic> {
     let given = machine.axis_errors(axis);
-    let bounded = given.iter().find(|(location, _, term)| !location && matches!(term, ErrorTerm::Tolerance(_)));
+    let bounded = given
+        .iter()
+        .find(|(family, _, term)| *family == ErrorFamily::Component && matches!(term, ErrorTerm::Tolerance(_)));
     match bounded {
         Some((_, direction, _)) if errors.mixes() => {
-            let id = ErrorId { axis: machine.axes()[axis].name.clone(), location: false, direction };
+            let id = ErrorId { axis: machine.axes()[axis].name.clone(), family: ErrorFamily::Component, direction };
             Err(only_bounded(&id))
         }
         _ => Ok(()),
@@ -131,31 +132,31 @@ fn component(
     machine: &Machine,
     axis: usize,
     errors: &ComponentErrors<'_>,
-    wish: &Wish,
+    request: &ConversionRequest,
     parts: &mut MachineParts,
     misfits: &mut Vec<Misfit>,
 ) {
     let old: &JointErrors = machine.axis_errors(axis);
     for direction in Direction::ALL {
-        let (term, size) = shape(errors, &old.component, direction, &parts.axes[axis], wish.within);
+        let (term, size) = shape(errors, &old.component, direction, &parts.axes[axis], request.within_mm);
         parts.errors[axis].component[direction.index()] = term;
         if size > TINY[usize::from(direction.is_rotation())] {
-            let error = ErrorId { axis: machine.axes()[axis].name.clone(), location: false, direction };
+            let error = ErrorId { axis: machine.axes()[axis].name.clone(), family: ErrorFamily::Component, direction };
             misfits.push(Misfit { error, size, nature: errors.nature() });
         }
     }
 }
 
-/// Does the error motion change from one side of the nominal motion to the other?
+/// True if the error motion changes its side of the nominal motion.
 fn changes_side(axis: &Axis, old: &Conventions, new: &Conventions) -> bool {
-    error_outside(axis, old) != error_outside(axis, new)
+    axis.convention(old).component.side != axis.convention(new).component.side
 }
 
-/// Is the location of the axes to be said in another way at all?
-fn regroups(old: &Conventions, wish: &Wish) -> bool {
-    old.location != wish.conventions.location
-        || wish.datum.is_some()
-        || (old.location == Location::CarriedBody && old.errors_are != wish.conventions.errors_are)
+/// True if location errors must be regrouped.
+fn regroups(old: &Conventions, request: &ConversionRequest) -> bool {
+    old.location != request.conventions.location
+        || request.datum.is_some()
+        || (old.location == Location::CarriedBody && old.errors_are != request.conventions.errors_are)
 }
 
 /// The errors whose terms differ between a machine and its conversion; those of clamping as `tool.X`, `workpiece.A`.
@@ -168,11 +169,15 @@ pub fn changes(old: &Machine, new: &MachineParts) -> Vec<Change> {
     let mut all = Vec::new();
     for (name, after) in new.axes.iter().map(|axis| &axis.name).chain(new.chain.spindle()).zip(&new.errors) {
         let before = before(name);
-        for (location, direction) in [true, false].into_iter().flat_map(|l| Direction::ALL.map(|d| (l, d))) {
-            let [a, b] = [&before, after].map(|errors| &errors.six(location)[direction.index()]);
+        for (family, direction) in ErrorFamily::ALL.into_iter().flat_map(|f| Direction::ALL.map(|d| (f, d))) {
+            let [a, b] = [&before, after].map(|errors| &errors.six(family)[direction.index()]);
             if a != b {
-                let name = ErrorId { axis: name.clone(), location, direction }.to_string();
-                all.push(Change { name, direction, values: location.then(|| [constant(a), constant(b)]) });
+                let name = ErrorId { axis: name.clone(), family, direction }.to_string();
+                all.push(Change {
+                    name,
+                    direction,
+                    values: (family == ErrorFamily::Location).then(|| [constant(a), constant(b)]),
+                });
             }
         }
     }
@@ -193,7 +198,7 @@ pub fn changes(old: &Machine, new: &MachineParts) -> Vec<Change> {
 pub struct Change {
     /// `EC0Y`, `EXX`, `workpiece.A`.
     pub name: String,
-    /// Which of the six.
+    /// The direction of the error.
     pub direction: Direction,
     /// Constants before and after (mm or rad); curves have none.
     pub values: Option<[f64; 2]>,

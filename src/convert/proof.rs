@@ -5,7 +5,7 @@ use crate::evaluate::{Nodes, Poses, Random};
 use crate::lower::{Chain, ErrorValues, Exact, values};
 use crate::machine::{Approach, Grid, Machine, Pose};
 
-/// What two machines that ought to be the same differ by.
+/// The largest differences of two machines that should be the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Proof {
     /// Poses on a grid over the volume, and random ones over the travels.
@@ -19,19 +19,19 @@ pub struct Proof {
     pub one_sided: [f64; 2],
 }
 
-/// Nodes of the grid, at most about.
+/// Approximate maximum number of grid nodes.
 const NODES: f64 = 4000.0;
 const RANDOM: usize = 2000;
 const APPROACHES: [Approach; 3] = [Approach::Mean, Approach::Forward, Approach::Reverse];
 
 impl Proof {
-    /// Is the difference at most this (mm; rotations: over a metre)?
-    pub fn holds(&self, within: f64) -> bool {
-        self.position <= within && self.rotation <= within * 1e-3
+    /// True if the difference is at most this (mm; rotations: over a metre).
+    pub fn holds(&self, within_mm: f64) -> bool {
+        self.position <= within_mm && self.rotation <= within_mm * 1e-3
     }
 }
 
-/// Compares a machine with its conversion, whose axes may count the other way.
+/// Compares a machine with its conversion, whose axes may count in the opposite sense.
 pub fn prove(old: &Machine, new: &Machine) -> Proof {
     let count = old.axes().len().max(1) as f64;
     let each = libm::floor(libm::pow(NODES, 1.0 / count)).max(2.0);
@@ -73,7 +73,7 @@ fn difference(old: &Machine, new: &Machine, pose: &Pose, approach: Approach) -> 
     [largest(real[0], nominal[0]), largest(real[1], nominal[1])]
 }
 
-/// A rising position of an axis that counts the other way is a falling one.
+/// A rising position of an axis that counts in the opposite sense is a falling one.
 fn approached(machine: &Machine, pose: &Pose, approach: Approach, over: &[bool]) -> ErrorValues {
     let opposite = match approach {
         Approach::Mean => Approach::Mean,

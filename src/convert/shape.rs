@@ -1,4 +1,4 @@
-//! From a function of the position to a curve of the language.
+//! Conversion of a function of the position to a curve of the language.
 //!
 //! The forms are tried from the simplest on: what was there (or its negative), a polynomial, harmonics, a table
 //! at the positions of the old tables. The first that is the function everywhere it is looked at is taken; if
@@ -18,10 +18,10 @@ const ORDERS: usize = 720;
 /// Lines of a table, and how often a gap may be halved, when a tolerance allows for it.
 const LINES: usize = 4000;
 const HALVINGS: u32 = 7;
-/// Where a curve is looked at between two positions.
+/// Fractions of an interval at which a curve is compared.
 const BETWEEN: [f64; 4] = [0.13, 0.37, 0.5, 0.81];
-/// Share of the allowed difference that one curve may use.
-const SHARE: f64 = 0.05;
+/// Fraction of the allowed difference that one curve may use.
+const TOLERANCE_FRACTION: f64 = 0.05;
 
 /// The term of one error, and how far it is off (mm or rad).
 pub fn shape(
@@ -45,7 +45,7 @@ pub fn shape(
         direction,
         axis,
         nothing: TINY[usize::from(direction.is_rotation())],
-        enough: SHARE * within * scale,
+        enough: TOLERANCE_FRACTION * within * scale,
         finer: within > ROUNDING,
     };
     let apart = old.iter().flatten().any(|t| matches!(t, ErrorTerm::Component(ComponentError::Bidirectional { .. })));
@@ -80,7 +80,7 @@ struct ConvertedForm<'a> {
     axis: &'a Axis,
     nothing: f64,
     enough: f64,
-    /// May tables get more points?
+    /// True if tables may get more points.
     finer: bool,
 }
 
@@ -100,7 +100,7 @@ impl ConvertedForm<'_> {
             if size <= self.nothing {
                 return (curve, 0.0);
             }
-            if best.as_ref().is_none_or(|(_, least)| size < *least) {
+            if best.as_ref().is_none_or(|(_, min)| size < *min) {
                 best = Some((curve, size));
             }
         }
@@ -168,10 +168,10 @@ impl ConvertedForm<'_> {
             return sorted(all.map(|q| q.rem_euclid(360.0)).chain([low, high]).collect());
         }
         // Beyond its end a table holds its value: the innermost ends count.
-        let least = |table: &Vec<f64>| table.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = |table: &Vec<f64>| table.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let first = tables.iter().map(least).fold(f64::NEG_INFINITY, f64::max);
-        let last = tables.iter().map(most).fold(f64::INFINITY, f64::min);
+        let min = |table: &Vec<f64>| table.iter().copied().fold(f64::INFINITY, f64::min);
+        let max = |table: &Vec<f64>| table.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let first = tables.iter().map(min).fold(f64::NEG_INFINITY, f64::max);
+        let last = tables.iter().map(max).fold(f64::INFINITY, f64::min);
         sorted(all.filter(|q| (first..=last).contains(q)).chain([first, last]).collect())
     }
 
@@ -228,7 +228,7 @@ fn halved(knots: &[f64], times: u32) -> Vec<f64> {
 
 /// Positions at which a curve is compared with the function.
 fn looks(knots: &[f64]) -> Vec<f64> {
-    let between = knots.windows(2).flat_map(|w| BETWEEN.map(|share| w[0] + (w[1] - w[0]) * share));
+    let between = knots.windows(2).flat_map(|w| BETWEEN.map(|fraction| w[0] + (w[1] - w[0]) * fraction));
     between.chain(knots.iter().copied()).collect()
 }
 

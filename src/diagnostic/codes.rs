@@ -7,13 +7,25 @@
 
 /// A code: `E....` refuses an input, `W....` warns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Code {
+pub struct Code(&'static CodeText);
+
+/// The texts of a code.
+#[derive(Debug, PartialEq, Eq)]
+pub struct CodeText {
     /// Such as `E0203`.
     pub id: &'static str,
     /// A few words.
     pub title: &'static str,
-    /// What `abbe explain CODE` prints: Markdown with an example of wrong and right.
+    /// The text of `abbe explain CODE`: Markdown with an example of wrong and right.
     pub explanation: &'static str,
+}
+
+impl std::ops::Deref for Code {
+    type Target = CodeText;
+
+    fn deref(&self) -> &CodeText {
+        self.0
+    }
 }
 
 impl Code {
@@ -52,11 +64,11 @@ macro_rules! codes {
     ($($id:ident $title:literal,)*) => {
         $(
             #[doc = $title]
-            pub const $id: Code = Code {
+            pub const $id: Code = Code(&CodeText {
                 id: stringify!($id),
                 title: $title,
                 explanation: include_str!(concat!("explain/", stringify!($id), ".md")),
-            };
+            });
         )*
 
         /// All codes, by stage.
@@ -70,8 +82,8 @@ codes! {
     E0103 "a file is too large",
     E0104 "a file is not UTF-8",
     E0105 "the file is not YAML",
-    E0106 "the file is beyond all measure",
-    E0107 "a key stands twice",
+    E0106 "the file exceeds the parser's limits",
+    E0107 "a key occurs twice",
     E0108 "YAML that is not part of the language",
     E0109 "the file holds no machine",
     E0110 "the header of a table is not understood",
@@ -85,8 +97,8 @@ codes! {
     E0204 "a unit is missing",
     E0205 "the unit is of the wrong kind",
     E0206 "not a quantity",
-    E0207 "a point has three coordinates",
-    E0208 "`extends` does not end",
+    E0207 "a point needs three coordinates",
+    E0208 "`extends` is circular or too deep",
     E0209 "entries exclude each other",
     E0210 "not one of the choices",
     E0211 "another version of the language",
@@ -94,11 +106,11 @@ codes! {
     E0213 "a length or position is not plausible",
     E0214 "the volume is refused",
     E0215 "a word of `algebra` or `identify` is refused",
-    E0301 "the chain is not understood",
+    E0301 "the chain cannot be read",
     E0302 "the chain does not run from workpiece to tool",
     E0303 "an axis of the chain is not declared",
-    E0304 "an axis stands twice",
-    E0305 "a prime on the wrong side",
+    E0304 "an axis occurs twice in the chain",
+    E0305 "a primed axis on the tool side",
     E0306 "not the name of an axis",
     E0401 "an axis needs its kind or direction",
     E0402 "a direction is refused",
@@ -111,48 +123,48 @@ codes! {
     E0410 "points are not a curve",
     E0411 "a tolerance is negative",
     E0412 "an error is not plausible",
-    E0501 "measurements are not understood",
-    E0502 "what is to be fitted is not understood",
+    E0501 "measurements cannot be read",
+    E0502 "the list of fitted errors cannot be read",
     E0503 "fewer readings than parameters",
     E0504 "the fitted machine is not plausible",
-    E0505 "a station without a place",
+    E0505 "the position of a station is missing",
     E0506 "a length without a direction",
     E0507 "a line without a direction",
     E0508 "too many unknowns",
-    E0509 "an export is not understood",
-    E0510 "not for the papers' way",
+    E0509 "an export cannot be read",
+    E0510 "readings that `--method moore-penrose` cannot use",
     E0511 "no plane to draw",
     E0521 "unknown generator",
-    E0522 "an ideal that contains 1",
+    E0522 "the ideal contains 1",
     E0523 "an algebra that is too large",
     E0524 "a singular division",
-    E0525 "no polynomial",
+    E0525 "the closed form is no polynomial",
     E0526 "no exact conversion",
-    E0527 "a tolerance that would have to be split",
-    E0528 "conventions are not understood",
+    E0527 "a tolerance cannot be split",
+    E0528 "conventions cannot be read",
     E0529 "the converted machine is refused",
     E0541 "a table too long to be printed",
-    W0501 "a fit has not settled",
+    W0501 "the fit did not converge",
     W0502 "the fit does not explain the data",
-    W0503 "what is left is not noise",
+    W0503 "the residuals are not random",
     W0504 "rows are left out",
     W0505 "readings of an unlikely size",
     W0506 "a direction without readings",
     W0507 "readings contradict each other",
-    W0508 "nothing is told of what is fitted",
-    W0509 "what is said for nothing",
-    W0510 "noise goes to a machine file",
+    W0508 "the data do not determine any fitted parameter",
+    W0509 "an entry of `identify` has no effect",
+    W0510 "parameters below the noise are written",
     E0601 "no letter for an axis",
     E0602 "a correction is above the limit",
-    E0603 "a lattice that cannot be",
+    E0603 "the lattice is impossible",
     E0604 "no error is bounded",
     E0605 "a class of machines is refused",
     E0606 "too many drawn poses",
     E0607 "too many arrangements",
-    E0608 "a rule of arrangements is not understood",
-    E0609 "no arrangement is left",
+    E0608 "a rule of arrangements cannot be read",
+    E0609 "the rules exclude every arrangement",
     E0610 "a state file is refused",
-    E0611 "parts do not make a whole",
+    E0611 "the merged parts are incomplete",
     E0612 "an instrument's path cannot be driven",
     E0613 "no tool pose is reached",
     E0630 "an output is an input",
@@ -160,22 +172,22 @@ codes! {
     E0632 "a picture or page cannot be drawn",
     E0701 "unknown target",
     E0702 "a template failed",
-    E0703 "a manifest is not understood",
-    E0704 "a compensation file is not what the controller would read",
+    E0703 "a manifest cannot be read",
+    E0704 "the controller would misread a compensation file",
     E0705 "a compensation file is missing",
-    E0706 "a file is not ours to replace",
+    E0706 "a foreign or edited file would be replaced",
     E0707 "files do not read back",
-    E0708 "a target has nothing for this machine",
-    E0709 "a number the controller does not take",
+    E0708 "the target cannot correct this machine",
+    E0709 "a number beyond the controller's limits",
     E0710 "a target known from memory only",
-    E0711 "two sets that do not belong together",
-    E0730 "files that several targets read",
-    E0731 "a file that does not say its axis",
-    E0732 "two files for one place",
-    E0733 "a half replaced set",
+    E0711 "two sets do not belong together",
+    E0730 "files of several possible targets",
+    E0731 "the axis of a file is unknown",
+    E0732 "two files for the same part of a set",
+    E0733 "a set is partly replaced",
     E0740 "templates that need too much memory",
-    E0750 "a letter that is no coordinate of the controller",
-    E0751 "a machine that the controller's module is not for",
+    E0750 "a letter is no coordinate of the controller",
+    E0751 "the controller's module does not support the machine",
     E0752 "the controller has no letter left",
     E0810 "a file cannot be written",
     E0811 "a file is there already",
@@ -183,14 +195,14 @@ codes! {
     E0813 "no tool pose in common",
     E0814 "not an algebra",
     E0815 "not a matrix over the dual numbers",
-    E0817 "tool poses are not understood",
+    E0817 "tool poses cannot be read",
     E0818 "options that do not fit",
     W0201 "no version of the language",
     W0401 "an axis is left out",
     W0402 "a location error cannot act",
     W0403 "a curve repeats a location error",
     W0601 "an axis is written under another letter",
-    W0602 "tables that make it worse, or do nothing",
+    W0602 "tables increase the error or have no effect",
     W0603 "the orientation gets worse",
     W0604 "a curve is resampled",
     W0605 "a lattice covers less than the travel",
@@ -200,17 +212,17 @@ codes! {
     W0702 "tables of another machine file",
     W0703 "no manifest to compare with",
     W0704 "points of installed tables are lost",
-    W0705 "a table that ends before the axis",
+    W0705 "a table ends before the axis",
     W0706 "tables judged with another tool",
-    W0710 "a file's axis told by its positions",
-    W0711 "a file left alone",
+    W0710 "the axis of a file is inferred from its positions",
+    W0711 "a file is ignored",
     W0712 "a killed run was finished",
     W0713 "a run was killed before it changed anything",
     W0760 "words of the program are axes, not the tip",
     W0761 "a rotary axis with the letter of a linear one",
     E0801 "the machine has no such tool",
-    E0802 "poses are not understood",
-    E0803 "an error is not known at a pose",
+    E0802 "poses cannot be read",
+    E0803 "an error is undefined at a pose",
     W0801 "poses beyond the travel",
     W0802 "errors that are only bounded",
 }

@@ -5,19 +5,23 @@
 //! renders them all at the end. Nothing here prints.
 
 pub mod codes;
+mod record;
 mod render;
+mod sarif;
 mod shown;
 mod suggest;
 
 pub use codes::{CODES, Code, info};
+pub use record::{DiagnosticRecord, PlaceRecord, PlaceStart, WarningRecord};
 pub use render::{Rendering, render, summary};
+pub use sarif::sarif;
 pub(crate) use shown::is_layout;
 pub use shown::shown;
 pub use suggest::{did_you_mean, nearest};
 
 use std::ops::Range;
 
-/// Does it stop the run?
+/// The effect of a diagnostic on the run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
@@ -34,18 +38,18 @@ pub struct SourceId(pub(crate) usize);
 /// A place: bytes `range` of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
-    /// Which file.
+    /// The file.
     pub source: SourceId,
     /// Bytes of its text.
     pub range: Range<usize>,
 }
 
-/// A place with what is to be said there (may be empty).
+/// A place with its remark (may be empty).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
-    /// Where.
+    /// The place.
     pub place: Place,
-    /// What is there.
+    /// The remark.
     pub text: String,
 }
 
@@ -54,13 +58,13 @@ pub struct Label {
 pub struct Diagnostic {
     /// Stable code such as `E0203`; `abbe explain CODE` prints its long text.
     pub code: Code,
-    /// Whether it stops the run.
+    /// Refusal or warning.
     pub severity: Severity,
-    /// What is wrong, in the field's words, with value and unit.
+    /// The fault, in terms of the field, with value and unit.
     pub message: String,
-    /// Where; the first is the primary place. Empty if there is no file.
+    /// Its places; the first is the primary one. Empty if there is no file.
     pub labels: Vec<Label>,
-    /// What to write instead.
+    /// The remedy.
     pub help: Option<String>,
 }
 
@@ -129,7 +133,7 @@ impl Sources {
         self.0.iter().map(|(name, text)| (name.as_str(), text.as_str()))
     }
 
-    /// 1-based line and column (in characters) of a place's start.
+    /// Returns the 1-based line and column (in characters) of a place's start.
     pub fn line_column(&self, place: &Place) -> (usize, usize) {
         let text = self.text(place.source);
         let start = place.range.start.min(text.len());
@@ -179,12 +183,12 @@ impl Diagnostics {
         self.list.iter()
     }
 
-    /// Is the input refused?
+    /// True if the input is refused.
     pub fn refused(&self) -> bool {
         self.list.iter().any(|d| d.severity == Severity::Refusal)
     }
 
-    /// How many warnings.
+    /// The number of warnings.
     pub fn warnings(&self) -> usize {
         self.list.iter().filter(|d| d.severity == Severity::Warning).count()
     }

@@ -4,7 +4,7 @@ use super::{Diagnostic, Diagnostics, Label, Severity};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use std::ops::Range;
 
-/// How to render.
+/// Options of rendering.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Rendering {
     /// With ANSI colours.
@@ -104,7 +104,7 @@ fn sound(text: &str, range: &Range<usize>) -> Range<usize> {
     start..first_line
 }
 
-/// From the start of the first labelled line to the end of the last one.
+/// Returns the range from the start of the first labelled line to the end of the last one.
 fn window(text: &str, ranges: &[Range<usize>]) -> Range<usize> {
     let first = ranges.iter().map(|r| r.start).min().unwrap_or(0);
     let last = ranges.iter().map(|r| r.end).max().unwrap_or(0);

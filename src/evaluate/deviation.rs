@@ -8,8 +8,9 @@ use nalgebra::{Matrix3, Matrix4, Vector3};
 /// Highest order of the dedicated dual numbers.
 pub const MAX_DUAL_ORDER: u8 = 6;
 
-/// The order to which errors are followed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The order to which errors are followed; as text `exact` or `1` to `6`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub enum Order {
     /// Plain numbers: the true rigid body (with orthogonal joints).
     Exact,
@@ -17,8 +18,57 @@ pub enum Order {
     Degree(u8),
 }
 
+/// `exact`, or the degree.
+impl std::fmt::Display for Order {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Exact => f.write_str("exact"),
+            Self::Degree(n) => n.fmt(f),
+        }
+    }
+}
+
+/// A text that is no [`Order`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct UnknownOrder;
+
+impl std::fmt::Display for UnknownOrder {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "an order is 1 to {MAX_DUAL_ORDER}, or `exact`")
+    }
+}
+
+impl std::error::Error for UnknownOrder {}
+
+impl std::str::FromStr for Order {
+    type Err = UnknownOrder;
+
+    fn from_str(text: &str) -> Result<Self, UnknownOrder> {
+        match text.parse::<u8>() {
+            Ok(n) if (1..=MAX_DUAL_ORDER).contains(&n) => Ok(Self::Degree(n)),
+            _ if text == "exact" => Ok(Self::Exact),
+            _ => Err(UnknownOrder),
+        }
+    }
+}
+
+impl TryFrom<String> for Order {
+    type Error = UnknownOrder;
+
+    fn try_from(text: String) -> Result<Self, UnknownOrder> {
+        text.parse()
+    }
+}
+
+impl From<Order> for String {
+    fn from(order: Order) -> Self {
+        order.to_string()
+    }
+}
+
 /// Frame of vectors; all are parallel to the machine frame at the zero pose.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Frame {
     /// Rotates with the workpiece.
     #[default]

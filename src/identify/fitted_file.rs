@@ -3,7 +3,9 @@
 use super::model::parameter::{Basis, Parameter, Term};
 use super::solve::solution::Solution;
 use crate::lower::{ErrorSite, Source};
-use crate::machine::{Approach, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine, MachineParts, written};
+use crate::machine::{
+    Approach, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine, MachineParts, machine_file,
+};
 use crate::syntax::IdentifyEntry;
 use crate::units::significant;
 use std::collections::BTreeMap;
@@ -32,7 +34,7 @@ pub fn fitted_file(
         let half = expanded(machine, parameters, solution, Source { place, direction });
         state(&mut parts, place, direction, half);
     }
-    written(&parts, provenance) + &section(request)
+    machine_file(&parts, provenance) + &section(request)
 }
 
 /// Places of the travel where the uncertainty of a curve is looked at.
@@ -67,7 +69,8 @@ fn state(parts: &mut MachineParts, place: ErrorSite, direction: Direction, half:
     let (ErrorSite::Location(joint) | ErrorSite::Component(joint)) = place else { return };
     let axis = parts.axes.get(joint).map(|axis| &axis.name).or_else(|| parts.chain.spindle()).cloned();
     let Some(axis) = axis else { return };
-    let id = ErrorId { axis, location: matches!(place, ErrorSite::Location(_)), direction };
+    let family = if matches!(place, ErrorSite::Location(_)) { ErrorFamily::Location } else { ErrorFamily::Component };
+    let id = ErrorId { axis, family, direction };
     match half {
         Some(half) => parts.uncertainty.insert(id, half),
         None => parts.uncertainty.remove(&id),

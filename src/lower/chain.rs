@@ -1,9 +1,9 @@
 //! The chain: joints on the walk from workpiece to tool, their product and its halves.
 
 use super::joint::{JointElements, Position, error_motion, invert_if, joint};
-use super::source::{ErrorLift, ErrorSite, ErrorValues, Source};
+use super::source::{Elements, ErrorLift, ErrorSite, ErrorValues};
 use crate::algebra::{Algebra, Htm};
-use crate::machine::{Branch, Direction, LocationOrder, Machine};
+use crate::machine::{Branch, Machine};
 use nalgebra::Vector3;
 
 /// A machine at a pose, lowered: every joint as a matrix over the algebra.
@@ -17,20 +17,20 @@ pub struct Chain<S: Algebra> {
     pub clamping: Htm<S>,
     /// The functional point at the zero pose, machine coordinates.
     pub tip: Vector3<S>,
-    /// How many joints are on the workpiece side: they come first.
+    /// The number of joints on the workpiece side: they come first.
     workpiece_side: usize,
 }
 
 impl<S: Algebra> Chain<S> {
-    /// The real machine: errors as given by `values`, entering the algebra through `lift`.
+    /// The actual machine: errors as given by `values`, entering the algebra through `lift`.
     pub fn actual(machine: &Machine, pose: &[f64], values: &ErrorValues, lift: &impl ErrorLift<S>) -> Self {
         Self::actual_at(machine, &positions(machine, pose), values, lift)
     }
 
-    /// The real machine at positions that are elements of the algebra themselves.
+    /// The actual machine at positions that are elements of the algebra themselves.
     pub fn actual_at(machine: &Machine, at: &[Position<S>], values: &ErrorValues, lift: &impl ErrorLift<S>) -> Self {
         let conventions = machine.conventions();
-        let elements = Elements { lift, real_locations: conventions.location_order == LocationOrder::Real };
+        let elements = Elements::new(machine, lift);
         let axis = |i: usize| {
             let (location, component) = &values.axes[i];
             let errors = JointElements {
@@ -118,48 +118,7 @@ fn product<'a, S: Algebra>(mut joints: impl Iterator<Item = &'a Htm<S>>) -> Htm<
     joints.fold(first, |product, joint| product.compose(joint))
 }
 
-/// Numbers to elements.
-struct Elements<'a, L> {
-    lift: &'a L,
-    real_locations: bool,
-}
-
-impl<L> Elements<'_, L> {
-    /// `None` where all six are zero: the identity then costs nothing.
-    fn six<S: Algebra>(&self, place: ErrorSite, six: &[f64; 6]) -> Option<[S; 6]>
-    where
-        L: ErrorLift<S>,
-    {
-        let element = |direction: Direction| self.one(Source { place, direction }, six[direction.index()]);
-        six.iter().any(|value| *value != 0.0).then(|| Direction::ALL.map(element))
-    }
-
-    fn one<S: Algebra>(&self, source: Source, value: f64) -> S
-    where
-        L: ErrorLift<S>,
-    {
-        match source.place {
-            ErrorSite::Location(_) if self.real_locations => self.lift.real(source, value),
-            _ => self.lift.lift(source, value),
-        }
-    }
-
-    fn tip<S: Algebra>(&self, tip: [f64; 3], clamping: [f64; 3]) -> Vector3<S>
-    where
-        L: ErrorLift<S>,
-    {
-        Vector3::from_fn(|i, _| {
-            let displacement = if clamping[i] == 0.0 {
-                S::zero()
-            } else {
-                self.one(Source { place: ErrorSite::Tool, direction: Direction::ALL[i] }, clamping[i])
-            };
-            S::from_real(tip[i]) + displacement
-        })
-    }
-}
-
-/// The nominal machine at a pose: where the functional point and the tool axis are.
+/// The pose of functional point and tool axis of the nominal machine.
 #[derive(Debug, Clone)]
 pub struct NominalPose {
     /// T_wt between workpiece frame and tool frame.

@@ -1,4 +1,4 @@
-//! Which error has which generator: a declared algebra on a machine.
+//! The generators of errors: a declared algebra on a machine.
 
 use super::source::{ErrorLift, ErrorSite, ErrorValues, Source};
 use crate::algebra::weil::{Basis, BasisFailure, Ideal, Monomial, Weil};
@@ -9,25 +9,25 @@ use std::sync::Arc;
 
 /// An error that a machine has.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Given {
-    /// Where it enters.
+pub struct NamedSource {
+    /// Its place in the chain.
     pub source: Source,
     /// `EXX`, `EC0Y`; errors of clamping are `tool.X` and `workpiece.A`.
     pub name: String,
-    /// Which error of a joint it is; `None` for errors of clamping.
+    /// The error of a joint; `None` for errors of clamping.
     pub error: Option<ErrorId>,
 }
 
 /// The errors given for a machine, those of clamping last.
-pub fn given(machine: &Machine) -> Vec<Given> {
+pub fn named_sources(machine: &Machine) -> Vec<NamedSource> {
     let joint = |(id, _): (ErrorId, _)| {
         let index = machine.axis_index(id.axis.as_str()).unwrap_or(machine.axes().len());
-        let place = if id.location { ErrorSite::Location(index) } else { ErrorSite::Component(index) };
-        Given { source: Source { place, direction: id.direction }, name: id.to_string(), error: Some(id) }
+        let place = if id.is_location() { ErrorSite::Location(index) } else { ErrorSite::Component(index) };
+        NamedSource { source: Source { place, direction: id.direction }, name: id.to_string(), error: Some(id) }
     };
     let clamped = |place: ErrorSite, word: &str, values: &[f64]| {
         let given = Direction::ALL.into_iter().zip(values).filter(|(_, value)| **value != 0.0);
-        let one = |(direction, _): (Direction, _)| Given {
+        let one = |(direction, _): (Direction, _)| NamedSource {
             source: Source { place, direction },
             name: format!("{word}.{}", direction.letter()),
             error: None,
@@ -35,15 +35,15 @@ pub fn given(machine: &Machine) -> Vec<Given> {
         given.map(one).collect::<Vec<_>>()
     };
     let setup = machine.setup();
-    let mut all: Vec<Given> = machine.errors().map(joint).collect();
+    let mut all: Vec<NamedSource> = machine.errors().map(joint).collect();
     all.extend(clamped(ErrorSite::Tool, "tool", &setup.tool));
     all.extend(clamped(ErrorSite::Workpiece, "workpiece", &setup.workpiece));
     all
 }
 
 /// One for every error that is given, zero elsewhere: errors as large as their generators.
-pub fn presence(machine: &Machine) -> ErrorValues {
-    let errors = given(machine);
+pub fn unit_values(machine: &Machine) -> ErrorValues {
+    let errors = named_sources(machine);
     let has = |place: ErrorSite| {
         let mut six = [0.0; 6];
         errors.iter().filter(|e| e.source.place == place).for_each(|e| six[e.source.direction.index()] = 1.0);
@@ -61,13 +61,13 @@ pub fn presence(machine: &Machine) -> ErrorValues {
 
 /// The generators of an algebra on a machine.
 #[derive(Debug, Clone)]
-pub struct Declared {
+pub struct DeclaredAlgebra {
     names: Vec<String>,
     generators: BTreeMap<Source, u16>,
     ideal: Ideal,
 }
 
-impl Declared {
+impl DeclaredAlgebra {
     /// Gives the errors their generators and the vanishing monomials their meaning.
     pub fn new(machine: &Machine, choice: &AlgebraChoice) -> Result<Self, Diagnostic> {
         let real = machine.conventions().location_order == LocationOrder::Real;
@@ -76,7 +76,9 @@ impl Declared {
             _ => Vec::new(),
         };
         let mut generators = BTreeMap::new();
-        for given in given(machine).iter().filter(|g| !(real && matches!(g.source.place, ErrorSite::Location(_)))) {
+        for given in
+            named_sources(machine).iter().filter(|g| !(real && matches!(g.source.place, ErrorSite::Location(_))))
+        {
             let name = generator_name(&choice.generators, given);
             let index = names.iter().position(|n| *n == name).unwrap_or_else(|| {
                 names.push(name);
@@ -138,7 +140,7 @@ impl Declared {
         self.generators.get(&source).copied()
     }
 
-    /// What vanishes.
+    /// The vanishing monomials.
     pub fn ideal(&self) -> &Ideal {
         &self.ideal
     }
@@ -162,9 +164,7 @@ impl Declared {
     fn refusal(&self, failure: &BasisFailure) -> Diagnostic {
         let (count, degree) = (self.names.len(), self.ideal.degree);
         match failure {
-            BasisFailure::KillsOne => {
-                Diagnostic::new(codes::E0522, "the ideal contains 1: nothing would be left of the algebra")
-            }
+            BasisFailure::KillsOne => Diagnostic::new(codes::E0522, "the ideal contains 1: no algebra would remain"),
             BasisFailure::Degree(degree) => Diagnostic::new(codes::E0215, format!("an algebra of degree {degree}")),
             BasisFailure::Generator(k) => self.unknown(&format!("x{}", k + 1)),
             BasisFailure::Size(size) => {
@@ -174,19 +174,20 @@ impl Declared {
                     crate::units::significant(size.bytes() * 1e-9, 3)
                 );
                 Diagnostic::new(codes::E0523, message).help(
-                    "1 GB is the limit: lower the degree, group the errors (`generators: per-axis`), or let more monomials vanish",
+                    "1 GB is the limit: lower the degree, group the errors (`generators: per-axis`), \
+                     or let more monomials vanish",
                 )
             }
         }
     }
 }
 
-/// Could the machine have this error?
+/// True if the machine can have this error.
 fn belongs(machine: &Machine, id: &ErrorId) -> bool {
     machine.axis_index(id.axis.as_str()).is_some() || machine.chain().spindle() == Some(&id.axis)
 }
 
-fn generator_name(generators: &Generators, given: &Given) -> String {
+fn generator_name(generators: &Generators, given: &NamedSource) -> String {
     let whole = |word: &str| word.split('.').next().unwrap_or(word).to_owned();
     match generators {
         Generators::PerError => given.name.clone(),
@@ -203,13 +204,13 @@ fn generator_name(generators: &Generators, given: &Given) -> String {
 /// Errors as elements of a Weil algebra: the value times the error's generator.
 #[derive(Debug, Clone)]
 pub struct WeilLift {
-    declared: Declared,
+    declared: DeclaredAlgebra,
     basis: Arc<Basis>,
 }
 
 impl WeilLift {
     /// The generators.
-    pub fn declared(&self) -> &Declared {
+    pub fn declared(&self) -> &DeclaredAlgebra {
         &self.declared
     }
 

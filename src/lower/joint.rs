@@ -12,7 +12,7 @@
 
 use crate::algebra::{Algebra, Htm, exp_hat, hat, rotation_about};
 use crate::machine::{
-    Axis, AxisKind, Branch, Conventions, ErrorsAre, Joints, LinearOrder, Location, RotaryOrder, sin_cos_degrees,
+    Axis, AxisKind, Conventions, ErrorFactor, JointConvention, Joints, LocationAction, MotionSide, sin_cos_degrees,
 };
 use nalgebra::Vector3;
 
@@ -25,7 +25,7 @@ pub struct JointElements<S> {
     pub component: Option<[S; 6]>,
 }
 
-/// What an axis does nominally, as programmed: the way of a linear axis (mm), or sine and cosine of a
+/// The nominal motion of an axis, as programmed: the travel of a linear axis (mm), or sine and cosine of a
 /// rotary axis's angle. Elements of any algebra: numbers, unknowns of Newton's iteration, symbols.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Position<S> {
@@ -50,7 +50,7 @@ impl<S: Algebra> Position<S> {
     /// At a number (mm or deg) plus a nilpotent displacement (mm or rad).
     pub fn displaced(axis: &Axis, position: f64, by: &S) -> Self {
         match Self::at(axis, position) {
-            Self::Linear(way) => Self::Linear(way + by.clone()),
+            Self::Linear(travel) => Self::Linear(travel + by.clone()),
             Self::Rotary(sine, cosine) => {
                 let (s, c) = by.sin_cos();
                 let turned = cosine.clone() * c.clone() - sine.clone() * s.clone();
@@ -62,7 +62,7 @@ impl<S: Algebra> Position<S> {
     /// In the sense in which the axis moves the tool relative to the workpiece.
     fn sensed(&self, axis: &Axis) -> Self {
         match self.clone() {
-            Self::Linear(way) => Self::Linear(way.scaled(axis.sign())),
+            Self::Linear(travel) => Self::Linear(travel.scaled(axis.sign())),
             Self::Rotary(sine, cosine) => Self::Rotary(sine.scaled(axis.sign()), cosine),
         }
     }
@@ -75,27 +75,27 @@ pub fn joint<S: Algebra>(
     position: &Position<S>,
     errors: &JointElements<S>,
 ) -> Htm<S> {
-    let body = conventions.errors_are == ErrorsAre::Body && axis.branch == Branch::Workpiece;
-    let carried = conventions.location == Location::CarriedBody;
+    let convention = axis.convention(conventions);
     let nominal = nominal(axis, position);
-    let error = errors.component.as_ref().map(|six| invert_if(body, error_motion(six, conventions.joints)));
-    let location =
-        errors.location.as_ref().map(|six| invert_if(body && carried, error_motion(six, conventions.joints)));
-    let bracket = match location {
-        Some(location) if carried => {
-            let inner = with_error(axis, conventions, nominal, error);
-            outermost(axis, &location, &inner)
+    let error = errors.component.as_ref().map(|six| error_motion(six, conventions.joints));
+    let location = errors.location.as_ref().map(|six| error_motion(six, conventions.joints));
+    let bracket = match (location, convention.location) {
+        (Some(location), LocationAction::Factor(factor)) => {
+            let inner = with_error(&convention, nominal, error);
+            beside(factor, location, inner)
         }
-        Some(location) => with_error(axis, conventions, displaced(axis, &location, &nominal), error),
-        None => with_error(axis, conventions, nominal, error),
+        (Some(location), LocationAction::Displaces) => {
+            with_error(&convention, displaced(axis, &location, &nominal), error)
+        }
+        (None, _) => with_error(&convention, nominal, error),
     };
-    Htm::about(&axis.origin, bracket)
+    Htm::about(&convention.pivot, bracket)
 }
 
 /// N(q): translation along, or rotation about, the axis direction.
 pub(super) fn nominal<S: Algebra>(axis: &Axis, position: &Position<S>) -> Htm<S> {
     match position.sensed(axis) {
-        Position::Linear(way) => Htm::translation(Vector3::from(axis.direction).map(|u| way.scaled(u))),
+        Position::Linear(travel) => Htm::translation(Vector3::from(axis.direction).map(|u| travel.scaled(u))),
         Position::Rotary(sine, cosine) => {
             Htm { linear: rotation_about(&axis.direction, (sine, cosine)), ..Htm::identity() }
         }
@@ -131,25 +131,19 @@ fn displaced<S: Algebra>(axis: &Axis, location: &Htm<S>, nominal: &Htm<S>) -> Ht
     location.compose(nominal).compose(&invert_if(true, location.clone()))
 }
 
-/// E on its side of the motion.
-fn with_error<S: Algebra>(axis: &Axis, conventions: &Conventions, motion: Htm<S>, error: Option<Htm<S>>) -> Htm<S> {
-    let Some(error) = error else { return motion };
-    if error_outside(axis, conventions) { error.compose(&motion) } else { motion.compose(&error) }
+/// E, or its inverse, on its side of the motion.
+fn with_error<S: Algebra>(convention: &JointConvention, motion: Htm<S>, error: Option<Htm<S>>) -> Htm<S> {
+    match error {
+        Some(error) => beside(convention.component, error, motion),
+        None => motion,
+    }
 }
 
-/// Is the product E M rather than M E? Both sides of the bed are mirror images.
-pub fn error_outside(axis: &Axis, conventions: &Conventions) -> bool {
-    let on_guide = match axis.kind {
-        AxisKind::Linear => conventions.linear == LinearOrder::Before,
-        AxisKind::Rotary => conventions.rotary == RotaryOrder::Stationary,
-    };
-    on_guide == (axis.branch == Branch::Tool)
-}
-
-/// A carried body's location error is outermost on the bed's side.
-fn outermost<S: Algebra>(axis: &Axis, location: &Htm<S>, inner: &Htm<S>) -> Htm<S> {
-    match axis.branch {
-        Branch::Tool => location.compose(inner),
-        Branch::Workpiece => inner.compose(location),
+/// An error matrix as a factor of a product.
+fn beside<S: Algebra>(factor: ErrorFactor, error: Htm<S>, motion: Htm<S>) -> Htm<S> {
+    let error = invert_if(factor.inverse, error);
+    match factor.side {
+        MotionSide::Outer => error.compose(&motion),
+        MotionSide::Inner => motion.compose(&error),
     }
 }

@@ -5,18 +5,19 @@
 //! 3. [`joint()`] builds the matrix G of one joint from them, as the conventions say.
 //! 4. [`Chain`] multiplies the joints on the walk from the workpiece to the tool.
 //!
-//! [`sensitivities`] are derivatives at the nominal machine, [`position_jacobian`] at the actual errors.
+//! First-order effects have two kernels: [`twists`] at the nominal machine, with the [`sensitivities`] they yield, and
+//! [`position_jacobian`], the derivative over any algebra at the actual errors.
 
 mod chain;
 mod generators;
 mod joint;
-mod sensitivity;
 mod source;
 mod tangent;
+mod twist;
 
 pub use chain::{Chain, NominalPose, positions};
-pub use generators::{Declared, Given, WeilLift, given, presence};
-pub use joint::{JointElements, Position, error_motion, error_outside, invert_if, joint};
-pub use sensitivity::{Sensitivity, sensitivities, sensitivities_to};
+pub use generators::{DeclaredAlgebra, NamedSource, WeilLift, named_sources, unit_values};
+pub use joint::{JointElements, Position, error_motion, invert_if, joint};
 pub use source::{ErrorLift, ErrorSite, ErrorValues, Exact, OrderN, Source, values};
 pub use tangent::{PositionJacobian, actual_point, point, position_jacobian};
+pub use twist::{Quantity, Sensitivity, SideWeights, Twist, TwistMap, sensitivities, sensitivities_to, twists};

@@ -1,9 +1,10 @@
 //! Error values at a pose, and how they enter an algebra.
 
 use crate::algebra::{Algebra, Dual};
-use crate::machine::{Approach, Direction, Machine};
+use crate::machine::{Approach, Direction, LocationOrder, Machine};
+use nalgebra::Vector3;
 
-/// Which part of the machine an error belongs to.
+/// The part of the machine to which an error belongs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ErrorSite {
     /// Location error of the joint with this index (the spindle comes after the axes).
@@ -19,13 +20,13 @@ pub enum ErrorSite {
 /// One error source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Source {
-    /// Where it sits.
+    /// The part of the machine.
     pub place: ErrorSite,
-    /// Which of the six.
+    /// The direction of the error.
     pub direction: Direction,
 }
 
-/// How an error of a given size (mm or rad) becomes an element of the algebra.
+/// The conversion of an error of a given size (mm or rad) to an element of the algebra.
 pub trait ErrorLift<S: Algebra> {
     /// The element.
     fn lift(&self, source: Source, value: f64) -> S;
@@ -96,5 +97,53 @@ impl ErrorValues {
             ErrorSite::Tool => self.tool.get(direction).copied().unwrap_or(0.0),
             ErrorSite::Workpiece => self.workpiece[direction],
         }
+    }
+}
+
+/// Errors as elements, location errors as the conventions count them.
+pub(super) struct Elements<'a, L> {
+    lift: &'a L,
+    real_locations: bool,
+}
+
+impl<'a, L> Elements<'a, L> {
+    /// Lifts the errors of a machine.
+    pub(super) fn new(machine: &Machine, lift: &'a L) -> Self {
+        Self { lift, real_locations: machine.conventions().location_order == LocationOrder::Real }
+    }
+
+    /// Returns `None` where all six are zero: the identity then costs nothing.
+    pub(super) fn six<S: Algebra>(&self, place: ErrorSite, six: &[f64; 6]) -> Option<[S; 6]>
+    where
+        L: ErrorLift<S>,
+    {
+        let element = |direction: Direction| self.one(Source { place, direction }, six[direction.index()]);
+        six.iter().any(|value| *value != 0.0).then(|| Direction::ALL.map(element))
+    }
+
+    /// Returns the element of one error.
+    pub(super) fn one<S: Algebra>(&self, source: Source, value: f64) -> S
+    where
+        L: ErrorLift<S>,
+    {
+        match source.place {
+            ErrorSite::Location(_) if self.real_locations => self.lift.real(source, value),
+            _ => self.lift.lift(source, value),
+        }
+    }
+
+    /// Returns the displaced tip.
+    pub(super) fn tip<S: Algebra>(&self, tip: [f64; 3], clamping: [f64; 3]) -> Vector3<S>
+    where
+        L: ErrorLift<S>,
+    {
+        Vector3::from_fn(|i, _| {
+            let displacement = if clamping[i] == 0.0 {
+                S::zero()
+            } else {
+                self.one(Source { place: ErrorSite::Tool, direction: Direction::ALL[i] }, clamping[i])
+            };
+            S::from_real(tip[i]) + displacement
+        })
     }
 }

@@ -3,13 +3,13 @@
 //! gives all of them. Over D_n the derivatives are those of the model of order n.
 
 use super::chain::Chain;
-use super::joint::{Position, error_motion, error_outside, invert_if, nominal};
-use super::source::{ErrorLift, ErrorSite, ErrorValues, Exact, Source};
+use super::joint::{Position, error_motion, invert_if, nominal};
+use super::source::{Elements, ErrorLift, ErrorSite, ErrorValues, Exact, Source};
 use crate::algebra::{Algebra, Htm, left_jacobian, product, transform};
-use crate::machine::{AxisKind, Branch, Direction, ErrorsAre, Joints, Location, LocationOrder, Machine};
+use crate::machine::{AxisKind, Direction, Joints, LocationAction, Machine, MotionSide};
 use nalgebra::{Matrix3, Vector3};
 
-/// Where the functional point really is, and how it moves with single errors.
+/// The actual functional point, and its derivatives by single errors.
 #[derive(Debug, Clone)]
 pub struct PositionJacobian<S: Algebra> {
     /// The actual functional point from the workpiece origin (mm, workpiece frame).
@@ -52,11 +52,11 @@ pub fn position_jacobian<S: Algebra>(
     lift: &impl ErrorLift<S>,
     sources: &[Source],
 ) -> PositionJacobian<S> {
-    let lowering = Lowering { machine, lift };
+    let lowering = Lowering { machine, elements: Elements::new(machine, lift) };
     let mut walk = vec![lowering.clamping(values)];
     walk.extend((0..pose.len()).map(|i| lowering.joint(i, pose[i], &values.axes[i])));
     walk.push(lowering.spindle(values));
-    let mut x = lowering.tip(values);
+    let mut x = lowering.elements.tip(machine.tool().tip, values.tool);
     for joint in walk.iter_mut().rev() {
         x = plus(joint.pass(minus(x, &joint.origin)), &joint.origin);
     }
@@ -77,7 +77,7 @@ pub fn position_jacobian<S: Algebra>(
     PositionJacobian { point: minus(x, &machine.workpiece()), derivatives: sources.iter().map(derivative).collect() }
 }
 
-/// What an error matrix of a factor is, and how it moves with its six errors.
+/// An error matrix of a factor, and its derivatives by its six errors.
 struct Motion<S: Algebra> {
     matrix: Htm<S>,
     jacobian: Option<Matrix3<S>>,
@@ -112,7 +112,7 @@ impl<S: Algebra> Joint<S> {
         Self { origin, motions, factors }
     }
 
-    /// What the bracket makes of a point; every factor keeps what came to it.
+    /// Applies the bracket to a point; every factor keeps its input.
     fn pass(&mut self, mut x: Vector3<S>) -> Vector3<S> {
         let Self { motions, factors, .. } = self;
         let apply = |g: &Htm<S>, x: &Vector3<S>| transform(&g.linear, x) + &g.translation;
@@ -120,7 +120,7 @@ impl<S: Algebra> Joint<S> {
             let image = match &factor.kind {
                 Kind::Nominal(g) | Kind::Error(_, Some(g)) => apply(g, &x),
                 Kind::Error(which, None) => apply(&motions[*which].matrix, &x),
-                Kind::Displaced(way) => transform(&motions[0].matrix.linear, way) + &x,
+                Kind::Displaced(shift) => transform(&motions[0].matrix.linear, shift) + &x,
             };
             factor.input = std::mem::replace(&mut x, image);
         }
@@ -147,7 +147,7 @@ impl<S: Algebra> Joint<S> {
                     self.motions[*which].add(&mut sum[*which], &back, true, &image, joints);
                     *prefix = after;
                 }
-                Kind::Displaced(way) => self.motions[0].add(&mut sum[0], prefix, false, way, joints),
+                Kind::Displaced(shift) => self.motions[0].add(&mut sum[0], prefix, false, shift, joints),
             }
         }
         sum
@@ -191,7 +191,7 @@ impl<S: Algebra> Motion<S> {
 /// Numbers to factors.
 struct Lowering<'a, L> {
     machine: &'a Machine,
-    lift: &'a L,
+    elements: Elements<'a, L>,
 }
 
 impl<L> Lowering<'_, L> {
@@ -199,28 +199,12 @@ impl<L> Lowering<'_, L> {
     where
         L: ErrorLift<S>,
     {
-        let conventions = self.machine.conventions();
-        let real = conventions.location_order == LocationOrder::Real && matches!(place, ErrorSite::Location(_));
-        let element = |direction: Direction| {
-            let (source, value) = (Source { place, direction }, six[direction.index()]);
-            if real { self.lift.real(source, value) } else { self.lift.lift(source, value) }
-        };
-        Motion::new(&Direction::ALL.map(element), conventions.joints)
+        let element = |direction: Direction| self.elements.one(Source { place, direction }, six[direction.index()]);
+        Motion::new(&Direction::ALL.map(element), self.machine.conventions().joints)
     }
 
     fn none<S: Algebra>(&self) -> Motion<S> {
         Motion { matrix: Htm::identity(), jacobian: None }
-    }
-
-    fn tip<S: Algebra>(&self, values: &ErrorValues) -> Vector3<S>
-    where
-        L: ErrorLift<S>,
-    {
-        let tip = self.machine.tool().tip;
-        Vector3::from_fn(|i, _| {
-            let source = Source { place: ErrorSite::Tool, direction: Direction::ALL[i] };
-            S::from_real(tip[i]) + self.lift.lift(source, values.tool[i])
-        })
     }
 
     fn clamping<S: Algebra>(&self, values: &ErrorValues) -> Joint<S>
@@ -245,27 +229,27 @@ impl<L> Lowering<'_, L> {
     where
         L: ErrorLift<S>,
     {
-        let (axis, conventions) = (&self.machine.axes()[i], self.machine.conventions());
-        let body = conventions.errors_are == ErrorsAre::Body && axis.branch == Branch::Workpiece;
-        let carried = conventions.location == Location::CarriedBody;
+        let axis = &self.machine.axes()[i];
+        let convention = axis.convention(self.machine.conventions());
         let location = self.motion(ErrorSite::Location(i), location);
         let component = self.motion(ErrorSite::Component(i), component);
         let nominal = nominal(axis, &Position::<S>::at(axis, position));
         let inverse = |wanted: bool, motion: &Motion<S>| wanted.then(|| invert_if(true, motion.matrix.clone()));
-        let error = Kind::Error(1, inverse(body, &component));
-        let mut motion = match axis.kind {
-            _ if carried => vec![Kind::Nominal(nominal)],
-            AxisKind::Linear => vec![Kind::Displaced(nominal.translation)],
-            AxisKind::Rotary => {
+        let mut factors = match (convention.location, axis.kind) {
+            (LocationAction::Factor(_), _) => vec![Kind::Nominal(nominal)],
+            (LocationAction::Displaces, AxisKind::Linear) => vec![Kind::Displaced(nominal.translation)],
+            (LocationAction::Displaces, AxisKind::Rotary) => {
                 let back = Kind::Error(0, inverse(true, &location));
                 vec![Kind::Error(0, None), Kind::Nominal(nominal), back]
             }
         };
-        motion.insert(if error_outside(axis, conventions) { 0 } else { motion.len() }, error);
-        if carried {
-            let at = if axis.branch == Branch::Tool { 0 } else { motion.len() };
-            motion.insert(at, Kind::Error(0, inverse(body, &location)));
+        let end = |side: MotionSide, count: usize| if side == MotionSide::Outer { 0 } else { count };
+        let error = Kind::Error(1, inverse(convention.component.inverse, &component));
+        factors.insert(end(convention.component.side, factors.len()), error);
+        if let LocationAction::Factor(factor) = convention.location {
+            let error = Kind::Error(0, inverse(factor.inverse, &location));
+            factors.insert(end(factor.side, factors.len()), error);
         }
-        Joint::new(axis.origin, [location, component], motion)
+        Joint::new(convention.pivot, [location, component], factors)
     }
 }

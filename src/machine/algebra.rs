@@ -1,11 +1,11 @@
-//! Which algebra a machine is followed in: the section `algebra` of the file, or the same words on
+//! The algebra in which a machine is evaluated: the section `algebra` of the file, or the same words on
 //! the command line.
 
 use super::{ErrorId, parse_error_name};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::syntax::{AlgebraEntry, GeneratorsEntry};
 
-/// What has a nilpotent generator of its own.
+/// The errors or groups that have a nilpotent generator of their own.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Generators {
     /// Every error.
@@ -27,9 +27,9 @@ pub type NamedMonomial = Vec<(String, u8)>;
 pub struct AlgebraChoice {
     /// Highest total degree that is kept.
     pub degree: u8,
-    /// What has a generator.
+    /// The errors or groups that have a generator.
     pub generators: Generators,
-    /// What vanishes besides: names of generators, or `x1`, `x2`, ... in their order.
+    /// Further vanishing monomials: names of generators, or `x1`, `x2`, ... in their order.
     pub vanish: Vec<NamedMonomial>,
 }
 
@@ -44,7 +44,7 @@ impl AlgebraChoice {
         Self { degree, generators: Generators::PerError, vanish: Vec::new() }
     }
 
-    /// What an entry says; the degree is 2 unless it says another.
+    /// Reads an entry; the default degree is 2.
     pub fn new(entry: &AlgebraEntry) -> Result<Self, Diagnostic> {
         let degree = entry.degree.unwrap_or(2);
         if !(1..=Self::DEGREE).contains(&degree) {
@@ -97,7 +97,7 @@ pub(super) fn named_monomial(text: &str) -> Result<NamedMonomial, Diagnostic> {
             .help("write names with `*` and `^`, such as `EXX*EYX` or `EXX^2`")
     })?;
     if factors.iter().all(|(name, power)| *power == 0 || name == "1") {
-        let message = format!("the ideal contains 1 (`{}`): nothing would be left of the algebra", shown(text));
+        let message = format!("the ideal contains 1 (`{}`): no algebra would remain", shown(text));
         return Err(
             Diagnostic::new(codes::E0522, message).help("only products of generators can vanish, such as `x1^2`")
         );

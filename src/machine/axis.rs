@@ -2,7 +2,7 @@
 
 use super::{AxisName, Branch, Sense};
 
-/// What the axis does.
+/// The kind of motion of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AxisKind {
@@ -12,10 +12,10 @@ pub enum AxisKind {
     Rotary,
 }
 
-/// How far it goes, in mm or deg as programmed.
+/// The travel of an axis, in mm or deg as programmed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Travel {
-    /// From minimum to maximum.
+    /// Minimum and maximum.
     Range(f64, f64),
     /// Any number of turns; curves have the period 360 deg.
     Continuous,
@@ -30,7 +30,7 @@ impl Travel {
         }
     }
 
-    /// Is the position within the travel?
+    /// True if the position (mm or deg) is within the travel.
     pub fn contains(self, position: f64) -> bool {
         match self {
             Self::Range(min, max) => (min..=max).contains(&position),
@@ -52,7 +52,7 @@ pub struct Axis {
     pub origin: [f64; 3],
     /// Its travel.
     pub travel: Travel,
-    /// Which side of the bed it is on.
+    /// Its side of the bed.
     pub branch: Branch,
     /// Sense of a positive command if it is on the workpiece side; without effect on the tool side.
     pub sense: Sense,

@@ -1,6 +1,6 @@
-//! B-splines: polynomials between breaks, joined as smoothly as their degree allows, as a sum of functions of small support
-//! (de Boor, A Practical Guide to Splines, 1978). Open ones have knots of full multiplicity at both ends, so that the first
-//! and the last coefficient are the values there; periodic ones continue on the other side.
+//! B-splines: polynomials between breaks, joined as smoothly as their degree allows, as a sum of functions of small
+//! support (de Boor, A Practical Guide to Splines, 1978). Open ones have knots of full multiplicity at both ends, so
+//! that the first and the last coefficient are the values there; periodic ones continue on the other side.
 
 use super::curve::{Knots, KnotsFailure};
 
@@ -19,19 +19,19 @@ pub struct BSpline {
     coefficients: Vec<f64>,
 }
 
-/// Why there is no such B-spline.
+/// The reason for which a B-spline cannot be built.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BSplineFailure {
     /// The degree is not 1 to 3.
     Degree,
-    /// So many coefficients are needed.
+    /// The number of coefficients is wrong; this one is needed.
     Count(usize),
     /// The breaks are none, or a coefficient is not finite.
     Breaks(KnotsFailure),
 }
 
 impl BSpline {
-    /// How many coefficients a B-spline of so many breaks has.
+    /// Returns the number of coefficients of a B-spline with this number of breaks.
     pub fn count(degree: usize, breaks: usize, periodic: bool) -> usize {
         breaks.saturating_sub(1) + if periodic { 0 } else { degree }
     }
@@ -106,15 +106,15 @@ impl BSpline {
         for r in 1..=d {
             for j in (r..=d).rev() {
                 let (low, high) = (self.knots[i + j], self.knots[i + j + d + 1 - r]);
-                let share = (x - low) / (high - low);
-                sum[j] = (1.0 - share) * sum[j - 1] + share * sum[j];
+                let fraction = (x - low) / (high - low);
+                sum[j] = (1.0 - fraction) * sum[j - 1] + fraction * sum[j];
             }
         }
         sum[d]
     }
 
-    /// Where the coefficients sit: the mean of the inner knots of each function (Greville's abscissae). A spline of the same
-    /// breaks is determined by its values there.
+    /// Returns the sites of the coefficients: the mean of the inner knots of each function (Greville's abscissae). A
+    /// spline of the same breaks is determined by its values there.
     pub fn sites(&self) -> Vec<f64> {
         let mean = |i: usize| self.knots[i + 1..=i + self.degree].iter().sum::<f64>() / self.degree as f64;
         (0..self.coefficients().len()).map(mean).collect()
@@ -141,7 +141,7 @@ impl BSpline {
         derivative(&derivative(&self.coefficients, &self.knots, self.degree, 1), &self.knots, self.degree - 1, 2)
     }
 
-    /// The cubic pieces: positions, then values, then second derivatives. Where these jump the position stands twice.
+    /// The cubic pieces: positions, then values, then second derivatives. Where these jump the position occurs twice.
     pub fn pieces(&self) -> Vec<f64> {
         let (positions, values) = (self.breaks.positions(), self.breaks.values());
         match self.second_derivatives() {

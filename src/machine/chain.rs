@@ -5,7 +5,7 @@ use super::AxisName;
 use petgraph::graph::{DiGraph, NodeIndex};
 use std::fmt;
 
-/// Which side of the bed an axis is on.
+/// A side of the bed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Branch {
@@ -20,7 +20,7 @@ pub enum Branch {
 pub enum Body {
     /// The frame that stands still.
     Bed,
-    /// What an axis moves.
+    /// The body that an axis moves.
     Axis(AxisName),
     /// The spindle: does not move here, but has location errors.
     Spindle(AxisName),

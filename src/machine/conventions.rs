@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How a location error acts.
+/// The action of a location error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Location {
@@ -12,7 +12,7 @@ pub enum Location {
     CarriedBody,
 }
 
-/// Where the component errors of a linear axis sit.
+/// The side of the motion on which the component errors of a linear axis act.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LinearOrder {
@@ -22,7 +22,7 @@ pub enum LinearOrder {
     Before,
 }
 
-/// Where the component errors of a rotary axis sit.
+/// The side of the motion on which the component errors of a rotary axis act.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RotaryOrder {
@@ -32,7 +32,7 @@ pub enum RotaryOrder {
     Rotating,
 }
 
-/// What a positive command of a workpiece-side axis does.
+/// The sense of a positive command of a workpiece-side axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Sense {
@@ -42,17 +42,17 @@ pub enum Sense {
     Direct,
 }
 
-/// Whose error motion the numbers of a workpiece-side axis are.
+/// The body whose error motion the numbers of a workpiece-side axis describe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ErrorsAre {
-    /// Of the tool relative to the workpiece.
+    /// The tool relative to the workpiece.
     ToolRelative,
-    /// Of the carried body itself.
+    /// The carried body itself.
     Body,
 }
 
-/// Of which order location errors are.
+/// The order of location errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LocationOrder {
@@ -75,7 +75,7 @@ pub enum Joints {
 /// The conventions in force for a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Conventions {
-    /// How location errors act.
+    /// The action of location errors.
     pub location: Location,
     /// Component errors of linear axes.
     pub linear: LinearOrder,
@@ -113,13 +113,13 @@ impl Conventions {
     pub const PRESETS: [&'static str; 3] = ["holub-2015", "bui-kimm", "hrdina-vasik-2014"];
 
     /// These, changed as a text says: the name of a preset, words such as `carried_body`, or keys as in a machine
-    /// file, `linear: before, rotary: rotating`; what is not named stays. `Err` says what is not understood.
-    pub fn amended(&self, text: &str) -> Result<Self, String> {
+    /// file, `linear: before, rotary: rotating`; what is not named stays.
+    pub fn amended(&self, text: &str) -> Result<Self, ConventionsFailure> {
         let items: Vec<String> = text.split(',').map(|item| keyed(item.trim())).collect::<Result<_, _>>()?;
-        let words: Words = serde_yaml::from_str(&format!("{{{}}}", items.join(", "))).map_err(|e| e.to_string())?;
+        let words: Words = serde_yaml::from_str(&format!("{{{}}}", items.join(", ")))
+            .map_err(|e| ConventionsFailure::Keys(e.to_string()))?;
         let base = match &words.preset {
-            Some(name) => Self::preset(name)
-                .ok_or_else(|| format!("there is no preset `{name}`; they are {}", Self::PRESETS.join(", ")))?,
+            Some(name) => Self::preset(name).ok_or_else(|| ConventionsFailure::Preset(name.clone()))?,
             None => *self,
         };
         Ok(Self {
@@ -169,6 +169,31 @@ impl Conventions {
     }
 }
 
+/// A text that names no conventions.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ConventionsFailure {
+    /// A word that is neither a preset nor a choice.
+    Word(String),
+    /// A preset that does not exist.
+    Preset(String),
+    /// Keys or values that the parser refuses, in its words.
+    Keys(String),
+}
+
+impl std::fmt::Display for ConventionsFailure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Word(word) => write!(f, "`{word}` is neither a preset nor a word of any key"),
+            Self::Preset(name) => {
+                write!(f, "there is no preset `{name}`; they are {}", Conventions::PRESETS.join(", "))
+            }
+            Self::Keys(refusal) => f.write_str(refusal),
+        }
+    }
+}
+
+impl std::error::Error for ConventionsFailure {}
+
 /// Keys with their words.
 const CHOICES: [(&str, &[&str]); 7] = [
     ("location", &["axis_only", "carried_body"]),
@@ -181,13 +206,13 @@ const CHOICES: [(&str, &[&str]); 7] = [
 ];
 
 /// A word with its key.
-fn keyed(item: &str) -> Result<String, String> {
+fn keyed(item: &str) -> Result<String, ConventionsFailure> {
     if item.contains(':') {
         return Ok(item.to_owned());
     }
     let of = CHOICES.iter().find(|(_, words)| words.contains(&item)).map(|(key, _)| *key);
     let key = of.or_else(|| Conventions::PRESETS.contains(&item).then_some("preset"));
-    key.map(|key| format!("{key}: {item}")).ok_or_else(|| format!("`{item}` is neither a preset nor a word of any key"))
+    key.map(|key| format!("{key}: {item}")).ok_or_else(|| ConventionsFailure::Word(item.to_owned()))
 }
 
 /// Keys as in a machine file.

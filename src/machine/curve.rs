@@ -6,7 +6,7 @@
 
 use super::bspline::BSpline;
 
-/// How a curve is given.
+/// The form of a curve.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Curve {
     /// Straight lines between knots.
@@ -30,7 +30,7 @@ pub struct Knots {
     period: Option<f64>,
 }
 
-/// Why a list of points is not a table.
+/// The reason for which a list of points is not a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum KnotsFailure {
     /// No points at all.
@@ -144,7 +144,7 @@ impl Curve {
         }
     }
 
-    /// Where the curve is defined; `None` if everywhere.
+    /// Returns the interval in which the curve is defined; `None` if everywhere.
     pub fn domain(&self) -> Option<(f64, f64)> {
         let knots = self.knots().filter(|k| k.period.is_none())?;
         knots.positions.first().copied().zip(knots.positions.last().copied())

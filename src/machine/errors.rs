@@ -1,8 +1,8 @@
 //! The errors of one joint: six location and six component errors, any of them absent.
 
-use super::{Curve, Direction};
+use super::{Curve, Direction, ErrorFamily};
 
-/// From which side a position is approached; curves may differ (reversal).
+/// The side from which a position is approached; curves may differ (reversal).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Approach {
@@ -52,7 +52,7 @@ impl ComponentError {
     }
 }
 
-/// What is known of one error.
+/// The value of one error as far as it is known.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ErrorTerm {
     /// A location error's value (mm or rad).
@@ -84,14 +84,20 @@ pub struct JointErrors {
 }
 
 impl JointErrors {
-    /// One of the two sixes.
-    pub fn six(&self, location: bool) -> &[Option<ErrorTerm>; 6] {
-        if location { &self.location } else { &self.component }
+    /// Returns the six errors of a family.
+    pub fn six(&self, family: ErrorFamily) -> &[Option<ErrorTerm>; 6] {
+        match family {
+            ErrorFamily::Location => &self.location,
+            ErrorFamily::Component => &self.component,
+        }
     }
 
-    /// One of the two sixes, to be changed.
-    pub fn six_mut(&mut self, location: bool) -> &mut [Option<ErrorTerm>; 6] {
-        if location { &mut self.location } else { &mut self.component }
+    /// Returns the six errors of a family, to be changed.
+    pub fn six_mut(&mut self, family: ErrorFamily) -> &mut [Option<ErrorTerm>; 6] {
+        match family {
+            ErrorFamily::Location => &mut self.location,
+            ErrorFamily::Component => &mut self.component,
+        }
     }
 
     /// The six location errors (mm, rad).
@@ -104,11 +110,11 @@ impl JointErrors {
         std::array::from_fn(|i| self.component[i].as_ref().map_or(0.0, |t| t.value(position, approach)))
     }
 
-    /// The terms that are given, with (is location, direction).
-    pub fn iter(&self) -> impl Iterator<Item = (bool, Direction, &ErrorTerm)> {
-        [true, false].into_iter().flat_map(move |location| {
-            let six = self.six(location);
-            Direction::ALL.into_iter().filter_map(move |d| six[d.index()].as_ref().map(|t| (location, d, t)))
+    /// The terms that are given, with family and direction.
+    pub fn iter(&self) -> impl Iterator<Item = (ErrorFamily, Direction, &ErrorTerm)> {
+        ErrorFamily::ALL.into_iter().flat_map(move |family| {
+            let six = self.six(family);
+            Direction::ALL.into_iter().filter_map(move |d| six[d.index()].as_ref().map(|t| (family, d, t)))
         })
     }
 }

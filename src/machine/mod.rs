@@ -11,6 +11,7 @@ mod chain;
 mod conventions;
 mod curve;
 mod errors;
+mod joint;
 mod model;
 mod name;
 mod resolve;
@@ -20,10 +21,13 @@ pub use algebra::{AlgebraChoice, Generators, NamedMonomial};
 pub use axis::{Axis, AxisKind, Travel};
 pub use bspline::{BSpline, BSplineFailure};
 pub use chain::{Body, Branch, KinematicChain};
-pub use conventions::{Conventions, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, RotaryOrder, Sense};
+pub use conventions::{
+    Conventions, ConventionsFailure, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, RotaryOrder, Sense,
+};
 pub use curve::{Curve, Knots, KnotsFailure, sin_cos_degrees};
 pub use errors::{Approach, ComponentError, ErrorTerm, JointErrors};
-pub use model::{Grid, Machine, MachineParts, Outside, Pose, Provenance, SetUp, Tool};
-pub use name::{AxisName, Direction, ErrorId};
+pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};
+pub use model::{Grid, Machine, MachineParts, Pose, Provenance, SetUp, Tool, UndefinedError};
+pub use name::{AxisName, Direction, ErrorFamily, ErrorId};
 pub use resolve::{largest, parse_error_name, resolve};
-pub use written::written;
+pub use written::machine_file;

@@ -1,8 +1,8 @@
 //! [`Machine`] and what it is made of.
 
 use super::{
-    AlgebraChoice, Approach, Axis, AxisKind, AxisName, Branch, Conventions, Direction, ErrorId, ErrorTerm, JointErrors,
-    KinematicChain, Travel,
+    AlgebraChoice, Approach, Axis, AxisKind, AxisName, Branch, Conventions, Direction, ErrorFamily, ErrorId, ErrorTerm,
+    JointErrors, KinematicChain, Travel,
 };
 use std::collections::BTreeMap;
 
@@ -40,7 +40,7 @@ pub struct Grid {
     pub step: f64,
 }
 
-/// Where the numbers come from; free text.
+/// The origin of the numbers; free text.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
 pub struct Provenance {
     /// Key and value as written.
@@ -68,9 +68,10 @@ pub struct MachineParts {
     pub setup: SetUp,
     /// Interval and step of each axis, in the order of `axes`.
     pub volume: Vec<Grid>,
-    /// Where the numbers come from.
+    /// The origin of the numbers.
     pub provenance: Provenance,
-    /// Expanded uncertainties (k = 2; mm, rad) of the values of errors, where the file states them. No result hangs on them.
+    /// Expanded uncertainties (k = 2; mm, rad) of the values of errors, where the file states them. No result depends
+    /// on them.
     pub uncertainty: BTreeMap<ErrorId, f64>,
     /// The algebra it names, if any.
     pub algebra: Option<AlgebraChoice>,
@@ -78,12 +79,12 @@ pub struct MachineParts {
 
 /// A position that cannot be evaluated: an error curve is not defined there.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outside {
+pub struct UndefinedError {
     /// The error.
     pub error: ErrorId,
     /// The position asked for (mm or deg).
     pub position: f64,
-    /// Where the curve is defined.
+    /// The interval in which the curve is defined.
     pub domain: (f64, f64),
 }
 
@@ -101,7 +102,7 @@ impl Machine {
         Self { parts, tool: 0 }
     }
 
-    /// Its fields, the tool in use first: with [`super::written()`] the file of another machine.
+    /// Its fields, the tool in use first: with [`super::machine_file()`] the file of another machine.
     pub fn to_parts(&self) -> MachineParts {
         let mut parts = self.parts.clone();
         parts.tools[..=self.tool].rotate_right(1);
@@ -179,7 +180,7 @@ impl Machine {
         self.parts.uncertainty.get(error).copied()
     }
 
-    /// Where the numbers come from.
+    /// The origin of the numbers.
     pub fn provenance(&self) -> &Provenance {
         &self.parts.provenance
     }
@@ -199,7 +200,7 @@ impl Machine {
         self.joint_names().zip(&self.parts.errors).flat_map(|(axis, errors)| {
             errors
                 .iter()
-                .map(move |(location, direction, term)| (ErrorId { axis: axis.clone(), location, direction }, term))
+                .map(move |(family, direction, term)| (ErrorId { axis: axis.clone(), family, direction }, term))
         })
     }
 
@@ -209,10 +210,10 @@ impl Machine {
         let names: Vec<AxisName> = self.joint_names().cloned().collect();
         parts.setup = SetUp::default();
         for (axis, errors) in names.into_iter().zip(&mut parts.errors) {
-            for location in [true, false] {
+            for family in ErrorFamily::ALL {
                 for direction in Direction::ALL {
-                    let id = ErrorId { axis: axis.clone(), location, direction };
-                    let slot = &mut errors.six_mut(location)[direction.index()];
+                    let id = ErrorId { axis: axis.clone(), family, direction };
+                    let slot = &mut errors.six_mut(family)[direction.index()];
                     *slot = slot.take().filter(|_| keep(&id));
                 }
             }
@@ -247,13 +248,13 @@ impl Machine {
     }
 
     /// The first error curve that is not defined at the pose. Within the travel there is none.
-    pub fn outside(&self, pose: &[f64]) -> Option<Outside> {
+    pub fn outside(&self, pose: &[f64]) -> Option<UndefinedError> {
         self.errors().find_map(|(error, term)| {
             let position = *pose.get(self.axis_index(error.axis.as_str())?)?;
             let ErrorTerm::Component(component) = term else { return None };
             let beyond = |d: &(f64, f64)| position < d.0 || position > d.1;
             let domain = component.curves().filter_map(super::Curve::domain).find(beyond)?;
-            Some(Outside { error, position, domain })
+            Some(UndefinedError { error, position, domain })
         })
     }
 
@@ -262,7 +263,7 @@ impl Machine {
         self.parts.axes.iter().zip(pose).filter(|(axis, q)| !axis.travel.contains(**q)).map(|(axis, _)| axis)
     }
 
-    /// Has any error two directions of approach?
+    /// True if any error has two directions of approach.
     pub fn is_bidirectional(&self) -> bool {
         use super::ComponentError::Bidirectional;
         self.errors().any(|(_, term)| matches!(term, ErrorTerm::Component(Bidirectional { .. })))
@@ -273,7 +274,7 @@ impl Machine {
         self.parts.errors[axis].component_values(position, approach)
     }
 
-    /// Is the axis a rotary one without ends?
+    /// True if the axis is rotary and without ends.
     pub fn is_continuous(&self, axis: usize) -> bool {
         self.parts.axes[axis].kind == AxisKind::Rotary && self.parts.axes[axis].travel == Travel::Continuous
     }

@@ -48,7 +48,7 @@ impl Direction {
         self as usize
     }
 
-    /// Rotation (rad) rather than translation (mm)?
+    /// True for a rotation (rad), false for a translation (mm).
     pub fn is_rotation(self) -> bool {
         self.index() >= 3
     }
@@ -58,10 +58,24 @@ impl Direction {
         ['X', 'Y', 'Z', 'A', 'B', 'C'][self.index()]
     }
 
-    /// From its letter.
+    /// Finds a direction by its letter.
     pub fn from_letter(letter: char) -> Option<Self> {
         Self::ALL.into_iter().find(|d| d.letter() == letter)
     }
+}
+
+/// The two families of geometric errors of ISO 230-1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ErrorFamily {
+    /// A function of the axis position: `EXX`.
+    Component,
+    /// A constant: `EC0Y`.
+    Location,
+}
+
+impl ErrorFamily {
+    /// Both, in the order in which errors are listed.
+    pub const ALL: [Self; 2] = [Self::Location, Self::Component];
 }
 
 /// Name of a geometric error: `EXX` (component error) or `EC0Y` (location error).
@@ -69,15 +83,22 @@ impl Direction {
 pub struct ErrorId {
     /// The axis in motion.
     pub axis: AxisName,
-    /// Location error (constant) rather than component error (a function of the axis position).
-    pub location: bool,
-    /// Which of the six.
+    /// Location or component error.
+    pub family: ErrorFamily,
+    /// The direction of the error.
     pub direction: Direction,
+}
+
+impl ErrorId {
+    /// True if it is a location error.
+    pub fn is_location(&self) -> bool {
+        self.family == ErrorFamily::Location
+    }
 }
 
 impl fmt::Display for ErrorId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "E{}{}{}", self.direction.letter(), if self.location { "0" } else { "" }, self.axis)
+        write!(f, "E{}{}{}", self.direction.letter(), if self.is_location() { "0" } else { "" }, self.axis)
     }
 }
 

@@ -1,13 +1,13 @@
 //! A machine as a machine file: self-contained, no `extends`, no tables outside. The inverse of [`super::resolve()`].
 
 use super::{
-    AlgebraChoice, Axis, AxisKind, AxisName, Branch, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Generators,
-    Grid, JointErrors, MachineParts, Sense, SetUp, Tool, Travel,
+    AlgebraChoice, Axis, AxisKind, AxisName, Branch, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm,
+    Generators, Grid, JointErrors, MachineParts, Sense, SetUp, Tool, Travel,
 };
 
 /// The text of a machine file that says what `parts` say; `provenance` are further entries of that section
 /// (single lines).
-pub fn written(parts: &MachineParts, provenance: &[(String, String)]) -> String {
+pub fn machine_file(parts: &MachineParts, provenance: &[(String, String)]) -> String {
     let mut text = format!("abbe: 1\nmachine: {}\nchain: \"{}\"\naxes:\n", quoted(&parts.name), parts.chain);
     parts.axes.iter().for_each(|axis| text += &axis_line(axis));
     text += &tools(&parts.tools);
@@ -117,15 +117,18 @@ fn algebra(choice: &AlgebraChoice) -> String {
 fn errors(parts: &MachineParts) -> String {
     let axes = parts.axes.iter().map(|axis| (&axis.name, Some(axis)));
     let spindle = parts.chain.spindle().map(|name| (name, None));
-    let lines: String =
-        axes.chain(spindle).zip(&parts.errors).map(|(joint, errors)| joint_lines(parts, joint, errors)).collect();
+    let lines: String = axes
+        .chain(spindle)
+        .zip(&parts.errors)
+        .map(|((name, axis), errors)| joint_lines(parts, name, axis, errors))
+        .collect();
     if lines.is_empty() { lines } else { format!("errors:\n{lines}") }
 }
 
 /// Location errors, then component errors; a spindle has no positions.
-fn joint_lines(parts: &MachineParts, (name, axis): (&AxisName, Option<&Axis>), errors: &JointErrors) -> String {
-    let line = |(location, direction, of): (bool, Direction, &ErrorTerm)| {
-        let id = ErrorId { axis: name.clone(), location, direction };
+fn joint_lines(parts: &MachineParts, name: &AxisName, axis: Option<&Axis>, errors: &JointErrors) -> String {
+    let line = |(family, direction, of): (ErrorFamily, Direction, &ErrorTerm)| {
+        let id = ErrorId { axis: name.clone(), family, direction };
         let term = term(of, direction, axis);
         match parts.uncertainty.get(&id) {
             Some(half) => format!("  {id}: {}\n", with_uncertainty(&term, &rounded(*half, direction))),
@@ -186,13 +189,13 @@ fn curve(curve: &Curve, direction: Direction, axis: Option<&Axis>) -> String {
     }
 }
 
-/// A value with its unit.
-/// An uncertainty: twelve digits say it all.
+/// An uncertainty with its unit, to twelve digits.
 fn rounded(value: f64, direction: Direction) -> String {
     let (factor, unit) = if direction.is_rotation() { (1e6, "urad") } else { (1e3, "um") };
     format!("{} {unit}", crate::units::significant(value * factor, 12))
 }
 
+/// A value with its unit.
 fn amount(value: f64, direction: Direction) -> String {
     if direction.is_rotation() {
         format!("{} urad", number(value * 1e6))

@@ -26,7 +26,7 @@ pub use pictures::plane::{Drawn, PlanePicture, Shown, before_after};
 pub use pictures::polar::PolarPicture;
 pub use pictures::readings::{DiagonalPicture, RTestPicture};
 pub use pictures::svg::Picture;
-pub use rows::{Form, Prepared, Rows, Stream};
+pub use rows::{Form, Prepared, Rows, Sink, Stream};
 pub use text::budget::{BudgetReport, Drawing, budgets_json, tolerance, tolerance_unit};
 pub use text::equations;
 pub use text::instruments::{circle_json, line_json, turn_json};

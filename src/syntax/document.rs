@@ -1,4 +1,4 @@
-//! What a machine file says, section by section, before anything is judged.
+//! The content of a machine file, section by section, before anything is judged.
 
 use super::entry::entry;
 use super::extends::Layer;
@@ -41,17 +41,17 @@ pub struct Document {
     pub errors: Entries<TermEntry>,
     /// Tables of which every error column counts.
     pub measured: Vec<String>,
-    /// Where maps and tables are computed.
+    /// Intervals and steps of maps and tables.
     pub volume: IndexMap<String, VolumeAxis>,
-    /// Where the numbers come from.
+    /// The origin of the numbers.
     pub provenance: IndexMap<String, Scalar>,
     /// Errors of clamping.
     pub setup: Option<SetUpEntry>,
     /// The algebra that symbolic stages work in.
     pub algebra: Option<AlgebraEntry>,
-    /// What `identify` fits.
+    /// The parameters that `identify` fits.
     pub identify: Option<IdentifyEntry>,
-    /// Where it all stands.
+    /// The places of all entries.
     pub places: Places,
 }
 
@@ -72,13 +72,13 @@ pub struct AxisEntry {
     /// `linear` or `rotary`; follows from the letter.
     #[schemars(schema_with = "super::schema::kind")]
     pub kind: Option<String>,
-    /// Of positive motion; follows from the letter.
+    /// The direction of positive motion; follows from the letter.
     #[schemars(schema_with = "super::schema::direction")]
     pub direction: Option<Vec<Scalar>>,
     /// A point of the axis (mm).
     #[schemars(schema_with = "super::schema::point")]
     pub origin: Option<Vec<Scalar>>,
-    /// How far it goes.
+    /// Its travel.
     #[schemars(schema_with = "super::schema::travel")]
     pub travel: Option<TravelEntry>,
     /// `iso841` or `direct`.
@@ -91,7 +91,7 @@ pub struct AxisEntry {
 pub enum TravelEntry {
     /// A word: `continuous`.
     Word(String),
-    /// From, to.
+    /// Lower and upper end.
     Range(Vec<Scalar>),
 }
 
@@ -126,7 +126,7 @@ pub struct ConventionsEntry {
     /// Name of a preset.
     #[schemars(schema_with = "super::schema::preset")]
     pub preset: Option<String>,
-    /// How location errors act.
+    /// The action of location errors.
     #[schemars(schema_with = "super::schema::location")]
     pub location: Option<String>,
     /// Component errors of linear axes.
@@ -156,7 +156,7 @@ pub enum VolumeAxis {
     Step(Scalar),
     /// Interval and step of an axis.
     Axis {
-        /// From, to.
+        /// Lower and upper end.
         range: Option<Vec<Scalar>>,
         /// Largest distance of two nodes.
         step: Option<Scalar>,
@@ -167,10 +167,10 @@ pub enum VolumeAxis {
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SetUpEntry {
-    /// Of the tip: X, Y, Z.
+    /// Displacement of the tip: X, Y, Z.
     #[schemars(schema_with = "super::schema::tool_setup")]
     pub tool: IndexMap<String, Scalar>,
-    /// Of the workpiece: X, Y, Z, A, B, C.
+    /// Displacement of the workpiece: X, Y, Z, A, B, C.
     #[schemars(schema_with = "super::schema::workpiece_setup")]
     pub workpiece: IndexMap<String, Scalar>,
 }
@@ -189,7 +189,7 @@ pub struct AlgebraEntry {
     pub vanish: Vec<String>,
 }
 
-/// What has a nilpotent generator of its own.
+/// The errors or groups that have a nilpotent generator of their own.
 #[derive(Debug, Clone, PartialEq)]
 pub enum GeneratorsEntry {
     /// `per-error`, `per-axis` or `single`.
@@ -198,7 +198,7 @@ pub enum GeneratorsEntry {
     Groups(IndexMap<String, Vec<String>>),
 }
 
-/// What `identify` fits.
+/// The parameters that `identify` fits.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, serde::Serialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IdentifyEntry {
@@ -208,7 +208,8 @@ pub struct IdentifyEntry {
     /// Names that keep their value.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub fixed: Vec<String>,
-    /// Basis by error name: `poly3`, `fourier2`, `spline8`, `bspline8`, `blocks4`; `spline`, `bspline` and `blocks` with given knots.
+    /// Basis by error name: `poly3`, `fourier2`, `spline8`, `bspline8`, `blocks4`; `spline`, `bspline` and `blocks`
+    /// with given knots.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     #[schemars(schema_with = "super::schema::bases")]
     pub basis: IndexMap<String, String>,
@@ -225,7 +226,7 @@ pub struct IdentifyEntry {
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     #[schemars(schema_with = "super::schema::tied")]
     pub tied: IndexMap<String, IndexMap<String, Scalar>>,
-    /// How steep a fitted curve is at most, about (standard deviation): `EXX: 20 um/m`.
+    /// Standard deviation of the slope of a fitted curve: `EXX: 20 um/m`.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     #[schemars(schema_with = "super::schema::slopes")]
     pub slopes: IndexMap<String, Scalar>,
@@ -352,7 +353,7 @@ struct VolumeEntry(VolumeAxis);
 #[derive(Default, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct VolumeFields {
-    /// From, to.
+    /// Lower and upper end.
     #[schemars(schema_with = "super::schema::interval")]
     range: Option<Vec<Scalar>>,
     /// Largest distance of two nodes.

@@ -79,7 +79,7 @@ fn explain(message: &str, keys: &Keys, places: &Places) -> Diagnostic {
         .help(sample(name).map_or_else(|| expected(message), |sample| format!("write it as `{name}: {sample}`")))
 }
 
-/// What serde found, in plain words.
+/// Returns the value that serde found, in plain words.
 fn found(message: &str) -> String {
     let found = message.split_once(", expected ").map_or(message, |(found, _)| found);
     let found = found.trim_start_matches("invalid type: ").trim_start_matches("invalid value: ");
@@ -90,7 +90,7 @@ fn found(message: &str) -> String {
     format!("this is {}", shown(&word.or(number).unwrap_or_else(|| found.to_owned())))
 }
 
-/// What serde expected.
+/// Returns the form that serde expected.
 fn expected(message: &str) -> String {
     let expected = message.split_once(", expected ").map_or("something else", |(_, expected)| expected);
     format!(

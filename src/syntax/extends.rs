@@ -60,10 +60,10 @@ fn layer(
 fn endless(path: &Path, trail: &[PathBuf], tidy: &PathBuf) -> Diagnostic {
     let file = shown(&path.display().to_string());
     if trail.contains(tidy) {
-        Diagnostic::new(codes::E0208, format!("`extends` runs in a circle: `{file}` extends itself in the end"))
+        Diagnostic::new(codes::E0208, format!("`extends` is circular: `{file}` extends itself"))
             .help("let one of the files stand alone")
     } else {
-        Diagnostic::new(codes::E0208, format!("`extends` goes on for more than {DEPTH} files"))
+        Diagnostic::new(codes::E0208, format!("`extends` joins more than {DEPTH} files"))
             .help("merge some of the files")
     }
 }

@@ -1,4 +1,4 @@
-//! The one way into the file system: [`Disk`](super::Disk), or a map in memory.
+//! The only access to the file system: [`Disk`](super::Disk), or a map in memory.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -43,7 +43,7 @@ pub enum EntryKind {
     Other,
 }
 
-/// Why a file cannot be read.
+/// The reason for which a file cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ReadFailure {
     /// There is none.

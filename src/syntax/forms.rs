@@ -8,20 +8,20 @@ use std::marker::PhantomData;
 
 /// The forms that a type accepts; each default refuses.
 pub trait Forms: Sized {
-    /// What to write.
+    /// The form to write.
     const EXPECTING: &'static str;
 
-    /// From a single value.
+    /// Reads a single value.
     fn scalar(_: Scalar) -> Option<Self> {
         None
     }
 
-    /// From a list of values.
+    /// Reads a list of values.
     fn list(_: Vec<Scalar>) -> Option<Self> {
         None
     }
 
-    /// From a mapping.
+    /// Reads a mapping.
     fn map<'de, A: MapAccess<'de>>(_: A) -> Result<Self, A::Error> {
         Err(de::Error::invalid_type(Unexpected::Map, &Self::EXPECTING))
     }

@@ -124,7 +124,7 @@ impl Indexer<'_> {
         Place { source: self.source, range }
     }
 
-    /// Is the next node a key?
+    /// True if the next node is a key.
     fn expects_key(&self) -> bool {
         matches!(self.frames.last(), Some(OpenNode { kind: NodeKind::Map(_, None), .. }))
     }
@@ -249,12 +249,14 @@ fn unsupported(what: &str, place: Place, help: &str) -> Refused {
 fn limit(what: String, place: Place) -> Refused {
     let help = "a machine file is small; put measured data into CSV tables";
     Box::new(
-        Diagnostic::new(codes::E0106, format!("the file is beyond all measure: {what}")).at(Some(place), "").help(help),
+        Diagnostic::new(codes::E0106, format!("the file exceeds the parser's limits: {what}"))
+            .at(Some(place), "")
+            .help(help),
     )
 }
 
 fn duplicate(key: &str, again: &Place, first: &Place) -> Diagnostic {
-    Diagnostic::new(codes::E0107, format!("the key `{key}` stands here twice"))
+    Diagnostic::new(codes::E0107, format!("the key `{key}` occurs twice"))
         .at(Some(again.clone()), "again here")
         .at(Some(first.clone()), "first here")
         .help("keep one of them")

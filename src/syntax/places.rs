@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Keys and indices from the top of the document.
 pub type Keys = Vec<String>;
 
-/// Where an entry stands.
+/// The place of an entry.
 #[derive(Debug, Clone)]
 pub struct Spot {
     /// Its key; none for members of lists and the document itself.
@@ -16,7 +16,7 @@ pub struct Spot {
     pub value: Place,
 }
 
-/// Where every entry of a document stands, whichever file it came from.
+/// The place of every entry of a document, in any of its files.
 #[derive(Debug, Clone, Default)]
 pub struct Places {
     spots: BTreeMap<Keys, Spot>,
@@ -38,18 +38,18 @@ impl Places {
         self.marred.insert(keys.to_vec());
     }
 
-    /// Was part of the entry (or the entry itself) refused?
+    /// True if the entry or part of it was refused.
     pub fn is_marred(&self, keys: &[String]) -> bool {
         let from = self.marred.range(keys.to_vec()..).next();
         from.is_some_and(|k| k.starts_with(keys)) || self.is_lost(keys)
     }
 
-    /// Was the entry as a whole, or what contains it, refused?
+    /// True if the entry as a whole, or its container, was refused.
     pub fn is_lost(&self, keys: &[String]) -> bool {
         (1..=keys.len()).any(|n| self.marred.contains(&keys[..n]))
     }
 
-    /// Is there an entry?
+    /// True if there is an entry.
     pub fn has(&self, keys: &[String]) -> bool {
         self.spots.contains_key(keys)
     }
@@ -59,12 +59,12 @@ impl Places {
         (0..=keys.len()).rev().find_map(|n| self.spots.get(&keys[..n]))
     }
 
-    /// Where the value stands.
+    /// Returns the place of the value.
     pub fn value(&self, keys: &[String]) -> Option<Place> {
         self.nearest(keys).map(|spot| spot.value.clone())
     }
 
-    /// Where the key stands; the value if there is none.
+    /// Returns the place of the key, or of the value if there is no key.
     pub fn key(&self, keys: &[String]) -> Option<Place> {
         self.nearest(keys).map(|spot| spot.key.as_ref().unwrap_or(&spot.value).clone())
     }

@@ -44,7 +44,7 @@ pub(super) fn unreadable(path: &Path, failure: &ReadFailure) -> Diagnostic {
         ReadFailure::TooLarge(size, limit) => {
             let mb = |bytes: &u64| bytes.div_ceil(1 << 20);
             Diagnostic::new(codes::E0103, format!("{file} has {} MB; the limit is {} MB", mb(size), mb(limit)))
-                .help("thin the table out: 100000 rows are the most that is read")
+                .help("thin the table out: the limit is 100000 rows")
         }
         ReadFailure::Other(words) => Diagnostic::new(codes::E0101, format!("{file} cannot be read: {}", shown(words)))
             .help("check the path and the medium"),

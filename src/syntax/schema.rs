@@ -26,7 +26,7 @@ pub fn schema() -> Value {
     json!({
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "abbe machine file",
-        "description": "A machine tool: how it is built and how it errs.",
+        "description": "A machine tool: its kinematics and its geometric errors.",
         "type": "object",
         "additionalProperties": false,
         "properties": sections,
@@ -48,7 +48,9 @@ fn sections(generator: &mut SchemaGenerator) -> Value {
     json!({
         "abbe": { "description": "Version of the language.", "const": 1 },
         "machine": name("The machine's name, one line.", 120),
-        "extends": { "description": "Path of the file that this one is a variant of.", "type": "string", "minLength": 1 },
+        "extends": {
+            "description": "Path of the file that this one is a variant of.", "type": "string", "minLength": 1
+        },
         "chain": or_null(chain()),
         "branches": or_null(object::<Branches>(generator)),
         "axes": or_null(json!({
@@ -94,18 +96,24 @@ fn or_null(schema: Value) -> Value {
 
 /// A single line of text.
 fn name(description: &str, longest: usize) -> Value {
-    json!({ "description": description, "type": "string", "minLength": 1, "maxLength": longest, "pattern": r"^[^\u0000-\u001f\u007f]+$" })
+    json!({
+        "description": description, "type": "string", "minLength": 1, "maxLength": longest,
+        "pattern": r"^[^\u0000-\u001f\u007f]+$"
+    })
 }
 
 fn chain() -> Value {
     let prime = "['’′]";
     let between = r"[\s,–-]+";
-    let walk = format!(
-        r"^\s*([VH]?\s*\[)?\s*w{between}({AXIS}{prime}{between})*b{between}({AXIS}{between})*(\({AXIS}\){between})?t\s*\]?\s*$"
-    );
+    let workpiece_side = format!("w{between}({AXIS}{prime}{between})*");
+    let tool_side = format!(r"b{between}({AXIS}{between})*(\({AXIS}\){between})?t");
+    let walk = format!(r"^\s*([VH]?\s*\[)?\s*{workpiece_side}{tool_side}\s*\]?\s*$");
     json!({
         "description": "The walk from workpiece to tool: w C' A' Y' b X Z t.",
-        "anyOf": [{ "type": "string", "pattern": walk }, { "type": "array", "items": { "type": "string" }, "minItems": 1 }]
+        "anyOf": [
+            { "type": "string", "pattern": walk },
+            { "type": "array", "items": { "type": "string" }, "minItems": 1 }
+        ]
     })
 }
 
@@ -116,7 +124,10 @@ fn errors(generator: &mut SchemaGenerator) -> Value {
     let term = object::<TermEntry>(generator);
     let constant = json!({
         "type": "object",
-        "properties": { "value": quantity(generator), "tolerance": quantity(generator), "uncertainty": quantity(generator), "provenance": notes(generator) },
+        "properties": {
+            "value": quantity(generator), "tolerance": quantity(generator), "uncertainty": quantity(generator),
+            "provenance": notes(generator)
+        },
         "oneOf": [{ "required": ["value"] }, { "required": ["tolerance"] }],
         "additionalProperties": false
     });
@@ -141,7 +152,7 @@ fn errors(generator: &mut SchemaGenerator) -> Value {
 fn volume(generator: &mut SchemaGenerator) -> Value {
     let axis = any(vec![interval(generator).to_value(), object::<VolumeFields>(generator)]);
     json!({
-        "description": "Where maps and tables are computed; default: the travels.",
+        "description": "Intervals and steps of maps and tables; default: the travels.",
         "type": "object",
         "properties": { "step": step(generator) },
         "patternProperties": { format!("^{AXIS}$"): axis },
@@ -157,7 +168,9 @@ fn text(pattern: &str) -> Value {
 pub fn quantity(_: &mut SchemaGenerator) -> Schema {
     let unit = format!(r"({LENGTH}|{ANGLE})(\^[1-9])?");
     let pattern = format!(r"^\s*{NUMBER}\s*({unit}(\s*/\s*{unit})*|/\s*{NUMBER})\s*$");
-    json_schema!({ "description": "A value with its unit, such as 12 um.", "type": ["string", "null"], "pattern": pattern })
+    json_schema!({
+        "description": "A value with its unit, such as 12 um.", "type": ["string", "null"], "pattern": pattern
+    })
 }
 
 /// A position: bare in mm or deg, or with a unit.
@@ -186,18 +199,21 @@ pub fn point(_: &mut SchemaGenerator) -> Schema {
 /// Three plain numbers.
 pub fn direction(_: &mut SchemaGenerator) -> Schema {
     json_schema!({
-        "description": "Of positive motion; any length but zero.",
+        "description": "Direction of positive motion; any length but zero.",
         "type": ["array", "null"], "items": { "type": "number" }, "minItems": 3, "maxItems": 3,
         "not": { "items": { "const": 0 } , "type": "array" }
     })
 }
 
-/// From, to.
+/// Lower and upper end.
 pub fn interval(_: &mut SchemaGenerator) -> Schema {
-    json_schema!({ "description": "[min, max], mm or deg.", "type": ["array", "null"], "items": position(), "minItems": 2, "maxItems": 2 })
+    json_schema!({
+        "description": "[min, max], mm or deg.", "type": ["array", "null"], "items": position(),
+        "minItems": 2, "maxItems": 2
+    })
 }
 
-/// From, to; or `continuous`.
+/// Lower and upper end; or `continuous`.
 pub fn travel(generator: &mut SchemaGenerator) -> Schema {
     let range = interval(generator).to_value();
     json_schema!({ "anyOf": [range, { "const": "continuous" }] })
@@ -242,10 +258,11 @@ pub fn harmonics(generator: &mut SchemaGenerator) -> Schema {
 pub fn bspline(generator: &mut SchemaGenerator) -> Schema {
     let value = quantity(generator).to_value();
     json_schema!({
-        "description": "A B-spline: rising knots from end to end, and a coefficient for each interval and each degree; on a continuous axis for each interval.",
+        "description": "A B-spline: rising knots from end to end, and a coefficient for each interval and each degree; \
+                        on a continuous axis for each interval.",
         "type": ["object", "null"], "required": ["knots", "coefficients"], "additionalProperties": false,
         "properties": {
-            "degree": { "description": "3 unless said.", "type": ["integer", "null"], "minimum": 1, "maximum": 3 },
+            "degree": { "description": "Default 3.", "type": ["integer", "null"], "minimum": 1, "maximum": 3 },
             "knots": { "type": "array", "items": position(), "minItems": 2 },
             "coefficients": { "type": "array", "items": value, "minItems": 1 }
         }
@@ -261,7 +278,7 @@ pub fn curve(generator: &mut SchemaGenerator) -> Schema {
 /// Keys and single values.
 pub fn notes(_: &mut SchemaGenerator) -> Schema {
     json_schema!({
-        "description": "Where the numbers come from; free text.",
+        "description": "Origin of the numbers; free text.",
         "type": ["object", "null"], "additionalProperties": { "type": ["string", "number"] }
     })
 }
@@ -350,14 +367,14 @@ macro_rules! words {
 }
 
 words! {
-    kind: ["linear", "rotary"], "What the axis does; follows from the letter.";
-    sense: ["iso841", "direct"], "What a positive command of a workpiece-side axis does.";
+    kind: ["linear", "rotary"], "Kind of the axis; follows from the letter.";
+    sense: ["iso841", "direct"], "Sense of a positive command of a workpiece-side axis.";
     preset: ["holub-2015", "bui-kimm", "hrdina-vasik-2014"], "Conventions of a paper.";
-    location: ["axis_only", "carried_body"], "How location errors act.";
-    linear_order: ["after", "before"], "Where component errors of linear axes sit.";
-    rotary_order: ["stationary", "rotating"], "Where component errors of rotary axes sit.";
-    errors_are: ["tool_relative", "body"], "Whose errors those of workpiece-side axes are.";
-    location_order: ["nilpotent", "real"], "Of which order location errors are.";
+    location: ["axis_only", "carried_body"], "Action of location errors.";
+    linear_order: ["after", "before"], "Side of the motion on which component errors of linear axes act.";
+    rotary_order: ["stationary", "rotating"], "Side of the motion on which component errors of rotary axes act.";
+    errors_are: ["tool_relative", "body"], "Body whose motion the errors of workpiece-side axes describe.";
+    location_order: ["nilpotent", "real"], "Order of location errors.";
     joints: ["orthogonal", "linearised"], "Shape of error matrices.";
     interpolation: ["linear", "cubic"], "Between points.";
 }

@@ -1,5 +1,5 @@
-//! Tables as instruments and spreadsheets write them: UTF-8, UTF-16 with or without byte order mark, or Windows-1252, CRLF,
-//! comma, semicolon or tab, decimal commas where the comma does not separate, quotes, `#` and `//` comments.
+//! Tables as instruments and spreadsheets write them: UTF-8, UTF-16 with or without byte order mark, or Windows-1252,
+//! CRLF, comma, semicolon or tab, decimal commas where the comma does not separate, quotes, `#` and `//` comments.
 //! Machine files and their own tables are read strictly ([`super::read_table`]); this is for what comes from outside.
 
 use super::files::Files;
@@ -15,13 +15,13 @@ pub struct Sheet {
     text: String,
 }
 
-/// What spreadsheets write where a formula fails: no comments.
+/// The words of spreadsheets for a failed formula; they are no comments.
 const MISTAKES: [&str; 7] = ["#REF!", "#N/A", "#DIV/0!", "#VALUE!", "#NAME?", "#NUM!", "#NULL!"];
 
 /// A line that is neither blank nor a comment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// Where it stands.
+    /// Its place.
     pub place: Place,
     /// Without its end.
     pub text: String,
@@ -37,7 +37,7 @@ pub fn read_sheet(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics)
         }
     };
     let Some(text) = decoded(&bytes) else {
-        let message = format!("`{}` is no text in UTF-8, UTF-16 or Windows-1252", shown(&path.display().to_string()));
+        let message = format!("`{}` is not text in UTF-8, UTF-16 or Windows-1252", shown(&path.display().to_string()));
         let help = "export it as text; for example: iconv -f IBM850 -t UTF-8 old > new";
         diagnostics.push(Diagnostic::new(codes::E0104, message).help(help));
         return None;
@@ -99,7 +99,7 @@ impl Sheet {
     }
 }
 
-/// What separates the cells of a line: a semicolon or tab if there is one, else the comma.
+/// Returns the separator of the cells of a line: a semicolon or tab if there is one, else the comma.
 pub fn separator(header: &str) -> char {
     [';', '\t'].into_iter().find(|c| header.contains(*c)).unwrap_or(',')
 }
@@ -119,8 +119,8 @@ pub fn cells(line: &str, separator: char) -> Vec<String> {
 }
 
 /// Drops empty cells that spreadsheets leave at the end of a line, down to so many cells.
-pub fn drop_empty(cells: &mut Vec<String>, least: usize) {
-    while cells.len() > least && cells.last().is_some_and(String::is_empty) {
+pub fn drop_empty(cells: &mut Vec<String>, min: usize) {
+    while cells.len() > min && cells.last().is_some_and(String::is_empty) {
         cells.pop();
     }
 }
@@ -158,17 +158,19 @@ pub struct Decimals {
 impl Decimals {
     /// Takes note of a cell that is to be a number; says so if its mark is not that of the cells before. Cells that
     /// are none are for others to refuse; a comma that separates cells is no decimal comma.
-    pub fn note(&mut self, cell: &str, separator: char) -> Result<(), String> {
+    pub fn note(&mut self, cell: &str, separator: char) -> Result<(), MixedDecimals> {
         if separator == ',' || !cell.chars().all(|c| c.is_ascii_digit() || "+-.,eE".contains(c)) {
             return Ok(());
         }
         let mark = match (cell.contains(','), cell.contains('.')) {
             (false, false) => return Ok(()),
-            (true, true) => return Err(mixed(&format!("`{}`", shown(cell)))),
+            (true, true) => return Err(MixedDecimals { cells: vec![cell.to_owned()] }),
             (comma, _) => [',', '.'][usize::from(!comma)],
         };
         match &self.first {
-            Some((known, first)) if *known != mark => Err(mixed(&format!("`{}`, `{}`", shown(first), shown(cell)))),
+            Some((known, first)) if *known != mark => {
+                Err(MixedDecimals { cells: vec![first.clone(), cell.to_owned()] })
+            }
             Some(_) => Ok(()),
             None => {
                 self.first = Some((mark, cell.to_owned()));
@@ -178,11 +180,23 @@ impl Decimals {
     }
 }
 
-fn mixed(cells: &str) -> String {
-    format!(
-        "decimal comma and decimal point in one file ({cells}): write all numbers with the same, and digits ungrouped"
-    )
+/// Decimal comma and decimal point in one file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MixedDecimals {
+    /// A cell with both marks, or two cells with one each.
+    pub cells: Vec<String>,
 }
+
+impl std::fmt::Display for MixedDecimals {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let cells: Vec<String> = self.cells.iter().map(|cell| format!("`{}`", shown(cell))).collect();
+        let cells = cells.join(", ");
+        let remedy = "write all numbers with the same, and digits ungrouped";
+        write!(f, "decimal comma and decimal point in one file ({cells}): {remedy}")
+    }
+}
+
+impl std::error::Error for MixedDecimals {}
 
 #[cfg(test)]
 mod tests {

@@ -18,7 +18,7 @@ const ROWS: usize = 100_000;
 pub struct CsvTable {
     /// The columns, the axis first; all of the same length.
     pub columns: Vec<CsvColumn>,
-    /// Where each row stands.
+    /// The place of each row.
     pub rows: Vec<Place>,
 }
 
@@ -31,7 +31,7 @@ pub struct CsvColumn {
     pub direction: Option<ColumnDirection>,
     /// The unit as written, its factor to mm and rad, and its dimension.
     pub unit: (String, f64, Dimension),
-    /// Where the header says so.
+    /// Its place in the header.
     pub place: Place,
     /// As written, not converted.
     pub values: Vec<f64>,
@@ -176,7 +176,7 @@ impl TableReader<'_> {
         let cells = if found == 1 { "cell" } else { "cells" };
         let message = format!("this row has {found} {cells}, the header has {expected}");
         let help = if found == 2 * expected {
-            "are these decimal commas? write decimal points, or let `abbe import` make the table of the instrument's file"
+            "for decimal commas write decimal points, or let `abbe import` make the table of the instrument's file"
         } else {
             "give every row a value for every column; leave out rows that were not measured"
         };
@@ -209,7 +209,7 @@ impl TableReader<'_> {
         for (i, column) in columns.iter().enumerate() {
             let same = |c: &&CsvColumn| c.name == column.name && c.direction == column.direction;
             if let Some(first) = columns[..i].iter().find(same) {
-                let message = format!("the column `{}` stands here twice", shown(&column.name));
+                let message = format!("the column `{}` occurs twice", shown(&column.name));
                 self.diagnostics.push(
                     Diagnostic::new(codes::E0107, message)
                         .at(Some(column.place.clone()), "again here")
@@ -227,11 +227,12 @@ impl TableReader<'_> {
         let Some(i) = positions.windows(2).position(|w| w[1] <= w[0]) else { return };
         let (before, here) = (positions[i], positions[i + 1]);
         let message = if before == here {
-            format!("the position {here} stands here twice")
+            format!("the position {here} occurs twice")
         } else {
             format!("the position {here} follows {before}: positions must rise")
         };
-        let help = "sort the rows by position; put forward and reverse runs into columns `EXX+` and `EXX-`; `abbe import` makes such a table of runs there and back";
+        let help = "sort the rows by position; put forward and reverse runs into columns `EXX+` and `EXX-`; \
+                    `abbe import` makes such a table of bidirectional runs";
         self.refuse(codes::E0113, message, body[i + 1].clone(), help);
     }
 }

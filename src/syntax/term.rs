@@ -11,7 +11,7 @@ use serde::{Deserialize, Deserializer};
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BSplineEntry {
-    /// 1 to 3; 3 unless said.
+    /// 1 to 3; default 3.
     pub degree: Option<u8>,
     /// Rising positions from end to end, each once.
     pub knots: Vec<Scalar>,
@@ -83,7 +83,7 @@ pub struct TermEntry {
     /// Expanded uncertainty (k = 2) of the values.
     #[schemars(schema_with = "super::schema::quantity")]
     pub uncertainty: Option<Scalar>,
-    /// Where the numbers come from.
+    /// The origin of the numbers.
     #[schemars(schema_with = "super::schema::notes")]
     pub provenance: Option<IndexMap<String, Scalar>>,
 }

@@ -46,7 +46,7 @@ impl Dimension {
 pub struct Quantity {
     /// Value in mm^length rad^angle.
     pub value: f64,
-    /// What it measures.
+    /// Its dimension.
     pub dimension: Dimension,
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Dimension, Quantity};
 
-/// Why a text is not a quantity.
+/// The reason for which a text is not a quantity.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Failure {
     /// No number at the start.
@@ -72,7 +72,7 @@ fn finite(value: f64, dimension: Dimension, text: &str) -> Result<Quantity, Fail
     if value.is_finite() { Ok(Quantity { value, dimension }) } else { Err(Failure::NotFinite(text.to_owned())) }
 }
 
-/// Where the leading number ends. `1e-3 mm` keeps its exponent, `3 em` does not have one.
+/// Returns the end of the leading number. `1e-3 mm` keeps its exponent, `3 em` does not have one.
 fn number_end(text: &str) -> usize {
     let bytes = text.as_bytes();
     let digits = |mut i: usize| {

@@ -1,13 +1,13 @@
 //! Budgets against closed forms, and the kernel against the model.
 
 use crate::configs::all;
+use crate::interactions::unit_response;
 use crate::oracle::random::Random;
 use crate::program::{Folder, abbe, abbe_on, json, refused, text, well_formed};
 use abbe::analysis::budget::{Distribution, Draws, Request, Statistic, bounds, budget, longest, mean};
-use abbe::analysis::{Quantity, Share, twists};
 use abbe::evaluate::random_poses;
-use abbe::lower::sensitivities_to;
-use abbe::machine::{Direction, ErrorId, Machine};
+use abbe::lower::{Quantity, SideWeights, sensitivities_to, twists};
+use abbe::machine::{Direction, ErrorFamily, ErrorId, Machine};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -31,9 +31,9 @@ fn every_error(machine: &Machine) -> Vec<ErrorId> {
     let names = machine.axes().iter().map(|axis| &axis.name).chain(machine.chain().spindle());
     let mut ids = Vec::new();
     for (i, name) in names.enumerate() {
-        for location in [true, false] {
-            if location || i < machine.axes().len() {
-                ids.extend(Direction::ALL.map(|direction| ErrorId { axis: name.clone(), location, direction }));
+        for family in ErrorFamily::ALL {
+            if family == ErrorFamily::Location || i < machine.axes().len() {
+                ids.extend(Direction::ALL.map(|direction| ErrorId { axis: name.clone(), family, direction }));
             }
         }
     }
@@ -49,17 +49,19 @@ fn twists_are_the_sensitivities_of_the_model() {
             let maps = [Quantity::Position, Quantity::Rotation].map(|q| twists(&machine, &pose, q));
             for s in sensitivities_to(&machine, &pose, &ids) {
                 let joint = machine.axis_index(s.error.axis.as_str()).unwrap_or(pose.len());
-                let share = match machine.axes().get(joint) {
-                    Some(axis) if s.error.location => Share::location(axis, machine.conventions()),
-                    Some(axis) => Share::component(axis, machine.conventions()),
-                    None => Share::SPINDLE,
+                let weights = match machine.axes().get(joint) {
+                    Some(axis) if s.error.is_location() => SideWeights::location(axis, machine.conventions()),
+                    Some(axis) => SideWeights::component(axis, machine.conventions()),
+                    None => SideWeights::SPINDLE,
                 };
                 let column = |q: usize| -> [f64; 3] {
-                    std::array::from_fn(|i| share.of(&maps[q][joint])[i][s.error.direction.index()])
+                    std::array::from_fn(|i| weights.map(&maps[q][joint])[i][s.error.direction.index()])
                 };
                 let near = |a: [f64; 3], b: nalgebra::Vector3<f64>| (0..3).all(|i| (a[i] - b[i]).abs() < 1e-9);
-                assert!(near(column(0), s.deviation), "{name}: {} at {pose:?}", s.error);
-                assert!(near(column(1), s.rotation), "{name}: {} at {pose:?}", s.error);
+                let [deviation, rotation] = unit_response(&machine, &pose, &s.error);
+                assert!(near(column(0), deviation), "{name}: {} at {pose:?}", s.error);
+                assert!(near(column(1), rotation), "{name}: {} at {pose:?}", s.error);
+                assert!(near(column(0), s.deviation) && near(column(1), s.rotation), "{name}: {}", s.error);
             }
         }
     }

@@ -131,7 +131,7 @@ fn budgets_are_those_of_one_machine_after_the_other() {
                     for (sample, value) in values.iter_mut().enumerate() {
                         let sum = effects.iter().zip(&bounds).fold(nalgebra::Vector3::zeros(), |sum, (s, bound)| {
                             let share = match other.axis_index(s.error.axis.as_str()) {
-                                Some(i) if !s.error.location => {
+                                Some(i) if !s.error.is_location() => {
                                     let axis = &other.axes()[i];
                                     at(&draws.curve(&s.error, sample, axis.travel == Way::Continuous), axis, pose[i])
                                 }

@@ -8,7 +8,7 @@ use crate::oracle::{rigid, yaml};
 use abbe::algebra::symbolic::Symbolic;
 use abbe::analysis::{Equations, Meaning, Naming, Options, equations};
 use abbe::evaluate::{Frame, Order, evaluate, random_poses};
-use abbe::lower::{Declared, values};
+use abbe::lower::{DeclaredAlgebra, values};
 use abbe::machine::{AlgebraChoice, Approach, Machine, sin_cos_degrees};
 use abbe::report::equations::polynomial_text;
 use serde_json::Value;
@@ -17,7 +17,7 @@ use std::path::Path;
 use std::process::Command;
 
 fn of_order(machine: &Machine, order: u8, options: Options) -> Equations {
-    let declared = Declared::new(machine, &AlgebraChoice::per_error(order)).unwrap();
+    let declared = DeclaredAlgebra::new(machine, &AlgebraChoice::per_error(order)).unwrap();
     equations(machine, &declared, options).unwrap()
 }
 
@@ -339,7 +339,7 @@ fn the_ideal_of_2014_is_kept_in_the_equations() {
     let squares = (1..=4).map(|k| vec![(format!("x{k}"), 2)]);
     let pairs = [(3, 2), (3, 4), (3, 1)].map(|(a, b)| vec![(format!("x{a}"), 1), (format!("x{b}"), 1)]);
     let choice = AlgebraChoice { vanish: squares.chain(pairs).collect(), ..AlgebraChoice::per_error(3) };
-    let declared = Declared::new(&machine, &choice).unwrap();
+    let declared = DeclaredAlgebra::new(&machine, &choice).unwrap();
     let found = equations(&machine, &declared, Options::default()).unwrap();
     let lift = declared.build().unwrap();
     let names: Vec<String> = lift.basis().monomials().iter().map(|m| lift.declared().monomial_name(m)).collect();

@@ -14,7 +14,7 @@ use abbe::identify::{
     solve as weigh,
 };
 use abbe::lower::{ErrorSite, Exact, Source, actual_point, position_jacobian, values};
-use abbe::machine::{Approach, Direction, Machine, written};
+use abbe::machine::{Approach, Direction, Machine, machine_file};
 use abbe::syntax::Disk;
 use abbe::syntax::IdentifyEntry;
 use nalgebra::{DMatrix, Vector3};
@@ -287,7 +287,7 @@ fn a_fitted_file_of_any_machine_says_the_same_as_the_machine() {
     for conventions in combinations().step_by(7) {
         let sample = Sample::random(&mut random, conventions, 1e-4);
         let before = of_sample(&sample);
-        let text = written(&before.to_parts(), &[]);
+        let text = machine_file(&before.to_parts(), &[]);
         let (after, diagnostics) = super::language::read(&[("machine.yaml", &text)]);
         let after = after.unwrap_or_else(|| panic!("{text}\n{:?}", diagnostics.iter().next()));
         for pose in sample.poses(&mut random, 10) {

@@ -2,12 +2,41 @@
 //! derivatives of the exact model, and a bound on what order 1 neglects.
 
 use crate::configs;
+use abbe::algebra::Dual;
 use abbe::analysis::interactions;
-use abbe::evaluate::{Frame, Order, evaluate, random_poses};
-use abbe::lower::sensitivities;
-use abbe::machine::{Approach, LocationOrder};
+use abbe::evaluate::{Frame, Order, evaluate, random_poses, response};
+use abbe::lower::{ErrorLift, ErrorValues, Source, sensitivities};
+use abbe::machine::{Approach, ErrorId, LocationOrder, Machine};
+use nalgebra::Vector3;
 use serde_json::Value;
 use std::process::Command;
+
+/// Every error is of first order, also where the conventions count it in the real part.
+struct FirstOrder;
+
+impl ErrorLift<Dual<2>> for FirstOrder {
+    fn lift(&self, _: Source, value: f64) -> Dual<2> {
+        Dual::first_order(value)
+    }
+
+    fn real(&self, source: Source, value: f64) -> Dual<2> {
+        self.lift(source, value)
+    }
+}
+
+/// Displacement and rotation by a unit of one error: the first degree of the whole model over the dual numbers.
+pub fn unit_response(machine: &Machine, pose: &[f64], error: &ErrorId) -> [Vector3<f64>; 2] {
+    let axes = vec![([0.0; 6], [0.0; 6]); machine.axes().len()];
+    let mut values = ErrorValues { axes, spindle: None, tool: [0.0; 3], workpiece: [0.0; 6] };
+    let place = match machine.axis_index(error.axis.as_str()) {
+        Some(i) if error.is_location() => &mut values.axes[i].0,
+        Some(i) => &mut values.axes[i].1,
+        None => values.spindle.insert([0.0; 6]),
+    };
+    place[error.direction.index()] = 1.0;
+    let response = response(machine, pose, &values, &FirstOrder);
+    [response.position, response.rotation].map(|v| v.map(|x| x.0[1]))
+}
 
 #[test]
 fn the_first_degree_is_the_structured_form() {

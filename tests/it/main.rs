@@ -5,6 +5,7 @@
 #![allow(clippy::disallowed_methods)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr, clippy::print_stdout)]
 
+mod annotations;
 mod bad_input;
 mod budget;
 mod certificate;
@@ -13,6 +14,7 @@ mod compare;
 mod compile;
 mod compile_linuxcnc;
 mod compile_refusals;
+mod compiled_columns;
 mod configs;
 mod convert;
 mod defects;
@@ -22,6 +24,7 @@ mod equations;
 mod eval_exact;
 mod eval_order;
 mod every_target;
+mod examples;
 mod faults;
 mod golden_signs;
 mod handmade;
@@ -52,9 +55,11 @@ mod published;
 mod readme;
 mod recognise;
 mod reconfigure;
+mod release;
 mod remarks;
 mod replays;
 mod report;
+mod repository;
 mod rooms;
 mod schema;
 mod show;

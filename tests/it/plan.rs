@@ -2,6 +2,7 @@
 //! at any vector width and in any batch the bits are the same.
 
 use crate::identify::{five, five_poses};
+use crate::interactions::unit_response;
 use crate::oracle::machines::{Sample, combinations};
 use crate::oracle::program::Folder;
 use crate::oracle::random::Random;
@@ -11,9 +12,9 @@ use abbe::analysis::{SurveyTask, View, deviation_in, map, survey};
 use abbe::compensation::{Goal, Scope, correct, correct_all};
 use abbe::evaluate::{
     Bare, Batch, Columns, CompiledField, CompiledModel, Deviation, Frame, Nodes, Order, PoseColumns, Poses, Tally,
-    Unknown, Width, command_deviation, evaluate,
+    Width, command_deviation, evaluate,
 };
-use abbe::lower::{NominalPose, given, sensitivities};
+use abbe::lower::{NominalPose, sensitivities};
 use abbe::machine::{Approach, Grid, Machine};
 
 fn random_machine(random: &mut Random, conventions: Conventions, size: f64) -> (Machine, Vec<Vec<f64>>) {
@@ -269,45 +270,15 @@ fn sensitivities_are_those_of_the_general_algebra() {
     for (index, conventions) in combinations().enumerate() {
         let conventions = Conventions { linearised: index % 2 == 0, ..conventions };
         let (machine, poses) = random_machine(&mut random, conventions, 1e-3);
-        let plan = CompiledModel::new(&machine, Order::Degree(1), Approach::Mean);
-        let given: Vec<_> = given(&machine).into_iter().filter(|g| g.error.is_some()).collect();
-        let sources: Vec<_> = given.iter().map(|g| g.source).collect();
-        let mut columns = vec![Columns::new(poses.len()); sources.len()];
-        let mut out: Vec<_> = columns.iter_mut().map(|c| c.output(poses.len())).collect();
-        plan.sensitivities(&self::columns(&machine, &poses).batch(), &sources, &mut out).unwrap();
-        for (i, pose) in poses.iter().enumerate() {
-            for (found, expected) in columns.iter().zip(sensitivities(&machine, pose, |_| true)) {
-                let found = found.get(i);
+        for pose in &poses {
+            for found in sensitivities(&machine, pose, |_| true) {
+                let [deviation, rotation] = unit_response(&machine, pose, &found.error);
                 // Positions of a metre, rotations of one.
-                let gap = [found.position - expected.deviation, found.rotation - expected.rotation].map(|v| v.amax());
-                assert!(gap[0] < 1e-12 * 1e3 && gap[1] < 1e-14, "{:?} {gap:?}", expected.error);
+                let gap = [found.deviation - deviation, found.rotation - rotation].map(|v| v.amax());
+                assert!(gap[0] < 1e-12 * 1e3 && gap[1] < 1e-14, "{:?} {gap:?}", found.error);
             }
         }
     }
-}
-
-#[test]
-fn first_order_is_linear_in_the_sensitivities_and_the_normal_equations_find_them() {
-    let (machine, poses) = random_machine(&mut Random::new(84), Conventions::default(), 1e-3);
-    let plan = CompiledModel::new(&machine, Order::Degree(1), Approach::Mean);
-    let poses: Vec<_> = poses.into_iter().cycle().take(5000).collect();
-    let sources: Vec<_> = given(&machine).into_iter().map(|g| g.source).take(6).collect();
-    let columns = self::columns(&machine, &poses);
-    let mut parts = vec![Columns::new(poses.len()); sources.len()];
-    let mut out: Vec<_> = parts.iter_mut().map(|c| c.output(poses.len())).collect();
-    plan.sensitivities(&columns.batch(), &sources, &mut out).unwrap();
-    let truth: Vec<f64> = (1..=sources.len()).map(|k| k as f64 * 1e-5).collect();
-    let measured: [Vec<f64>; 3] = std::array::from_fn(|k| {
-        let row = |i: usize| parts.iter().zip(&truth).map(|(part, x)| part.position[k][i] * x).sum();
-        (0..poses.len()).map(row).collect()
-    });
-    let unknowns: Vec<_> = sources.iter().map(|source| Unknown { source: *source, basis: None }).collect();
-    let normal = || plan.normal_equations(&columns.batch(), &unknowns, measured.each_ref().map(Vec::as_slice)).unwrap();
-    let found = normal();
-    let residual = &found.matrix * nalgebra::DVector::from_vec(truth) - &found.right;
-    assert!(residual.amax() < 1e-12 * found.right.amax(), "{residual}");
-    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    assert_eq!(alone.install(normal), found);
 }
 
 #[test]

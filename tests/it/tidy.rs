@@ -260,10 +260,26 @@ const JUDGES_MAY_IMPORT: [(&str, &[&str]); 3] = [
     ("lower", &["NominalPose", "sensitivities_to"]),
 ];
 
-/// Methods that judges may call although a filler has one of the same name: views of tables and rules, and names of the
-/// machine, of nalgebra and of the standard library.
-const JUDGES_MAY_CALL: [&str; 12] =
-    ["any", "axes", "chain", "count", "cross", "dot", "is_empty", "iter", "len", "machine", "node", "rules"];
+/// Methods that judges may call although a filler has one of the same name: their own, those of a field at one pose, views
+/// of tables and rules, and names of the machine, of nalgebra and of the standard library.
+const JUDGES_MAY_CALL: [&str; 16] = [
+    "any",
+    "axes",
+    "chain",
+    "count",
+    "cross",
+    "curve",
+    "deviation",
+    "dot",
+    "is_bidirectional",
+    "is_empty",
+    "iter",
+    "len",
+    "machine",
+    "node",
+    "rules",
+    "turned",
+];
 
 /// Functions that make what is judged and are called by a path.
 const MAKERS: [&str; 2] = ["KinematicsModule::of(", "reversal_tables("];

@@ -6,12 +6,12 @@ use abbe::algebra::weil::{Monomial, Weil};
 use abbe::algebra::{Algebra, Dual, newton_steps};
 use abbe::analysis::Inverse;
 use abbe::evaluate::{Frame, Order, evaluate, evaluate_over, random_poses};
-use abbe::lower::{Declared, ErrorLift, Source, WeilLift, values};
+use abbe::lower::{DeclaredAlgebra, ErrorLift, Source, WeilLift, values};
 use abbe::machine::{AlgebraChoice, Approach, Generators, Machine};
 use std::process::Command;
 
 fn lift(machine: &Machine, choice: &AlgebraChoice) -> WeilLift {
-    Declared::new(machine, choice).unwrap().build().unwrap()
+    DeclaredAlgebra::new(machine, choice).unwrap().build().unwrap()
 }
 
 fn choice(degree: u8, generators: Generators) -> AlgebraChoice {

@@ -8,8 +8,8 @@ use nalgebra::DMatrix;
 /// Reflections taken together.
 const PANEL: usize = 8;
 
-/// Folds rows into an upper triangle of as many columns: `r^T r` grows by `fresh^T fresh`. The rows are used up; signs of
-/// the rows of `r` are arbitrary.
+/// Folds rows into an upper triangle of as many columns: `r^T r` grows by `fresh^T fresh`. The rows are used up; signs
+/// of the rows of `r` are arbitrary.
 pub fn fold(r: &mut DMatrix<f64>, fresh: &mut DMatrix<f64>) {
     let n = r.ncols();
     for first in (0..n).step_by(PANEL) {
@@ -19,7 +19,7 @@ pub fn fold(r: &mut DMatrix<f64>, fresh: &mut DMatrix<f64>) {
     }
 }
 
-/// Reflects `width` columns from `first` on. What is left of them in `fresh` are the lower parts of the vectors V (the
+/// Reflects `width` columns from `first` on. Their residues in `fresh` are the lower parts of the vectors V (the
 /// upper are unit vectors); gives the triangle T.
 fn panel(r: &mut DMatrix<f64>, fresh: &mut DMatrix<f64>, first: usize, width: usize) -> DMatrix<f64> {
     let mut t = DMatrix::zeros(width, width);
@@ -46,8 +46,8 @@ fn panel(r: &mut DMatrix<f64>, fresh: &mut DMatrix<f64>, first: usize, width: us
     t
 }
 
-/// The reflection `1 - tau v v^T` that clears a column below the triangle; v (1 on top) takes the column's place. None of a
-/// column that is clear.
+/// The reflection `1 - tau v v^T` that clears a column below the triangle; v (1 on top) takes the column's place.
+/// `None` for a column that is clear.
 fn reflection(r: &mut DMatrix<f64>, fresh: &mut DMatrix<f64>, at: usize) -> Option<f64> {
     let (top, below) = (r[(at, at)], fresh.column(at).norm());
     let norm = libm::hypot(top, below);

@@ -20,7 +20,7 @@ use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use std::sync::Arc;
 
 /// Functions are lifted of determinants and of squared angles only, numbers without a unit: what
-/// rounding has left of sines and cosines in their real part is far below this.
+/// the rounding residue of sines and cosines in their real part is far below this.
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// A polynomial in symbols.
@@ -44,12 +44,12 @@ impl Symbolic {
         self.terms.iter().map(|(monomial, value)| (monomial, *value))
     }
 
-    /// How many terms.
+    /// The number of terms.
     pub fn len(&self) -> usize {
         self.terms.len()
     }
 
-    /// Is it the polynomial 0?
+    /// True if it is the polynomial 0.
     pub fn is_empty(&self) -> bool {
         self.terms.is_empty()
     }

@@ -1,13 +1,13 @@
-//! What symbols are, and how their products are reduced.
+//! The kinds of symbols, and the reduction of their products.
 
 use crate::algebra::weil::{Ideal, Monomial};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Most products of terms of one calculation: half a minute and up to 1 GB. Beyond it all products are NaN.
+/// Maximum number of products of terms of one calculation: half a minute and up to 1 GB. Above it all products are NaN.
 pub const MAX_PRODUCTS: u64 = 10_000_000;
 
-/// What a symbol stands for.
+/// The meaning of a symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A number that is not small: a position, a cosine.
@@ -30,33 +30,33 @@ pub struct Rules {
     symbols: Vec<Kind>,
     ideal: Ideal,
     products: AtomicU64,
-    most: u64,
+    max_products: u64,
 }
 
 impl Rules {
     /// Symbols in their order; the ideal is one of the generators.
     pub fn new(symbols: Vec<Kind>, ideal: Ideal) -> Self {
-        Self { symbols, ideal, products: AtomicU64::new(0), most: MAX_PRODUCTS }
+        Self { symbols, ideal, products: AtomicU64::new(0), max_products: MAX_PRODUCTS }
     }
 
     /// With another limit.
     #[cfg(test)]
-    pub(super) fn within(self, most: u64) -> Self {
-        Self { most, ..self }
+    pub(super) fn within(self, max_products: u64) -> Self {
+        Self { max_products, ..self }
     }
 
-    /// Was there more to multiply than the limit?
+    /// True if the products exceeded the limit.
     pub fn exhausted(&self) -> bool {
-        self.products.load(Ordering::Relaxed) > self.most
+        self.products.load(Ordering::Relaxed) > self.max_products
     }
 
-    /// Counts products of terms; is there room for them?
+    /// Counts products of terms; true if they are within the limit.
     fn spend(&self, products: usize) -> bool {
         let before = self.products.fetch_add(products as u64, Ordering::Relaxed);
-        before.saturating_add(products as u64) <= self.most
+        before.saturating_add(products as u64) <= self.max_products
     }
 
-    /// Which products of generators vanish.
+    /// The products of generators that vanish.
     pub fn ideal(&self) -> &Ideal {
         &self.ideal
     }
@@ -71,7 +71,7 @@ impl Rules {
         monomial.factors().iter().filter(nilpotent).map(|(_, power)| usize::from(*power)).sum()
     }
 
-    /// Is the monomial other than zero?
+    /// True if the monomial is other than zero.
     fn keeps(&self, monomial: &Monomial) -> bool {
         if self.ideal.vanish.is_empty() {
             return self.degree(monomial) <= usize::from(self.ideal.degree);
@@ -134,7 +134,7 @@ impl Sum {
         }
     }
 
-    /// The terms that are not what rounding has left of others.
+    /// Returns the terms that are not rounding residues of others.
     pub(super) fn terms(self) -> BTreeMap<Monomial, f64> {
         self.0.into_iter().filter_map(|(m, (sum, size))| Some((m, rounded(sum, size)?))).collect()
     }

@@ -57,9 +57,9 @@ fn degrees_are_kept_and_taken_apart() {
 
 #[test]
 fn products_beyond_the_limit_are_no_numbers() {
-    let limited = |most| {
+    let limited = |max| {
         let symbols = vec![Kind::Nilpotent { generator: 0 }, Kind::Real, Kind::Nilpotent { generator: 1 }];
-        let rules = Arc::new(Rules::new(symbols, Ideal::above(2)).within(most));
+        let rules = Arc::new(Rules::new(symbols, Ideal::above(2)).within(max));
         let [a, x, b] = [0, 1, 2].map(|k| Symbolic::symbol(&rules, k));
         let product = (a.clone() * b.clone() + a.clone() + x.clone()) * (a + b + x + Symbolic::one());
         (product.is_polynomial(), product.len(), rules.exhausted())

@@ -9,16 +9,16 @@ use std::sync::Arc;
 /// Memory that no algebra may need.
 const MAX_BYTES: f64 = 1e9;
 
-/// Why there is no such algebra.
+/// The reason for which an algebra cannot be built.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BasisFailure {
-    /// The ideal contains 1: nothing is left.
+    /// The ideal contains 1: no algebra remains.
     KillsOne,
     /// The degree is 0 or above [`MAX_ORDER`].
     Degree(u8),
     /// A vanishing monomial names a generator that is not there.
     Generator(u16),
-    /// It would need more than 1 GB: at most this much.
+    /// It would need more than 1 GB; an upper bound of its size.
     Size(Size),
 }
 
@@ -30,7 +30,7 @@ pub struct Basis {
     /// Lowest degree first; 1 is the first.
     monomials: Vec<Monomial>,
     index: BTreeMap<Monomial, u32>,
-    /// Which products make which monomial.
+    /// The products that make each monomial.
     table: ProductTable,
 }
 
@@ -72,12 +72,12 @@ impl Basis {
         Self { generators, ideal, monomials, index, table }
     }
 
-    /// How many generators.
+    /// The number of generators.
     pub fn generators(&self) -> u16 {
         self.generators
     }
 
-    /// What vanishes.
+    /// The vanishing monomials.
     pub fn ideal(&self) -> &Ideal {
         &self.ideal
     }
@@ -87,7 +87,7 @@ impl Basis {
         &self.monomials
     }
 
-    /// Where a monomial is in [`Self::monomials`]; `None` if it vanishes.
+    /// Returns the index of a monomial in [`Self::monomials`]; `None` if it vanishes.
     pub fn position(&self, monomial: &Monomial) -> Option<usize> {
         self.index.get(monomial).map(|i| *i as usize)
     }

@@ -6,7 +6,7 @@
 pub struct Monomial(Vec<(u16, u8)>);
 
 impl Monomial {
-    /// From factors in any order; a generator may come more than once.
+    /// Collects factors in any order; a generator may come more than once.
     pub fn new(factors: impl IntoIterator<Item = (u16, u8)>) -> Self {
         let mut list: Vec<(u16, u8)> = factors.into_iter().filter(|(_, power)| *power > 0).collect();
         list.sort_unstable();
@@ -35,7 +35,7 @@ impl Monomial {
         self.0.iter().find(|(g, _)| *g == generator).map_or(0, |(_, power)| *power)
     }
 
-    /// Does it divide the other one?
+    /// True if it divides the other one.
     pub fn divides(&self, other: &Self) -> bool {
         self.0.iter().all(|(generator, power)| *power <= other.power(*generator))
     }
@@ -58,7 +58,7 @@ impl Monomial {
         Self(list)
     }
 
-    /// How many monomials divide it.
+    /// Returns the number of monomials that divide it.
     fn divisor_count(&self) -> f64 {
         self.0.iter().map(|(_, power)| f64::from(*power) + 1.0).product()
     }
@@ -81,7 +81,7 @@ impl Monomial {
     }
 }
 
-/// What is zero: every monomial above a total degree, and every multiple of the listed ones.
+/// The zero monomials: all above a total degree, and every multiple of the listed ones.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Ideal {
     /// Highest total degree that is kept.
@@ -96,7 +96,7 @@ impl Ideal {
         Self { degree, vanish: Vec::new() }
     }
 
-    /// Is the monomial other than zero?
+    /// True if the monomial is other than zero.
     pub fn keeps(&self, monomial: &Monomial) -> bool {
         monomial.degree() <= usize::from(self.degree) && !self.vanish.iter().any(|v| v.divides(monomial))
     }
@@ -121,7 +121,7 @@ impl Ideal {
         all
     }
 
-    /// What the algebra would take, counted until it is beyond a limit.
+    /// Counts the size of the algebra until it is beyond a limit.
     pub(super) fn size(&self, generators: u16, limit: f64) -> Size {
         let mut size = Size::default();
         let mut stack = vec![Monomial::default()];
@@ -137,7 +137,7 @@ impl Ideal {
     }
 }
 
-/// How large an algebra is.
+/// The size of an algebra.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Size {
     /// Surviving monomials: numbers in one element.

@@ -4,7 +4,7 @@
 //! the same to the last bit for any vector width and processor. With one generator, the order is that of the dual
 //! numbers: by rising index of the left factor.
 
-/// How elements are multiplied.
+/// The table by which elements are multiplied.
 #[derive(Debug, PartialEq)]
 pub enum ProductTable {
     /// All monomials to degree 2 in so many generators: nothing to look up.
@@ -16,7 +16,7 @@ pub enum ProductTable {
 }
 
 impl ProductTable {
-    /// From the pairs of factors of each monomial, by rising left factor.
+    /// Builds the table from the pairs of factors of each monomial, by rising left factor.
     pub fn new(rows: impl Iterator<Item = Vec<[u32; 2]>>, generators: u16) -> Self {
         let rows: Vec<Vec<[u32; 2]>> = rows.collect();
         if generators > 1 && rows.len() <= 256 { Self::Small(Pairs::new(&rows)) } else { Self::Rows(Rows::new(&rows)) }
@@ -79,7 +79,7 @@ pub struct Pairs {
 /// Monomials of as many pairs.
 #[derive(Debug, PartialEq)]
 struct Run {
-    /// How many pairs each has.
+    /// The number of pairs of each.
     length: usize,
     monomials: Vec<u8>,
     /// The pairs of each.

@@ -126,7 +126,8 @@ fn mixed_coefficients_are_partial_derivatives() {
 
 proptest! {
     #[test]
-    fn products_obey_the_laws(a in prop::collection::vec(-2.0..2.0_f64, 35), b in prop::collection::vec(-2.0..2.0_f64, 35),
+    fn products_obey_the_laws(a in prop::collection::vec(-2.0..2.0_f64, 35),
+                               b in prop::collection::vec(-2.0..2.0_f64, 35),
                               c in prop::collection::vec(-2.0..2.0_f64, 35)) {
         for basis in [basis(4, 3), paper_40()] {
             let [a, b, c] = [&a, &b, &c].map(|list| element(&basis, list));

@@ -10,7 +10,9 @@ use crate::algebra::symbolic::{Kind, MAX_PRODUCTS, Rules, Symbolic};
 use crate::algebra::{Algebra, Htm};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::rotation;
-use crate::lower::{Chain, Declared, ErrorLift, ErrorSite, Given, Position, Source, given, presence};
+use crate::lower::{
+    Chain, DeclaredAlgebra, ErrorLift, ErrorSite, NamedSource, Position, Source, named_sources, unit_values,
+};
 use crate::machine::{Axis, AxisKind, Joints, Location, LocationOrder, Machine};
 use nalgebra::{Matrix4, Vector3};
 use num_traits::Zero;
@@ -47,14 +49,14 @@ pub struct Equations {
 
 /// Returns the closed forms of a machine in a declared algebra. Fails if they are no polynomials, or exceed
 /// [`MAX_PRODUCTS`].
-pub fn equations(machine: &Machine, declared: &Declared, options: Options) -> Result<Equations, Diagnostic> {
-    let errors = given(machine);
+pub fn equations(machine: &Machine, declared: &DeclaredAlgebra, options: Options) -> Result<Equations, Diagnostic> {
+    let errors = named_sources(machine);
     if let Some(culprit) = errors.iter().find(|error| !is_polynomial(machine, error)) {
         return Err(no_polynomial(&culprit.name));
     }
     let alphabet = Alphabet::new(machine, declared, &errors, options);
     let at = alphabet.positions(machine);
-    let mut actual = Chain::actual_at(machine, &at, &presence(machine), &alphabet);
+    let mut actual = Chain::actual_at(machine, &at, &unit_values(machine), &alphabet);
     let mut nominal = Chain::nominal_at(machine, &at);
     if let Some(length) = alphabet.find(|m| m == Meaning::ToolLength) {
         let number = Symbolic::from_real(machine.tool().tip[2] - machine.tool().gauge[2]);
@@ -116,7 +118,7 @@ fn inverse_pose(chain: &Chain<Symbolic>, origin: &[f64; 3]) -> Option<Htm<Symbol
 }
 
 /// True if the equations are polynomials in an error: with `location_order: real` only in squareness.
-fn is_polynomial(machine: &Machine, error: &Given) -> bool {
+fn is_polynomial(machine: &Machine, error: &NamedSource) -> bool {
     let conventions = machine.conventions();
     let ErrorSite::Location(index) = error.source.place else { return true };
     let linear = machine.axes().get(index).is_some_and(|axis| axis.kind == AxisKind::Linear);
@@ -149,7 +151,7 @@ struct Alphabet {
 }
 
 impl Alphabet {
-    fn new(machine: &Machine, declared: &Declared, errors: &[Given], options: Options) -> Self {
+    fn new(machine: &Machine, declared: &DeclaredAlgebra, errors: &[NamedSource], options: Options) -> Self {
         let axes = machine.axes().iter().enumerate();
         let mut symbols: Vec<Symbol> = errors.iter().map(|e| symbols::error(machine, e, options.naming)).collect();
         let sources = errors.iter().map(|e| e.source).zip(0..).collect();

@@ -5,7 +5,7 @@ use crate::algebra::Weil;
 use crate::algebra::weil::Monomial;
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::response;
-use crate::lower::{Declared, ErrorLift, ErrorValues, Source, WeilLift, given, presence, values};
+use crate::lower::{DeclaredAlgebra, ErrorLift, ErrorValues, Source, WeilLift, named_sources, unit_values, values};
 use crate::machine::{AlgebraChoice, Approach, LocationOrder, Machine};
 use nalgebra::Vector3;
 
@@ -54,8 +54,8 @@ pub struct Calculation<'a> {
 /// Returns the calculation for a machine, with a generator for every error, to degree 1 or 2. Fails if the algebra has
 /// too many elements.
 pub fn interactions(machine: &Machine, degree: u8) -> Result<Calculation<'_>, Diagnostic> {
-    let lift = Declared::new(machine, &AlgebraChoice::per_error(degree))?.build()?;
-    let mut units = presence(machine);
+    let lift = DeclaredAlgebra::new(machine, &AlgebraChoice::per_error(degree))?.build()?;
+    let mut units = unit_values(machine);
     if machine.conventions().location_order == LocationOrder::Real {
         // These are no generators: they stand in the real part as they are.
         let actual = values(machine, &vec![0.0; machine.axes().len()], Approach::Mean);
@@ -91,7 +91,7 @@ impl Calculation<'_> {
     /// Returns the values of the errors in the order of the generators.
     fn sizes(&self, errors: &ErrorValues) -> Vec<f64> {
         let mut sizes = vec![0.0; self.lift.declared().names().len()];
-        for given in given(self.machine) {
+        for given in named_sources(self.machine) {
             if let Some(generator) = self.lift.declared().of(given.source) {
                 sizes[usize::from(generator)] = errors.of(given.source);
             }

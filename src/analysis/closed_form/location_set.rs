@@ -7,7 +7,7 @@
 
 use crate::evaluate::{Poses, Random};
 use crate::lower::{NominalPose, sensitivities_to};
-use crate::machine::{Axis, AxisKind, AxisName, Direction, ErrorId, ErrorTerm, Machine};
+use crate::machine::{Axis, AxisKind, AxisName, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine};
 use nalgebra::{DMatrix, Vector3};
 
 /// Number of poses at which sensitivities are evaluated: more rows than any chain has location errors.
@@ -88,7 +88,10 @@ fn given_status(machine: &Machine, error: &ErrorId) -> Option<Status> {
 fn candidates(machine: &Machine) -> Vec<ErrorId> {
     use Direction::{A, B, C, X, Y, Z};
     let of = |name: &AxisName, directions: &[Direction]| -> Vec<ErrorId> {
-        directions.iter().map(|d| ErrorId { axis: name.clone(), location: true, direction: *d }).collect()
+        directions
+            .iter()
+            .map(|d| ErrorId { axis: name.clone(), family: ErrorFamily::Location, direction: *d })
+            .collect()
     };
     let (slides, turns): (Vec<&Axis>, Vec<&Axis>) =
         machine.axes().iter().partition(|axis| axis.kind == AxisKind::Linear);

@@ -2,17 +2,14 @@
 //!
 //! - `equations`, `symbols`: E_VE and deviations as polynomials in symbols;
 //! - `interactions`: effects of errors one by one and two by two, read off the algebra;
-//! - `twist`: first-order effects joint by joint;
 //! - `location_set`: the minimal set of location errors.
 
 mod equations;
 mod interactions;
 mod location_set;
 mod symbols;
-mod twist;
 
 pub use equations::{Equations, Options, equations};
 pub use interactions::{Calculation, Effect, Interactions, interactions};
 pub use location_set::{LocationSet, Status};
 pub use symbols::{Meaning, Naming, Symbol};
-pub use twist::{Map as TwistMap, Quantity, Share, Twist, twists};

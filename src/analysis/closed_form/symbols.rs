@@ -1,10 +1,11 @@
 //! Names of symbols: ISO's, or those of the papers.
 
-use crate::lower::{ErrorSite, Given, Source};
+use crate::lower::{ErrorSite, NamedSource, Source};
 use crate::machine::{Axis, AxisKind, Conventions, Direction, Location, Machine};
 
 /// Letters of the symbols.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Naming {
     /// `EBX`, `EC0Y`, positions by the names of the axes.
     #[default]
@@ -47,7 +48,7 @@ impl Symbol {
 }
 
 /// Returns the symbol of an error.
-pub(crate) fn error(machine: &Machine, given: &Given, naming: Naming) -> Symbol {
+pub(crate) fn error(machine: &Machine, given: &NamedSource, naming: Naming) -> Symbol {
     let axis = match given.source.place {
         ErrorSite::Location(i) | ErrorSite::Component(i) => machine.axes().get(i),
         ErrorSite::Tool | ErrorSite::Workpiece => None,
@@ -57,7 +58,7 @@ pub(crate) fn error(machine: &Machine, given: &Given, naming: Naming) -> Symbol 
     Symbol { text, latex, meaning: Meaning::Error(given.source, sign) }
 }
 
-fn iso(given: &Given) -> (String, String, i8) {
+fn iso(given: &NamedSource) -> (String, String, i8) {
     let latex = given
         .name
         .strip_prefix('E')

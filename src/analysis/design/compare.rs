@@ -46,6 +46,15 @@ pub struct UnreachableCount {
     pub travel: usize,
 }
 
+/// `12 (3 direction, 9 travel)`.
+impl std::fmt::Display for UnreachableCount {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let each = [(self.direction, "direction"), (self.place, "place"), (self.travel, "travel")];
+        let list: Vec<String> = each.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect();
+        if list.is_empty() { f.write_str("0") } else { write!(f, "{} ({})", self.total, list.join(", ")) }
+    }
+}
+
 impl UnreachableCount {
     /// Returns the numbers of reasons.
     pub fn count<'a>(reasons: impl Iterator<Item = &'a Unreachable>) -> Self {

@@ -2,7 +2,7 @@
 
 use crate::evaluate::{Poses, Random};
 use crate::lower::sensitivities_to;
-use crate::machine::{AxisName, Direction, ErrorId, Machine, Pose};
+use crate::machine::{AxisName, Direction, ErrorFamily, ErrorId, Machine, Pose};
 
 /// Distance of the functional point from the point about which an axis's angular errors rotate, mm.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -36,7 +36,7 @@ pub fn levers(machine: &Machine) -> Vec<Lever> {
 /// vectors whose squared lengths sum up to 2 r^2; so the arm is the same in every convention.
 fn arms(machine: &Machine, pose: &[f64]) -> Vec<f64> {
     let tilts = |axis: &AxisName| -> Vec<ErrorId> {
-        let tilt = |d: &Direction| ErrorId { axis: axis.clone(), location: false, direction: *d };
+        let tilt = |d: &Direction| ErrorId { axis: axis.clone(), family: ErrorFamily::Component, direction: *d };
         Direction::ALL[3..].iter().map(tilt).collect()
     };
     let ids: Vec<ErrorId> = machine.axes().iter().flat_map(|axis| tilts(&axis.name)).collect();

@@ -1,17 +1,15 @@
-//! Files of `abbe map`: every pose with its deviation, for other programs.
+//! Files of `abbe map`: every pose with its deviation, for other programs, and pictures.
 
 use super::session::Session;
-use crate::cli::store::write::Staged;
-use crate::cli::{Exit, Outcome};
-use crate::diagnostic::Diagnostic;
-use crate::evaluate::Deviation;
-use crate::report::{Form, Prepared, Rows, Stream};
+use crate::api::{Diagnostic, MapTable, Picture, PlaneComponent, PlaneDrawing, PlaneOptions, TableForm};
+use crate::cli::Outcome;
+use crate::cli::store::write::{PictureKind, Staged, write_picture};
 use std::io::BufWriter;
 use std::path::PathBuf;
 
 /// Where every pose with its deviation is written.
 #[derive(Debug, Clone, clap::Args)]
-pub(crate) struct Outputs {
+pub(crate) struct OutputArgs {
     /// Write every pose with its deviation to a CSV file.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -26,19 +24,15 @@ pub(crate) struct Outputs {
     vtk: Option<PathBuf>,
 }
 
-/// Rows of a block of a map that is held: as many as a survey makes at once.
-const BLOCK: usize = 1 << 14;
-
-impl Outputs {
-    fn wanted(&self) -> impl Iterator<Item = (Form, &PathBuf)> {
-        let all =
-            [(Form::Csv, &self.csv), (Form::Json, &self.json), (Form::Parquet, &self.parquet), (Form::Vtk, &self.vtk)];
+impl OutputArgs {
+    fn wanted(&self) -> impl Iterator<Item = (TableForm, &PathBuf)> {
+        let all = [
+            (TableForm::Csv, &self.csv),
+            (TableForm::Json, &self.json),
+            (TableForm::Parquet, &self.parquet),
+            (TableForm::Vtk, &self.vtk),
+        ];
         all.into_iter().filter_map(|(form, path)| Some((form, path.as_ref()?)))
-    }
-
-    /// The forms that were asked for.
-    pub(crate) fn forms(&self) -> Vec<Form> {
-        self.wanted().map(|(form, _)| form).collect()
     }
 
     /// Where they go.
@@ -46,61 +40,111 @@ impl Outputs {
         self.wanted().map(|(_, path)| path)
     }
 
-    /// Writes a map that is held, each file whole or not at all.
-    pub(crate) fn write(&self, session: &mut Session, rows: &Rows<'_>, deviations: &[Deviation]) -> Outcome {
-        let forms = self.forms();
-        if forms.is_empty() {
-            return Ok(());
+    /// Begins all files.
+    pub(crate) fn staged(&self) -> Result<StagedTables, Diagnostic> {
+        let begin = |(form, path): (TableForm, &PathBuf)| Ok((form, path.display().to_string(), Staged::new(path)?));
+        Ok(StagedTables(self.wanted().map(begin).collect::<Result<_, _>>()?))
+    }
+}
+
+/// The files of a map in the making.
+pub(crate) struct StagedTables(Vec<(TableForm, String, Staged)>);
+
+impl StagedTables {
+    /// The files as tables to be filled.
+    pub(crate) fn tables(&self) -> Result<Vec<MapTable<'static>>, Diagnostic> {
+        let table = |(form, name, staged): &(TableForm, String, Staged)| {
+            let sink = Box::new(BufWriter::new(staged.file()?));
+            Ok(MapTable { name: name.clone(), form: *form, sink })
+        };
+        self.0.iter().map(table).collect()
+    }
+
+    /// Puts the filled files in their places.
+    pub(crate) fn commit(self) -> Result<(), Diagnostic> {
+        self.0.into_iter().try_for_each(|(.., staged)| staged.commit())
+    }
+}
+
+/// What to draw.
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct PictureArgs {
+    /// Draw the error over a plane of two linear axes.
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+    /// The same as PNG.
+    #[arg(long, value_name = "FILE")]
+    png: Option<PathBuf>,
+    /// How: a map of colours with arrows, or the deformed grid; `before-after` is a map of both states and of
+    /// what is left (with `--target`).
+    #[arg(long, value_enum, default_value = "colours")]
+    drawing: DrawingArg,
+    /// The two linear axes of the picture, such as XY or X,Z [default: the first two].
+    #[arg(long, value_name = "AXES")]
+    plane: Option<String>,
+    /// Where the other axes are for the picture [default: 0, or the end of the travel nearest to it].
+    #[arg(long, value_name = "Z=-100,A=30", allow_hyphen_values = true)]
+    at: Option<String>,
+    /// What the colours of the picture show.
+    #[arg(long, value_enum, default_value = "length")]
+    component: ComponentArg,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum DrawingArg {
+    Colours,
+    Grid,
+    BeforeAfter,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum ComponentArg {
+    Length,
+    Dx,
+    Dy,
+    Dz,
+}
+
+impl PictureArgs {
+    /// Where they go.
+    pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        self.svg.iter().chain(&self.png)
+    }
+
+    /// Refuses options of a picture without one.
+    pub(crate) fn refuse_idle(&self) -> Result<(), &'static str> {
+        let drawn = self.svg.is_some() || self.png.is_some();
+        if !drawn && (self.plane.is_some() || self.at.is_some() || self.drawing != DrawingArg::Colours) {
+            return Err("`--plane`, `--at` and `--drawing` are for a picture: add `--svg FILE` or `--png FILE`");
         }
-        let mut tables = Tables::new(session, self, rows)?;
-        for (k, block) in deviations.chunks(BLOCK).enumerate() {
-            let first = k * BLOCK;
-            let pairs = block.iter().enumerate().map(|(i, deviation)| (rows.poses.get(first + i), *deviation));
-            if !tables.put(&rows.prepared(&forms, first, pairs)) {
-                break;
+        Ok(())
+    }
+
+    /// The picture asked for.
+    pub(crate) fn options(&self) -> Option<PlaneOptions> {
+        let _ = self.svg.as_ref().or(self.png.as_ref())?;
+        let drawing = match self.drawing {
+            DrawingArg::Colours => PlaneDrawing::Colours,
+            DrawingArg::Grid => PlaneDrawing::Grid,
+            DrawingArg::BeforeAfter => PlaneDrawing::BeforeAfter,
+        };
+        let component = match self.component {
+            ComponentArg::Length => PlaneComponent::Length,
+            ComponentArg::Dx => PlaneComponent::Dx,
+            ComponentArg::Dy => PlaneComponent::Dy,
+            ComponentArg::Dz => PlaneComponent::Dz,
+        };
+        Some(PlaneOptions { drawing, plane: self.plane.clone(), at: self.at.clone(), component })
+    }
+
+    /// Writes the picture.
+    pub(crate) fn write(&self, session: &mut Session, picture: Option<&Picture>) -> Outcome {
+        let Some(picture) = picture else { return Ok(()) };
+        for (path, kind) in [(&self.svg, PictureKind::Svg), (&self.png, PictureKind::Png)] {
+            if let Some(path) = path {
+                write_picture(path, picture, kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
             }
         }
-        tables.finish(session)
-    }
-}
-
-/// The files of a map, written side by side while it is made.
-pub(crate) struct Tables<'a> {
-    tables: Vec<(Staged, Box<dyn Stream + 'a>)>,
-    failure: Option<Diagnostic>,
-}
-
-impl<'a> Tables<'a> {
-    /// Begins them all.
-    pub(crate) fn new(session: &mut Session, outputs: &Outputs, rows: &Rows<'a>) -> Result<Self, Exit> {
-        let begin = |(form, path): (Form, &PathBuf)| {
-            let staged = Staged::new(path)?;
-            let file = staged.file()?;
-            let stream = rows.stream(form, BufWriter::new(file)).map_err(|failure| staged.failed(&failure))?;
-            Ok((staged, stream))
-        };
-        let tables: Result<Vec<_>, Diagnostic> = outputs.wanted().map(begin).collect();
-        Ok(Self { tables: tables.or_else(|d| session.refuse(d))?, failure: None })
-    }
-
-    /// The next rows; `false` if one of the files cannot be written.
-    pub(crate) fn put(&mut self, rows: &Prepared) -> bool {
-        let mut written =
-            self.tables.iter_mut().map(|(staged, stream)| stream.put(rows).map_err(|f| staged.failed(&f)));
-        self.failure = written.find_map(Result::err);
-        self.failure.is_none()
-    }
-
-    /// Ends them all, and puts them in their places.
-    pub(crate) fn finish(self, session: &mut Session) -> Outcome {
-        let Self { tables, failure } = self;
-        let end = |(staged, stream): (Staged, Box<dyn Stream + 'a>)| {
-            stream.finish().map_err(|failure| staged.failed(&failure))?;
-            Ok(staged)
-        };
-        let ended =
-            failure.map_or(Ok(()), Err).and_then(|()| tables.into_iter().map(end).collect::<Result<Vec<_>, _>>());
-        let placed = ended.and_then(|list| list.into_iter().try_for_each(Staged::commit));
-        placed.or_else(|d| session.refuse(d))
+        Ok(())
     }
 }

@@ -1,14 +1,9 @@
 //! What the program prints and draws, and the run with its diagnostics.
 
-pub(super) mod algebra;
 pub(super) mod budgets;
 pub(super) mod certificate;
-pub(super) mod effects;
-pub(super) mod identify_remarks;
 pub(super) mod identify_report;
 pub(super) mod map_output;
-pub(super) mod map_picture;
-pub(super) mod map_survey;
 pub(super) mod monomials;
 pub(super) mod pictures;
 pub(super) mod plan;

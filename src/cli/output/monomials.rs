@@ -1,59 +1,38 @@
-//! What `abbe identify --method moore-penrose` prints.
+//! The result of `abbe identify --method moore-penrose` as text and CSV.
 
-use crate::identify::{Coefficient, Component};
+use super::view::table;
+use crate::api::{MonomialCoefficient, MonomialComponent, MonomialFit};
 use crate::units::significant;
-use serde_json::json;
 
-fn name(component: &Component) -> &'static str {
-    ["dx", "dy", "dz"][component.index.min(2)]
-}
-
-pub(crate) fn json(components: &[Component]) -> serde_json::Value {
-    let coefficient =
-        |c: &Coefficient| json!({"monomial": c.name, "value": c.value, "unit": c.unit, "determined": c.determined});
-    let one = |c: &Component| {
-        json!({
-            "component": name(c), "readings": c.readings, "columns": c.coefficients.len(), "rank": c.rank,
-            "rms_um": {"before": c.rms[0] * 1e3, "after": c.rms[1] * 1e3},
-            "coefficients": c.coefficients.iter().map(coefficient).collect::<Vec<_>>(),
-        })
+pub(crate) fn csv(fit: &MonomialFit) -> String {
+    let row = |c: &MonomialComponent, k: &MonomialCoefficient| {
+        format!("{},{},{},{},{}", c.component, k.monomial, k.value, k.unit, k.determined)
     };
-    json!({"method": "moore-penrose", "order": 2, "components": components.iter().map(one).collect::<Vec<_>>()})
-}
-
-pub(crate) fn csv(components: &[Component]) -> String {
-    let row =
-        |c: &Component, k: &Coefficient| format!("{},{},{},{},{}", name(c), k.name, k.value, k.unit, k.determined);
-    let rows = components.iter().flat_map(|c| c.coefficients.iter().map(move |k| row(c, k)));
+    let rows = fit.components.iter().flat_map(|c| c.coefficients.iter().map(move |k| row(c, k)));
     std::iter::once("component,monomial,value,unit,determined".to_owned()).chain(rows).collect::<Vec<_>>().join("\n")
 }
 
-pub(crate) fn text(machine: &str, components: &[Component]) -> String {
-    let mut text = format!("{machine}: monomials of order 2, each component for itself\n");
-    for c in components {
-        let columns = c.coefficients.len();
-        text += &format!(
-            "{}: rank {} of {columns} monomials from {} readings, {} um before, {} um after\n",
-            name(c),
-            c.rank,
-            c.readings,
-            significant(c.rms[0] * 1e3, 4),
-            significant(c.rms[1] * 1e3, 4)
-        );
-        if c.rank < columns {
-            let free = columns - c.rank;
-            text += &format!(
-                "    {free} combinations of them change nothing: of all answers this is the shortest (mm, rad)\n"
-            );
-        }
-        let mut table = comfy_table::Table::new();
-        let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN);
-        let _ = table.set_header(["monomial", "coefficient", "unit", "told from others"]);
-        for k in &c.coefficients {
-            let told = if k.determined { "yes" } else { "no" };
-            let _ = table.add_row([k.name.clone(), significant(k.value, 4), k.unit.clone(), told.to_owned()]);
-        }
-        text += &format!("{table}\n");
-    }
+pub(crate) fn text(fit: &MonomialFit) -> String {
+    let mut text = format!("{}: monomials of order 2, each component for itself\n", fit.machine);
+    fit.components.iter().for_each(|component| text += &one(component));
     text
+}
+
+fn one(c: &MonomialComponent) -> String {
+    let [before, after] = [c.rms_um.before, c.rms_um.after].map(|rms| significant(rms, 4));
+    let mut text = format!(
+        "{}: rank {} of {} monomials from {} readings, {before} um before, {after} um after\n",
+        c.component, c.rank, c.columns, c.readings,
+    );
+    if c.rank < c.columns {
+        let free = c.columns - c.rank;
+        text +=
+            &format!("    {free} combinations of them change nothing: of all answers this is the shortest (mm, rad)\n");
+    }
+    let mut rows = table(&["monomial", "coefficient", "unit", "told from others"]);
+    for k in &c.coefficients {
+        let determined = if k.determined { "yes" } else { "no" };
+        let _ = rows.add_row([k.monomial.clone(), significant(k.value, 4), k.unit.clone(), determined.to_owned()]);
+    }
+    text + &format!("{rows}\n")
 }

@@ -1,11 +1,13 @@
 //! One run of the program: its options, what it found wrong, and its two output streams.
 
 use super::progress::ProgressBar;
+use crate::api::run::{Call, Refused};
 use crate::api::{Answer, LoadOptions, MachineFile, Run};
-use crate::cli::{Color, Exit, Format, Global, Outcome};
+use crate::cli::{Color, Exit, Format, FormatArg, Global, Outcome};
 use crate::diagnostic::{Diagnostic, Diagnostics, Rendering, codes, render, summary};
 use crate::syntax::Disk;
-use std::cell::Cell;
+use serde_json::{Value, json};
+use std::cell::{Cell, RefCell};
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
@@ -16,6 +18,10 @@ pub(crate) struct Session {
     bar: ProgressBar,
     /// Everything found wrong so far.
     pub diagnostics: Diagnostics,
+    /// The JSON document of the run, printed when it ends.
+    document: RefCell<Option<Value>>,
+    /// Why the command line makes no sense.
+    unfit: RefCell<Option<Diagnostic>>,
     /// Why standard output did not take everything.
     output_lost: Cell<Option<ErrorKind>>,
 }
@@ -23,7 +29,8 @@ pub(crate) struct Session {
 impl Session {
     pub(crate) fn new(global: Global) -> Self {
         let bar = ProgressBar::new(global.quiet, global.confined);
-        Self { global, bar, diagnostics: Diagnostics::default(), output_lost: Cell::new(None) }
+        let (document, unfit) = (RefCell::new(None), RefCell::new(None));
+        Self { global, bar, diagnostics: Diagnostics::default(), document, unfit, output_lost: Cell::new(None) }
     }
 
     /// A session with the same options that has found nothing yet.
@@ -54,6 +61,12 @@ impl Session {
         }
     }
 
+    /// Makes a part of a job of the library, for verbs that compute on their own.
+    pub(crate) fn within<T>(&mut self, job: impl FnOnce(&mut Call<'_>) -> Result<T, Refused>) -> Result<T, Exit> {
+        let answer = Call::answer(self.run(), &self.diagnostics.sources, job);
+        self.take(answer)
+    }
+
     /// Reads a machine file; `tool` picks one of its tools.
     pub(crate) fn load(&mut self, path: &Path, tool: Option<&str>) -> Result<MachineFile, Exit> {
         let options = LoadOptions { tool: tool.map(str::to_owned) };
@@ -67,8 +80,18 @@ impl Session {
         read.map(|(_, text)| text).ok_or(Exit::Refused)
     }
 
+    /// Form of the output; SARIF counts as JSON.
     pub(crate) fn format(&self) -> Format {
-        self.global.format
+        match self.global.format {
+            FormatArg::Text => Format::Text,
+            FormatArg::Csv => Format::Csv,
+            FormatArg::Json | FormatArg::Sarif => Format::Json,
+        }
+    }
+
+    /// True if diagnostics are printed as SARIF.
+    pub(crate) fn is_sarif(&self) -> bool {
+        self.global.format == FormatArg::Sarif
     }
 
     /// Prints to standard output. A closed pipe ends the output, not the run.
@@ -94,22 +117,35 @@ impl Session {
         self.global.quiet
     }
 
-    /// Prints a JSON object with the warnings found so far in it.
-    pub(crate) fn print_json(&self, mut value: serde_json::Value) {
-        let warnings: Vec<_> = self.diagnostics.iter().map(|d| self.warning(d)).collect();
+    /// Prints a JSON object, when the run ends, with the warnings found so far in it.
+    pub(crate) fn print_json(&self, mut value: Value) {
+        let warnings = self.diagnostics.warning_records();
         if let (Some(object), false) = (value.as_object_mut(), warnings.is_empty()) {
-            let _ = object.insert("warnings".to_owned(), warnings.into());
+            let _ = object.insert("warnings".to_owned(), json!(warnings));
         }
-        self.print(&value.to_string());
+        self.print_document(value);
     }
 
-    fn warning(&self, diagnostic: &Diagnostic) -> serde_json::Value {
-        let sources = &self.diagnostics.sources;
-        let place = diagnostic.labels.first().map(|label| {
-            let (line, column) = sources.line_column(&label.place);
-            serde_json::json!({"file": sources.name(label.place.source), "line": line, "column": column})
-        });
-        serde_json::json!({"code": diagnostic.code, "message": diagnostic.message, "place": place})
+    /// Prints a JSON document when the run ends.
+    pub(crate) fn print_document(&self, value: Value) {
+        let _ = self.document.replace(Some(value));
+    }
+
+    /// The JSON document of the run: its result, and its diagnostics if it is refused.
+    fn document(&self, outcome: Outcome) -> Option<Value> {
+        let document = self.document.take();
+        if self.is_sarif() || self.format() != Format::Json || outcome.is_ok() {
+            return document;
+        }
+        let refusal = match self.unfit.take() {
+            Some(unfit) => json!(Diagnostics::from(unfit)),
+            None => json!(self.diagnostics),
+        };
+        let mut document = document.unwrap_or_else(|| json!({}));
+        if let (Some(object), Value::Object(refusal)) = (document.as_object_mut(), refusal) {
+            object.extend(refusal);
+        }
+        Some(document)
     }
 
     /// Adds a refusal and stops.
@@ -121,6 +157,13 @@ impl Session {
     /// A command line that parsed but makes no sense.
     pub(crate) fn usage<T>(&self, message: &str) -> Result<T, Exit> {
         let _ = writeln!(std::io::stderr().lock(), "abbe: {message}\nTry `abbe --help`.");
+        let _ = self.unfit.replace(Some(Diagnostic::new(codes::E0818, message)));
+        Err(Exit::Usage)
+    }
+
+    /// Takes over why the command line of another session makes no sense.
+    pub(crate) fn unfit_as<T>(&self, other: &Self) -> Result<T, Exit> {
+        let _ = self.unfit.replace(other.unfit.take());
         Err(Exit::Usage)
     }
 
@@ -132,8 +175,25 @@ impl Session {
         if self.diagnostics.refused() { Err(Exit::Refused) } else { Ok(()) }
     }
 
-    /// Renders the diagnostics and gives the exit code.
+    /// Prints the JSON document, renders the diagnostics and gives the exit code.
     pub(crate) fn finish(self, outcome: Outcome) -> ExitCode {
+        if let Some(document) = self.document(outcome) {
+            self.print(&document.to_string());
+        }
+        self.render(outcome);
+        if let Some(why) = self.output_lost.get() {
+            let _ = writeln!(std::io::stderr().lock(), "abbe: standard output did not take everything: {why}");
+            return ExitCode::from(3);
+        }
+        match outcome {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(Exit::Refused) => ExitCode::from(1),
+            Err(Exit::Usage) => ExitCode::from(2),
+        }
+    }
+
+    /// Renders the diagnostics on standard error.
+    fn render(&self, outcome: Outcome) {
         let color = match self.global.color {
             Color::Auto => std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none(),
             Color::Always => true,
@@ -146,15 +206,6 @@ impl Session {
             if refused {
                 let _ = writeln!(std::io::stderr().lock(), "{}", summary(&self.diagnostics));
             }
-        }
-        if let Some(why) = self.output_lost.get() {
-            let _ = writeln!(std::io::stderr().lock(), "abbe: standard output did not take everything: {why}");
-            return ExitCode::from(3);
-        }
-        match outcome {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(Exit::Refused) => ExitCode::from(1),
-            Err(Exit::Usage) => ExitCode::from(2),
         }
     }
 }

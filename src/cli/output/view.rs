@@ -1,18 +1,15 @@
 //! Options that the verbs about whole volumes share, and how their numbers are printed.
 
-use crate::evaluate::{Frame, MAX_DUAL_ORDER, Order, Statistics, Summary};
-use crate::machine::{Approach, Machine};
-use crate::units::significant;
+use crate::api::{Approach, Frame, Order, ReachedToolPoses, Statistics, Summary, UnknownOrder, shown, significant};
 
-/// An object of axis names and positions (mm, deg).
-pub(crate) use crate::report::positions as axes_json;
+pub(crate) use crate::api::axes_text;
 
 /// How errors are followed and looked at.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct ViewArgs {
     /// 1 to 6, or `exact` (the default, unless the conventions' preset names an order).
     #[arg(long, value_parser = order)]
-    order: Option<Order>,
+    pub(crate) order: Option<Order>,
     /// Direction of approach where forward and reverse curves were given.
     #[arg(long, value_enum, default_value = "mean")]
     direction: ApproachArg,
@@ -22,11 +19,6 @@ pub(crate) struct ViewArgs {
 }
 
 impl ViewArgs {
-    /// The order asked for, or the one the machine's conventions name.
-    pub(crate) fn order(&self, machine: &Machine) -> Order {
-        self.order.unwrap_or_else(|| machine.conventions().default_order.map_or(Order::Exact, Order::Degree))
-    }
-
     pub(crate) fn approach(&self) -> Approach {
         self.direction.into()
     }
@@ -69,20 +61,8 @@ impl From<ApproachArg> for Approach {
 }
 
 /// `exact` or a number of 1..=6.
-pub(crate) fn order(text: &str) -> Result<Order, String> {
-    match text.parse::<u8>() {
-        Ok(n) if (1..=MAX_DUAL_ORDER).contains(&n) => Ok(Order::Degree(n)),
-        _ if text == "exact" => Ok(Order::Exact),
-        _ => Err(format!("an order is 1 to {MAX_DUAL_ORDER}, or `exact`")),
-    }
-}
-
-/// As printed.
-pub(crate) fn order_text(order: Order) -> String {
-    match order {
-        Order::Exact => "exact".to_owned(),
-        Order::Degree(n) => n.to_string(),
-    }
+pub(crate) fn order(text: &str) -> Result<Order, UnknownOrder> {
+    text.parse()
 }
 
 /// As printed.
@@ -99,11 +79,18 @@ pub(crate) fn plain(value: f64) -> f64 {
     value + 0.0
 }
 
-/// `X = 100 mm, C = 90 deg`.
-pub(crate) fn axes_text(machine: &Machine, pose: &[f64]) -> String {
-    let entry =
-        |(axis, q): (&crate::machine::Axis, &f64)| format!("{} = {} {}", axis.name, significant(*q, 7), axis.unit());
-    machine.axes().iter().zip(pose).map(entry).collect::<Vec<_>>().join(", ")
+/// `tool poses of part.csv, 12 more out of reach`.
+pub(crate) fn tool_poses_text(reached: &ReachedToolPoses) -> String {
+    let missed = match reached.rows.len() {
+        0 => String::new(),
+        n => format!(", {n} more out of reach"),
+    };
+    format!("tool poses of {}{missed}", shown(&reached.file))
+}
+
+/// Length of a vector.
+pub(crate) fn length(v: &[f64; 3]) -> f64 {
+    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
 /// A table for the terminal, with its header.

@@ -25,11 +25,6 @@ impl Files for Recorded {
 }
 
 impl Recorded {
-    /// SHA-256 of what was read from a file, if anything was.
-    pub fn hash(&self, path: &Path) -> Option<String> {
-        self.seen.borrow().get(path).cloned().flatten()
-    }
-
     /// Has any of the files another content by now? By content: times of modification are coarse on some
     /// file systems, and an editor may write the same again.
     pub fn changed(&self) -> bool {

@@ -3,5 +3,5 @@
 pub(super) mod commit;
 pub(super) mod file_set;
 pub(crate) mod files;
-pub(super) mod journal;
+pub(super) mod study_file;
 pub(super) mod write;

@@ -1,20 +1,14 @@
 //! `abbe budget`: tolerances to the volumetric error.
 
-use crate::analysis::budget::{
-    Bound, Budget, Contribution, PERCENTS, Percentile, Request, Statistic, Totals, budget, budget_poses, known,
+use crate::api::{
+    Bound, BudgetOptions, BudgetResult, Contribution, MachineFile, PERCENTS, Percentile, Statistic, Totals, angle,
+    budget, length, significant, tolerance, tolerance_unit,
 };
-use crate::cli::output::progress::Progress;
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{axes_json, axes_text, table};
-use crate::cli::poses::{check, pose_at};
+use crate::cli::output::view::{axes_text, table, tool_poses_text};
 use crate::cli::store::write::{PictureKind, refuse_outputs, write_picture};
 use crate::cli::tolerances::ToleranceArgs;
-use crate::cli::tool_poses;
-use crate::cli::tool_poses::Reached;
-use crate::cli::{Format, Outcome, load};
-use crate::machine::Machine;
-use crate::report::{BudgetReport, Drawing, tolerance, tolerance_unit};
-use crate::units::{angle, length, significant};
+use crate::cli::{Format, Outcome};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -54,46 +48,34 @@ pub(crate) struct Args {
     waterfall: Option<PathBuf>,
 }
 
+impl Args {
+    fn options(&self) -> BudgetOptions {
+        BudgetOptions {
+            tolerances: self.tolerances.options(),
+            seed: self.seed,
+            poses: self.poses as usize,
+            tool_poses: self.tool_poses.clone(),
+            samples: self.samples as usize,
+            at: self.at.clone(),
+        }
+    }
+}
+
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let machine = load::machine(session, &args.machine, args.tool.as_deref())?;
+    let file = session.load(&args.machine, args.tool.as_deref())?;
     let outputs = args.pareto.iter().chain(&args.waterfall);
     refuse_outputs(outputs, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
-    let at = match &args.at {
-        Some(text) => Some(pose_at(&machine, text).or_else(|message| session.usage(&message))?),
-        None => None,
-    };
-    check(session, &machine, at.as_slice())?;
-    let (bounds, source) = args.tolerances.bounds(session, &machine)?;
-    let draws = args.tolerances.draws(args.seed);
-    let reached = tool_poses::asked(session, &machine, args.tool_poses.as_deref())?;
-    let poses = match &reached {
-        Some(reached) => reached.poses.clone(),
-        None => budget_poses(&machine, args.poses as usize, args.seed),
-    };
-    let samples = args.samples as usize;
-    let request = Request {
-        machine: &machine,
-        bounds: &bounds,
-        poses: &poses,
-        at: at.as_deref(),
-        draws: &draws,
-        samples,
-        statistic: args.tolerances.statistic(),
-    };
-    let progress = Progress::new(2 * samples, session.is_quiet());
-    let budget = budget(request, &|count| progress.add(count));
-    drop(progress);
-    let drawing = args.tolerances.drawing(source, samples, args.seed);
-    let report = Report { args, machine: &machine, bounds: &bounds, drawing, poses: poses.len(), reached, at, budget };
-    let drawn = report.report();
-    for (path, picture) in [(&args.pareto, drawn.pareto(args.top)), (&args.waterfall, drawn.waterfall(args.top))] {
+    let answer = budget(&file, &args.options(), session.run());
+    let result = session.take(answer)?;
+    for (path, picture) in [(&args.pareto, result.pareto(args.top)), (&args.waterfall, result.waterfall(args.top))] {
         if let Some(path) = path {
             let kind = PictureKind::of(path).unwrap_or(PictureKind::Svg);
             write_picture(path, &picture, kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
         }
     }
+    let report = Report { args, file: &file, result: &result };
     match session.format() {
-        Format::Json => session.print_json(report.json()),
+        Format::Json => session.print_json(json!(result)),
         Format::Csv => session.print(&report.csv()),
         Format::Text => session.print(&report.text()),
     }
@@ -103,13 +85,8 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 /// What is printed.
 struct Report<'a> {
     args: &'a Args,
-    machine: &'a Machine,
-    bounds: &'a [Bound],
-    drawing: Drawing,
-    poses: usize,
-    reached: Option<Reached>,
-    at: Option<Vec<f64>>,
-    budget: Budget,
+    file: &'a MachineFile,
+    result: &'a BudgetResult,
 }
 
 fn short(value: f64) -> String {
@@ -117,43 +94,21 @@ fn short(value: f64) -> String {
 }
 
 impl Report<'_> {
-    fn report(&self) -> BudgetReport<'_> {
-        let (machine, bounds, budget) = (self.machine, self.bounds, &self.budget);
-        BudgetReport { machine, bounds, budget, poses: self.poses, drawing: &self.drawing }
-    }
-
-    fn json(&self) -> serde_json::Value {
-        let report = self.report();
-        let mut json = report.json();
-        json.extend([
-            ("machine".to_owned(), json!(self.machine.name())),
-            ("chain".to_owned(), json!(self.machine.chain().to_string())),
-        ]);
-        if let Some(reached) = &self.reached {
-            let _ = json.insert("tool_poses".to_owned(), reached.json());
-        }
-        if let (Some(pose), Some(list)) = (&self.at, &self.budget.at) {
-            let at = json!({"axes": axes_json(self.machine, pose), "contributions": report.contributions(list)});
-            let _ = json.insert("at".to_owned(), at);
-        }
-        json.into()
-    }
-
     /// One line for each error.
     fn csv(&self) -> String {
         let um = |list: &[Contribution], i: usize| list.iter().find(|c| c.bound == i).map_or(0.0, |c| c.um);
         let mut csv =
             "error,tolerance,unit,at worst [um],on average [um],of the 95 % value [um],sigma [um],um per unit\n"
                 .to_owned();
-        for i in self.report().order() {
-            let (bound, t) = (&self.bounds[i], self.budget.position.tighten[i]);
+        for i in self.result.order() {
+            let (bound, t) = (&self.result.bounds[i], self.result.budget.position.tighten[i]);
             csv += &format!(
                 "{},{},{},{},{},{},{},{}\n",
                 bound.error,
                 tolerance(bound),
                 tolerance_unit(&bound.error),
-                um(&self.budget.worst, i),
-                um(&self.budget.average, i),
+                um(&self.result.budget.worst, i),
+                um(&self.result.budget.average, i),
                 t.effect + 0.0,
                 t.sigma,
                 t.effect / tolerance(bound) + 0.0
@@ -167,41 +122,43 @@ impl Report<'_> {
             Statistic::Max => "largest deviation over the poses",
             Statistic::P95 => "95 % deviation over the poses",
         };
-        let own = self.bounds.iter().filter(|bound| !bound.of_class).count();
-        let mut text = format!("{}, {}\n", self.machine.name(), self.machine.chain());
-        text += &format!("{} errors bounded: {own} by the machine file", self.bounds.len());
-        if let Some((class, source)) = &self.drawing.class {
-            text += &format!(", {} by class {class} ({source})", self.bounds.len() - own);
+        let own = self.result.bounds.iter().filter(|bound| !bound.of_class).count();
+        let mut text = format!("{}, {}\n", self.file.name(), self.file.chain());
+        text += &format!("{} errors bounded: {own} by the machine file", self.result.bounds.len());
+        if let Some((class, source)) = &self.result.drawing().class {
+            text += &format!(", {} by class {class} ({source})", self.result.bounds.len() - own);
         }
-        text += &match known(self.machine) {
+        text += &match self.result.left_out() {
             0 => "\n".to_owned(),
             n => format!("; {n} errors with values are left out\n"),
         };
         text += &format!(
             "{} {}; {} machines drawn, {} distribution, seed {}; counted is the {what} of each\n",
-            self.poses,
-            self.reached.as_ref().map_or_else(|| "poses".to_owned(), Reached::words),
+            self.result.poses,
+            self.result.tool_poses.as_ref().map_or_else(|| "poses".to_owned(), tool_poses_text),
             self.args.samples,
             self.args.tolerances.distribution().name(),
             self.args.seed
         );
         text += &self.totals_table();
-        text += &format!("Worst case at {}\n", axes_text(self.machine, &self.budget.position.worst_pose));
-        text += &format!("RSS largest at {}\n", axes_text(self.machine, &self.budget.position.rss_pose));
+        text += &format!("Worst case at {}\n", axes_text(self.file, &self.result.budget.position.worst_pose));
+        text += &format!("RSS largest at {}\n", axes_text(self.file, &self.result.budget.position.rss_pose));
         text += &self.pareto_table();
         text + &self.tighten_table()
     }
 
     fn totals_table(&self) -> String {
         let mut rows = table(&TOTALS);
-        for (name, t) in [("position, um", &self.budget.position), ("rotation, urad", &self.budget.rotation)] {
+        for (name, t) in
+            [("position, um", &self.result.budget.position), ("rotation, urad", &self.result.budget.rotation)]
+        {
             let _ = rows.add_row(totals_row(name, t));
         }
         format!("{rows}\n{TOTALS_NOTE}\n")
     }
 
     fn pareto_table(&self) -> String {
-        let b = &self.budget;
+        let b = &self.result.budget;
         let mut header = vec!["error", "tolerance", "at worst, um", "share", "on average, um"];
         if b.at.is_some() {
             header.push("at the pose, um");
@@ -211,8 +168,8 @@ impl Report<'_> {
             |list: &[Contribution], i: usize| list.iter().find(|c| c.bound == i).map_or(String::new(), |c| short(c.um));
         for c in b.worst.iter().take(self.args.top) {
             let mut row = vec![
-                self.bounds[c.bound].error.to_string(),
-                bound_text(&self.bounds[c.bound]),
+                self.result.bounds[c.bound].error.to_string(),
+                bound_text(&self.result.bounds[c.bound]),
                 short(c.um),
                 format!("{:.1} %", 100.0 * c.share),
                 um(&b.average, c.bound),
@@ -225,8 +182,8 @@ impl Report<'_> {
 
     fn tighten_table(&self) -> String {
         let mut rows = table(&["tighten first", "tolerance", "um per um or urad", "10 % tighter wins, um"]);
-        for i in self.report().order().into_iter().take(self.args.top) {
-            let (bound, t) = (&self.bounds[i], self.budget.position.tighten[i]);
+        for i in self.result.order().into_iter().take(self.args.top) {
+            let (bound, t) = (&self.result.bounds[i], self.result.budget.position.tighten[i]);
             let per = 1.0 / tolerance(bound);
             let _ = rows.add_row([
                 bound.error.to_string(),

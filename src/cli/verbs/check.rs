@@ -1,8 +1,9 @@
 //! `abbe check`: all diagnostics, and a summary of the machine.
 
-use crate::api::{ErrorCounts, MachineFile, summary};
+use crate::api::{CheckedFile, ErrorCounts, MachineFile, annotations, check, summary};
 use crate::cli::output::session::Session;
-use crate::cli::{Format, Outcome};
+use crate::cli::{Exit, Format, Outcome};
+use crate::diagnostic::summary as counts;
 use crate::machine::{ErrorTerm, Travel};
 use crate::units::{angle, length};
 use serde_json::json;
@@ -10,18 +11,33 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The machine file.
-    machine: PathBuf,
+    /// The machine files.
+    #[arg(required = true, value_name = "MACHINE")]
+    machines: Vec<PathBuf>,
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let machine = session.load(&args.machine, None)?;
-    match session.format() {
-        Format::Json => session.print_json(json!(summary(&machine))),
-        Format::Csv => session.print(&csv(&machine)),
-        Format::Text => session.print(&text(&machine, session.diagnostics.warnings())),
+    let checked = check(&args.machines, session.run());
+    let refused = checked.iter().any(CheckedFile::refused);
+    checked.iter().for_each(|file| session.diagnostics.absorb(file.diagnostics.clone()));
+    if session.is_sarif() {
+        session.print_document(annotations(&checked));
+    } else {
+        print(session, &checked);
     }
-    Ok(())
+    if refused { Err(Exit::Refused) } else { Ok(()) }
+}
+
+/// One file is printed as it is, several with their names; one that is refused has diagnostics only.
+fn print(session: &Session, checked: &[CheckedFile]) {
+    match (session.format(), checked) {
+        (Format::Json, [CheckedFile { machine: Some(machine), .. }]) => session.print_json(json!(summary(machine))),
+        (_, [CheckedFile { machine: None, .. }]) => {}
+        (Format::Json, several) => session.print_document(json!(several)),
+        (Format::Csv, [CheckedFile { machine: Some(machine), .. }]) => session.print(&csv(machine)),
+        (Format::Csv, several) => session.print(&csv_of_several(several)),
+        (Format::Text, files) => session.print(&files.iter().map(text).collect::<Vec<_>>().join("\n")),
+    }
 }
 
 fn travel(travel: Travel, unit: &str) -> String {
@@ -31,7 +47,8 @@ fn travel(travel: Travel, unit: &str) -> String {
     }
 }
 
-fn text(machine: &MachineFile, warnings: usize) -> String {
+fn text(CheckedFile { file, machine, diagnostics }: &CheckedFile) -> String {
+    let Some(machine) = machine else { return format!("{file}\n  refused: {}\n", counts(diagnostics)) };
     let ErrorCounts { location, component, tolerance } = summary(machine).errors;
     let axes: Vec<String> =
         machine.axes().iter().map(|axis| format!("{} {}", axis.name, travel(axis.travel, axis.unit()))).collect();
@@ -44,7 +61,7 @@ fn text(machine: &MachineFile, warnings: usize) -> String {
     for (key, value) in &machine.provenance().entries {
         text.push_str(&format!("  {key:7} {value}\n"));
     }
-    text.push_str(&match warnings {
+    text.push_str(&match diagnostics.warnings() {
         0 => "  no mistakes found\n".to_owned(),
         1 => "  no mistakes, 1 warning\n".to_owned(),
         n => format!("  no mistakes, {n} warnings\n"),
@@ -54,6 +71,27 @@ fn text(machine: &MachineFile, warnings: usize) -> String {
 
 /// The errors, one a line, at position 0.
 fn csv(machine: &MachineFile) -> String {
+    std::iter::once("error,kind,value".to_owned()).chain(rows(machine)).collect::<Vec<_>>().join("\n")
+}
+
+/// The same of several files, with the name of the file in front; refused ones have no rows.
+fn csv_of_several(checked: &[CheckedFile]) -> String {
+    let of = |CheckedFile { file, machine, .. }: &CheckedFile| {
+        let name = quoted(file);
+        machine.iter().flat_map(rows).map(|row| format!("{name},{row}")).collect::<Vec<_>>()
+    };
+    std::iter::once("file,error,kind,value".to_owned())
+        .chain(checked.iter().flat_map(of))
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+fn quoted(text: &str) -> String {
+    let plain = !text.contains([',', '"', '\n', '\r']);
+    if plain { text.to_owned() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
+}
+
+fn rows(machine: &MachineFile) -> Vec<String> {
     let row = |(id, term): (crate::machine::ErrorId, &ErrorTerm)| {
         let print = |value: f64| if id.direction.is_rotation() { angle(value) } else { length(value) };
         let (kind, value) = match term {
@@ -63,5 +101,5 @@ fn csv(machine: &MachineFile) -> String {
         };
         format!("{id},{kind},{value}")
     };
-    std::iter::once("error,kind,value".to_owned()).chain(machine.errors().map(row)).collect::<Vec<_>>().join("\n")
+    machine.errors().map(row).collect()
 }

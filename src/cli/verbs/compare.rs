@@ -1,20 +1,11 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
-use crate::analysis::{Comparison, ErrorContribution, UnreachableCount, Work};
-use crate::analysis::{compare, contributions};
-use crate::cli::output::budgets::{Budgets, Drawn, budgets};
-use crate::cli::output::progress::Progress;
+use crate::api::{CompareOptions, CompareResult, Statistics, compare, significant};
+use crate::cli::output::budgets;
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{STATISTICS, ViewArgs, cell, numbers, order_text, statistics_rows, table};
-use crate::cli::poses::check;
+use crate::cli::output::view::{STATISTICS, ViewArgs, cell, numbers, statistics_rows, table};
 use crate::cli::tolerances::ToleranceArgs;
-use crate::cli::tool_poses;
-use crate::cli::tool_poses::ToolPoses;
-use crate::cli::{Format, Outcome, load};
-use crate::diagnostic::{Diagnostic, codes};
-use crate::evaluate::{Bare, Field, Statistics};
-use crate::machine::{Machine, Pose};
-use crate::units::significant;
+use crate::cli::{Format, Outcome};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -45,182 +36,95 @@ pub(crate) struct Args {
     view: ViewArgs,
 }
 
-pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let mut machines = Vec::new();
-    for path in &args.machines {
-        machines.push(load::machine(session, path, args.view.tool.as_deref())?);
-    }
-    let bare: Vec<Bare<'_>> =
-        machines.iter().map(|machine| Bare { machine, order: args.view.order(machine) }).collect();
-    let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-    let file = match &args.tool_poses {
-        Some(path) => Some(tool_poses::read(session, &machines[0], path)?),
-        None => None,
-    };
-    let work = match &file {
-        Some(file) => Work::Listed(file.list(&machines[0])),
-        None => Work::random(&machines[0], args.poses as usize, args.seed),
-    };
-    let progress = Progress::new(work.len(), session.is_quiet());
-    let comparison = compare(&fields, &work, args.view.approach(), &|count| progress.add(count));
-    drop(progress);
-    if let Some(file) = &file {
-        for (machine, side) in machines.iter().zip(&comparison.machines) {
-            file.say(session, machine, &side.missed)?;
-            check(session, machine, &side.reached.iter().map(|(pose, _)| pose.clone()).collect::<Vec<_>>())?;
+impl Args {
+    fn options(&self) -> CompareOptions {
+        CompareOptions {
+            poses: self.poses as usize,
+            tool_poses: self.tool_poses.clone(),
+            seed: self.seed,
+            tolerances: self.tolerances.options(),
+            samples: self.samples as usize,
+            order: self.view.order,
+            approach: self.view.approach(),
         }
     }
-    let poses = |side: &crate::analysis::MachineResult| side.reached.iter().map(|(pose, _)| pose.clone()).collect();
-    let sides: Vec<(&Machine, Vec<Pose>)> = machines.iter().zip(comparison.machines.iter().map(poses)).collect();
-    let errors = contributions(&sides, args.view.approach());
-    if comparison.common.is_empty() {
-        return session.refuse(nothing_in_common(args, &comparison));
+}
+
+pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
+    let mut files = Vec::new();
+    for path in &args.machines {
+        files.push(session.load(path, args.view.tool.as_deref())?);
     }
-    let budgets = budgets(
-        session,
-        &sides,
-        Drawn { tolerances: &args.tolerances, samples: args.samples as usize, seed: args.seed },
-    )?;
-    let report = Report { args, machines: &machines, comparison: &comparison, errors, budgets, file };
+    let answer = compare(&files, &args.options(), session.run());
+    let result = session.take(answer)?;
     match session.format() {
-        Format::Json => session.print_json(report.json()),
-        Format::Csv => session.print(&report.csv()),
-        Format::Text => session.print(&report.text()),
+        Format::Json => session.print_json(json!(result)),
+        Format::Csv => session.print(&csv(&result)),
+        Format::Text => session.print(&text(args, &result)),
     }
     Ok(())
 }
 
-fn nothing_in_common(args: &Args, comparison: &Comparison) -> Diagnostic {
-    let missed = |(file, m): (String, &UnreachableCount)| format!("{file} misses {}", reasons(m));
-    let sides = files(args).zip(comparison.machines.iter().map(|c| &c.unreachable));
-    let help = sides.map(missed).collect::<Vec<_>>().join("; ");
-    let message = format!("none of the {} tool poses is reached by all machines", comparison.asked);
-    Diagnostic::new(codes::E0813, message).help(format!(
-        "{help}. Tool poses count from the workpiece origin: give the machines comparable ones, or narrow the first one's `volume`"
-    ))
+/// One line for each tool pose and machine.
+fn csv(result: &CompareResult) -> String {
+    let mut csv =
+        "pose,file,x [mm],y [mm],z [mm],i,j,k,dx [um],dy [um],dz [um],wx [urad],wy [urad],wz [urad]\n".to_owned();
+    for (pose, row) in result.rows.iter().enumerate() {
+        for (machine, deviation) in result.machines.iter().zip(&row.deviations) {
+            let (um, urad) = (deviation.position_mm.map(|x| x * 1e3), deviation.rotation_rad.map(|x| x * 1e6));
+            let values = numbers([row.tip_mm, row.direction, um, urad].into_iter().flatten());
+            csv.push_str(&format!("{pose},{},{values}\n", cell(&machine.file)));
+        }
+    }
+    csv
 }
 
-/// `12: 3 direction, 9 travel`.
-fn reasons(missed: &UnreachableCount) -> String {
-    let each = [(missed.direction, "direction"), (missed.place, "place"), (missed.travel, "travel")];
-    let list: Vec<String> = each.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect();
-    if list.is_empty() { "0".to_owned() } else { format!("{} ({})", missed.total, list.join(", ")) }
+fn text(args: &Args, result: &CompareResult) -> String {
+    let mut text = format!(
+        "{} tool poses in the workpiece frame, {}; {} reached by all\n",
+        result.asked,
+        match &args.tool_poses {
+            Some(path) => format!("of {}", path.display()),
+            None => format!("drawn from the volume of {}", result.machines[0].machine),
+        },
+        result.poses
+    );
+    for (i, side) in result.machines.iter().enumerate() {
+        let (number, missed) = (i + 1, side.unreachable);
+        text.push_str(&format!("  {number}  {} ({}), {}: unreachable {missed}\n", side.machine, side.file, side.chain));
+    }
+    let mut rows = table(&STATISTICS);
+    for (i, side) in result.machines.iter().enumerate() {
+        let _ = rows.add_rows(statistics_rows(&(i + 1).to_string(), &side.statistics(result.poses)));
+    }
+    for (i, side) in result.machines.iter().enumerate().skip(1) {
+        let (position_um, rotation_urad) = (side.minus_first.position_um, side.minus_first.rotation_urad);
+        let difference = Statistics { poses: result.poses, position_um, rotation_urad };
+        let _ = rows.add_rows(statistics_rows(&format!("{} - 1", i + 1), &difference));
+    }
+    let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, args.top));
+    let errors = one_by_one(result, args.top);
+    format!("{text}{rows}\n{errors}{budgets}Negative differences: less error than machine 1.\n")
 }
 
-/// What is printed.
-struct Report<'a> {
-    args: &'a Args,
-    machines: &'a [Machine],
-    comparison: &'a Comparison,
-    errors: Vec<ErrorContribution>,
-    budgets: Option<Budgets>,
-    file: Option<ToolPoses>,
-}
-
-fn files(args: &Args) -> impl Iterator<Item = String> {
-    args.machines.iter().map(|path| path.display().to_string())
-}
-
-impl Report<'_> {
-    fn files(&self) -> impl Iterator<Item = String> {
-        files(self.args)
+/// The errors that do most in any of the machines.
+fn one_by_one(result: &CompareResult, top: usize) -> String {
+    let errors = &result.contributions;
+    if errors.is_empty() || top == 0 {
+        return String::new();
     }
-
-    fn json(&self) -> serde_json::Value {
-        let side = |((machine, file), c): ((&Machine, String), &crate::analysis::MachineResult)| {
-            let mut json = json!({
-                "machine": machine.name(), "file": file, "order": order_text(self.args.view.order(machine)),
-                "unreachable": c.unreachable, "position_um": c.statistics.position_um,
-                "rotation_urad": c.statistics.rotation_urad, "minus_first": c.difference,
-            });
-            if let Some(work) = &self.file {
-                json["missed"] = work.lines(&c.missed).into();
-            }
-            json
-        };
-        let machines: Vec<_> =
-            self.machines.iter().zip(self.files()).zip(&self.comparison.machines).map(side).collect();
-        let error = |e: &ErrorContribution| {
-            let minus: Vec<f64> = (0..e.um.len()).map(|i| e.minus_first(i)).collect();
-            json!({"error": e.error, "um": e.um, "minus_first": minus})
-        };
-        let mut json = json!({
-            "contributions": self.errors.iter().map(error).collect::<Vec<_>>(),
-            "asked": self.comparison.asked, "poses": self.comparison.common.len(), "seed": self.args.seed,
-            "frame": "workpiece", "direction": self.args.view.approach(), "machines": machines,
-        });
-        if let Some(budgets) = &self.budgets {
-            json["budgets"] = budgets.json(self.machines);
-        }
-        json
+    let count = result.machines.len();
+    let columns = (1..=count).map(|i| i.to_string()).chain((2..=count).map(|i| format!("{i} - 1")));
+    let header: Vec<String> = std::iter::once("alone, 95 %, um".to_owned()).chain(columns).collect();
+    let mut rows = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+    for e in errors.iter().take(top) {
+        let own = e.um.iter().map(|um| um.map_or("-".to_owned(), |um| significant(um, 4)));
+        let minus = e.minus_first.iter().skip(1).map(|um| significant(*um, 4));
+        let _ = rows.add_row(std::iter::once(e.error.clone()).chain(own).chain(minus));
     }
-
-    /// One line for each tool pose and machine.
-    fn csv(&self) -> String {
-        let mut csv =
-            "pose,file,x [mm],y [mm],z [mm],i,j,k,dx [um],dy [um],dz [um],wx [urad],wy [urad],wz [urad]\n".to_owned();
-        for (pose, target) in self.comparison.common.iter().enumerate() {
-            for (file, side) in self.files().zip(&self.comparison.machines) {
-                let (_, d) = &side.reached[pose];
-                let vectors = [target.tip, target.direction, d.position * 1e3, d.rotation * 1e6];
-                let values = numbers(vectors.iter().flat_map(|v| v.iter().copied()));
-                csv.push_str(&format!("{pose},{},{values}\n", cell(&file)));
-            }
-        }
-        csv
-    }
-
-    fn text(&self) -> String {
-        let c = self.comparison;
-        let mut text = format!(
-            "{} tool poses in the workpiece frame, {}; {} reached by all\n",
-            c.asked,
-            match &self.args.tool_poses {
-                Some(path) => format!("of {}", path.display()),
-                None => format!("drawn from the volume of {}", self.machines[0].name()),
-            },
-            c.common.len()
-        );
-        for (i, ((machine, file), side)) in self.machines.iter().zip(self.files()).zip(&c.machines).enumerate() {
-            let missed = reasons(&side.unreachable);
-            text.push_str(&format!(
-                "  {}  {} ({file}), {}: unreachable {missed}\n",
-                i + 1,
-                machine.name(),
-                machine.chain()
-            ));
-        }
-        let mut rows = table(&STATISTICS);
-        for (i, side) in c.machines.iter().enumerate() {
-            let _ = rows.add_rows(statistics_rows(&(i + 1).to_string(), &side.statistics));
-        }
-        for (i, side) in c.machines.iter().enumerate().skip(1) {
-            let (position_um, rotation_urad) = (side.difference.position_um, side.difference.rotation_urad);
-            let difference = Statistics { poses: c.common.len(), position_um, rotation_urad };
-            let _ = rows.add_rows(statistics_rows(&format!("{} - 1", i + 1), &difference));
-        }
-        let budgets = self.budgets.as_ref().map_or(String::new(), |budgets| budgets.text(self.args.top));
-        format!("{text}{rows}\n{}{budgets}Negative differences: less error than machine 1.\n", self.one_by_one())
-    }
-
-    /// The errors that do most in any of the machines.
-    fn one_by_one(&self) -> String {
-        if self.errors.is_empty() || self.args.top == 0 {
-            return String::new();
-        }
-        let count = self.machines.len();
-        let columns = (1..=count).map(|i| i.to_string()).chain((2..=count).map(|i| format!("{i} - 1")));
-        let header: Vec<String> = std::iter::once("alone, 95 %, um".to_owned()).chain(columns).collect();
-        let mut rows = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
-        for e in self.errors.iter().take(self.args.top) {
-            let own = e.um.iter().map(|um| um.map_or("-".to_owned(), |um| significant(um, 4)));
-            let minus = (1..count).map(|i| significant(e.minus_first(i), 4));
-            let _ = rows.add_row(std::iter::once(e.error.to_string()).chain(own).chain(minus));
-        }
-        let more = match self.errors.len().saturating_sub(self.args.top) {
-            0 => String::new(),
-            n => format!("... and {n} errors more (`--top {}`, or `--format json`)\n", self.errors.len()),
-        };
-        format!("{rows}\n{more}")
-    }
+    let more = match errors.len().saturating_sub(top) {
+        0 => String::new(),
+        n => format!("... and {n} errors more (`--top {}`, or `--format json`)\n", errors.len()),
+    };
+    format!("{rows}\n{more}")
 }

@@ -1,15 +1,12 @@
 //! `abbe eval`: deviation and E_VE at poses.
 
-use crate::cli::output::algebra;
-use crate::cli::output::effects::{Effects, inverse};
+use crate::api::{
+    Approach, AxisPositions, ErrorEffect, EvalOptions, EvalResult, MachineFile, Neglected, PoseResult, eval,
+    significant,
+};
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{FrameArg, ViewArgs, axes_json, frame_text, numbers, order_text, plain, table};
-use crate::cli::poses::{PoseArgs, poses};
-use crate::cli::{Format, Outcome, load};
-use crate::evaluate::{Evaluation, Frame, evaluate, evaluate_over};
-use crate::machine::{Approach, Machine, Pose};
-use crate::units::significant;
-use nalgebra::Vector3;
+use crate::cli::output::view::{FrameArg, ViewArgs, frame_text, length, numbers, table};
+use crate::cli::{Format, Outcome};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -17,8 +14,12 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
-    #[command(flatten)]
-    poses: PoseArgs,
+    /// One pose, mm and deg; axes left out are at 0.
+    #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true)]
+    at: Vec<String>,
+    /// A CSV file: header of axis names, one pose a line, mm and deg.
+    #[arg(long, value_name = "FILE")]
+    poses: Option<PathBuf>,
     #[command(flatten)]
     view: ViewArgs,
     /// Follow errors over a Weil algebra: the machine file's, or one in the words of its section
@@ -39,136 +40,131 @@ pub(crate) struct Args {
     frame: FrameArg,
 }
 
-pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let machine = load::machine(session, &args.machine, args.view.tool.as_deref())?;
-    load::warn_bounded(session, &machine);
-    let poses = poses(session, &machine, &args.poses)?;
-    let (order, approach, frame) = (args.view.order(&machine), args.view.approach(), args.frame.into());
-    let lift = args.algebra.as_deref().map(|text| algebra::lift(session, &machine, text)).transpose()?;
-    let result = |pose: &Pose| match &lift {
-        Some(lift) => evaluate_over(&machine, pose, lift, approach, frame),
-        None => evaluate(&machine, pose, order, approach, frame),
-    };
-    let results: Vec<_> = poses.iter().map(result).collect();
-    let order = lift.as_ref().map_or_else(|| order_text(order), algebra::name);
-    let effects =
-        args.sensitivity.then(|| Effects::new(session, &machine, &poses, approach, args.interactions)).transpose()?;
-    let mut displacements = Vec::new();
-    for (lift, pose) in lift.iter().filter(|_| args.inverse).flat_map(|lift| poses.iter().map(move |pose| (lift, pose)))
-    {
-        displacements.push(inverse(session, &machine, pose, lift, approach)?);
+impl Args {
+    fn options(&self) -> EvalOptions {
+        EvalOptions {
+            at: self.at.clone(),
+            poses: Vec::new(),
+            pose_file: self.poses.clone(),
+            order: self.view.order,
+            approach: self.view.approach(),
+            frame: self.frame.into(),
+            algebra: self.algebra.clone(),
+            inverse: self.inverse,
+            sensitivity: self.sensitivity,
+            interactions: self.interactions,
+        }
     }
-    let results = &results;
-    let report = Report { machine: &machine, poses: &poses, results, order, frame, approach, effects, displacements };
+}
+
+pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
+    let file = session.load(&args.machine, args.view.tool.as_deref())?;
+    let answer = eval(&file, &args.options(), session.run());
+    let result = session.take(answer)?;
     match session.format() {
-        Format::Json => session.print_json(report.json()),
-        Format::Csv => session.print(&report.csv()),
-        Format::Text => session.print(&report.text()),
+        Format::Json => session.print_json(json!(result)),
+        Format::Csv => session.print(&csv(&file, &result)),
+        Format::Text => session.print(&text(&result)),
     }
     Ok(())
 }
 
-/// What is printed.
-struct Report<'a> {
-    machine: &'a Machine,
-    poses: &'a [Pose],
-    results: &'a [Evaluation],
-    order: String,
-    frame: Frame,
-    approach: Approach,
-    effects: Option<Effects>,
-    /// By pose; none without `--inverse`.
-    displacements: Vec<Vec<(String, f64)>>,
+fn csv(file: &MachineFile, result: &EvalResult) -> String {
+    let axes = file.axes().iter().map(|axis| format!("{} [{}]", axis.name, axis.unit()));
+    let names = ["x [mm]", "y [mm]", "z [mm]", "dx [mm]", "dy [mm]", "dz [mm]", "wx [rad]", "wy [rad]", "wz [rad]"];
+    let header: Vec<String> = axes.chain(names.map(str::to_owned)).collect();
+    let line = |pose: &PoseResult| {
+        let vectors = [pose.nominal, pose.deviation, pose.rotation];
+        numbers(pose.axes.values().copied().chain(vectors.into_iter().flatten()))
+    };
+    let lines: Vec<String> = std::iter::once(header.join(",")).chain(result.poses.iter().map(line)).collect();
+    lines.join("\n")
 }
 
-fn row(vector: &Vector3<f64>) -> [f64; 3] {
-    [plain(vector.x), plain(vector.y), plain(vector.z)]
+fn text(result: &EvalResult) -> String {
+    let units = ["dx um", "dy um", "dz um", "|d| um", "wx urad", "wy urad", "wz urad"];
+    let axes: Vec<&str> =
+        result.poses.first().into_iter().flat_map(|pose| pose.axes.keys().map(String::as_str)).collect();
+    let mut table = table(&axes.into_iter().chain(units).collect::<Vec<_>>());
+    for pose in &result.poses {
+        let micro = |v: [f64; 3]| v.map(|x| significant(x * 1e6, 5));
+        let distance = significant(length(&pose.deviation) * 1e3, 5);
+        let cells = pose.axes.values().map(|q| significant(*q, 9)).chain(micro(pose.deviation.map(|x| x * 1e-3)));
+        let _ = table.add_row(cells.chain([distance]).chain(micro(pose.rotation)).collect::<Vec<_>>());
+    }
+    format!(
+        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}\n{table}\n{}{}",
+        result.machine,
+        frame_text(result.frame),
+        result.order,
+        match result.direction {
+            Approach::Mean => "",
+            Approach::Forward => ", approached forward",
+            Approach::Reverse => ", approached in reverse",
+        },
+        match result.tool.as_str() {
+            "" => String::new(),
+            name => format!(", tool {name}"),
+        },
+        result.poses.iter().filter_map(|pose| pose.inverse.as_ref()).map(displacements).collect::<String>(),
+        effects(result)
+    )
 }
 
-impl Report<'_> {
-    fn rows(&self) -> impl Iterator<Item = (&Pose, &Evaluation)> {
-        self.poses.iter().zip(self.results)
-    }
+fn displacements(by: &AxisPositions) -> String {
+    let axis = |(axis, by): (&String, &f64)| format!("{axis} {}", significant(*by, 6));
+    format!("To undo the errors, move by (mm, deg): {}\n", by.iter().map(axis).collect::<Vec<_>>().join(", "))
+}
 
-    fn json(&self) -> serde_json::Value {
-        let poses: Vec<_> = (0..self.poses.len()).map(|i| self.pose_json(i)).collect();
-        json!({
-            "machine": self.machine.name(), "order": self.order, "frame": frame_text(self.frame),
-            "direction": self.approach, "tool": self.machine.tool().name,
-            "units": {"position": "mm", "rotation": "rad", "linear_axis": "mm", "rotary_axis": "deg"},
-            "poses": poses,
-        })
-    }
-
-    fn pose_json(&self, index: usize) -> serde_json::Value {
-        let (pose, result) = (&self.poses[index], &self.results[index]);
-        let e_ve: Vec<[f64; 4]> = (0..4).map(|i| std::array::from_fn(|j| plain(result.e_ve[(i, j)]))).collect();
-        let mut fields = json!({
-            "axes": axes_json(self.machine, pose), "nominal": row(&result.nominal), "deviation": row(&result.deviation.position),
-            "rotation": row(&result.deviation.rotation), "e_ve": e_ve,
-        });
-        for (name, value) in self.effects.iter().flat_map(|e| e.json(index)) {
-            fields[name] = value;
+fn effects(result: &EvalResult) -> String {
+    let mut text = String::new();
+    for (number, pose) in result.poses.iter().enumerate() {
+        let Some(first) = &pose.sensitivity else { continue };
+        text.push_str(&format!("Pose {}: what 1 um or 1 urad of an error does\n", number + 1));
+        text.push_str(&format!("{}\n", first_table(first)));
+        if let Some(second) = &pose.interactions {
+            let table = second_table(second);
+            text.push_str(&format!("Interactions that do most, with the errors as they are\n{table}\n"));
         }
-        if let Some(by) = self.displacements.get(index) {
-            fields["inverse"] =
-                by.iter().map(|(axis, by)| (axis.clone(), json!(plain(*by)))).collect::<serde_json::Map<_, _>>().into();
-        }
-        fields
     }
+    result.neglected.map_or(text.clone(), |neglected| format!("{text}{}\n", sentence(&neglected)))
+}
 
-    fn axes(&self) -> impl Iterator<Item = &str> {
-        self.machine.axes().iter().map(|axis| axis.name.as_str())
-    }
+/// `order 1 is good to 3 nm on this machine`.
+fn sentence(neglected: &Neglected) -> String {
+    format!(
+        "order 1 is good to {} nm and {} nrad on this machine (all interactions of second degree with one sign, \
+         at the worst of these poses and {} of its volume)",
+        significant(neglected.position_mm * 1e6, 2),
+        significant(neglected.rotation_rad * 1e9, 2),
+        EvalResult::BOUND_POSES
+    )
+}
 
-    fn csv(&self) -> String {
-        let axes = self.machine.axes().iter().map(|axis| format!("{} [{}]", axis.name, axis.unit()));
-        let names = ["x [mm]", "y [mm]", "z [mm]", "dx [mm]", "dy [mm]", "dz [mm]", "wx [rad]", "wy [rad]", "wz [rad]"];
-        let header: Vec<String> = axes.chain(names.map(str::to_owned)).collect();
-        let line = |(pose, result): (&Pose, &Evaluation)| {
-            let deviation = &result.deviation;
-            let vectors = [&result.nominal, &deviation.position, &deviation.rotation];
-            let cells = pose.iter().copied().chain(vectors.into_iter().flat_map(row));
-            numbers(cells)
-        };
-        let lines: Vec<String> = std::iter::once(header.join(",")).chain(self.rows().map(line)).collect();
-        lines.join("\n")
+fn first_table(effects: &[ErrorEffect]) -> comfy_table::Table {
+    let mut table = table(&["error", "dx um", "dy um", "dz um", "wx urad", "wy urad", "wz urad"]);
+    for effect in effects {
+        // mm per rad are nm per urad: 1e-3 um.
+        let angle = effect.rotation != [0.0; 3];
+        let scale = if angle { 1e-3 } else { 1.0 };
+        let cells = effect.deviation.iter().map(|x| significant(x * scale, 5));
+        let cells = cells.chain(effect.rotation.iter().map(|x| significant(*x, 5)));
+        let _ = table.add_row(std::iter::once(effect.error.clone()).chain(cells).collect::<Vec<_>>());
     }
+    table
+}
 
-    fn text(&self) -> String {
-        let units = ["dx um", "dy um", "dz um", "|d| um", "wx urad", "wy urad", "wz urad"];
-        let mut table = table(&self.axes().chain(units).collect::<Vec<_>>());
-        for (pose, result) in self.rows() {
-            let micro = |v: &Vector3<f64>| row(v).map(|x| significant(x * 1e6, 5));
-            let position = result.deviation.position * 1e-3;
-            let length = significant(result.deviation.position.norm() * 1e3, 5);
-            let cells = pose.iter().map(|q| significant(*q, 9)).chain(micro(&position)).chain([length]);
-            let _ = table.add_row(cells.chain(micro(&result.deviation.rotation)).collect::<Vec<_>>());
-        }
-        let effects = self.effects.as_ref().map_or_else(String::new, Effects::text);
-        format!(
-            "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}\n{table}\n{}{effects}",
-            self.machine.name(),
-            frame_text(self.frame),
-            self.order,
-            match self.approach {
-                Approach::Mean => "",
-                Approach::Forward => ", approached forward",
-                Approach::Reverse => ", approached in reverse",
-            },
-            match self.machine.tool().name.as_str() {
-                "" => String::new(),
-                name => format!(", tool {name}"),
-            },
-            self.displacements_text()
-        )
-    }
+/// How many interactions a person reads.
+const SHOWN: usize = 12;
 
-    fn displacements_text(&self) -> String {
-        let line = |by: &Vec<(String, f64)>| {
-            let axis = |(name, by): &(String, f64)| format!("{name} {}", significant(plain(*by), 6));
-            format!("To undo the errors, move by (mm, deg): {}\n", by.iter().map(axis).collect::<Vec<_>>().join(", "))
-        };
-        self.displacements.iter().map(line).collect()
+fn second_table(effects: &[ErrorEffect]) -> comfy_table::Table {
+    let mut table = table(&["errors", "dx nm", "dy nm", "dz nm"]);
+    let size = |e: &ErrorEffect| length(&e.deviation) * e.value.abs();
+    let mut order: Vec<&ErrorEffect> = effects.iter().filter(|e| size(e) > 0.0).collect();
+    order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    for effect in order.into_iter().take(SHOWN) {
+        let cells = effect.deviation.iter().map(|x| significant(x * effect.value * 1e6 + 0.0, 4));
+        let _ = table.add_row(std::iter::once(effect.error.replace('*', " * ")).chain(cells).collect::<Vec<_>>());
     }
+    table
 }

@@ -172,7 +172,7 @@ fn comparison(session: &mut Session, args: &Args, given: &[Given<'_>]) -> Result
     let Some(work) = ComparisonData::work(given) else { return Ok(None) };
     let drawn = Drawn { tolerances: &args.tolerances, samples: args.samples as usize, seed: args.options.seed };
     let budgets = budgets(session, &work.1, drawn)?;
-    let json = budgets.map_or(Value::Null, |budgets| budgets.json(given.iter().map(|g| g.machine)));
+    let json = budgets.map_or(Value::Null, |budgets| json!(budgets));
     Ok(Some(ComparisonData::new(given, &work, json)))
 }
 

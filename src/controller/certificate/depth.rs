@@ -1,6 +1,6 @@
 //! How many poses a certificate and its single errors rest on.
 
-use crate::controller::Replay;
+use crate::controller::replay::Replay;
 use crate::evaluate::random_poses;
 use crate::machine::{Machine, Pose};
 use std::collections::BTreeSet;

@@ -11,6 +11,7 @@
 //! both folders to that.
 
 mod depth;
+mod effect;
 mod figures;
 mod module;
 mod sign_test;
@@ -18,18 +19,18 @@ mod single_error;
 mod tables;
 mod zero_shift;
 
-pub use depth::Depth;
-pub use figures::{Figures, ROUNDING_UM, RaisedFigure, micro};
-pub use single_error::{ErrorLeft, Handled};
-pub use tables::JudgedTables;
-pub use zero_shift::ZeroShift;
-
-pub(super) use depth::{LatticeShare, single_error_poses};
-pub(super) use module::{ModuleSet, SingleErrorModule, judge_module};
-pub(super) use tables::judge_tables;
-
 use crate::machine::Approach;
 use sign_test::Strongest;
+
+pub use depth::Depth;
+pub(super) use depth::{LatticeShare, single_error_poses};
+pub use effect::Effect;
+pub use figures::{Figures, ROUNDING_UM, RaisedFigure, micro};
+pub(super) use module::{ModuleSet, SingleErrorModule, judge_module};
+pub use single_error::{ErrorLeft, Handled};
+pub use tables::JudgedTables;
+pub(super) use tables::judge_tables;
+pub use zero_shift::ZeroShift;
 
 /// A certificate: the deviations that a set of files leaves, over the volume and error by error.
 #[derive(Debug, Clone)]

@@ -7,7 +7,8 @@ use super::sign_test::strongest;
 use super::single_error::SetOfTables;
 use super::zero_shift::{Shiftable, ZeroShift};
 use crate::compensation::{CorrectionTables, Reference, SingleErrors, Spacing, TableRules};
-use crate::controller::{Compensated, ControllerTarget, Replay};
+use crate::controller::manifest::ControllerTarget;
+use crate::controller::replay::{Compensated, Replay};
 use crate::evaluate::{Bare, Order};
 use crate::machine::{Approach, Machine, Pose};
 

@@ -69,7 +69,7 @@ impl Shiftable<'_> {
     fn mean_turn(&self, axis: usize, poses: &[Pose], motions: &[Vec<AxisMotion>], approach: Approach) -> f64 {
         let machine = self.field.machine();
         let name = &machine.axes()[axis].name;
-        let alone = machine.filtered(|id| id.axis == *name && !id.location);
+        let alone = machine.filtered(|id| id.axis == *name && !id.is_location());
         let turn = |(pose, motions): (&Pose, &Vec<AxisMotion>)| {
             let mut command = pose.clone();
             command[axis] += (self.added)(pose)[axis];

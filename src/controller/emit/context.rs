@@ -1,7 +1,7 @@
-//! What templates see of a set of tables: everything rounded and as text.
+//! The variables of templates for a set of tables: everything rounded and as text.
 
 use super::number::{fixed, push_fixed};
-use super::stored::{StoredColumn, StoredPlace, differences};
+use super::stored::{StoredColumn, StoredPosition, differences};
 use crate::compensation::{
     CorrectionTable, CorrectionTables, Directions, Encoding, ErrorCurve, Spacing, TABLES_OF_A_PRODUCT, TableRules,
 };
@@ -11,7 +11,7 @@ use crate::machine::{AxisKind, Branch, ErrorId, Location, Machine, Tool};
 use minijinja::{Value, context};
 use std::sync::Arc;
 
-/// From the gauge point to the tip; of a tool without length downwards.
+/// Returns the direction from the gauge point to the tip; downwards for a tool without length.
 fn tool_direction(tool: &Tool) -> [f64; 3] {
     let way: [f64; 3] = std::array::from_fn(|i| tool.tip[i] - tool.gauge[i]);
     let length = libm::sqrt(way.iter().map(|x| x * x).sum());
@@ -29,7 +29,7 @@ pub(crate) struct TableWords<'a> {
 }
 
 /// A table with the directions in which the controller is told of it, and their numbers.
-struct Ways {
+struct DirectedTable {
     /// 0 for both directions at once, else 1 and -1.
     direction: i32,
     number: usize,
@@ -52,12 +52,12 @@ impl TableWords<'_> {
         self.target.manifest.mechanism.rules(table)
     }
 
-    /// Does a table stand under a mechanism?
+    /// True if a table belongs to a mechanism, or none is named.
     pub fn is_of(&self, table: &CorrectionTable, mechanism: Option<&str>) -> bool {
         mechanism.is_none_or(|name| self.target.manifest.mechanism.name_of(table) == Some(name))
     }
 
-    /// Is there a table of a mechanism?
+    /// True if there is a table of a mechanism.
     pub fn any(&self, mechanism: &str) -> bool {
         self.tables.tables.iter().any(|table| self.is_of(table, Some(mechanism)))
     }
@@ -109,7 +109,7 @@ impl TableWords<'_> {
         seen.into()
     }
 
-    fn table(&self, table: &CorrectionTable, rules: &TableRules, ways: &[Ways]) -> Value {
+    fn table(&self, table: &CorrectionTable, rules: &TableRules, ways: &[DirectedTable]) -> Value {
         let (input, output) = (table.axes[0], table.corrected[0]);
         let kind = match (table.axes.len(), table.is_own_axis()) {
             (1, true) => "own",
@@ -153,7 +153,7 @@ impl TableWords<'_> {
 
     fn input(&self, table: &CorrectionTable, rules: &TableRules, i: usize) -> Value {
         let (axis, nodes) = (table.axes[i], &table.nodes[i]);
-        let place = StoredPlace { rules, kind: self.kind(axis) };
+        let place = StoredPosition { rules, kind: self.kind(axis) };
         let text = |q: f64| fixed(place.stored(q), place.decimals());
         let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
         let step = if nodes.len() > 1 { nodes[1] - nodes[0] } else { 0.0 };
@@ -170,7 +170,7 @@ impl TableWords<'_> {
     /// Points of a table over one axis; with a direction, only its values.
     fn points(&self, table: &CorrectionTable, rules: &TableRules, direction: i32) -> Value {
         let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
-        let place = StoredPlace { rules, kind: self.kind(table.axes[0]) };
+        let place = StoredPosition { rules, kind: self.kind(table.axes[0]) };
         let own = |i: usize| table.is_own_axis().then(|| table.nodes[0][i]);
         let reverse = table.reverse.as_ref().unwrap_or(&table.values);
         let stored = |values: &[f64]| -> Vec<f64> {
@@ -214,7 +214,7 @@ impl TableWords<'_> {
         let times = rules.magnification_of(self.machine, table);
         let cell = |node: usize| {
             let place = |(axis, q): (&usize, f64)| {
-                let place = StoredPlace { rules, kind: self.kind(*axis) };
+                let place = StoredPosition { rules, kind: self.kind(*axis) };
                 fixed(place.stored(q), place.decimals())
             };
             let positions: Vec<String> = table.axes.iter().zip(table.node(node)).map(place).collect();
@@ -280,7 +280,7 @@ impl TableWords<'_> {
         let entries: Vec<String> = order.iter().skip(1).map(|node| number(stored(*node))).collect();
         let lengths: Vec<String> = (0..table.axes.len())
             .map(|place| {
-                let cell = StoredPlace { rules, kind: self.kind(table.axes[place]) };
+                let cell = StoredPosition { rules, kind: self.kind(table.axes[place]) };
                 let step = cell.stored(table.nodes[place][1] - table.nodes[place][0]);
                 fixed(step * (around[place].len() - 1) as f64, cell.decimals())
             })
@@ -332,7 +332,7 @@ impl TableWords<'_> {
                 .iter()
                 .filter(|c| !c.positions.is_empty() && c.error.axis == self.machine.axes()[axis].name)
                 .collect();
-            let place = StoredPlace { rules, kind: self.kind(axis) };
+            let place = StoredPosition { rules, kind: self.kind(axis) };
             let row = |i: usize, q: f64| {
                 context! {
                     position => fixed(place.stored(q), place.decimals()),
@@ -378,11 +378,11 @@ impl TableWords<'_> {
 }
 
 /// One way for both directions, or one for each: with a number of its own if they stand apart.
-fn ways(table: &CorrectionTable, number: usize, apart: bool) -> Vec<Ways> {
+fn ways(table: &CorrectionTable, number: usize, apart: bool) -> Vec<DirectedTable> {
     if table.reverse.is_none() {
-        return vec![Ways { direction: 0, number }];
+        return vec![DirectedTable { direction: 0, number }];
     }
-    vec![Ways { direction: 1, number }, Ways { direction: -1, number: number + usize::from(apart) }]
+    vec![DirectedTable { direction: 1, number }, DirectedTable { direction: -1, number: number + usize::from(apart) }]
 }
 
 /// A location error without its first letter: `C0Y`.

@@ -19,7 +19,7 @@ pub struct Lock {
     /// The tool for which the tables hold; empty if the machine has one without a name.
     #[serde(default)]
     pub tool: String,
-    /// What was asked for: `position` or `pose`, and with which axes.
+    /// The options of the compensation: `position` or `pose`, and the axes that correct.
     #[serde(default)]
     pub options: Vec<String>,
     /// Conventions in force.
@@ -66,17 +66,17 @@ impl Lock {
         }
     }
 
-    /// As it is written.
+    /// Returns the text of the manifest.
     pub fn to_text(&self) -> String {
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 
-    /// As it was written; `None` if the text is no such manifest.
+    /// Reads the text of a manifest; `None` if it is none.
     pub fn from_text(text: &str) -> Option<Self> {
         serde_json::from_str(text).ok()
     }
 
-    /// Is this file, with these bytes, one that we wrote?
+    /// True if the set lists this file with these bytes.
     pub fn wrote(&self, name: &str, bytes: &[u8]) -> bool {
         let hash = sha256(bytes);
         self.files.iter().any(|file| file.name == name && file.sha256 == hash)

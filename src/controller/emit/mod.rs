@@ -1,4 +1,4 @@
-//! From a machine to files:
+//! The way from a machine to files:
 //!
 //! 1. tables are filled and rounded ([`fill`]), over those that are [`installed`];
 //! 2. they are checked against [`Limits`];
@@ -19,4 +19,4 @@ pub(super) use limits::RAISE_LIMIT;
 pub use lock::{Hashed, LOCK_NAME, Lock, sha256};
 pub use number::fixed;
 pub use render::{MAX_FILE_BYTES, RenderedFile};
-pub use stored::{StoredColumn, StoredPlace};
+pub use stored::{StoredColumn, StoredPosition};

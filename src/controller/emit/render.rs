@@ -205,7 +205,7 @@ fn rendered(
     }
 }
 
-/// What a file is rendered from.
+/// The input of the files of a set.
 struct Writer<'a> {
     words: TableWords<'a>,
     environment: Environment<'static>,
@@ -299,12 +299,12 @@ impl Writer<'_> {
 }
 
 impl Per {
-    /// Is there a file for an axis?
+    /// True if there is a file for an axis.
     fn wants(self, axis: usize, tables: &[CorrectionTable]) -> bool {
         self == Self::Axis || tables.iter().any(|table| self.holds(axis, table))
     }
 
-    /// Does the file of an axis hold a table?
+    /// True if the file of an axis holds a table.
     fn holds(self, axis: usize, table: &CorrectionTable) -> bool {
         match self {
             Self::Machine => true,

@@ -1,4 +1,4 @@
-//! From corrections (mm, deg) to the numbers that a controller stores, and back: unit, sign, meaning.
+//! Converts corrections (mm, deg) to the numbers that a controller stores, and back: unit, sign, meaning.
 //! The same function rounds on both ways, so that what is read is what was written.
 
 use crate::compensation::{Stored, TableRules};
@@ -9,7 +9,7 @@ use crate::machine::AxisKind;
 pub struct StoredColumn<'a> {
     pub rules: &'a TableRules,
     pub kind: AxisKind,
-    /// By how much the controller multiplies the numbers of the table.
+    /// The factor by which the controller multiplies the numbers of the table.
     pub times: f64,
 }
 
@@ -59,14 +59,14 @@ impl<'a> StoredColumn<'a> {
     }
 }
 
-/// How the positions of an axis are stored.
+/// The stored form of the positions of an axis.
 #[derive(Debug, Clone, Copy)]
-pub struct StoredPlace<'a> {
+pub struct StoredPosition<'a> {
     pub rules: &'a TableRules,
     pub kind: AxisKind,
 }
 
-impl StoredPlace<'_> {
+impl StoredPosition<'_> {
     /// The number stored for a position.
     pub fn stored(self, position: f64) -> f64 {
         position * self.rules.increment.position_scale.of(self.kind)

@@ -1,4 +1,4 @@
-//! What of a machine a kinematics module can carry, and which machines it can be for.
+//! The content of a kinematics module, and the machines that it fits.
 
 use super::constants::{Centres, LinearMap};
 use super::data::{Model, WORLD};
@@ -52,12 +52,12 @@ impl KinematicsModule {
         }
     }
 
-    /// Is the direction of the tool corrected? A full model says so itself, the others cannot.
+    /// True if the direction of the tool is corrected. Only a full model can do that.
     pub fn orientation(&self) -> bool {
         matches!(self, Self::FullModel(model) if model.orientation)
     }
 
-    /// What a programmer has to know. Warnings: W0601, W0760, W0761.
+    /// Returns the warnings for a programmer: W0601, W0760, W0761.
     pub fn warnings(&self, machine: &Machine) -> Vec<Diagnostic> {
         match self {
             Self::FullModel(model) => topology::warnings(machine, model),

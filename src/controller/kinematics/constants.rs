@@ -43,7 +43,7 @@ impl LinearMap {
         Ok(Self { matrix: std::array::from_fn(|i| fitted[(i / 3, i % 3)]), axes })
     }
 
-    /// What the module sends to the joints.
+    /// Returns the joint positions that the module commands.
     pub fn command(&self, pose: &[f64]) -> Vec<f64> {
         let mut command = pose.to_vec();
         for (row, axis) in self.axes.iter().enumerate() {
@@ -82,7 +82,8 @@ impl Centres {
     /// The nominal lines, moved so that they leave least of the deviation (least squares).
     pub fn fitted(machine: &Machine, letters: &[(usize, usize)]) -> Result<Self, Diagnostic> {
         let nominal = Self::nominal(machine, letters).ok_or_else(|| {
-            Diagnostic::new(codes::E0751, "this kinematics module is for a table C on a tilting table A or B, X, Y, Z along the machine axes, and tables that turn right-handed")
+            Diagnostic::new(codes::E0751, "this kinematics module is for a table C on a tilting table A or B, X, Y, Z along the machine axes, \
+             and tables that turn right-handed")
                 .help("a chain such as \"w C' A' b X Y Z t\" with `sense: direct` for A and C; for other machines take the target linuxcnc-kins")
         })?;
         let bare = Bare { machine, order: Order::Exact };
@@ -142,7 +143,7 @@ impl Centres {
         [rotation_about(&unit(2), c), rotation_about(&unit(self.tilt), tilt)]
     }
 
-    /// What the module sends to the joints for a tip: p = R + Rc (D + Rt (J - D - R)) solved for J.
+    /// Returns the joint positions that the module commands for a tip: p = R + Rc (D + Rt (J - D - R)) solved for J.
     pub fn command(&self, tip: &Vector3<f64>, pose: &[f64]) -> Vec<f64> {
         let (centre, offset) = self.centre_and_offset();
         let [c, tilt] = self.turns(pose);
@@ -152,7 +153,7 @@ impl Centres {
         command
     }
 
-    /// How the tip moves per mm of the C line in X and Y, and of the tilting line in its two directions.
+    /// Returns the motion of the tip per mm of the C line in X and Y, and of the tilting line in its two directions.
     fn columns(&self, pose: &[f64]) -> [Vector3<f64>; 4] {
         let [c, tilt] = self.turns(pose);
         let (by_c, by_tilt) = (Matrix3::identity() - c, c * (Matrix3::identity() - tilt));

@@ -17,10 +17,10 @@ fn list(numbers: &[f64]) -> Vec<String> {
     numbers.iter().map(|x| exact(*x)).collect()
 }
 
-/// What joint limits allow beyond the travel, mm or deg.
+/// Distance by which joint limits exceed the travel, mm or deg.
 const MARGIN: f64 = 1.0;
 
-/// What templates see besides the machine's name and the version.
+/// Returns the variables of templates besides the machine's name and the version.
 pub fn context(machine: &Machine, carried: &KinematicsModule, mechanism: &KinematicsMechanism) -> Value {
     match carried {
         KinematicsModule::FullModel(model) => full_model(machine, model, mechanism),
@@ -93,14 +93,14 @@ fn coordinates(machine: &Machine, model: &Model) -> Vec<Value> {
     WORLD.chars().enumerate().filter_map(coordinate).collect()
 }
 
-/// Where the program's zero is in machine coordinates: the workpiece origin, where a word is a place.
+/// Returns the program's zero in machine coordinates: the workpiece origin, where a word is a position of the tip.
 fn program_zero(model: &Model, k: usize) -> f64 {
     let along = |joint: &Joint| joint.letter == Some(k) && !joint.rotary && joint.direction[k] > 0.5;
     let placed = model.words != ModuleWords::Axes || model.joints.iter().any(along);
     if placed { model.workpiece[k] - model.gauge[k] } else { 0.0 }
 }
 
-/// Where a joint stands after homing: at 0, or in the middle of the volume where 0 may be a singular pose.
+/// Returns the position of a joint after homing: 0, or the middle of the volume where 0 may be a singular pose.
 fn home(words: ModuleWords, volume: &Grid, (min, max): (f64, f64)) -> f64 {
     let middle = 0.5 * (volume.min + volume.max);
     (if words == ModuleWords::Pose { middle } else { 0.0 }).clamp(min, max)

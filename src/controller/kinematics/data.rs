@@ -2,14 +2,14 @@
 //! to flags of each joint.
 
 use crate::machine::{
-    Approach, Axis, AxisKind, Branch, ComponentError, Conventions, Curve, Direction, ErrorTerm, ErrorsAre, JointErrors,
-    Joints, LinearOrder, Location, Machine, RotaryOrder,
+    Approach, Axis, AxisKind, Branch, ComponentError, Curve, Direction, ErrorTerm, JointErrors, Joints, Location,
+    LocationAction, Machine, MotionSide,
 };
 
 /// Letters of the world's nine coordinates, in the controller's order.
 pub const WORLD: &str = "XYZABCUVW";
 
-/// What the words of a program mean.
+/// The meaning of the words of a program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModuleWords {
     /// X Y Z are the tip of the tool, the others axes.
@@ -28,7 +28,7 @@ impl ModuleWords {
 /// A machine as numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
-    /// What the words of its programs mean.
+    /// The meaning of the words of its programs.
     pub words: ModuleWords,
     /// Its axes on the walk from workpiece to tool.
     pub joints: Vec<Joint>,
@@ -40,7 +40,7 @@ pub struct Model {
     pub linearised: bool,
     /// The gauge point, mm.
     pub gauge: [f64; 3],
-    /// From the tip of the tool to the gauge point, mm.
+    /// The vector from the tip of the tool to the gauge point, mm.
     pub tool: [f64; 3],
     /// Displacement of the tip by clamping, mm.
     pub tool_clamping: [f64; 3],
@@ -54,7 +54,7 @@ pub struct Model {
     pub damping: f64,
     /// The length (mm) at which turns and ways are weighed against each other.
     pub arm: f64,
-    /// Is the direction of the tool corrected, or only the position of its tip?
+    /// True if the direction of the tool is corrected, not only the position of its tip.
     pub orientation: bool,
 }
 
@@ -104,7 +104,7 @@ impl Form {
     /// All, by their number.
     pub const ALL: [Self; 4] = [Self::Linear, Self::Cubic, Self::Polynomial, Self::Harmonics];
 
-    /// How many numbers a point, coefficient or order has.
+    /// Returns the count of numbers that a point, coefficient or order has.
     pub fn width(self) -> usize {
         match self {
             Self::Polynomial => 1,
@@ -117,7 +117,7 @@ impl Form {
 /// An error curve: argument in mm or deg, value in mm or rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurveData {
-    /// How its numbers are meant.
+    /// The meaning of its numbers.
     pub form: Form,
     /// Length of the period; 0 if the ends are held.
     pub period: f64,
@@ -130,17 +130,18 @@ impl Model {
     pub(super) fn geometry(machine: &Machine, damping: f64, orientation: bool) -> Self {
         let mut curves = Vec::new();
         let conventions = machine.conventions();
+        let decoded = |axis: &Axis| axis.convention(conventions);
         let joint = |(index, axis): (usize, &Axis)| Joint {
             letter: None,
             number: index,
             rotary: axis.kind == AxisKind::Rotary,
             solved: false,
             workpiece_side: axis.branch == Branch::Workpiece,
-            outside: outside(axis, conventions),
-            inverted: inverted(axis, conventions),
-            location_inverted: inverted(axis, conventions) && conventions.location == Location::CarriedBody,
-            direction: axis.direction.map(|u| plain(u * axis.sign())),
-            origin: axis.origin,
+            outside: decoded(axis).component.side == MotionSide::Outer,
+            inverted: decoded(axis).component.inverse,
+            location_inverted: matches!(decoded(axis).location, LocationAction::Factor(factor) if factor.inverse),
+            direction: axis.direction.map(|u| plain(u * decoded(axis).motion_sign)),
+            origin: decoded(axis).pivot,
             location: machine.axis_errors(index).location_values(),
             curves: curves_of(machine.axis_errors(index), &mut curves),
         };
@@ -167,7 +168,7 @@ impl Model {
     }
 }
 
-/// The way from the tip of the machine's tool to the gauge point, mm.
+/// Returns the vector from the tip of the machine's tool to the gauge point, mm.
 pub(super) fn tool(machine: &Machine) -> [f64; 3] {
     let tool = machine.tool();
     std::array::from_fn(|i| plain(tool.gauge[i] - tool.tip[i]))
@@ -176,19 +177,6 @@ pub(super) fn tool(machine: &Machine) -> [f64; 3] {
 /// Without a negative zero.
 fn plain(x: f64) -> f64 {
     x + 0.0
-}
-
-/// Does the component error stand to the left of the motion? The two sides of the bed are mirror images.
-fn outside(axis: &Axis, conventions: &Conventions) -> bool {
-    let left_of_a_head = match axis.kind {
-        AxisKind::Linear => conventions.linear == LinearOrder::Before,
-        AxisKind::Rotary => conventions.rotary == RotaryOrder::Stationary,
-    };
-    left_of_a_head != (axis.branch == Branch::Workpiece)
-}
-
-fn inverted(axis: &Axis, conventions: &Conventions) -> bool {
-    conventions.errors_are == ErrorsAre::Body && axis.branch == Branch::Workpiece
 }
 
 fn curves_of(errors: &JointErrors, all: &mut Vec<CurveData>) -> [[Option<usize>; 2]; 6] {

@@ -28,7 +28,7 @@ impl<'a> ModuleField<'a> {
         Self { beside: Some(tables), ..self }
     }
 
-    /// What the module sends to the joints for a pose (mm, deg, order of the walk); `None` if it stops.
+    /// Returns the joint positions that the module commands for a pose (mm, deg, order of the walk); `None` if it stops.
     pub fn command(&self, pose: &[f64]) -> Option<Vec<f64>> {
         let tip = ideal_tip(self.machine, pose);
         match self.carried {
@@ -40,7 +40,7 @@ impl<'a> ModuleField<'a> {
         }
     }
 
-    /// What the motors are sent, approached from one side; `None` if the module stops.
+    /// Returns the commands of the motors, approached from one side; `None` if the module stops.
     fn sent(&self, pose: &[f64], approach: Approach) -> Option<Vec<f64>> {
         let command = self.command(pose)?;
         let trims =
@@ -48,7 +48,7 @@ impl<'a> ModuleField<'a> {
         Some(command.iter().zip(trims).map(|(c, trim)| c + trim).collect())
     }
 
-    /// What is added to a pose approached from one side; nothing where the module stops.
+    /// Returns the corrections that are added to a pose approached from one side; zeros where the module stops.
     pub fn added(&self, pose: &[f64], approach: Approach) -> Vec<f64> {
         let command = self.sent(pose, approach).unwrap_or_else(|| pose.to_vec());
         command.iter().zip(pose).map(|(c, q)| c - q).collect()
@@ -78,7 +78,7 @@ fn world(machine: &Machine, model: &Model, tip: &Vector3<f64>, pose: &[f64]) -> 
     world
 }
 
-/// How the nominal machine has turned its tool.
+/// Returns the rotation of the nominal machine's tool.
 fn ideal_rotation(machine: &Machine, pose: &[f64]) -> Matrix3<f64> {
     let rotary = machine.axes().iter().zip(pose).filter(|(axis, _)| axis.kind == AxisKind::Rotary);
     rotary.fold(Matrix3::identity(), |turned, (axis, q)| {

@@ -78,7 +78,7 @@ impl ControllerTarget {
         match read {
             Ok(carried) => Some(carried),
             Err(fault) => {
-                fault.said_of(file, diagnostics);
+                fault.report(file, diagnostics);
                 None
             }
         }

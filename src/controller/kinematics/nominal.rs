@@ -5,12 +5,12 @@ use crate::algebra::{Htm, rotation_about};
 use crate::machine::sin_cos_degrees;
 use nalgebra::{Matrix3, Vector3};
 
-/// What can be changed while the module runs.
+/// The values that can be changed while the module runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
-    /// From the tip of the tool to the gauge point, mm.
+    /// The vector from the tip of the tool to the gauge point, mm.
     pub tool: [f64; 3],
-    /// Is the direction of the tool corrected too?
+    /// True if the direction of the tool is corrected too.
     pub orientation: bool,
 }
 
@@ -18,7 +18,7 @@ pub struct Setting {
 pub struct BodyPlace {
     /// The tip of the tool.
     pub tip: Vector3<f64>,
-    /// How the tool is turned from where it is with all axes at 0.
+    /// The rotation of the tool from its orientation with all axes at 0.
     pub rotation: Matrix3<f64>,
     /// Displacement of the tip per mm or rad of each joint.
     pub lever: Vec<Vector3<f64>>,

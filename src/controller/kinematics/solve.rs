@@ -1,4 +1,4 @@
-//! What the generated module does, in own arithmetic: nominal inverse kinematics, and the chord form of
+//! The algorithm of the generated module, in own arithmetic: nominal inverse kinematics, and the chord form of
 //! Newton's iteration for the erroneous machine.
 //!
 //! For a nominal command q the command q + c has the tip, and as far as the axes can the orientation, that
@@ -22,7 +22,7 @@ const SMALL: (f64, f64) = (1e-9, 1e-12);
 /// Steps, and the longest of them (arms, rad), of the way to a pose of the tool.
 const MAX_STEP: (usize, f64) = (48, 0.3);
 
-/// How far the nominal tool may be from its pose, mm and rad.
+/// Distances within which the nominal tool has reached its pose, mm and rad.
 const THERE: (f64, f64) = (1e-10, 1e-12);
 
 impl Model {

@@ -36,7 +36,7 @@ impl Model {
 /// The words of a machine's programs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Topology {
-    /// What they mean.
+    /// Their meaning.
     pub words: ModuleWords,
     /// For each axis of the walk whether it is found (or, where words are axes, corrected) to hold the tip.
     pub solved: Vec<bool>,
@@ -79,7 +79,7 @@ impl Topology {
     }
 }
 
-/// What a programmer has to know. Warnings: W0601, W0760, W0761.
+/// Returns the warnings for a programmer: W0601, W0760, W0761.
 pub fn warnings(machine: &Machine, model: &Model) -> Vec<Diagnostic> {
     let mut all = Vec::new();
     if model.words == ModuleWords::Axes {
@@ -142,7 +142,7 @@ fn independent(machine: &Machine, linear: &[usize], flat: f64) -> Vec<usize> {
     found
 }
 
-/// What of a vector is across orthonormal ones.
+/// Returns the part of a vector that is orthogonal to orthonormal ones.
 fn across<const N: usize>(vector: SVector<f64, N>, base: &[SVector<f64, N>]) -> SVector<f64, N> {
     base.iter().fold(vector, |rest, unit| rest - unit * unit.dot(&rest))
 }

@@ -12,17 +12,17 @@ pub struct Manifest {
     pub target: String,
     /// One line.
     pub title: String,
-    /// What it can correct.
+    /// The errors that it can correct, in words.
     pub expresses: String,
-    /// What it cannot.
+    /// The errors that it cannot correct, in words.
     pub cannot: Vec<String>,
-    /// How sure its facts are.
+    /// The certainty of its facts.
     pub certainty: CertaintyOf,
     /// A dry test of the sign at the machine.
     pub sign_test: String,
-    /// What its tables can hold.
+    /// The mechanisms of its compensation.
     pub mechanism: Mechanisms,
-    /// What it does with them.
+    /// The arithmetic of its look-up.
     pub controller: Controller,
     /// Letters the controller has for axes, if it has only these.
     #[serde(default)]
@@ -31,27 +31,27 @@ pub struct Manifest {
     pub files: Vec<FileSpec>,
 }
 
-/// How sure syntax and sign are.
+/// The certainty of syntax and sign.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertaintyOf {
-    /// Of the syntax.
+    /// The certainty of the syntax.
     pub syntax: Certainty,
-    /// Of the sign.
+    /// The certainty of the sign.
     pub sign: Certainty,
 }
 
-/// How sure a fact is, and from where.
+/// The certainty of a fact, and its source.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Certainty {
-    /// How sure.
+    /// The level.
     pub level: Level,
     /// The source.
     pub source: String,
 }
 
-/// How sure a fact is.
+/// A level of certainty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum Level {
     /// Seen on the running controller.
@@ -66,7 +66,7 @@ pub enum Level {
     /// Follows from what is documented, or seen in other programs' files; the documentation does not say it.
     #[serde(rename = "inferred")]
     Inferred,
-    /// From memory alone.
+    /// Written from memory alone.
     #[serde(rename = "memory")]
     Memory,
 }
@@ -118,7 +118,7 @@ pub enum OutsideTable {
     RollOver,
 }
 
-/// With which numbers the controller works.
+/// The numbers with which the controller computes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Arithmetic {
@@ -128,11 +128,11 @@ pub enum Arithmetic {
     Float32TrimAndSlope,
 }
 
-/// What the controller does with its tables.
+/// The arithmetic of the controller's look-up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Controller {
-    /// Where it looks up.
+    /// The position at which it looks up.
     pub lookup: Lookup,
     /// Between points.
     pub interpolation: Interpolation,
@@ -154,7 +154,7 @@ pub struct AxisLetters {
     pub order: String,
 }
 
-/// For what a file is written.
+/// The parts of a set that have a file of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Per {
@@ -168,13 +168,13 @@ pub enum Per {
     Output,
 }
 
-/// How a file is read back.
+/// The layout by which a file is read back.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "format", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Layout {
     /// Lines of numbers between blanks, nothing else.
     Columns {
-        /// What the columns are.
+        /// The meaning of each column.
         columns: Vec<Column>,
     },
     /// CSV: a column per axis, then a column `d` + axis per corrected axis, units in the header.
@@ -183,7 +183,7 @@ pub enum Layout {
     JsonLattice,
     /// Lines of known patterns.
     Lines {
-        /// What a comment begins with.
+        /// The mark that begins a comment.
         #[serde(default)]
         comment: Option<String>,
         /// The patterns, tried in this order.
@@ -197,7 +197,7 @@ pub enum Layout {
         position: String,
         /// Name of the column that is added approaching with falling position.
         reversal: String,
-        /// What stands around them.
+        /// The lines around the columns.
         frame: Frame,
     },
     /// Constant arrays of C: the numbers of a full kinematics model.
@@ -210,7 +210,7 @@ pub enum Layout {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Frame {
-    /// What a comment begins with.
+    /// The mark that begins a comment.
     pub comment: String,
     /// The first line: one of these patterns.
     pub begin: Vec<String>,
@@ -227,13 +227,13 @@ pub struct LineSpec {
     /// Only on the line with this number, from 1.
     #[serde(default)]
     pub at: Option<usize>,
-    /// Must such a line be there?
+    /// True if a file without such a line is refused.
     #[serde(default)]
     pub required: bool,
-    /// Does a block begin or end with it?
+    /// The end of a block that it marks.
     #[serde(default)]
     pub block: Option<Edge>,
-    /// What it says besides.
+    /// Fields that it sets besides those in angle brackets.
     #[serde(default)]
     pub set: BTreeMap<String, String>,
 }
@@ -273,25 +273,25 @@ pub struct FileSpec {
     /// The mechanism whose tables it holds, if not all; without such tables it is not written.
     #[serde(default)]
     pub of: Option<String>,
-    /// How to read it back; absent for files without tables.
+    /// The layout by which it is read back; absent for files without tables.
     #[serde(default)]
     pub layout: Option<Layout>,
-    /// How it says which file belongs to which axis, if it does.
+    /// The form in which it assigns files to axes, if it does.
     #[serde(default)]
     pub index: Option<Index>,
 }
 
-/// How a file says which file belongs to which axis.
+/// The form in which a file assigns files to axes.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "form", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Index {
     /// Sections of an INI: `[PREFIXn]`, n the number of the axis from 0, then `KEY = FILE`.
     Sections {
-        /// What stands before the number.
+        /// The text before the number.
         prefix: String,
-        /// Of the line that names the file.
+        /// The key of the line that names the file.
         key: String,
-        /// What else the section must say for the file to be read as it is read here.
+        /// Settings of the section without which the controller reads the file in another way.
         #[serde(default)]
         with: BTreeMap<String, String>,
     },
@@ -303,7 +303,7 @@ pub enum Index {
 }
 
 impl Manifest {
-    /// Does it rest on memory alone?
+    /// True if it rests on memory alone.
     pub fn unverified(&self) -> bool {
         [&self.certainty.syntax, &self.certainty.sign].into_iter().any(|c| c.level == Level::Memory)
     }
@@ -315,7 +315,7 @@ impl Manifest {
         format!("{test}syntax {syntax}, sign {sign}; test the sign first")
     }
 
-    /// Do the tables hold for one tool only?
+    /// True if the tables hold for one tool only.
     pub fn tool_dependent(&self) -> bool {
         self.mechanism.iter().any(|(name, rules)| match name {
             "error_curves" => false,
@@ -337,7 +337,7 @@ impl Manifest {
 }
 
 impl FileSpec {
-    /// Does it hold the tables of a mechanism only? Beside a kinematics module all tables have such files.
+    /// True if it holds the tables of one mechanism only. Beside a kinematics module all tables have such files.
     pub fn is_of_tables(&self) -> bool {
         self.of.is_some()
     }

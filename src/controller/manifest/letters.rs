@@ -1,4 +1,4 @@
-//! Which letter of the controller each axis of a machine has.
+//! The controller's letters for the axes of a machine.
 
 use super::AxisLetters;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};

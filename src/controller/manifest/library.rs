@@ -1,4 +1,4 @@
-//! Where targets come from: the binary, then a folder of the user's.
+//! The sources of targets: the binary, then a folder of the user's.
 
 use super::Manifest;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
@@ -91,7 +91,7 @@ const EMBEDDED: [(&str, &str); 55] = [
 /// A target: its manifest and the text of its templates, in the order of the manifest's files.
 #[derive(Debug, Clone)]
 pub struct ControllerTarget {
-    /// What it can do.
+    /// Its manifest.
     pub manifest: Manifest,
     pub(crate) templates: Vec<String>,
 }

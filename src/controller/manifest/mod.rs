@@ -1,4 +1,4 @@
-//! What a controller is:
+//! The description of a controller:
 //!
 //! 1. its manifest ([`Manifest`]), checked ([`soundness`]);
 //! 2. the folder that holds it, in the binary or of the user's ([`ControllerTarget`]);

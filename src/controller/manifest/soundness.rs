@@ -1,4 +1,4 @@
-//! What makes a manifest impossible to work with.
+//! Checks of a manifest: the reasons why it cannot be used.
 
 use super::{Column, Layout, Manifest, Per};
 use crate::compensation::{
@@ -6,7 +6,7 @@ use crate::compensation::{
 };
 
 impl Manifest {
-    /// What makes a manifest impossible to work with, in words.
+    /// Returns the reason why the manifest cannot be used, if there is one.
     pub fn fault(&self) -> Option<String> {
         let tables = self.mechanism.iter().count();
         match &self.mechanism.kinematics {
@@ -18,7 +18,7 @@ impl Manifest {
             }
             Some(_) => {
                 return Some(
-                    "mechanism: kinematics stand alone, or beside own_axis tables that are bidirectional and hold the reversal".to_owned(),
+                    "mechanism: kinematics stand alone, or beside own_axis tables with both directions that hold the reversal".to_owned(),
                 );
             }
             None if self.mechanism.own_axis.as_ref().is_some_and(|own| own.holds == Holds::Reversal) => {
@@ -95,13 +95,14 @@ impl Manifest {
             tables.clone().all(|file| matches!(file.layout, Some(Layout::Columns { .. } | Layout::Lines { .. })));
         let known = tables.clone().count() == 0 || self.reversal().is_some();
         (!one || !once || !read || !known).then(|| {
-            "files: all `per: machine`, and one of them with the layout c_arrays (full_model) or hal_constants; besides, `of: own_axis` with a layout of tables"
+            "files: all `per: machine`, and one of them with the layout c_arrays (full_model) or hal_constants; \
+             besides, `of: own_axis` with a layout of tables"
                 .to_owned()
         })
     }
 }
 
-/// Which layout belongs to what is carried.
+/// True if a layout holds this content of a module.
 fn layout_fits(carries: ModuleContent, layout: &Layout) -> bool {
     match carries {
         ModuleContent::FullModel => *layout == Layout::CArrays,
@@ -130,7 +131,7 @@ impl Layout {
 }
 
 impl KinematicsMechanism {
-    /// What makes it impossible to work with, in words.
+    /// Returns the reason why the mechanism cannot be used, if there is one.
     pub fn fault(&self) -> Option<String> {
         let damped = self.damping > 0.0 && self.damping <= 0.5;
         if self.carries == ModuleContent::FullModel && !damped {
@@ -152,7 +153,7 @@ impl KinematicsMechanism {
 }
 
 impl ModuleContent {
-    /// How many modules of the controller have them.
+    /// Number of the controller's modules that have the constants.
     fn components(self) -> usize {
         match self {
             Self::FullModel => 0,
@@ -161,7 +162,7 @@ impl ModuleContent {
         }
     }
 
-    /// How many constants it has.
+    /// Number of constants.
     fn constants(self) -> usize {
         match self {
             Self::FullModel => 0,

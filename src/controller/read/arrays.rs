@@ -57,7 +57,7 @@ impl Arrays {
         }
     }
 
-    /// How many numbers an array has; 0 if it is not there.
+    /// Returns the number of elements of an array; 0 if it is missing.
     pub fn count(&self, name: &str) -> usize {
         self.0.get(name).map_or(0, |(_, numbers)| numbers.len())
     }

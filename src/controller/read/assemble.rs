@@ -1,10 +1,10 @@
-//! From what the lines of a file say to tables, as the controller would build them.
+//! Builds tables from the fields of a file, as the controller would.
 
 use super::lines::{Fields, Record};
-use super::products::{Numbered, multiplied};
+use super::products::{TableEntry, multiplied};
 use super::{Fault, Reading, number};
 use crate::compensation::{CorrectionTable, CorrectionTables, Encoding, ErrorCurve, PlaneGrid, TableRules};
-use crate::controller::emit::{StoredColumn, StoredPlace};
+use crate::controller::emit::{StoredColumn, StoredPosition};
 use crate::machine::{AxisKind, Direction, parse_error_name};
 
 /// Tables and error curves of all records. What is said before the first named record holds for all.
@@ -12,18 +12,18 @@ pub(super) fn tables(reading: &Reading, records: &[Record]) -> Result<Correction
     let named = records.iter().any(|record| !record.name.is_empty());
     let common = records.iter().find(|record| named && record.name.is_empty());
     let mut all = CorrectionTables::default();
-    let mut read: Vec<Numbered> = Vec::new();
+    let mut read: Vec<TableEntry> = Vec::new();
     for record in records.iter().filter(|record| !named || !record.name.is_empty()) {
         let assembly = Assembly { reading, record, common: common.map(|c| &c.fields) };
         if assembly.number("slope")? == Some(0.0) {
             // A line without a slope adds nothing, whether the machine has its axes or not.
         } else if reading.target.manifest.mechanism.error_curves.is_some() {
             all.errors.push(assembly.error()?);
-        } else if assembly.said("reversal").is_some() {
-            read.extend(assembly.reversal()?.map(|table| Numbered { table, times: 0, record }));
+        } else if assembly.field("reversal").is_some() {
+            read.extend(assembly.reversal()?.map(|table| TableEntry { table, times: 0, record }));
         } else {
             let times = assembly.whole("times")?.unwrap_or(0);
-            read.push(Numbered { table: assembly.table()?, times, record });
+            read.push(TableEntry { table: assembly.table()?, times, record });
         }
     }
     all.tables = multiplied(reading, read)?;
@@ -41,7 +41,7 @@ pub(super) struct Assembly<'a> {
 }
 
 impl Assembly<'_> {
-    pub fn said(&self, name: &str) -> Option<&(String, usize)> {
+    pub fn field(&self, name: &str) -> Option<&(String, usize)> {
         self.record.fields.get(name).or_else(|| self.common?.get(name))
     }
 
@@ -51,7 +51,7 @@ impl Assembly<'_> {
 
     /// A number that is said once.
     pub fn number(&self, name: &str) -> Result<Option<f64>, Fault> {
-        let Some((text, line)) = self.said(name) else { return Ok(None) };
+        let Some((text, line)) = self.field(name) else { return Ok(None) };
         number(text).map(Some).map_err(|message| Fault::new(*line, message))
     }
 
@@ -62,7 +62,7 @@ impl Assembly<'_> {
     /// A whole number that is said once.
     pub fn whole(&self, name: &str) -> Result<Option<usize>, Fault> {
         let Some(value) = self.number(name)? else { return Ok(None) };
-        let (_, line) = self.said(name).map_or((String::new(), 0), Clone::clone);
+        let (_, line) = self.field(name).map_or((String::new(), 0), Clone::clone);
         if (0.0..1e7).contains(&value) && libm::trunc(value) == value {
             Ok(Some(value as usize))
         } else {
@@ -74,8 +74,8 @@ impl Assembly<'_> {
     fn axes(&self, role: &str) -> Result<Vec<usize>, Fault> {
         let mut axes = Vec::new();
         for suffix in SUFFIXES {
-            let letter = self.said(&format!("{role}{suffix}"));
-            let by_number = self.said(&format!("{role}{suffix}_number"));
+            let letter = self.field(&format!("{role}{suffix}"));
+            let by_number = self.field(&format!("{role}{suffix}_number"));
             let (axis, line, word) = match (letter, by_number) {
                 (Some((word, line)), _) if word == "self" => (self.own()?, *line, word),
                 (Some((word, line)), _) => (self.reading.by_letter(word), *line, word),
@@ -93,7 +93,7 @@ impl Assembly<'_> {
 
     /// The axis to which the file belongs, by what it says or by its name.
     pub fn own(&self) -> Result<Option<usize>, Fault> {
-        let said = self.said("axis_number").map(|(word, line)| (self.reading.by_number(word), word, *line));
+        let said = self.field("axis_number").map(|(word, line)| (self.reading.by_number(word), word, *line));
         match (said, self.reading.axis) {
             (Some((Some(said), word, line)), Some(named)) if said != named => {
                 Err(Fault::new(line, format!("the axis number {word} is not that of the axis in the file's name")))
@@ -115,13 +115,13 @@ impl Assembly<'_> {
         };
         let rules = self.reading.target.manifest.mechanism.rules(&table);
         let rules = rules.ok_or_else(|| self.fault("the controller has no table of this kind"))?;
-        if let Some((_, line)) = self.said("slope") {
+        if let Some((_, line)) = self.field("slope") {
             return self.line(table, rules, *line);
         }
         if rules.encoding == Encoding::Difference {
             return self.incremental(table, rules);
         }
-        if self.said("length").is_some() {
+        if self.field("length").is_some() {
             return self.rolled(table, rules);
         }
         for (place, suffix) in SUFFIXES.iter().enumerate().take(table.axes.len()) {
@@ -160,7 +160,7 @@ impl Assembly<'_> {
         suffix: &str,
         rules: &TableRules,
     ) -> Result<Vec<f64>, Fault> {
-        let place_of = StoredPlace { rules, kind: self.kind(table.axes[place]) };
+        let place_of = StoredPosition { rules, kind: self.kind(table.axes[place]) };
         let key = format!("position{suffix}");
         if self.record.points.values().any(|fields| fields.contains_key(&key)) {
             let listed = self.record.points.iter().map(|(index, fields)| {
@@ -178,7 +178,7 @@ impl Assembly<'_> {
         let count = self.count(place, suffix)?;
         let nodes: Vec<f64> = (0..count).map(|i| place_of.position(min + i as f64 * step)).collect();
         if let (Some(max), Some(last)) = (self.number(&format!("max{suffix}"))?, nodes.last()) {
-            let line = self.said(&format!("max{suffix}")).map_or(0, |(_, line)| *line);
+            let line = self.field(&format!("max{suffix}")).map_or(0, |(_, line)| *line);
             if (place_of.position(max) - last).abs() > rules.increment.least_position(place_of.kind) {
                 return Err(Fault::new(
                     line,
@@ -189,7 +189,7 @@ impl Assembly<'_> {
         Ok(nodes)
     }
 
-    /// How many nodes a dimension has.
+    /// Returns the number of nodes of a dimension.
     fn count(&self, place: usize, suffix: &str) -> Result<usize, Fault> {
         let said = match (self.whole(&format!("count{suffix}"))?, self.whole(&format!("last{suffix}"))?) {
             (Some(count), _) => Some(count),
@@ -295,7 +295,7 @@ impl Assembly<'_> {
         if (1..=most).contains(&times) {
             Ok(times as f64)
         } else {
-            let line = self.said("magnification").map_or(0, |(_, line)| *line);
+            let line = self.field("magnification").map_or(0, |(_, line)| *line);
             Err(Fault::new(line, format!("the magnification is a whole number from 1 to {most}")))
         }
     }
@@ -324,7 +324,7 @@ impl Assembly<'_> {
     fn directed(&self, table: &mut CorrectionTable) -> Result<(), Fault> {
         let count = table.values.len();
         let none = || vec![0.0; count];
-        let Some((word, line)) = self.said("direction") else { return Ok(()) };
+        let Some((word, line)) = self.field("direction") else { return Ok(()) };
         let reverse = match &**word {
             "0" => return Ok(()),
             "1" => none(),
@@ -339,7 +339,7 @@ impl Assembly<'_> {
 
     /// The ends of a table that repeats itself agree.
     fn closed(&self, table: &CorrectionTable) -> Result<(), Fault> {
-        let Some((word, line)) = self.said("modulo") else { return Ok(()) };
+        let Some((word, line)) = self.field("modulo") else { return Ok(()) };
         let differ = std::iter::once(&table.values).chain(&table.reverse).any(|v| v.first() != v.last());
         match &**word {
             "0" => Ok(()),
@@ -357,11 +357,11 @@ impl Assembly<'_> {
         let error = parse_error_name(&self.record.name).ok_or_else(unknown)?;
         let axis = self.reading.machine.axis_index(error.axis.as_str()).ok_or_else(unknown)?;
         let rules = self.reading.target.manifest.mechanism.error_curves.as_ref().ok_or_else(unknown)?;
-        if error.location {
+        if error.is_location() {
             let value = error_value(rules, error.direction, self.needed("constant")?);
             return Ok(ErrorCurve { error, positions: Vec::new(), values: vec![value] });
         }
-        let place = StoredPlace { rules, kind: self.kind(axis) };
+        let place = StoredPosition { rules, kind: self.kind(axis) };
         let mut curve = ErrorCurve { error, positions: Vec::new(), values: Vec::new() };
         for fields in self.record.points.values() {
             let part = |key: &str| {

@@ -2,7 +2,7 @@
 
 use super::{Fault, Reading, number};
 use crate::compensation::CorrectionTable;
-use crate::controller::emit::{StoredColumn, StoredPlace};
+use crate::controller::emit::{StoredColumn, StoredPosition};
 use crate::controller::manifest::Column;
 use crate::machine::AxisKind;
 
@@ -41,11 +41,11 @@ pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Res
     Ok(in_millimetres(reading, table, kind))
 }
 
-/// From stored numbers to positions and corrections.
+/// Converts stored numbers to positions and corrections.
 fn in_millimetres(reading: &Reading, mut table: CorrectionTable, kind: AxisKind) -> CorrectionTable {
     let Some(own) = reading.target.manifest.mechanism.own_axis.as_ref() else { return table };
     let rules = &own.table;
-    let (place, column) = (StoredPlace { rules, kind }, StoredColumn::new(rules, kind));
+    let (place, column) = (StoredPosition { rules, kind }, StoredColumn::new(rules, kind));
     table.nodes[0].iter_mut().for_each(|q| *q = place.position(*q));
     let nodes = table.nodes[0].clone();
     for values in std::iter::once(&mut table.values).chain(&mut table.reverse) {

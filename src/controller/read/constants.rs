@@ -6,8 +6,8 @@ use crate::controller::manifest::ControllerTarget;
 use crate::units;
 
 impl ControllerTarget {
-    /// Is a text the numbers of this module, whatever the machine?
-    pub(super) fn tells_kinematics(&self, text: &str) -> Result<(), Fault> {
+    /// Accepts a text that holds the numbers of this module, for any machine.
+    pub(super) fn accept_kinematics(&self, text: &str) -> Result<(), Fault> {
         let Some(mechanism) = self.manifest.kinematics() else { return Ok(()) };
         let pins = Pins { modules: &mechanism.components, names: &mechanism.constants };
         match mechanism.carries {
@@ -59,7 +59,7 @@ impl Pins<'_> {
         Ok(found.map(Option::unwrap_or_default))
     }
 
-    /// Which constant a pin is.
+    /// Returns the index of the constant of a pin.
     fn slot(&self, pin: &str, line: usize) -> Result<usize, Fault> {
         let (module, name) = pin.rsplit_once('.').unwrap_or(("", pin));
         if !self.modules.iter().any(|known| known == module) {

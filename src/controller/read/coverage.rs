@@ -28,7 +28,7 @@ impl ControllerTarget {
         tables.tables.iter().flat_map(of_table).chain(curves).collect()
     }
 
-    /// What is wrong with positions that do not reach an end of the volume by more than one of their steps.
+    /// Warns of positions that end more than one of their steps before the volume does.
     fn short(&self, machine: &Machine, what: &str, axis: usize, nodes: &[f64]) -> Option<Diagnostic> {
         let (first, last) = (*nodes.first()?, *nodes.last()?);
         let (this, grid) = (&machine.axes()[axis], &machine.volume()[axis]);

@@ -54,7 +54,7 @@ pub fn number(cell: &str) -> Result<f64, BadNumber> {
     if value.abs() <= LARGEST { Ok(value) } else { Err(BadNumber::Large(cell.trim().to_owned())) }
 }
 
-/// What is wrong with a line (counted from 0).
+/// A fault in a line (counted from 0).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fault {
     pub line: usize,
@@ -66,7 +66,7 @@ impl Fault {
         Self { line, message: message.into() }
     }
 
-    pub fn said_of(&self, file: &ReadBack, diagnostics: &mut Diagnostics) {
+    pub fn report(&self, file: &ReadBack, diagnostics: &mut Diagnostics) {
         let source = diagnostics.sources.add(&*file.found, &*file.text);
         diagnostics.push(self.diagnostic(&file.found, &file.text, source));
     }
@@ -76,7 +76,7 @@ impl Fault {
     }
 }
 
-/// What is wrong with a line (counted from 0) of a file.
+/// Returns the diagnostic of a fault in a line (counted from 0).
 fn at_line(line: usize, message: &str, name: &str, text: &str, source: SourceId) -> Diagnostic {
     let start: usize = text.split_inclusive('\n').take(line).map(str::len).sum();
     let length = text.get(start..).and_then(|rest| rest.lines().next()).map_or(0, str::len);

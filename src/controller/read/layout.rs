@@ -32,8 +32,8 @@ impl Reading<'_> {
 }
 
 impl Reading<'_> {
-    /// Does a text without tables say by itself that it is of this layout?
-    pub fn speaks(&self, layout: &Layout, text: &str) -> Result<bool, Fault> {
+    /// True if a text without tables can be recognised as this layout.
+    pub fn is_of_layout(&self, layout: &Layout, text: &str) -> Result<bool, Fault> {
         match layout {
             Layout::Lines { comment, lines } => {
                 let told = !lines::records(comment.as_deref(), lines, text)?.is_empty();

@@ -10,22 +10,22 @@ use super::{Fault, number};
 use crate::controller::manifest::{Edge, LineSpec};
 use std::collections::BTreeMap;
 
-/// What was said, and on which line (from 0).
-pub(super) type Said = (String, usize);
+/// The value of a field, and its line (from 0).
+pub(super) type FieldValue = (String, usize);
 
 /// Fields by name.
-pub(super) type Fields = BTreeMap<String, Said>;
+pub(super) type Fields = BTreeMap<String, FieldValue>;
 
-/// What the lines of a file say of one table.
+/// The fields of one table in a file.
 #[derive(Debug, Default)]
 pub(super) struct Record {
     /// Its name, empty if the file holds one only.
     pub name: String,
     /// The first line that spoke of it.
     pub line: usize,
-    /// What is said once.
+    /// Fields of the table.
     pub fields: Fields,
-    /// What is said of points, by index.
+    /// Fields of its points, by index.
     pub points: BTreeMap<[usize; 3], Fields>,
     /// Numbers from lines of numbers, row by row.
     pub rows: Vec<(Vec<f64>, usize)>,
@@ -132,7 +132,7 @@ fn index(said: &mut BTreeMap<String, String>, next: usize, line: usize) -> Resul
     Ok(if given { index } else { [next, 0, 0] })
 }
 
-/// Does a line fit a pattern from end to end?
+/// True if a line fits a pattern from end to end.
 pub(super) fn fits(pattern: &str, line: &str) -> bool {
     matched(&pieces(pattern), line).is_some()
 }

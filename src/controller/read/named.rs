@@ -3,7 +3,7 @@
 use super::assemble::error_value;
 use super::{Fault, Reading, lines, number};
 use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve};
-use crate::controller::emit::{StoredColumn, StoredPlace};
+use crate::controller::emit::{StoredColumn, StoredPosition};
 use crate::controller::manifest::Frame;
 use crate::machine::{AxisKind, parse_error_name};
 use nalgebra::Vector3;
@@ -46,7 +46,7 @@ fn same_geometry(reading: &Reading, line: usize, names: &[&str], row: &[f64]) ->
     Ok(())
 }
 
-/// Is it the position of an axis, of this machine or of another one?
+/// True if it names the position of an axis, of this machine or of another one.
 fn is_argument(reading: &Reading, name: &str) -> bool {
     reading.machine.axis_index(name).is_some() || matches!(name, "X" | "Y" | "Z" | "A" | "B" | "C")
 }
@@ -103,7 +103,7 @@ fn block(
     if argument.is_none() && rows.len() != 1 {
         return Err(Fault::new(rows[1].0, "constants have one row"));
     }
-    let place = argument.map(|axis| StoredPlace { rules, kind: reading.machine.axes()[axis].kind });
+    let place = argument.map(|axis| StoredPosition { rules, kind: reading.machine.axes()[axis].kind });
     let positions: Vec<f64> =
         place.map_or_else(Vec::new, |place| rows.iter().map(|(_, row)| place.position(row[0])).collect());
     if let Some(i) = positions.windows(2).position(|w| w[1] <= w[0]) {
@@ -120,7 +120,7 @@ fn block(
         let error = known
             .ok_or_else(|| Fault::new(line, format!("`{name}`: the controller knows no such name (error 70468)")))?;
         let own = argument.map(|axis| &reading.machine.axes()[axis].name);
-        if error.location != own.is_none() || own.is_some_and(|own| *own != error.axis) {
+        if error.is_location() != own.is_none() || own.is_some_and(|own| *own != error.axis) {
             return Err(Fault::new(line, format!("`{name}` is no error of this block's axis")));
         }
         if all.errors.iter().any(|curve| curve.error == error) {
@@ -132,7 +132,7 @@ fn block(
     Ok(())
 }
 
-/// How the columns over one axis are named.
+/// The names of the columns over one axis.
 pub(super) struct Header<'a> {
     pub position: &'a str,
     pub reversal: &'a str,
@@ -213,7 +213,7 @@ fn axis_column(
     let rules = reading.target.manifest.mechanism.rules(&table);
     let rules = rules.ok_or_else(|| Fault::new(0, "the controller has no table of this kind"))?;
     let axes = reading.machine.axes();
-    let (place, cell) = (StoredPlace { rules, kind: axes[input].kind }, StoredColumn::new(rules, axes[output].kind));
+    let (place, cell) = (StoredPosition { rules, kind: axes[input].kind }, StoredColumn::new(rules, axes[output].kind));
     for (line, row) in rows {
         let Some(stored) = row[value] else { continue };
         let q = row[position].ok_or_else(|| Fault::new(*line, "a point without position"))?;

@@ -7,15 +7,15 @@ use crate::controller::manifest::{Index, Layout};
 use crate::machine::Machine;
 
 /// An axis, told by a file that assigns files to axes.
-pub(super) struct Assigned {
+pub(super) struct AxisFile {
     /// The file's name as it is written there, without folders.
     pub file: String,
     /// The axis, by its index.
     pub axis: usize,
 }
 
-/// What a file assigns. A fault: what it says besides makes the controller read the files otherwise than they are read here.
-pub(super) fn assigned(index: &Index, letters: &[(usize, String)], text: &str) -> Result<Vec<Assigned>, Fault> {
+/// Returns the assignments of a file. A fault: its settings make the controller read the files in another way.
+pub(super) fn assigned(index: &Index, letters: &[(usize, String)], text: &str) -> Result<Vec<AxisFile>, Fault> {
     match index {
         Index::Sections { prefix, key, with } => sections((prefix, key), with, letters, text),
         Index::Columns { header } => Ok(columns(header, letters, text)),
@@ -28,7 +28,7 @@ fn sections(
     with: &std::collections::BTreeMap<String, String>,
     letters: &[(usize, String)],
     text: &str,
-) -> Result<Vec<Assigned>, Fault> {
+) -> Result<Vec<AxisFile>, Fault> {
     let mut all = Vec::new();
     let mut lines = text.lines().enumerate().peekable();
     while let Some((_, line)) = lines.next() {
@@ -49,13 +49,13 @@ fn sections(
                 return Err(Fault::new(line, message));
             }
         }
-        all.push(Assigned { file: base(file).to_owned(), axis });
+        all.push(AxisFile { file: base(file).to_owned(), axis });
     }
     Ok(all)
 }
 
 /// A line with a header before the letters of axes, then lines with a file under each letter.
-fn columns(header: &str, letters: &[(usize, String)], text: &str) -> Vec<Assigned> {
+fn columns(header: &str, letters: &[(usize, String)], text: &str) -> Vec<AxisFile> {
     let mut rows = text.lines().map(str::split_whitespace).map(Iterator::collect::<Vec<_>>);
     let head: Vec<&str> = header.split_whitespace().collect();
     let Some(names) = rows.find(|row| row.starts_with(&head)) else { return Vec::new() };
@@ -65,9 +65,9 @@ fn columns(header: &str, letters: &[(usize, String)], text: &str) -> Vec<Assigne
     };
     let under = |row: Vec<&str>| {
         let files = row.iter().enumerate().skip(head.len()).filter(|(_, file)| **file != "-");
-        files.filter_map(|(column, file)| Some(Assigned { file: base(file).to_owned(), axis: axis(column)? })).collect()
+        files.filter_map(|(column, file)| Some(AxisFile { file: base(file).to_owned(), axis: axis(column)? })).collect()
     };
-    rows.flat_map(|row| -> Vec<Assigned> { under(row) }).collect()
+    rows.flat_map(|row| -> Vec<AxisFile> { under(row) }).collect()
 }
 
 fn base(path: &str) -> &str {
@@ -88,7 +88,7 @@ pub(super) fn by_frame(layout: &Layout, names: &[(Option<usize>, String)], text:
     }
 }
 
-/// Do positions span the travel of an axis from end to end, as tables do?
+/// True if positions span the travel of an axis from end to end, as tables do.
 pub(super) fn spans(target: &ControllerTarget, machine: &Machine, axis: usize, positions: &[f64]) -> bool {
     let continuous = target.manifest.mechanism.iter().next().map_or((0.0, 360.0), |(_, rules)| rules.continuous);
     let (min, max) = if machine.is_continuous(axis) { continuous } else { machine.axes()[axis].travel.interval() };

@@ -6,7 +6,7 @@ use crate::compensation::CorrectionTable;
 use crate::controller::emit::StoredColumn;
 
 /// A table as its file names it.
-pub(super) struct Numbered<'a> {
+pub(super) struct TableEntry<'a> {
     pub table: CorrectionTable,
     /// The number, from 1, of the table by which it is multiplied; 0 for none.
     pub times: usize,
@@ -15,7 +15,7 @@ pub(super) struct Numbered<'a> {
 
 /// What the tables of a file come to: those that stand alone, and the products. Whether the controller adds the values
 /// of factors besides their product is documented nowhere, so they are only read where they cancel out.
-pub(super) fn multiplied(reading: &Reading, read: Vec<Numbered>) -> Result<Vec<CorrectionTable>, Fault> {
+pub(super) fn multiplied(reading: &Reading, read: Vec<TableEntry>) -> Result<Vec<CorrectionTable>, Fault> {
     let mut products: Vec<CorrectionTable> = Vec::new();
     let mut factors: Vec<usize> = Vec::new();
     for (at, numbered) in read.iter().enumerate().filter(|(_, numbered)| numbered.times > 0) {

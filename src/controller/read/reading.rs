@@ -1,9 +1,9 @@
-//! What is known while a file is read.
+//! The context in which a file is read.
 
 use crate::controller::manifest::ControllerTarget;
 use crate::machine::Machine;
 
-/// What is known while a file is read.
+/// The context in which a file is read.
 pub struct Reading<'a> {
     pub target: &'a ControllerTarget,
     pub machine: &'a Machine,

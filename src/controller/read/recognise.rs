@@ -1,11 +1,11 @@
 //! Formats told apart by content: which target reads a folder's files, whatever their names.
 //!
-//! 1. Every file is tried against every place that a target's set has ([`Fitted`]);
+//! 1. Every file is tried against every place that a target's set has ([`TargetFit`]);
 //! 2. the target that reads all that any target reads is the one; if there are several, nothing is guessed (E0730);
 //! 3. a file whose content does not name its axis gets it from files that assign it, from its first lines, or
 //!    from its positions (W0710), or is refused (E0731); no place is filled twice (E0732).
 //!
-//! What no place takes is left alone, and is said (W0711).
+//! A file that fits no place is left alone, with a warning (W0711).
 
 use super::place::{assigned, by_frame, spans};
 use super::{Fault, ReadBack, Reading};
@@ -16,17 +16,17 @@ use crate::machine::Machine;
 /// Files that a target reads.
 #[derive(Debug)]
 pub struct RecognisedSet {
-    /// Which.
+    /// The target.
     pub target: ControllerTarget,
     /// Its files, in their places of the set.
     pub files: Vec<ReadBack>,
 }
 
 /// A text found under a name.
-pub type Found = (String, String);
+pub type NamedText = (String, String);
 
-/// Where a file fits into a set.
-struct Placed {
+/// A file with its place in a set.
+struct FilePlace {
     file: usize,
     spec: usize,
     /// The axes whose place it can be; none if the place is the machine's.
@@ -35,11 +35,11 @@ struct Placed {
     positions: Vec<f64>,
 }
 
-/// What a target makes of all files.
-struct Fitted {
+/// The files that a target reads.
+struct TargetFit {
     target: ControllerTarget,
-    placed: Vec<Placed>,
-    /// Where the reading of a file ended that fits nowhere.
+    placed: Vec<FilePlace>,
+    /// Files that fit no place, with the fault at which their reading ended.
     failed: Vec<(usize, Fault)>,
 }
 
@@ -48,16 +48,17 @@ struct Fitted {
 pub fn recognise(
     machine: &Machine,
     targets: Vec<ControllerTarget>,
-    files: &[Found],
+    files: &[NamedText],
     diagnostics: &mut Diagnostics,
 ) -> Option<RecognisedSet> {
-    let fitted: Vec<Fitted> = targets.into_iter().filter_map(|target| Fitted::of(target, machine, files)).collect();
+    let fitted: Vec<TargetFit> =
+        targets.into_iter().filter_map(|target| TargetFit::of(target, machine, files)).collect();
     let Some(best) = fitted.iter().max_by_key(|fitted| fitted.placed.len()).filter(|best| !best.placed.is_empty())
     else {
         report_furthest(fitted.into_iter().flat_map(|fitted| fitted.failed), files, diagnostics);
         return None;
     };
-    let rivals: Vec<&Fitted> = fitted
+    let rivals: Vec<&TargetFit> = fitted
         .iter()
         .filter(|other| !std::ptr::eq(*other, best) && other.placed.iter().any(|p| other.rivals(p, best)))
         .collect();
@@ -68,8 +69,8 @@ pub fn recognise(
     best.settled(machine, files, diagnostics)
 }
 
-/// What is wrong with the file of which most was understood.
-fn report_furthest(failed: impl Iterator<Item = (usize, Fault)>, files: &[Found], diagnostics: &mut Diagnostics) {
+/// Reports the fault that stands furthest down in a file.
+fn report_furthest(failed: impl Iterator<Item = (usize, Fault)>, files: &[NamedText], diagnostics: &mut Diagnostics) {
     // Past the first line a reader has met something that it knows.
     let past = failed.filter(|(_, fault)| fault.line > 0);
     if let Some((file, fault)) = past.reduce(|a, b| if b.1.line > a.1.line { b } else { a }) {
@@ -79,8 +80,8 @@ fn report_furthest(failed: impl Iterator<Item = (usize, Fault)>, files: &[Found]
     }
 }
 
-fn ambiguous(best: &Fitted, rivals: &[&Fitted], files: &[Found]) -> Diagnostic {
-    let said = |fitted: &Fitted| {
+fn ambiguous(best: &TargetFit, rivals: &[&TargetFit], files: &[NamedText]) -> Diagnostic {
+    let said = |fitted: &TargetFit| {
         let names: Vec<String> = fitted.placed.iter().map(|p| format!("`{}`", files[p.file].0)).collect();
         format!("`{}` ({})", fitted.target.manifest.target, names.join(", "))
     };
@@ -89,9 +90,9 @@ fn ambiguous(best: &Fitted, rivals: &[&Fitted], files: &[Found]) -> Diagnostic {
         .help("say which with --target, or put each set into a folder of its own")
 }
 
-impl Fitted {
+impl TargetFit {
     /// None if the machine is none for this target.
-    fn of(target: ControllerTarget, machine: &Machine, files: &[Found]) -> Option<Self> {
+    fn of(target: ControllerTarget, machine: &Machine, files: &[NamedText]) -> Option<Self> {
         let letters = assigned_letters(machine, target.manifest.axis_letters.as_ref(), None)?;
         let (mut placed, mut failed) = (Vec::new(), Vec::new());
         for (file, (_, text)) in files.iter().enumerate() {
@@ -102,7 +103,7 @@ impl Fitted {
             }
         }
         // Tables that may stand beside a kinematics module are none of it without the module.
-        let of_module = |placed: &Placed| {
+        let of_module = |placed: &FilePlace| {
             let layout = target.manifest.files[placed.spec].layout.as_ref();
             matches!(layout, Some(Layout::CArrays | Layout::HalConstants))
         };
@@ -112,14 +113,14 @@ impl Fitted {
         Some(Self { target, placed, failed })
     }
 
-    /// Does one of our files stand against another target's reading?
-    fn rivals(&self, placed: &Placed, best: &Self) -> bool {
+    /// True if one of our files contradicts another target's reading.
+    fn rivals(&self, placed: &FilePlace, best: &Self) -> bool {
         let same = best.placed.iter().any(|other| other.file == placed.file);
         !same || self.placed.len() == best.placed.len()
     }
 
     /// Every file in one place.
-    fn settled(&self, machine: &Machine, files: &[Found], diagnostics: &mut Diagnostics) -> Option<RecognisedSet> {
+    fn settled(&self, machine: &Machine, files: &[NamedText], diagnostics: &mut Diagnostics) -> Option<RecognisedSet> {
         let target = &self.target;
         let letters = assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
         let axes = self.axes(machine, &letters, files, diagnostics)?;
@@ -148,19 +149,19 @@ impl Fitted {
         &self,
         machine: &Machine,
         letters: &[(usize, String)],
-        files: &[Found],
+        files: &[NamedText],
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<Option<usize>>> {
         let mut known: Vec<Option<usize>> = Vec::new();
         for placed in &self.placed {
             known.push(match placed.axes[..] {
                 [axis] => Some(axis),
-                _ => self.told(placed, machine, letters, files, diagnostics)?,
+                _ => self.assigned_axis(placed, machine, letters, files, diagnostics)?,
             });
         }
         // One file may leave only one axis for the next.
         loop {
-            let free = |placed: &Placed| {
+            let free = |placed: &FilePlace| {
                 let spanned = |axis: &&usize| {
                     !known.contains(&Some(**axis)) && spans(&self.target, machine, **axis, &placed.positions)
                 };
@@ -188,12 +189,12 @@ impl Fitted {
     }
 
     /// The axis of a file by a file that assigns it, or by its own first lines. The outer none: a refusal was said.
-    fn told(
+    fn assigned_axis(
         &self,
-        placed: &Placed,
+        placed: &FilePlace,
         machine: &Machine,
         letters: &[(usize, String)],
-        files: &[Found],
+        files: &[NamedText],
         diagnostics: &mut Diagnostics,
     ) -> Option<Option<usize>> {
         let (own, text) = &files[placed.file];
@@ -221,7 +222,7 @@ impl Fitted {
         Some(framed.filter(|axis| placed.axes.contains(axis)))
     }
 
-    fn unplaced(&self, placed: &Placed, machine: &Machine, files: &[Found]) -> Diagnostic {
+    fn unplaced(&self, placed: &FilePlace, machine: &Machine, files: &[NamedText]) -> Diagnostic {
         let spec = &self.target.manifest.files[placed.spec];
         let candidates: Vec<String> = self
             .target
@@ -242,7 +243,7 @@ impl Fitted {
     }
 
     /// Says what was not read.
-    fn left_alone(&self, files: &[Found], diagnostics: &mut Diagnostics) {
+    fn left_alone(&self, files: &[NamedText], diagnostics: &mut Diagnostics) {
         let known = |name: &str| {
             let plain = |spec: &FileSpec| spec.layout.is_none() && spec.path == name;
             self.target.manifest.files.iter().any(plain)
@@ -267,23 +268,23 @@ struct Trial<'a> {
     machine: &'a Machine,
     letters: &'a [(usize, String)],
     text: &'a str,
-    /// Where the reading that came furthest ended.
+    /// The fault at which the longest reading ended.
     furthest: Option<Fault>,
 }
 
 impl Trial<'_> {
-    fn place(&mut self, file: usize) -> Option<Placed> {
+    fn place(&mut self, file: usize) -> Option<FilePlace> {
         let specs = self.target.manifest.files.iter().enumerate();
         specs.filter_map(|(i, spec)| Some((i, spec, spec.layout.as_ref()?))).find_map(|(i, spec, layout)| {
             let (axes, positions) = self.fits(spec, layout)?;
-            Some(Placed { file, spec: i, axes, positions })
+            Some(FilePlace { file, spec: i, axes, positions })
         })
     }
 
     /// The axes for which the file reads as this part of the set.
     fn fits(&mut self, spec: &FileSpec, layout: &Layout) -> Option<(Vec<usize>, Vec<f64>)> {
         if let Layout::CArrays | Layout::HalConstants = layout {
-            let told = self.target.tells_kinematics(self.text);
+            let told = self.target.accept_kinematics(self.text);
             return self.kept(told).map(|()| Default::default());
         }
         if spec.per == Per::Machine {
@@ -308,7 +309,7 @@ impl Trial<'_> {
         let reading = Reading { target: self.target, machine: self.machine, letters: self.letters.to_vec(), axis };
         let read = reading.file(layout, self.text).and_then(|tables| {
             let empty = tables.tables.is_empty() && tables.errors.is_empty();
-            if empty && !reading.speaks(layout, self.text)? {
+            if empty && !reading.is_of_layout(layout, self.text)? {
                 Err(Fault::new(0, "there is nothing in it"))
             } else {
                 Ok(tables)

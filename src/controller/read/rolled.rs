@@ -3,7 +3,7 @@
 use super::assemble::Assembly;
 use super::{Fault, number};
 use crate::compensation::{CorrectionTable, Directions, TableRules};
-use crate::controller::emit::{StoredColumn, StoredPlace};
+use crate::controller::emit::{StoredColumn, StoredPosition};
 
 impl Assembly<'_> {
     fn required(&self, name: &str) -> Result<usize, Fault> {
@@ -28,7 +28,7 @@ impl Assembly<'_> {
         }
         let zero = reference - lowest;
         let forward = self.sums(rules, (first, last), repeated, turns)?;
-        let told = ["two_sided", "first_reverse", "reverse_at_reference"].map(|name| self.said(name).is_some());
+        let told = ["two_sided", "first_reverse", "reverse_at_reference"].map(|name| self.field(name).is_some());
         if told[0] != told[1] || told[1] != told[2] {
             return Err(self.fault(
                 "points for the negative direction, their value at the reference point, and the switch that makes the controller use them: some of these are there and some are not",
@@ -43,7 +43,7 @@ impl Assembly<'_> {
         if let Some((index, _)) = self.record.points.iter().find(|(index, _)| !ours(index[0])) {
             return Err(self.fault(format!("point {} is outside {first} to {last}", index[0])));
         }
-        let (place, column) = (StoredPlace { rules, kind: self.kind(axis) }, StoredColumn::new(rules, kind));
+        let (place, column) = (StoredPosition { rules, kind: self.kind(axis) }, StoredColumn::new(rules, kind));
         let step = self.needed("step")?;
         let position = |n: usize| place.position((n as f64 - reference as f64) * step);
         let correction = |sums: &[f64], start: f64| -> Vec<f64> {
@@ -120,7 +120,7 @@ impl Assembly<'_> {
     /// What is taken away besides when an axis is approached in reverse: a constant, and a table of what it differs
     /// from that. None if there is nothing.
     pub fn reversal(&self) -> Result<Option<CorrectionTable>, Fault> {
-        let Some((word, line)) = self.said("reversal") else { return Ok(None) };
+        let Some((word, line)) = self.field("reversal") else { return Ok(None) };
         let axis = self.reading.by_number(word);
         let axis = axis.ok_or_else(|| Fault::new(*line, format!("the machine has no axis `{word}`")))?;
         let table = CorrectionTable::curve(axis, Vec::new(), axis, Vec::new());
@@ -133,7 +133,7 @@ impl Assembly<'_> {
         }
         let column = StoredColumn::new(rules, self.kind(axis));
         let taken = |stored: f64| 0.0 - column.correction(stored + constant, None);
-        let (nodes, reverse): (Vec<f64>, Vec<f64>) = if self.said("length").is_some() {
+        let (nodes, reverse): (Vec<f64>, Vec<f64>) = if self.field("length").is_some() {
             let counts = self.counts(1)?;
             let entries = self.entries(&counts)?;
             let around = self.around(axis, counts[0], "length", rules)?;
@@ -190,7 +190,7 @@ impl Assembly<'_> {
 
     /// Positions of the entries over an axis with their numbers, rising. A turn has its first one at its end too.
     fn around(&self, axis: usize, count: usize, length: &str, rules: &TableRules) -> Result<Vec<(f64, usize)>, Fault> {
-        let place = StoredPlace { rules, kind: self.kind(axis) };
+        let place = StoredPosition { rules, kind: self.kind(axis) };
         let length = self.needed(length)?;
         let step = length / count as f64;
         let turns = self.reading.machine.is_continuous(axis);

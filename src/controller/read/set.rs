@@ -67,7 +67,7 @@ impl ControllerTarget {
     ) -> Option<CorrectionTables> {
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
         if let Some((at, fault)) = place::index_fault(self, &letters, files) {
-            fault.said_of(&files[at], diagnostics);
+            fault.report(&files[at], diagnostics);
         }
         let mut reading = Reading { target: self, machine, letters, axis: None };
         let mut all = CorrectionTables::default();
@@ -88,7 +88,7 @@ impl ControllerTarget {
                     && file.found == file.name
                 {
                     let fault = "the first line names the table of another axis than the file's name does";
-                    Fault::new(line, fault).said_of(file, diagnostics);
+                    Fault::new(line, fault).report(file, diagnostics);
                     continue;
                 }
                 reading.axis = axis;
@@ -98,7 +98,7 @@ impl ControllerTarget {
                         all.tables.extend(read.tables);
                         all.errors.extend(read.errors);
                     }
-                    Err(fault) => fault.said_of(file, diagnostics),
+                    Err(fault) => fault.report(file, diagnostics),
                 }
             }
         }

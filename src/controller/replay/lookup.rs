@@ -8,8 +8,8 @@ pub(super) fn period(nodes: &[f64]) -> f64 {
     2.0 * nodes[last] - nodes[last - 1] - nodes[0]
 }
 
-/// Returns the nodes at both ends of a cell and the weight of the upper one; none where nothing is added. The last point
-/// of a table that rolls over is followed by the first one of the next round.
+/// Returns the nodes at both ends of a cell and the weight of the upper one; none where nothing is added. The last
+/// point of a table that rolls over is followed by the first one of the next round.
 pub(super) fn cell(nodes: &[f64], position: f64, outside: OutsideTable) -> Option<(usize, usize, f64)> {
     let last = nodes.len() - 1;
     let beyond = position < nodes[0] || position > nodes[last];
@@ -40,8 +40,8 @@ pub(super) fn between(positions: &[f64], values: &[f64], position: f64, outside:
     }
 }
 
-/// Returns the value in LinuxCNC's arithmetic: each entry keeps its trim and the slope to the next entry as `float`; the sum is a
-/// `double`. Below the first and above the last entry its value is held.
+/// Returns the value in LinuxCNC's arithmetic: each entry keeps its trim and the slope to the next entry as `float`;
+/// the sum is a `double`. Below the first and above the last entry its value is held.
 pub(super) fn single_precision(positions: &[f64], values: &[f64], position: f64) -> f64 {
     let i = positions.partition_point(|node| *node <= position).saturating_sub(1);
     let trim = values[i] as f32;

@@ -1,5 +1,5 @@
-//! The controllers' arithmetic on their tables. It is written from measurements on each controller or its documents, not
-//! from the code that filled the tables.
+//! The controllers' arithmetic on their tables. It is written from measurements on each controller or its documents,
+//! not from the code that filled the tables.
 
 use super::lookup::{between, cell, period, single_precision};
 use super::model;

@@ -5,7 +5,7 @@ use super::lookup::{Chunk, Lookup, LookupRequest};
 use super::simd::Lanes;
 use super::vector::{Vector, cross, dot, minus, plus, plus_times, splat, times};
 use crate::machine::{
-    Approach, Axis, AxisKind, Branch, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, Machine, RotaryOrder,
+    Approach, Axis, AxisKind, JointConvention, Joints, LocationAction, LocationOrder, Machine, MotionSide,
 };
 
 /// A machine's chain, ready for the walk of any order. Lengths in mm, angles in rad, positions of rotary axes in deg.
@@ -130,35 +130,32 @@ impl CompiledChain {
 }
 
 fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Option<CompiledJoint> {
-    let conventions = machine.conventions();
+    let convention = axis.convention(machine.conventions());
     let errors = machine.axis_errors(index);
-    let inverse = conventions.errors_are == ErrorsAre::Body && axis.branch == Branch::Workpiece;
-    let carried = conventions.location == Location::CarriedBody;
-    let on_guide = match axis.kind {
-        AxisKind::Linear => conventions.linear == LinearOrder::Before,
-        AxisKind::Rotary => conventions.rotary == RotaryOrder::Stationary,
-    };
     let six = errors.location_values();
-    let (motion, curves) = (motion(axis), Curves::new(errors, approach)?);
+    let (motion, curves) = (motion(axis, &convention), Curves::new(errors, approach)?);
+    let (location_effect, inverse) = match convention.location {
+        LocationAction::Displaces => (LocationEffect::Around, false),
+        LocationAction::Factor(factor) if factor.side == MotionSide::Outer => {
+            (LocationEffect::Outermost, factor.inverse)
+        }
+        LocationAction::Factor(factor) => (LocationEffect::Innermost, factor.inverse),
+    };
     Some(CompiledJoint {
         errors: !curves.is_zero(),
         turns: matches!(motion, Motion::Turn(_)) || curves.has_harmonics(),
         motion,
-        origin: axis.origin,
+        origin: convention.pivot,
         curves,
-        outside: on_guide == (axis.branch == Branch::Tool),
-        inverse,
-        location: (six != [0.0; 6]).then_some(ErrorsAtPoint { six, about: axis.origin, inverse: inverse && carried }),
-        location_effect: match axis.branch {
-            _ if !carried => LocationEffect::Around,
-            Branch::Tool => LocationEffect::Outermost,
-            Branch::Workpiece => LocationEffect::Innermost,
-        },
+        outside: convention.component.side == MotionSide::Outer,
+        inverse: convention.component.inverse,
+        location: (six != [0.0; 6]).then_some(ErrorsAtPoint { six, about: convention.pivot, inverse }),
+        location_effect,
     })
 }
 
-fn motion(axis: &Axis) -> Motion {
-    let direction = axis.direction.map(|u| u * axis.sign());
+fn motion(axis: &Axis, convention: &JointConvention) -> Motion {
+    let direction = axis.direction.map(|u| u * convention.motion_sign);
     match axis.kind {
         AxisKind::Linear => Motion::Slide(direction),
         AxisKind::Rotary => {

@@ -14,8 +14,7 @@
 //!    every `width`, and `trigonometry` adds sines and cosines;
 //! 5. `lookup` computes for a chunk of poses what does not depend on the walk, such as their positions in the tables;
 //! 6. `grid`, `grid_lines`, `affine`: on a tensor grid the outer joints are multiplied once per line;
-//! 7. `frame` rotates deviations into other frames; `sensitivity` has the derivatives by the errors, and normal
-//!    equations.
+//! 7. `frame` rotates deviations into other frames.
 //!
 //! Numbers do not depend on the vector width nor on the number of threads, to the bit. They agree with
 //! [`evaluate`](super::evaluate()) up to rounding: order 1 to 1e-12 of the batch's largest deviation; the others to
@@ -45,7 +44,6 @@ pub(super) mod model;
 mod pass;
 mod scalar;
 mod second;
-mod sensitivity;
 pub(super) mod simd;
 mod steps;
 mod trigonometry;
@@ -56,5 +54,4 @@ pub(super) mod width;
 pub use batch::{Batch, Columns, Output, PoseColumns};
 pub use grid::CompiledGrid;
 pub use model::CompiledModel;
-pub use sensitivity::{NormalEquations, Unknown};
 pub use width::Width;

@@ -124,7 +124,7 @@ pub fn columns(machine: &Machine, header: &str, separator: char) -> Result<(Vec<
     for cell in cells {
         let column = column(machine, &cell)?;
         if columns.iter().any(|known| known.same(column)) {
-            return Err(format!("the column `{}` stands here twice, or two columns say the same", shown(&cell)));
+            return Err(format!("the column `{}` occurs twice, or two columns say the same", shown(&cell)));
         }
         columns.push(column);
     }
@@ -242,7 +242,7 @@ fn column(machine: &Machine, cell: &str) -> Result<Column, String> {
 /// `EXX [um]`, `EXX+ [um]`, `EXX reverse [um]`.
 fn error(machine: &Machine, name: &str, unit: Option<&str>) -> Result<Column, String> {
     let (bare, approach) = crate::identify::model::request::directed(name);
-    let found = parse_error_name(bare).filter(|error| !error.location);
+    let found = parse_error_name(bare).filter(|error| !error.is_location());
     let axis = found.as_ref().and_then(|error| machine.axis_index(error.axis.as_str()));
     let Some((error, axis)) = found.zip(axis) else {
         let axes = machine.axes().iter().map(|axis| axis.name.as_str());

@@ -196,7 +196,7 @@ impl Reader<'_> {
             return Err(format!("this row has {} cells, the header has {}", cells.len(), columns.len()));
         }
         let mut number = |cell: &str| {
-            decimals.note(cell, separator)?;
+            decimals.note(cell, separator).map_err(|mixed| mixed.to_string())?;
             let said = |failure: crate::units::Failure| failure.to_string();
             sheet::number(cell, separator)
                 .map_err(|f| if cell.is_empty() { "a cell is empty".to_owned() } else { said(f) })

@@ -2,7 +2,7 @@
 //! of the dual numbers, and the derivatives by the unknowns. Rows are streamed; the Jacobian as a whole never exists.
 
 use super::parameter::{Basis, Parameter, SlopeBound, Term, lever, share};
-use crate::algebra::linear::{Reduced, Triangle};
+use crate::algebra::linear::{ReducedSystem, Triangle};
 use crate::algebra::{Algebra, Dual};
 use crate::evaluate::{Frame, Order};
 use crate::identify::data::measurement::{End, Measurement, Reading};
@@ -282,7 +282,7 @@ impl<'a> Model<'a> {
     /// The linear problem at these unknowns, `min |J step - residual|`, rows times the root of their weights: the triangle
     /// of all rows, whose singular values are good to the last digits. Rows are folded piece by piece; neither the pieces
     /// nor their order depend on the number of threads.
-    pub fn triangle(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> Reduced {
+    pub fn triangle(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> ReducedSystem {
         let piece = data.len().div_ceil(16).clamp(32, 4096);
         let one = |(data, weights): (&[Measurement], &[f64])| {
             let mut sum = Triangle::new(self.parameters.len());

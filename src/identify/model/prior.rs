@@ -6,7 +6,7 @@
 
 use super::parameter::{Basis, Parameter, lever};
 use super::prediction::Model;
-use crate::algebra::linear::{Reduced, Svd, Triangle};
+use crate::algebra::linear::{ReducedSystem, Svd, Triangle};
 use crate::evaluate::Order;
 use crate::identify::data::measurement::Measurement;
 use crate::lower::{ErrorSite, Source};
@@ -46,7 +46,7 @@ pub(crate) struct Prior {
 
 impl Prior {
     /// Of a model; `home` is the linear problem at the starts of its unknowns.
-    pub fn new(model: &Model<'_>, data: &[Measurement], home: &Reduced) -> Self {
+    pub fn new(model: &Model<'_>, data: &[Measurement], home: &ReducedSystem) -> Self {
         let list = model.parameters();
         let start = DVector::from_iterator(list.len(), list.iter().map(|p| p.start));
         let slopes = model.slopes();
@@ -86,7 +86,7 @@ impl Prior {
     }
 
     /// Weighted sum of squares (mm^2) of readings and prior, readings scattering with this variance.
-    pub fn cost(&self, reduced: &Reduced, theta: &[f64], variance: f64) -> f64 {
+    pub fn cost(&self, reduced: &ReducedSystem, theta: &[f64], variance: f64) -> f64 {
         let data = reduced.right_norm() * reduced.right_norm();
         let (_, missing) = self.rows(theta, variance);
         data + self.pull(variance) * self.away(theta).norm_squared() + missing.norm_squared()
@@ -147,7 +147,7 @@ fn effects(model: &Model<'_>, (source, approach): (Source, Approach)) -> Vec<Vec
 
 /// Directions (of displacements, columns) of the machine's unknowns that no reading sees to first order, and the exact
 /// model only through products of errors.
-fn bilinear(model: &Model<'_>, data: &[Measurement], prior: &Prior, home: &Reduced) -> DMatrix<f64> {
+fn bilinear(model: &Model<'_>, data: &[Measurement], prior: &Prior, home: &ReducedSystem) -> DMatrix<f64> {
     let (per_unknown, least) = SAMPLE;
     let step = (data.len() / (per_unknown * model.parameters().len()).max(least)).max(1);
     let some: Vec<Measurement> = data.iter().step_by(step).cloned().collect();

@@ -8,7 +8,7 @@ use crate::algebra::linear::Svd;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
-    Approach, AxisKind, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine, parse_error_name,
+    Approach, AxisKind, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine, parse_error_name,
 };
 use crate::syntax::{IdentifyEntry, Scalar};
 use indexmap::IndexMap;
@@ -152,7 +152,7 @@ pub fn slope_bounds(
     let one = |(word, bound): (&String, &Scalar)| {
         let error = error(machine, word)?;
         let source = source(machine, &error);
-        let axis = machine.axis_index(error.axis.as_str()).filter(|_| !error.location).map(|i| &machine.axes()[i]);
+        let axis = machine.axis_index(error.axis.as_str()).filter(|_| !error.is_location()).map(|i| &machine.axes()[i]);
         let help = "write a slope such as `EXX: 20 um/m` or `ECC: 1 urad/deg` of a fitted curve";
         let Some(axis) = axis.filter(|_| list.iter().any(|p| p.terms.iter().any(|t| t.source == source))) else {
             return Err(refusal(format!("`{error}` is no curve that is fitted: it has no slope to bound"), help));
@@ -219,7 +219,7 @@ fn tie(
     let factor = curves::plain(factor).ok_or_else(|| refusal(format!("`{factor}` is not a factor"), help))?;
     let leader = error(machine, leader)?;
     let (from, to) = (source(machine, &leader), source(machine, &own));
-    if own.location != leader.location || own.direction.is_rotation() != leader.direction.is_rotation() {
+    if own.family != leader.family || own.direction.is_rotation() != leader.direction.is_rotation() {
         return Err(refusal(format!("`{own}` and `{leader}` are not of one kind: neither follows the other"), help));
     }
     if list.iter().any(|p| p.terms.iter().any(|t| t.source == to)) {
@@ -301,7 +301,7 @@ fn six(machine: &Machine, joint: usize) -> impl Iterator<Item = Parameter> + '_ 
     };
     name.into_iter().flat_map(move |axis| {
         let one = move |direction| {
-            let error = ErrorId { axis: axis.clone(), location: true, direction };
+            let error = ErrorId { axis: axis.clone(), family: ErrorFamily::Location, direction };
             location(machine, &error)
         };
         Direction::ALL.into_iter().map(one)
@@ -325,7 +325,7 @@ fn setup(machine: &Machine, place: ErrorSite, word: &str, starts: &[f64]) -> Vec
 /// Where an error sits. Its axis is one of the chain's, or the spindle.
 pub(crate) fn source(machine: &Machine, error: &ErrorId) -> Source {
     let joint = machine.axis_index(error.axis.as_str()).unwrap_or(machine.axes().len());
-    let place = if error.location { ErrorSite::Location(joint) } else { ErrorSite::Component(joint) };
+    let place = if error.is_location() { ErrorSite::Location(joint) } else { ErrorSite::Component(joint) };
     Source { place, direction: error.direction }
 }
 
@@ -336,7 +336,7 @@ fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refused> {
         return Err(refusal(message, help));
     };
     let spindle = machine.chain().spindle().is_some_and(|name| *name == error.axis);
-    if machine.axis_index(error.axis.as_str()).is_none() && !(spindle && error.location) {
+    if machine.axis_index(error.axis.as_str()).is_none() && !(spindle && error.is_location()) {
         let message = format!("`{error}`: the chain has no axis `{}` that could have it", error.axis);
         let known: Vec<&str> = machine.axes().iter().map(|axis| axis.name.as_str()).collect();
         return Err(refusal(message, format!("its axes are {}", known.join(", "))));
@@ -360,7 +360,7 @@ fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<
         return Err(refusal(message, "say it once: in `fit`, or in `basis`"));
     }
     let form = form.or(listed.map(|(_, form)| form.as_str()));
-    if error.location {
+    if error.is_location() {
         return match form {
             None if bare == name => Ok(vec![location(machine, &error)]),
             _ => Err(refusal(
@@ -397,11 +397,11 @@ fn own_parameter(machine: &Machine, name: &str, errors: &IndexMap<String, Vec<Sc
             let said = || refusal(format!("`{}`: `{factor}` is not a coefficient of `{error}`", shown(name)), help);
             let factor = curves::plain(factor).ok_or_else(said)?;
             let power =
-                u8::try_from(k).ok().filter(|k| *k <= POWERS && (*k == 0 || !error.location)).ok_or_else(said)?;
+                u8::try_from(k).ok().filter(|k| *k <= POWERS && (*k == 0 || !error.is_location())).ok_or_else(said)?;
             if factor != 0.0 {
                 terms.push(Term::new(
                     source,
-                    if error.location { Basis::Constant } else { Basis::Power(power) },
+                    if error.is_location() { Basis::Constant } else { Basis::Power(power) },
                     factor,
                 ));
             }
@@ -426,7 +426,7 @@ fn slopes(machine: &Machine, axis: usize, u: [f64; 3]) -> Vec<Parameter> {
     let at = |direction| Source { place: ErrorSite::Component(axis), direction };
     let term = |k: usize, power, factor: f64| Term::new(at(Direction::ALL[k]), Basis::Power(power), factor);
     let parameter = |main: Direction, terms: Vec<Term>| {
-        let error = ErrorId { axis: name.clone(), location: false, direction: main };
+        let error = ErrorId { axis: name.clone(), family: ErrorFamily::Component, direction: main };
         let terms = terms.into_iter().filter(|t| t.factor != 0.0).collect();
         Parameter::of_terms(machine, format!("{error}:slope"), at(main), 1, terms, 0.0)
     };

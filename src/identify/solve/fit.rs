@@ -6,7 +6,7 @@
 //! same reason there is a weak prior.
 
 use super::weighing::Scatter;
-use crate::algebra::linear::{Reduced, Svd};
+use crate::algebra::linear::{ReducedSystem, Svd};
 use crate::identify::data::measurement::Measurement;
 use crate::identify::model::prediction::Model;
 use crate::identify::model::prior::Prior;
@@ -38,7 +38,7 @@ pub struct Fit {
     /// Values of the parameters (mm, rad, degrees of position).
     pub theta: Vec<f64>,
     /// The linear problem there.
-    pub reduced: Reduced,
+    pub reduced: ReducedSystem,
     /// Weighted sum of squares (mm^2) that the readings scatter by, as far as the uncertainty of the estimate goes.
     pub squares: f64,
     /// Weight of each measurement.
@@ -68,7 +68,7 @@ pub(crate) struct Search<'a> {
     weights: Vec<f64>,
     home: Vec<f64>,
     /// The linear problem at home, with the weights of the data.
-    there: Reduced,
+    there: ReducedSystem,
 }
 
 impl<'a> Search<'a> {
@@ -95,7 +95,7 @@ impl<'a> Search<'a> {
         self.descend(weights, theta, there)
     }
 
-    fn descend(&self, weights: Vec<f64>, theta: Vec<f64>, reduced: Reduced) -> Fit {
+    fn descend(&self, weights: Vec<f64>, theta: Vec<f64>, reduced: ReducedSystem) -> Fit {
         let linear = |theta: &[f64]| self.model.triangle(self.data, &weights, theta);
         let prior = &self.prior;
         let mut descent = Descent { linear: &linear, prior, theta, reduced, damping: FIRST, steps: 0, last: None };
@@ -110,10 +110,10 @@ impl<'a> Search<'a> {
 /// The iteration, wherever it stands.
 struct Descent<'a> {
     /// The linear problem anywhere.
-    linear: &'a dyn Fn(&[f64]) -> Reduced,
+    linear: &'a dyn Fn(&[f64]) -> ReducedSystem,
     prior: &'a Prior,
     theta: Vec<f64>,
-    reduced: Reduced,
+    reduced: ReducedSystem,
     damping: f64,
     steps: usize,
     /// What the step that led here had promised, if it was a whole one.
@@ -216,7 +216,7 @@ enum Solver {
 }
 
 impl Problem {
-    fn new(prior: &Prior, reduced: &Reduced, theta: &[f64], variance: f64) -> Self {
+    fn new(prior: &Prior, reduced: &ReducedSystem, theta: &[f64], variance: f64) -> Self {
         let (rows, missing) = prior.rows(theta, variance);
         let reduced = if rows.nrows() > 0 { reduced.with_rows(&rows, &missing) } else { reduced.clone() };
         let coefficients = prior.by_displacement(&reduced.r);

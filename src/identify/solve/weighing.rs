@@ -3,7 +3,7 @@
 //! that stand out count less, and the uncertainty is that of Huber's estimate.
 
 use super::fit::{Fit, Search};
-use crate::algebra::linear::{Reduced, Triangle};
+use crate::algebra::linear::{ReducedSystem, Triangle};
 use crate::identify::data::measurement::{Measurement, ReadingKind};
 use crate::identify::model::prediction::Model;
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -146,12 +146,12 @@ impl Groups {
     }
 
     /// The linear problem of each quantity at what was found, in the directions that the data see.
-    fn linear(&self, model: &Model<'_>, data: &[Measurement], weights: &[f64], found: &Fit) -> Vec<Reduced> {
+    fn linear(&self, model: &Model<'_>, data: &[Measurement], weights: &[f64], found: &Fit) -> Vec<ReducedSystem> {
         let seen = seen(model, found);
         let one = |g: usize| {
             let (data, weights): (Vec<_>, Vec<_>) = self.members(g).map(|i| (data[i].clone(), weights[i])).unzip();
             let own = model.triangle(&data, &weights, &found.theta);
-            Reduced { r: own.r * &seen, ..own }
+            ReducedSystem { r: own.r * &seen, ..own }
         };
         (0..self.kinds.len()).map(one).collect()
     }
@@ -177,7 +177,7 @@ fn seen(model: &Model<'_>, found: &Fit) -> DMatrix<f64> {
 }
 
 /// All quantities in one linear problem, each over its standard deviation.
-fn stacked(linear: &[Reduced], sigmas: &[f64]) -> Reduced {
+fn stacked(linear: &[ReducedSystem], sigmas: &[f64]) -> ReducedSystem {
     let mut triangle = Triangle::new(linear.first().map_or(0, |own| own.r.ncols()));
     for (own, sigma) in linear.iter().zip(sigmas) {
         let rows = own.r.row_iter().zip(own.right.iter());
@@ -188,10 +188,10 @@ fn stacked(linear: &[Reduced], sigmas: &[f64]) -> Reduced {
 
 /// What all quantities together use up of each one's readings, and what they leave of it (mm^2, weighted), each over its
 /// standard deviation.
-fn used(linear: &[Reduced], sigmas: &[f64]) -> Vec<(f64, f64)> {
+fn used(linear: &[ReducedSystem], sigmas: &[f64]) -> Vec<(f64, f64)> {
     let whole = stacked(linear, sigmas);
     let step = whole.r.solve_upper_triangular(&whole.right);
-    let one = |(own, sigma): (&Reduced, &f64)| {
+    let one = |(own, sigma): (&ReducedSystem, &f64)| {
         // The data see all of these directions: the triangle has an inverse.
         let share = whole.r.tr_solve_upper_triangular(&(own.r.transpose() / *sigma));
         let left = step.as_ref().map_or_else(|| own.right.clone(), |step| &own.right - &own.r * step);
@@ -201,7 +201,7 @@ fn used(linear: &[Reduced], sigmas: &[f64]) -> Vec<(f64, f64)> {
 }
 
 /// Standard deviations that agree with what the linear problem leaves when it is weighed by them.
-fn balanced(linear: &[Reduced], mut sigmas: Vec<f64>) -> Vec<f64> {
+fn balanced(linear: &[ReducedSystem], mut sigmas: Vec<f64>) -> Vec<f64> {
     for _ in 0..BALANCING {
         let used = used(linear, &sigmas);
         let parts: Vec<_> = linear.iter().zip(used).map(|(own, (used, left))| (left, own.rows as f64 - used)).collect();

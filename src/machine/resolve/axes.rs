@@ -7,7 +7,7 @@ use crate::syntax::{AxisEntry, Keys, Scalar, TravelEntry, below, keys};
 
 /// An axis as far as its entry could be understood; it may be outside the chain.
 #[derive(Debug, Clone)]
-pub struct Declared {
+pub struct AxisDraft {
     pub name: AxisName,
     pub kind: Option<AxisKind>,
     pub direction: Option<[f64; 3]>,
@@ -17,19 +17,20 @@ pub struct Declared {
 }
 
 /// All axes that are declared.
-pub fn axes(context: &mut Context<'_>) -> Vec<Declared> {
+pub fn axes(context: &mut Context<'_>) -> Vec<AxisDraft> {
     let document = context.document;
     document.axes.iter().filter_map(|(name, entry)| axis(context, name, entry.as_ref())).collect()
 }
 
-fn axis(context: &mut Context<'_>, name: &str, entry: Option<&AxisEntry>) -> Option<Declared> {
+fn axis(context: &mut Context<'_>, name: &str, entry: Option<&AxisEntry>) -> Option<AxisDraft> {
     let at = keys(["axes", name]);
     let Some(name) = AxisName::new(name) else {
         let help = "a name is a capital letter, then up to seven capitals or digits: X, C1, J6";
         context.at_key(codes::E0306, &at, format!("`{}` is not the name of an axis", shown(name)), help);
         return None;
     };
-    let unknown = Declared { name: name.clone(), kind: None, direction: None, origin: None, travel: None, sense: None };
+    let unknown =
+        AxisDraft { name: name.clone(), kind: None, direction: None, origin: None, travel: None, sense: None };
     let Some(entry) = entry else { return Some(unknown) };
     let kind = kind(context, &name, entry, &at);
     let travel = kind.and_then(|kind| travel(context, &name, kind, entry, &at));
@@ -42,10 +43,10 @@ fn axis(context: &mut Context<'_>, name: &str, entry: Option<&AxisEntry>) -> Opt
         None => Some([0.0; 3]),
     };
     let direction = direction(context, &name, entry, &at);
-    Some(Declared { kind, direction, origin, travel, sense, ..unknown })
+    Some(AxisDraft { kind, direction, origin, travel, sense, ..unknown })
 }
 
-/// What a letter (with digits after it) says: X, Y, Z, U, V, W, P, Q, R move along, A, B, C turn about.
+/// The meaning of a letter (with digits after it): X, Y, Z, U, V, W, P, Q, R are linear, A, B, C rotary.
 fn by_letter(name: &AxisName) -> Option<(AxisKind, [f64; 3])> {
     let mut chars = name.as_str().chars();
     let letter = chars.next()?;
@@ -74,7 +75,7 @@ fn kind(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys
     let kind = by_letter(name).map(|d| d.0);
     if kind.is_none() && !context.document.places.is_marred(&below(at, "kind")) {
         let help = "add `kind: linear` or `kind: rotary`, and a `direction`";
-        context.at_key(codes::E0401, at, format!("the letter of axis `{name}` does not say what it does"), help);
+        context.at_key(codes::E0401, at, format!("axis `{name}` has no default kind and direction"), help);
     }
     kind
 }
@@ -83,8 +84,8 @@ fn direction(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: 
     let here = below(at, "direction");
     let Some(list) = &entry.direction else {
         let default = by_letter(name);
-        let said = entry.kind.as_deref().unwrap_or("");
-        let agrees = default.filter(|(kind, _)| said.is_empty() || (*kind == AxisKind::Linear) == (said == "linear"));
+        let word = entry.kind.as_deref().unwrap_or("");
+        let agrees = default.filter(|(kind, _)| word.is_empty() || (*kind == AxisKind::Linear) == (word == "linear"));
         if agrees.is_none() && entry.kind.is_some() && !context.document.places.is_marred(&here) {
             let help = "add its unit vector in machine coordinates, such as `direction: [0, 0, 1]`";
             context.at_key(codes::E0401, at, format!("axis `{name}` has no `direction`"), help);
@@ -130,7 +131,7 @@ fn travel(context: &mut Context<'_>, name: &AxisName, kind: AxisKind, entry: &Ax
         Some(TravelEntry::Word(word)) if word == "continuous" && kind == AxisKind::Rotary => Some(Travel::Continuous),
         Some(TravelEntry::Word(word)) => {
             let help = if word == "continuous" {
-                "a linear axis ends somewhere: [0 mm, 500 mm]"
+                "a linear axis has two ends: [0 mm, 500 mm]"
             } else {
                 "write [min, max] or continuous"
             };

@@ -12,7 +12,7 @@ struct Link {
     place: Option<Place>,
 }
 
-/// What the file says of the chain; both lists from the bed outwards.
+/// The chain as written; both lists from the bed outwards.
 #[derive(Default)]
 struct ChainLinks {
     axes: Vec<Link>,
@@ -31,7 +31,7 @@ pub fn chain(context: &mut Context<'_>) -> Option<KinematicChain> {
     let links = match (&document.chain, &document.branches) {
         (Some(_), Some(_)) => {
             let (chain, branches) = (keys(["chain"]), keys(["branches"]));
-            let refusal = Diagnostic::new(codes::E0209, "`chain` and `branches` say the same twice");
+            let refusal = Diagnostic::new(codes::E0209, "`chain` and `branches` both define the chain");
             let places = (document.places.key(&chain), document.places.key(&branches));
             context.diagnostics.push(refusal.at(places.1, "").at(places.0, "also given here").help("keep one of them"));
             return None;
@@ -85,7 +85,7 @@ fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<()> {
 }
 
 fn twice(context: &mut Context<'_>, name: &AxisName, again: &Option<Place>, first: &Option<Place>) {
-    let refusal = Diagnostic::new(codes::E0304, format!("axis `{name}` stands twice"))
+    let refusal = Diagnostic::new(codes::E0304, format!("axis `{name}` occurs twice"))
         .at(again.clone(), "again here")
         .at(first.clone(), "first here")
         .help("an axis stands in the chain once; a second one needs a name of its own, such as `Y2`");

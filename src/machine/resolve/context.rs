@@ -1,4 +1,4 @@
-//! What every pass of resolution works with: the document, the way to files, the diagnostics.
+//! The context of every pass of resolution: document, files and diagnostics.
 
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, shown};
 use crate::syntax::{CsvTable, Document, Files, Keys, below, read_table};
@@ -32,7 +32,7 @@ impl<'a> Context<'a> {
         self.diagnostics.push(Diagnostic::new(code, message).at(place, "").help(help));
     }
 
-    /// Where the value of an entry stands that may be short, `12 um`, or long, `{ value: 12 um }`.
+    /// Returns the keys of the value of an entry, short as `12 um` or long as `{ value: 12 um }`.
     pub fn value_of(&self, at: &Keys) -> Keys {
         let long = below(at, "value");
         if self.document.places.has(&long) { long } else { at.clone() }

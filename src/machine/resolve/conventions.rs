@@ -1,4 +1,4 @@
-//! Conventions: the defaults or a preset, then what is said singly.
+//! Conventions: the defaults or a preset, then the single keys.
 
 use super::context::Context;
 use crate::diagnostic::{codes, did_you_mean, shown};

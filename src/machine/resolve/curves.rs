@@ -1,6 +1,6 @@
 //! Every form of an error curve.
 
-use super::axes::Declared;
+use super::axes::AxisDraft;
 use super::context::Context;
 use super::names::{in_other_letters, readings};
 use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
@@ -18,7 +18,7 @@ const SLACK: f64 = 1e-9;
 /// A curve in the making: of which error, on which axis, with which sign.
 pub struct CurveOf<'a> {
     pub error: &'a ErrorId,
-    pub axis: &'a Declared,
+    pub axis: &'a AxisDraft,
     pub kind: AxisKind,
     pub negated: bool,
 }
@@ -60,7 +60,7 @@ pub fn one_way(
     })
 }
 
-/// Is the interpolation cubic?
+/// True if the interpolation is cubic.
 fn cubic(context: &mut Context<'_>, entry: &CurveEntry, at: &Keys) -> Option<bool> {
     match entry.interpolation.as_deref() {
         None | Some("linear") => Some(false),

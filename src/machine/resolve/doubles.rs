@@ -3,12 +3,14 @@
 
 use super::context::Context;
 use super::errors::Errors;
+use crate::algebra::rotation_about;
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{
-    Approach, Axis, AxisKind, Branch, Conventions, Direction, ErrorId, ErrorTerm, Location, MachineParts, RotaryOrder,
-    Sense, Travel, sin_cos_degrees,
+    Approach, Axis, AxisKind, Branch, Direction, ErrorFamily, ErrorId, ErrorTerm, JointConvention, LocationAction,
+    MachineParts, MotionSide, Travel, sin_cos_degrees,
 };
 use crate::units;
+use nalgebra::Vector3;
 
 /// Repeated parts up to this (mm, rad) are noise.
 const NOISE: f64 = 1e-3;
@@ -16,7 +18,7 @@ const NOISE_ANGLE: f64 = 1e-6;
 /// Above so many times the noise they are reported even if no location error is given.
 const LARGE: f64 = 50.0;
 /// They must also be this part of the curve's peak.
-const SHARE: f64 = 0.25;
+const MIN_FRACTION: f64 = 0.25;
 /// Nodes over the travel.
 const NODES: u32 = 360;
 
@@ -35,14 +37,12 @@ pub fn warn(context: &mut Context<'_>, parts: &MachineParts, places: &Errors) {
 
 /// Location errors that change nothing when the axis of motion is displaced.
 fn inert(context: &mut Context<'_>, parts: &MachineParts, places: &Errors) {
-    if parts.conventions.location != Location::AxisOnly {
-        return;
-    }
-    for (axis, errors) in parts.axes.iter().zip(&parts.errors) {
-        for (_, direction, term) in errors.iter().filter(|(location, ..)| *location) {
+    let displaced = |(axis, _): &(&Axis, _)| axis.convention(&parts.conventions).location == LocationAction::Displaces;
+    for (axis, errors) in parts.axes.iter().zip(&parts.errors).filter(displaced) {
+        for (_, direction, term) in errors.iter().filter(|(family, ..)| *family == ErrorFamily::Location) {
             let given = !matches!(term, ErrorTerm::Constant(0.0) | ErrorTerm::Tolerance(0.0));
             if given && cannot_act(axis, direction) {
-                let error = ErrorId { axis: axis.name.clone(), location: true, direction };
+                let error = ErrorId { axis: axis.name.clone(), family: ErrorFamily::Location, direction };
                 let why = match axis.kind {
                     AxisKind::Linear => "a straight line displaced, or turned about itself, is the same line of motion",
                     AxisKind::Rotary => "an axis of rotation moved along, or turned about, itself is the same axis",
@@ -69,7 +69,7 @@ struct Doubles<'a> {
     index: usize,
 }
 
-/// What was found: how much, of what, in which curve.
+/// A repeated part of a curve: amount, peak and kind.
 struct DoubledEntry {
     amount: f64,
     peak: f64,
@@ -79,7 +79,7 @@ struct DoubledEntry {
 
 impl Doubles<'_> {
     fn id(&self, direction: Direction) -> ErrorId {
-        ErrorId { axis: self.axis.name.clone(), location: false, direction }
+        ErrorId { axis: self.axis.name.clone(), family: ErrorFamily::Component, direction }
     }
 
     fn given(&self, direction: Direction) -> bool {
@@ -120,8 +120,8 @@ impl Doubles<'_> {
     /// The straight line in a straightness error is squareness. Like a constant it counts only if it
     /// has been taken out neither over the travel nor (as the tangent) at the zero pose.
     fn slope(&self, context: &mut Context<'_>, direction: Direction) {
-        let across = cross(self.axis.direction, unit(direction.index()));
-        if !self.given(direction) || norm(across) < 1e-6 {
+        let across = Vector3::from(self.axis.direction).cross(&Vector3::ith(direction.index(), 1.0));
+        if !self.given(direction) || across.norm() < 1e-6 {
             return;
         }
         let samples = self.samples(direction);
@@ -138,7 +138,7 @@ impl Doubles<'_> {
         let v0 = mean(samples.iter().map(|s| s.1));
         let peak = samples.iter().fold(0.0, |m: f64, s| m.max((s.1 - v0).abs()));
         let amount = common(line, at_home);
-        let rotation = largest(across);
+        let rotation = largest(&across);
         let rivals = self.location_errors(|axis, d| d.index() == 3 + rotation && axis.kind == AxisKind::Linear);
         self.report(context, &DoubledEntry { amount, peak, direction, what: "a straight line" }, &rivals);
     }
@@ -151,25 +151,26 @@ impl Doubles<'_> {
             return;
         }
         let samples: [Vec<(f64, f64)>; 3] = std::array::from_fn(|i| self.samples(of(i)));
-        let means: [f64; 3] = std::array::from_fn(|i| mean(samples[i].iter().map(|s| s.1)));
-        let u = self.axis.direction;
-        let sense = turning(self.axis, &self.parts.conventions);
-        let (mut turned, mut peak) = ([0.0; 3], 0.0_f64);
+        let means = Vector3::from_fn(|i, _| mean(samples[i].iter().map(|s| s.1)));
+        let u = Vector3::from(self.axis.direction);
+        let sense = turning(&self.axis.convention(&self.parts.conventions));
+        let (mut turned, mut peak) = (Vector3::zeros(), 0.0_f64);
         for ((x, y), z) in samples[0].iter().zip(&samples[1]).zip(&samples[2]) {
-            let v = across([x.1 - means[0], y.1 - means[1], z.1 - means[2]], u);
-            peak = peak.max(norm(v));
-            let back = rotate(u, -sense * x.0, v);
-            turned = std::array::from_fn(|i| turned[i] + back[i] / f64::from(NODES));
+            let v = Vector3::new(x.1, y.1, z.1) - means;
+            let v = v - u * v.dot(&u);
+            peak = peak.max(v.norm());
+            let back: Vector3<f64> = rotation_about(&self.axis.direction, sin_cos_degrees(-sense * x.0)) * v;
+            turned += back / f64::from(NODES);
         }
-        let direction = of(largest(turned));
+        let direction = of(largest(&turned));
         let rivals = self.location_errors(|axis, d| {
             axis.name == self.axis.name && d.is_rotation() == tilts && u[d.index() % 3].abs() < 0.999
         });
         let what = "a part that turns with the axis";
-        self.report(context, &DoubledEntry { amount: norm(turned), peak, direction, what }, &rivals);
+        self.report(context, &DoubledEntry { amount: turned.norm(), peak, direction, what }, &rivals);
     }
 
-    /// Is it this axis, or one that it carries?
+    /// True if it is this axis, or one that it carries.
     fn moves(&self, other: &Axis) -> bool {
         let Some(index) = self.parts.axes.iter().position(|axis| axis.name == other.name) else { return false };
         let outward = match self.axis.branch {
@@ -183,10 +184,10 @@ impl Doubles<'_> {
     fn location_errors(&self, choose: impl Fn(&Axis, Direction) -> bool) -> Vec<ErrorId> {
         let mut list = Vec::new();
         for (axis, errors) in self.parts.axes.iter().zip(&self.parts.errors) {
-            for (_, direction, term) in errors.iter().filter(|(location, ..)| *location) {
+            for (_, direction, term) in errors.iter().filter(|(family, ..)| *family == ErrorFamily::Location) {
                 let acts = matches!(term, ErrorTerm::Constant(v) if *v != 0.0) && !cannot_act(axis, direction);
                 if acts && choose(axis, direction) {
-                    list.push(ErrorId { axis: axis.name.clone(), location: true, direction });
+                    list.push(ErrorId { axis: axis.name.clone(), family: ErrorFamily::Location, direction });
                 }
             }
         }
@@ -197,7 +198,7 @@ impl Doubles<'_> {
         let noise = if found.direction.is_rotation() { NOISE_ANGLE } else { NOISE };
         let large = found.amount > LARGE * noise;
         // NaN compares as false and stays quiet.
-        let counts = found.amount > noise && found.amount > SHARE * found.peak;
+        let counts = found.amount > noise && found.amount > MIN_FRACTION * found.peak;
         if !counts || (rivals.is_empty() && !large) {
             return;
         }
@@ -205,7 +206,7 @@ impl Doubles<'_> {
         let shown =
             if found.direction.is_rotation() { units::angle(found.amount) } else { units::length(found.amount) };
         let place = |id: &ErrorId| -> Option<Place> { self.places.places.get(id).cloned().flatten() };
-        let message = format!("`{error}` holds {} of {shown}, which location errors say as well", found.what);
+        let message = format!("`{error}` holds {} of {shown}, which location errors describe as well", found.what);
         let warning = Diagnostic::new(codes::W0403, message).at(place(&error), "");
         let rival = rivals.first();
         let warning = warning.at(rival.and_then(place), "the location error given");
@@ -215,11 +216,11 @@ impl Doubles<'_> {
 }
 
 /// +1 if the errors of a displaced axis turn with the programmed position, else -1.
-fn turning(axis: &Axis, conventions: &Conventions) -> f64 {
-    let workpiece = axis.branch == Branch::Workpiece;
-    let rotating = conventions.rotary == RotaryOrder::Rotating;
-    let direct = workpiece && axis.sense == Sense::Direct;
-    if workpiece ^ rotating ^ direct { -1.0 } else { 1.0 }
+fn turning(convention: &JointConvention) -> f64 {
+    match convention.component.side {
+        MotionSide::Outer => convention.motion_sign,
+        MotionSide::Inner => -convention.motion_sign,
+    }
 }
 
 /// The smaller of two numbers of the same sign.
@@ -232,35 +233,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-fn unit(i: usize) -> [f64; 3] {
-    std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 })
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
-}
-
 /// Index of the largest component.
-fn largest(a: [f64; 3]) -> usize {
-    (0..3).max_by(|i, j| a[*i].abs().total_cmp(&a[*j].abs())).unwrap_or(0)
-}
-
-/// What is left across the unit vector `u`.
-fn across(v: [f64; 3], u: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| v[i] - dot(v, u) * u[i])
-}
-
-/// `v`, across the unit vector `u`, turned about it.
-fn rotate(u: [f64; 3], degrees: f64, v: [f64; 3]) -> [f64; 3] {
-    let (s, c) = sin_cos_degrees(degrees);
-    let w = cross(u, v);
-    std::array::from_fn(|i| c * v[i] + s * w[i])
+fn largest(v: &Vector3<f64>) -> usize {
+    (0..3).max_by(|i, j| v[*i].abs().total_cmp(&v[*j].abs())).unwrap_or(0)
 }

@@ -3,9 +3,11 @@
 use super::context::{Context, dotted};
 use super::curves::{CurveOf, component, from_table, one_way};
 use super::names::{Spelling, readings};
-use super::uses::Known;
+use super::uses::JointNames;
 use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
-use crate::machine::{AxisKind, AxisName, ComponentError, Direction, ErrorId, ErrorTerm, JointErrors, KinematicChain};
+use crate::machine::{
+    AxisKind, AxisName, ComponentError, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, KinematicChain,
+};
 use crate::syntax::{ColumnDirection, CurveEntry, Keys, TermEntry, below, keys};
 use std::collections::BTreeMap;
 
@@ -25,7 +27,7 @@ pub struct Errors {
 impl Errors {
     fn put(&mut self, error: &ErrorId, term: Option<ErrorTerm>) {
         let joint = self.joints.entry(error.axis.clone()).or_default();
-        joint.six_mut(error.location)[error.direction.index()] = term;
+        joint.six_mut(error.family)[error.direction.index()] = term;
     }
 
     /// By joint in the order of the walk, then the spindle's; those of other axes stay behind.
@@ -36,7 +38,7 @@ impl Errors {
 }
 
 /// All error terms of the file and its tables.
-pub fn errors(context: &mut Context<'_>, known: &Known<'_>) -> Errors {
+pub fn errors(context: &mut Context<'_>, known: &JointNames<'_>) -> Errors {
     let document = context.document;
     let mut errors = Errors::default();
     for (name, entry) in &document.errors {
@@ -61,7 +63,7 @@ pub fn errors(context: &mut Context<'_>, known: &Known<'_>) -> Errors {
 }
 
 /// The error that a name means, if its axis (or spindle) is there.
-pub fn named(context: &mut Context<'_>, name: &str, known: &Known<'_>, place: Option<Place>) -> Option<Spelling> {
+pub fn named(context: &mut Context<'_>, name: &str, known: &JointNames<'_>, place: Option<Place>) -> Option<Spelling> {
     let readings = readings(name);
     let there = |axis: &AxisName| known.axis(axis).is_some() || known.spindle == Some(axis);
     if let Some(reading) = readings.iter().find(|r| there(&r.error.axis)) {
@@ -91,7 +93,7 @@ pub fn named(context: &mut Context<'_>, name: &str, known: &Known<'_>, place: Op
     None
 }
 
-/// Has the error not been given elsewhere?
+/// True if the error has not been given elsewhere.
 fn once(context: &mut Context<'_>, errors: &mut Errors, error: &ErrorId, place: Option<Place>) -> bool {
     if let Some(first) = errors.places.get(error) {
         let refusal = Diagnostic::new(codes::E0407, format!("`{error}` is given twice"))
@@ -133,7 +135,7 @@ fn one_form(context: &mut Context<'_>, forms: &[&str], at: &Keys) -> bool {
             if !context.document.places.is_marred(at) {
                 let help =
                     "write a value such as `12 um`, or one of table, points, polynomial, harmonics, bspline, tolerance";
-                context.at_key(codes::E0203, at, format!("`{}` says nothing", dotted(at)), help);
+                context.at_key(codes::E0203, at, format!("`{}` has no value", dotted(at)), help);
             }
             false
         }
@@ -145,13 +147,13 @@ fn one_form(context: &mut Context<'_>, forms: &[&str], at: &Keys) -> bool {
     }
 }
 
-/// How sure the values of a term are.
+/// The uncertainty of the values of a term.
 fn uncertainty(context: &mut Context<'_>, error: &ErrorId, entry: &TermEntry, at: &Keys) -> Option<f64> {
     let here = below(at, "uncertainty");
     let value = context.error_value(entry.uncertainty.as_ref()?, error.direction, &here)?;
     if entry.tolerance.is_some() {
         let message = format!("`tolerance` and `uncertainty` of `{}` exclude each other", dotted(at));
-        context.at_key(codes::E0209, &here, message, "an uncertainty is of a value that is known");
+        context.at_key(codes::E0209, &here, message, "an uncertainty belongs to a known value");
         return None;
     }
     if value < 0.0 {
@@ -166,7 +168,7 @@ fn term(
     context: &mut Context<'_>,
     spelling: &Spelling,
     entry: &TermEntry,
-    known: &Known<'_>,
+    known: &JointNames<'_>,
     at: &Keys,
 ) -> Option<ErrorTerm> {
     let forms = forms(entry);
@@ -188,7 +190,7 @@ fn term(
         }
         return context.plausible(value, error.direction, &here).then_some(ErrorTerm::Tolerance(value));
     }
-    if error.location {
+    if error.is_location() {
         return constant(context, spelling, entry, &forms, at);
     }
     let axis = known.axis(&error.axis);
@@ -197,7 +199,7 @@ fn term(
         context.at_key(codes::E0408, at, format!("`{error}` is a component error of the spindle"), help);
         return None;
     };
-    // What is wrong with the axis has been said there.
+    // Faults of the axis have been reported there.
     let of = CurveOf { error, axis, kind: axis.kind?, negated: spelling.negated };
     let component = if forms == ["forward"] {
         both_ways(context, &of, entry, at)
@@ -229,7 +231,7 @@ fn constant(
 }
 
 fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at: &Keys) -> Option<ComponentError> {
-    let mut way = |key: &str, curve: &Option<CurveEntry>, direction| {
+    let mut one_sided = |key: &str, curve: &Option<CurveEntry>, direction| {
         let here = below(at, key);
         match curve {
             Some(curve) => one_form(context, &curve_forms(curve), &here)
@@ -244,13 +246,13 @@ fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at:
             }
         }
     };
-    let forward = way("forward", &entry.forward, ColumnDirection::Forward);
-    let reverse = way("reverse", &entry.reverse, ColumnDirection::Reverse);
+    let forward = one_sided("forward", &entry.forward, ColumnDirection::Forward);
+    let reverse = one_sided("reverse", &entry.reverse, ColumnDirection::Reverse);
     Some(ComponentError::Bidirectional { forward: forward?, reverse: reverse? })
 }
 
 /// Every error column of a table.
-fn measured(context: &mut Context<'_>, errors: &mut Errors, at: &Keys, path: &str, known: &Known<'_>) {
+fn measured(context: &mut Context<'_>, errors: &mut Errors, at: &Keys, path: &str, known: &JointNames<'_>) {
     let Some(table) = context.table(at, path) else { return };
     if table.columns.len() < 2 {
         let refusal = Diagnostic::new(codes::E0114, "the table has no column of errors")
@@ -269,7 +271,7 @@ fn measured(context: &mut Context<'_>, errors: &mut Errors, at: &Keys, path: &st
             continue;
         }
         let axis = known.axis(&error.axis);
-        let Some((axis, false)) = axis.map(|a| (a, error.location)) else {
+        let Some((axis, ErrorFamily::Component)) = axis.map(|a| (a, error.family)) else {
             let help = "a table holds component errors; write location errors under `errors`";
             let refusal = Diagnostic::new(codes::E0408, format!("`{error}` does not vary with the position"));
             context.diagnostics.push(refusal.at(Some(column.place.clone()), "").help(help));

@@ -1,4 +1,4 @@
-//! What the file says to a valid machine. Every pass reports all it finds and goes on; the machine
+//! From the document to a valid machine. Every pass reports all it finds and goes on; the machine
 //! is made only if none has refused anything.
 
 mod axes;
@@ -20,10 +20,10 @@ pub use names::parse_error_name;
 use super::{Axis, Conventions, KinematicChain, Machine, MachineParts};
 use crate::diagnostic::{Diagnostics, codes};
 use crate::syntax::{Document, Files, keys};
-use axes::Declared;
+use axes::AxisDraft;
 use context::Context;
 use errors::Errors;
-use uses::Known;
+use uses::JointNames;
 
 /// Resolves a document; tables are read through `files`. `None` if anything at all was refused,
 /// by this stage or before.
@@ -43,7 +43,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
     let workpiece = parts::workpiece(context);
     let setup = parts::setup(context);
     let provenance = parts::provenance(context);
-    let known = Known { declared: &declared, spindle: chain.as_ref().and_then(|c| c.spindle()) };
+    let known = JointNames { declared: &declared, spindle: chain.as_ref().and_then(|c| c.spindle()) };
     let mut errors = errors::errors(context, &known);
     let algebra = uses::algebra(context, &known);
     uses::identify(context, &known);
@@ -69,7 +69,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
 }
 
 /// Axes that are declared but not in the chain: variants drop axes, so this is no mistake.
-fn left_out(context: &mut Context<'_>, declared: &[Declared], chain: &KinematicChain, errors: &Errors) {
+fn left_out(context: &mut Context<'_>, declared: &[AxisDraft], chain: &KinematicChain, errors: &Errors) {
     let walk = chain.walk();
     for axis in declared.iter().filter(|d| !walk.iter().any(|(name, _)| **name == d.name)) {
         let message = match errors.places.keys().filter(|e| e.axis == axis.name).count() {
@@ -88,7 +88,7 @@ fn left_out(context: &mut Context<'_>, declared: &[Declared], chain: &KinematicC
 }
 
 /// The chain's axes on the walk, if all of them could be understood.
-fn in_chain(chain: &KinematicChain, declared: &[Declared], conventions: &Conventions) -> Option<Vec<Axis>> {
+fn in_chain(chain: &KinematicChain, declared: &[AxisDraft], conventions: &Conventions) -> Option<Vec<Axis>> {
     let walk = chain.walk().into_iter().map(|(name, branch)| {
         let d = declared.iter().find(|d| d.name == *name)?;
         Some(Axis {

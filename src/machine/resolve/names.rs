@@ -1,6 +1,6 @@
 //! Names of errors in all their spellings, and names that people give.
 
-use crate::machine::{AxisName, Direction, ErrorId};
+use crate::machine::{AxisName, Direction, ErrorFamily, ErrorId};
 
 /// An error as spelt: `Sxz` is `EB0Z` with the opposite sign.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,14 +36,14 @@ fn location(text: &str, zero: char) -> Option<ErrorId> {
     if chars.next()? != zero {
         return None;
     }
-    Some(ErrorId { axis: AxisName::new(chars.as_str())?, location: true, direction })
+    Some(ErrorId { axis: AxisName::new(chars.as_str())?, family: ErrorFamily::Location, direction })
 }
 
 /// `XX` after the E: direction, axis.
 fn component(text: &str) -> Option<ErrorId> {
     let mut chars = text.chars();
     let direction = Direction::from_letter(chars.next()?)?;
-    Some(ErrorId { axis: AxisName::new(chars.as_str())?, location: false, direction })
+    Some(ErrorId { axis: AxisName::new(chars.as_str())?, family: ErrorFamily::Component, direction })
 }
 
 /// Small letters are those of the 2015 paper, where `ezz` is ECZ: not what who writes ISO names in them means.
@@ -63,12 +63,12 @@ fn lower_case(text: &str) -> Option<Spelling> {
     let (a, b) = (place(first)?, place(second)?);
     let axis = AxisName::new(&second.to_ascii_uppercase().to_string())?;
     match (kind, a, b) {
-        ('d', ..) => Some((false, Direction::ALL[a], false)),
-        ('e', ..) => Some((false, Direction::ALL[3 + a], false)),
-        ('S', 0, 1) => Some((true, Direction::C, false)),
-        ('S', 0, 2) => Some((true, Direction::B, true)),
-        ('S', 1, 2) => Some((true, Direction::A, false)),
+        ('d', ..) => Some((ErrorFamily::Component, Direction::ALL[a], false)),
+        ('e', ..) => Some((ErrorFamily::Component, Direction::ALL[3 + a], false)),
+        ('S', 0, 1) => Some((ErrorFamily::Location, Direction::C, false)),
+        ('S', 0, 2) => Some((ErrorFamily::Location, Direction::B, true)),
+        ('S', 1, 2) => Some((ErrorFamily::Location, Direction::A, false)),
         _ => None,
     }
-    .map(|(location, direction, negated)| Spelling { error: ErrorId { axis, location, direction }, negated })
+    .map(|(family, direction, negated)| Spelling { error: ErrorId { axis, family, direction }, negated })
 }

@@ -24,7 +24,7 @@ pub fn version(context: &mut Context<'_>) {
         None => context.at_key(
             codes::W0201,
             &at,
-            "the file does not say which version of the language it is in",
+            "the file does not name its version of the language",
             "put `abbe: 1` at the top",
         ),
     }
@@ -172,7 +172,7 @@ pub fn setup(context: &mut Context<'_>) -> SetUp {
     setup
 }
 
-/// Where the numbers come from, also beside single error terms.
+/// The origin of the numbers, also beside single error terms.
 pub fn provenance(context: &mut Context<'_>) -> Provenance {
     let document = context.document;
     for (name, term) in &document.errors {

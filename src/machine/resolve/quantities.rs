@@ -150,7 +150,7 @@ impl Context<'_> {
             if direction.is_rotation() { ("an angle", "urad", ANGLES) } else { ("a length", "um", LENGTHS) };
         if power == 0 {
             let other = at.get(1).filter(|_| at[0] == "errors").and_then(|key| in_other_letters(key));
-            let help = other.map_or_else(|| help.to_owned(), |said| format!("{said}; {help}"));
+            let help = other.map_or_else(|| help.to_owned(), |hint| format!("{hint}; {help}"));
             return self.wrong_unit(at, scalar, found, wanted, &help);
         }
         let argument = if kind == AxisKind::Linear { "m" } else { "deg" };

@@ -1,7 +1,7 @@
 //! The sections `algebra` and `identify`: the error names and words in them are checked. `identify`
 //! stays in the document for a later stage.
 
-use super::axes::Declared;
+use super::axes::AxisDraft;
 use super::context::Context;
 use super::errors::named;
 use crate::diagnostic::{codes, shown};
@@ -14,15 +14,15 @@ const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"]
 /// Families of basis functions, each with its order behind it.
 const BASES: [&str; 5] = ["poly", "fourier", "spline", "bspline", "blocks"];
 
-/// Which errors there may be.
-pub struct Known<'a> {
-    pub declared: &'a [Declared],
+/// The axes and the spindle whose errors may be named.
+pub struct JointNames<'a> {
+    pub declared: &'a [AxisDraft],
     pub spindle: Option<&'a AxisName>,
 }
 
-impl<'a> Known<'a> {
+impl<'a> JointNames<'a> {
     /// The axis of this name, if it is declared.
-    pub fn axis(&self, name: &AxisName) -> Option<&Declared> {
+    pub fn axis(&self, name: &AxisName) -> Option<&AxisDraft> {
         self.declared.iter().find(|d| d.name == *name)
     }
 
@@ -39,7 +39,7 @@ impl<'a> Known<'a> {
 }
 
 /// The section `algebra`.
-pub fn algebra(context: &mut Context<'_>, known: &Known<'_>) -> Option<AlgebraChoice> {
+pub fn algebra(context: &mut Context<'_>, known: &JointNames<'_>) -> Option<AlgebraChoice> {
     let entry = context.document.algebra.as_ref()?;
     let at = keys(["algebra"]);
     let without = AlgebraEntry { vanish: Vec::new(), ..entry.clone() };
@@ -59,7 +59,12 @@ pub fn algebra(context: &mut Context<'_>, known: &Known<'_>) -> Option<AlgebraCh
 }
 
 /// Checks the errors of groups; names that generators have besides those of errors.
-fn generators<'a>(context: &mut Context<'_>, known: &Known<'a>, entry: &'a AlgebraEntry, at: &Keys) -> Vec<&'a str> {
+fn generators<'a>(
+    context: &mut Context<'_>,
+    known: &JointNames<'a>,
+    entry: &'a AlgebraEntry,
+    at: &Keys,
+) -> Vec<&'a str> {
     match &entry.generators {
         Some(GeneratorsEntry::Groups(map)) => {
             for (group, errors) in map {
@@ -74,7 +79,7 @@ fn generators<'a>(context: &mut Context<'_>, known: &Known<'a>, entry: &'a Algeb
 }
 
 /// `EXX*EYX`, `EXX^2`: names of errors or generators with powers.
-fn vanishing(context: &mut Context<'_>, known: &Known<'_>, monomial: &str, names: &[&str], at: &Keys) {
+fn vanishing(context: &mut Context<'_>, known: &JointNames<'_>, monomial: &str, names: &[&str], at: &Keys) {
     match named_monomial(monomial) {
         Err(refusal) => context.at_value(refusal.code, at, refusal.message, refusal.help.unwrap_or_default()),
         Ok(factors) => {
@@ -87,7 +92,7 @@ fn vanishing(context: &mut Context<'_>, known: &Known<'_>, monomial: &str, names
 }
 
 /// The section `identify`.
-pub fn identify(context: &mut Context<'_>, known: &Known<'_>) {
+pub fn identify(context: &mut Context<'_>, known: &JointNames<'_>) {
     let Some(entry) = &context.document.identify else { return };
     let knotted = |name: &str| entry.knots.keys().any(|key| parse_error_name(key) == parse_error_name(name));
     for (key, list) in [("fit", &entry.fit), ("fixed", &entry.fixed)] {
@@ -139,7 +144,7 @@ fn undirected(name: &str) -> &str {
 }
 
 /// A word near a group is meant as one.
-fn fit(context: &mut Context<'_>, known: &Known<'_>, name: &str, at: &Keys) {
+fn fit(context: &mut Context<'_>, known: &JointNames<'_>, name: &str, at: &Keys) {
     match crate::diagnostic::nearest(name, GROUPS) {
         Some(near) => {
             let message = format!("`{}` is neither an error nor a group", shown(name));
@@ -149,7 +154,8 @@ fn fit(context: &mut Context<'_>, known: &Known<'_>, name: &str, at: &Keys) {
     }
 }
 
-/// `poly3`, `fourier2`, `spline8`, `bspline8`, `bspline8/2`, `blocks4`; splines and `blocks` alone where `knots` has some.
+/// Checks `poly3`, `fourier2`, `spline8`, `bspline8`, `bspline8/2`, `blocks4`; splines and `blocks` alone where `knots`
+/// has some.
 fn basis(context: &mut Context<'_>, form: &str, knotted: bool, at: &Keys) {
     let bare = match form.trim().rsplit_once('/') {
         Some((bare, "1" | "2" | "3")) if bare.starts_with("bspline") => bare,
@@ -165,7 +171,8 @@ fn basis(context: &mut Context<'_>, form: &str, knotted: bool, at: &Keys) {
             codes::E0215,
             at,
             message,
-            "write poly3 (powers 0 to 3), fourier2 (orders 0 to 2), spline8 or bspline8 (8 knots), or blocks4 (4 blocks)",
+            "write poly3 (powers 0 to 3), fourier2 (orders 0 to 2), spline8 or bspline8 (8 knots), \
+             or blocks4 (4 blocks)",
         );
     }
 }

@@ -1,6 +1,6 @@
-//! Where maps and tables are computed: intervals and steps.
+//! Intervals and steps of maps and tables.
 
-use super::axes::Declared;
+use super::axes::AxisDraft;
 use super::context::Context;
 use super::errors::unit;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
@@ -21,7 +21,7 @@ struct Steps {
 }
 
 /// A grid for every axis, in their order.
-pub fn volume(context: &mut Context<'_>, axes: &[Axis], declared: &[Declared]) -> Option<Vec<Grid>> {
+pub fn volume(context: &mut Context<'_>, axes: &[Axis], declared: &[AxisDraft]) -> Option<Vec<Grid>> {
     let document = context.document;
     let steps = global(context);
     let names: Vec<&str> = declared.iter().map(|d| d.name.as_str()).chain(["step"]).collect();
@@ -39,7 +39,8 @@ fn global(context: &mut Context<'_>) -> Steps {
     let mut steps = Steps { linear: LINEAR_STEP, rotary: ROTARY_STEP };
     if let Some(VolumeAxis::Step(scalar)) = context.document.volume.get("step") {
         let at = keys(["volume", "step"]);
-        let angle = matches!(scalar, Scalar::Text(text) if units::quantity(text).is_ok_and(|q| q.dimension == Dimension::ANGLE));
+        let is_angle = |text: &str| units::quantity(text).is_ok_and(|q| q.dimension == Dimension::ANGLE);
+        let angle = matches!(scalar, Scalar::Text(text) if is_angle(text));
         let kind = if angle { AxisKind::Rotary } else { AxisKind::Linear };
         let step = step(context, scalar, kind, &at);
         let slot = if angle { &mut steps.rotary } else { &mut steps.linear };

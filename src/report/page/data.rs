@@ -238,7 +238,7 @@ fn locations(machine: &Machine) -> Vec<Value> {
 }
 
 fn source(source: &ErrorStatistics) -> Value {
-    json!({"error": source.error, "kind": if source.error.location { "location" } else { "component" },
+    json!({"error": source.error, "kind": if source.error.is_location() { "location" } else { "component" },
         "p95_um": source.position.p95, "max_um": source.position.max, "mean_um": source.position.mean,
         "p95_urad": source.rotation.p95, "at_worst_um": source.along + 0.0})
 }

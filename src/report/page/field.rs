@@ -154,8 +154,8 @@ fn groups(machine: &Machine) -> Vec<Group> {
         members: known.iter().filter(|e| keep(e)).cloned().collect(),
     };
     let mut groups = vec![
-        of("location".into(), "all location errors".into(), "kind", &|e| e.location),
-        of("component".into(), "all component errors".into(), "kind", &|e| !e.location),
+        of("location".into(), "all location errors".into(), "kind", &|e| e.is_location()),
+        of("component".into(), "all component errors".into(), "kind", &|e| !e.is_location()),
     ];
     let mut names: Vec<String> = machine.axes().iter().map(|axis| axis.name.to_string()).collect();
     names.extend(machine.chain().spindle().map(ToString::to_string));

@@ -3,7 +3,9 @@
 
 use super::scale::{round_step, tick_text, ticks};
 use super::svg::{Anchor, FAINT, FIRST, Font, INK, LINE, Picture, SECOND, Svg, fitted, polygon, polyline, wrapped};
-use crate::machine::{Approach, Axis, AxisKind, ComponentError, Curve, Direction, ErrorId, ErrorTerm, Machine};
+use crate::machine::{
+    Approach, Axis, AxisKind, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine,
+};
 
 const PANEL: (f64, f64) = (256.0, 130.0);
 const LEFT: f64 = 62.0;
@@ -129,7 +131,7 @@ fn panel(machine: &Machine, index: usize, interval: (f64, f64), direction: Direc
         }
         _ => (Vec::new(), "not given: zero".to_owned()),
     };
-    let id = ErrorId { axis: axis.name.clone(), location: false, direction };
+    let id = ErrorId { axis: axis.name.clone(), family: ErrorFamily::Component, direction };
     let band = machine.uncertainty(&id).map(|half| half * factor);
     let sure = band.map_or(String::new(), |half| format!(", U = {}", crate::units::significant(half, 3)));
     Panel { name: id.to_string(), word: word(axis, direction) + &sure, curves, band, instead }

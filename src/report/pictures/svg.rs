@@ -1,7 +1,7 @@
 //! A small writer of SVG: numbers short and never `-0`, text escaped, no outside resources, the same
 //! bytes for the same picture. A finished [`Picture`] can be had as PNG too, its text as outlines.
 
-use super::outlines;
+use super::png;
 
 /// Where a text hangs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -234,25 +234,15 @@ pub struct Picture {
     title: String,
 }
 
-/// Pixels of a PNG for a px of the drawing: sharp in print at the usual size.
-const PNG_SCALE: f32 = 2.0;
-
 impl Picture {
     /// As an SVG file.
     pub fn svg(&self) -> String {
         self.drawing.file(&self.title, text_element)
     }
 
-    /// As a PNG file, two pixels for a px; what went wrong, if it cannot be drawn.
+    /// As a PNG file, two pixels for a px; fails if it cannot be drawn, and in a build without the feature `png`.
     pub fn png(&self) -> Result<Vec<u8>, String> {
-        let text = self.drawing.file(&self.title, outlines::path_elements);
-        let tree = resvg::usvg::Tree::from_str(&text, &resvg::usvg::Options::default()).map_err(|f| f.to_string())?;
-        let size = tree.size().to_int_size().scale_by(PNG_SCALE).ok_or("the picture is too large")?;
-        let mut pixels =
-            resvg::tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("the picture is too large")?;
-        let scale = resvg::tiny_skia::Transform::from_scale(PNG_SCALE, PNG_SCALE);
-        resvg::render(&tree, scale, &mut pixels.as_mut());
-        pixels.encode_png().map_err(|failure| failure.to_string())
+        png::pixels(|write_text| self.drawing.file(&self.title, write_text))
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod csv;
 mod json;
+#[cfg(feature = "parquet")]
 mod parquet;
 mod vtk;
 
@@ -64,10 +65,10 @@ pub trait Stream {
     fn finish(self: Box<Self>) -> io::Result<()>;
 }
 
-/// What a file has to be able to do.
-pub trait ControllerTarget: Write + Seek + Send {}
+/// A destination of a table: a file, or a cursor over memory.
+pub trait Sink: Write + Seek + Send {}
 
-impl<T: Write + Seek + Send> ControllerTarget for T {}
+impl<T: Write + Seek + Send> Sink for T {}
 
 /// Names of the six columns of a deviation.
 const DEVIATION: [&str; 6] = ["dx [um]", "dy [um]", "dz [um]", "wx [urad]", "wy [urad]", "wz [urad]"];
@@ -97,15 +98,21 @@ impl<'a> Rows<'a> {
         made
     }
 
-    /// Begins a table.
-    pub fn stream<'o>(&self, form: Form, out: impl ControllerTarget + 'o) -> io::Result<Box<dyn Stream + 'o>>
+    /// Begins a table. Parquet fails with `Unsupported` in a build without the feature `parquet`.
+    pub fn stream<'o>(&self, form: Form, out: impl Sink + 'o) -> io::Result<Box<dyn Stream + 'o>>
     where
         'a: 'o,
     {
         Ok(match form {
             Form::Csv => Box::new(csv::Csv::new(self, out)?),
             Form::Json => Box::new(json::Json::new(self, out)?),
+            #[cfg(feature = "parquet")]
             Form::Parquet => Box::new(parquet::Parquet::new(self, out)?),
+            #[cfg(not(feature = "parquet"))]
+            Form::Parquet => {
+                let refusal = "this build of abbe has no Parquet (feature `parquet`)";
+                return Err(io::Error::new(io::ErrorKind::Unsupported, refusal));
+            }
             Form::Vtk => Box::new(vtk::Vtk::new(self, out)?),
         })
     }

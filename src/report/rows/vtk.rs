@@ -6,7 +6,7 @@
 //! little-endian, as the format's specification calls it (VTK XML file format, version 1.0). They stand one after
 //! the other and their sizes are known beforehand, so rows are written in their places in each of them as they come.
 
-use super::{ControllerTarget, Prepared, Rows, Stream};
+use super::{Prepared, Rows, Sink, Stream};
 use crate::analysis::space_axes;
 use crate::evaluate::Poses;
 use std::io::{self, SeekFrom, Write};
@@ -37,7 +37,7 @@ pub(super) struct Vtk<W> {
     end: u64,
 }
 
-impl<W: ControllerTarget> Vtk<W> {
+impl<W: Sink> Vtk<W> {
     pub(super) fn new(rows: &Rows<'_>, mut out: W) -> io::Result<Self> {
         let cells = Cells::of(rows);
         let arrays = arrays(rows, &cells);
@@ -92,7 +92,7 @@ impl<W: ControllerTarget> Vtk<W> {
     }
 }
 
-impl<W: ControllerTarget> Stream for Vtk<W> {
+impl<W: Sink> Stream for Vtk<W> {
     fn put(&mut self, rows: &Prepared) -> io::Result<()> {
         let axes = self.places.len() - VALUES - 3;
         let three = |i: usize, from: usize| -> [f64; 3] { std::array::from_fn(|k| rows.rows[i][axes + from + k]) };

@@ -2,7 +2,7 @@
 
 use super::class::Class;
 use crate::analysis::closed_form::LocationSet;
-use crate::machine::{AxisKind, Direction, ErrorId, ErrorTerm, Machine};
+use crate::machine::{AxisKind, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine};
 
 /// An error of which only a bound is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,10 +28,13 @@ pub fn bounds(machine: &Machine, class: Option<&Class>) -> Vec<Bound> {
     let mut bounds = Vec::new();
     for (index, name) in names.enumerate() {
         let axis = machine.axes().get(index);
-        for location_error in [true, false] {
+        for family in ErrorFamily::ALL {
             for direction in Direction::ALL {
-                let error = ErrorId { axis: name.clone(), location: location_error, direction };
-                let wanted = if location_error { location.iter().any(|(id, _)| *id == error) } else { axis.is_some() };
+                let error = ErrorId { axis: name.clone(), family, direction };
+                let wanted = match family {
+                    ErrorFamily::Location => location.iter().any(|(id, _)| *id == error),
+                    ErrorFamily::Component => axis.is_some(),
+                };
                 let of_class = class.filter(|_| wanted).and_then(|class| class.tolerance(axis, &error));
                 match (own(&error), of_class) {
                     (Some(tolerance), _) => bounds.push(Bound { error, tolerance, of_class: false }),

@@ -63,18 +63,19 @@ impl Class {
         let own = along(axis, error.direction);
         let (min, max) = axis.travel.interval();
         let metres = (max - min).max(self.min_travel_mm) * 1e-3;
-        Some(match (axis.kind, error.location, turns) {
-            (AxisKind::Linear, true, true) => self.linear.squareness_urad * urad,
-            (AxisKind::Linear, true, false) => return None,
-            (AxisKind::Linear, false, true) => self.linear.angular_urad * urad,
-            (AxisKind::Linear, false, false) if own => self.linear.positioning_um_per_m * metres * um,
-            (AxisKind::Linear, false, false) => self.linear.straightness_um_per_m * metres * um,
-            (AxisKind::Rotary, true, true) => self.rotary.as_ref()?.orientation_urad * urad,
-            (AxisKind::Rotary, true, false) => self.rotary.as_ref()?.position_um * um,
-            (AxisKind::Rotary, false, true) if own => self.rotary.as_ref()?.angular_positioning_urad * urad,
-            (AxisKind::Rotary, false, true) => self.rotary.as_ref()?.tilt_urad * urad,
-            (AxisKind::Rotary, false, false) if own => self.rotary.as_ref()?.axial_um * um,
-            (AxisKind::Rotary, false, false) => self.rotary.as_ref()?.radial_um * um,
+        use crate::machine::ErrorFamily::{Component, Location};
+        Some(match (axis.kind, error.family, turns) {
+            (AxisKind::Linear, Location, true) => self.linear.squareness_urad * urad,
+            (AxisKind::Linear, Location, false) => return None,
+            (AxisKind::Linear, Component, true) => self.linear.angular_urad * urad,
+            (AxisKind::Linear, Component, false) if own => self.linear.positioning_um_per_m * metres * um,
+            (AxisKind::Linear, Component, false) => self.linear.straightness_um_per_m * metres * um,
+            (AxisKind::Rotary, Location, true) => self.rotary.as_ref()?.orientation_urad * urad,
+            (AxisKind::Rotary, Location, false) => self.rotary.as_ref()?.position_um * um,
+            (AxisKind::Rotary, Component, true) if own => self.rotary.as_ref()?.angular_positioning_urad * urad,
+            (AxisKind::Rotary, Component, true) => self.rotary.as_ref()?.tilt_urad * urad,
+            (AxisKind::Rotary, Component, false) if own => self.rotary.as_ref()?.axial_um * um,
+            (AxisKind::Rotary, Component, false) => self.rotary.as_ref()?.radial_um * um,
         })
     }
 }

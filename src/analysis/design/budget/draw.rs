@@ -21,10 +21,11 @@ pub const NODES: usize = 65;
 pub const HARMONICS: usize = 6;
 
 /// The distribution of an error between its bounds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Distribution {
     /// Uniform: standard deviation tolerance / sqrt 3 (GUM 4.3.7).
+    #[default]
     Uniform,
     /// Triangular about 0: standard deviation tolerance / sqrt 6 (GUM 4.3.9).
     Triangular,
@@ -135,10 +136,10 @@ impl Normals {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::{AxisName, Direction};
+    use crate::machine::{AxisName, Direction, ErrorFamily};
 
-    fn error(name: &str, location: bool) -> ErrorId {
-        ErrorId { axis: AxisName::new(name).unwrap(), location, direction: Direction::Y }
+    fn error(name: &str, family: ErrorFamily) -> ErrorId {
+        ErrorId { axis: AxisName::new(name).unwrap(), family, direction: Direction::Y }
     }
 
     #[test]
@@ -146,7 +147,7 @@ mod tests {
         let draws = Draws::new(3, Distribution::Uniform);
         for sample in 0..300 {
             for closed in [false, true] {
-                let curve = draws.curve(&error("X", false), sample, closed);
+                let curve = draws.curve(&error("X", ErrorFamily::Component), sample, closed);
                 assert!(curve.iter().all(|u| u.abs() <= 1.0));
                 let step = curve.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
                 // Six standard deviations of the steepest slope: F' <= 0.8, Z' 2.0 per rad.
@@ -176,10 +177,11 @@ mod tests {
             [(Distribution::Uniform, &even), (Distribution::Triangular, &triangular)];
         for (distribution, law) in laws {
             let draws = Draws::new(11, distribution);
-            let constants = (0..SAMPLES).map(|s| draws.constant(&error("C", true), s)).collect();
+            let constants = (0..SAMPLES).map(|s| draws.constant(&error("C", ErrorFamily::Location), s)).collect();
             assert!(kolmogorov(constants, law) < limit);
             for (closed, node) in [(false, 0), (false, 32), (false, 64), (true, 17)] {
-                let values = (0..SAMPLES).map(|s| draws.curve(&error("X", false), s, closed)[node]).collect();
+                let values =
+                    (0..SAMPLES).map(|s| draws.curve(&error("X", ErrorFamily::Component), s, closed)[node]).collect();
                 let distance = kolmogorov(values, law);
                 assert!(distance < limit, "{distribution:?} {closed} {node}: {distance}");
             }

@@ -3,7 +3,7 @@
 
 use super::bounds::Bound;
 use super::draw::{Draws, NODES};
-use crate::analysis::closed_form::{Quantity, Share, TwistMap as Map, twists};
+use crate::lower::{Quantity, SideWeights, TwistMap, twists};
 use crate::machine::{Axis, Machine, Travel};
 
 /// Number of samples computed side by side.
@@ -31,7 +31,7 @@ pub fn by_joint(machine: &Machine, bounds: &[Bound]) -> Vec<JointBounds> {
     let mut joints: Vec<JointBounds> = machine.axes().iter().map(Some).chain([None]).map(joint).collect();
     for (i, bound) in bounds.iter().enumerate() {
         let index = machine.axis_index(bound.error.axis.as_str()).unwrap_or(machine.axes().len());
-        let six = if bound.error.location { &mut joints[index].location } else { &mut joints[index].component };
+        let six = if bound.error.is_location() { &mut joints[index].location } else { &mut joints[index].component };
         six[bound.error.direction.index()] = Some(i);
     }
     joints
@@ -116,7 +116,7 @@ fn drawn(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> 
 }
 
 /// Adds a map times the errors of every sample.
-pub fn add(map: &Map, errors: &[SampleLanes; 6], to: &mut [SampleLanes; 3]) {
+pub fn add(map: &TwistMap, errors: &[SampleLanes; 6], to: &mut [SampleLanes; 3]) {
     for (row, out) in map.iter().zip(to) {
         for lane in 0..SAMPLE_LANES {
             let near = row[0] * errors[0][lane] + row[1] * errors[1][lane] + row[2] * errors[2][lane];
@@ -135,19 +135,18 @@ pub fn squares(d: &[SampleLanes; 3]) -> SampleLanes {
 #[derive(Debug, Clone)]
 pub struct BudgetPose {
     /// Maps of location and of component errors of every joint.
-    maps: Vec<[Map; 2]>,
+    maps: Vec<[TwistMap; 2]>,
     points: Vec<CurvePoint>,
 }
 
 impl BudgetPose {
     /// Returns the maps of a machine at a pose (mm, deg).
     pub fn new(machine: &Machine, joints: &[JointBounds], pose: &[f64], quantity: Quantity) -> Self {
-        let shares = machine
-            .axes()
-            .iter()
-            .map(|axis| [Share::location(axis, machine.conventions()), Share::component(axis, machine.conventions())]);
-        let shares = shares.chain([[Share::SPINDLE; 2]]);
-        let maps = twists(machine, pose, quantity).iter().zip(shares).map(|(t, s)| s.map(|s| s.of(t))).collect();
+        let weights = machine.axes().iter().map(|axis| {
+            [SideWeights::location(axis, machine.conventions()), SideWeights::component(axis, machine.conventions())]
+        });
+        let weights = weights.chain([[SideWeights::SPINDLE; 2]]);
+        let maps = twists(machine, pose, quantity).iter().zip(weights).map(|(t, w)| w.map(|w| w.map(t))).collect();
         let points = joints.iter().zip(pose).map(|(joint, q)| joint.curve_point(*q));
         let points = points.chain([CurvePoint { node: 0, fraction: 0.0 }]).collect();
         Self { maps, points }

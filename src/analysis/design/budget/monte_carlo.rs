@@ -7,10 +7,11 @@ use super::quantile::rank;
 use rayon::prelude::*;
 
 /// The statistic of one machine's deviations over the poses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Statistic {
     /// The largest.
+    #[default]
     Max,
     /// The ceil(0.95 n)-th smallest.
     P95,

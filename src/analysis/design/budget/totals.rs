@@ -6,8 +6,8 @@ use super::kernel::{BudgetPose, JointBounds, by_joint};
 use super::monte_carlo::{self, Sample, Statistic};
 use super::quantile::{Percentile, mean};
 use super::worst::longest;
-use crate::analysis::closed_form::Quantity;
 use crate::evaluate::{Poses, Random};
+use crate::lower::Quantity;
 use crate::machine::{Machine, Pose};
 use rayon::prelude::*;
 

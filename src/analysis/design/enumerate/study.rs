@@ -3,7 +3,6 @@
 use super::arrangement::Walk;
 use super::ranking::{Outcome, Row, Standing};
 use super::walk_budget;
-use crate::analysis::closed_form::{Quantity, Twist, twists};
 use crate::analysis::design::budget::{
     Bound, Draws, JointBounds, Percentile, SAMPLE_LANES, SampleChunk, SampleLanes, Statistic, by_joint, mean,
 };
@@ -11,6 +10,7 @@ use crate::analysis::design::compare::UnreachableCount;
 use crate::analysis::inverse::{ToolPose, Unreachable, inverse, rest, tool_pose};
 use crate::analysis::volume::Work;
 use crate::evaluate::{Bare, Field, Order, Poses, Random};
+use crate::lower::{Quantity, Twist, twists};
 use crate::machine::{Approach, Axis, AxisKind, Branch, Machine, Pose};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;

@@ -3,10 +3,10 @@
 //! for either side, and an arrangement is a sum of table-side joints before the bed and tool-side ones
 //! after it, always added up in the same order.
 
-use crate::analysis::closed_form::{Quantity, Share, TwistMap as Map, twists};
 use crate::analysis::design::budget::{
     CurvePoint, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, Statistic, add, squares,
 };
+use crate::lower::{Quantity, SideWeights, TwistMap, twists};
 use crate::machine::{Axis, Branch, Machine, Pose};
 
 /// A joint at a pose: maps of its errors on the tool side and on the table side.
@@ -14,8 +14,8 @@ struct JointMaps {
     /// Index among the drawn joints.
     drawn: usize,
     point: CurvePoint,
-    location: [Map; 2],
-    component: [Map; 2],
+    location: [TwistMap; 2],
+    component: [TwistMap; 2],
     /// True if a location error acts the same on either side.
     alike: bool,
 }
@@ -23,7 +23,7 @@ struct JointMaps {
 /// All joints of the walk at one pose.
 struct PoseMaps {
     joints: Vec<JointMaps>,
-    spindle: Map,
+    spindle: TwistMap,
 }
 
 /// Returns the statistic over the poses, mm, for every arrangement (rows, as `tables` lists them) and sample.
@@ -80,17 +80,17 @@ fn maps(machine: &Machine, axes: &[usize], pose: &[f64], bounds: &[JointBounds])
     let joint = |(i, axis): (usize, &Axis)| {
         let side = |branch| Axis { branch, ..axis.clone() };
         let sides = [side(Branch::Tool), side(Branch::Workpiece)];
-        let location = sides.each_ref().map(|axis| Share::location(axis, conventions));
+        let location = sides.each_ref().map(|axis| SideWeights::location(axis, conventions));
         JointMaps {
             drawn: axes[i],
             point: bounds[axes[i]].curve_point(pose[i]),
             alike: location[0] == location[1],
-            location: location.map(|share| share.of(&twists[i])),
-            component: sides.map(|axis| Share::component(&axis, conventions).of(&twists[i])),
+            location: location.map(|weights| weights.map(&twists[i])),
+            component: sides.map(|axis| SideWeights::component(&axis, conventions).map(&twists[i])),
         }
     };
     let joints: Vec<JointMaps> = machine.axes().iter().enumerate().map(joint).collect();
-    PoseMaps { spindle: Share::SPINDLE.of(&twists[joints.len()]), joints }
+    PoseMaps { spindle: SideWeights::SPINDLE.map(&twists[joints.len()]), joints }
 }
 
 type Deviations = [SampleLanes; 3];

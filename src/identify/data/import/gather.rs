@@ -24,7 +24,7 @@ pub(crate) fn gather(lines: &[Line], header: Header, wanted: &ImportRequest) -> 
         sheet::drop_empty(&mut cells, roles.len());
         for (cell, _) in cells.iter().zip(&roles).filter(|(_, role)| role.is_number()) {
             let noted = decimals.note(cell, separator);
-            noted.map_err(|words| Box::new(refusal(words, Some(line.place.clone()))))?;
+            noted.map_err(|mixed| Box::new(refusal(mixed.to_string(), Some(line.place.clone()))))?;
         }
         match row(&cells, &roles, separator, wanted, &mut import) {
             Ok(samples) => {

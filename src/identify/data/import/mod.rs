@@ -140,7 +140,7 @@ pub(crate) fn error_name(text: &str) -> Option<ErrorId> {
         let plain = letters.next().is_none() && ['x', 'y', 'z'].contains(&axis);
         plain.then(|| parse_error_name(&format!("E{letter}{}", axis.to_ascii_uppercase()))).flatten()
     };
-    parse_error_name(text).or_else(vdi).filter(|error| !error.location)
+    parse_error_name(text).or_else(vdi).filter(|error| !error.is_location())
 }
 
 impl Import {

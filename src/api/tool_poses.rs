@@ -3,24 +3,21 @@
 //!
 //! What a machine cannot reach is left out, named row by row, and counted.
 
-use super::output::session::Session;
 use super::poses::check;
-use super::{Exit, Outcome};
+use super::run::{Call, Refused};
 use crate::analysis::{ToolPose, Unreachable, UnreachableCount, inverse, place, rest, tool_pose};
 use crate::diagnostic::{Diagnostic, Place, SourceId, codes, shown};
 use crate::machine::{AxisKind, Machine, Pose};
-use crate::syntax::Disk;
 use crate::syntax::read_text;
 use crate::units::{self, Dimension};
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use serde_json::{Value, json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// More tool poses than this are not read.
-const MOST: usize = 1_000_000;
+/// Largest number of tool poses of a file.
+const MAX_TOOL_POSES: usize = 1_000_000;
 
-/// So many rows are named one by one; then only their number is said.
+/// Number of rows that are named one by one.
 const NAMED: usize = 10;
 
 /// Where the tool points.
@@ -45,42 +42,63 @@ struct Row {
 
 /// The rows of a file.
 #[derive(Debug, Clone)]
-pub(super) struct ToolPoses {
+pub(crate) struct ToolPoses {
     file: String,
     rows: Vec<Row>,
 }
 
-/// What a machine reaches of them.
-#[derive(Debug, Clone)]
-pub(super) struct Reached {
-    file: String,
-    asked: usize,
-    /// Its poses (mm, deg), in the order of the rows.
-    pub poses: Vec<Pose>,
-    missed: Vec<(usize, Unreachable)>,
+/// What a machine reaches of the tool poses of a file.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct ReachedToolPoses {
+    /// Name of the file.
+    pub file: String,
+    /// Number of tool poses in the file.
+    pub asked: usize,
+    /// Number of tool poses that the machine reaches.
+    pub reached: usize,
+    /// Number of the others, by reason.
+    pub unreachable: UnreachableCount,
+    /// The others, row by row.
+    pub rows: Vec<MissedToolPose>,
+    /// The poses of the machine (mm, deg), in the order of the rows.
+    #[serde(skip)]
+    pub(crate) poses: Vec<Pose>,
+}
+
+/// A tool pose that a machine does not reach.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct MissedToolPose {
+    /// Line of the file, from 1.
+    pub line: usize,
+    /// The reason.
+    pub why: Unreachable,
 }
 
 /// Reads a file; rotary columns are those of `machine`.
-pub(super) fn read(session: &mut Session, machine: &Machine, path: &Path) -> Result<ToolPoses, Exit> {
-    let read = read_text(path, None, &Disk, &mut session.diagnostics);
-    let Some((source, text)) = read else { return Err(Exit::Refused) };
+pub(crate) fn read(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<ToolPoses, Refused> {
+    let read = read_text(path, None, call.run.files, &mut call.diagnostics);
+    let Some((source, text)) = read else { return Err(Refused) };
     match parse(machine, source, &text) {
         Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows }),
-        Err((place, message)) => {
+        Err(refusal) => {
             let help = "columns are X, Y, Z (mm, from the workpiece origin), and I, J, K of the tool axis or positions of rotary axes (deg)";
-            session.refuse(Diagnostic::new(codes::E0817, message).at(Some(place), "").help(help))
+            call.refuse(refusal.help(help))
         }
     }
 }
 
 /// The poses for the tool poses of a file, if there is one.
-pub(super) fn asked(session: &mut Session, machine: &Machine, path: Option<&Path>) -> Result<Option<Reached>, Exit> {
-    path.map(|path| read(session, machine, path)?.reached(session, machine)).transpose()
+pub(crate) fn asked(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    path: Option<&PathBuf>,
+) -> Result<Option<ReachedToolPoses>, Refused> {
+    path.map(|path| read(call, machine, path)?.reached(call, machine)).transpose()
 }
 
 impl ToolPoses {
     /// As poses of the tool: where the nominal `machine`, whose rotary axes the file may give, holds it.
-    pub(super) fn list(&self, machine: &Machine) -> Vec<ToolPose> {
+    pub(crate) fn list(&self, machine: &Machine) -> Vec<ToolPose> {
         let direction = |aim: &Aim| match aim {
             Aim::Axis(direction) => *direction,
             Aim::Rotary(pose) => tool_pose(machine, pose).direction,
@@ -89,37 +107,43 @@ impl ToolPoses {
     }
 
     /// The poses of a machine for all rows that it reaches. Says what it does not; none at all is refused.
-    pub(super) fn reached(&self, session: &mut Session, machine: &Machine) -> Result<Reached, Exit> {
+    pub(crate) fn reached(&self, call: &mut Call<'_>, machine: &Machine) -> Result<ReachedToolPoses, Refused> {
         let at_rest = rest(machine);
         let found: Vec<Result<Pose, Unreachable>> =
             self.rows.par_iter().map(|row| pose_at(machine, row, &at_rest)).collect();
         let missed: Vec<_> =
             found.iter().enumerate().filter_map(|(i, pose)| Some((i, *pose.as_ref().err()?))).collect();
-        self.say(session, machine, &missed)?;
+        self.say(call, machine, &missed)?;
         let poses: Vec<Pose> = found.into_iter().filter_map(Result::ok).collect();
-        check(session, machine, &poses)?;
-        let missed = missed.into_iter().map(|(i, why)| (self.rows[i].line, why)).collect();
-        Ok(Reached { file: self.file.clone(), asked: self.rows.len(), poses, missed })
+        check(call, machine, &poses)?;
+        let unreachable = UnreachableCount::count(missed.iter().map(|(_, why)| why));
+        let (file, asked, reached) = (self.file.clone(), self.rows.len(), poses.len());
+        Ok(ReachedToolPoses { file, asked, reached, unreachable, rows: self.missed(&missed), poses })
     }
 
-    /// Lines of rows that were missed, and why.
-    pub(super) fn lines(&self, missed: &[(usize, Unreachable)]) -> Vec<Value> {
-        missed.iter().map(|(i, why)| json!({"line": self.rows[*i].line, "why": why})).collect()
+    /// Returns the lines of rows that were missed, with the reason.
+    pub(crate) fn missed(&self, missed: &[(usize, Unreachable)]) -> Vec<MissedToolPose> {
+        missed.iter().map(|(i, why)| MissedToolPose { line: self.rows[*i].line, why: *why }).collect()
     }
 
     /// Names the rows that a machine does not reach; all of them are refused.
-    pub(super) fn say(&self, session: &mut Session, machine: &Machine, missed: &[(usize, Unreachable)]) -> Outcome {
+    pub(crate) fn say(
+        &self,
+        call: &mut Call<'_>,
+        machine: &Machine,
+        missed: &[(usize, Unreachable)],
+    ) -> Result<(), Refused> {
         let name = shown(machine.name());
         if !self.rows.is_empty() && missed.len() == self.rows.len() {
             let reasons = reasons(missed.iter().map(|(_, why)| why));
             let message = format!("`{name}` reaches none of the {} tool poses: {reasons}", missed.len());
             let help = "tips count from the workpiece origin, in the workpiece frame: check that origin, the tool and the travels";
-            return session.refuse(Diagnostic::new(codes::E0613, message).help(help));
+            return call.refuse(Diagnostic::new(codes::E0613, message).help(help));
         }
         for (i, why) in missed.iter().take(NAMED) {
             let message = format!("`{name}` does not reach this tool pose: {}", why.words());
             let diagnostic = Diagnostic::new(codes::W0608, message).at(Some(self.rows[*i].place.clone()), "left out");
-            session.diagnostics.push(diagnostic);
+            call.warn(diagnostic);
         }
         if missed.len() > NAMED {
             let rest = &missed[NAMED..];
@@ -128,9 +152,9 @@ impl ToolPoses {
                 rest.len(),
                 reasons(rest.iter().map(|(_, why)| why))
             );
-            session.diagnostics.push(Diagnostic::new(codes::W0608, message).help("`--format json` lists all of them"));
+            call.warn(Diagnostic::new(codes::W0608, message).help("`--format json` lists all of them"));
         }
-        session.checked()
+        call.checked()
     }
 }
 
@@ -155,27 +179,6 @@ fn pose_at(machine: &Machine, row: &Row, at_rest: &[f64]) -> Result<Pose, Unreac
     }
 }
 
-impl Reached {
-    /// `tool poses of part.csv, 12 more out of reach`.
-    pub(super) fn words(&self) -> String {
-        let missed = match self.missed.len() {
-            0 => String::new(),
-            n => format!(", {n} more out of reach"),
-        };
-        format!("tool poses of {}{missed}", shown(&self.file))
-    }
-
-    /// What JSON says of them.
-    pub(super) fn json(&self) -> Value {
-        let row = |(line, why): &(usize, Unreachable)| json!({"line": line, "why": why});
-        json!({
-            "file": self.file, "asked": self.asked, "reached": self.poses.len(),
-            "unreachable": UnreachableCount::count(self.missed.iter().map(|(_, why)| why)),
-            "rows": self.missed.iter().map(row).collect::<Vec<_>>(),
-        })
-    }
-}
-
 /// What a column is, with the factor to mm or deg.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Column {
@@ -184,10 +187,11 @@ enum Column {
     Rotary(usize, f64),
 }
 
-/// What is wrong, and where.
-type Wrong = (Place, String);
+fn wrong(message: impl Into<String>) -> Diagnostic {
+    Diagnostic::new(codes::E0817, message)
+}
 
-fn parse(machine: &Machine, source: SourceId, text: &str) -> Result<Vec<Row>, Wrong> {
+fn parse(machine: &Machine, source: SourceId, text: &str) -> Result<Vec<Row>, Diagnostic> {
     let mut start = 0;
     let mut lines = text.split_inclusive('\n').enumerate().filter_map(|(number, line)| {
         let content = line.trim_end();
@@ -197,20 +201,20 @@ fn parse(machine: &Machine, source: SourceId, text: &str) -> Result<Vec<Row>, Wr
         counts.then_some((number + 1, place, content))
     });
     let whole = Place { source, range: 0..0 };
-    let (_, place, header) = lines.next().ok_or((whole, "the file has no header".to_owned()))?;
-    let columns = columns(machine, header).map_err(|message| (place.clone(), message))?;
+    let (_, place, header) = lines.next().ok_or_else(|| wrong("the file has no header").at(Some(whole), ""))?;
+    let columns = columns(machine, header).map_err(|refusal| refusal.at(Some(place.clone()), ""))?;
     let mut rows = Vec::new();
     for (line, place, text) in lines {
-        let (tip, aim) = row(machine, &columns, text).map_err(|message| (place.clone(), message))?;
-        if rows.len() == MOST {
-            return Err((place, format!("more than {MOST} tool poses")));
+        let (tip, aim) = row(machine, &columns, text).map_err(|refusal| refusal.at(Some(place.clone()), ""))?;
+        if rows.len() == MAX_TOOL_POSES {
+            return Err(wrong(format!("more than {MAX_TOOL_POSES} tool poses")).at(Some(place), ""));
         }
         rows.push(Row { place, line, tip, aim });
     }
-    if rows.is_empty() { Err((place, "the file has no tool poses".to_owned())) } else { Ok(rows) }
+    if rows.is_empty() { Err(wrong("the file has no tool poses").at(Some(place), "")) } else { Ok(rows) }
 }
 
-fn columns(machine: &Machine, header: &str) -> Result<Vec<Column>, String> {
+fn columns(machine: &Machine, header: &str) -> Result<Vec<Column>, Diagnostic> {
     let columns: Vec<Column> = header.split(',').map(|cell| column(machine, cell)).collect::<Result<_, _>>()?;
     let same = |a: &Column, b: &Column| match (a, b) {
         (Column::Tip(i, _), Column::Tip(k, _)) | (Column::Axis(i), Column::Axis(k)) => i == k,
@@ -219,32 +223,32 @@ fn columns(machine: &Machine, header: &str) -> Result<Vec<Column>, String> {
     };
     if let Some(i) = (0..columns.len()).find(|i| columns[..*i].iter().any(|other| same(other, &columns[*i]))) {
         let name = header.split(',').nth(i).unwrap_or("").trim();
-        return Err(format!("column `{}` is there twice", shown(name)));
+        return Err(wrong(format!("column `{}` is there twice", shown(name))));
     }
     let count = |kind: fn(&Column) -> bool| columns.iter().filter(|column| kind(column)).count();
     let axis = count(|c| matches!(c, Column::Axis(_)));
     if count(|c| matches!(c, Column::Tip(..))) != 3 {
-        return Err("the columns X, Y and Z are needed: the functional point in the workpiece frame".to_owned());
+        return Err(wrong("the columns X, Y and Z are needed: the functional point in the workpiece frame"));
     }
     match (axis, count(|c| matches!(c, Column::Rotary(..)))) {
-        (1 | 2, _) => Err("of I, J and K all are needed, or none".to_owned()),
-        (3, 1..) => Err("the tool axis is given twice: by I, J, K and by rotary axes".to_owned()),
+        (1 | 2, _) => Err(wrong("of I, J and K all are needed, or none")),
+        (3, 1..) => Err(wrong("the tool axis is given twice: by I, J, K and by rotary axes")),
         _ => Ok(columns),
     }
 }
 
-fn column(machine: &Machine, cell: &str) -> Result<Column, String> {
+fn column(machine: &Machine, cell: &str) -> Result<Column, Diagnostic> {
     let (name, unit) = units::header(cell);
     let factor = |dimension: Dimension, one: f64| match unit {
         None => Ok(one),
         Some("deg" | "°") if dimension == Dimension::ANGLE => Ok(1.0),
         Some(unit) => {
-            let (factor, of) = units::unit(unit).map_err(|failure| failure.to_string())?;
+            let (factor, of) = units::unit(unit).map_err(|failure| wrong(failure.to_string()))?;
             let degrees = if dimension == Dimension::ANGLE { factor.to_degrees() } else { factor };
             if of == dimension {
                 Ok(degrees)
             } else {
-                Err(format!("`{unit}` is {}, not a unit for `{name}`", of.word()))
+                Err(wrong(format!("`{unit}` is {}, not a unit for `{name}`", of.word())))
             }
         }
     };
@@ -261,20 +265,20 @@ fn column(machine: &Machine, cell: &str) -> Result<Column, String> {
             let rotary = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary);
             let names: Vec<&str> = rotary.map(|axis| axis.name.as_str()).collect();
             let known = if names.is_empty() { "there is none".to_owned() } else { names.join(", ") };
-            Err(format!("column `{}` is neither X, Y, Z nor I, J, K nor a rotary axis ({known})", shown(name)))
+            Err(wrong(format!("column `{}` is neither X, Y, Z nor I, J, K nor a rotary axis ({known})", shown(name))))
         }
     }
 }
 
-fn row(machine: &Machine, columns: &[Column], line: &str) -> Result<(Vector3<f64>, Aim), String> {
+fn row(machine: &Machine, columns: &[Column], line: &str) -> Result<(Vector3<f64>, Aim), Diagnostic> {
     const FARTHEST: f64 = 1e6;
     let cells: Vec<&str> = line.split(',').collect();
     if cells.len() != columns.len() {
-        return Err(format!("{} cells under {} columns", cells.len(), columns.len()));
+        return Err(wrong(format!("{} cells under {} columns", cells.len(), columns.len())));
     }
     let (mut tip, mut axis, mut pose) = (Vector3::zeros(), Vector3::zeros(), vec![0.0; machine.axes().len()]);
     for (cell, column) in cells.iter().zip(columns) {
-        let number = units::number(cell).map_err(|failure| failure.to_string())?;
+        let number = units::number(cell).map_err(|failure| wrong(failure.to_string()))?;
         match *column {
             Column::Tip(i, factor) => tip[i] = number * factor,
             Column::Axis(i) => axis[i] = number,
@@ -282,7 +286,7 @@ fn row(machine: &Machine, columns: &[Column], line: &str) -> Result<(Vector3<f64
         }
     }
     if tip.iter().chain(&pose).any(|x| x.abs() > FARTHEST) {
-        return Err("a position is beyond 1000000 mm or deg: no machine goes there".to_owned());
+        return Err(wrong("a position is beyond 1000000 mm or deg: no machine goes there"));
     }
     if columns.iter().any(|column| matches!(column, Column::Rotary(..))) {
         return Ok((tip, Aim::Rotary(pose)));
@@ -295,6 +299,6 @@ fn row(machine: &Machine, columns: &[Column], line: &str) -> Result<(Vector3<f64
     let scaled = if largest > 0.0 && largest.is_finite() { axis / largest } else { Vector3::zeros() };
     match scaled.try_normalize(0.0) {
         Some(direction) => Ok((tip, Aim::Axis(direction))),
-        None => Err("the tool axis I, J, K has no direction: it is zero".to_owned()),
+        None => Err(wrong("the tool axis I, J, K has no direction: it is zero")),
     }
 }

@@ -1,23 +1,22 @@
 //! The algebra asked for: in the words of the machine file's section `algebra`, or that section itself.
 
-use super::session::Session;
-use crate::cli::Exit;
+use super::run::{Call, Refused};
 use crate::diagnostic::{Diagnostic, codes, shown};
-use crate::lower::{Declared, WeilLift};
+use crate::lower::{DeclaredAlgebra, WeilLift};
 use crate::machine::{AlgebraChoice, Machine};
 use crate::syntax::AlgebraEntry;
 
 /// The algebra declared by a text (empty: by the machine file), with its generators.
-pub(crate) fn declared(session: &mut Session, machine: &Machine, text: &str) -> Result<Declared, Exit> {
+pub(crate) fn declared(call: &mut Call<'_>, machine: &Machine, text: &str) -> Result<DeclaredAlgebra, Refused> {
     let choice = if text.trim().is_empty() { of_machine(machine) } else { of_text(text) };
-    let declared = choice.and_then(|choice| Declared::new(machine, &choice));
-    declared.or_else(|refusal| session.refuse(refusal))
+    let declared = choice.and_then(|choice| DeclaredAlgebra::new(machine, &choice));
+    declared.or_else(|refusal| call.refuse(refusal))
 }
 
 /// The same, with its basis.
-pub(crate) fn lift(session: &mut Session, machine: &Machine, text: &str) -> Result<WeilLift, Exit> {
-    let declared = declared(session, machine, text)?;
-    declared.build().or_else(|refusal| session.refuse(refusal))
+pub(crate) fn lift(call: &mut Call<'_>, machine: &Machine, text: &str) -> Result<WeilLift, Refused> {
+    let declared = declared(call, machine, text)?;
+    declared.build().or_else(|refusal| call.refuse(refusal))
 }
 
 /// As printed beside results.

@@ -1,11 +1,11 @@
-//! What `abbe identify` has to say beside its numbers: warnings on data, fit and what is left.
+//! Warnings of a fit: on its data, on how it went, and on its residuals.
 
-use super::identify_report::Report;
-use super::session::Session;
-use crate::diagnostic::{Diagnostic, codes};
+use super::Fitted;
+use super::result::place;
+use crate::diagnostic::{Diagnostic, Sources, codes};
 use crate::identify::{Measurement, Parameter, Reading, ReadingKind, Repeats, Term};
 use crate::lower::{ErrorSite, Source};
-use crate::machine::{Approach, ErrorId, Machine};
+use crate::machine::{Approach, ErrorFamily, ErrorId, Machine};
 use crate::units::{counted, significant};
 
 /// Less likely than this, residuals are not noise.
@@ -15,22 +15,22 @@ const HUGE: f64 = 5.0;
 /// Half of them nearer than this (mm) are finer than instruments read.
 const TINY: f64 = 1e-5;
 
-/// All that is to be said of a fit.
-pub(crate) fn all(session: &mut Session, report: &Report<'_>) {
+/// The warnings about a fit.
+pub(super) fn all(fitted: &Fitted<'_>, sources: &Sources) -> Vec<Diagnostic> {
     let unsettled = || {
-        let message = format!("the fit has not settled after {} steps", report.fit.steps);
+        let message = format!("the fit has not settled after {} steps", fitted.fit.steps);
         warning(codes::W0501, message, "fix what the data hardly see, or fit less at once")
     };
     let found = [
-        (!report.fit.settled).then(unsettled),
-        unexplained(report),
-        drifting(report),
-        sizes(report),
-        one_sided(report),
-        contradiction(session, report),
-        silent(report),
+        (!fitted.fit.settled).then(unsettled),
+        unexplained(fitted),
+        drifting(fitted),
+        sizes(fitted),
+        one_sided(fitted),
+        contradiction(fitted, sources),
+        silent(fitted),
     ];
-    found.into_iter().flatten().for_each(|warning| session.diagnostics.push(warning));
+    found.into_iter().flatten().collect()
 }
 
 fn warning(code: codes::Code, message: String, help: &'static str) -> Diagnostic {
@@ -38,23 +38,22 @@ fn warning(code: codes::Code, message: String, help: &'static str) -> Diagnostic
 }
 
 /// Readings that were left out because they are of errors that are not fitted.
-pub(crate) fn left_out(session: &mut Session, machine: &Machine, list: &[(Source, usize)]) {
-    for (source, count) in list {
-        let ErrorSite::Component(axis) = source.place else { continue };
+pub(super) fn left_out(machine: &Machine, list: &[(Source, usize)]) -> Vec<Diagnostic> {
+    let one = |(source, count): &(Source, usize)| {
+        let ErrorSite::Component(axis) = source.place else { return None };
         let axis = machine.axes()[axis].name.clone();
-        let error = ErrorId { axis, location: false, direction: source.direction };
+        let error = ErrorId { axis, family: ErrorFamily::Component, direction: source.direction };
         let message = format!("{} of {error} left out: it is not fitted", counted(*count, "reading"));
-        session.diagnostics.push(warning(codes::W0504, message, "fit it, too, or leave its column out"));
-    }
+        Some(warning(codes::W0504, message, "fit it, too, or leave its column out"))
+    };
+    list.iter().filter_map(one).collect()
 }
 
-/// What the section `identify` says for nothing.
-pub(crate) fn unused(session: &mut Session, list: &[String]) {
-    if !list.is_empty() {
-        let message = format!("the section `identify` says what nothing takes up: {}", list.join(", "));
-        let help = "name the error in `fit`, without a basis of its own, or with one that has knots";
-        session.diagnostics.push(warning(codes::W0509, message, help));
-    }
+/// Entries of the section `identify` without effect.
+pub(super) fn unused(list: &[String]) -> Option<Diagnostic> {
+    let message = format!("the section `identify` says what nothing takes up: {}", list.join(", "));
+    let help = "name the error in `fit`, without a basis of its own, or with one that has knots";
+    (!list.is_empty()).then(|| warning(codes::W0509, message, help))
 }
 
 fn um(mm: f64) -> String {
@@ -62,24 +61,24 @@ fn um(mm: f64) -> String {
 }
 
 /// Standard deviation of readings of a kind, as far as the fit leaves it.
-fn scatter(report: &Report<'_>, kind: ReadingKind) -> f64 {
-    let own = report.fit.scatter.iter().find(|s| s.of.is_none_or(|of| of == kind));
-    own.map_or(report.solution.sigma, |s| s.sigma)
+fn scatter(fitted: &Fitted<'_>, kind: ReadingKind) -> f64 {
+    let own = fitted.fit.scatter.iter().find(|s| s.of.is_none_or(|of| of == kind));
+    own.map_or(fitted.solution.sigma, |s| s.sigma)
 }
 
-fn unexplained(report: &Report<'_>) -> Option<Diagnostic> {
+fn unexplained(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     // Four times the variance is beyond the 99.9 % point of the ratio from ten degrees of freedom on.
-    let far = |r: &&Repeats| r.freedom >= 10 && scatter(report, r.of) > 2.0 * r.sigma;
-    let repeats = report.repeats.iter().find(far)?;
-    let (left, sigma) = (um(scatter(report, repeats.of)), um(repeats.sigma));
+    let far = |r: &&Repeats| r.freedom >= 10 && scatter(fitted, r.of) > 2.0 * r.sigma;
+    let repeats = fitted.repeats.iter().find(far)?;
+    let (left, sigma) = (um(scatter(fitted, repeats.of)), um(repeats.sigma));
     let message =
         format!("what is left ({left} um per reading) is far above the scatter of repeated poses ({sigma} um)");
     let help = "the fitted errors do not explain the data: fit more of them, or look at the outliers";
     Some(warning(codes::W0502, message, help))
 }
 
-fn drifting(report: &Report<'_>) -> Option<Diagnostic> {
-    let drifting = report.randomness.iter().filter(|r| r.runs < UNLIKELY && r.lag1 > 0.2);
+fn drifting(fitted: &Fitted<'_>) -> Option<Diagnostic> {
+    let drifting = fitted.randomness.iter().filter(|r| r.runs < UNLIKELY && r.lag1 > 0.2);
     let names: Vec<String> = drifting.map(|r| r.name()).collect();
     let message = format!("what is left of {} is not noise: neighbours in the file are alike", names.join(", "));
     let help =
@@ -88,8 +87,8 @@ fn drifting(report: &Report<'_>) -> Option<Diagnostic> {
 }
 
 /// Sizes that speak of a wrong unit.
-fn sizes(report: &Report<'_>) -> Option<Diagnostic> {
-    let typical = report.residuals.typical;
+fn sizes(fitted: &Fitted<'_>) -> Option<Diagnostic> {
+    let typical = fitted.residuals.typical;
     let unlikely = typical > HUGE || (0.0 < typical && typical < TINY);
     let message = format!("half of the readings are {} um or more off the machine as the file says it", um(typical));
     let help = "compare the units in the header, the signs and zeros of the axes, and the frame (--frame)";
@@ -97,18 +96,18 @@ fn sizes(report: &Report<'_>) -> Option<Diagnostic> {
 }
 
 /// Curves for a direction of approach in which nothing was read that they move.
-fn one_sided(report: &Report<'_>) -> Option<Diagnostic> {
-    let told = |p: &Parameter, t: &Term| {
+fn one_sided(fitted: &Fitted<'_>) -> Option<Diagnostic> {
+    let read = |p: &Parameter, t: &Term| {
         let moves = |m: &Measurement| match m.reading {
             Reading::Error { source, .. } => p.terms.iter().any(|t| t.source == source),
             _ => true,
         };
         let from = |m: &Measurement| m.approach == t.approach || m.approach == Approach::Mean;
-        report.data.iter().any(|m| from(m) && moves(m))
+        fitted.data.iter().any(|m| from(m) && moves(m))
     };
-    let unread = |p: &&Parameter| p.terms.iter().any(|t| t.approach != Approach::Mean && !told(p, t));
+    let unread = |p: &&Parameter| p.terms.iter().any(|t| t.approach != Approach::Mean && !read(p, t));
     let mut names: Vec<&str> =
-        report.unknowns.iter().filter(unread).map(|p| p.name.split(':').next().unwrap_or_default()).collect();
+        fitted.unknowns.iter().filter(unread).map(|p| p.name.split(':').next().unwrap_or_default()).collect();
     names.dedup();
     let message =
         format!("nothing was read in the direction of approach of {}: kept as the file says", names.join(", "));
@@ -117,10 +116,10 @@ fn one_sided(report: &Report<'_>) -> Option<Diagnostic> {
 }
 
 /// Readings of one pose that differ more than they may.
-fn contradiction(session: &Session, report: &Report<'_>) -> Option<Diagnostic> {
-    let repeats = report.repeats.iter().find(|r| r.contradict || r.opposed)?;
+fn contradiction(fitted: &Fitted<'_>, sources: &Sources) -> Option<Diagnostic> {
+    let repeats = fitted.repeats.iter().find(|r| r.contradict || r.opposed)?;
     let (a, b, apart) = repeats.worst;
-    let places = format!("{} and {}", report.place(session, a), report.place(session, b));
+    let places = format!("{} and {}", place(fitted, sources, a), place(fitted, sources, b));
     if repeats.opposed {
         let message = format!("poses that were measured again were read with the opposite sign: {places}, for one");
         return Some(warning(
@@ -135,24 +134,20 @@ fn contradiction(session: &Session, report: &Report<'_>) -> Option<Diagnostic> {
     Some(warning(codes::W0507, message, help))
 }
 
-/// What goes to a machine file although the data hardly tell it.
-pub(crate) fn written(session: &mut Session, report: &Report<'_>) {
-    let drowned = &report.solution.drowned;
-    if let Some(first) = drowned.first() {
-        let message = format!(
-            "what is written holds {} that noise hides, the first: {first}",
-            counted(drowned.len(), "combination")
-        );
-        let help =
-            "fix what the data hardly tell (`--fixed`), or fit less: `abbe show` lists location errors that suffice";
-        session.diagnostics.push(warning(codes::W0510, message, help));
-    }
+/// Combinations that go to a machine file although noise hides them.
+pub(super) fn written(fitted: &Fitted<'_>) -> Option<Diagnostic> {
+    let drowned = &fitted.solution.drowned;
+    let first = drowned.first()?;
+    let count = counted(drowned.len(), "combination");
+    let message = format!("what is written holds {count} that noise hides, the first: {first}");
+    let help = "fix what the data hardly tell (`--fixed`), or fit less: `abbe show` lists location errors that suffice";
+    Some(warning(codes::W0510, message, help))
 }
 
 /// Nothing of what is fitted acts where was measured.
-fn silent(report: &Report<'_>) -> Option<Diagnostic> {
-    let idle = |p: &Parameter| report.solution.idle.contains(&p.name);
+fn silent(fitted: &Fitted<'_>) -> Option<Diagnostic> {
+    let idle = |p: &Parameter| fitted.solution.idle.contains(&p.name);
     let message = "nothing of what is fitted has an effect on these data: the values are those of the file".to_owned();
     let help = "measure where the errors act (`--plan 20` proposes poses), or fit others";
-    report.unknowns[..report.own].iter().all(idle).then(|| warning(codes::W0508, message, help))
+    fitted.unknowns[..fitted.own].iter().all(idle).then(|| warning(codes::W0508, message, help))
 }

@@ -1,5 +1,6 @@
 //! `abbe init`: a machine file to begin with.
 
+use crate::api::{Starter, starter};
 use crate::cli::Outcome;
 use crate::cli::output::session::Session;
 use crate::cli::store::write::write_new;
@@ -27,19 +28,22 @@ enum From {
 }
 
 impl From {
-    fn text(self) -> &'static str {
+    fn kind(self) -> Starter {
         match self {
-            Self::ThreeAxis => include_str!("three-axis.yaml"),
-            Self::Trunnion => include_str!("trunnion.yaml"),
-            Self::HeadTable => include_str!("head-table.yaml"),
-            Self::HeadHead => include_str!("head-head.yaml"),
+            Self::ThreeAxis => Starter::ThreeAxis,
+            Self::Trunnion => Starter::Trunnion,
+            Self::HeadTable => Starter::HeadTable,
+            Self::HeadHead => Starter::HeadHead,
         }
     }
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    write_new(&args.file, args.from.text().as_bytes()).or_else(|diagnostic| session.refuse(diagnostic))?;
+    let text = starter(args.from.kind());
+    write_new(&args.file, text.as_bytes()).or_else(|refusal| session.refuse(refusal))?;
     let file = args.file.display();
-    session.say(&format!("wrote {file}; next: `abbe check {file}`, and for completion in an editor `abbe schema > abbe.schema.json` beside it"));
+    session.say(&format!(
+        "wrote {file}; next: `abbe check {file}`, and for completion in an editor `abbe schema > abbe.schema.json` beside it"
+    ));
     Ok(())
 }

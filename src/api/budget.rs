@@ -1,0 +1,142 @@
+//! From tolerances to the volumetric error.
+
+use super::machine_file::MachineFile;
+use super::poses::{axis_positions, check, pose_option};
+use super::run::{Answer, Call, Refused, Run};
+use super::tolerances::ToleranceOptions;
+use super::tool_poses::{self, ReachedToolPoses};
+use crate::analysis::budget::{Bound, Budget, Request, budget as computed, budget_poses, known};
+use crate::diagnostic::Diagnostics;
+use crate::machine::{Machine, Pose};
+use crate::report::{BudgetReport, Drawing, Picture};
+use serde::{Serialize, Serializer};
+use serde_json::{Map, Value, json};
+use std::path::PathBuf;
+
+/// Options of [`budget`].
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct BudgetOptions {
+    /// How errors are bounded, drawn and judged.
+    #[serde(flatten)]
+    pub tolerances: ToleranceOptions,
+    /// Seed of poses and errors.
+    pub seed: u64,
+    /// Number of random poses, besides the corners of the volume.
+    pub poses: usize,
+    /// A CSV file of tool poses in the workpiece frame that replace these poses: columns X, Y, Z (mm) and I, J, K or
+    /// rotary axes (deg).
+    pub tool_poses: Option<PathBuf>,
+    /// Number of machines that are drawn, at least 2.
+    pub samples: usize,
+    /// A pose at which contributions are listed too, `X=100,C=90`: mm and deg; axes left out are at 0.
+    pub at: Option<String>,
+}
+
+impl Default for BudgetOptions {
+    fn default() -> Self {
+        let tolerances = ToleranceOptions::default();
+        Self { tolerances, seed: 1, poses: 500, tool_poses: None, samples: 1000, at: None }
+    }
+}
+
+/// A budget with what it is of. Serialises as docs/formats.md describes.
+#[derive(Debug, Clone)]
+pub struct BudgetResult {
+    machine: Machine,
+    drawing: Drawing,
+    at: Option<Pose>,
+    /// The bounds in the order that [`Contribution::bound`](crate::analysis::budget::Contribution) counts.
+    pub bounds: Vec<Bound>,
+    /// What they come to.
+    pub budget: Budget,
+    /// Number of poses.
+    pub poses: usize,
+    /// What the machine reaches of the tool poses of a file.
+    pub tool_poses: Option<ReachedToolPoses>,
+}
+
+impl BudgetResult {
+    fn report(&self) -> BudgetReport<'_> {
+        let Self { machine, bounds, budget, drawing, .. } = self;
+        BudgetReport { machine, bounds, budget, poses: self.poses, drawing }
+    }
+
+    /// Returns the number of errors that have values and are left out.
+    pub fn left_out(&self) -> usize {
+        known(&self.machine)
+    }
+
+    /// Returns how machines were drawn.
+    pub fn drawing(&self) -> &Drawing {
+        &self.drawing
+    }
+
+    /// Returns indices of the bounds; first the one whose tightening lowers the 95 % value most.
+    pub fn order(&self) -> Vec<usize> {
+        self.report().order()
+    }
+
+    /// Returns a picture of what each error does at its bound: the `top` largest.
+    pub fn pareto(&self, top: usize) -> Picture {
+        self.report().pareto(top)
+    }
+
+    /// Returns a picture of how the budget is used up, tolerance by tolerance: the `top` largest.
+    pub fn waterfall(&self, top: usize) -> Picture {
+        self.report().waterfall(top)
+    }
+
+    fn contract(&self) -> Map<String, Value> {
+        let report = self.report();
+        let mut json = report.json();
+        json.extend([
+            ("machine".to_owned(), json!(self.machine.name())),
+            ("chain".to_owned(), json!(self.machine.chain().to_string())),
+        ]);
+        if let Some(reached) = &self.tool_poses {
+            let _ = json.insert("tool_poses".to_owned(), json!(reached));
+        }
+        if let (Some(pose), Some(list)) = (&self.at, &self.budget.at) {
+            let axes = axis_positions(&self.machine, pose);
+            let at = json!({"axes": axes, "contributions": report.contributions(list)});
+            let _ = json.insert("at".to_owned(), at);
+        }
+        json
+    }
+}
+
+impl Serialize for BudgetResult {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.contract().serialize(serializer)
+    }
+}
+
+/// Budgets the errors that are only bounded, to first order.
+///
+/// Fails if no error is bounded, and for poses or classes that do not fit the machine.
+pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Result<Answer<BudgetResult>, Diagnostics> {
+    Call::answer(run, file.sources(), |call| budgeted(call, file, options))
+}
+
+fn budgeted(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<BudgetResult, Refused> {
+    if options.samples < 2 {
+        return call.usage("a budget draws 2 machines at least");
+    }
+    let at = pose_option(call, machine, options.at.as_ref())?;
+    check(call, machine, at.as_slice())?;
+    let (bounds, source) = options.tolerances.bounds(call, machine)?;
+    let draws = options.tolerances.draws(options.seed);
+    let tool_poses = tool_poses::asked(call, machine, options.tool_poses.as_ref())?;
+    let poses = match &tool_poses {
+        Some(reached) => reached.poses.clone(),
+        None => budget_poses(machine, options.poses, options.seed),
+    };
+    let (samples, statistic) = (options.samples, options.tolerances.statistic);
+    let request =
+        Request { machine, bounds: &bounds, poses: &poses, at: at.as_deref(), draws: &draws, samples, statistic };
+    let budget = call.stage(2 * samples, |advance| computed(request, advance));
+    let drawing = options.tolerances.drawing(source, samples, options.seed);
+    let (machine, poses) = (machine.clone(), poses.len());
+    Ok(BudgetResult { machine, drawing, at, bounds, budget, poses, tool_poses })
+}

@@ -1,0 +1,105 @@
+//! Budgets of several machines on the same work.
+
+use super::run::{Call, Refused};
+use super::tolerances::ToleranceOptions;
+use crate::analysis::budget::{Bound, BoundedError, Budget, Request, budget, side_by_side};
+use crate::diagnostic::{Diagnostic, codes, shown};
+use crate::machine::{Machine, Pose};
+use crate::report::{BudgetReport, Drawing, budgets_json};
+use serde::{Serialize, Serializer};
+use serde_json::Value;
+
+/// How machines are drawn.
+#[derive(Clone, Copy)]
+pub(crate) struct DrawnMachines<'a> {
+    pub tolerances: &'a ToleranceOptions,
+    pub samples: usize,
+    pub seed: u64,
+}
+
+/// A budget for each machine, and what they have of each error. Serialises as docs/formats.md describes.
+#[derive(Debug, Clone)]
+pub struct ComparedBudgets {
+    machines: Vec<Machine>,
+    poses: usize,
+    /// The bounds of each machine.
+    pub bounds: Vec<Vec<Bound>>,
+    /// The budget of each machine.
+    pub budgets: Vec<Budget>,
+    /// Error by error, largest first.
+    pub errors: Vec<BoundedError>,
+    /// How machines were drawn.
+    pub drawing: Drawing,
+}
+
+impl Serialize for ComparedBudgets {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.contract().serialize(serializer)
+    }
+}
+
+impl ComparedBudgets {
+    fn contract(&self) -> Value {
+        let (poses, drawing) = (self.poses, &self.drawing);
+        let sides = self.machines.iter().zip(self.bounds.iter().zip(&self.budgets));
+        let reports: Vec<BudgetReport<'_>> =
+            sides.map(|(machine, (bounds, budget))| BudgetReport { machine, bounds, budget, poses, drawing }).collect();
+        let mut json = budgets_json(&reports, &self.errors);
+        if let Some(object) = json.as_object_mut() {
+            object.extend(drawing.json());
+        }
+        json
+    }
+}
+
+/// Returns the budgets, each at the poses of its machine for the same work; none if not every machine has one.
+pub(crate) fn budgets(
+    call: &mut Call<'_>,
+    sides: &[(&Machine, Vec<Pose>)],
+    drawn: DrawnMachines<'_>,
+) -> Result<Option<ComparedBudgets>, Refused> {
+    let mut all = Vec::new();
+    let mut source = None;
+    for (machine, _) in sides {
+        let (bounds, of) = drawn.tolerances.bounds_if_any(call, machine)?;
+        source = of.or(source);
+        all.push(bounds);
+    }
+    if all.iter().all(Vec::is_empty) || sides.iter().any(|(_, poses)| poses.is_empty()) {
+        return Ok(None);
+    }
+    let without = sides.iter().zip(&all).filter(|(_, bounds)| bounds.is_empty());
+    let without: Vec<String> = without.map(|((machine, _), _)| format!("`{}`", shown(machine.name()))).collect();
+    if !without.is_empty() {
+        let message = format!("budgets are not compared: {} bounds no error", without.join(" and "));
+        let help = "write tolerances into every file, or take those of a class: `--class production`";
+        call.warn(Diagnostic::new(codes::W0607, message).help(help));
+        call.checked()?;
+        return Ok(None);
+    }
+    let list = budgeted(call, sides, &all, drawn);
+    let pairs: Vec<(&[Bound], &Budget)> = all.iter().map(Vec::as_slice).zip(&list).collect();
+    Ok(Some(ComparedBudgets {
+        machines: sides.iter().map(|(machine, _)| (*machine).clone()).collect(),
+        poses: sides.first().map_or(0, |(_, poses)| poses.len()),
+        errors: side_by_side(&pairs),
+        bounds: all,
+        budgets: list,
+        drawing: drawn.tolerances.drawing(source, drawn.samples, drawn.seed),
+    }))
+}
+
+fn budgeted(
+    call: &Call<'_>,
+    sides: &[(&Machine, Vec<Pose>)],
+    bounds: &[Vec<Bound>],
+    drawn: DrawnMachines<'_>,
+) -> Vec<Budget> {
+    let (draws, statistic, samples) = (drawn.tolerances.draws(drawn.seed), drawn.tolerances.statistic, drawn.samples);
+    call.stage(2 * samples * sides.len(), |advance| {
+        let one = |((machine, poses), bounds): (&(&Machine, Vec<Pose>), &Vec<Bound>)| {
+            budget(Request { machine, bounds, poses, at: None, draws: &draws, samples, statistic }, advance)
+        };
+        sides.iter().zip(bounds).map(one).collect()
+    })
+}

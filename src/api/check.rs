@@ -1,0 +1,77 @@
+//! Machine files checked one by one.
+
+use super::machine_file::{LoadOptions, MachineFile, load};
+use super::run::Run;
+use super::summary::{MachineSummary, summary};
+use crate::diagnostic::{Diagnostics, WarningRecord};
+use serde::{Serialize, Serializer};
+use std::path::Path;
+
+/// A machine file with everything that was found wrong with it.
+///
+/// Serialises to the machine in short, with its warnings, or to the diagnostics that refuse it, each with the name of
+/// the file.
+#[derive(Debug, Clone)]
+pub struct CheckedFile {
+    /// The file as it was named.
+    pub file: String,
+    /// The machine; none if the file is refused.
+    pub machine: Option<MachineFile>,
+    /// Everything found wrong.
+    pub diagnostics: Diagnostics,
+}
+
+impl CheckedFile {
+    /// True if the file is refused.
+    pub fn refused(&self) -> bool {
+        self.machine.is_none()
+    }
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Contract<'a> {
+    Accepted {
+        file: &'a str,
+        #[serde(flatten)]
+        summary: MachineSummary,
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        warnings: Vec<WarningRecord>,
+    },
+    Refused {
+        file: &'a str,
+        #[serde(flatten)]
+        diagnostics: &'a Diagnostics,
+    },
+}
+
+impl Serialize for CheckedFile {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (file, diagnostics) = (self.file.as_str(), &self.diagnostics);
+        let contract = match &self.machine {
+            Some(machine) => {
+                Contract::Accepted { file, summary: summary(machine), warnings: diagnostics.warning_records() }
+            }
+            None => Contract::Refused { file, diagnostics },
+        };
+        contract.serialize(serializer)
+    }
+}
+
+/// Reads machine files through `run.files` and checks each, whether the others are refused or not.
+pub fn check<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>, run: Run) -> Vec<CheckedFile> {
+    paths.into_iter().map(|path| one(path.as_ref(), run)).collect()
+}
+
+fn one(path: &Path, run: Run) -> CheckedFile {
+    let file = path.display().to_string();
+    match load(path, &LoadOptions::default(), run) {
+        Ok(answer) => CheckedFile { file, machine: Some(answer.value), diagnostics: answer.warnings },
+        Err(diagnostics) => CheckedFile { file, machine: None, diagnostics },
+    }
+}
+
+/// Returns the diagnostics of checked files as one SARIF 2.1.0 log, relative file names as relative URIs.
+pub fn annotations(files: &[CheckedFile]) -> serde_json::Value {
+    crate::diagnostic::sarif(files.iter().map(|checked| (checked.file.as_str(), &checked.diagnostics)))
+}

@@ -1,0 +1,229 @@
+//! Machines side by side on the same tool poses.
+
+use super::budgets::{ComparedBudgets, DrawnMachines, budgets};
+use super::compiled_model::PoseDeviation;
+use super::machine_file::MachineFile;
+use super::order_of;
+use super::poses::check;
+use super::run::{Answer, Call, Refused, Run};
+use super::tolerances::ToleranceOptions;
+use super::tool_poses::{self, MissedToolPose, ToolPoses};
+use crate::analysis::{
+    Comparison, ErrorContribution as AnalysedContribution, MachineResult, UnreachableCount, Work, compare as compared,
+    contributions as contributions_of,
+};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::evaluate::{Bare, Difference, Field, Frame, Order, Statistics, Summary};
+use crate::machine::{Approach, Machine, Pose};
+use std::path::PathBuf;
+
+/// Options of [`compare`].
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct CompareOptions {
+    /// Number of tool poses, drawn from the volume of the first machine.
+    pub poses: usize,
+    /// A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or rotary axes (deg) of
+    /// the first machine.
+    pub tool_poses: Option<PathBuf>,
+    /// Seed of the tool poses, and of the errors that are drawn.
+    pub seed: u64,
+    /// How errors are bounded, drawn and judged; budgets are compared where every machine bounds errors.
+    #[serde(flatten)]
+    pub tolerances: ToleranceOptions,
+    /// Number of machines that are drawn for the budgets, at least 2.
+    pub samples: usize,
+    /// How far errors are followed; by default exactly, unless the conventions of a machine name an order.
+    pub order: Option<Order>,
+    /// Side of approach, where forward and reverse curves were given.
+    pub approach: Approach,
+}
+
+impl Default for CompareOptions {
+    fn default() -> Self {
+        let (tolerances, approach) = (ToleranceOptions::default(), Approach::default());
+        Self { poses: 1000, tool_poses: None, seed: 1, tolerances, samples: 1000, order: None, approach }
+    }
+}
+
+/// Machines side by side, over the tool poses that all of them reach.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct CompareResult {
+    /// What each error does alone, largest first.
+    pub contributions: Vec<ErrorContribution>,
+    /// Number of tool poses asked for.
+    pub asked: usize,
+    /// Number of tool poses that all machines reach.
+    pub poses: usize,
+    /// Seed of the tool poses, and of the errors that are drawn.
+    pub seed: u64,
+    /// Frame of the vectors: the workpiece frame.
+    pub frame: Frame,
+    /// Side of approach.
+    pub direction: Approach,
+    /// The machines in their order.
+    pub machines: Vec<ComparedMachine>,
+    /// Budgets on the same work, where every machine bounds errors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub budgets: Option<ComparedBudgets>,
+    /// The tool poses that all machines reach, with the deviations of each machine.
+    #[serde(skip)]
+    pub rows: Vec<ComparedPose>,
+}
+
+/// What an error does alone in each machine.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ErrorContribution {
+    /// Name of the error.
+    pub error: String,
+    /// 95 % position deviation with only this error, first order, um, by machine; none without a value.
+    pub um: Vec<Option<f64>>,
+    /// The same minus that of the first machine.
+    pub minus_first: Vec<f64>,
+}
+
+/// One machine of a comparison.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct ComparedMachine {
+    /// Name of the machine.
+    pub machine: String,
+    /// Name of its file.
+    pub file: String,
+    /// How far its errors are followed.
+    pub order: Order,
+    /// Number of tool poses that it does not reach, by reason.
+    pub unreachable: UnreachableCount,
+    /// Statistics of the deviation of the functional point, um.
+    pub position_um: Summary,
+    /// Statistics of the deviation of the orientation of the tool, urad.
+    pub rotation_urad: Summary,
+    /// The statistics minus those of the first machine: negative is better than the first.
+    pub minus_first: Difference,
+    /// Rows of a file of tool poses that it does not reach.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub missed: Option<Vec<MissedToolPose>>,
+    /// The kinematic chain.
+    #[serde(skip)]
+    pub chain: String,
+}
+
+impl ComparedMachine {
+    /// Returns the statistics over so many poses.
+    pub fn statistics(&self, poses: usize) -> Statistics {
+        Statistics { poses, position_um: self.position_um, rotation_urad: self.rotation_urad }
+    }
+}
+
+/// A tool pose that all machines reach.
+#[derive(Debug, Clone)]
+pub struct ComparedPose {
+    /// Functional point from the workpiece origin, mm, workpiece frame.
+    pub tip_mm: [f64; 3],
+    /// Unit vector of the tool axis from the tip to the holder, workpiece frame.
+    pub direction: [f64; 3],
+    /// Deviation of each machine.
+    pub deviations: Vec<PoseDeviation>,
+}
+
+/// Compares machines on the same tool poses; the first is the reference.
+///
+/// Fails if no tool pose is reached by all machines. Warns of tool poses of a file that a machine does not reach.
+pub fn compare(
+    files: &[MachineFile],
+    options: &CompareOptions,
+    run: Run<'_>,
+) -> Result<Answer<CompareResult>, Diagnostics> {
+    let mut known = Diagnostics::default();
+    files.iter().for_each(|file| known.absorb(Diagnostics::about(file.sources().clone())));
+    Call::answer(run, &known.sources, |call| side_by_side(call, files, options))
+}
+
+fn side_by_side(
+    call: &mut Call<'_>,
+    files: &[MachineFile],
+    options: &CompareOptions,
+) -> Result<CompareResult, Refused> {
+    let [first, _, ..] = files else { return call.usage("a comparison takes two machines at least") };
+    let order = |machine: &Machine| order_of(machine, options.order);
+    let bare: Vec<Bare<'_>> = files.iter().map(|file| Bare { machine: file, order: order(file) }).collect();
+    let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
+    let asked = options.tool_poses.as_ref().map(|path| tool_poses::read(call, first, path)).transpose()?;
+    let work = match &asked {
+        Some(asked) => Work::Listed(asked.list(first)),
+        None => Work::random(first, options.poses, options.seed),
+    };
+    let comparison = call.stage(work.len(), |advance| compared(&fields, &work, options.approach, advance));
+    let sides: Vec<(&Machine, Vec<Pose>)> =
+        files.iter().zip(&comparison.machines).map(|(file, side)| (&**file, poses(side))).collect();
+    if let Some(asked) = &asked {
+        for ((machine, poses), side) in sides.iter().zip(&comparison.machines) {
+            asked.say(call, machine, &side.missed)?;
+            check(call, machine, poses)?;
+        }
+    }
+    let contributions = contributions_of(&sides, options.approach);
+    if comparison.common.is_empty() {
+        return call.refuse(nothing_in_common(files, &comparison));
+    }
+    let drawn = DrawnMachines { tolerances: &options.tolerances, samples: options.samples, seed: options.seed };
+    let budgets = budgets(call, &sides, drawn)?;
+    let machine = |(file, side)| compared_machine(file, side, order(file), asked.as_ref());
+    Ok(CompareResult {
+        contributions: contributions.iter().map(contribution).collect(),
+        asked: comparison.asked,
+        poses: comparison.common.len(),
+        seed: options.seed,
+        frame: Frame::Workpiece,
+        direction: options.approach,
+        machines: files.iter().zip(&comparison.machines).map(machine).collect(),
+        budgets,
+        rows: (0..comparison.common.len()).map(|i| row(&comparison, i)).collect(),
+    })
+}
+
+fn poses(side: &MachineResult) -> Vec<Pose> {
+    side.reached.iter().map(|(pose, _)| pose.clone()).collect()
+}
+
+fn contribution(alone: &AnalysedContribution) -> ErrorContribution {
+    let minus_first = (0..alone.um.len()).map(|i| alone.minus_first(i)).collect();
+    ErrorContribution { error: alone.error.to_string(), um: alone.um.clone(), minus_first }
+}
+
+fn compared_machine(
+    file: &MachineFile,
+    side: &MachineResult,
+    order: Order,
+    asked: Option<&ToolPoses>,
+) -> ComparedMachine {
+    ComparedMachine {
+        machine: file.name().to_owned(),
+        file: file.path().to_owned(),
+        order,
+        unreachable: side.unreachable,
+        position_um: side.statistics.position_um,
+        rotation_urad: side.statistics.rotation_urad,
+        minus_first: side.difference,
+        missed: asked.map(|asked| asked.missed(&side.missed)),
+        chain: file.chain().to_string(),
+    }
+}
+
+fn row(comparison: &Comparison, index: usize) -> ComparedPose {
+    let target = &comparison.common[index];
+    let deviation = |side: &MachineResult| {
+        let (_, deviation) = &side.reached[index];
+        PoseDeviation { position_mm: deviation.position.into(), rotation_rad: deviation.rotation.into() }
+    };
+    let deviations = comparison.machines.iter().map(deviation).collect();
+    ComparedPose { tip_mm: target.tip.into(), direction: target.direction.into(), deviations }
+}
+
+fn nothing_in_common(files: &[MachineFile], comparison: &Comparison) -> Diagnostic {
+    let missed = |(file, side): (&MachineFile, &MachineResult)| format!("{} misses {}", file.path(), side.unreachable);
+    let help = files.iter().zip(&comparison.machines).map(missed).collect::<Vec<_>>().join("; ");
+    let message = format!("none of the {} tool poses is reached by all machines", comparison.asked);
+    Diagnostic::new(codes::E0813, message).help(format!(
+        "{help}. Tool poses count from the workpiece origin: give the machines comparable ones, or narrow the first one's `volume`"
+    ))
+}

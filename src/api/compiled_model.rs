@@ -1,0 +1,101 @@
+//! A machine compiled for many poses.
+
+use super::machine_file::MachineFile;
+use super::poses::known;
+use crate::diagnostic::{Diagnostic, codes};
+use crate::evaluate::{self, Batch, Columns, Order};
+use crate::machine::Approach;
+
+/// A machine compiled for an order and a side of approach. Deviations are actual minus nominal, in the workpiece frame.
+///
+/// The numbers depend neither on the vector width of the processor nor on the number of threads.
+#[derive(Debug, Clone)]
+pub struct CompiledModel(evaluate::CompiledModel);
+
+/// Deviation at one pose: actual minus nominal, workpiece frame.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct PoseDeviation {
+    /// Of the functional point, mm.
+    pub position_mm: [f64; 3],
+    /// Of the orientation of the tool, rad.
+    pub rotation_rad: [f64; 3],
+}
+
+/// Deviations at many poses by columns, each as long as the columns of positions.
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
+pub struct DeviationColumns {
+    /// Along x, mm.
+    pub dx: Vec<f64>,
+    /// Along y, mm.
+    pub dy: Vec<f64>,
+    /// Along z, mm.
+    pub dz: Vec<f64>,
+    /// About x, rad.
+    pub wx: Vec<f64>,
+    /// About y, rad.
+    pub wy: Vec<f64>,
+    /// About z, rad.
+    pub wz: Vec<f64>,
+}
+
+/// Compiles a machine. The model stands alone: it does not borrow the machine.
+pub fn compile_model(file: &MachineFile, order: Order, approach: Approach) -> CompiledModel {
+    CompiledModel(evaluate::CompiledModel::new(file, order, approach))
+}
+
+impl CompiledModel {
+    /// Returns the names of the axes in the order of the positions.
+    pub fn axes(&self) -> impl Iterator<Item = &str> {
+        self.0.machine().axes().iter().map(|axis| axis.name.as_str())
+    }
+
+    /// Returns the deviation at a pose: one position for each axis, mm or deg.
+    ///
+    /// Fails if the number of positions is not that of the axes, and where an error curve is not known.
+    pub fn deviation(&self, pose: &[f64]) -> Result<PoseDeviation, Diagnostic> {
+        self.counted(pose.len())?;
+        known(self.0.machine(), pose)?;
+        let deviation = self.0.deviation(pose);
+        Ok(PoseDeviation { position_mm: deviation.position.into(), rotation_rad: deviation.rotation.into() })
+    }
+
+    /// Returns the deviations at many poses, computed on all threads: one column of positions for each axis, mm or deg,
+    /// all of one length.
+    ///
+    /// Fails if the number or the lengths of the columns do not fit, and where an error curve is not known.
+    pub fn deviations(&self, columns: &[&[f64]]) -> Result<DeviationColumns, Diagnostic> {
+        self.counted(columns.len())?;
+        let len = columns.first().map_or(0, |column| column.len());
+        let unfit = || Diagnostic::new(codes::E0818, "the columns of positions are not of one length");
+        let batch = Batch::new(columns.to_vec(), len).ok_or_else(unfit)?;
+        self.known(columns)?;
+        let mut out = Columns::new(len);
+        self.0.deviations_parallel(&batch, out.output(len));
+        let Columns { position: [dx, dy, dz], rotation: [wx, wy, wz] } = out;
+        Ok(DeviationColumns { dx, dy, dz, wx, wy, wz })
+    }
+
+    fn counted(&self, positions: usize) -> Result<(), Diagnostic> {
+        let axes = self.0.machine().axes().len();
+        if positions == axes {
+            return Ok(());
+        }
+        let message = format!("there are positions of {positions} axes; the machine has {axes}");
+        let names = self.axes().collect::<Vec<_>>().join(", ");
+        Err(Diagnostic::new(codes::E0818, message).help(format!("its axes are {names}, in this order")))
+    }
+
+    /// Error curves are known on intervals: their ends decide.
+    fn known(&self, columns: &[&[f64]]) -> Result<(), Diagnostic> {
+        if columns.iter().flat_map(|column| column.iter()).any(|q| !q.is_finite()) {
+            return known(self.0.machine(), &vec![f64::INFINITY; columns.len()]);
+        }
+        for end in [f64::min, f64::max] {
+            let pose = columns.iter().map(|column| column.iter().copied().reduce(end).unwrap_or(0.0));
+            if columns.iter().any(|column| !column.is_empty()) {
+                known(self.0.machine(), &pose.collect::<Vec<_>>())?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,113 @@
+//! Besides deviations: what errors do one by one and two by two, and how far axes move to undo them.
+
+use super::poses::AxisPositions;
+use super::run::{Call, Refused};
+use crate::algebra::difference;
+use crate::analysis::{Effect, Interactions, Inverse, interactions};
+use crate::diagnostic::{Diagnostic, codes};
+use crate::evaluate::random_poses;
+use crate::lower::{WeilLift, values};
+use crate::machine::{Approach, AxisKind, Machine, Pose};
+use nalgebra::Vector3;
+
+/// Poses of the volume over which the bound is taken, besides those asked for.
+pub(super) const BOUND_POSES: usize = 64;
+
+/// What an error, or a pair of errors, does at a pose; workpiece frame.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ErrorEffect {
+    /// Name of the error; of a pair `A*B`.
+    pub error: String,
+    /// Displacement of the functional point when each error is 1 mm or 1 rad, mm.
+    pub deviation: [f64; 3],
+    /// Rotation of the tool, rad.
+    pub rotation: [f64; 3],
+    /// Product of the values of the errors at the pose, mm and rad.
+    pub value: f64,
+}
+
+/// Bound of what order 1 neglects: all interactions of second degree with one sign.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Neglected {
+    /// Of the functional point, mm.
+    pub position_mm: f64,
+    /// Of the tool, rad.
+    pub rotation_rad: f64,
+}
+
+impl Neglected {
+    fn of(interactions: &Interactions) -> Self {
+        let (position_mm, rotation_rad) = interactions.neglected();
+        Self { position_mm, rotation_rad }
+    }
+
+    fn max(self, other: Self) -> Self {
+        let (position_mm, rotation_rad) =
+            (self.position_mm.max(other.position_mm), self.rotation_rad.max(other.rotation_rad));
+        Self { position_mm, rotation_rad }
+    }
+}
+
+/// Effects at one pose.
+pub(super) struct Effects {
+    pub sensitivity: Vec<ErrorEffect>,
+    pub interactions: Option<Vec<ErrorEffect>>,
+    pub neglected: Option<Neglected>,
+}
+
+/// Returns the effects at each pose, and what order 1 neglects at most over them and over the volume.
+pub(super) fn effects(
+    call: &mut Call<'_>,
+    (machine, poses): (&Machine, &[Pose]),
+    approach: Approach,
+    interacting: bool,
+) -> Result<(Vec<Effects>, Option<Neglected>), Refused> {
+    let calculation = interactions(machine, 1 + u8::from(interacting)).or_else(|refusal| call.refuse(refusal))?;
+    let at: Vec<Interactions> = poses.iter().map(|pose| calculation.at(pose, approach)).collect();
+    let bound = || {
+        let volume = random_poses(machine, BOUND_POSES, 1).into_iter();
+        let volume = volume.map(|pose| Neglected::of(&calculation.at(&pose, approach)));
+        let none = Neglected { position_mm: 0.0, rotation_rad: 0.0 };
+        volume.chain(at.iter().map(Neglected::of)).fold(none, Neglected::max)
+    };
+    let neglected = interacting.then(bound);
+    let one = |at: &Interactions| Effects {
+        sensitivity: list(&at.first),
+        interactions: interacting.then(|| list(&at.second)),
+        neglected: interacting.then(|| Neglected::of(at)),
+    };
+    Ok((at.iter().map(one).collect(), neglected))
+}
+
+fn list(effects: &[Effect]) -> Vec<ErrorEffect> {
+    let row = |v: &Vector3<f64>| [v.x + 0.0, v.y + 0.0, v.z + 0.0];
+    let one = |effect: &Effect| ErrorEffect {
+        error: effect.errors.join("*"),
+        deviation: row(&effect.deviation),
+        rotation: row(&effect.rotation),
+        value: effect.value,
+    };
+    effects.iter().map(one).collect()
+}
+
+/// Returns by how much the axes move to undo the errors, over an algebra: mm and deg, by axis.
+pub(super) fn inverse(
+    call: &mut Call<'_>,
+    (machine, pose): (&Machine, &Pose),
+    lift: &WeilLift,
+    approach: Approach,
+) -> Result<AxisPositions, Refused> {
+    let errors = values(machine, pose, approach);
+    let problem = Inverse::new(machine, pose, &errors);
+    let Ok(by) = problem.solve(lift, lift.basis().order()) else {
+        let message = "the axes cannot be solved for at this pose: a division by an element whose real part is zero";
+        let help = "`--inverse` needs three linear axes that are independent, with or without two rotary ones, at a pose that is not singular";
+        return call.refuse(Diagnostic::new(codes::E0524, message).help(help));
+    };
+    let displacement = |(axis, by): (&usize, &crate::algebra::Weil)| {
+        let axis = &machine.axes()[*axis];
+        let sum = difference(by, 0.0);
+        (axis.name.to_string(), if axis.kind == AxisKind::Rotary { sum.to_degrees() } else { sum } + 0.0)
+    };
+    Ok(problem.moved().iter().zip(&by).map(displacement).collect())
+}

@@ -1,0 +1,369 @@
+//! All arrangements of the axes on the two sides of the bed, ranked on the same work.
+
+use super::machine_file::MachineFile;
+use super::run::{Answer, Call, Refused, Run};
+use super::study::{self, StudyFile};
+use super::tolerances::ToleranceOptions;
+use super::tool_poses::{self, ReachedToolPoses};
+use crate::analysis::Work;
+use crate::analysis::budget::{Bound, Statistic, known};
+use crate::analysis::enumerate::{
+    Journal, Judge, MAX_ARRANGEMENTS, Ranking, Row, Rule, RuleFailure, Standing, Study, TooMany, Walk, ranked, walks,
+};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::machine::{AxisKind, AxisName, Machine};
+use rayon::prelude::*;
+use serde::{Serialize, Serializer};
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use std::path::PathBuf;
+
+/// Options of [`enumerate`].
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct EnumerateOptions {
+    /// How errors are bounded, drawn and judged.
+    #[serde(flatten)]
+    pub tolerances: ToleranceOptions,
+    /// Seed of poses and errors.
+    pub seed: u64,
+    /// What arrangements are judged by; by default by a budget if any error is bounded.
+    pub by: Option<JudgedBy>,
+    /// Rules that arrangements obey, such as `C before A`, `Y carries A`, `at most 2 on table`.
+    pub require: Vec<String>,
+    /// Maximum number of axes that carry the workpiece.
+    pub max_table: Option<usize>,
+    /// Number of rotary axes at a time, every choice of them; by default all.
+    pub rotary: Option<usize>,
+    /// Number of tool poses.
+    pub poses: usize,
+    /// A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or rotary axes (deg).
+    pub tool_poses: Option<PathBuf>,
+    /// Number of machines that are drawn for the budget, at least 2.
+    pub samples: usize,
+    /// Fraction of the tool poses that a ranked arrangement reaches, in percent.
+    pub reach_percent: f64,
+    /// A file of results of this study; what it holds is not computed again.
+    pub state: Option<PathBuf>,
+    /// Computes only part I of N of the walks.
+    pub shard: Option<(usize, usize)>,
+    /// Files of results that are put together instead of computing.
+    pub merge: Vec<PathBuf>,
+}
+
+impl Default for EnumerateOptions {
+    fn default() -> Self {
+        Self {
+            tolerances: ToleranceOptions::default(),
+            seed: 1,
+            by: None,
+            require: Vec::new(),
+            max_table: None,
+            rotary: None,
+            poses: 500,
+            tool_poses: None,
+            samples: 200,
+            reach_percent: 50.0,
+            state: None,
+            shard: None,
+            merge: Vec::new(),
+        }
+    }
+}
+
+/// What arrangements are judged by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum JudgedBy {
+    /// Errors drawn between tolerances.
+    Budget,
+    /// The errors that have values.
+    Errors,
+}
+
+/// The arrangements, or how far the study has come.
+#[derive(Debug, Clone, serde::Serialize)]
+#[serde(untagged)]
+pub enum EnumerateResult {
+    /// All walks are done.
+    Ranked(Box<RankedArrangements>),
+    /// A part of the walks is done.
+    Part(StudyProgress),
+}
+
+/// How far a study has come.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct StudyProgress {
+    /// The file of the results; empty without.
+    pub state: String,
+    /// Number of walks that are done.
+    pub walks_done: usize,
+    /// Number of walks.
+    pub walks: usize,
+}
+
+/// Arrangements in order. Serialises as docs/formats.md describes.
+#[derive(Debug, Clone)]
+pub struct RankedArrangements {
+    /// Name of the machine.
+    pub machine: String,
+    /// The kinematic chain of the machine as its file has it.
+    pub chain: String,
+    /// What the arrangements are judged by.
+    pub by: JudgedBy,
+    /// The class of machines that bounds errors, if one was asked for.
+    pub class: Option<String>,
+    /// Source of the class.
+    pub class_source: Option<String>,
+    /// Number of errors that count.
+    pub errors: usize,
+    /// Number of tool poses.
+    pub poses: usize,
+    /// Number of machines drawn.
+    pub samples: usize,
+    /// Seed of poses and errors.
+    pub seed: u64,
+    /// Statistic of a machine over the poses.
+    pub statistic: Statistic,
+    /// Fraction of the tool poses that a ranked arrangement reaches, in percent.
+    pub reach_percent: f64,
+    /// The arrangements in three groups.
+    pub ranking: Ranking,
+    /// What the machine as its file has it reaches of the tool poses of a file.
+    pub tool_poses: Option<ReachedToolPoses>,
+}
+
+impl RankedArrangements {
+    /// Returns the number of arrangements.
+    pub fn arrangements(&self) -> usize {
+        self.ranking.ranked.len() + self.ranking.short.len() + self.ranking.cannot_turn.len()
+    }
+
+    fn contract(&self) -> Value {
+        let samples = (self.by == JudgedBy::Budget).then_some(self.samples);
+        let number = |(i, row): (usize, &Row)| {
+            let mut json = row_json(row);
+            if let Some(object) = json.as_object_mut() {
+                let _ = object.insert("rank".to_owned(), (i + 1).into());
+            }
+            json
+        };
+        let mut json = json!({
+            "machine": self.machine, "chain": self.chain, "by": self.by,
+            "class": self.class, "class_source": self.class_source, "errors": self.errors,
+            "poses": self.poses, "samples": samples, "seed": self.seed,
+            "statistic": self.statistic, "reach": self.reach_percent / 100.0,
+            "arrangements": self.arrangements(),
+            "ranked": self.ranking.ranked.iter().enumerate().map(number).collect::<Vec<_>>(),
+            "reach_less": self.ranking.short.iter().map(row_json).collect::<Vec<_>>(),
+            "cannot_turn_the_tool": self.ranking.cannot_turn.iter().map(|row| row.chain.clone()).collect::<Vec<_>>(),
+        });
+        if let (Some(object), Some(reached)) = (json.as_object_mut(), &self.tool_poses) {
+            let _ = object.insert("tool_poses".to_owned(), json!(reached));
+        }
+        json
+    }
+}
+
+impl Serialize for RankedArrangements {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.contract().serialize(serializer)
+    }
+}
+
+fn row_json(row: &Row) -> Value {
+    let judged = row.standing == Standing::Judged;
+    json!({
+        "chain": row.chain, "on_table": row.table, "reached": row.reached, "unreachable": row.unreachable,
+        "um": row.result.filter(|_| judged).map(|r| r.um), "low": row.result.and_then(|r| r.low),
+        "high": row.result.and_then(|r| r.high), "mean": row.result.and_then(|r| r.mean),
+        "minus_file": row.result.map(|r| r.minus_file),
+    })
+}
+
+/// Poses times samples: as many figures are kept of the arrangement of the file.
+const MAX_DRAWS: u64 = 20_000_000;
+
+/// Ranks all arrangements of the axes of a machine. `file` keeps the results while they are computed.
+///
+/// Fails for rules that are not understood, for more arrangements or draws than can be kept, and for files of results
+/// that belong to another study.
+pub fn enumerate(
+    machine: &MachineFile,
+    options: &EnumerateOptions,
+    file: Option<&dyn StudyFile>,
+    run: Run<'_>,
+) -> Result<Answer<EnumerateResult>, Diagnostics> {
+    Call::answer(run, machine.sources(), |call| studied(call, machine, options, file))
+}
+
+fn studied(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    options: &EnumerateOptions,
+    file: Option<&dyn StudyFile>,
+) -> Result<EnumerateResult, Refused> {
+    fitting(call, machine, options)?;
+    let rules = rules(options, machine).or_else(|refusal| call.refuse(refusal))?;
+    let walks = listed(options, machine, &rules).or_else(|refusal| call.refuse(refusal))?;
+    let (judge, class_source) = judge(call, options, machine)?;
+    let (work, tool_poses) = work(call, options, machine)?;
+    if let (Judge::Budget { samples, .. }, true) = (&judge, options.tool_poses.is_some()) {
+        draws(work.len() as u64, *samples as u64).or_else(|refusal| call.refuse(refusal))?;
+    }
+    let empty = Journal::new(fingerprint(options, machine, &judge, &rules, &work), walks.len());
+    let (by, errors) = match &judge {
+        Judge::Errors => (JudgedBy::Errors, known(machine)),
+        Judge::Budget { bounds, .. } => (JudgedBy::Budget, bounds.len()),
+    };
+    let journal = if options.merge.is_empty() {
+        let begun = study::begun(call, options.state.as_deref(), empty)?;
+        let study = (walks, judge, &work);
+        computed(call, (machine, options), study, (begun, file))?
+    } else {
+        study::merged(call, &options.merge, empty)?
+    };
+    if !journal.is_complete() {
+        let state = options.state.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
+        let progress = StudyProgress { state, walks_done: journal.done.len(), walks: journal.steps };
+        return Ok(EnumerateResult::Part(progress));
+    }
+    let rows = journal.rows();
+    let poses = rows.iter().map(|row| row.reached + row.unreachable.total).max().unwrap_or(0);
+    Ok(EnumerateResult::Ranked(Box::new(RankedArrangements {
+        machine: machine.name().to_owned(),
+        chain: machine.chain().to_string(),
+        by,
+        class: options.tolerances.class.clone(),
+        class_source,
+        errors,
+        poses,
+        samples: options.samples,
+        seed: options.seed,
+        statistic: options.tolerances.statistic,
+        reach_percent: options.reach_percent,
+        ranking: ranked(rows, poses, options.reach_percent / 100.0),
+        tool_poses,
+    })))
+}
+
+/// Refuses options that make no sense, for this machine or together.
+fn fitting(call: &mut Call<'_>, machine: &Machine, options: &EnumerateOptions) -> Result<(), Refused> {
+    if options.shard.is_some_and(|(i, n)| !(1..=n).contains(&i)) {
+        return call.usage("part I of N is 1 to N");
+    }
+    if !(0.0..=100.0).contains(&options.reach_percent) {
+        return call.usage("`--reach` is a share in percent, 0 to 100");
+    }
+    if options.samples < 2 {
+        return call.usage("a budget draws 2 machines at least");
+    }
+    let rotary = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary).count();
+    if options.rotary.is_some_and(|wanted| wanted > rotary) {
+        return call.usage(format!("`--rotary` is at most {rotary}: so many rotary axes has the machine"));
+    }
+    if options.tool_poses.is_none() {
+        draws(options.poses as u64, options.samples as u64).or_else(|refusal| call.refuse(refusal))?;
+    }
+    Ok(())
+}
+
+/// Refuses more draws than are kept.
+fn draws(poses: u64, samples: u64) -> Result<(), Diagnostic> {
+    let draws = poses.saturating_mul(samples);
+    if draws <= MAX_DRAWS {
+        return Ok(());
+    }
+    let message = format!("{poses} poses and {samples} samples are {draws} drawn poses; {MAX_DRAWS} are kept at most");
+    Err(Diagnostic::new(codes::E0606, message).help("take fewer poses or `--samples`"))
+}
+
+/// The tool poses of the file, or random ones over the volume of the machine.
+fn work(
+    call: &mut Call<'_>,
+    options: &EnumerateOptions,
+    machine: &Machine,
+) -> Result<(Work, Option<ReachedToolPoses>), Refused> {
+    let Some(path) = &options.tool_poses else {
+        return Ok((Work::random(machine, options.poses, options.seed), None));
+    };
+    let file = tool_poses::read(call, machine, path)?;
+    let reached = file.reached(call, machine)?;
+    Ok((Work::Listed(file.list(machine)), Some(reached)))
+}
+
+fn rules(options: &EnumerateOptions, machine: &Machine) -> Result<Vec<Rule>, Diagnostic> {
+    let names: Vec<&AxisName> = machine.axes().iter().map(|axis| &axis.name).collect();
+    let sugar = options.max_table.map(|n| format!("at most {n} on table"));
+    let help = "write `X before Y`, `X carries Y`, `X on table`, `at most 2 on table`, or one of them after `not`";
+    let refusal = |why: RuleFailure| Diagnostic::new(codes::E0608, shown(&why.to_string())).help(help);
+    options.require.iter().chain(&sugar).map(|text| Rule::parse(text, &names).map_err(refusal)).collect()
+}
+
+fn listed(options: &EnumerateOptions, machine: &Machine, rules: &[Rule]) -> Result<Vec<Walk>, Diagnostic> {
+    let message = match walks(machine, options.rotary, rules) {
+        Ok(list) if list.is_empty() => {
+            let message = "the rules leave no arrangement";
+            return Err(Diagnostic::new(codes::E0609, message).help("take one of the rules back"));
+        }
+        Ok(list) => return Ok(list),
+        Err(TooMany::Before(usize::MAX)) => "the axes have more arrangements than can be counted".to_owned(),
+        Err(TooMany::Before(count)) => format!("the axes have {count} arrangements before any is excluded"),
+        Err(TooMany::After(count)) => format!("{count} arrangements are left"),
+    };
+    let help = "exclude what you would not build (`--require`, `--max-table`), take fewer rotary axes (`--rotary 2`), or take axes out of the chain";
+    Err(Diagnostic::new(codes::E0607, format!("{message}; {MAX_ARRANGEMENTS} are listed at most")).help(help))
+}
+
+fn judge(
+    call: &mut Call<'_>,
+    options: &EnumerateOptions,
+    machine: &Machine,
+) -> Result<(Judge, Option<String>), Refused> {
+    let bounded = options.tolerances.class.is_some() || machine.errors().count() > known(machine);
+    let by = options.by.unwrap_or(if bounded { JudgedBy::Budget } else { JudgedBy::Errors });
+    if by == JudgedBy::Errors {
+        return Ok((Judge::Errors, None));
+    }
+    let (bounds, source): (Vec<Bound>, _) = options.tolerances.bounds(call, machine)?;
+    Ok((Judge::Budget { bounds, draws: options.tolerances.draws(options.seed), samples: options.samples }, source))
+}
+
+/// What results depend on: everything resolved, and every option that changes a number.
+fn fingerprint(options: &EnumerateOptions, machine: &Machine, judge: &Judge, rules: &[Rule], work: &Work) -> String {
+    let rules: Vec<String> = rules.iter().map(Rule::to_string).collect();
+    let bounds = match judge {
+        Judge::Budget { bounds, samples, .. } => {
+            format!("{bounds:?} {samples} {:?}", options.tolerances.distribution)
+        }
+        Judge::Errors => "errors".to_owned(),
+    };
+    let listed = if options.tool_poses.is_some() { format!(" {work:?}") } else { String::new() };
+    let drawn = (options.rotary, options.poses, options.seed, options.tolerances.statistic);
+    let text = format!("{} {machine:?} {rules:?} {bounds} {drawn:?}{listed}", env!("CARGO_PKG_VERSION"));
+    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Walk by walk what is not there yet, kept every now and then.
+fn computed(
+    call: &mut Call<'_>,
+    (machine, options): (&Machine, &EnumerateOptions),
+    (walks, judge, work): (Vec<Walk>, Judge, &Work),
+    (begun, file): (Journal, Option<&dyn StudyFile>),
+) -> Result<Journal, Refused> {
+    let mine = |step: &usize| options.shard.is_none_or(|(i, n)| step % n == i - 1);
+    let todo: Vec<usize> = (0..walks.len()).filter(mine).filter(|step| !begun.done.contains_key(step)).collect();
+    let keeper = study::Keeper::new(begun, file);
+    if !todo.is_empty() {
+        let study = Study::new(machine, walks, judge, options.tolerances.statistic, work);
+        call.stage(todo.len(), |advance| {
+            todo.into_par_iter().for_each(|step| {
+                if !keeper.has_failed() {
+                    keeper.keep(step, study.step(step));
+                    advance(1);
+                }
+            });
+        });
+    }
+    keeper.finish().or_else(|refusal| call.refuse(refusal))
+}

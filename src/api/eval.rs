@@ -1,0 +1,185 @@
+//! Deviation and E_VE at poses.
+
+use super::effects::{ErrorEffect, Neglected, effects, inverse};
+use super::machine_file::{MachineFile, bounded_only};
+use super::poses::{AxisPositions, axis_positions, poses};
+use super::run::{Answer, Call, Refused, Run};
+use super::{algebra, order_of};
+use crate::diagnostic::Diagnostics;
+use crate::evaluate::{Evaluation, Frame, Order, evaluate, evaluate_over};
+use crate::lower::WeilLift;
+use crate::machine::{Approach, Machine, Pose};
+use nalgebra::Vector3;
+use std::path::PathBuf;
+
+/// Options of [`eval`].
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct EvalOptions {
+    /// Poses as text, `X=100,C=90`: mm and deg; axes left out are at 0.
+    pub at: Vec<String>,
+    /// Poses as numbers, mm and deg, each as long as the machine has axes and in the order of the chain.
+    pub poses: Vec<Vec<f64>>,
+    /// A CSV file of poses: a header of axis names, one pose a line, mm and deg.
+    pub pose_file: Option<PathBuf>,
+    /// How far errors are followed; by default exactly, unless the conventions of the machine name an order.
+    pub order: Option<Order>,
+    /// Side of approach, where forward and reverse curves were given.
+    pub approach: Approach,
+    /// Frame of the vectors.
+    pub frame: Frame,
+    /// Follows errors over a Weil algebra instead, in the words of the section `algebra` of a machine file; an empty
+    /// text takes that section.
+    pub algebra: Option<String>,
+    /// Solves for the displacements of the axes that undo the errors, over `algebra`.
+    pub inverse: bool,
+    /// Lists what 1 um or 1 urad of every error does.
+    pub sensitivity: bool,
+    /// Lists what pairs of errors do, and how far order 1 can be trusted. Implies `sensitivity`.
+    pub interactions: bool,
+}
+
+/// Deviations at poses.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct EvalResult {
+    /// Name of the machine.
+    pub machine: String,
+    /// `exact`, a degree, or the algebra in words.
+    pub order: String,
+    /// Frame of the vectors.
+    pub frame: Frame,
+    /// Side of approach.
+    pub direction: Approach,
+    /// Name of the tool; empty for a tool without a name.
+    pub tool: String,
+    /// Units of the numbers.
+    pub units: EvalUnits,
+    /// The poses in their order.
+    pub poses: Vec<PoseResult>,
+    /// What order 1 neglects at most, over these poses and over [`EvalResult::BOUND_POSES`] of the volume.
+    #[serde(skip)]
+    pub neglected: Option<Neglected>,
+}
+
+impl EvalResult {
+    /// Random poses of the volume behind [`EvalResult::neglected`].
+    pub const BOUND_POSES: usize = super::effects::BOUND_POSES;
+}
+
+/// Units of an [`EvalResult`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct EvalUnits {
+    /// Of positions and deviations of points.
+    pub position: &'static str,
+    /// Of rotations.
+    pub rotation: &'static str,
+    /// Of positions of linear axes.
+    pub linear_axis: &'static str,
+    /// Of positions of rotary axes.
+    pub rotary_axis: &'static str,
+}
+
+const UNITS: EvalUnits = EvalUnits { position: "mm", rotation: "rad", linear_axis: "mm", rotary_axis: "deg" };
+
+/// Deviation at one pose.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct PoseResult {
+    /// The pose, mm and deg.
+    pub axes: AxisPositions,
+    /// Nominal position of the functional point from the workpiece origin, mm.
+    pub nominal: [f64; 3],
+    /// Actual minus nominal position of the functional point, mm.
+    pub deviation: [f64; 3],
+    /// Actual minus nominal orientation of the tool, rad.
+    pub rotation: [f64; 3],
+    /// `T_tool^-1 T_work`, actual minus nominal, row by row.
+    pub e_ve: [[f64; 4]; 4],
+    /// What each error does, with [`EvalOptions::sensitivity`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensitivity: Option<Vec<ErrorEffect>>,
+    /// What pairs of errors do, with [`EvalOptions::interactions`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interactions: Option<Vec<ErrorEffect>>,
+    /// What order 1 neglects at most at this pose, with [`EvalOptions::interactions`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub order_1_neglects: Option<Neglected>,
+    /// By how much the axes move to undo the errors, mm and deg, with [`EvalOptions::inverse`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inverse: Option<AxisPositions>,
+}
+
+/// Evaluates a machine at poses.
+///
+/// Fails for a pose that does not fit the machine, and where an error curve is not known. Warns of poses beyond the
+/// travel.
+pub fn eval(file: &MachineFile, options: &EvalOptions, run: Run<'_>) -> Result<Answer<EvalResult>, Diagnostics> {
+    Call::answer(run, file.sources(), |call| evaluated(call, file, options))
+}
+
+fn evaluated(call: &mut Call<'_>, machine: &Machine, options: &EvalOptions) -> Result<EvalResult, Refused> {
+    call.extend(bounded_only(machine));
+    let asked = (options.at.as_slice(), options.poses.as_slice(), options.pose_file.as_ref());
+    let poses = poses(call, machine, asked)?;
+    let lift = options.algebra.as_deref().map(|text| algebra::lift(call, machine, text)).transpose()?;
+    if options.inverse && lift.is_none() {
+        return call.usage("displacements that undo the errors need an algebra");
+    }
+    let (order, approach) = (order_of(machine, options.order), options.approach);
+    let one = |pose: &Pose| match &lift {
+        Some(lift) => evaluate_over(machine, pose, lift, approach, options.frame),
+        None => evaluate(machine, pose, order, approach, options.frame),
+    };
+    let mut results: Vec<PoseResult> = poses.iter().map(|pose| result(machine, pose, &one(pose))).collect();
+    let neglected = besides(call, (machine, &poses), options, lift.as_ref(), &mut results)?;
+    Ok(EvalResult {
+        machine: machine.name().to_owned(),
+        order: lift.as_ref().map_or_else(|| order.to_string(), algebra::name),
+        frame: options.frame,
+        direction: approach,
+        tool: machine.tool().name.clone(),
+        units: UNITS,
+        poses: results,
+        neglected,
+    })
+}
+
+/// Adds to the results what is asked for besides deviations.
+fn besides(
+    call: &mut Call<'_>,
+    (machine, poses): (&Machine, &[Pose]),
+    options: &EvalOptions,
+    lift: Option<&WeilLift>,
+    results: &mut [PoseResult],
+) -> Result<Option<Neglected>, Refused> {
+    let mut neglected = None;
+    if options.sensitivity || options.interactions {
+        let (list, most) = effects(call, (machine, poses), options.approach, options.interactions)?;
+        neglected = most;
+        for (result, effects) in results.iter_mut().zip(list) {
+            result.sensitivity = Some(effects.sensitivity);
+            (result.interactions, result.order_1_neglects) = (effects.interactions, effects.neglected);
+        }
+    }
+    if let Some(lift) = lift.filter(|_| options.inverse) {
+        for (result, pose) in results.iter_mut().zip(poses) {
+            result.inverse = Some(inverse(call, (machine, pose), lift, options.approach)?);
+        }
+    }
+    Ok(neglected)
+}
+
+fn result(machine: &Machine, pose: &Pose, evaluation: &Evaluation) -> PoseResult {
+    // Adding zero turns -0 into 0.
+    let row = |v: &Vector3<f64>| [v.x + 0.0, v.y + 0.0, v.z + 0.0];
+    PoseResult {
+        axes: axis_positions(machine, pose),
+        nominal: row(&evaluation.nominal),
+        deviation: row(&evaluation.deviation.position),
+        rotation: row(&evaluation.deviation.rotation),
+        e_ve: std::array::from_fn(|i| std::array::from_fn(|j| evaluation.e_ve[(i, j)] + 0.0)),
+        sensitivity: None,
+        interactions: None,
+        order_1_neglects: None,
+        inverse: None,
+    }
+}

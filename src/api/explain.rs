@@ -1,0 +1,103 @@
+//! The long text of a diagnostic's code, of an error's name, of a controller.
+
+use super::targets::{TargetSummary, target};
+use crate::diagnostic::{CODES, Code, Diagnostic, codes, info};
+use crate::machine::{Direction, ErrorId, parse_error_name};
+use serde::Serialize;
+
+/// An explanation.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Explanation {
+    /// The code, error name or controller as it is written.
+    pub topic: String,
+    /// The explanation, Markdown.
+    pub text: String,
+}
+
+impl Explanation {
+    fn of_code(code: &Code) -> Self {
+        let text = format!("{}: {}\n\n{}", code.id, code.title, code.explanation.trim());
+        Self { topic: code.id.to_owned(), text }
+    }
+
+    fn of_target(target: TargetSummary) -> Self {
+        let text = target.text();
+        Self { topic: target.target, text }
+    }
+}
+
+/// Explains a code such as E0203, an error such as EC0Y, or a controller such as linuxcnc. Fails for other words.
+pub fn explain(topic: &str) -> Result<Explanation, Diagnostic> {
+    let code = info(topic).map(Explanation::of_code);
+    code.or_else(|| target(topic).map(Explanation::of_target)).or_else(|| error_name(topic)).ok_or_else(|| {
+        let codes: Vec<&str> = CODES.iter().map(|code| code.id).collect();
+        let message = format!(
+            "`{}` is no code, error name or target.\nCodes: {}\nErrors: EXX .. ECC, EC0Y and the like. Targets: `abbe targets`.",
+            topic.escape_debug(),
+            codes.join(" ")
+        );
+        Diagnostic::new(codes::E0818, message)
+    })
+}
+
+fn error_name(what: &str) -> Option<Explanation> {
+    let id = parse_error_name(what)?;
+    Some(Explanation { topic: id.to_string(), text: describe(&id) })
+}
+
+fn describe(id: &ErrorId) -> String {
+    let motion = if id.direction.is_rotation() { "rotation about" } else { "displacement along" };
+    let letter = ['X', 'Y', 'Z'][id.direction.index() % 3];
+    let mut text = if id.is_location() {
+        format!("{id}: location error of axis {}: {motion} {letter} of its axis of motion, a constant.\n", id.axis)
+    } else {
+        format!(
+            "{id}: component error of axis {}: {motion} {letter} while {} moves, a function of its position.\n",
+            id.axis, id.axis
+        )
+    };
+    text.push_str(
+        "Sign: tool relative to workpiece, actual minus nominal, in the directions of the machine frame (ISO 841).\n",
+    );
+    if let Some(sentence) = squareness(id).or_else(|| rotary(id)) {
+        text.push_str(sentence);
+        text.push('\n');
+    }
+    text.push_str(&format!("Unit: {}.\n", if id.direction.is_rotation() { "urad, arcsec or um/m" } else { "um" }));
+    text
+}
+
+/// The sentence that says the sign of a squareness without a sign.
+fn squareness(id: &ErrorId) -> Option<&'static str> {
+    match (id.is_location(), id.direction, id.axis.as_str()) {
+        (true, Direction::C, "Y") => Some(
+            "Squareness of Y to X: positive when the angle between +X and +Y is above 90 degrees. +10 urad at Y = 500 mm moves the tool by -5 um in X.",
+        ),
+        (true, Direction::B, "Z") => Some(
+            "Squareness of Z to X: positive when the angle between +X and +Z is below 90 degrees. +10 urad at Z = 300 mm moves the tool by +3 um in X.",
+        ),
+        (true, Direction::A, "Z") => Some(
+            "Squareness of Z to Y: positive when the angle between +Y and +Z is above 90 degrees. +10 urad at Z = 300 mm moves the tool by -3 um in Y.",
+        ),
+        _ => None,
+    }
+}
+
+/// The effect of a location error of a rotary axis or spindle, with a number.
+fn rotary(id: &ErrorId) -> Option<&'static str> {
+    if !id.is_location() {
+        return None;
+    }
+    Some(match (id.axis.as_str(), id.direction) {
+        ("A" | "B" | "C", Direction::X | Direction::Y | Direction::Z) => {
+            "The axis line stands that far in + of the machine direction, in a table and in a head alike; nothing moves at position 0. EX0C = +10 um of a C' table moves the tool by +20 um in X of the workpiece frame at C = 180 deg (-20 um in X of the machine frame)."
+        }
+        ("A" | "B" | "C", _) => {
+            "The axis line is turned by that angle, right-handed, about the machine direction through the axis's origin; nothing moves at position 0. EA0C = +10 urad of a C' table moves the tool by -4 um in Z at C = 180 deg, 200 mm from the axis in Y of the machine."
+        }
+        ("S", Direction::A | Direction::B) => {
+            "The spindle is tilted about the gauge point. EA0S = +10 urad moves the tip of a tool of 100 mm by +1 um in Y, EB0S = +10 urad by -1 um in X."
+        }
+        _ => return None,
+    })
+}

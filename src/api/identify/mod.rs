@@ -1,0 +1,293 @@
+//! Measurements to error parameters, and a fitted machine file.
+
+mod monomials;
+mod pictures;
+mod plan;
+mod provenance;
+mod remarks;
+mod result;
+
+pub use monomials::{MonomialCoefficient, MonomialComponent, MonomialFit, Rms, fit_monomials};
+pub use pictures::NamedSvg;
+pub use plan::{ExpectedParameter, MeasurementPlan, PlanOptions, PlannedPose, plan_measurements};
+pub use result::{
+    FittedParameter, IdentifyResult, KindResidual, OrderShares, OutlierPlace, RepeatedReadings, ResidualTest,
+    RmsBeforeAfter, ScatterOfKind,
+};
+
+use super::machine_file::{MachineFile, Overlay, read_back};
+use super::poses;
+use super::run::{Answer, Call, Refused, Run};
+use crate::controller::sha256;
+use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::evaluate::{Frame, Order};
+use crate::identify::{
+    Data, End, Fit, Measurement, Model, Parameter, Randomness, Reading, Repeats, Residuals, SlopeBound, Solution,
+    fitted_file, held_out, overruled, parameters, randomness, read_measurements, repeats, slope_bounds, solve, unused,
+};
+use crate::machine::{Machine, Pose};
+use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
+use crate::units::counted;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Options of [`identify`] and [`fit_monomials`].
+#[derive(Debug, Clone, Default)]
+pub struct IdentifyOptions {
+    /// Files of measurements, read through `run.files`: CSV with a column for each axis and `dx [um]`, `dy [um]`,
+    /// `dz [um]`, or lengths, ball readings, lines, single errors (docs/identification.md).
+    pub data: Vec<PathBuf>,
+    /// Files of measurements by name and text; they come after `data`.
+    pub texts: Vec<(String, String)>,
+    /// Parameters to fit: `location`, `tool`, `workpiece`, `spindle`, `linear`, error names, `EXX:poly3`; if empty,
+    /// the section `identify` of the machine file.
+    pub fit: Vec<String>,
+    /// Parameters that keep their value although a group names them.
+    pub fixed: Vec<String>,
+    /// Frame in which the deviations were measured.
+    pub frame: Frame,
+    /// Model to fit: exact by default, or of order 1 or 2.
+    pub order: Option<Order>,
+    /// Gives readings that stand out less weight (Huber).
+    pub robust: bool,
+    /// Checks the prediction: leaves out every measurement once, in this many parts.
+    pub folds: Option<usize>,
+    /// Also writes the fitted machine file; fails if it is one that would be refused.
+    pub machine_file: bool,
+    /// Also draws prediction and data over the planes of the linear axes.
+    pub pictures: bool,
+}
+
+impl IdentifyOptions {
+    fn order(&self) -> Order {
+        self.order.unwrap_or(Order::Exact)
+    }
+
+    /// All files of measurements, in their order.
+    fn paths(&self) -> Vec<PathBuf> {
+        self.data.iter().cloned().chain(self.texts.iter().map(|(name, _)| PathBuf::from(name))).collect()
+    }
+}
+
+/// Maximum number of unknowns of a fit: time grows with their third power.
+const MAX_UNKNOWNS: usize = 500;
+
+/// Fits error parameters of a machine to measurements.
+///
+/// Fails if the data cannot be read, contradict the machine's axes, or hold fewer readings than there are unknowns, and
+/// if the parameters asked for are not those of the machine.
+pub fn identify(
+    file: &MachineFile,
+    options: &IdentifyOptions,
+    run: Run,
+) -> Result<Answer<IdentifyResult>, Diagnostics> {
+    Call::answer(run, file.sources(), |call| {
+        let problem = Problem::read(call, file, options)?;
+        enough(call, &problem)?;
+        solved(call, file, options, &problem)
+    })
+}
+
+/// The unknowns and the data of a fit.
+struct Problem {
+    request: IdentifyEntry,
+    unknowns: Vec<Parameter>,
+    bounds: Vec<SlopeBound>,
+    rows: Vec<Measurement>,
+    /// SHA-256 of the files of measurements, by path.
+    hashes: BTreeMap<PathBuf, String>,
+}
+
+impl Problem {
+    fn read(call: &mut Call<'_>, file: &MachineFile, options: &IdentifyOptions) -> Result<Self, Refused> {
+        let Requested { request, own, bounds } = Requested::of(call, file, &options.fit, &options.fixed)?;
+        let (mut data, hashes) = measurements(call, file, options)?;
+        call.extend(remarks::left_out(file, &data.leave_out(&own)));
+        let unknowns = own.into_iter().chain(data.nuisances).collect();
+        Ok(Self { request, unknowns, bounds, rows: data.rows, hashes })
+    }
+
+    fn model(&self, machine: &Machine, order: Order) -> Model<'_> {
+        Model::new(machine, &self.unknowns).bounded(&self.bounds).to_order(order)
+    }
+}
+
+/// The parameters asked for.
+struct Requested {
+    request: IdentifyEntry,
+    own: Vec<Parameter>,
+    bounds: Vec<SlopeBound>,
+}
+
+impl Requested {
+    fn of(call: &mut Call<'_>, file: &MachineFile, fit: &[String], fixed: &[String]) -> Result<Self, Refused> {
+        let request = overruled(file, file.identify.clone().unwrap_or_default(), fit, fixed);
+        let own = parameters(file, &request).or_else(|refusal| call.refuse(*refusal))?;
+        let bounds = slope_bounds(file, &request, &own).or_else(|refusal| call.refuse(*refusal))?;
+        // A list of one's own takes what it needs of the section.
+        if fit.is_empty() {
+            call.extend(remarks::unused(&unused(file, &request, &own)));
+        }
+        Ok(Self { request, own, bounds })
+    }
+}
+
+/// Files that remember the hashes of what is read.
+struct Recording<'a> {
+    files: &'a dyn Files,
+    hashes: RefCell<BTreeMap<PathBuf, String>>,
+}
+
+impl Files for Recording<'_> {
+    fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
+        let bytes = self.files.read(path)?;
+        let _ = self.hashes.borrow_mut().insert(path.to_owned(), sha256(&bytes));
+        Ok(bytes)
+    }
+
+    fn read_at_most(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadFailure> {
+        let bytes = self.files.read_at_most(path, limit)?;
+        let _ = self.hashes.borrow_mut().insert(path.to_owned(), sha256(&bytes));
+        Ok(bytes)
+    }
+}
+
+/// The measurements, and the hashes of their files.
+fn measurements(
+    call: &mut Call<'_>,
+    file: &MachineFile,
+    options: &IdentifyOptions,
+) -> Result<(Data, BTreeMap<PathBuf, String>), Refused> {
+    let texts =
+        options.texts.iter().fold(MemoryFiles::default(), |files, (name, text)| files.with(name, text.as_str()));
+    let overlay = Overlay { text: texts, files: call.run.files };
+    let recording = Recording { files: &overlay, hashes: RefCell::default() };
+    let paths = options.paths();
+    let data = read_measurements(&paths, file, options.frame, &recording, &mut call.diagnostics);
+    call.checked()?;
+    let hashes = recording.hashes.into_inner();
+    refuse_copies(call, &paths, &hashes)?;
+    let other = |m: &Measurement| match &m.reading {
+        Reading::Distance { from: End::Pose(to), .. } => Some(to.clone()),
+        _ => None,
+    };
+    let at: Vec<Pose> = data.rows.iter().flat_map(|m| std::iter::once(m.pose.clone()).chain(other(m))).collect();
+    poses::check(call, file, &at)?;
+    Ok((data, hashes))
+}
+
+/// Files with the same contents would count twice.
+fn refuse_copies(call: &mut Call<'_>, list: &[PathBuf], hashes: &BTreeMap<PathBuf, String>) -> Result<(), Refused> {
+    let mut met: BTreeMap<Option<&String>, &PathBuf> = BTreeMap::new();
+    for file in list {
+        if let Some(known) = met.insert(hashes.get(file), file) {
+            let names = [known, file].map(|path| shown(&path.display().to_string()));
+            let message = format!("`{}` and `{}` hold the same readings, which would count twice", names[0], names[1]);
+            return call.refuse(Diagnostic::new(codes::E0501, message).help("name every file once"));
+        }
+    }
+    Ok(())
+}
+
+fn enough(call: &mut Call<'_>, problem: &Problem) -> Result<(), Refused> {
+    let unknowns = problem.unknowns.len();
+    let readings: usize = problem.rows.iter().map(Measurement::readings).sum();
+    let instruments = problem.unknowns.iter().filter(|p| p.is_nuisance()).count();
+    if unknowns > MAX_UNKNOWNS {
+        let message = format!("{unknowns} unknowns, {instruments} of them of instruments, are too many");
+        let help = "at most 500: fit less, or take runs of the same set-up together under one name";
+        return call.refuse(Diagnostic::new(codes::E0508, message).help(help));
+    }
+    if readings >= unknowns {
+        return Ok(());
+    }
+    let also = if instruments > 0 {
+        format!(" and {} of the instruments", counted(instruments, "unknown"))
+    } else {
+        String::new()
+    };
+    let own = counted(unknowns - instruments, "parameter");
+    let message = format!("{} cannot determine {own}{also}", counted(readings, "reading"));
+    call.refuse(Diagnostic::new(codes::E0503, message).help("measure more poses, or fit less"))
+}
+
+/// A fit with all that is known of it.
+struct Fitted<'a> {
+    machine: &'a Machine,
+    /// The machine's parameters first.
+    unknowns: &'a [Parameter],
+    /// Number of the machine's parameters.
+    own: usize,
+    data: &'a [Measurement],
+    solution: Solution,
+    residuals: Residuals,
+    randomness: Vec<Randomness>,
+    held_out: Option<f64>,
+    repeats: Vec<Repeats>,
+    fit: &'a Fit,
+}
+
+impl Fitted<'_> {
+    fn rows(&self) -> usize {
+        self.fit.reduced.rows
+    }
+}
+
+fn solved(
+    call: &mut Call<'_>,
+    file: &MachineFile,
+    options: &IdentifyOptions,
+    problem: &Problem,
+) -> Result<IdentifyResult, Refused> {
+    let (model, data) = (problem.model(file, options.order()), &problem.rows);
+    let fit = solve(&model, data, options.robust);
+    let solution = Solution::of(&fit, &problem.unknowns);
+    let theta = solution.theta();
+    let fitted = Fitted {
+        machine: file,
+        unknowns: &problem.unknowns,
+        own: model.own(),
+        data,
+        residuals: Residuals::of(&model, data, &theta),
+        randomness: randomness(data, &model.residuals(data, &theta), &fit.weights),
+        solution,
+        held_out: options.folds.and_then(|folds| held_out(&model, data, folds, options.robust)),
+        repeats: repeats(data),
+        fit: &fit,
+    };
+    let sources = &call.diagnostics.sources;
+    let remarks = remarks::all(&fitted, sources);
+    let mut result = IdentifyResult::of(&fitted, sources);
+    call.extend(remarks);
+    if options.machine_file {
+        result.machine_file = Some(machine_file(call, file, options, problem, &fitted)?);
+    }
+    if options.pictures {
+        let drawn = pictures::drawn(&model, data, &theta).or_else(|refusal| call.refuse(refusal));
+        result.pictures = drawn?;
+    }
+    Ok(result)
+}
+
+/// The text of the fitted machine file, if it is one that the program itself would take.
+fn machine_file(
+    call: &mut Call<'_>,
+    file: &MachineFile,
+    options: &IdentifyOptions,
+    problem: &Problem,
+    fitted: &Fitted<'_>,
+) -> Result<String, Refused> {
+    call.extend(remarks::written(fitted));
+    let provenance = provenance::entries(file, options, problem, fitted);
+    let own_parameters = &fitted.unknowns[..fitted.own];
+    let text = fitted_file(file, own_parameters, &fitted.solution, &provenance, &problem.request);
+    match read_back(&text) {
+        Ok(_) => Ok(text),
+        Err(why) => {
+            let message = format!("the fitted machine is refused: {why}");
+            let help = "some parameters ran away because the data hardly see them: fix those, or fit less";
+            call.refuse(Diagnostic::new(codes::E0504, message).help(help))
+        }
+    }
+}

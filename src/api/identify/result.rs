@@ -1,0 +1,314 @@
+//! A fit as a value: parameters with their uncertainty, what the data do not determine, and the residuals.
+
+use super::Fitted;
+use super::pictures::NamedSvg;
+use crate::diagnostic::Sources;
+use crate::identify::{Estimate, Outlier, Parameter, Randomness, ReadingKind, Repeats, Scatter};
+use crate::units::significant;
+use serde::Serialize;
+
+/// A parameter with its value.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FittedParameter {
+    /// Name such as `EX0C`.
+    pub name: String,
+    /// Value, in `unit`.
+    pub value: f64,
+    /// Standard uncertainty, in `unit`; none if the data leave the value free or nothing scatters.
+    pub sigma: Option<f64>,
+    /// Unit of value and uncertainty.
+    pub unit: String,
+    /// Standard uncertainties that a 95 % interval reaches to either side.
+    pub coverage_factor_95: Option<f64>,
+    /// Standard deviation of a reading over that of the parameter's effect on a usual reading; 0 if the value is free.
+    pub valuation: f64,
+}
+
+impl FittedParameter {
+    fn of((parameter, estimate): (&Parameter, &Estimate)) -> Self {
+        Self {
+            name: parameter.name.clone(),
+            value: parameter.shown(estimate.value) + 0.0,
+            sigma: estimate.sigma.map(|sigma| parameter.shown(sigma)),
+            unit: parameter.unit.clone(),
+            coverage_factor_95: estimate.coverage,
+            valuation: estimate.valuation,
+        }
+    }
+}
+
+/// Root mean square of the readings, um.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RmsBeforeAfter {
+    /// Against the machine file as it was.
+    pub before: f64,
+    /// Against the fitted machine.
+    pub after: f64,
+    /// Against fits without the readings that they predict, if asked for.
+    pub held_out: Option<f64>,
+}
+
+/// Scatter of one kind of reading.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ScatterOfKind {
+    /// Kind of reading, or `uncertainties given`.
+    pub of: String,
+    /// Standard deviation of a reading of weight 1, um.
+    pub sigma_um: f64,
+    /// The same in words, in the unit of the kind.
+    #[serde(skip)]
+    pub words: String,
+}
+
+/// Scatter of readings of one kind in poses that were measured again.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RepeatedReadings {
+    /// Kind of reading.
+    pub of: String,
+    /// Standard deviation of a reading of weight 1, um.
+    pub sigma_um: f64,
+    /// Degrees of freedom behind it.
+    pub degrees_of_freedom: usize,
+}
+
+/// Deviations by the order of the errors that make them, root mean square over the readings, um.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OrderShares {
+    /// First order.
+    pub first: f64,
+    /// Second order.
+    pub second: f64,
+    /// All higher orders.
+    pub higher: f64,
+    /// Residual of the model of order 1.
+    pub left_by_first: f64,
+    /// Residual of the model of order 2.
+    pub left_by_second: f64,
+}
+
+/// Residual of one kind of reading.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct KindResidual {
+    /// Kind of reading.
+    pub kind: String,
+    /// Number of readings.
+    pub rows: usize,
+    /// Root mean square of their residuals, um.
+    pub rms_um: f64,
+    /// The same in words, in the unit of the kind.
+    #[serde(skip)]
+    pub words: String,
+}
+
+/// Tests of residuals for randomness; the probabilities hold if the residuals are noise.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ResidualTest {
+    /// Readings tested.
+    pub of: String,
+    /// Number of residuals.
+    pub count: usize,
+    /// Probability of residuals so far from a normal distribution.
+    pub normality: f64,
+    /// Probability of so few or so many runs of one sign.
+    pub runs: f64,
+    /// Correlation of a residual with the one before it.
+    pub lag1: f64,
+}
+
+impl ResidualTest {
+    fn of(test: &Randomness) -> Self {
+        let Randomness { count, normality, runs, lag1, .. } = *test;
+        Self { of: test.name(), count, normality, runs, lag1 }
+    }
+}
+
+/// A reading that stands out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OutlierPlace {
+    /// File and line.
+    pub place: String,
+    /// Its residual, um.
+    pub residual_um: f64,
+    /// The same in standard deviations.
+    pub deviations: f64,
+}
+
+/// A fit.
+#[derive(Debug, Clone, Serialize)]
+pub struct IdentifyResult {
+    /// Number of readings.
+    pub rows: usize,
+    /// Number of measurements.
+    pub points: usize,
+    /// The machine's parameters.
+    pub parameters: Vec<FittedParameter>,
+    /// Unknowns of the instruments, such as places of stations.
+    pub instruments: Vec<FittedParameter>,
+    /// Numerical rank of the problem.
+    pub rank: usize,
+    /// Number of unknowns.
+    pub unknowns: usize,
+    /// Number of independent combinations above the noise.
+    pub well_determined: usize,
+    /// Combinations without effect on the data, in words.
+    pub null_space: Vec<String>,
+    /// Combinations below the noise, in words.
+    pub drowned: Vec<String>,
+    /// Ratio of the largest singular value to the smallest that counts.
+    pub condition: f64,
+    /// Least valuation of the machine's parameters that have a value.
+    pub valuation: f64,
+    /// Singular values of the column-scaled problem.
+    pub singular_values: Vec<f64>,
+    /// Root mean square of the readings.
+    pub rms_um: RmsBeforeAfter,
+    /// Standard deviation of a reading of weight 1, um; none where kinds scatter differently.
+    pub sigma_um: Option<f64>,
+    /// Readings beyond the rank.
+    pub degrees_of_freedom: usize,
+    /// Scatter kind by kind, where kinds scatter differently.
+    pub scatter: Vec<ScatterOfKind>,
+    /// Scatter of repeated poses, um: that of the first kind.
+    pub repeatability_um: Option<f64>,
+    /// Scatter of repeated poses, kind by kind.
+    pub repeats: Vec<RepeatedReadings>,
+    /// Deviations by order.
+    pub orders_um: OrderShares,
+    /// Residuals kind by kind.
+    pub kinds: Vec<KindResidual>,
+    /// Tests of the residuals.
+    pub residual_tests: Vec<ResidualTest>,
+    /// Readings that stand out, farthest first.
+    pub outliers: Vec<OutlierPlace>,
+    /// Steps of the fit.
+    pub steps: usize,
+    /// False if the fit was stopped before it had settled.
+    pub settled: bool,
+    /// Name of the machine.
+    #[serde(skip)]
+    pub machine: String,
+    /// Scatter of a reading, in words.
+    #[serde(skip)]
+    pub reading_scatter: String,
+    /// Smallest and largest coverage factor of a 95 % interval.
+    #[serde(skip)]
+    pub coverage: Option<(f64, f64)>,
+    /// Combinations without effect, in words for people: shortened.
+    #[serde(skip)]
+    pub free: Vec<String>,
+    /// Text of the fitted machine file, if asked for.
+    #[serde(skip)]
+    pub machine_file: Option<String>,
+    /// Pictures of prediction and data, if asked for.
+    #[serde(skip)]
+    pub pictures: Vec<NamedSvg>,
+}
+
+fn um(mm: f64) -> f64 {
+    mm * 1e3
+}
+
+/// A size (mm) in the unit of a kind of reading.
+fn in_unit(kind: ReadingKind, mm: f64) -> String {
+    let (unit, factor) = kind.unit();
+    format!("{} {unit}", significant(mm * factor, 5))
+}
+
+/// File and line of a measurement.
+pub(super) fn place(fitted: &Fitted<'_>, sources: &Sources, row: usize) -> String {
+    let place = &fitted.data[row].place;
+    format!("{}:{}", sources.name(place.source), sources.line_column(place).0)
+}
+
+/// The fit in a line.
+pub(super) fn in_short(fitted: &Fitted<'_>) -> String {
+    let (rank, unknowns, rows) = (fitted.solution.rank, fitted.unknowns.len(), fitted.rows());
+    let [before, after] = [fitted.residuals.before, fitted.residuals.after].map(|rms| significant(um(rms), 5));
+    format!("rank {rank} of {unknowns} parameters from {rows} readings; rms {before} um before, {after} um after")
+}
+
+impl IdentifyResult {
+    pub(super) fn of(fitted: &Fitted<'_>, sources: &Sources) -> Self {
+        let (s, r) = (&fitted.solution, &fitted.residuals);
+        let all: Vec<_> = fitted.unknowns.iter().zip(&s.estimates).map(FittedParameter::of).collect();
+        let (parameters, instruments) = all.split_at(fitted.own);
+        let outlier = |o: &Outlier| OutlierPlace {
+            place: place(fitted, sources, o.row),
+            residual_um: um(o.residual),
+            deviations: o.deviations,
+        };
+        Self {
+            rows: fitted.rows(),
+            points: fitted.data.len(),
+            parameters: parameters.to_vec(),
+            instruments: instruments.to_vec(),
+            rank: s.rank,
+            unknowns: fitted.unknowns.len(),
+            well_determined: s.well_determined,
+            null_space: s.null_space.clone(),
+            drowned: s.drowned.clone(),
+            condition: s.condition,
+            valuation: s.valuation,
+            singular_values: s.singular_values.clone(),
+            rms_um: RmsBeforeAfter { before: um(r.before), after: um(r.after), held_out: fitted.held_out.map(um) },
+            sigma_um: fitted.fit.scatter.is_empty().then(|| um(s.sigma)),
+            degrees_of_freedom: s.freedom,
+            scatter: fitted.fit.scatter.iter().map(scatter_of_kind).collect(),
+            repeatability_um: fitted.repeats.first().map(|r| um(r.sigma)),
+            repeats: fitted.repeats.iter().map(repeated).collect(),
+            orders_um: OrderShares {
+                first: um(r.parts[0]),
+                second: um(r.parts[1]),
+                higher: um(r.parts[2]),
+                left_by_first: um(r.left[0]),
+                left_by_second: um(r.left[1]),
+            },
+            kinds: r.kinds.iter().map(kind_residual).collect(),
+            residual_tests: fitted.randomness.iter().map(ResidualTest::of).collect(),
+            outliers: r.outliers.iter().map(outlier).collect(),
+            steps: fitted.fit.steps,
+            settled: fitted.fit.settled,
+            machine: fitted.machine.name().to_owned(),
+            reading_scatter: reading_scatter(fitted),
+            coverage: s.coverage(),
+            free: s.free(),
+            machine_file: None,
+            pictures: Vec::new(),
+        }
+    }
+}
+
+fn repeated(repeats: &Repeats) -> RepeatedReadings {
+    RepeatedReadings {
+        of: repeats.of.word().to_owned(),
+        sigma_um: um(repeats.sigma),
+        degrees_of_freedom: repeats.freedom,
+    }
+}
+
+fn kind_residual((kind, rows, rms): &(ReadingKind, usize, f64)) -> KindResidual {
+    KindResidual { kind: kind.word().to_owned(), rows: *rows, rms_um: um(*rms), words: in_unit(*kind, *rms) }
+}
+
+fn times_given(sigma: f64) -> String {
+    format!("{} times the uncertainty given", significant(um(sigma), 4))
+}
+
+fn scatter_of_kind(scatter: &Scatter) -> ScatterOfKind {
+    let sigma = scatter.sigma;
+    let (of, words) = match scatter.of {
+        Some(kind) => (kind.word(), format!("{} of {}", in_unit(kind, sigma), kind.word())),
+        None => ("uncertainties given", times_given(sigma)),
+    };
+    ScatterOfKind { of: of.to_owned(), sigma_um: um(sigma), words }
+}
+
+/// Scatter of a reading, in words, where all kinds scatter alike.
+fn reading_scatter(fitted: &Fitted<'_>) -> String {
+    let kind = match &fitted.residuals.kinds[..] {
+        [(kind, ..)] => *kind,
+        _ => ReadingKind::Deviation,
+    };
+    let sigma = fitted.solution.sigma;
+    if fitted.data.iter().all(|m| m.known) { times_given(sigma) } else { in_unit(kind, sigma) }
+}

@@ -1,0 +1,185 @@
+//! A single-axis measurement as an instrument exports it, to a table of error curves.
+
+use super::run::{Answer, Call, Refused, Run};
+use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
+use crate::identify::import::{Figures, Import, ImportRequest};
+use crate::machine::ErrorId;
+use serde::Serialize;
+use std::path::Path;
+
+/// Options of [`import`]: facts that the file leaves open.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct ImportOptions {
+    /// The axis that moved.
+    pub axis: Option<String>,
+    /// The error whose runs the columns are, such as `EXX`; of several errors the only one to take.
+    pub error: Option<String>,
+    /// Unit of readings that have none in the file.
+    pub unit: Option<String>,
+    /// The file holds corrections, which are errors with the other sign.
+    pub correction: bool,
+    /// The axis turns without end: positions modulo 360 deg, first row again at the end.
+    pub continuous: bool,
+    /// Refuses a file whose table would have no row.
+    pub needs_table: bool,
+}
+
+/// A measurement with its figures after ISO 230-2.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ImportResult {
+    /// Name of the axis.
+    pub axis: String,
+    /// Layout of the file, in words.
+    pub form: &'static str,
+    /// True if directions were read off the order of the rows.
+    pub directions_inferred: bool,
+    /// The errors with their figures.
+    pub errors: Vec<ImportedError>,
+    /// Number of readings.
+    pub readings: usize,
+    /// Rows that were not used.
+    pub left_out: Vec<LeftOutRow>,
+    /// Entries before the table.
+    pub metadata: Vec<(String, String)>,
+    /// The table of error curves that a machine file takes, CSV.
+    #[serde(skip)]
+    pub table: String,
+    /// Number of positions of the table.
+    #[serde(skip)]
+    pub table_rows: usize,
+}
+
+/// Figures of one error over the axis, after ISO 230-2:2014; lengths in um, angles in urad.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ImportedError {
+    /// Name of the error.
+    pub error: String,
+    /// Unit of the figures.
+    pub unit: &'static str,
+    /// Number of target positions.
+    pub targets: usize,
+    /// Least number of runs of a target in a direction.
+    pub runs: usize,
+    /// True if both directions were measured.
+    pub bidirectional: bool,
+    /// Systematic deviation E.
+    #[serde(rename = "E")]
+    pub systematic: f64,
+    /// Mean deviation M.
+    #[serde(rename = "M")]
+    pub mean: f64,
+    /// Reversal B of largest size, with its sign; none without two directions.
+    #[serde(rename = "B")]
+    pub reversal: Option<f64>,
+    /// Mean reversal.
+    #[serde(rename = "mean_B")]
+    pub mean_reversal: Option<f64>,
+    /// Repeatability R; none without repeated runs.
+    #[serde(rename = "R")]
+    pub repeatability: Option<f64>,
+    /// Accuracy A; none without repeated runs.
+    #[serde(rename = "A")]
+    pub accuracy: Option<f64>,
+    /// Slope of the line of best fit, in `slope_unit`.
+    pub slope: f64,
+    /// Unit of the slope, such as `um/m`.
+    pub slope_unit: String,
+}
+
+impl ImportedError {
+    fn of(error: &ErrorId, f: &Figures, rotary: bool) -> Self {
+        let (factor, unit) = if error.direction.is_rotation() { (1e6, "urad") } else { (1e3, "um") };
+        let (per, length) = if rotary { (1.0, "deg") } else { (1e3, "m") };
+        let value = |x: Option<f64>| x.map(|x| x * factor + 0.0);
+        Self {
+            error: error.to_string(),
+            unit,
+            targets: f.targets.len(),
+            runs: f.runs,
+            bidirectional: f.bidirectional(),
+            systematic: f.systematic * factor,
+            mean: f.mean * factor,
+            reversal: value(f.reversal),
+            mean_reversal: value(f.mean_reversal),
+            repeatability: value(f.repeatability),
+            accuracy: value(f.accuracy),
+            slope: f.slope * factor * per,
+            slope_unit: format!("{unit}/{length}"),
+        }
+    }
+}
+
+/// A row that was not used.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOutRow {
+    /// Its line.
+    pub line: usize,
+    /// The reason.
+    pub reason: String,
+}
+
+/// Maximum number of left-out rows that a warning lists.
+const LISTED: usize = 12;
+
+/// Reads an export: text, UTF-8 or UTF-16, comma, semicolon or tab.
+///
+/// Fails if the file cannot be understood as a whole; single rows are left out with a warning.
+pub fn import(path: impl AsRef<Path>, options: &ImportOptions, run: Run) -> Result<Answer<ImportResult>, Diagnostics> {
+    Call::answer(run, &Sources::default(), |call| {
+        let request = ImportRequest {
+            axis: options.axis.clone(),
+            error: options.error.clone(),
+            unit: options.unit.clone(),
+            correction: options.correction,
+            continuous: options.continuous,
+        };
+        let found = crate::identify::import::import(path.as_ref(), &request, run.files, &mut call.diagnostics);
+        call.checked()?;
+        let found = found.ok_or(Refused)?;
+        let table = found.table(options.continuous);
+        call.extend(left_out(&found));
+        call.extend(missing(&table.missing));
+        if table.rows == 0 && options.needs_table {
+            let message = "the table has no row: at no position were all errors measured, from all sides";
+            let help =
+                "measure the same targets in both directions; without --out the figures of what there is are printed";
+            return call.refuse(Diagnostic::new(codes::E0509, message).help(help));
+        }
+        Ok(ImportResult { table_rows: table.rows, table: table.text, ..figures(&found, &call.diagnostics.sources) })
+    })
+}
+
+fn figures(found: &Import, sources: &Sources) -> ImportResult {
+    let one = |(k, error): (usize, &ErrorId)| Some(ImportedError::of(error, &found.figures(k)?, found.rotary));
+    let left = found
+        .left_out
+        .iter()
+        .map(|row| LeftOutRow { line: sources.line_column(&row.place).0, reason: row.reason.clone() });
+    ImportResult {
+        axis: found.axis.clone(),
+        form: found.form.word(),
+        directions_inferred: found.inferred,
+        errors: found.errors.iter().enumerate().filter_map(one).collect(),
+        readings: found.samples.len(),
+        left_out: left.collect(),
+        metadata: found.metadata.clone(),
+        table: String::new(),
+        table_rows: 0,
+    }
+}
+
+fn left_out(found: &Import) -> Option<Diagnostic> {
+    let (count, all) = (found.left_out.len(), found.left_out.len() + found.samples.len());
+    let message = format!("{count} of {all} rows or readings were left out");
+    let warning = Diagnostic::new(codes::W0504, message).help("correct the file, or accept what is left");
+    let listed = found.left_out.iter().take(LISTED);
+    (count > 0).then(|| listed.fold(warning, |warning, row| warning.at(Some(row.place.clone()), row.reason.clone())))
+}
+
+fn missing(positions: &[String]) -> Option<Diagnostic> {
+    let list = positions.iter().take(LISTED).cloned().collect::<Vec<_>>().join(", ");
+    let message = format!("the table has no row at {list}: an error or a direction was not measured there");
+    let help = "measure the same targets in both directions";
+    (!positions.is_empty()).then(|| Diagnostic::new(codes::W0504, message).help(help))
+}

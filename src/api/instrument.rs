@@ -1,0 +1,252 @@
+//! What measuring instruments would read of a machine.
+
+use super::machine_file::{MachineFile, bounded_only};
+use super::poses::{axes_text, axis_positions, check, pose_at};
+use super::run::{Answer, Call, Refused, Run};
+use crate::analysis::Unreachable;
+use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest, ball_bar, diagonals, r_test, within};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::machine::{Axis, AxisKind, Machine, Pose};
+use crate::report::{DiagonalPicture, Picture, PolarPicture, RTestPicture, circle_json, line_json, turn_json};
+use crate::units::significant;
+use serde::{Serialize, Serializer};
+use serde_json::{Value, json};
+
+/// Options of [`instrument`].
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct InstrumentOptions {
+    /// The instrument.
+    pub instrument: Instrument,
+    /// Ball bar: plane of the circle, workpiece frame; by default all three.
+    pub plane: Option<CirclePlane>,
+    /// Ball bar: its length, above 0 and up to 10000 mm.
+    pub radius_mm: f64,
+    /// R-test: name of the rotary axis; by default all, one after the other.
+    pub axis: Option<String>,
+    /// Centre of the circle, place of the ball, or where the other axes are, `X=100,C=90`: mm and deg. By default the
+    /// middle of the volume, for the R-test three quarters along it; rotary axes at 0 or nearest to it.
+    pub at: Option<String>,
+    /// Readings on a circle or turn, points on a diagonal, or steps of every axis; by default 360, 37, 11.
+    pub points: Option<usize>,
+}
+
+impl Default for InstrumentOptions {
+    fn default() -> Self {
+        let instrument = Instrument::default();
+        Self { instrument, plane: None, radius_mm: 100.0, axis: None, at: None, points: None }
+    }
+}
+
+/// A measuring instrument.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Instrument {
+    /// Circles about a ball in both directions (ISO 230-4).
+    #[default]
+    BallBar,
+    /// Rotary axes that turn about a ball on the table.
+    RTest,
+    /// A laser along the body diagonals, there and back (ISO 230-6).
+    Diagonals,
+    /// The same, one axis moving at a time.
+    StepDiagonals,
+}
+
+/// What an instrument reads of a machine, exact model. Serialises as docs/formats.md describes.
+#[derive(Debug, Clone)]
+pub struct InstrumentResult {
+    machine: Machine,
+    at: Pose,
+    /// The readings.
+    pub readings: Readings,
+}
+
+/// Readings of an instrument.
+#[derive(Debug, Clone)]
+pub enum Readings {
+    /// Circles of a ball bar.
+    Circles {
+        /// Length of the ball bar, mm.
+        radius_mm: f64,
+        /// Plane by plane.
+        circles: Vec<BallBar>,
+    },
+    /// R-tests, axis by axis.
+    Turns(Vec<RTest>),
+    /// A laser along diagonals.
+    Lines {
+        /// True if one axis moves at a time.
+        stepped: bool,
+        /// Diagonal by diagonal, at least one.
+        lines: Vec<Diagonal>,
+    },
+}
+
+impl InstrumentResult {
+    /// Returns centre of the circle, place of the ball, or where the other axes are, such as `X = 100 mm, C = 90 deg`.
+    pub fn place(&self) -> String {
+        axes_text(&self.machine, &self.at)
+    }
+
+    /// Returns the axes that stand along the diagonals, such as `, A = 0 deg`.
+    pub fn standing(&self) -> String {
+        let Readings::Lines { lines, .. } = &self.readings else { return String::new() };
+        let moving = lines.first().map_or(&[][..], |line| &line.axes);
+        let stands = |(i, (axis, q)): (usize, (&Axis, &f64))| {
+            (!moving.contains(&i)).then(|| format!(", {} = {} {}", axis.name, significant(*q, 7), axis.unit()))
+        };
+        self.machine.axes().iter().zip(&self.at).enumerate().filter_map(stands).collect()
+    }
+
+    /// Returns a picture of the readings.
+    pub fn picture(&self) -> Picture {
+        let title = self.machine.name();
+        match &self.readings {
+            Readings::Circles { radius_mm, circles } => {
+                let subtitle = format!("Ball bar of {} mm about {}", significant(*radius_mm, 6), self.place());
+                PolarPicture { title, subtitle: &subtitle, circles }.picture()
+            }
+            Readings::Turns(turns) => {
+                let subtitle = format!("R-test with the ball at {}", self.place());
+                let named = |r: &RTest| (self.machine.axes()[r.axis].name.to_string(), r.clone());
+                let tests: Vec<(String, RTest)> = turns.iter().map(named).collect();
+                RTestPicture { title, subtitle: &subtitle, tests: &tests }.picture()
+            }
+            Readings::Lines { stepped, lines } => {
+                let how = if *stepped { ", one axis at a time" } else { "" };
+                let subtitle = format!("Laser along the diagonals{how}{}", self.standing());
+                DiagonalPicture { title, subtitle: &subtitle, diagonals: lines }.picture()
+            }
+        }
+    }
+
+    fn contract(&self) -> Value {
+        let machine = &self.machine;
+        let (name, at) = (machine.name(), axis_positions(machine, &self.at));
+        match &self.readings {
+            Readings::Circles { radius_mm, circles } => json!({
+                "machine": name, "instrument": "ball_bar", "centre": at, "radius_mm": radius_mm,
+                "planes": circles.iter().map(circle_json).collect::<Vec<_>>(),
+            }),
+            Readings::Turns(turns) => json!({
+                "machine": name, "instrument": "r_test", "ball_at": at, "frame": "machine",
+                "axes": turns.iter().map(|r| turn_json(machine, r)).collect::<Vec<_>>(),
+            }),
+            Readings::Lines { stepped, lines } => json!({
+                "machine": name, "instrument": if *stepped { "step_diagonals" } else { "diagonals" },
+                "at": at, "diagonals": lines.iter().map(|d| line_json(machine, d)).collect::<Vec<_>>(),
+                "e_um": lines.iter().map(|d| d.systematic).fold(0.0, f64::max),
+            }),
+        }
+    }
+}
+
+impl Serialize for InstrumentResult {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.contract().serialize(serializer)
+    }
+}
+
+/// Returns what a measuring instrument would read of a machine.
+///
+/// Fails for a path that the machine cannot drive, and for a place or an axis that does not fit it.
+pub fn instrument(
+    file: &MachineFile,
+    options: &InstrumentOptions,
+    run: Run<'_>,
+) -> Result<Answer<InstrumentResult>, Diagnostics> {
+    Call::answer(run, file.sources(), |call| read(call, file, options))
+}
+
+fn read(call: &mut Call<'_>, machine: &Machine, options: &InstrumentOptions) -> Result<InstrumentResult, Refused> {
+    call.extend(bounded_only(machine));
+    let share = if options.instrument == Instrument::RTest { 0.75 } else { 0.5 };
+    let usual = within(machine, share);
+    let at = match &options.at {
+        None => usual,
+        // What is not named stays where it would be.
+        Some(text) => named(machine, text, usual).or_else(|refusal| call.refuse(refusal))?,
+    };
+    check(call, machine, std::slice::from_ref(&at))?;
+    let readings = match options.instrument {
+        Instrument::BallBar => circles(call, machine, &at, options)?,
+        Instrument::RTest => turns(call, machine, &at, options)?,
+        Instrument::Diagonals => lines(call, machine, &at, options, false)?,
+        Instrument::StepDiagonals => lines(call, machine, &at, options, true)?,
+    };
+    Ok(InstrumentResult { machine: machine.clone(), at, readings })
+}
+
+/// A pose of which only some axes are named.
+fn named(machine: &Machine, text: &str, mut pose: Pose) -> Result<Pose, Diagnostic> {
+    let given = pose_at(machine, text)?;
+    for part in text.split(',') {
+        let name = part.split_once('=').map_or("", |(name, _)| name.trim());
+        if let Some(axis) = machine.axis_index(name) {
+            pose[axis] = given[axis];
+        }
+    }
+    Ok(pose)
+}
+
+fn not_driven(path: &str, why: Unreachable) -> Diagnostic {
+    let help = "take a smaller `--radius`, another place (`--at X=250,Y=200`), or another `--plane` or `--axis`";
+    Diagnostic::new(codes::E0612, format!("{path} cannot be driven: {}", why.words())).help(help)
+}
+
+fn circles(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    at: &[f64],
+    options: &InstrumentOptions,
+) -> Result<Readings, Refused> {
+    let radius_mm = options.radius_mm;
+    if !(radius_mm > 0.0 && radius_mm <= 10_000.0) {
+        return call.usage("`--radius` is a length above 0 and up to 10000 mm");
+    }
+    let planes = options.plane.map_or_else(|| CirclePlane::ALL.to_vec(), |plane| vec![plane]);
+    let one = |plane: CirclePlane| {
+        ball_bar(machine, at, plane, radius_mm, options.points.unwrap_or(360)).map_err(|why| {
+            let path = format!("a circle of {} mm in {}", significant(radius_mm, 6), plane.name());
+            not_driven(&path, why)
+        })
+    };
+    let circles = planes.into_iter().map(one).collect::<Result<_, _>>().or_else(|refusal| call.refuse(refusal))?;
+    Ok(Readings::Circles { radius_mm, circles })
+}
+
+fn turns(call: &mut Call<'_>, machine: &Machine, at: &[f64], options: &InstrumentOptions) -> Result<Readings, Refused> {
+    let name = |i: usize| machine.axes()[i].name.as_str();
+    let rotary: Vec<usize> =
+        (0..machine.axes().len()).filter(|i| machine.axes()[*i].kind == AxisKind::Rotary).collect();
+    let wanted = |i: &usize| options.axis.as_ref().is_none_or(|wanted| name(*i) == wanted);
+    let chosen: Vec<usize> = rotary.iter().copied().filter(wanted).collect();
+    if rotary.is_empty() {
+        return call.usage("the machine has no rotary axis to turn");
+    }
+    if chosen.is_empty() {
+        let known: Vec<&str> = rotary.iter().map(|i| name(*i)).collect();
+        return call.usage(format!("`--axis` is one of the rotary axes {}", known.join(", ")));
+    }
+    let one = |axis: usize| {
+        r_test(machine, at, axis, options.points.unwrap_or(37))
+            .map_err(|why| not_driven(&format!("an R-test of {} at this place of the ball", name(axis)), why))
+    };
+    let turns = chosen.into_iter().map(one).collect::<Result<_, _>>().or_else(|refusal| call.refuse(refusal))?;
+    Ok(Readings::Turns(turns))
+}
+
+fn lines(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    at: &[f64],
+    options: &InstrumentOptions,
+    stepped: bool,
+) -> Result<Readings, Refused> {
+    let lines = diagonals(machine, at, options.points.unwrap_or(11), stepped);
+    if lines.is_empty() {
+        return call.refuse(not_driven("a diagonal", Unreachable::Place));
+    }
+    Ok(Readings::Lines { stepped, lines })
+}

@@ -1,0 +1,335 @@
+//! The error over a volume.
+
+use super::compensation::effect::compiled_effect;
+use super::compensation::options::CompensationOptions;
+use super::machine_file::{MachineFile, bounded_only};
+use super::map_tables::{MapTable, Tables};
+use super::order_of;
+use super::plane_picture::{PlaneOptions, Subject};
+use super::poses::{AxisPositions, axis_positions};
+use super::run::{Answer, Call, Refused, Run};
+use super::tool_poses::{self, ReachedToolPoses};
+use crate::analysis::{
+    self, Diagonal, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, map as mapped, rest,
+};
+use crate::controller::{ControllerTarget, Depth, Effect};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::evaluate::{
+    CompiledField, Deviation, Field, Frame, Nodes, Order, Poses, Random, Spread, Statistics, Summary, Tally, worst,
+};
+use crate::machine::{Approach, Machine};
+use crate::report::{Picture, Rows};
+use std::path::PathBuf;
+
+/// Options of [`map`].
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct MapOptions {
+    /// The poses.
+    pub poses: MapPoses,
+    /// Seed of random and low-discrepancy poses.
+    pub seed: u64,
+    /// How far errors are followed; by default exactly, unless the conventions of the machine name an order.
+    pub order: Option<Order>,
+    /// Side of approach, where forward and reverse curves were given.
+    pub approach: Approach,
+    /// Frame of the vectors.
+    pub frame: Frame,
+    /// Number of the worst poses to name.
+    pub worst: usize,
+    /// Draws the deviation over a plane.
+    pub picture: Option<PlaneOptions>,
+    /// Maps what the compensation of this target leaves, by the files that `compile` would write.
+    pub target: Option<String>,
+    /// How the machine is compensated for the target.
+    pub compensation: CompensationOptions,
+}
+
+impl Default for MapOptions {
+    fn default() -> Self {
+        Self {
+            poses: MapPoses::Grid,
+            seed: 1,
+            order: None,
+            approach: Approach::default(),
+            frame: Frame::default(),
+            worst: 5,
+            picture: None,
+            target: None,
+            compensation: CompensationOptions::default(),
+        }
+    }
+}
+
+/// Poses of a map; at most 1e9.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MapPoses {
+    /// The grid of the volume of the machine.
+    #[default]
+    Grid,
+    /// Random poses over the volume: their number.
+    Random(usize),
+    /// Low-discrepancy poses over the volume: their number.
+    LowDiscrepancy(usize),
+    /// The poses for the tool poses of a CSV file, workpiece frame: columns X, Y, Z (mm) and I, J, K or rotary axes (deg).
+    ToolPoses(PathBuf),
+}
+
+impl MapPoses {
+    /// Largest number of poses of which a map is held as a whole; above it quantiles are approximate.
+    pub const MAX_HELD: usize = MAX_POSES;
+    /// Largest number of poses.
+    pub const MAX: usize = MAX_SURVEYED;
+
+    /// Returns the number of poses; `None` where a file decides.
+    pub fn count(&self, file: &MachineFile) -> Option<usize> {
+        match self {
+            Self::Grid => Some(Nodes::of(file).len()),
+            Self::Random(count) | Self::LowDiscrepancy(count) => Some(*count),
+            Self::ToolPoses(_) => None,
+        }
+    }
+
+    fn of(&self, machine: &Machine, seed: u64, reached: Option<&ReachedToolPoses>) -> Poses {
+        match self {
+            Self::Grid => Poses::Nodes(Nodes::of(machine)),
+            Self::Random(count) => Poses::Random(Random::of(machine, *count, seed)),
+            Self::LowDiscrepancy(count) => Poses::Spread(Spread::of(machine, *count, seed)),
+            Self::ToolPoses(_) => Poses::Listed(reached.map_or_else(Vec::new, |reached| reached.poses.clone())),
+        }
+    }
+}
+
+/// A map of deviations, actual minus nominal.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct MapResult {
+    /// Name of the machine.
+    pub machine: String,
+    /// `exact`, or a degree.
+    pub order: Order,
+    /// Frame of the vectors.
+    pub frame: Frame,
+    /// Side of approach.
+    pub direction: Approach,
+    /// Number of poses.
+    pub poses: usize,
+    /// Statistics of the deviation of the functional point, um.
+    pub position_um: Summary,
+    /// Statistics of the deviation of the orientation of the tool, urad.
+    pub rotation_urad: Summary,
+    /// The worst poses, largest deviation of the functional point first.
+    pub worst: Vec<WorstPose>,
+    /// The body diagonals of the volume.
+    pub diagonals: Vec<BodyDiagonal>,
+    /// Relative error of the 95 % values, for a map of more than [`MapPoses::MAX_HELD`] poses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p95_relative_error: Option<f64>,
+    /// What the machine reaches of the tool poses of a file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tool_poses: Option<ReachedToolPoses>,
+    /// The target whose compensation is in the map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<String>,
+    /// The same without compensation, for a map with.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncompensated: Option<Uncompensated>,
+    /// Numbers of nodes along the axes, for the grid of the volume.
+    #[serde(skip)]
+    pub grid: Option<Vec<usize>>,
+    /// The picture that was asked for.
+    #[serde(skip)]
+    pub picture: Option<Picture>,
+}
+
+impl MapResult {
+    /// Returns the statistics of the map.
+    pub fn statistics(&self) -> Statistics {
+        Statistics { poses: self.poses, position_um: self.position_um, rotation_urad: self.rotation_urad }
+    }
+}
+
+/// Statistics of a machine without compensation.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Uncompensated {
+    /// Of the functional point, um.
+    pub position_um: Summary,
+    /// Of the orientation of the tool, urad.
+    pub rotation_urad: Summary,
+}
+
+/// A pose with a large deviation.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct WorstPose {
+    /// The pose, mm and deg.
+    pub axes: AxisPositions,
+    /// Deviation of the functional point, um.
+    pub deviation_um: [f64; 3],
+    /// Length of the deviation, um.
+    #[serde(skip)]
+    pub length_um: f64,
+}
+
+/// Displacement along a body diagonal.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct BodyDiagonal {
+    /// Senses of the axes along it, such as `ppp`.
+    pub name: String,
+    /// The pose at its beginning, mm and deg.
+    pub from: AxisPositions,
+    /// The pose at its end, mm and deg.
+    pub to: AxisPositions,
+    /// Length, mm.
+    pub length_mm: f64,
+    /// Maximum minus minimum of the displacement, um.
+    pub range_um: f64,
+    /// Displacement along the diagonal at equal intervals, um.
+    pub deviations_um: Vec<f64>,
+}
+
+/// Maps the deviations of a machine over its volume.
+///
+/// Fails for more than 1e9 poses, and for a picture or a file of tool poses that does not fit the machine.
+pub fn map(file: &MachineFile, options: &MapOptions, run: Run<'_>) -> Result<Answer<MapResult>, Diagnostics> {
+    map_tables(file, options, Vec::new(), run)
+}
+
+/// Does the same, and writes every pose with its deviation into tables.
+///
+/// Fails besides if a table cannot be written; then tables may be incomplete.
+pub fn map_tables(
+    file: &MachineFile,
+    options: &MapOptions,
+    tables: Vec<MapTable<'_>>,
+    run: Run<'_>,
+) -> Result<Answer<MapResult>, Diagnostics> {
+    Call::answer(run, file.sources(), |call| volume(call, file, options, tables))
+}
+
+/// Intervals of a body diagonal.
+const DIAGONAL_STEPS: usize = 20;
+
+fn volume(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    options: &MapOptions,
+    tables: Vec<MapTable<'_>>,
+) -> Result<MapResult, Refused> {
+    call.extend(bounded_only(machine));
+    let order = order_of(machine, options.order);
+    let view = View { approach: options.approach, frame: options.frame };
+    let place =
+        options.picture.as_ref().map(|picture| picture.place(call, machine, options.target.is_some())).transpose()?;
+    let tool_poses = match &options.poses {
+        MapPoses::ToolPoses(path) => tool_poses::asked(call, machine, Some(path))?,
+        _ => None,
+    };
+    let compensation = compensation(call, machine, options, order)?;
+    let bare = CompiledField::new(machine, order);
+    let replayed = compensation.as_ref().map(|(target, effect)| effect.field(machine, target));
+    let field: &dyn Field = replayed.as_ref().map_or(&bare as &dyn Field, |field| &**field);
+    let poses = options.poses.of(machine, options.seed, tool_poses.as_ref());
+    if poses.len() > MAX_SURVEYED {
+        return call.refuse(too_many(poses.len()));
+    }
+    let name = options.target.as_deref().unwrap_or_default();
+    let rows = Rows { machine, poses: &poses, view, order, target: name };
+    let before = match &replayed {
+        Some(_) => Some(found(call, &bare, &rows, Vec::new(), 0)?.statistics),
+        None => None,
+    };
+    let survey = found(call, field, &rows, tables, options.worst)?;
+    let state = if name.is_empty() { String::new() } else { format!("after {name}") };
+    let before_field = replayed.is_some().then_some(&bare as &dyn Field);
+    let subject = Subject { field, state: &state, before: before_field };
+    let drawn = options.picture.as_ref().zip(place.as_ref());
+    let picture = drawn.map(|(picture, place)| picture.picture(place, &subject, (view, order)));
+    let diagonals = body_diagonals(field, &rest(machine), DIAGONAL_STEPS, view.approach);
+    let result = result(&rows, &survey, &diagonals);
+    let uncompensated = before.map(|s| Uncompensated { position_um: s.position_um, rotation_urad: s.rotation_urad });
+    Ok(MapResult { picture, tool_poses, target: options.target.clone(), uncompensated, ..result })
+}
+
+/// Number of poses at which the warnings of a compensation are found.
+const CERTIFIED: usize = 1000;
+
+/// What `compile` would write for the target, with its warnings.
+fn compensation(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    options: &MapOptions,
+    order: Order,
+) -> Result<Option<(ControllerTarget, Effect)>, Refused> {
+    let Some(name) = &options.target else { return Ok(None) };
+    if order != Order::Exact {
+        return call.usage(
+            "a compensated machine is mapped with the exact model: leave `--order` out, or say `--order exact`",
+        );
+    }
+    let target = options.compensation.target(call, name, None)?;
+    let depth = Depth { poses: CERTIFIED, seed: options.seed };
+    let (effect, _) = compiled_effect(call, machine, &target, &options.compensation, depth)?;
+    Ok(Some((target, effect)))
+}
+
+fn too_many(count: usize) -> Diagnostic {
+    let count = if count == usize::MAX { "more than can be counted".to_owned() } else { count.to_string() };
+    Diagnostic::new(
+        codes::E0812,
+        format!("the grid of the volume has {count} poses; a map takes {MAX_SURVEYED} at most"),
+    )
+    .help("take random poses (`--random 100000`), or larger steps under `volume` in the machine file")
+}
+
+/// Maps a field; the tables are written.
+fn found(
+    call: &mut Call<'_>,
+    field: &dyn Field,
+    rows: &Rows<'_>,
+    tables: Vec<MapTable<'_>>,
+    count: usize,
+) -> Result<Survey, Refused> {
+    let (poses, view) = (rows.poses, rows.view);
+    let tables = Tables::new(*rows, tables).or_else(|refusal| call.refuse(refusal))?;
+    if poses.len() > MAX_POSES {
+        return tables.surveyed(call, SurveyTask { field, poses, view, worst: count });
+    }
+    let map = call.stage(poses.len(), |advance| mapped(field, poses, view, advance));
+    let Ok(analysis::Map { deviations, statistics }) = map else { return call.refuse(too_many(poses.len())) };
+    tables.write(&deviations).or_else(|refusal| call.refuse(refusal))?;
+    let worst = worst(&deviations, count).into_iter().map(|i| (i, deviations[i])).collect();
+    Ok(Survey { statistics, worst })
+}
+
+fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[Diagonal]) -> MapResult {
+    let Rows { machine, poses, view, order, .. } = *rows;
+    let worst = |(i, deviation): &(usize, Deviation)| WorstPose {
+        axes: axis_positions(machine, &poses.get(*i)),
+        // Adding zero turns -0 into 0.
+        deviation_um: (deviation.position * 1e3).map(|x| x + 0.0).into(),
+        length_um: deviation.position.norm() * 1e3,
+    };
+    let diagonal = |d: &Diagonal| {
+        let [from, to] = [&d.ends[0], &d.ends[1]].map(|pose| axis_positions(machine, pose));
+        let deviations_um = d.deviations.iter().map(|x| x * 1e3 + 0.0).collect();
+        let (length_mm, range_um) = (d.length, d.range() * 1e3);
+        BodyDiagonal { name: d.name.clone(), from, to, length_mm, range_um, deviations_um }
+    };
+    MapResult {
+        machine: machine.name().to_owned(),
+        order,
+        frame: view.frame,
+        direction: view.approach,
+        poses: survey.statistics.poses,
+        position_um: survey.statistics.position_um,
+        rotation_urad: survey.statistics.rotation_urad,
+        worst: survey.worst.iter().map(worst).collect(),
+        diagonals: diagonals.iter().map(diagonal).collect(),
+        p95_relative_error: (poses.len() > MAX_POSES).then_some(Tally::QUANTILE_ERROR),
+        tool_poses: None,
+        target: None,
+        uncompensated: None,
+        grid: if let Poses::Nodes(nodes) = poses { Some(nodes.counts().collect()) } else { None },
+        picture: None,
+    }
+}

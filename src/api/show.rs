@@ -1,0 +1,144 @@
+//! The kinematic chain: frames, lever arms, and the location errors it needs.
+
+use super::machine_file::MachineFile;
+use crate::analysis::{Lever, LocationSet, Status, levers};
+use crate::machine::{Axis, AxisKind, Branch, Conventions, ErrorId, Sense, Travel};
+use crate::report::{self, Picture};
+
+/// The kinematic chain of a machine.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct ChainResult {
+    /// Name of the machine.
+    pub machine: String,
+    /// The chain from workpiece to tool, such as `w C' A' Y' b X Z t`.
+    pub chain: String,
+    /// The axes in the order of the chain.
+    pub axes: Vec<ChainAxis>,
+    /// The tools.
+    pub tools: Vec<ChainTool>,
+    /// Origin of the workpiece in machine coordinates at the zero pose, mm.
+    pub workpiece_origin_mm: [f64; 3],
+    /// The conventions in force.
+    pub conventions: Conventions,
+    /// The location errors.
+    pub location_errors: LocationErrors,
+}
+
+/// An axis of a chain, in machine coordinates at the zero pose.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct ChainAxis {
+    /// Name of the axis.
+    pub name: String,
+    /// Linear or rotary.
+    pub kind: AxisKind,
+    /// The branch that the axis stands on.
+    pub side: Branch,
+    /// Sense of the positive direction.
+    pub sense: Sense,
+    /// Unit vector.
+    pub direction: [f64; 3],
+    /// Point about which angular errors turn, mm.
+    pub origin_mm: [f64; 3],
+    /// Limits in `unit`; 0 and 360 for a continuous axis.
+    pub travel: [f64; 2],
+    /// True if the axis turns without end.
+    pub continuous: bool,
+    /// `mm` or `deg`.
+    pub unit: String,
+    /// Arms from the point about which angular errors turn to the functional point.
+    pub arm_mm: Arm,
+}
+
+/// A lever arm, mm.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Arm {
+    /// At the zero pose.
+    pub at_zero: f64,
+    /// The longest over the volume.
+    pub longest: f64,
+}
+
+/// A tool, in machine coordinates at the zero pose.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ChainTool {
+    /// Name of the tool; may be empty.
+    pub name: String,
+    /// Gauge point, mm.
+    pub gauge_mm: [f64; 3],
+    /// Functional point, mm.
+    pub tip_mm: [f64; 3],
+    /// True for the tool in use.
+    #[serde(skip)]
+    pub in_use: bool,
+}
+
+/// The location errors of a chain.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct LocationErrors {
+    /// Those that the chain needs.
+    pub set: Vec<LocationError>,
+    /// Names of those that are given besides.
+    pub besides: Vec<ErrorId>,
+}
+
+/// A location error that a chain needs.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct LocationError {
+    /// Name of the error.
+    pub error: ErrorId,
+    /// Whether its value is known.
+    pub status: Status,
+}
+
+/// Returns the kinematic chain of a machine.
+pub fn show(file: &MachineFile) -> ChainResult {
+    let used = &file.tool().name;
+    let tool = |tool: &crate::machine::Tool| ChainTool {
+        name: tool.name.clone(),
+        gauge_mm: tool.gauge,
+        tip_mm: tool.tip,
+        in_use: tool.name == *used,
+    };
+    let set = LocationSet::of(file);
+    let member = |(error, status): (ErrorId, Status)| LocationError { error, status };
+    ChainResult {
+        machine: file.name().to_owned(),
+        chain: file.chain().to_string(),
+        axes: file.axes().iter().zip(&levers(file)).map(axis).collect(),
+        tools: file.tools().iter().map(tool).collect(),
+        workpiece_origin_mm: file.workpiece(),
+        conventions: file.conventions().clone(),
+        location_errors: LocationErrors { set: set.members.into_iter().map(member).collect(), besides: set.besides },
+    }
+}
+
+fn axis((axis, lever): (&Axis, &Lever)) -> ChainAxis {
+    let (min, max) = axis.travel.interval();
+    ChainAxis {
+        name: axis.name.to_string(),
+        kind: axis.kind,
+        side: axis.branch,
+        sense: axis.sense,
+        direction: axis.direction,
+        origin_mm: axis.origin,
+        travel: [min, max],
+        continuous: axis.travel == Travel::Continuous,
+        unit: axis.unit().to_owned(),
+        arm_mm: Arm { at_zero: lever.at_zero, longest: lever.longest },
+    }
+}
+
+/// Returns a picture of the kinematic chain.
+pub fn chain_picture(file: &MachineFile) -> Picture {
+    report::chain_picture(file)
+}
+
+/// Returns the kinematic chain as a graph for Graphviz.
+pub fn chain_dot(file: &MachineFile) -> String {
+    report::chain_dot(file)
+}
+
+/// Returns a picture of the curves of the component errors; none without component errors.
+pub fn error_curves(file: &MachineFile) -> Option<Picture> {
+    report::all_curves(file)
+}

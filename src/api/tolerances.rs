@@ -1,0 +1,79 @@
+//! Bounds of errors: those of the machine file, and those of a class of machines.
+
+use super::run::{Call, Refused};
+use crate::analysis::budget::{Bound, Class, Distribution, Draws, Statistic, bounds, classes, known, lacks_rotary};
+use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
+use crate::machine::Machine;
+use crate::report::Drawing;
+
+/// How errors are drawn between their bounds, and judged.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct ToleranceOptions {
+    /// Class of machines whose typical tolerances are taken where the file has none: `ultra-precision`, `premium`,
+    /// `production`, `commodity`, `large-gantry` or `desktop`.
+    pub class: Option<String>,
+    /// How an error is distributed between its bounds.
+    pub distribution: Distribution,
+    /// Statistic of a machine over the poses.
+    pub statistic: Statistic,
+}
+
+impl ToleranceOptions {
+    pub(crate) fn drawing(&self, source: Option<String>, samples: usize, seed: u64) -> Drawing {
+        let (distribution, statistic) = (self.distribution, self.statistic);
+        Drawing { class: self.class.clone().zip(source), samples, seed, distribution, statistic }
+    }
+
+    pub(crate) fn draws(&self, seed: u64) -> Draws {
+        Draws::new(seed, self.distribution)
+    }
+
+    /// Returns the bounds of the file and of the class, and the source of the class; refuses a machine without any.
+    pub(crate) fn bounds(
+        &self,
+        call: &mut Call<'_>,
+        machine: &Machine,
+    ) -> Result<(Vec<Bound>, Option<String>), Refused> {
+        let (list, source) = self.bounds_if_any(call, machine)?;
+        if list.is_empty() { call.refuse(nothing_bounded(machine)) } else { Ok((list, source)) }
+    }
+
+    /// Returns the same where a machine may have none.
+    pub(crate) fn bounds_if_any(
+        &self,
+        call: &mut Call<'_>,
+        machine: &Machine,
+    ) -> Result<(Vec<Bound>, Option<String>), Refused> {
+        let class = match &self.class {
+            Some(name) => Some(find(machine, name).or_else(|refusal| call.refuse(refusal))?),
+            None => None,
+        };
+        Ok((bounds(machine, class.as_ref()), class.map(|class| class.source)))
+    }
+}
+
+fn find(machine: &Machine, name: &str) -> Result<Class, Diagnostic> {
+    let mut classes = classes();
+    let Some(class) = classes.remove(name) else {
+        let known: Vec<&str> = classes.keys().map(String::as_str).collect();
+        let message = format!("there is no class of machines `{}`", shown(name));
+        return Err(Diagnostic::new(codes::E0605, message).help(did_you_mean(name, &known)));
+    };
+    if lacks_rotary(machine, &class) {
+        let message = format!("the class `{name}` knows nothing of rotary axes, and the machine has some");
+        let help = "take another class, or write the tolerances of the rotary axes into a variant of the file and leave `--class` out";
+        return Err(Diagnostic::new(codes::E0605, message).help(help));
+    }
+    Ok(class)
+}
+
+fn nothing_bounded(machine: &Machine) -> Diagnostic {
+    let given = known(machine);
+    let message = format!("`{}` has no error that is only bounded", shown(machine.name()));
+    let values =
+        if given > 0 { format!("its {given} errors have values, which a budget leaves out; ") } else { String::new() };
+    Diagnostic::new(codes::E0604, message).help(format!(
+        "{values}write bounds, `EAY: {{ tolerance: 20 urad }}`, or take those of a class: `--class production`"
+    ))
+}
