@@ -1,6 +1,7 @@
-//! Samples of the compiled evaluator, on request: `evaluate MACHINE.yaml POSES` reads the names of samples from standard
-//! input, one a line, runs each once, and answers with nanoseconds per pose. `benches/run` asks for them in turn with those of
-//! other programs, so that ratios are of the same minute. POSES holds columns of doubles, one per axis.
+//! Samples of the compiled evaluator, on request: `evaluate MACHINE.yaml POSES` reads the names of samples from
+//! standard input, one a line, runs each once, and answers with nanoseconds per pose. `benches/run` asks for them in
+//! turn with those of other programs, so that ratios are of the same minute. POSES holds columns of doubles, one per
+//! axis.
 
 #![allow(
     clippy::needless_range_loop,
@@ -89,7 +90,7 @@ impl Bench {
                 let view = View::default();
                 // As with batches: the plan is compiled and the threads are there before the clock starts.
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.parse().ok()?).build().unwrap();
-                let _ = (field.plan(view.approach), pool.broadcast(|_| ()));
+                let _ = (field.compiled_model(view.approach), pool.broadcast(|_| ()));
                 let task = SurveyTask { field: &field, poses: &poses, view, worst: 5 };
                 Some(clock(poses.len(), &mut || drop(pool.install(|| survey(task, &|_| ())))))
             }

@@ -1,5 +1,5 @@
-//! What one would write first: every joint a 4x4 matrix, every curve looked up by itself, both chains multiplied out, and
-//! the difference taken. Small angles in the error matrices (`joints: linearised`), default conventions otherwise.
+//! What one would write first: every joint a 4x4 matrix, every curve looked up by itself, both chains multiplied out,
+//! and the difference taken. Small angles in the error matrices (`joints: linearised`), default conventions otherwise.
 
 use abbe::evaluate::{Batch, Columns, CompiledModel, Frame, evaluate};
 use abbe::machine::{AxisKind, Branch, ComponentError, Curve, ErrorTerm, Machine};

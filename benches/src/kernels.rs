@@ -1,5 +1,5 @@
-//! The kernels of the compiled evaluator by themselves, for whoever works on them: `cargo bench --bench kernels` in this
-//! package. Ratios to other programs are the business of `benches/run`, which takes turns.
+//! The kernels of the compiled evaluator by themselves, for whoever works on them: `cargo bench --bench kernels` in
+//! this package. Ratios to other programs are the business of `benches/run`, which takes turns.
 
 #![allow(clippy::unwrap_used)]
 
@@ -47,7 +47,8 @@ fn scattered(bencher: Bencher, (order, width): (Order, Width)) {
 #[divan::bench(args = kernels())]
 fn grid(bencher: Bencher, (order, width): (Order, Width)) {
     let machine = trunnion();
-    let grid = CompiledModel::new(&machine, order, Approach::Mean).with_width(width).grid(&Nodes::of(&machine)).unwrap();
+    let model = CompiledModel::new(&machine, order, Approach::Mean).with_width(width);
+    let grid = model.grid(&Nodes::of(&machine)).unwrap();
     let nodes = POSES / grid.line() * grid.line();
     let mut out = Columns::new(nodes);
     bencher.counter(ItemsCount::new(nodes)).bench_local(|| grid.fill(grid.lines() / 3, out.output(nodes)));

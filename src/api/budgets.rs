@@ -2,7 +2,7 @@
 
 use super::run::{Call, Refused};
 use super::tolerances::ToleranceOptions;
-use crate::analysis::budget::{Bound, BoundedError, Budget, Request, beside, budget};
+use crate::analysis::budget::{Bound, BoundedError, Budget, Request, budget, side_by_side};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{Machine, Pose};
 use crate::report::{BudgetReport, DrawSettings, budgets_json};
@@ -82,7 +82,7 @@ pub(crate) fn budgets(
     Ok(Some(ComparedBudgets {
         machines: sides.iter().map(|(machine, _)| (*machine).clone()).collect(),
         poses: sides.first().map_or(0, |(_, poses)| poses.len()),
-        errors: beside(&pairs),
+        errors: side_by_side(&pairs),
         bounds: all,
         budgets: list,
         drawing: drawn.tolerances.drawing(source, drawn.samples, drawn.seed),

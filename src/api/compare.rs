@@ -9,7 +9,8 @@ use super::run::{Answer, Call, Refused, Run};
 use super::tolerances::ToleranceOptions;
 use super::tool_poses::{self, MissedToolPose, ToolPoses};
 use crate::analysis::{
-    Compared, Comparison, ErrorAlone, Missed, Work, compare as compared, contributions as contributions_of,
+    Comparison, ErrorContribution as AnalysedContribution, MachineResult, UnreachableCount, Work, compare as compared,
+    contributions as contributions_of,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::{Bare, Difference, Field, Frame, Order, Statistics, Summary};
@@ -91,7 +92,7 @@ pub struct ComparedMachine {
     /// How far its errors are followed.
     pub order: Order,
     /// Number of tool poses that it does not reach, by reason.
-    pub unreachable: Missed,
+    pub unreachable: UnreachableCount,
     /// Statistics of the deviation of the functional point, um.
     pub position_um: Summary,
     /// Statistics of the deviation of the orientation of the tool, urad.
@@ -180,16 +181,21 @@ fn side_by_side(
     })
 }
 
-fn poses(side: &Compared) -> Vec<Pose> {
+fn poses(side: &MachineResult) -> Vec<Pose> {
     side.reached.iter().map(|(pose, _)| pose.clone()).collect()
 }
 
-fn contribution(alone: &ErrorAlone) -> ErrorContribution {
+fn contribution(alone: &AnalysedContribution) -> ErrorContribution {
     let minus_first = (0..alone.um.len()).map(|i| alone.minus_first(i)).collect();
     ErrorContribution { error: alone.error.to_string(), um: alone.um.clone(), minus_first }
 }
 
-fn compared_machine(file: &MachineFile, side: &Compared, order: Order, asked: Option<&ToolPoses>) -> ComparedMachine {
+fn compared_machine(
+    file: &MachineFile,
+    side: &MachineResult,
+    order: Order,
+    asked: Option<&ToolPoses>,
+) -> ComparedMachine {
     ComparedMachine {
         machine: file.name().to_owned(),
         file: file.path().to_owned(),
@@ -205,7 +211,7 @@ fn compared_machine(file: &MachineFile, side: &Compared, order: Order, asked: Op
 
 fn row(comparison: &Comparison, index: usize) -> ComparedPose {
     let target = &comparison.common[index];
-    let deviation = |side: &Compared| {
+    let deviation = |side: &MachineResult| {
         let (_, deviation) = &side.reached[index];
         PoseDeviation { position_mm: deviation.position.into(), rotation_rad: deviation.rotation.into() }
     };
@@ -214,7 +220,7 @@ fn row(comparison: &Comparison, index: usize) -> ComparedPose {
 }
 
 fn nothing_in_common(files: &[MachineFile], comparison: &Comparison) -> Diagnostic {
-    let missed = |(file, side): (&MachineFile, &Compared)| format!("{} misses {}", file.path(), side.unreachable);
+    let missed = |(file, side): (&MachineFile, &MachineResult)| format!("{} misses {}", file.path(), side.unreachable);
     let help = files.iter().zip(&comparison.machines).map(missed).collect::<Vec<_>>().join("; ");
     let message = format!("none of the {} tool poses is reached by all machines", comparison.asked);
     Diagnostic::new(codes::E0813, message).help(format!(

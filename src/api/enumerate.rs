@@ -8,7 +8,7 @@ use super::tool_poses::{self, ReachedToolPoses};
 use crate::analysis::Work;
 use crate::analysis::budget::{Bound, Statistic, known};
 use crate::analysis::enumerate::{
-    Journal, Judge, MAX_ARRANGEMENTS, Ranking, Row, Rule, Standing, Study, TooMany, Walk, ranked, walks,
+    Journal, Judge, MAX_ARRANGEMENTS, Ranking, Row, Rule, RuleFailure, Standing, Study, TooMany, Walk, ranked, walks,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::machine::{AxisKind, AxisName, Machine};
@@ -296,7 +296,7 @@ fn rules(options: &EnumerateOptions, machine: &Machine) -> Result<Vec<Rule>, Dia
     let names: Vec<&AxisName> = machine.axes().iter().map(|axis| &axis.name).collect();
     let sugar = options.max_table.map(|n| format!("at most {n} on table"));
     let help = "write `X before Y`, `X carries Y`, `X on table`, `at most 2 on table`, or one of them after `not`";
-    let refusal = |why: String| Diagnostic::new(codes::E0608, shown(&why)).help(help);
+    let refusal = |why: RuleFailure| Diagnostic::new(codes::E0608, shown(&why.to_string())).help(help);
     options.require.iter().chain(&sugar).map(|text| Rule::parse(text, &names).map_err(refusal)).collect()
 }
 

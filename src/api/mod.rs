@@ -85,7 +85,7 @@ pub use tool_poses::{MissedToolPose, ReachedToolPoses};
 pub use verify::{ReplayPosition, VerifyOptions, replay, set_manifest, verify};
 
 pub use crate::analysis::budget::{
-    Bound, Budget, Contribution, Distribution, PERCENTS, Part as BudgetPart, Percentile, Statistic, Totals,
+    Bound, Budget, BudgetPart, Contribution, Distribution, PERCENTS, Percentile, Statistic, Totals,
 };
 pub use crate::analysis::enumerate::{Ranking, Row as ArrangementRow};
 pub use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest};

@@ -5,7 +5,7 @@
 
 use super::poses::check;
 use super::run::{Call, Refused};
-use crate::analysis::{Missed, ToolPose, Unreachable, inverse, place, rest, tool_pose};
+use crate::analysis::{ToolPose, Unreachable, UnreachableCount, inverse, place, rest, tool_pose};
 use crate::diagnostic::{Diagnostic, Place, SourceId, codes, shown};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::syntax::read_text;
@@ -57,7 +57,7 @@ pub struct ReachedToolPoses {
     /// Number of tool poses that the machine reaches.
     pub reached: usize,
     /// Number of the others, by reason.
-    pub unreachable: Missed,
+    pub unreachable: UnreachableCount,
     /// The others, row by row.
     pub rows: Vec<MissedToolPose>,
     /// The poses of the machine (mm, deg), in the order of the rows.
@@ -117,7 +117,7 @@ impl ToolPoses {
         self.say(call, machine, &missed)?;
         let poses: Vec<Pose> = found.into_iter().filter_map(Result::ok).collect();
         check(call, machine, &poses)?;
-        let unreachable = Missed::count(missed.iter().map(|(_, why)| why));
+        let unreachable = UnreachableCount::count(missed.iter().map(|(_, why)| why));
         let (file, asked, reached) = (self.file.clone(), self.rows.len(), poses.len());
         Ok(ReachedToolPoses { file, asked, reached, unreachable, rows: self.missed(&missed), poses })
     }
@@ -162,7 +162,7 @@ impl ToolPoses {
 
 /// `3 direction, 9 travel`.
 fn reasons<'a>(why: impl Iterator<Item = &'a Unreachable>) -> String {
-    let m = Missed::count(why);
+    let m = UnreachableCount::count(why);
     let each = [(m.direction, "direction"), (m.place, "place"), (m.travel, "travel")];
     each.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect::<Vec<_>>().join(", ")
 }

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Matrix4, Vector3};
 /// Highest order of the dedicated dual numbers.
 pub const MAX_DUAL_ORDER: u8 = 6;
 
-/// How far the errors are followed; as text `exact` or `1` to `6`.
+/// The order to which errors are followed; as text `exact` or `1` to `6`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Order {
@@ -66,41 +66,42 @@ impl From<Order> for String {
     }
 }
 
-/// Frame in which vectors are given; all are parallel to the machine frame at the zero pose.
+/// Frame of vectors; all are parallel to the machine frame at the zero pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Frame {
-    /// Turns with the workpiece.
+    /// Rotates with the workpiece.
     #[default]
     Workpiece,
     /// Stands still with the bed.
     Machine,
-    /// Turns with the tool.
+    /// Rotates with the tool.
     Tool,
 }
 
-/// Actual minus nominal, of the tool relative to the workpiece. Not a correction: the sign of what
-/// is added to a command is opposite, and only `compensation` makes one from the other.
+/// Actual minus nominal, of the tool relative to the workpiece. Not a correction: a correction has the opposite sign,
+/// and only `compensation` makes one from the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Deviation {
-    /// Of the functional point, mm.
+    /// Displacement of the functional point, mm.
     pub position: Vector3<f64>,
-    /// Of the tool's orientation, rad.
+    /// Rotation vector of the tool, rad.
     pub rotation: Vector3<f64>,
 }
 
-/// Everything `eval` prints about a pose.
+/// The result of an evaluation at a pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
     /// Nominal position of the functional point from the workpiece origin, mm.
     pub nominal: Vector3<f64>,
     /// Actual minus nominal.
     pub deviation: Deviation,
-    /// (T_tool^-1 T_work) real minus nominal, between workpiece frame and tool frame.
+    /// (T_tool^-1 T_work) actual minus nominal, between workpiece frame and tool frame.
     pub e_ve: Matrix4<f64>,
 }
 
-/// Evaluates a machine at a pose (mm, deg). Order 0 and orders above 6 are those nearest to them.
+/// Returns the evaluation at a pose (mm, deg, in the order of the axes), its vectors in `frame`. Order 0 counts as 1,
+/// orders above [`MAX_DUAL_ORDER`] as that.
 pub fn evaluate(machine: &Machine, pose: &[f64], order: Order, approach: Approach, frame: Frame) -> Evaluation {
     let at = At { machine, pose, approach };
     let evaluation = match order {
@@ -115,7 +116,8 @@ pub fn evaluate(machine: &Machine, pose: &[f64], order: Order, approach: Approac
     framed(evaluation, machine, pose, frame)
 }
 
-/// The same over any algebra: errors enter through `lift`, and all degrees are summed.
+/// Returns the evaluation at a pose (mm, deg) over any algebra: errors enter through `lift`, and all degrees are
+/// summed.
 pub fn evaluate_over<S: Algebra>(
     machine: &Machine,
     pose: &[f64],
@@ -126,18 +128,18 @@ pub fn evaluate_over<S: Algebra>(
     framed(At { machine, pose, approach }.over(lift), machine, pose, frame)
 }
 
-/// The elements behind an evaluation: what each interference of errors does. Workpiece frame.
+/// The deviations at a pose as elements of an algebra, workpiece frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response<S: Algebra> {
     /// Nominal position of the functional point from the workpiece origin, mm.
     pub nominal: Vector3<f64>,
-    /// Its deviation, mm.
+    /// Displacement of the functional point, mm.
     pub position: Vector3<S>,
-    /// Of the tool's orientation, rad.
+    /// Rotation vector of the tool, rad.
     pub rotation: Vector3<S>,
 }
 
-/// Deviations as elements of the algebra, errors entering through `lift`.
+/// Returns the deviations at a pose (mm, deg) as elements of the algebra; errors (mm, rad) enter through `lift`.
 pub fn response<S: Algebra>(
     machine: &Machine,
     pose: &[f64],
@@ -145,37 +147,36 @@ pub fn response<S: Algebra>(
     lift: &impl ErrorLift<S>,
 ) -> Response<S> {
     let origin = machine.workpiece();
-    let real = Chain::actual(machine, pose, errors, lift).tool_in_workpiece(&origin);
+    let actual = Chain::actual(machine, pose, errors, lift).tool_in_workpiece(&origin);
     let nominal = Chain::<f64>::nominal(machine, pose).tool_in_workpiece(&origin);
     Response {
         nominal: nominal.translation,
-        position: Vector3::from_fn(|i, _| real.translation[i].clone() - S::from_real(nominal.translation[i])),
-        rotation: rotation(&real.linear, &nominal.linear.map(S::from_real), machine.conventions().joints),
+        position: Vector3::from_fn(|i, _| actual.translation[i].clone() - S::from_real(nominal.translation[i])),
+        rotation: rotation(&actual.linear, &nominal.linear.map(S::from_real), machine.conventions().joints),
     }
 }
 
-/// Vectors in the frame asked for.
+/// Returns the evaluation with its vectors in another frame.
 fn framed(evaluation: Evaluation, machine: &Machine, pose: &[f64], frame: Frame) -> Evaluation {
     match frame {
         Frame::Workpiece => evaluation,
-        Frame::Machine => turned(evaluation, &NominalPose::at(machine, pose).r_work),
-        Frame::Tool => turned(evaluation, &NominalPose::at(machine, pose).pose.linear.transpose()),
+        Frame::Machine => rotated(evaluation, &NominalPose::at(machine, pose).r_work),
+        Frame::Tool => rotated(evaluation, &NominalPose::at(machine, pose).pose.linear.transpose()),
     }
 }
 
-/// Where the exact model of the machine is at a *command*, compared with where the nominal machine
-/// would be at a *pose* (both mm, deg): workpiece frame, actual minus nominal.
+/// Returns the exact model at a *command* (mm, deg) minus the `nominal` pose of the tool in the workpiece frame.
 pub fn command_deviation(machine: &Machine, nominal: &Htm<f64>, command: &[f64], approach: Approach) -> Deviation {
     let errors = values(machine, command, approach);
-    let real = Chain::actual(machine, command, &errors, &Exact).tool_in_workpiece(&machine.workpiece());
+    let actual = Chain::actual(machine, command, &errors, &Exact).tool_in_workpiece(&machine.workpiece());
     Deviation {
-        position: real.translation - nominal.translation,
-        rotation: rotation(&real.linear, &nominal.linear, machine.conventions().joints),
+        position: actual.translation - nominal.translation,
+        rotation: rotation(&actual.linear, &nominal.linear, machine.conventions().joints),
     }
 }
 
-/// Vectors in another frame; E_VE does not depend on it.
-fn turned(evaluation: Evaluation, r: &Matrix3<f64>) -> Evaluation {
+/// Returns the evaluation with its vectors rotated; E_VE does not depend on the frame.
+fn rotated(evaluation: Evaluation, r: &Matrix3<f64>) -> Evaluation {
     let Deviation { position, rotation } = evaluation.deviation;
     Evaluation {
         nominal: r * evaluation.nominal,
@@ -184,7 +185,7 @@ fn turned(evaluation: Evaluation, r: &Matrix3<f64>) -> Evaluation {
     }
 }
 
-/// A machine at a pose.
+/// A machine at a pose, approached from a side.
 struct At<'a> {
     machine: &'a Machine,
     pose: &'a [f64],
@@ -195,34 +196,39 @@ impl At<'_> {
     fn over<S: Algebra>(&self, lift: &impl ErrorLift<S>) -> Evaluation {
         let origin = self.machine.workpiece();
         let errors = values(self.machine, self.pose, self.approach);
-        let real = Chain::actual(self.machine, self.pose, &errors, lift).tool_in_workpiece(&origin);
+        let actual = Chain::actual(self.machine, self.pose, &errors, lift).tool_in_workpiece(&origin);
         let nominal = Chain::<f64>::nominal(self.machine, self.pose).tool_in_workpiece(&origin);
         Evaluation {
             nominal: nominal.translation,
             deviation: Deviation {
-                position: Vector3::from_fn(|i, _| difference(&real.translation[i], nominal.translation[i])),
-                rotation: rotation(&real.linear, &nominal.linear.map(S::from_real), self.machine.conventions().joints)
-                    .map(|x| difference(&x, 0.0)),
+                position: Vector3::from_fn(|i, _| difference(&actual.translation[i], nominal.translation[i])),
+                rotation: rotation(
+                    &actual.linear,
+                    &nominal.linear.map(S::from_real),
+                    self.machine.conventions().joints,
+                )
+                .map(|x| difference(&x, 0.0)),
             },
-            e_ve: e_ve(&real, &nominal),
+            e_ve: e_ve(&actual, &nominal),
         }
     }
 }
 
-/// Vector of log(R_real R_ideal^T); with linearised joints, of the skew part (R_real is not orthogonal).
-pub fn rotation<S: Algebra>(real: &Matrix3<S>, nominal: &Matrix3<S>, joints: Joints) -> Vector3<S> {
-    let relative = real * nominal.transpose();
+/// Returns the vector of log(R_actual R_nominal^T), rad; with linearised joints that of the skew part, for R_actual is
+/// not orthogonal.
+pub fn rotation<S: Algebra>(actual: &Matrix3<S>, nominal: &Matrix3<S>, joints: Joints) -> Vector3<S> {
+    let relative = actual * nominal.transpose();
     match joints {
         Joints::Orthogonal => rotation_vector(&relative),
         Joints::Linearised => skew_vector(&relative),
     }
 }
 
-fn e_ve<S: Algebra>(real: &Htm<S>, nominal: &Htm<f64>) -> Matrix4<f64> {
-    match (real.inverse(), nominal.inverse()) {
-        (Some(real), Some(nominal)) => {
-            let (real, nominal) = (real.to_matrix(), nominal.to_matrix());
-            Matrix4::from_fn(|i, j| difference(&real[(i, j)], nominal[(i, j)]))
+fn e_ve<S: Algebra>(actual: &Htm<S>, nominal: &Htm<f64>) -> Matrix4<f64> {
+    match (actual.inverse(), nominal.inverse()) {
+        (Some(actual), Some(nominal)) => {
+            let (actual, nominal) = (actual.to_matrix(), nominal.to_matrix());
+            Matrix4::from_fn(|i, j| difference(&actual[(i, j)], nominal[(i, j)]))
         }
         // Products of joints near rotations always have an inverse.
         _ => Matrix4::zeros(),

@@ -1,27 +1,32 @@
-//! Fields of deviations over the poses of a machine.
+//! Fields: deviations as functions of the pose.
 
-use super::{Batch, CompiledModel, Deviation, Frame, Order, Output, command_deviation, evaluate};
-use crate::lower::{NominalPose, sensitivities};
+use super::compiled::batch::{Batch, Output};
+use super::compiled::model::CompiledModel;
+use super::deviation::{Deviation, Frame, Order, command_deviation, evaluate};
+use crate::lower::{NominalPose, Sensitivity, sensitivities};
 use crate::machine::{Approach, ErrorId, Machine};
+use nalgebra::Vector3;
 use std::sync::OnceLock;
 
-/// Pose (mm, deg) to deviation in the workpiece frame. A compensated machine is mapped like a bare one.
+/// A function from pose (mm, deg) to deviation (mm, rad) in the workpiece frame. A compensated machine is mapped like a
+/// bare one.
 pub trait Field: Sync {
-    /// The machine whose poses these are.
+    /// Returns the machine whose poses these are.
     fn machine(&self) -> &Machine;
 
-    /// Actual minus nominal at a pose, approached from one side.
+    /// Returns actual minus nominal at a pose, approached from a side.
     fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation;
 
-    /// The same at many poses, as many as `out` has room for: one by one, unless the field knows better.
+    /// Computes the deviations at the first `out.len()` poses; one by one, unless the implementation has a faster
+    /// method.
     fn deviations(&self, poses: &Batch<'_>, approach: Approach, mut out: Output<'_>) {
         for i in 0..out.len() {
             out.put(i, &self.deviation(&poses.pose(i), approach));
         }
     }
 
-    /// The compiled evaluator behind it, if there is one.
-    fn plan(&self, _approach: Approach) -> Option<&CompiledModel> {
+    /// Returns the compiled model behind the field, if there is one.
+    fn compiled_model(&self, _approach: Approach) -> Option<&CompiledModel> {
         None
     }
 }
@@ -31,7 +36,7 @@ pub trait Field: Sync {
 pub struct Bare<'a> {
     /// The machine.
     pub machine: &'a Machine,
-    /// How far errors are followed.
+    /// The order to which errors are followed.
     pub order: Order,
 }
 
@@ -44,25 +49,26 @@ impl Field for Bare<'_> {
         evaluate(self.machine, pose, self.order, approach, Frame::Workpiece).deviation
     }
 
-    /// Compiled for the batch: worth it from some ten poses on.
+    /// Compiles the machine for the batch: faster from about ten poses on.
     fn deviations(&self, poses: &Batch<'_>, approach: Approach, out: Output<'_>) {
         CompiledModel::new(self.machine, self.order, approach).deviations(poses, out);
     }
 }
 
-/// A machine without compensation, compiled: the same deviations up to rounding, at many poses a second.
+/// A machine without compensation, compiled: the deviations of [`Bare`] up to rounding, at millions of poses per
+/// second.
 #[derive(Debug, Clone)]
 pub struct CompiledField {
     machine: Machine,
     order: Order,
-    /// By side of approach, each compiled when it is first asked for.
-    plans: [OnceLock<CompiledModel>; 3],
+    /// By side of approach, each compiled at its first use.
+    models: [OnceLock<CompiledModel>; 3],
 }
 
 impl CompiledField {
-    /// A machine and how far its errors are followed.
+    /// Returns the field of a machine, which is copied, to an order.
     pub fn new(machine: &Machine, order: Order) -> Self {
-        Self { machine: machine.clone(), order, plans: Default::default() }
+        Self { machine: machine.clone(), order, models: Default::default() }
     }
 
     fn compiled(&self, approach: Approach) -> &CompiledModel {
@@ -71,7 +77,7 @@ impl CompiledField {
             Approach::Forward => 1,
             Approach::Reverse => 2,
         };
-        self.plans[slot].get_or_init(|| CompiledModel::new(&self.machine, self.order, approach))
+        self.models[slot].get_or_init(|| CompiledModel::new(&self.machine, self.order, approach))
     }
 }
 
@@ -88,31 +94,32 @@ impl Field for CompiledField {
         self.compiled(approach).deviations(poses, out);
     }
 
-    fn plan(&self, approach: Approach) -> Option<&CompiledModel> {
+    fn compiled_model(&self, approach: Approach) -> Option<&CompiledModel> {
         Some(self.compiled(approach))
     }
 }
 
-/// Deviation at a pose when the controller sends another command instead (both mm, deg): exact model.
+/// Returns the deviation at a pose when the controller sends another command in its place (both mm, deg), by the exact
+/// model.
 pub fn commanded_deviation(machine: &Machine, pose: &[f64], command: &[f64], approach: Approach) -> Deviation {
     command_deviation(machine, &NominalPose::at(machine, pose).pose, command, approach)
 }
 
-/// What each error alone does at a pose, to first order, in the order of [`Machine::errors`].
+/// Returns the deviation by each error alone at a pose (mm, deg), to first order, in the order of [`Machine::errors`].
 pub fn error_by_error(machine: &Machine, pose: &[f64], approach: Approach) -> Vec<(ErrorId, Deviation)> {
     let values = machine.errors().map(|(id, term)| {
         let position = machine.axis_index(id.axis.as_str()).map_or(0.0, |axis| pose[axis]);
         term.value(position, approach)
     });
-    let alone = |(s, value): (crate::lower::Sensitivity, f64)| {
+    let effect = |(s, value): (Sensitivity, f64)| {
         (s.error, Deviation { position: s.deviation * value, rotation: s.rotation * value })
     };
-    sensitivities(machine, pose, |_| true).into_iter().zip(values).map(alone).collect()
+    sensitivities(machine, pose, |_| true).into_iter().zip(values).map(effect).collect()
 }
 
-/// The part of a rotation that tilts the tool axis (workpiece frame, rad): the rotation about the
-/// tool axis itself, which no compensation corrects and a turning tool does not show, is taken off.
-pub fn tool_axis_tilt(machine: &Machine, pose: &[f64], rotation: &nalgebra::Vector3<f64>) -> nalgebra::Vector3<f64> {
+/// Returns the part of a rotation vector (rad, workpiece frame) that tilts the tool axis: without the rotation about
+/// the tool axis itself, which no compensation corrects and a rotating tool does not show.
+pub fn tool_axis_tilt(machine: &Machine, pose: &[f64], rotation: &Vector3<f64>) -> Vector3<f64> {
     let axis = NominalPose::at(machine, pose).pose.linear.column(2).into_owned();
     rotation - axis * axis.dot(rotation)
 }

@@ -1,8 +1,10 @@
-//! Evaluation: what a machine does at a pose, compared with what it should do.
+//! Evaluation: the deviation of the actual machine from the nominal one, at one pose or at many.
 //!
-//! A [`Field`] is anything that has a deviation at a pose: a bare machine, or a compensated one.
-//! [`Poses`] say where to look, [`Statistics`] what it comes to over all of them, and a [`Tally`] the same without
-//! keeping them. The general algebra defines the result; a [`CompiledModel`] is a machine compiled for many poses.
+//! 1. `deviation`: deviation, rotation and E_VE at a pose over the general algebra, which defines the result;
+//! 2. [`compiled`]: a [`CompiledModel`] gives the same numbers at many poses, on the vector unit;
+//! 3. `field`: a [`Field`] is anything that has a deviation at a pose, a bare machine or a compensated one;
+//! 4. `poses`, `spread`: [`Poses`] over a volume are nodes of a grid, random, low-discrepancy, or listed;
+//! 5. `statistics`, `tally`: [`Statistics`] of deviations kept in a list, or in a [`Tally`] that keeps none.
 
 pub mod compiled;
 mod deviation;
@@ -20,5 +22,6 @@ pub use deviation::{
 pub use field::{Bare, CompiledField, Field, commanded_deviation, error_by_error, tool_axis_tilt};
 pub use poses::{Nodes, Poses, Random, node_count, node_positions, random_poses};
 pub use spread::Spread;
+pub(crate) use spread::radical_inverse;
 pub use statistics::{Difference, Statistics, Summary, quantile_95, worst};
 pub use tally::Tally;

@@ -3,26 +3,27 @@
 //! A pose depends on nothing but its index (and the seed), so any number of threads sees the same ones,
 //! and a map need not store them.
 
-use super::{PoseColumns, Spread};
+use super::compiled::batch::PoseColumns;
+use super::spread::{Spread, unit};
 use crate::machine::{Grid, Machine, Pose};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Where a map is computed.
+/// The poses of a map.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Poses {
     /// The nodes of a grid; the last axis runs fastest.
     Nodes(Nodes),
-    /// Evenly distributed over the volume.
+    /// Random, uniformly distributed over the volume.
     Random(Random),
-    /// Evenly spread over the volume, with smaller gaps than random ones.
+    /// Low-discrepancy: with smaller gaps than random ones.
     Spread(Spread),
-    /// As listed.
+    /// A list.
     Listed(Vec<Pose>),
 }
 
 impl Poses {
-    /// How many; the largest `usize` if there are more.
+    /// Returns the number of poses; `usize::MAX` if there are more.
     pub fn len(&self) -> usize {
         match self {
             Self::Nodes(nodes) => nodes.len(),
@@ -32,12 +33,12 @@ impl Poses {
         }
     }
 
-    /// None at all?
+    /// True if there is none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The pose with this index (mm, deg); beyond the end of a list, no positions.
+    /// Returns the pose with this index (mm, deg); beyond the end of a list, one without positions.
     pub fn get(&self, index: usize) -> Pose {
         match self {
             Self::Nodes(nodes) => nodes.get(index),
@@ -47,7 +48,7 @@ impl Poses {
         }
     }
 
-    /// The poses with these indices, by columns.
+    /// Replaces the columns by the poses with these indices.
     pub fn fill(&self, indices: std::ops::Range<usize>, columns: &mut PoseColumns) {
         columns.clear();
         match self {
@@ -64,7 +65,7 @@ impl Poses {
         }
     }
 
-    /// All, in order.
+    /// Returns all poses in order.
     pub fn iter(&self) -> impl Iterator<Item = Pose> {
         (0..self.len()).map(|index| self.get(index))
     }
@@ -77,38 +78,38 @@ pub struct Nodes {
 }
 
 impl Nodes {
-    /// The grid of the machine's volume.
+    /// Returns the grid of the machine's volume.
     pub fn of(machine: &Machine) -> Self {
         Self::new(machine.volume())
     }
 
-    /// A grid whose nodes are nowhere further apart than the steps say.
+    /// Returns the grid over intervals (mm or deg) whose nodes are at most a step apart.
     pub fn new(volume: &[Grid]) -> Self {
         Self { axes: volume.iter().map(|grid| (*grid, node_count(grid))).collect() }
     }
 
-    /// How many nodes each axis has.
+    /// Returns the number of nodes of each axis.
     pub fn counts(&self) -> impl Iterator<Item = usize> {
         self.axes.iter().map(|(_, count)| *count)
     }
 
-    /// How many nodes there are; the largest `usize` if there are more.
+    /// Returns the number of nodes; `usize::MAX` if there are more.
     pub fn len(&self) -> usize {
         self.counts().fold(1, usize::saturating_mul)
     }
 
-    /// Never: every axis has a node.
+    /// Returns false: every axis has a node.
     pub fn is_empty(&self) -> bool {
         false
     }
 
-    /// Positions of the nodes of every axis.
+    /// Returns the positions of the nodes (mm or deg), axis by axis.
     pub fn positions(&self) -> Vec<Vec<f64>> {
         let of = |(grid, count): &(Grid, usize)| (0..*count).map(|node| position(grid, *count, node)).collect();
         self.axes.iter().map(of).collect()
     }
 
-    /// The node with this index (mm, deg); the last axis runs fastest.
+    /// Returns the node with this index (mm, deg); the last axis runs fastest.
     pub fn get(&self, index: usize) -> Pose {
         let mut rest = index;
         let mut pose: Pose = self
@@ -127,7 +128,7 @@ impl Nodes {
 }
 
 impl Nodes {
-    /// Like an odometer: only the positions that change are computed.
+    /// Fills columns like an odometer: only the positions that change are computed.
     fn fill(&self, indices: std::ops::Range<usize>, columns: &mut PoseColumns) {
         let mut nodes = vec![0; self.axes.len()];
         let mut rest = indices.start;
@@ -149,18 +150,18 @@ impl Nodes {
     }
 }
 
-/// How many nodes keep the step. A step as long as the interval up to rounding needs no node more.
+/// Returns the number of nodes that keep the step. A step that divides the interval up to rounding adds no node.
 pub fn node_count(grid: &Grid) -> usize {
     let intervals = libm::ceil((grid.max - grid.min) / grid.step - 1e-9);
     if intervals >= 1.0 { (intervals as usize).saturating_add(1) } else { 1 + usize::from(grid.max > grid.min) }
 }
 
-/// So many nodes over an interval, evenly spaced.
+/// Returns the positions (mm or deg) of `count` evenly spaced nodes over an interval.
 pub fn node_positions(grid: &Grid, count: usize) -> Vec<f64> {
     (0..count).map(|node| position(grid, count, node)).collect()
 }
 
-/// The ends are exact; so is what a division of whole numbers leaves whole.
+/// Returns the position of a node. The ends are exact, and so are positions whose division leaves no remainder.
 fn position(grid: &Grid, count: usize, node: usize) -> f64 {
     if node + 1 == count && count > 1 {
         return grid.max;
@@ -177,24 +178,24 @@ pub struct Random {
 }
 
 impl Random {
-    /// Over the machine's volume.
+    /// Returns `count` poses over the machine's volume.
     pub fn of(machine: &Machine, count: usize, seed: u64) -> Self {
         Self::new(machine.volume().iter().map(|grid| (grid.min, grid.max)).collect(), count, seed)
     }
 
-    /// Over the given intervals (mm or deg), one for each axis.
+    /// Returns `count` poses over intervals (mm or deg), one per axis.
     pub fn new(intervals: Vec<(f64, f64)>, count: usize, seed: u64) -> Self {
         Self { intervals, seed, count }
     }
 
-    /// The pose with this index (mm, deg): its own stream of the generator with this seed.
+    /// Returns the pose with this index (mm, deg), from its own stream of the generator with this seed.
     pub fn get(&self, index: usize) -> Pose {
         let mut pose = Vec::new();
         self.put(index, &mut pose);
         pose
     }
 
-    /// The same into a buffer.
+    /// Writes the pose with this index into a buffer.
     fn put(&self, index: usize, pose: &mut Pose) {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&self.seed.to_le_bytes());
@@ -206,13 +207,7 @@ impl Random {
     }
 }
 
-/// 53 bits as a number in [0, 1).
-pub(super) fn unit(bits: u64) -> f64 {
-    const SCALE: f64 = 1.0 / (1_u64 << 53) as f64;
-    (bits >> 11) as f64 * SCALE
-}
-
-/// Random poses over the machine's volume (mm, deg); the first ones of a longer list are the same.
+/// Returns random poses over the machine's volume (mm, deg); a longer list begins with the same poses.
 pub fn random_poses(machine: &Machine, count: usize, seed: u64) -> Vec<Pose> {
     Poses::Random(Random::of(machine, count, seed)).iter().collect()
 }

@@ -2,57 +2,74 @@
 //! prime as base, moved as a whole by a random shift modulo 1 (Cranley and Patterson, SIAM J. Numer. Anal. 13,
 //! 1976, 904-914), so that another seed gives another sample of the same evenness.
 
-use super::poses::unit;
 use crate::machine::{Machine, Pose};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Poses spread evenly over intervals, made by index.
+/// Low-discrepancy poses over intervals, computed by index.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spread {
-    /// Base, shift and interval of each coordinate.
-    coordinates: Vec<(u64, f64, (f64, f64))>,
+    coordinates: Vec<Coordinate>,
     count: usize,
 }
 
+/// One coordinate of the sequence.
+#[derive(Debug, Clone, PartialEq)]
+struct Coordinate {
+    /// Prime base.
+    base: u64,
+    /// Shift modulo 1.
+    shift: f64,
+    /// Interval, mm or deg.
+    interval: (f64, f64),
+}
+
 impl Spread {
-    /// Over the machine's volume.
+    /// Returns `count` poses over the machine's volume.
     pub fn of(machine: &Machine, count: usize, seed: u64) -> Self {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
         let mut generator = ChaCha8Rng::from_seed(key);
         let intervals = machine.volume().iter().map(|grid| (grid.min, grid.max));
-        let coordinates = primes().zip(intervals).map(|(base, interval)| (base, unit(generator.next_u64()), interval));
+        let coordinates = primes().zip(intervals);
+        let coordinates =
+            coordinates.map(|(base, interval)| Coordinate { base, shift: unit(generator.next_u64()), interval });
         Self { coordinates: coordinates.collect(), count }
     }
 
-    /// How many poses.
+    /// Returns the number of poses.
     pub fn len(&self) -> usize {
         self.count
     }
 
-    /// None at all?
+    /// True if there is none.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// The pose with this index (mm, deg).
+    /// Returns the pose with this index (mm, deg).
     pub fn get(&self, index: usize) -> Pose {
-        let position = |(base, shift, (min, max)): &(u64, f64, (f64, f64))| {
-            let share = radical_inverse(index as u64 + 1, *base) + shift;
-            (min + (max - min) * (share - libm::floor(share))).min(*max)
+        let position = |Coordinate { base, shift, interval: (min, max) }: &Coordinate| {
+            let fraction = radical_inverse(index as u64 + 1, *base) + shift;
+            (min + (max - min) * (fraction - libm::floor(fraction))).min(*max)
         };
         self.coordinates.iter().map(position).collect()
     }
 }
 
-/// 2, 3, 5, 7 ...
+/// Returns 2, 3, 5, 7 ...
 fn primes() -> impl Iterator<Item = u64> {
     (2..).filter(|n: &u64| (2..*n).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d)))
 }
 
-/// The digits of the index in this base, mirrored at the point.
-fn radical_inverse(mut index: u64, base: u64) -> f64 {
+/// Returns the upper 53 bits as a number in [0, 1).
+pub(super) fn unit(bits: u64) -> f64 {
+    const SCALE: f64 = 1.0 / (1_u64 << 53) as f64;
+    (bits >> 11) as f64 * SCALE
+}
+
+/// Returns the digits of the index in this base, mirrored at the radix point: in [0, 1).
+pub fn radical_inverse(mut index: u64, base: u64) -> f64 {
     let (mut value, mut weight) = (0.0, 1.0);
     while index > 0 {
         weight /= base as f64;
@@ -78,7 +95,8 @@ mod tests {
 
     #[test]
     fn poses_are_more_even_than_random_ones_and_depend_on_the_seed() {
-        let of = |shift| Spread { coordinates: vec![(2, shift, (0.0, 1.0)), (3, 0.7, (0.0, 1.0))], count: 1000 };
+        let coordinate = |base, shift| Coordinate { base, shift, interval: (0.0, 1.0) };
+        let of = |shift| Spread { coordinates: vec![coordinate(2, shift), coordinate(3, 0.7)], count: 1000 };
         // Of 1000 points 10 should be in each of a hundred boxes; random ones miss that by 3.2 (root of 10).
         let mut boxes = [0_i32; 100];
         for pose in (0..1000).map(|i| of(0.3).get(i)) {

@@ -1,17 +1,17 @@
-//! What a volume's deviations come to, in micrometres and microradians.
+//! Statistics of deviations over a volume, in micrometres and microradians.
 
-use super::Deviation;
+use super::deviation::Deviation;
 use nalgebra::Vector3;
 use serde::Serialize;
 
 /// Statistics of the deviations at many poses: the contract of `map` and of certificates.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Statistics {
-    /// How many poses.
+    /// Number of poses.
     pub poses: usize,
-    /// Of the functional point, um.
+    /// Position deviations of the functional point, um.
     pub position_um: Summary,
-    /// Of the tool's orientation, urad.
+    /// Rotations of the tool, urad.
     pub rotation_urad: Summary,
 }
 
@@ -31,7 +31,7 @@ pub struct Summary {
 }
 
 impl Statistics {
-    /// Statistics of deviations in mm and rad; all zero if there are none.
+    /// Returns the statistics of deviations in mm and rad; all zero without deviations.
     pub fn of(deviations: &[Deviation]) -> Self {
         Self {
             poses: deviations.len(),
@@ -40,7 +40,7 @@ impl Statistics {
         }
     }
 
-    /// These minus others, number by number: negative is better than the others.
+    /// Returns these minus other statistics, number by number: negative is better than the others.
     pub fn minus(&self, other: &Self) -> Difference {
         Difference {
             position_um: self.position_um.minus(&other.position_um),
@@ -52,9 +52,9 @@ impl Statistics {
 /// Statistics minus statistics.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Difference {
-    /// Of the functional point, um.
+    /// Position deviations of the functional point, um.
     pub position_um: Summary,
-    /// Of the tool's orientation, urad.
+    /// Rotations of the tool, urad.
     pub rotation_urad: Summary,
 }
 
@@ -63,7 +63,7 @@ fn vectors(deviations: &[Deviation], pick: impl Fn(&Deviation) -> Vector3<f64>) 
 }
 
 impl Summary {
-    /// Of vectors; all zero if there are none.
+    /// Returns the statistics of vectors, in their unit; all zero without vectors.
     pub fn of(vectors: &[Vector3<f64>]) -> Self {
         if vectors.is_empty() {
             return Self::default();
@@ -95,7 +95,8 @@ fn range(values: impl Iterator<Item = f64>) -> f64 {
     max - min
 }
 
-/// The ceil(0.95 n)-th smallest; in whole numbers, for 0.95 is none of the doubles. 0 of nothing.
+/// Returns the ceil(0.95 n)-th smallest value, its rank computed in integers because 0.95 is not a double; 0 without
+/// values. Reorders the values.
 pub fn quantile_95(values: &mut [f64]) -> f64 {
     let rank = (values.len() * 95).div_ceil(100);
     if rank == 0 {
@@ -105,7 +106,7 @@ pub fn quantile_95(values: &mut [f64]) -> f64 {
     *value
 }
 
-/// Indices of the `count` largest position deviations, largest first; of equal ones the first.
+/// Returns the indices of the `count` largest position deviations, largest first; of equal ones the first.
 pub fn worst(deviations: &[Deviation], count: usize) -> Vec<usize> {
     let lengths: Vec<f64> = deviations.iter().map(|d| d.position.norm()).collect();
     let mut indices: Vec<usize> = (0..lengths.len()).collect();

@@ -1,53 +1,59 @@
 //! Statistics of deviations that are not kept: sums, extremes, a sketch of the quantile, the worst poses.
 //!
-//! Tallies are merged in any order. Counts, extremes and the worst poses do not depend on how the poses were divided; the
-//! sums are kept block by block and added up in the order of the blocks, so the result is the same to the bit on any number of
-//! threads, as long as the blocks are the same. Within a block eight poses are summed abreast, at any vector width.
+//! Tallies are merged in any order. Counts, extremes and the worst poses do not depend on how the poses were divided;
+//! the sums are kept block by block and added up in the order of the blocks, so the result is the same to the bit on
+//! any number of threads, as long as the blocks are the same. Within a block eight poses are summed side by side, at
+//! any vector width.
 //!
-//! The sketch counts lengths in buckets: 1024 to each power of two, from 2^-50 mm (or rad) to 2^14. Its quantile is the
+//! The sketch counts lengths in buckets: 1024 per power of two, from 2^-50 mm (or rad) to 2^14. Its quantile is the
 //! middle of the bucket that holds the exact one: within 0.05 % ([`Tally::QUANTILE_ERROR`]), whatever the distribution.
-//! It has room for the powers of two that occur.
+//! It allocates the powers of two that occur.
 
-#![allow(clippy::needless_range_loop, reason = "kernels have plain loops: see `plan`")]
+#![allow(clippy::needless_range_loop, reason = "kernels have plain loops: see `compiled`")]
 
-use super::compiled::lanes::{Kernel, Lanes, run};
-use super::{Columns, Deviation, Statistics, Summary, Width};
+use super::compiled::batch::Columns;
+use super::compiled::lanes::run;
+use super::compiled::simd::{Kernel, Lanes};
+use super::compiled::width::Width;
+use super::deviation::Deviation;
+use super::statistics::{Statistics, Summary};
 use std::collections::BinaryHeap;
 
-/// Statistics so far.
+/// Statistics of the deviations added so far.
 #[derive(Debug, Clone)]
 pub struct Tally {
     poses: u64,
-    kinds: [Lengths; 2],
-    blocks: Vec<Block>,
+    /// Of positions (mm) and of rotations (rad).
+    lengths: [LengthStatistics; 2],
+    blocks: Vec<BlockSums>,
     worst: BinaryHeap<Worst>,
-    most: usize,
+    max_worst: usize,
     width: Width,
 }
 
-/// The number of a block's first pose, and sum and sum of squares of positions and of rotations.
+/// Index of a block's first pose; sum and sum of squares of the lengths of positions and of rotations.
 #[derive(Debug, Clone, Copy)]
-struct Block {
+struct BlockSums {
     first: usize,
     sums: [[f64; 2]; 2],
 }
 
-/// Of positions, or of rotations.
+/// Extremes and sketch of the lengths of one kind of vectors.
 #[derive(Debug, Clone)]
-struct Lengths {
+struct LengthStatistics {
     max: f64,
     range: [(f64, f64); 3],
     sketch: Sketch,
 }
 
-/// How many lengths are in each bucket, for the powers of two from the smallest length to the largest.
+/// Number of lengths in each bucket, for the powers of two from the smallest length to the largest.
 #[derive(Debug, Clone, Default)]
 struct Sketch {
-    /// Number of the first bucket that has a place: where a power of two begins.
+    /// Index of the first allocated bucket, at which a power of two begins.
     first: usize,
     counts: Vec<u64>,
-    /// Lengths in bucket 0 before it had a place: zeros, mostly, for which no room is made.
-    nothing: u64,
+    /// Number of lengths in bucket 0 while it was not allocated: mainly zeros.
+    below_range: u64,
 }
 
 /// A pose among the worst; the greatest is the one to be dropped first.
@@ -72,42 +78,43 @@ impl PartialOrd for Worst {
     }
 }
 
-/// Buckets to a power of two: 10 bits of the mantissa stay.
+/// Buckets per power of two: 10 bits of the mantissa are kept.
 const POWER: usize = 1 << 10;
-/// Bits of a double below its bucket.
+/// Number of bits of a double that do not affect its bucket.
 const BELOW: u32 = 42;
-/// The bucket of 2^-50, and how many there are.
+/// Bits of 2^-50 above [`BELOW`]: the first bucket.
 const FIRST: u64 = (1023 - 50) << 10;
+/// Number of buckets.
 const BUCKETS: usize = 64 * POWER;
 
 impl Sketch {
     #[inline(always)]
     fn count(&mut self, length: f64) {
         let cut = length.to_bits() >> BELOW;
-        // What is beyond the buckets has no place here either.
+        // A length beyond all buckets has no counter either.
         match self.counts.get_mut(cut.wrapping_sub(FIRST + self.first as u64) as usize) {
             Some(count) => *count += 1,
-            None => self.unplaced(cut),
+            None => self.count_out_of_range(cut),
         }
     }
 
-    /// One whose bucket has no place yet, or that is beyond the first or the last.
+    /// Counts a length whose bucket is not allocated, or that is beyond the first or the last.
     #[inline(never)]
-    fn unplaced(&mut self, cut: u64) {
+    fn count_out_of_range(&mut self, cut: u64) {
         let bucket = (cut.saturating_sub(FIRST) as usize).min(BUCKETS - 1);
         match self.counts.get_mut(bucket.wrapping_sub(self.first)) {
             Some(count) => *count += 1,
-            None if bucket == 0 => self.nothing += 1,
+            None if bucket == 0 => self.below_range += 1,
             None => {
-                self.reach(bucket, bucket + 1);
+                self.allocate(bucket, bucket + 1);
                 self.counts[bucket - self.first] += 1;
             }
         }
     }
 
-    /// Makes room for the powers of two of some buckets.
+    /// Allocates the powers of two of a range of buckets.
     #[cold]
-    fn reach(&mut self, from: usize, to: usize) {
+    fn allocate(&mut self, from: usize, to: usize) {
         let (from, to) = (from / POWER * POWER, to.next_multiple_of(POWER));
         let (old_from, old_to) = (self.first, self.first + self.counts.len());
         let (from, to) = if self.counts.is_empty() { (from, to) } else { (from.min(old_from), to.max(old_to)) };
@@ -119,29 +126,30 @@ impl Sketch {
     }
 
     fn merge(&mut self, other: &Self) {
-        self.nothing += other.nothing;
+        self.below_range += other.below_range;
         if !other.counts.is_empty() {
-            self.reach(other.first, other.first + other.counts.len());
+            self.allocate(other.first, other.first + other.counts.len());
             let at = other.first - self.first;
             self.counts[at..].iter_mut().zip(&other.counts).for_each(|(sum, count)| *sum += count);
         }
     }
 
-    /// The middle of the bucket that holds the length of this rank (from 1); `None` if that is all but nothing.
+    /// Returns the middle of the bucket that holds the length of this rank (from 1); `None` if that is the first
+    /// bucket.
     fn quantile(&self, rank: u64) -> Option<f64> {
-        let mut seen = self.nothing;
+        let mut seen = self.below_range;
         let place = self.counts.iter().position(|count| {
             seen += count;
             seen >= rank
         });
-        let bucket = place.filter(|_| self.nothing < rank)? + self.first;
+        let bucket = place.filter(|_| self.below_range < rank)? + self.first;
         let edge = |bucket: usize| f64::from_bits((FIRST + bucket as u64) << BELOW);
         (bucket > 0).then(|| 0.5 * (edge(bucket) + edge(bucket + 1)))
     }
 }
 
-/// Sums and extremes of a block, eight poses abreast.
-struct Eights {
+/// Sums and extremes of a block, eight poses side by side.
+struct Accumulators {
     sum: [f64; 8],
     squares: [f64; 8],
     max: [f64; 8],
@@ -149,7 +157,7 @@ struct Eights {
     high: [[f64; 8]; 3],
 }
 
-impl Eights {
+impl Accumulators {
     const NONE: Self = Self {
         sum: [0.0; 8],
         squares: [0.0; 8],
@@ -158,7 +166,7 @@ impl Eights {
         high: [[f64::NEG_INFINITY; 8]; 3],
     };
 
-    /// Eight vectors more; returns their lengths.
+    /// Adds eight vectors; returns their lengths.
     #[inline(always)]
     fn add(&mut self, vectors: [&[f64; 8]; 3]) -> [f64; 8] {
         let squares = squares(vectors);
@@ -180,7 +188,7 @@ impl Eights {
     }
 }
 
-/// Squared lengths.
+/// Returns squared lengths.
 #[inline(always)]
 fn squares([x, y, z]: [&[f64; 8]; 3]) -> [f64; 8] {
     let mut squares = [0.0; 8];
@@ -190,25 +198,25 @@ fn squares([x, y, z]: [&[f64; 8]; 3]) -> [f64; 8] {
     squares
 }
 
-/// The first `len` of each column in eights, and the rest.
+/// Returns the first `len` numbers of each column in groups of eight, and the remainder.
 #[inline(always)]
 fn eights(columns: &[Vec<f64>; 3], len: usize) -> ([&[[f64; 8]]; 3], [&[f64]; 3]) {
     let [(x, a), (y, b), (z, c)] = columns.each_ref().map(|column| column[..len].as_chunks::<8>());
     ([x, y, z], [a, b, c])
 }
 
-impl Lengths {
+impl LengthStatistics {
     const NONE: Self = Self {
         max: 0.0,
         range: [(f64::INFINITY, f64::NEG_INFINITY); 3],
-        sketch: Sketch { first: 0, counts: Vec::new(), nothing: 0 },
+        sketch: Sketch { first: 0, counts: Vec::new(), below_range: 0 },
     };
 
-    /// One block; returns its largest length, and its sums.
+    /// Adds a block; returns its largest length, and its sum and sum of squares.
     #[inline(always)]
     fn add(&mut self, columns: &[Vec<f64>; 3], len: usize) -> (f64, [f64; 2]) {
         let ([x, y, z], rest) = eights(columns, len);
-        let mut block = Eights::NONE;
+        let mut block = Accumulators::NONE;
         for ((x, y), z) in x.iter().zip(y).zip(z) {
             let lengths = block.add([x, y, z]);
             for k in 0..8 {
@@ -226,8 +234,8 @@ impl Lengths {
         (max, [block.sum.iter().sum(), block.squares.iter().sum()])
     }
 
-    /// Fewer than eight: padded with their first, which changes no extreme; the sums go without.
-    fn add_rest(&mut self, block: &mut Eights, rest: [&[f64]; 3]) {
+    /// Adds fewer than eight vectors: padded with the first, which changes no extreme, and is left out of the sums.
+    fn add_rest(&mut self, block: &mut Accumulators, rest: [&[f64]; 3]) {
         let count = rest[0].len();
         if count == 0 {
             return;
@@ -264,23 +272,23 @@ impl Lengths {
     }
 }
 
-/// A block to be added: compiled for every width, with the same bits.
-struct Counted<'a> {
+/// The addition of a block, compiled for every width, with the same bits.
+struct TallyBlock<'a> {
     tally: &'a mut Tally,
     first: usize,
     columns: &'a Columns,
     len: usize,
 }
 
-impl Kernel for Counted<'_> {
+impl Kernel for TallyBlock<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
         let Self { tally, first, columns, len } = self;
-        let (longest, position) = tally.kinds[0].add(&columns.position, len);
-        let (_, rotation) = tally.kinds[1].add(&columns.rotation, len);
+        let (longest, position) = tally.lengths[0].add(&columns.position, len);
+        let (_, rotation) = tally.lengths[1].add(&columns.rotation, len);
         tally.poses += len as u64;
-        tally.blocks.push(Block { first, sums: [position, rotation] });
-        if longest >= tally.least() {
+        tally.blocks.push(BlockSums { first, sums: [position, rotation] });
+        if longest >= tally.worst_threshold() {
             tally.look_for_worst(first, columns, len);
         }
     }
@@ -290,48 +298,52 @@ impl Tally {
     /// Largest relative error of the 95 % quantile.
     pub const QUANTILE_ERROR: f64 = 1.0 / 2048.0;
 
-    /// Of nothing yet; so many of the worst poses will be kept.
-    pub fn new(most: usize) -> Self {
-        let kinds = [Lengths::NONE, Lengths::NONE];
-        Self { poses: 0, kinds, blocks: Vec::new(), worst: BinaryHeap::new(), most, width: Width::widest() }
+    /// Returns an empty tally that will keep the `max_worst` worst poses.
+    pub fn new(max_worst: usize) -> Self {
+        let lengths = [LengthStatistics::NONE, LengthStatistics::NONE];
+        Self { poses: 0, lengths, blocks: Vec::new(), worst: BinaryHeap::new(), max_worst, width: Width::widest() }
     }
 
-    /// The same tally with narrower vectors; one that the processor has not is the scalar one.
+    /// Returns the tally with vectors of this width; a width that the processor lacks runs as [`Width::Scalar`].
     #[must_use]
     pub fn with_width(mut self, width: Width) -> Self {
         self.width = width;
         self
     }
 
-    /// Adds a block: the first `len` deviations of the columns (mm, rad), whose poses are numbered from `first` on.
+    /// Adds a block: the first `len` deviations of the columns (mm, rad); the first has index `first`.
     pub fn add(&mut self, first: usize, columns: &Columns, len: usize) {
-        run(self.width, Counted { tally: self, first, columns, len });
+        run(self.width, TallyBlock { tally: self, first, columns, len });
     }
 
-    /// Length below which a pose is none of the worst.
-    fn least(&self) -> f64 {
-        if self.worst.len() < self.most { 0.0 } else { self.worst.peek().map_or(f64::INFINITY, |worst| worst.length) }
+    /// Returns the length (mm) below which a pose is not among the worst.
+    fn worst_threshold(&self) -> f64 {
+        if self.worst.len() < self.max_worst {
+            0.0
+        } else {
+            self.worst.peek().map_or(f64::INFINITY, |worst| worst.length)
+        }
     }
 
-    /// Its square, less what rounding may do to it.
-    fn least_square(&self) -> f64 {
-        let least = self.least();
-        least * least * (1.0 - 1e-14)
+    /// Returns the square of the threshold, reduced by its rounding error.
+    fn squared_threshold(&self) -> f64 {
+        let threshold = self.worst_threshold();
+        threshold * threshold * (1.0 - 1e-14)
     }
 
     #[inline(always)]
     fn look_for_worst(&mut self, first: usize, columns: &Columns, len: usize) {
         let ([x, y, z], rest) = eights(&columns.position, len);
-        let mut least = self.least_square();
+        let mut threshold = self.squared_threshold();
         for at in 0..x.len() {
             let squares = squares([&x[at], &y[at], &z[at]]);
             let mut found = false;
             for k in 0..8 {
-                found |= squares[k] >= least || squares[k].is_nan();
+                found |= squares[k] >= threshold || squares[k].is_nan();
             }
             if found {
                 self.keep(first, columns, 8 * at..8 * at + 8);
-                least = self.least_square();
+                threshold = self.squared_threshold();
             }
         }
         self.keep(first, columns, len - rest[0].len()..len);
@@ -346,7 +358,7 @@ impl Tally {
     }
 
     fn keep_one(&mut self, worst: Worst) {
-        if self.worst.len() < self.most {
+        if self.worst.len() < self.max_worst {
             self.worst.push(worst);
         } else if self.worst.peek().is_some_and(|last| worst < *last) {
             let _ = self.worst.pop();
@@ -354,11 +366,11 @@ impl Tally {
         }
     }
 
-    /// Adds the tally of other poses.
+    /// Returns the tally of the poses of both.
     #[must_use]
     pub fn merged(mut self, other: Self) -> Self {
         self.poses += other.poses;
-        for (kind, others) in self.kinds.iter_mut().zip(&other.kinds) {
+        for (kind, others) in self.lengths.iter_mut().zip(&other.lengths) {
             kind.merge(others);
         }
         self.blocks.extend(other.blocks);
@@ -366,22 +378,22 @@ impl Tally {
         self
     }
 
-    /// Statistics of all poses; the quantiles are those of the sketch.
+    /// Returns the statistics of all poses; the quantiles are those of the sketch.
     pub fn statistics(&self) -> Statistics {
         if self.poses == 0 {
             return Statistics::of(&[]);
         }
-        let mut blocks: Vec<&Block> = self.blocks.iter().collect();
+        let mut blocks: Vec<&BlockSums> = self.blocks.iter().collect();
         blocks.sort_unstable_by_key(|block| block.first);
         let total = |kind: usize| [0, 1].map(|k| blocks.iter().map(|block| block.sums[kind][k]).sum());
         Statistics {
             poses: self.poses as usize,
-            position_um: self.kinds[0].summary(self.poses, total(0), 1e3),
-            rotation_urad: self.kinds[1].summary(self.poses, total(1), 1e6),
+            position_um: self.lengths[0].summary(self.poses, total(0), 1e3),
+            rotation_urad: self.lengths[1].summary(self.poses, total(1), 1e6),
         }
     }
 
-    /// The worst poses, by number, with their deviations: largest first; of equal ones the first.
+    /// Returns the worst poses by index with their deviations: largest first; of equal ones the first.
     pub fn worst(&self) -> Vec<(usize, Deviation)> {
         let sorted = self.worst.clone().into_sorted_vec();
         sorted.into_iter().map(|worst| (worst.index, worst.deviation)).collect()
@@ -391,10 +403,10 @@ impl Tally {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::worst;
+    use crate::evaluate::statistics::worst;
     use nalgebra::Vector3;
 
-    /// Lengths over twelve decades.
+    /// LengthStatistics over twelve decades.
     fn deviations(count: usize) -> Vec<Deviation> {
         let one = |i: usize| {
             let x = ((i * 7919) % count) as f64 / count as f64;
@@ -418,7 +430,7 @@ mod tests {
         columns
     }
 
-    /// In blocks of 1001, merged in groups of so many.
+    /// Returns the tally of blocks of 1001, merged in groups.
     fn tallied(list: &[Deviation], group: usize) -> Tally {
         tallied_at(Width::widest(), list, group)
     }
@@ -489,10 +501,10 @@ mod tests {
         let list: Vec<Deviation> = (0..40).flat_map(|_| lengths).map(of).collect();
         let mut tally = Tally::new(0);
         tally.add(0, &columns(&list), list.len());
-        let Sketch { first, counts, nothing } = &tally.kinds[0].sketch;
+        let Sketch { first, counts, below_range } = &tally.lengths[0].sketch;
         assert_eq!((*first, counts.len()), (0, BUCKETS));
-        assert_eq!((nothing + counts[0], counts[BUCKETS - 1]), (160, 120));
-        assert_eq!(nothing + counts.iter().sum::<u64>(), 400);
-        assert_eq!(tally.kinds[1].sketch.nothing, 400);
+        assert_eq!((below_range + counts[0], counts[BUCKETS - 1]), (160, 120));
+        assert_eq!(below_range + counts.iter().sum::<u64>(), 400);
+        assert_eq!(tally.lengths[1].sketch.below_range, 400);
     }
 }

@@ -4,7 +4,7 @@
 
 use abbe::algebra::weil::{Basis, NominalPose};
 use abbe::algebra::{Algebra, Dual, Htm};
-use abbe_benches::{Way, heading, paired, print};
+use abbe_benches::{Contender, heading, paired, print};
 use nalgebra::{Matrix3, Vector3};
 use num_dual::{Dual2_64, Dual3_64, Dual64, DualNum};
 use std::hint::black_box;
@@ -57,8 +57,8 @@ fn duals<const M: usize, P: Peer>(name: &str, peer: impl Fn([f64; M]) -> P) {
     let (mut out, mut other) = (ours[..BATCH].to_vec(), theirs[..BATCH].to_vec());
     let results = paired(
         &mut [
-            Way::new("abbe", |n| over(n, &ours, &mut out, |a, b| *a * *b)),
-            Way::new("num-dual", |n| over(n, &theirs, &mut other, |a, b| *a * *b)),
+            Contender::new("abbe", |n| over(n, &ours, &mut out, |a, b| *a * *b)),
+            Contender::new("num-dual", |n| over(n, &theirs, &mut other, |a, b| *a * *b)),
         ],
         BATCH,
         SAMPLES,
@@ -83,8 +83,8 @@ fn sines<const M: usize, P: Peer>(name: &str, raw: &[[f64; M]], peer: &impl Fn([
     };
     let results = paired(
         &mut [
-            Way::new("abbe", |n| over(n, &ours, &mut out, |a, _| a.sin())),
-            Way::new("num-dual", |n| over(n, &theirs, &mut other, |a, _| a.sin())),
+            Contender::new("abbe", |n| over(n, &ours, &mut out, |a, _| a.sin())),
+            Contender::new("num-dual", |n| over(n, &theirs, &mut other, |a, _| a.sin())),
         ],
         BATCH,
         SAMPLES,
@@ -92,8 +92,8 @@ fn sines<const M: usize, P: Peer>(name: &str, raw: &[[f64; M]], peer: &impl Fn([
     print(&format!("{name} sin"), &results);
     let results = paired(
         &mut [
-            Way::new("abbe", |n| over(n, &ours, &mut platform, |a, _| a.lift(taylor))),
-            Way::new("num-dual", |n| over(n, &theirs, &mut other, |a, _| a.sin())),
+            Contender::new("abbe", |n| over(n, &ours, &mut platform, |a, _| a.lift(taylor))),
+            Contender::new("num-dual", |n| over(n, &theirs, &mut other, |a, _| a.sin())),
         ],
         BATCH,
         SAMPLES,
@@ -128,9 +128,9 @@ fn affine<const M: usize, P: Peer>(name: &str, raw: &[[f64; M]], peer: impl Fn([
     let mut written = other.clone();
     let results = paired(
         &mut [
-            Way::new("abbe", |n| matrices(n, &ours, &mut out, |a, b| a.compose(b))),
-            Way::new("num-dual", |n| matrices(n, &theirs, &mut other, |a, b| (a.0 * b.0, a.0 * b.1 + a.1))),
-            Way::new("  written out", |n| matrices(n, &theirs, &mut written, written_out)),
+            Contender::new("abbe", |n| matrices(n, &ours, &mut out, |a, b| a.compose(b))),
+            Contender::new("num-dual", |n| matrices(n, &theirs, &mut other, |a, b| (a.0 * b.0, a.0 * b.1 + a.1))),
+            Contender::new("  written out", |n| matrices(n, &theirs, &mut written, written_out)),
         ],
         FEW,
         SAMPLES,
@@ -165,7 +165,7 @@ fn weil(generators: u16, degree: u8, library: Option<&gtpsa::Library>) {
     let [a, b]: [Vec<f64>; 2] = std::array::from_fn(|_| (0..count).map(|_| numbers.next()).collect());
     let mut out = vec![0.0; count];
     let elements = [&a, &b].map(|list| abbe::algebra::Weil::Element(basis.clone(), list.clone()));
-    let mut ways = vec![Way::new("abbe", |n| {
+    let mut ways = vec![Contender::new("abbe", |n| {
         for _ in 0..n {
             basis.multiply(black_box(&a), black_box(&b), &mut out);
             black_box(&mut out);
@@ -173,13 +173,13 @@ fn weil(generators: u16, degree: u8, library: Option<&gtpsa::Library>) {
     })];
     let theirs = library.map(|library| library.triple(generators, degree, &a, &b));
     if let Some(triple) = &theirs {
-        ways.push(Way::new("GTPSA", move |n| {
+        ways.push(Contender::new("GTPSA", move |n| {
             for _ in 0..n {
                 black_box(triple).multiply();
             }
         }));
     }
-    ways.push(Way::new("abbe a * b", |n| {
+    ways.push(Contender::new("abbe a * b", |n| {
         for _ in 0..n {
             black_box(elements[0].clone() * elements[1].clone());
         }

@@ -1,5 +1,5 @@
-//! What errors do to first order, one by one, and to second order, two by two: both are read off the
-//! algebra with a generator for every error.
+//! Effects of errors: to first order one by one, to second order two by two. Both are read off the algebra with a
+//! generator for every error.
 
 use crate::algebra::Weil;
 use crate::algebra::weil::Monomial;
@@ -9,12 +9,12 @@ use crate::lower::{DeclaredAlgebra, ErrorLift, ErrorValues, Source, WeilLift, na
 use crate::machine::{AlgebraChoice, Approach, LocationOrder, Machine};
 use nalgebra::Vector3;
 
-/// What a product of errors does: the coefficient of its monomial, in mm and rad.
+/// The effect of a product of errors: the coefficient of its monomial, in mm and rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Effect {
     /// The errors, one or two; twice the same one for a square.
     pub errors: Vec<String>,
-    /// Displacement of the functional point when each of them is 1 mm or 1 rad, workpiece frame.
+    /// Displacement of the functional point with each of them 1 mm or 1 rad, workpiece frame.
     pub deviation: Vector3<f64>,
     /// Rotation of the tool.
     pub rotation: Vector3<f64>,
@@ -32,8 +32,8 @@ pub struct Interactions {
 }
 
 impl Interactions {
-    /// What order 1 neglects at most (mm, rad), as far as the second degree goes: all interactions of
-    /// one sign.
+    /// Returns a bound of what order 1 neglects at second degree, position (mm) and rotation (rad): all interactions
+    /// with one sign.
     pub fn neglected(&self) -> (f64, f64) {
         let length = |v: &Vector3<f64>, effect: &Effect| v.norm() * effect.value.abs();
         let sum = |(position, rotation): (f64, f64), e: &Effect| {
@@ -51,7 +51,8 @@ pub struct Calculation<'a> {
     units: ErrorValues,
 }
 
-/// Prepares the algebra of a machine: a generator for every error, to degree 2 (or 1).
+/// Returns the calculation for a machine, with a generator for every error, to degree 1 or 2. Fails if the algebra has
+/// too many elements.
 pub fn interactions(machine: &Machine, degree: u8) -> Result<Calculation<'_>, Diagnostic> {
     let lift = DeclaredAlgebra::new(machine, &AlgebraChoice::per_error(degree))?.build()?;
     let mut units = unit_values(machine);
@@ -65,7 +66,7 @@ pub fn interactions(machine: &Machine, degree: u8) -> Result<Calculation<'_>, Di
 }
 
 impl Calculation<'_> {
-    /// The effects at a pose (mm, deg).
+    /// Returns the effects at a pose (mm, deg), approached from a side.
     pub fn at(&self, pose: &[f64], approach: Approach) -> Interactions {
         let response = response(self.machine, pose, &self.units, &Unit(&self.lift));
         let errors = values(self.machine, pose, approach);
@@ -87,7 +88,7 @@ impl Calculation<'_> {
         Interactions { first: of_degree(1).collect(), second: of_degree(2).filter(acts).collect() }
     }
 
-    /// Values of the errors in the order of the generators.
+    /// Returns the values of the errors in the order of the generators.
     fn sizes(&self, errors: &ErrorValues) -> Vec<f64> {
         let mut sizes = vec![0.0; self.lift.declared().names().len()];
         for given in named_sources(self.machine) {

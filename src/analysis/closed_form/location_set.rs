@@ -10,25 +10,25 @@ use crate::lower::{NominalPose, sensitivities_to};
 use crate::machine::{Axis, AxisKind, AxisName, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine};
 use nalgebra::{DMatrix, Vector3};
 
-/// Poses at which sensitivities are taken: more rows than any chain has location errors.
+/// Number of poses at which sensitivities are evaluated: more rows than any chain has location errors.
 const POSES: usize = 48;
 
-/// The second tool is longer by this, mm.
-const LONGER: f64 = 100.0;
+/// Difference of the two tool lengths, mm.
+const LONGER_MM: f64 = 100.0;
 
-/// A singular value below this share of the largest is zero.
-const RANK: f64 = 1e-8;
+/// A singular value below this fraction of the largest is zero.
+const RANK_TOLERANCE: f64 = 1e-8;
 
-/// The minimal set, and what the machine file has of it.
+/// The minimal set, and its state in the machine file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocationSet {
     /// In ISO order: squareness, then each rotary axis, then the spindle.
     pub members: Vec<(ErrorId, Status)>,
-    /// Location errors the file gives besides: they repeat what members can say.
+    /// Location errors that the file gives besides: the members can express them.
     pub besides: Vec<ErrorId>,
 }
 
-/// How a member of the set stands in the machine file.
+/// The state of a member of the set in the machine file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
@@ -36,14 +36,14 @@ pub enum Status {
     Given,
     /// Only a tolerance is given.
     Bounded,
-    /// Not given, but what is given says the same.
+    /// Not given, but expressible by the errors that are given.
     Covered,
     /// Not given: taken as zero.
     Missing,
 }
 
 impl LocationSet {
-    /// The set for a machine's chain, travels and conventions.
+    /// Returns the set for a machine's chain, travels and conventions.
     pub fn of(machine: &Machine) -> Self {
         let candidates = candidates(machine);
         let columns = Columns::new(machine, &candidates);
@@ -82,7 +82,7 @@ fn given_status(machine: &Machine, error: &ErrorId) -> Option<Status> {
     given(machine, error).map(bounded)
 }
 
-/// Every location error of the chain, those ISO 230-1 would take first: EC0Y, EB0Z and EA0Z (X is
+/// Returns every location error of the chain, in the order of preference of ISO 230-1: EC0Y, EB0Z and EA0Z (X is
 /// the primary and Y the secondary datum), further linear axes, rotary axes, the spindle's tilts.
 /// The rest is for chains whose linear axes bear other names.
 fn candidates(machine: &Machine) -> Vec<ErrorId> {
@@ -108,19 +108,19 @@ fn candidates(machine: &Machine) -> Vec<ErrorId> {
     all.filter(|id| seen.insert(id.clone())).collect()
 }
 
-/// The six directions with those along the axis last: what moves it along itself has no effect. Of an
-/// oblique axis the letter it is named by counts as its own, as for an upright one.
+/// Returns the six directions with those along the axis last: a motion of the axis along itself has no effect. The
+/// direction of an oblique axis is the one of its letter, as for an orthogonal one.
 fn across(axis: &Axis) -> [Direction; 6] {
     let along = |i: usize| axis.direction[i].abs();
     let named = ["A", "B", "C"].iter().position(|name| *name == axis.name.as_str()).filter(|i| along(*i) > 0.1);
-    let own = named.unwrap_or_else(|| (1..3).fold(0, |most, i| if along(i) > along(most) { i } else { most }));
+    let own = named.unwrap_or_else(|| (1..3).fold(0, |nearest, i| if along(i) > along(nearest) { i } else { nearest }));
     let mut directions = Direction::ALL;
     directions.sort_by_key(|d| (d.index() % 3 == own, d.index()));
     directions
 }
 
-/// What each candidate, and each of the six errors of the set-up, does at all poses: unit columns
-/// (a column that does nothing is zero).
+/// The sensitivities by each candidate, and by each of the six errors of the set-up, at all poses: unit columns (zero
+/// without effect).
 struct Columns {
     setup: Vec<Vec<f64>>,
     candidates: Vec<Vec<f64>>,
@@ -134,7 +134,7 @@ impl Columns {
         for pose in Poses::Random(Random::new(intervals, POSES, 0)).iter() {
             let nominal = NominalPose::at(machine, &pose).pose;
             // Without a spindle a tilt of the tool has no name: one length is observed, the second is the first.
-            let longer = if machine.chain().spindle().is_some() { LONGER } else { 0.0 };
+            let longer = if machine.chain().spindle().is_some() { LONGER_MM } else { 0.0 };
             let along = nominal.linear * Vector3::new(0.0, 0.0, -longer);
             let push = |column: &mut Vec<f64>, d: Vector3<f64>, w: Vector3<f64>| {
                 column.extend(d.iter().chain((d + w.cross(&along)).iter()));
@@ -152,13 +152,13 @@ impl Columns {
         Self { setup: unit(setup), candidates: unit(columns) }
     }
 
-    /// How many dimensions these candidates add to the set-up.
+    /// Returns the number of dimensions that these candidates add to the set-up.
     fn rank(&self, of: &[usize]) -> usize {
         let columns: Vec<&Vec<f64>> = self.setup.iter().chain(of.iter().map(|i| &self.candidates[*i])).collect();
         let rows = columns[0].len();
         // Only singular values: nalgebra's decomposition with vectors fails on deficient rank (nalgebra#1172).
         let values = DMatrix::from_fn(rows, columns.len(), |i, j| columns[j][i]).singular_values();
-        let limit = RANK * values.max();
+        let limit = RANK_TOLERANCE * values.max();
         values.iter().filter(|value| **value > limit).count().saturating_sub(self.setup.len())
     }
 }

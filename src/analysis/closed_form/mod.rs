@@ -1,5 +1,15 @@
-//! Results without a grid: equations in the errors, interactions of errors, and the minimal set of location errors.
+//! Closed forms, which take no grid.
+//!
+//! - `equations`, `symbols`: E_VE and deviations as polynomials in symbols;
+//! - `interactions`: effects of errors one by one and two by two, read off the algebra;
+//! - `location_set`: the minimal set of location errors.
 
-pub(super) mod equations;
-pub(super) mod interactions;
-pub(super) mod location_set;
+mod equations;
+mod interactions;
+mod location_set;
+mod symbols;
+
+pub use equations::{Equations, Options, equations};
+pub use interactions::{Calculation, Effect, Interactions, interactions};
+pub use location_set::{LocationSet, Status};
+pub use symbols::{Meaning, Naming, Symbol};

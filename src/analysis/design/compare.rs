@@ -2,29 +2,28 @@
 //! each machine's own nominal inverse kinematics.
 
 use crate::analysis::inverse::{ToolPose, Unreachable, inverse, rest};
-use crate::analysis::volume::work::Work;
-use crate::evaluate::{Deviation, Field};
-use crate::evaluate::{Difference, Statistics};
+use crate::analysis::volume::Work;
+use crate::evaluate::{Deviation, Difference, Field, Statistics};
 use crate::machine::{Approach, Pose};
 use rayon::prelude::*;
 
 /// Two or more machines over the tool poses that all of them can reach.
 #[derive(Debug, Clone)]
 pub struct Comparison {
-    /// How many tool poses were asked for.
+    /// Number of tool poses requested.
     pub asked: usize,
-    /// Those that all machines reach, in their order.
+    /// The tool poses that all machines reach, in their order.
     pub common: Vec<ToolPose>,
     /// The machines, in their order.
-    pub machines: Vec<Compared>,
+    pub machines: Vec<MachineResult>,
 }
 
 /// One machine of a comparison.
 #[derive(Debug, Clone)]
-pub struct Compared {
-    /// Tool poses it cannot reach, whether the others can or not.
-    pub unreachable: Missed,
-    /// The same by index, in order.
+pub struct MachineResult {
+    /// Number of tool poses it cannot reach, whether or not the others can.
+    pub unreachable: UnreachableCount,
+    /// These tool poses by index with the reason, in order.
     pub missed: Vec<(usize, Unreachable)>,
     /// Its pose (mm, deg) at each common tool pose, with the deviation there (workpiece frame).
     pub reached: Vec<(Pose, Deviation)>,
@@ -34,21 +33,21 @@ pub struct Compared {
     pub difference: Difference,
 }
 
-/// Why tool poses were missed, and how many.
+/// Number of unreachable tool poses, by reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-pub struct Missed {
-    /// All of them.
+pub struct UnreachableCount {
+    /// Their total number.
     pub total: usize,
-    /// The rotary axes cannot point the tool there.
+    /// Number for which the rotary axes cannot point the tool in the direction.
     pub direction: usize,
-    /// The linear axes do not span the place.
+    /// Number whose place the linear axes do not span.
     pub place: usize,
-    /// An axis would leave its travel.
+    /// Number for which an axis would leave its travel.
     pub travel: usize,
 }
 
 /// `12 (3 direction, 9 travel)`.
-impl std::fmt::Display for Missed {
+impl std::fmt::Display for UnreachableCount {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let each = [(self.direction, "direction"), (self.place, "place"), (self.travel, "travel")];
         let list: Vec<String> = each.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect();
@@ -56,8 +55,8 @@ impl std::fmt::Display for Missed {
     }
 }
 
-impl Missed {
-    /// Counts reasons.
+impl UnreachableCount {
+    /// Returns the numbers of reasons.
     pub fn count<'a>(reasons: impl Iterator<Item = &'a Unreachable>) -> Self {
         reasons.fold(Self::default(), |mut missed, reason| {
             missed.total += 1;
@@ -71,12 +70,12 @@ impl Missed {
     }
 }
 
-/// What every machine does at one tool pose.
+/// The result of every machine at one tool pose.
 type Row = Vec<Result<(Pose, Deviation), Unreachable>>;
 
-/// Compares machines on the same work, which may be what the first one's nominal takes at its poses. Of several ways to
-/// a tool pose each machine takes the one nearest to its zero pose. `progress` is told how many
-/// tool poses were done.
+/// Returns the comparison of machines on the same work, which may be the tool poses of the first. Of several poses for
+/// a tool pose each machine takes the one nearest to its zero pose. Calls `progress` with the number of tool poses done
+/// since its last call.
 pub fn compare(
     fields: &[&dyn Field],
     work: &Work,
@@ -119,8 +118,8 @@ fn side_by_side(rows: Vec<(ToolPose, Row)>, count: usize) -> Comparison {
     }
     let of = |list: &Vec<(Pose, Deviation)>| Statistics::of(&list.iter().map(|(_, d)| *d).collect::<Vec<_>>());
     let statistics: Vec<Statistics> = reached.iter().map(of).collect();
-    let sides = missed.into_iter().zip(reached).zip(&statistics).map(|((missed, reached), s)| Compared {
-        unreachable: Missed::count(missed.iter().map(|(_, why)| why)),
+    let sides = missed.into_iter().zip(reached).zip(&statistics).map(|((missed, reached), s)| MachineResult {
+        unreachable: UnreachableCount::count(missed.iter().map(|(_, why)| why)),
         missed,
         reached,
         statistics: *s,

@@ -1,13 +1,13 @@
-//! Machines side by side, error by error: what each error does alone on the same work.
+//! Machines side by side, error by error: the deviation by each error alone on the same work.
 
-use crate::evaluate::error_by_error;
+use crate::evaluate::{error_by_error, quantile_95};
 use crate::machine::{Approach, ErrorId, ErrorTerm, Machine, Pose};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// One error in several machines.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ErrorAlone {
+pub struct ErrorContribution {
     /// The error.
     pub error: ErrorId,
     /// The 95 % position deviation over the poses with only this error, first order, um; `None` in a
@@ -15,35 +15,37 @@ pub struct ErrorAlone {
     pub um: Vec<Option<f64>>,
 }
 
-impl ErrorAlone {
-    /// The largest of all machines.
+impl ErrorContribution {
+    /// Returns the largest of all machines, um.
     pub fn largest(&self) -> f64 {
         self.um.iter().flatten().copied().fold(0.0, f64::max)
     }
 
-    /// What it does in a machine minus what it does in the first; an error without a value does nothing.
+    /// Returns its deviation in a machine minus that in the first, um; without a value it is 0.
     pub fn minus_first(&self, machine: usize) -> f64 {
         let um = |i: usize| self.um.get(i).copied().flatten().unwrap_or(0.0);
         um(machine) - um(0)
     }
 }
 
-/// Every error of any of the machines, each at its own poses of the same work; largest first, then by name.
-pub fn contributions(machines: &[(&Machine, Vec<Pose>)], approach: Approach) -> Vec<ErrorAlone> {
+/// Returns every error of any of the machines, each machine at its own poses (mm, deg) of the same work; largest first,
+/// then by name.
+pub fn contributions(machines: &[(&Machine, Vec<Pose>)], approach: Approach) -> Vec<ErrorContribution> {
     let mut by_error: BTreeMap<ErrorId, Vec<Option<f64>>> = BTreeMap::new();
     for (index, (machine, poses)) in machines.iter().enumerate() {
-        for (error, um) in alone(machine, poses, approach) {
+        for (error, um) in deviation_alone(machine, poses, approach) {
             let slots = by_error.entry(error).or_insert_with(|| vec![None; machines.len()]);
             slots[index] = Some(um);
         }
     }
-    let mut list: Vec<ErrorAlone> = by_error.into_iter().map(|(error, um)| ErrorAlone { error, um }).collect();
+    let mut list: Vec<ErrorContribution> =
+        by_error.into_iter().map(|(error, um)| ErrorContribution { error, um }).collect();
     list.sort_by(|a, b| b.largest().total_cmp(&a.largest()));
     list
 }
 
-/// The errors of one machine that have a value.
-fn alone(machine: &Machine, poses: &[Pose], approach: Approach) -> Vec<(ErrorId, f64)> {
+/// Returns the errors of one machine that have a value, with their 95 % deviation, um.
+fn deviation_alone(machine: &Machine, poses: &[Pose], approach: Approach) -> Vec<(ErrorId, f64)> {
     let lengths = |pose: &Pose| -> Vec<f64> {
         error_by_error(machine, pose, approach).into_iter().map(|(_, d)| d.position.norm()).collect()
     };
@@ -51,7 +53,7 @@ fn alone(machine: &Machine, poses: &[Pose], approach: Approach) -> Vec<(ErrorId,
     let errors = machine.errors().enumerate().filter(|(_, (_, term))| !matches!(term, ErrorTerm::Tolerance(_)));
     let one = |(i, (error, _)): (usize, (ErrorId, &ErrorTerm))| {
         let mut column: Vec<f64> = rows.iter().map(|row| row[i]).collect();
-        (error, crate::evaluate::quantile_95(&mut column) * 1e3)
+        (error, quantile_95(&mut column) * 1e3)
     };
     errors.map(one).collect()
 }

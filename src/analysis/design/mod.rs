@@ -1,7 +1,16 @@
-//! Choosing a design: machines side by side, tolerances to the volumetric error, and arrangements of the axes.
+//! Choosing a design.
+//!
+//! - `compare`: machines side by side on the same tool poses; `contributions`: each error alone on them;
+//! - `error_statistics`: each error alone over a volume;
+//! - [`budget`]: tolerances to the volumetric error;
+//! - [`enumerate`]: all arrangements of the axes, ranked.
 
 pub mod budget;
-pub(super) mod compare;
-pub(super) mod contributions;
+mod compare;
+mod contributions;
 pub mod enumerate;
-pub(super) mod sources;
+mod error_statistics;
+
+pub use compare::{Comparison, MachineResult, UnreachableCount, compare};
+pub use contributions::{ErrorContribution, contributions};
+pub use error_statistics::{ErrorStatistics, error_statistics};

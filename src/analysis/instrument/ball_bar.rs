@@ -1,7 +1,7 @@
 //! A ball bar: the distance of a ball at the functional point from a ball on the workpiece while the
-//! machine drives a circle about it, both ways round.
+//! machine drives a circle about it, in both senses.
 
-use super::{Path, hold, range};
+use super::path::{Path, deviation_from, hold, range};
 use crate::analysis::inverse::{Unreachable, tool_pose};
 use crate::machine::{Approach, Machine, sin_cos_degrees};
 use nalgebra::Vector3;
@@ -19,7 +19,7 @@ impl Plane {
     /// All three.
     pub const ALL: [Self; 3] = [Self::XY, Self::YZ, Self::ZX];
 
-    /// Its two directions as indices of x, y, z.
+    /// Returns the two directions as indices of x, y, z.
     pub fn directions(self) -> [usize; 2] {
         match self {
             Self::XY => [0, 1],
@@ -28,7 +28,7 @@ impl Plane {
         }
     }
 
-    /// Its name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::XY => "XY",
@@ -38,7 +38,7 @@ impl Plane {
     }
 }
 
-/// Readings over a circle and what they come to after ISO 230-4, all in um unless said.
+/// Readings over a circle, and their evaluation by ISO 230-4; in um unless stated otherwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BallBar {
     /// The plane.
@@ -49,15 +49,15 @@ pub struct BallBar {
     pub angles: Vec<f64>,
     /// Length read minus radius, counter-clockwise (rising angle) and clockwise.
     pub readings: [Vec<f64>; 2],
-    /// The same about the least-squares centre of both ways together.
+    /// Readings about the least-squares centre of both senses together.
     pub centred: [Vec<f64>; 2],
-    /// Circular deviation G: range about the least-squares centre, either way.
+    /// Circular deviation G: range about the least-squares centre, in each sense.
     pub deviation: [f64; 2],
     /// Bidirectional circular deviation G(b).
     pub bidirectional: f64,
     /// Mean bidirectional radial deviation D.
     pub mean: f64,
-    /// Radial deviations F: largest and smallest reading of either way.
+    /// Radial deviations F: largest and smallest reading in each sense.
     pub extremes: [[f64; 2]; 2],
     /// Angle between the plane's directions minus 90 deg by the second harmonic, urad.
     pub squareness: f64,
@@ -65,13 +65,14 @@ pub struct BallBar {
     pub scale_mismatch: f64,
 }
 
-/// Drives the circle. The ball on the workpiece is set up where the machine puts the functional point
-/// when sent to the centre, as is done on the machine; rotary axes stay as at `centre` (mm, deg).
+/// Returns the readings over a circle about the pose `centre` (mm, deg), at `points` angles in both senses. The ball on
+/// the workpiece is at the actual functional point of that pose, as on the machine; rotary axes stay as there. Fails
+/// with the reason if the linear axes cannot follow.
 pub fn ball_bar(
     machine: &Machine,
     centre: &[f64],
     plane: Plane,
-    radius: f64,
+    radius_mm: f64,
     points: usize,
 ) -> Result<BallBar, Unreachable> {
     let middle = tool_pose(machine, centre).tip;
@@ -79,27 +80,27 @@ pub fn ball_bar(
     let arm = |angle: &f64| {
         let (sine, cosine) = sin_cos_degrees(*angle);
         let mut arm = Vector3::zeros();
-        (arm[u], arm[v]) = (radius * cosine, radius * sine);
+        (arm[u], arm[v]) = (radius_mm * cosine, radius_mm * sine);
         arm
     };
     let angles: Vec<f64> = (0..points).map(|i| 360.0 * i as f64 / points as f64).collect();
     let there = hold(machine, centre, angles.iter().map(|angle| middle + arm(angle)))?;
     let back = there.iter().rev().cloned().collect();
-    let ball = super::deviation_from(machine, centre, &vec![Approach::Mean; centre.len()]);
+    let ball = deviation_from(machine, centre, &vec![Approach::Mean; centre.len()]);
     let read = |deviations: Vec<Vector3<f64>>| -> Vec<f64> {
-        let one = |(d, angle): (Vector3<f64>, &f64)| ((arm(angle) + d - ball).norm() - radius) * 1e3;
+        let one = |(d, angle): (Vector3<f64>, &f64)| ((arm(angle) + d - ball).norm() - radius_mm) * 1e3;
         deviations.into_iter().zip(&angles).map(one).collect()
     };
     let forward = read(Path { poses: there, closed: true }.driven(machine));
     let mut reverse = Path { poses: back, closed: true }.driven(machine);
     reverse.reverse();
-    Ok(evaluated(plane, radius, angles.clone(), [forward, read(reverse)]))
+    Ok(evaluated(plane, radius_mm, angles.clone(), [forward, read(reverse)]))
 }
 
 fn evaluated(plane: Plane, radius: f64, angles: Vec<f64>, readings: [Vec<f64>; 2]) -> BallBar {
     let count = (2 * angles.len()) as f64;
     let harmonic = |order: f64| {
-        let both = readings.iter().flat_map(|way| way.iter().zip(&angles));
+        let both = readings.iter().flat_map(|sense| sense.iter().zip(&angles));
         let (s, c) = both.fold((0.0, 0.0), |(s, c), (r, angle)| {
             let (sine, cosine) = sin_cos_degrees(order * angle);
             (s + r * sine, c + r * cosine)
@@ -108,20 +109,20 @@ fn evaluated(plane: Plane, radius: f64, angles: Vec<f64>, readings: [Vec<f64>; 2
     };
     let (sine_1, cosine_1) = harmonic(1.0);
     let (sine_2, cosine_2) = harmonic(2.0);
-    let centred = readings.each_ref().map(|way| {
+    let centred = readings.each_ref().map(|sense| {
         let off = |(r, angle): (&f64, &f64)| {
             let (sine, cosine) = sin_cos_degrees(*angle);
             r - sine_1 * sine - cosine_1 * cosine
         };
-        way.iter().zip(&angles).map(off).collect::<Vec<f64>>()
+        sense.iter().zip(&angles).map(off).collect::<Vec<f64>>()
     });
-    let extreme = |way: &Vec<f64>| {
-        [way.iter().copied().fold(f64::NEG_INFINITY, f64::max), way.iter().copied().fold(f64::INFINITY, f64::min)]
+    let extreme = |sense: &Vec<f64>| {
+        [sense.iter().copied().fold(f64::NEG_INFINITY, f64::max), sense.iter().copied().fold(f64::INFINITY, f64::min)]
     };
     BallBar {
         plane,
         radius,
-        deviation: centred.each_ref().map(|way| range(way.iter().copied())),
+        deviation: centred.each_ref().map(|sense| range(sense.iter().copied())),
         bidirectional: range(centred.iter().flatten().copied()),
         mean: readings.iter().flatten().sum::<f64>() / count,
         extremes: readings.each_ref().map(extreme),

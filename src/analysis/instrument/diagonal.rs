@@ -1,7 +1,7 @@
-//! A laser along the body diagonals of the volume: the way really made along each, there and back; with
-//! steps, one axis moves at a time, so that every reading belongs to one axis.
+//! A laser along the body diagonals of the volume: the actual displacement along each, there and back; with steps, one
+//! axis moves at a time, so that every reading belongs to one axis.
 
-use super::{Path, range};
+use super::path::{Path, range};
 use crate::analysis::inverse::tool_pose;
 use crate::machine::{AxisKind, Machine, Pose};
 
@@ -12,22 +12,22 @@ pub struct Diagonal {
     pub name: String,
     /// Indices of the axes.
     pub axes: Vec<usize>,
-    /// Nominal way along it, mm.
+    /// Nominal displacement along it from the start, mm.
     pub ways: Vec<f64>,
-    /// Way really made minus nominal on the way there, um; 0 at the start.
+    /// Actual minus nominal displacement on the forward run, um; 0 at the start.
     pub there: Vec<f64>,
-    /// The same on the way back.
+    /// The same on the return run, in the order of `ways`.
     pub back: Vec<f64>,
-    /// E_d: range of the mean of both.
+    /// E_d: range of the mean of both runs, um.
     pub systematic: f64,
-    /// B_d: largest difference of both.
+    /// B_d: largest difference of both runs, um.
     pub reversal: f64,
-    /// With steps: what each axis's motions add to the reading on the way there, um.
+    /// With steps: sum of the changes of the reading by each axis's motions on the forward run, um.
     pub by_axis: Option<Vec<f64>>,
 }
 
-/// All diagonals of the box of up to three linear axes, the others where `at` (mm, deg) says; `points`
-/// per diagonal, or as many steps of every axis. Fewer than two axes have no diagonal.
+/// Returns all diagonals of the box of up to three linear axes, the others at the pose `at` (mm, deg), with `points`
+/// readings per diagonal, or as many steps of every axis. Fewer than two axes have no diagonal.
 pub fn diagonals(machine: &Machine, at: &[f64], points: usize, steps: bool) -> Vec<Diagonal> {
     let moves =
         |i: &usize| machine.axes()[*i].kind == AxisKind::Linear && machine.volume()[*i].max > machine.volume()[*i].min;
@@ -48,29 +48,29 @@ pub fn diagonals(machine: &Machine, at: &[f64], points: usize, steps: bool) -> V
 
 fn diagonal(machine: &Machine, at: &[f64], axes: &[usize], rises: &[bool], points: usize, steps: bool) -> Diagonal {
     let intervals = points.max(2) - 1;
-    let pose = |shares: &[usize]| {
+    let pose = |counts: &[usize]| {
         let mut pose: Pose = at.to_vec();
-        for ((axis, rises), n) in axes.iter().zip(rises).zip(shares) {
+        for ((axis, rises), n) in axes.iter().zip(rises).zip(counts) {
             let grid = &machine.volume()[*axis];
-            let share = *n as f64 / intervals as f64;
-            pose[*axis] = grid.min + (grid.max - grid.min) * if *rises { share } else { 1.0 - share };
+            let fraction = *n as f64 / intervals as f64;
+            pose[*axis] = grid.min + (grid.max - grid.min) * if *rises { fraction } else { 1.0 - fraction };
         }
         pose
     };
-    let mut shares = vec![0; axes.len()];
-    let mut poses = vec![pose(&shares)];
-    // Which axis the motion to a pose is of.
+    let mut counts = vec![0; axes.len()];
+    let mut poses = vec![pose(&counts)];
+    // The axis whose motion leads to each pose after the first.
     let mut movers = Vec::new();
     for _ in 0..intervals {
         for i in 0..axes.len() {
-            shares[i] += 1;
+            counts[i] += 1;
             if steps {
-                poses.push(pose(&shares));
+                poses.push(pose(&counts));
                 movers.push(i);
             }
         }
         if !steps {
-            poses.push(pose(&shares));
+            poses.push(pose(&counts));
         }
     }
     let places: Vec<_> = poses.iter().map(|pose| tool_pose(machine, pose).tip).collect();

@@ -1,119 +1,15 @@
-//! Virtual instruments: what would be read of the machine by a ball bar, by a probe nest at a ball on
-//! the table (R-test), by a laser along the diagonals.
+//! Virtual instruments: the readings of a ball bar, of a probe nest at a ball on the table (R-test), and of a laser
+//! along the diagonals.
 //!
-//! A path is a list of poses; [`Path::driven`] evaluates it with the exact model, every axis approached
-//! from the side it comes from, so that reversal shows where an axis turns round, as on the machine.
+//! A [`Path`] is a list of poses; [`Path::driven`] evaluates it with the exact model, every axis approached from the
+//! side it comes from, so that reversal shows where an axis turns round, as on the machine.
 
 mod ball_bar;
 mod diagonal;
+mod path;
 mod r_test;
 
 pub use ball_bar::{BallBar, Plane as CirclePlane, ball_bar};
 pub use diagonal::{Diagonal, diagonals};
+pub use path::{Path, deviation_from, within};
 pub use r_test::{RTest, r_test};
-
-use super::inverse::{Unreachable, place};
-use crate::lower::{Chain, ErrorValues, Exact, NominalPose, values};
-use crate::machine::{Approach, AxisKind, Machine, Pose};
-use nalgebra::Vector3;
-
-/// A way through poses (mm, deg).
-#[derive(Debug, Clone, PartialEq)]
-pub struct Path {
-    /// One after the other.
-    pub poses: Vec<Pose>,
-    /// The last leads to the first again.
-    pub closed: bool,
-}
-
-/// Motion below this (mm, deg) is rounding: the axis stands.
-const STANDS: f64 = 1e-9;
-
-impl Path {
-    /// From which side every axis comes at every pose. An axis that stands keeps the side it came from
-    /// last; before it has ever moved, it is at the mean of both.
-    fn approaches(&self) -> Vec<Vec<Approach>> {
-        let axes = self.poses.first().map_or(0, Vec::len);
-        let mut sides = vec![Approach::Mean; axes];
-        let mut all = Vec::new();
-        // The first round of a closed path only tells from where its first pose is come to; an open one
-        // is set out on as it goes on.
-        let lead = if self.closed { self.poses.len() } else { 1.min(self.poses.len().saturating_sub(1)) };
-        let count = self.poses.len();
-        for step in 0..lead + count {
-            let (from, to) = match (self.closed, step) {
-                (true, _) => ((step + count - 1) % count, step % count),
-                (false, 0) if lead == 1 => (0, 1),
-                (false, _) => ((step - lead).saturating_sub(1), step - lead),
-            };
-            for (side, (a, b)) in sides.iter_mut().zip(self.poses[from].iter().zip(&self.poses[to])) {
-                if (b - a).abs() > STANDS {
-                    *side = if b > a { Approach::Forward } else { Approach::Reverse };
-                }
-            }
-            if step >= lead {
-                all.push(sides.clone());
-            }
-        }
-        all
-    }
-
-    /// The deviation of the functional point at every pose, workpiece frame, mm.
-    pub fn driven(&self, machine: &Machine) -> Vec<Vector3<f64>> {
-        self.poses.iter().zip(self.approaches()).map(|(pose, sides)| deviation_from(machine, pose, &sides)).collect()
-    }
-}
-
-/// Deviation of the functional point (workpiece frame, mm) with a side of approach for every axis.
-pub fn deviation_from(machine: &Machine, pose: &[f64], sides: &[Approach]) -> Vector3<f64> {
-    let of = |side| values(machine, pose, side);
-    let (mean, forward, reverse) = (of(Approach::Mean), of(Approach::Forward), of(Approach::Reverse));
-    let axis = |(i, side): (usize, &Approach)| match side {
-        Approach::Mean => mean.axes[i],
-        Approach::Forward => forward.axes[i],
-        Approach::Reverse => reverse.axes[i],
-    };
-    let errors = ErrorValues { axes: sides.iter().enumerate().map(axis).collect(), ..mean.clone() };
-    let real = Chain::<f64>::actual(machine, pose, &errors, &Exact).tool_in_workpiece(&machine.workpiece());
-    real.translation - NominalPose::at(machine, pose).pose.translation
-}
-
-/// Rotary axes at rest, linear ones at a share of their volume.
-pub fn within(machine: &Machine, share: f64) -> Pose {
-    let rest = super::rest(machine);
-    let at = |((axis, grid), rest): ((&crate::machine::Axis, &crate::machine::Grid), f64)| match axis.kind {
-        AxisKind::Linear => grid.min + share * (grid.max - grid.min),
-        AxisKind::Rotary => rest,
-    };
-    machine.axes().iter().zip(machine.volume()).zip(rest).map(at).collect()
-}
-
-/// Poses that hold the functional point at places of the workpiece, rotary axes as given.
-fn hold(machine: &Machine, pose: &[f64], tips: impl Iterator<Item = Vector3<f64>>) -> Result<Vec<Pose>, Unreachable> {
-    tips.map(|tip| place(machine, &tip, pose)).collect()
-}
-
-/// Largest minus smallest; 0 of nothing.
-fn range(values: impl Iterator<Item = f64>) -> f64 {
-    let (min, max) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), x| (min.min(x), max.max(x)));
-    if max >= min { max - min } else { 0.0 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use Approach::{Forward, Mean, Reverse};
-
-    #[test]
-    fn axes_are_approached_from_where_they_come() {
-        let poses = |list: &[[f64; 2]]| list.iter().map(|p| p.to_vec()).collect();
-        let open = Path { poses: poses(&[[0.0, 5.0], [1.0, 5.0], [2.0, 4.0], [1.0, 4.0]]), closed: false };
-        assert_eq!(open.approaches(), [[Forward, Mean], [Forward, Mean], [Forward, Reverse], [Reverse, Reverse]]);
-        let closed = Path { poses: poses(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), closed: true };
-        assert_eq!(
-            closed.approaches(),
-            [[Reverse, Reverse], [Forward, Reverse], [Forward, Forward], [Reverse, Forward]]
-        );
-        assert_eq!(Path { poses: poses(&[[0.0, 0.0]]), closed: false }.approaches(), [[Mean, Mean]]);
-    }
-}

@@ -1,7 +1,7 @@
 //! An R-test, or probing of a ball on the table: a rotary axis turns while the other axes hold the
-//! functional point at a ball fixed to the workpiece; read is where the point really is.
+//! functional point at a ball fixed to the workpiece; the readings are the actual place of the point.
 
-use super::{Path, range};
+use super::path::{Path, range};
 use crate::analysis::inverse::{Unreachable, place, tool_pose};
 use crate::lower::NominalPose;
 use crate::machine::{Machine, Pose};
@@ -21,13 +21,13 @@ pub struct RTest {
     pub readings: Vec<Vector3<f64>>,
     /// Ranges of the three components, um.
     pub range: [f64; 3],
-    /// Positions that other axes could not follow to.
+    /// Number of positions that the other axes cannot follow.
     pub skipped: usize,
 }
 
-/// Turns the axis over its volume in so many positions. The ball is where the functional point is
-/// nominally at the pose `at` (mm, deg). Positions to which the linear axes cannot follow are left out;
-/// fewer than three are no test.
+/// Returns the readings of an axis at `points` positions over its interval in the volume. The ball is at the nominal
+/// functional point of the pose `at` (mm, deg). Positions that the linear axes cannot follow are left out; with fewer
+/// than three others the test fails with the reason.
 pub fn r_test(machine: &Machine, at: &[f64], axis: usize, points: usize) -> Result<RTest, Unreachable> {
     let ball = tool_pose(machine, at).tip;
     let grid = &machine.volume()[axis];

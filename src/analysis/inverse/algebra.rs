@@ -1,10 +1,9 @@
-//! Inverse kinematics of the real machine over an algebra: which displacements of the axes bring the
-//! functional point and the tool axis to where the nominal machine has them at a pose.
+//! Inverse kinematics of the actual machine over an algebra: the displacements of the axes that bring the
+//! functional point and the tool axis to those of the nominal machine at a pose.
 //!
-//! The displacements are elements: their coefficient of a monomial is what an interference of errors
-//! asks of the axes. Newton's iteration starts from the real solution and is exact after
-//! ceil(log2(n + 1)) steps. The errors are those at the pose: their change along the displacement, of
-//! second order, is not followed.
+//! The displacements are elements: their coefficient of a monomial is the correction of an interaction of errors.
+//! Newton's iteration starts from the real solution and is exact after ceil(log2(n + 1)) steps. The errors are those at
+//! the pose: their change along the displacement, of second order, is not followed.
 
 use crate::algebra::{Algebra, Singular, Tangent, newton_step, newton_steps};
 use crate::lower::{Chain, ErrorLift, ErrorValues, NominalPose, Position};
@@ -19,7 +18,7 @@ pub struct Inverse<'a> {
     errors: &'a ErrorValues,
     /// Axes that move, as many as there are conditions.
     moved: Vec<usize>,
-    /// Where the functional point shall be.
+    /// Requested place of the functional point, mm.
     tip: Vector3<f64>,
     /// The two directions across the tool axis, if it is to be held too.
     across: Option<[Vector3<f64>; 2]>,
@@ -41,17 +40,17 @@ impl<'a> Inverse<'a> {
         Self { machine, pose, errors, moved, tip: nominal.translation, across: holds_axis.then_some([x, y]) }
     }
 
-    /// The axes that move, by their index.
+    /// Returns the indices of the axes that move.
     pub fn moved(&self) -> &[usize] {
         &self.moved
     }
 
-    /// How many conditions there are.
+    /// Returns the number of conditions.
     fn conditions(&self) -> usize {
         if self.across.is_some() { 5 } else { 3 }
     }
 
-    /// What is wrong with displacements (mm, rad): of the point, and of the tool axis.
+    /// Returns the residuals at displacements (mm, rad): of the point (mm), and of the tool axis.
     pub fn residual<S: Algebra>(&self, by: &[S], lift: &impl ErrorLift<S>) -> Vec<S> {
         let displacement =
             |axis: usize| self.moved.iter().position(|m| *m == axis).map_or(S::zero(), |k| by[k].clone());
@@ -65,7 +64,8 @@ impl<'a> Inverse<'a> {
         place.chain(self.across.iter().flatten().map(tilt)).collect()
     }
 
-    /// The displacements after a number of Newton steps over the algebra.
+    /// Returns the displacements (mm, rad) after a number of Newton steps over the algebra. Fails if the axes do not
+    /// match the conditions, or if their Jacobian is singular.
     pub fn after<S, L>(&self, lift: &L, steps: usize) -> Result<Vec<S>, Singular>
     where
         S: Algebra,
@@ -81,12 +81,12 @@ impl<'a> Inverse<'a> {
         Ok(by)
     }
 
-    /// The displacements, exact over an algebra of the given order.
+    /// Returns the displacements (mm, rad), exact over an algebra of the given order. Fails as [`Self::after`] does.
     pub fn solve<S: Algebra, L: ErrorLift<S>>(&self, lift: &L, order: usize) -> Result<Vec<S>, Singular> {
         self.after(lift, newton_steps(order))
     }
 
-    /// The solution of the real part: zero, unless location errors count there.
+    /// Returns the solution of the real part: zero, unless location errors count there.
     fn real<S: Algebra, L: ErrorLift<S>>(&self, lift: &L) -> Result<Vec<f64>, Singular> {
         let mut by = vec![0.0; self.moved.len()];
         let real_part = RealPart { lift, algebra: std::marker::PhantomData::<S> };

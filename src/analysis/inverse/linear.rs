@@ -1,30 +1,34 @@
 //! Linear axes: the place by the smallest motion from the reference, within the travel.
 
-use super::{PLACE_TOLERANCE, Unreachable, tool_pose};
+use super::tool_pose::{PLACE_TOLERANCE, Unreachable, tool_pose};
 use crate::algebra::rotation_about;
 use crate::machine::{Axis, AxisKind, Machine, Pose, Travel, sin_cos_degrees};
 use nalgebra::{Matrix3, Vector3};
 
-/// What rounding may add to a position, mm: beyond the travel by less is at its end.
-const ROUNDING: f64 = 1e-9;
+/// Rounding of a position, mm: a position beyond the travel by less counts as its end.
+const ROUNDING_MM: f64 = 1e-9;
 
-/// Below this share of the largest eigenvalue of J J^T a direction counts as not spanned.
-const RANK: f64 = 1e-12;
+/// A direction whose eigenvalue of J J^T is below this fraction of the largest is not spanned.
+const RANK_TOLERANCE: f64 = 1e-12;
 
 /// Sine of an angle below which two axes count as parallel, or one as lying in a plane.
 const FLAT: f64 = 1e-6;
 
-/// A linear axis: its index, the way the tool goes per mm (workpiece frame), its room in both senses.
+/// A linear axis at rotary positions.
 #[derive(Debug, Clone)]
 struct Slide {
+    /// Index of the axis.
     axis: usize,
-    way: Vector3<f64>,
-    room: (f64, f64),
-    /// How far it goes from its reference; given once it has come to an end of its travel.
-    ended: Option<f64>,
+    /// Motion of the tool per mm, workpiece frame.
+    direction: Vector3<f64>,
+    /// Travel from the reference in both senses, mm.
+    range: (f64, f64),
+    /// Motion from the reference (mm) once the axis has come to an end of its travel.
+    end: Option<f64>,
 }
 
-/// The candidate with its linear axes where they bring the tip to the place.
+/// Returns the candidate with the positions of its linear axes that bring the tip to a place (mm, workpiece frame);
+/// nearest to the reference.
 pub fn complete(
     machine: &Machine,
     tip: &Vector3<f64>,
@@ -36,9 +40,9 @@ pub fn complete(
     slides.iter().for_each(|s| pose[s.axis] = reference[s.axis]);
     let wanted = tip - tool_pose(machine, &pose).tip;
     for (slide, motion) in slides.iter().zip(motions(slides.clone(), &wanted)?) {
-        let (min, max) = slide.room;
+        let (min, max) = slide.range;
         pose[slide.axis] = match machine.axes()[slide.axis].travel {
-            // The ends themselves, not reference plus room.
+            // The ends themselves, not reference plus range.
             Travel::Range(_, end) if motion >= max => end,
             Travel::Range(end, _) if motion <= min => end,
             _ => reference[slide.axis] + motion,
@@ -47,16 +51,16 @@ pub fn complete(
     Ok(pose)
 }
 
-/// Unit normal of the plane that the linear axes span at a pose, its sense that of the first two that span it; none if they span a
-/// line, or space.
+/// Returns the unit normal of the plane that the linear axes span at a pose, its sense that of the first two that span
+/// it; `None` if they span a line, or space.
 pub fn normal(axes: &[Axis], pose: &[f64]) -> Option<Vector3<f64>> {
-    let ways: Vec<Vector3<f64>> = slides(axes, pose, pose).into_iter().map(|slide| slide.way).collect();
-    let pairs = ways.iter().enumerate().flat_map(|(i, a)| ways[i + 1..].iter().map(move |b| a.cross(b)));
+    let directions: Vec<Vector3<f64>> = slides(axes, pose, pose).into_iter().map(|slide| slide.direction).collect();
+    let pairs = directions.iter().enumerate().flat_map(|(i, a)| directions[i + 1..].iter().map(move |b| a.cross(b)));
     let normal = pairs.into_iter().find(|n| n.norm() > FLAT)?.normalize();
-    ways.iter().all(|way| way.dot(&normal).abs() < FLAT).then_some(normal)
+    directions.iter().all(|u| u.dot(&normal).abs() < FLAT).then_some(normal)
 }
 
-/// Every linear axis at the rotary positions of the pose.
+/// Returns every linear axis at the rotary positions of the pose.
 fn slides(axes: &[Axis], pose: &[f64], reference: &[f64]) -> Vec<Slide> {
     let mut turned = Matrix3::identity();
     let mut slides = Vec::new();
@@ -68,56 +72,58 @@ fn slides(axes: &[Axis], pose: &[f64], reference: &[f64]) -> Vec<Slide> {
                     Travel::Range(min, max) => (min - reference[i], max - reference[i]),
                     Travel::Continuous => (f64::NEG_INFINITY, f64::INFINITY),
                 };
-                let way = turned * Vector3::from(axis.direction) * axis.sign();
-                slides.push(Slide { axis: i, way, room: (min, max), ended: None });
+                let direction = turned * Vector3::from(axis.direction) * axis.sign();
+                slides.push(Slide { axis: i, direction, range: (min, max), end: None });
             }
         }
     }
     slides
 }
 
-/// Motions from the reference: smallest first without ends; then, one by one, the axis that is
-/// furthest beyond its travel is held at its end.
+/// Returns the smallest motions from the reference; one by one, the axis that is furthest beyond its travel is held at
+/// its end.
 fn motions(mut slides: Vec<Slide>, wanted: &Vector3<f64>) -> Result<Vec<f64>, Unreachable> {
     let mut failure = Unreachable::Place;
     loop {
         let motions = smallest(&slides, wanted).ok_or(failure)?;
         failure = Unreachable::Travel;
-        let excess = |(slide, motion): (&Slide, &f64)| (slide.room.0 - motion).max(motion - slide.room.1);
+        let excess = |(slide, motion): (&Slide, &f64)| (slide.range.0 - motion).max(motion - slide.range.1);
         let excesses: Vec<f64> = slides.iter().zip(&motions).map(excess).collect();
         let worst = (0..slides.len()).max_by(|a, b| excesses[*a].total_cmp(&excesses[*b]));
-        let Some(worst) = worst.filter(|i| excesses[*i] > ROUNDING) else { return Ok(motions) };
-        if slides[worst].ended.is_some() {
+        let Some(worst) = worst.filter(|i| excesses[*i] > ROUNDING_MM) else { return Ok(motions) };
+        if slides[worst].end.is_some() {
             return Err(Unreachable::Travel);
         }
-        slides[worst].ended = Some(motions[worst].clamp(slides[worst].room.0, slides[worst].room.1));
+        slides[worst].end = Some(motions[worst].clamp(slides[worst].range.0, slides[worst].range.1));
     }
 }
 
-/// Least squares of least length over the axes that are not at an end; `None` if it does not get there.
+/// Returns the least-squares solution of least length over the axes that are not at an end; `None` if it misses the
+/// place.
 fn smallest(slides: &[Slide], wanted: &Vector3<f64>) -> Option<Vec<f64>> {
-    let free = |s: &&Slide| s.ended.is_none();
-    let gram = slides.iter().filter(free).fold(Matrix3::zeros(), |sum, s| sum + s.way * s.way.transpose());
+    let free = |s: &&Slide| s.end.is_none();
+    let gram = slides.iter().filter(free).fold(Matrix3::zeros(), |sum, s| sum + s.direction * s.direction.transpose());
     let inverse = pseudo_inverse(&gram);
-    let mut motions: Vec<f64> = slides.iter().map(|s| s.ended.unwrap_or(0.0)).collect();
-    // The second and third time take back what rounding has left.
+    let mut motions: Vec<f64> = slides.iter().map(|s| s.end.unwrap_or(0.0)).collect();
+    // The second and third round remove the rounding of the first.
     for _ in 0..3 {
         let pull = inverse * missing(slides, &motions, wanted);
-        let of_free = slides.iter().zip(&mut motions).filter(|(s, _)| s.ended.is_none());
-        of_free.for_each(|(s, motion)| *motion += s.way.dot(&pull));
+        let of_free = slides.iter().zip(&mut motions).filter(|(s, _)| s.end.is_none());
+        of_free.for_each(|(s, motion)| *motion += s.direction.dot(&pull));
     }
     (missing(slides, &motions, wanted).norm() <= PLACE_TOLERANCE).then_some(motions)
 }
 
+/// Returns the remaining distance.
 fn missing(slides: &[Slide], motions: &[f64], wanted: &Vector3<f64>) -> Vector3<f64> {
-    slides.iter().zip(motions).fold(*wanted, |rest, (s, motion)| rest - s.way * *motion)
+    slides.iter().zip(motions).fold(*wanted, |rest, (s, motion)| rest - s.direction * *motion)
 }
 
-/// Pseudo-inverse of a symmetric, positive semidefinite matrix from its eigenvectors.
+/// Returns the pseudo-inverse of a symmetric, positive semidefinite matrix from its eigenvectors.
 fn pseudo_inverse(gram: &Matrix3<f64>) -> Matrix3<f64> {
     let eigen = gram.symmetric_eigen();
     let largest = eigen.eigenvalues.amax();
-    (0..3).filter(|i| eigen.eigenvalues[*i] > RANK * largest).fold(Matrix3::zeros(), |sum, i| {
+    (0..3).filter(|i| eigen.eigenvalues[*i] > RANK_TOLERANCE * largest).fold(Matrix3::zeros(), |sum, i| {
         let v = eigen.eigenvectors.column(i);
         sum + v * v.transpose() / eigen.eigenvalues[i]
     })
@@ -128,7 +134,7 @@ mod tests {
     use super::*;
 
     fn slide(way: [f64; 3], room: (f64, f64)) -> Slide {
-        Slide { axis: 0, way: way.into(), room, ended: None }
+        Slide { axis: 0, direction: way.into(), range: room, end: None }
     }
 
     #[test]

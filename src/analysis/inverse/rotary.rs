@@ -5,23 +5,25 @@
 //! `R_1 ... R_m e = d`. With all axes but two held, that is `exp(w_1 a) exp(w_2 b) p = t`, which has
 //! at most two solutions in closed form, for axes in any directions.
 
+use super::tool_pose::DIRECTION_TOLERANCE;
 use crate::algebra::rotation_about;
+use crate::evaluate::radical_inverse;
 use crate::machine::{Axis, AxisKind, Pose, Travel, sin_cos_degrees};
 use nalgebra::{Matrix3, Vector3};
 
-/// Below this length (rad) what is left of a unit vector beside an axis is rounding: the axis has no effect.
-const ALONG: f64 = 1e-12;
+/// Below this length (rad) the part of a unit vector across an axis is rounding: the axis has no effect.
+const ALONG_RAD: f64 = 1e-12;
 
-/// Beyond the travel by less is at its end, deg; whether that still points there is checked afterwards.
-const AT_END: f64 = 1e-6;
+/// A position beyond the travel by less (deg) counts as its end; whether that still points there is checked afterwards.
+const AT_END_DEG: f64 = 1e-6;
 
-/// Where the axes that are held are tried, besides their reference.
-const SAMPLES: usize = 48;
+/// Number of positions tried for the axes that are held, besides their reference.
+const SAMPLES: u64 = 48;
 
-/// The same where an axis more than two might still find a way within the travel of the linear axes.
-const MANY_SAMPLES: usize = 512;
+/// The same number where a third axis might still bring the place within the travel of the linear axes.
+const MANY_SAMPLES: u64 = 512;
 
-/// How many of the positions of more than two axes are followed towards the reference.
+/// Number of positions of more than two axes that are refined towards the reference.
 const REFINED: usize = 6;
 
 /// A rotary axis: `w` is its direction with the sense of a positive command.
@@ -33,26 +35,27 @@ struct Turn {
     reference: f64,
 }
 
-/// The rotary axes of a machine and where they would rather be.
+/// The rotary axes of a machine, and their reference.
 pub struct Directions {
     turns: Vec<Turn>,
     reference: Pose,
 }
 
-/// Candidates, best first.
+/// Candidates for the rotary axes, best first.
 pub struct Candidates {
-    /// With the rotary axes set; the linear ones are at the reference.
+    /// Poses (mm, deg) with the rotary axes set; the linear ones are at the reference.
     pub poses: Vec<Pose>,
-    /// A direction was found, but only beyond the travel.
+    /// True if a solution was found beyond the travel.
     pub beyond_travel: bool,
-    /// There may be others, further away, for some axis has a choice.
+    /// True if there may be others, further away, because some axis is free.
     pub more: bool,
 }
 
-/// One of a pair's angles (rad); `None` if any will do.
+/// One of a pair's angles (rad); `None` if any is a solution.
 type Angle = Option<f64>;
 
 impl Directions {
+    /// Returns the rotary axes of a machine with a reference pose (mm, deg).
     pub fn new(axes: &[Axis], reference: &[f64]) -> Self {
         let rotary = axes.iter().enumerate().filter(|(_, axis)| axis.kind == AxisKind::Rotary);
         let turn = |(i, axis): (usize, &Axis)| Turn {
@@ -64,7 +67,7 @@ impl Directions {
         Self { turns: rotary.map(turn).collect(), reference: reference.to_vec() }
     }
 
-    /// The candidates nearest to the reference.
+    /// Returns the candidates nearest to the reference for a direction of the tool (unit vector, workpiece frame).
     pub fn nearest(&self, direction: &Vector3<f64>) -> Candidates {
         let start: Vec<f64> = self.turns.iter().map(|turn| turn.reference).collect();
         let mut search = Search { directions: self, direction, found: Vec::new(), beyond_travel: false, free: false };
@@ -82,7 +85,7 @@ impl Directions {
         Candidates { poses, beyond_travel: search.beyond_travel, more: search.free || self.turns.len() > 2 }
     }
 
-    /// Candidates with the axes that have a choice elsewhere than at their reference.
+    /// Returns candidates whose free axes are away from their reference.
     pub fn others(&self, direction: &Vector3<f64>) -> Vec<Pose> {
         let mut search = Search { directions: self, direction, found: Vec::new(), beyond_travel: false, free: false };
         let samples = if self.turns.len() > 2 { MANY_SAMPLES } else { SAMPLES };
@@ -90,18 +93,18 @@ impl Directions {
         self.poses(search.found)
     }
 
-    /// Positions spread over the travels: a Halton sequence.
-    fn sample(&self, index: usize) -> Vec<f64> {
+    /// Returns positions (deg) spread over the travels: a Halton sequence.
+    fn sample(&self, index: u64) -> Vec<f64> {
         let bases = [2, 3, 5, 7, 11, 13, 17, 19];
-        let position = |(turn, base): (&Turn, &usize)| {
+        let position = |(turn, base): (&Turn, &u64)| {
             let (min, max) = turn.travel.interval();
             min + (max - min) * radical_inverse(index, *base)
         };
         self.turns.iter().zip(bases.iter().cycle()).map(position).collect()
     }
 
-    /// Nearest to the reference first; what differs by rounding alone is one candidate, and of equal
-    /// distances the larger positions come first, so that the choice does not hang on the last bit.
+    /// Sorts positions by their distance from the reference. Those that differ by rounding alone are one candidate, and
+    /// of equal distances the larger positions come first, so that the choice does not depend on the last bit.
     fn in_order(&self, found: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         let rounded = |x: f64| (x * 1e6).round() as i64;
         let key = |angles: &Vec<f64>| {
@@ -127,14 +130,14 @@ impl Directions {
         range.fold(Matrix3::identity(), |product, k| product * self.turns[k].rotation(angles[k]))
     }
 
-    /// Moves along the positions that point there, towards the reference (Newton with what is left
-    /// of the way to the reference in the null space of the Jacobian), within the travel.
+    /// Returns positions moved along the solutions towards the reference, within the travel: Newton's iteration, with
+    /// the distance to the reference projected into the null space of the Jacobian.
     fn refined(&self, start: &[f64], direction: &Vector3<f64>) -> Vec<f64> {
         let mut angles = start.to_vec();
         for _ in 0..48 {
             let step = self.step(&angles, direction);
             let turned = self.turns.iter().zip(&angles).zip(&step);
-            angles = turned.map(|((turn, q), s)| turn.held(q + s.to_degrees().clamp(-20.0, 20.0))).collect();
+            angles = turned.map(|((turn, q), s)| turn.within_travel(q + s.to_degrees().clamp(-20.0, 20.0))).collect();
             if step.iter().all(|s| s.abs() < 1e-12) {
                 break;
             }
@@ -142,7 +145,7 @@ impl Directions {
         angles
     }
 
-    /// `J^+ r + (1 - J^+ J) (reference - q)`, rad; axes at an end they are pushed against stay there.
+    /// Returns `J^+ r + (1 - J^+ J) (reference - q)`, rad; axes pushed against an end of their travel stay there.
     fn step(&self, angles: &[f64], direction: &Vector3<f64>) -> Vec<f64> {
         let mut columns = self.columns(angles);
         let reached = self.rotation(0..self.turns.len(), angles) * Vector3::z();
@@ -176,7 +179,7 @@ impl Directions {
         step
     }
 
-    /// Derivatives of the direction by each angle (per rad).
+    /// Returns the derivatives of the direction by each angle (per rad).
     fn columns(&self, angles: &[f64]) -> Vec<Vector3<f64>> {
         let reached = self.rotation(0..self.turns.len(), angles) * Vector3::z();
         (0..self.turns.len()).map(|i| (self.rotation(0..i, angles) * self.turns[i].w).cross(&reached)).collect()
@@ -188,14 +191,14 @@ impl Turn {
         rotation_about(&self.w.into(), sin_cos_degrees(degrees))
     }
 
-    fn held(&self, position: f64) -> f64 {
+    fn within_travel(&self, position: f64) -> f64 {
         match self.travel {
             Travel::Range(min, max) => position.clamp(min, max),
             Travel::Continuous => position,
         }
     }
 
-    /// Would the step leave the travel at once?
+    /// True if a step from an end of the travel would leave it.
     fn blocks(&self, position: f64, step: f64) -> bool {
         match self.travel {
             Travel::Range(min, max) => (position <= min && step < 0.0) || (position >= max && step > 0.0),
@@ -203,18 +206,19 @@ impl Turn {
         }
     }
 
-    /// The position within the travel, whole turns away, that is nearest to the reference.
+    /// Returns the position (deg) within the travel, whole turns away from an angle (rad), that is nearest to the
+    /// reference.
     fn wrapped(&self, angle: f64) -> Option<f64> {
         let degrees = angle.to_degrees();
         let turns = ((self.reference - degrees) / 360.0).round();
         let Travel::Range(min, max) = self.travel else { return Some(degrees + 360.0 * turns) };
-        let lowest = ((min - AT_END - degrees) / 360.0).ceil();
-        let highest = ((max + AT_END - degrees) / 360.0).floor();
+        let lowest = ((min - AT_END_DEG - degrees) / 360.0).ceil();
+        let highest = ((max + AT_END_DEG - degrees) / 360.0).floor();
         (lowest <= highest).then(|| (degrees + 360.0 * turns.clamp(lowest, highest)).clamp(min, max))
     }
 }
 
-/// What has been found for one direction.
+/// The search for one direction, with the solutions found so far.
 struct Search<'a> {
     directions: &'a Directions,
     direction: &'a Vector3<f64>,
@@ -227,7 +231,7 @@ impl Search<'_> {
     /// Solves for every pair of axes (or the only one) with the others held at `angles`.
     fn around(&mut self, angles: &[f64]) {
         let count = angles.len();
-        if count == 0 && (self.direction - Vector3::z()).norm() < super::DIRECTION_TOLERANCE {
+        if count == 0 && (self.direction - Vector3::z()).norm() < DIRECTION_TOLERANCE {
             self.found.push(Vec::new());
         }
         for i in 0..count {
@@ -238,7 +242,7 @@ impl Search<'_> {
         }
     }
 
-    /// Only axis i turns.
+    /// Solves for axis i alone.
     fn single(&mut self, i: usize, angles: &[f64]) {
         let d = self.directions;
         let before = d.rotation(0..i, angles).transpose() * self.direction;
@@ -248,7 +252,7 @@ impl Search<'_> {
         }
     }
 
-    /// Axes i < j turn.
+    /// Solves for axes i < j.
     fn pair(&mut self, i: usize, j: usize, angles: &[f64]) {
         let d = self.directions;
         let between = d.rotation(i + 1..j, angles);
@@ -278,66 +282,58 @@ impl Search<'_> {
     }
 }
 
-/// Angle about w that takes p to t; `None` if w is along p: then any angle does.
+/// Returns the angle (rad) about w that takes p to t; `None` if w is along p: then any angle does.
 fn angle(w: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> Angle {
     let beside = |v: &Vector3<f64>| v - w * w.dot(v);
     let (p, t) = (beside(p), beside(t));
-    (p.norm() > ALONG && t.norm() > ALONG).then(|| libm::atan2(w.dot(&p.cross(&t)), p.dot(&t)))
+    (p.norm() > ALONG_RAD && t.norm() > ALONG_RAD).then(|| libm::atan2(w.dot(&p.cross(&t)), p.dot(&t)))
 }
 
-/// Can a rotation about w take p to t? Up to rounding; what is found is checked afterwards.
+/// True if a rotation about w takes p to t, up to rounding; solutions are checked afterwards.
 fn same_height(w: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> bool {
     (w.dot(p) - w.dot(t)).abs() < 1e-12
 }
 
-/// All (a, b) with `exp(w1 a) exp(w2 b) p = t`. Between the two rotations p is at a point z that is as
-/// far along w1 as t and as far along w2 as p.
+/// Returns all (a, b) with `exp(w1 a) exp(w2 b) p = t`. Between the two rotations p is at a point z that is as far
+/// along w1 as t and as far along w2 as p.
 fn pair_angles(w1: &Vector3<f64>, w2: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> Vec<(Angle, Angle)> {
     let (far_1, far_2) = (w1.cross(t).norm(), w2.cross(p).norm());
-    if far_1 <= ALONG {
+    if far_1 <= ALONG_RAD {
         return same_height(w2, p, t).then(|| (None, angle(w2, p, t))).into_iter().collect();
     }
-    if far_2 <= ALONG {
+    if far_2 <= ALONG_RAD {
         return same_height(w1, p, t).then(|| (angle(w1, p, t), None)).into_iter().collect();
     }
     // Seen from the axis that is nearer, small distances keep all their digits.
     let between = if far_1 <= far_2 {
-        meeting(w1, w2, (w1.dot(t), far_1), w2.dot(p))
+        meeting(&Circle { axis: *w1, height: w1.dot(t), radius: far_1 }, w2, w2.dot(p))
     } else {
-        meeting(w2, w1, (w2.dot(p), far_2), w1.dot(t))
+        meeting(&Circle { axis: *w2, height: w2.dot(p), radius: far_2 }, w1, w1.dot(t))
     };
     between.map_or_else(Vec::new, |points| points.map(|z| (angle(w1, &z, t), angle(w2, p, &z))).to_vec())
 }
 
-/// The two points at a height and distance of one axis, and at a height of the other.
-fn meeting(
-    axis: &Vector3<f64>,
-    other: &Vector3<f64>,
-    (height, distance): (f64, f64),
-    along_other: f64,
-) -> Option<[Vector3<f64>; 2]> {
+/// The points at one height along an axis, and at one distance from it.
+struct Circle {
+    axis: Vector3<f64>,
+    height: f64,
+    radius: f64,
+}
+
+/// Returns the two points of a circle at a height along another axis.
+fn meeting(circle: &Circle, other: &Vector3<f64>, along_other: f64) -> Option<[Vector3<f64>; 2]> {
+    let Circle { axis, height, radius } = circle;
     let normal = axis.cross(other);
     let sine = normal.norm();
     let towards = (other - axis * axis.dot(other)) / sine;
-    let near = (along_other - axis.dot(other) * height) / sine;
-    let square = (distance - near) * (distance + near);
+    let near = (along_other - axis.dot(other) * *height) / sine;
+    let square = (radius - near) * (radius + near);
     // A touching point may be missed by rounding; whether it is one is checked afterwards.
     (square > -1e-10).then(|| {
         let aside = normal * (square.max(0.0).sqrt() / sine);
-        let foot = axis * height + towards * near;
+        let foot = axis * *height + towards * near;
         [foot + aside, foot - aside]
     })
-}
-
-/// The index with its digits mirrored at the point: evenly spread over [0, 1).
-fn radical_inverse(index: usize, base: usize) -> f64 {
-    let (mut rest, mut scale, mut value) = (index, 1.0, 0.0);
-    while rest > 0 {
-        scale /= base as f64;
-        value += scale * (rest % base) as f64;
-        rest /= base;
-    }
-    value
 }
 
 #[cfg(test)]

@@ -1,17 +1,19 @@
-//! Linear axes that span no more than a plane (a lathe's X and Z): a rotary axis about the tool axis, which the direction
-//! does not depend on, turns the place into that plane.
+//! Linear axes that span no more than a plane (a lathe's X and Z): a rotary axis about the tool axis, which the
+//! direction does not depend on, turns the place into that plane.
 
-use super::{linear, tool_pose};
+use super::linear;
+use super::tool_pose::tool_pose;
 use crate::machine::{AxisKind, Machine, Pose, Travel};
 use nalgebra::Vector3;
 
 /// A change of the direction below this (rad) is rounding.
-const SAME: f64 = 1e-9;
+const SAME_DIRECTION_RAD: f64 = 1e-9;
 
-/// Lengths below this (mm) are rounding: the place is where every turn leaves it.
-const STILL: f64 = 1e-9;
+/// Lengths below this (mm) are rounding: no turn moves the place.
+const STILL_MM: f64 = 1e-9;
 
-/// Candidates with one more axis turned so that the place lies in the plane of the linear axes; nearest to the reference first.
+/// Returns the candidates with one more axis turned so that the place lies in the plane of the linear axes; nearest to
+/// the reference first.
 pub fn turned(machine: &Machine, tip: &Vector3<f64>, candidates: &[Pose], reference: &[f64]) -> Vec<Pose> {
     if candidates.first().is_none_or(|pose| linear::normal(machine.axes(), pose).is_none()) {
         return Vec::new();
@@ -24,7 +26,7 @@ pub fn turned(machine: &Machine, tip: &Vector3<f64>, candidates: &[Pose], refere
     candidates.iter().flat_map(of).collect()
 }
 
-/// One axis that is turned.
+/// A candidate of which one more axis is turned.
 struct Turning<'a> {
     machine: &'a Machine,
     tip: &'a Vector3<f64>,
@@ -39,23 +41,23 @@ impl Turning<'_> {
         pose
     }
 
-    /// How far the place is beside the plane, mm; none if the linear axes span none, or all of space.
+    /// Returns the distance of the place from the plane, mm; `None` if the linear axes span none, or all of space.
     fn beside(&self, degrees: f64) -> Option<f64> {
         let pose = self.at(degrees);
         let normal = linear::normal(self.machine.axes(), &pose)?;
         Some(normal.dot(&(self.tip - tool_pose(self.machine, &pose).tip)))
     }
 
-    /// The distance is c + a cos + b sin of the turn wherever the linear axes stand on one side of this axis, or along it:
-    /// two turns, or none.
+    /// Returns the poses whose place lies in the plane. The distance is c + a cos + b sin of the turn wherever the
+    /// linear axes stand on one side of this axis, or along it: two turns, or none.
     fn poses(&self, reference: f64) -> Vec<Pose> {
         let direction = |degrees: f64| tool_pose(self.machine, &self.at(degrees)).direction;
-        let turns = (direction(reference + 120.0) - direction(reference)).norm() > SAME;
+        let turns = (direction(reference + 120.0) - direction(reference)).norm() > SAME_DIRECTION_RAD;
         let thirds = [0.0, 120.0, 240.0].map(|third| self.beside(third));
         let [Some(p), Some(q), Some(r)] = thirds else { return Vec::new() };
         let (c, a, b) = ((p + q + r) / 3.0, (2.0 * p - q - r) / 3.0, (q - r) / libm::sqrt(3.0));
         let size = libm::hypot(a, b);
-        if turns || size < STILL || c.abs() > size + STILL {
+        if turns || size < STILL_MM || c.abs() > size + STILL_MM {
             return Vec::new();
         }
         let (middle, half) = (libm::atan2(b, a), libm::acos((-c / size).clamp(-1.0, 1.0)));
@@ -65,14 +67,14 @@ impl Turning<'_> {
         found.into_iter().map(|degrees| self.at(degrees)).collect()
     }
 
-    /// The same position by whole turns, nearest to the reference and within the travel.
+    /// Returns the position whole turns away that is nearest to the reference and within the travel.
     fn within(&self, degrees: f64, reference: f64) -> Option<f64> {
         let nearest = degrees + 360.0 * libm::round((reference - degrees) / 360.0);
         match self.machine.axes()[self.axis].travel {
             Travel::Continuous => Some(nearest),
             Travel::Range(min, max) => {
-                let ways = [0.0, -360.0, 360.0].map(|turn| nearest + turn);
-                ways.into_iter().find(|q| (min..=max).contains(q))
+                let turns = [0.0, -360.0, 360.0].map(|turn| nearest + turn);
+                turns.into_iter().find(|q| (min..=max).contains(q))
             }
         }
     }

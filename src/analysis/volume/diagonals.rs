@@ -1,6 +1,6 @@
 //! The four body diagonals of the volume of three linear axes: a quick check of a machine (ISO 230-6).
 
-use crate::analysis::tool_pose;
+use crate::analysis::inverse::tool_pose;
 use crate::evaluate::Field;
 use crate::machine::{Approach, AxisKind, Machine, Pose};
 use nalgebra::Vector3;
@@ -10,16 +10,16 @@ use nalgebra::Vector3;
 pub struct Diagonal {
     /// Its direction by the signs of the three axes' motions: `ppp`, `npp`, `pnp`, `nnp`.
     pub name: String,
-    /// Where it starts and ends (mm, deg).
+    /// Start and end (mm, deg).
     pub ends: [Pose; 2],
     /// Nominal length, mm.
     pub length: f64,
-    /// Deviation of the displacement along it from the start, step by step, mm: the first is 0.
+    /// Actual minus nominal displacement from the start along the diagonal, step by step, mm: the first is 0.
     pub deviations: Vec<f64>,
 }
 
 impl Diagonal {
-    /// Largest minus smallest deviation along it, mm.
+    /// Returns the largest minus the smallest deviation, mm.
     pub fn range(&self) -> f64 {
         let (min, max) =
             self.deviations.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
@@ -27,20 +27,26 @@ impl Diagonal {
     }
 }
 
-/// Signs of the motion, in the order of the field.
-const SIGNS: [(&str, [bool; 3]); 4] = [
-    ("ppp", [true, true, true]),
-    ("npp", [false, true, true]),
-    ("pnp", [true, false, true]),
-    ("nnp", [false, false, true]),
+/// A diagonal by the senses in which the three axes move.
+struct Sense {
+    name: &'static str,
+    positive: [bool; 3],
+}
+
+/// The four diagonals; the last axis always moves in its positive sense.
+const SENSES: [Sense; 4] = [
+    Sense { name: "ppp", positive: [true, true, true] },
+    Sense { name: "npp", positive: [false, true, true] },
+    Sense { name: "pnp", positive: [true, false, true] },
+    Sense { name: "nnp", positive: [false, false, true] },
 ];
 
-/// The body diagonals over the volume of [`space_axes`], `steps` intervals each; none if there are no
-/// three such axes. `at` is where the other axes are (mm, deg).
+/// Returns the body diagonals over the volume of [`space_axes`], `steps` intervals each; none without three such axes.
+/// `at` is the pose of the other axes (mm, deg).
 pub fn body_diagonals(field: &dyn Field, at: &[f64], steps: usize, approach: Approach) -> Vec<Diagonal> {
     let machine = field.machine();
     let Ok(axes) = <[usize; 3]>::try_from(space_axes(machine)) else { return Vec::new() };
-    SIGNS.iter().map(|(name, signs)| diagonal(field, at, steps.max(1), approach, (name, &axes, signs))).collect()
+    SENSES.iter().map(|sense| diagonal(field, at, steps.max(1), approach, &axes, sense)).collect()
 }
 
 fn diagonal(
@@ -48,42 +54,43 @@ fn diagonal(
     at: &[f64],
     steps: usize,
     approach: Approach,
-    (name, axes, signs): (&str, &[usize; 3], &[bool; 3]),
+    axes: &[usize; 3],
+    sense: &Sense,
 ) -> Diagonal {
     let machine = field.machine();
-    let pose = |share: f64| {
+    let pose = |fraction: f64| {
         let mut pose = at.to_vec();
-        for (axis, positive) in axes.iter().zip(signs) {
+        for (axis, positive) in axes.iter().zip(&sense.positive) {
             let grid = machine.volume()[*axis];
             let (from, to) = if *positive { (grid.min, grid.max) } else { (grid.max, grid.min) };
-            pose[*axis] = if share == 1.0 { to } else { from + (to - from) * share };
+            pose[*axis] = if fraction == 1.0 { to } else { from + (to - from) * fraction };
         }
         pose
     };
     let ends = [pose(0.0), pose(1.0)];
-    let way = tool_pose(machine, &ends[1]).tip - tool_pose(machine, &ends[0]).tip;
-    let along: Vector3<f64> = way.try_normalize(0.0).unwrap_or_default();
+    let travel = tool_pose(machine, &ends[1]).tip - tool_pose(machine, &ends[0]).tip;
+    let along: Vector3<f64> = travel.try_normalize(0.0).unwrap_or_default();
     let start = field.deviation(&ends[0], approach).position;
     let step = |i| (field.deviation(&pose(i as f64 / steps as f64), approach).position - start).dot(&along);
-    Diagonal { name: name.to_owned(), ends, length: way.norm(), deviations: (0..=steps).map(step).collect() }
+    Diagonal { name: sense.name.to_owned(), ends, length: travel.norm(), deviations: (0..=steps).map(step).collect() }
 }
 
-/// Up to three linear axes with room to move that span space (of several parallel ones the first),
-/// sorted by name.
+/// Returns up to three linear axes with an interval in the volume that span space, sorted by name; of several parallel
+/// ones the first.
 pub fn space_axes(machine: &Machine) -> Vec<usize> {
-    let room = |i: &usize| {
+    let moves = |i: &usize| {
         let grid = machine.volume()[*i];
         machine.axes()[*i].kind == AxisKind::Linear && grid.max > grid.min
     };
-    let mut candidates: Vec<usize> = (0..machine.axes().len()).filter(room).collect();
+    let mut candidates: Vec<usize> = (0..machine.axes().len()).filter(moves).collect();
     candidates.sort_by(|a, b| machine.axes()[*a].name.cmp(&machine.axes()[*b].name));
     let mut basis: Vec<Vector3<f64>> = Vec::new();
     let mut chosen = Vec::new();
     for axis in candidates {
         let direction = Vector3::from(machine.axes()[axis].direction);
-        let rest = basis.iter().fold(direction, |rest, b| rest - b * b.dot(&rest));
+        let remainder = basis.iter().fold(direction, |v, b| v - b * b.dot(&v));
         // Axes less than 3 deg apart count as parallel.
-        if let Some(new) = rest.try_normalize(0.05) {
+        if let Some(new) = remainder.try_normalize(0.05) {
             basis.push(new);
             chosen.push(axis);
         }

@@ -1,10 +1,10 @@
-//! Lever arms: what turns an angular error into a displacement of the functional point.
+//! Lever arms, which turn angular errors into displacements of the functional point.
 
 use crate::evaluate::{Poses, Random};
 use crate::lower::sensitivities_to;
 use crate::machine::{AxisName, Direction, ErrorFamily, ErrorId, Machine, Pose};
 
-/// How far the functional point is from the point about which an axis's angular errors turn, mm.
+/// Distance of the functional point from the point about which an axis's angular errors rotate, mm.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Lever {
     /// At the zero pose.
@@ -13,18 +13,18 @@ pub struct Lever {
     pub longest: f64,
 }
 
-/// Poses within the volume at which arms are measured, besides its corners.
-const WITHIN: usize = 500;
+/// Number of random poses at which arms are measured, besides the corners of the volume.
+const RANDOM_POSES: usize = 500;
 
-/// Up to so many axes all corners are visited.
-const CORNERS: usize = 10;
+/// Maximum number of axes with which all corners are visited.
+const MAX_CORNER_AXES: usize = 10;
 
-/// The lever arms of all axes, in their order.
+/// Returns the lever arms of all axes, in their order.
 pub fn levers(machine: &Machine) -> Vec<Lever> {
     let zero = vec![0.0; machine.axes().len()];
     let mut levers: Vec<Lever> =
         arms(machine, &zero).into_iter().map(|at_zero| Lever { at_zero, longest: at_zero }).collect();
-    for pose in corners(machine).into_iter().chain(Poses::Random(Random::of(machine, WITHIN, 0)).iter()) {
+    for pose in corners(machine).into_iter().chain(Poses::Random(Random::of(machine, RANDOM_POSES, 0)).iter()) {
         for (lever, arm) in levers.iter_mut().zip(arms(machine, &pose)) {
             lever.longest = lever.longest.max(arm);
         }
@@ -32,8 +32,8 @@ pub fn levers(machine: &Machine) -> Vec<Lever> {
     levers
 }
 
-/// With r the arm, unit rotations about three perpendicular directions displace by vectors whose
-/// squared lengths sum up to 2 r^2; so the arm is the same in every convention.
+/// Returns the arms at a pose, mm. With r the arm, unit rotations about three perpendicular directions displace by
+/// vectors whose squared lengths sum up to 2 r^2; so the arm is the same in every convention.
 fn arms(machine: &Machine, pose: &[f64]) -> Vec<f64> {
     let tilts = |axis: &AxisName| -> Vec<ErrorId> {
         let tilt = |d: &Direction| ErrorId { axis: axis.clone(), family: ErrorFamily::Component, direction: *d };
@@ -49,7 +49,7 @@ fn arms(machine: &Machine, pose: &[f64]) -> Vec<f64> {
 
 fn corners(machine: &Machine) -> Vec<Pose> {
     let volume = machine.volume();
-    if volume.len() > CORNERS {
+    if volume.len() > MAX_CORNER_AXES {
         return Vec::new();
     }
     let corner = |k: usize| {

@@ -1,23 +1,24 @@
-//! A field over many poses.
+//! Maps: a field at many poses, all kept.
 
 use crate::evaluate::{
     Batch, Columns, CompiledModel, Deviation, Field, Frame, Order, Output, PoseColumns, Poses, Statistics,
 };
 use crate::lower::NominalPose;
 use crate::machine::{Approach, Machine};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-/// Exact quantiles need all deviations at once; more poses are surveyed ([`survey`](super::survey::survey())) instead.
+/// Maximum number of poses of a map, which keeps all deviations for exact quantiles; a
+/// [`survey`](super::survey::survey()) takes more.
 pub const MAX_POSES: usize = 1_000_000;
 
-/// Poses per task: long enough to be worth one, short enough for a progress bar.
+/// Poses per task of a thread, and per step of the progress.
 const BLOCK: usize = 512;
 
-/// How a field is looked at.
+/// Side of approach and frame of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct View {
-    /// From which side the poses are approached.
+    /// Side from which the axes approach the poses.
     pub approach: Approach,
     /// Frame of the vectors.
     pub frame: Frame,
@@ -28,16 +29,16 @@ pub struct View {
 pub struct Map {
     /// Actual minus nominal, in the frame asked for (mm, rad).
     pub deviations: Vec<Deviation>,
-    /// What they come to.
+    /// Their statistics.
     pub statistics: Statistics,
 }
 
-/// A map of so many poses is refused: see [`MAX_POSES`].
+/// A map was refused: it would have this number of poses, more than [`MAX_POSES`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TooManyPoses(pub usize);
 
-/// Evaluates a field at all poses. Every pose by itself and the sums in their order: the result is
-/// the same to the bit on any number of threads. `progress` is told how many poses were done.
+/// Returns a field's deviations at all poses, to the bit the same on any number of threads. Calls `progress` with the
+/// number of poses done since its last call. Fails with more than [`MAX_POSES`] poses.
 pub fn map(
     field: &dyn Field,
     poses: &Poses,
@@ -61,19 +62,19 @@ pub fn map(
     Ok(Map { deviations, statistics })
 }
 
-/// A plan that knows the frames of a field's machine.
+/// Returns a compiled model that serves [`into_frame`] for a field's machine.
 pub(crate) fn frames(field: &dyn Field) -> CompiledModel {
     CompiledModel::new(field.machine(), Order::Degree(1), Approach::Mean)
 }
 
-/// Turns deviations into the frame asked for.
+/// Rotates deviations at poses (mm, deg) from the workpiece frame into another, in place; without a model they stay.
 pub(crate) fn into_frame(frames: Option<&CompiledModel>, frame: Frame, poses: &Batch<'_>, out: Output<'_>) {
     if let Some(frames) = frames {
         frames.to_frame(frame, poses, out);
     }
 }
 
-/// Deviation at a pose in the frame asked for.
+/// Returns the deviation at a pose (mm, deg), approached and in the frame as the view says.
 pub fn deviation_in(field: &dyn Field, pose: &[f64], view: View) -> Deviation {
     let deviation = field.deviation(pose, view.approach);
     match frame_rotation(field.machine(), pose, view.frame) {
@@ -82,8 +83,9 @@ pub fn deviation_in(field: &dyn Field, pose: &[f64], view: View) -> Deviation {
     }
 }
 
-/// The rotation from the workpiece frame, of the nominal machine; `None` is no rotation.
-pub fn frame_rotation(machine: &Machine, pose: &[f64], frame: Frame) -> Option<nalgebra::Matrix3<f64>> {
+/// Returns the rotation from the workpiece frame into another at a pose (mm, deg) of the nominal machine; `None` is the
+/// identity.
+pub fn frame_rotation(machine: &Machine, pose: &[f64], frame: Frame) -> Option<Matrix3<f64>> {
     match frame {
         Frame::Workpiece => None,
         Frame::Machine => Some(NominalPose::at(machine, pose).r_work),

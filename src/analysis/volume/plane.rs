@@ -1,7 +1,7 @@
 //! A field over a plane of two linear axes.
 
 use super::map::{View, deviation_in};
-use crate::analysis::tool_pose;
+use crate::analysis::inverse::tool_pose;
 use crate::evaluate::{Deviation, Field};
 use crate::machine::{Machine, Pose};
 use nalgebra::Vector3;
@@ -14,24 +14,24 @@ pub struct Plane {
     pub axes: [usize; 2],
     /// Their intervals, mm.
     pub intervals: [(f64, f64); 2],
-    /// How many nodes each has, ends included.
+    /// Number of nodes of each, ends included.
     pub counts: [usize; 2],
-    /// The pose (mm, deg) of the other axes.
+    /// Pose (mm, deg) of the other axes.
     pub at: Pose,
     /// Deviation at each node, the axis to the right running fastest; in the frame asked for.
     pub deviations: Vec<Deviation>,
-    /// Components of the position deviation along the ways of the two axes at each node, mm. They do
-    /// not depend on the frame.
+    /// Components of the position deviation along the directions of the two axes at each node, mm. They do not depend
+    /// on the frame.
     pub in_plane: Vec<[f64; 2]>,
 }
 
 impl Plane {
-    /// Evaluates a field over the volume's intervals of two different linear axes.
+    /// Returns a field over the volume's intervals of two different linear axes, `counts` nodes each, at least 2.
     pub fn of(field: &dyn Field, axes: [usize; 2], at: &[f64], counts: [usize; 2], view: View) -> Self {
         let machine = field.machine();
         let intervals = axes.map(|i| (machine.volume()[i].min, machine.volume()[i].max));
         let counts = counts.map(|count| count.max(2));
-        let ways = axes.map(|axis| way(machine, at, axis));
+        let directions = axes.map(|axis| direction(machine, at, axis));
         let node = |index: usize| {
             let mut pose = at.to_vec();
             for (i, step) in [index % counts[0], index / counts[0]].into_iter().enumerate() {
@@ -39,22 +39,22 @@ impl Plane {
                 pose[axes[i]] = min + (max - min) * (step as f64 / (counts[i] - 1) as f64);
             }
             let workpiece = field.deviation(&pose, view.approach).position;
-            (deviation_in(field, &pose, view), ways.map(|way| way.dot(&workpiece)))
+            (deviation_in(field, &pose, view), directions.map(|u| u.dot(&workpiece)))
         };
         let nodes: Vec<_> = (0..counts[0] * counts[1]).into_par_iter().map(node).collect();
         let (deviations, in_plane) = nodes.into_iter().unzip();
         Self { axes, intervals, counts, at: at.to_vec(), deviations, in_plane }
     }
 
-    /// Position of a node along one of the two axes, mm.
+    /// Returns the position of a node along one of the two axes, mm.
     pub fn position(&self, axis: usize, step: usize) -> f64 {
         let (min, max) = self.intervals[axis];
         min + (max - min) * (step as f64 / (self.counts[axis] - 1) as f64)
     }
 }
 
-/// Where the tool goes in the workpiece frame when the axis rises by 1 mm: a unit vector.
-fn way(machine: &Machine, at: &[f64], axis: usize) -> Vector3<f64> {
+/// Returns the unit vector along which the tool moves in the workpiece frame when the axis rises.
+fn direction(machine: &Machine, at: &[f64], axis: usize) -> Vector3<f64> {
     let moved = |by: f64| {
         let mut pose = at.to_vec();
         pose[axis] = by;

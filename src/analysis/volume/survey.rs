@@ -1,4 +1,4 @@
-//! A field over any number of poses: statistics without keeping the deviations.
+//! Surveys: statistics of a field over any number of poses, without keeping the deviations.
 
 use super::map::{View, into_frame};
 use crate::evaluate::{
@@ -10,38 +10,38 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// More poses than this take hours.
+/// Maximum number of poses of a survey; more take hours.
 pub const MAX_SURVEYED: usize = 1_000_000_000;
 
-/// Poses of a block: the unit in which sums are formed. Its poses and deviations stay in the second cache.
+/// Poses of a block, the unit in which sums are formed. Its poses and deviations stay in the second cache.
 const BLOCK: usize = 1 << 12;
 
 /// Statistics and the worst poses. Quantiles are within [`Tally::QUANTILE_ERROR`] of the exact ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
-    /// What the deviations come to.
+    /// Statistics of the deviations.
     pub statistics: Statistics,
-    /// The worst poses by number with their deviations (mm, rad), largest first.
+    /// The worst poses by index with their deviations (mm, rad), largest first.
     pub worst: Vec<(usize, Deviation)>,
 }
 
-/// What is to be surveyed.
+/// The request for a survey.
 #[derive(Clone, Copy)]
-pub struct Task<'a> {
-    /// The field; its plan does the work if it has one.
+pub struct SurveyTask<'a> {
+    /// The field; its compiled model evaluates grids if it has one.
     pub field: &'a dyn Field,
-    /// Where.
+    /// The poses.
     pub poses: &'a Poses,
-    /// From which side, and in which frame.
+    /// Side of approach, and frame of the deviations.
     pub view: View,
-    /// How many of the worst poses to keep.
+    /// Number of worst poses to keep.
     pub worst: usize,
 }
 
 /// Consecutive poses of a survey with their deviations.
 #[derive(Clone, Copy)]
 pub struct Block<'a> {
-    /// Index of the first.
+    /// Index of the first pose.
     pub first: usize,
     poses: &'a Batch<'a>,
     columns: &'a Columns,
@@ -49,17 +49,17 @@ pub struct Block<'a> {
 }
 
 impl Block<'_> {
-    /// The poses (mm, deg) with their deviations (mm, rad).
+    /// Returns the poses (mm, deg) with their deviations (mm, rad).
     pub fn rows(&self) -> impl Iterator<Item = (Pose, Deviation)> {
         (0..self.len).map(|i| (self.poses.pose(i), self.columns.get(i)))
     }
 }
 
-/// Surveys a field. Memory does not grow with the number of poses, and no bit depends on the number of threads.
-/// `progress` is told how many poses were done.
-pub fn survey(task: Task<'_>, progress: &(dyn Fn(usize) + Sync)) -> Survey {
+/// Returns the survey of a field. Memory does not grow with the number of poses, and no bit depends on the number of
+/// threads. Calls `progress` with the number of poses done since its last call.
+pub fn survey(task: SurveyTask<'_>, progress: &(dyn Fn(usize) + Sync)) -> Survey {
     let run = Run::new(task, progress, false);
-    // Every thread takes the next block when it is done with one: none waits for another, and each has one tally.
+    // A thread takes the next block when it has finished one: none waits for another, and each has one tally.
     let (next, count) = (AtomicUsize::new(0), run.blocks());
     (0..rayon::current_num_threads().min(count)).into_par_iter().with_max_len(1).for_each(|_| {
         let mut worker = run.worker();
@@ -75,10 +75,10 @@ pub fn survey(task: Task<'_>, progress: &(dyn Fn(usize) + Sync)) -> Survey {
     run.finished()
 }
 
-/// The same, with something made of every block, on any thread; `sink` takes these in the order of the poses.
-/// `None` if it has had enough.
+/// Returns the survey of a field, and calls `make` with every block, on any thread, and `sink` with the results in the
+/// order of the poses. Returns `None` as soon as `sink` returns false.
 pub fn survey_with_rows<T: Send>(
-    task: Task<'_>,
+    task: SurveyTask<'_>,
     make: &(dyn Fn(Block<'_>) -> T + Sync),
     sink: &mut dyn FnMut(T) -> bool,
     progress: &(dyn Fn(usize) + Sync),
@@ -105,33 +105,33 @@ pub fn survey_with_rows<T: Send>(
     Some(run.finished())
 }
 
-/// What all threads share.
+/// The state shared by all threads.
 struct Run<'a> {
-    task: Task<'a>,
+    task: SurveyTask<'a>,
     count: usize,
     /// Poses of a block: of a grid whole lines.
     block: usize,
     grid: Option<CompiledGrid>,
     frames: Option<CompiledModel>,
-    /// Are the positions of the poses needed? A grid knows its own.
+    /// True if positions are computed; a grid has its own.
     positions: bool,
     progress: &'a (dyn Fn(usize) + Sync),
-    /// Workers that have nothing to do: as many as there are threads, for setting one up costs as much as a block.
+    /// Idle workers, for reuse: setting one up costs as much as a block.
     idle: Mutex<Vec<Worker>>,
 }
 
-/// What does one block after the other.
+/// Buffers and tally of a thread.
 struct Worker {
-    /// Of all its blocks.
+    /// Tally of all its blocks.
     tally: Tally,
     poses: PoseColumns,
     columns: Columns,
 }
 
 impl<'a> Run<'a> {
-    fn new(task: Task<'a>, progress: &'a (dyn Fn(usize) + Sync), rows: bool) -> Self {
+    fn new(task: SurveyTask<'a>, progress: &'a (dyn Fn(usize) + Sync), rows: bool) -> Self {
         let grid = match task.poses {
-            Poses::Nodes(nodes) => task.field.plan(task.view.approach).and_then(|plan| plan.grid(nodes)),
+            Poses::Nodes(nodes) => task.field.compiled_model(task.view.approach).and_then(|model| model.grid(nodes)),
             _ => None,
         };
         let grid = grid.filter(|grid| grid.line() > 1);
@@ -158,7 +158,7 @@ impl<'a> Run<'a> {
         self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(worker);
     }
 
-    /// All tallies in one.
+    /// Returns the survey of all tallies.
     fn finished(self) -> Survey {
         let workers = self.idle.into_inner().unwrap_or_else(PoisonError::into_inner);
         let tallies = workers.into_iter().map(|worker| worker.tally);
@@ -166,7 +166,7 @@ impl<'a> Run<'a> {
         Survey { statistics: tally.statistics(), worst: tally.worst() }
     }
 
-    /// One block more; returns which poses it has.
+    /// Adds a block to a worker's tally; returns the indices of its poses.
     fn block(&self, worker: &mut Worker, block: usize) -> Range<usize> {
         let Worker { tally, poses, columns } = worker;
         let range = block * self.block..((block + 1) * self.block).min(self.count);

@@ -1,41 +1,41 @@
-//! The work that machines are given: poses of the tool in the workpiece frame.
+//! The work on which machines are compared: poses of the tool in the workpiece frame.
 
 use crate::analysis::inverse::{ToolPose, tool_pose};
 use crate::evaluate::{Poses, Random};
 use crate::machine::Machine;
 
-/// Tool poses, made by index or listed.
+/// Tool poses, computed by index or listed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Work {
-    /// Those that the nominal machine takes at these poses.
-    Taken(Poses),
-    /// As listed.
+    /// The tool poses of the nominal machine at these poses.
+    OfPoses(Poses),
+    /// A list.
     Listed(Vec<ToolPose>),
 }
 
 impl Work {
-    /// So many at random poses over a machine's volume.
+    /// Returns the tool poses at `count` random poses over a machine's volume.
     pub fn random(machine: &Machine, count: usize, seed: u64) -> Self {
-        Self::Taken(Poses::Random(Random::of(machine, count, seed)))
+        Self::OfPoses(Poses::Random(Random::of(machine, count, seed)))
     }
 
-    /// How many.
+    /// Returns the number of tool poses.
     pub fn len(&self) -> usize {
         match self {
-            Self::Taken(poses) => poses.len(),
+            Self::OfPoses(poses) => poses.len(),
             Self::Listed(list) => list.len(),
         }
     }
 
-    /// None at all?
+    /// True if there is none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The one with this index, which is less than the number; `machine` is the one that takes them.
+    /// Returns the tool pose with an index below [`Self::len`]; `machine` is the nominal machine of [`Self::OfPoses`].
     pub fn get(&self, machine: &Machine, index: usize) -> ToolPose {
         match self {
-            Self::Taken(poses) => tool_pose(machine, &poses.get(index)),
+            Self::OfPoses(poses) => tool_pose(machine, &poses.get(index)),
             Self::Listed(list) => list[index],
         }
     }

@@ -1,20 +1,22 @@
-//! Joints as maps of points: ideally a rigid motion, and beside it a displacement. Both are affine in the point, at every order.
+//! Joints as maps of points: nominally a rigid motion, and beside it a displacement. Both are affine in the point, at
+//! every order.
 //!
-//! So a section of a chain is known when the displacement of four points is: the walk of the order itself is asked for them. Maps of
-//! sections are multiplied from the workpiece on. Where x is displaced by D(x) = G x + h, ideally moved by A x + t, and the section
-//! outside by capitals without a dash,
+//! So a section of a chain is known when the displacements of four points are; they are computed by the walk of the
+//! order itself. Maps of sections are multiplied from the workpiece on. With the displacement D(x) = G x + h of a point
+//! x, the nominal motion A x + t, and a dash for the inner of two sections,
 //!
 //! ```text
 //! (A, t) (A', t') = (A A', A t' + t)        D D' (x) = G (A' x + t') + h + A D'(x) [+ G D'(x)]
 //! ```
 //!
-//! The last term is a product of errors: order 1 goes without, at order 2 it is of second degree, the exact model has it whole. The
-//! rotation relative to the nominal one is 1 + G A^T.
+//! The last term is a product of errors: order 1 drops it, at order 2 it is of second degree, the exact model keeps it.
+//! The rotation relative to the nominal one is 1 + G A^T.
 
-use super::batch::FARTHEST;
-use super::chain::{CompiledChain, CompiledJoint, Motion, cross, dot, minus, plus, plus_cross, plus_times, times};
+use super::chain::{CompiledChain, CompiledJoint, Motion};
 use super::curves::Six;
 use super::lookup::Inputs;
+use super::pass::MAX_SQUARED_HALF_ANGLE;
+use super::vector::{cross, dot, minus, plus, plus_cross, plus_times, times};
 
 /// A vector or a point.
 pub type Vector3 = [f64; 3];
@@ -22,19 +24,22 @@ pub type Vector3 = [f64; 3];
 /// A part of the chain.
 #[derive(Debug, Clone, Copy)]
 pub enum Section {
-    /// The errors of the clamped workpiece.
-    Clamping,
+    /// The set-up errors of the workpiece.
+    WorkpieceSetup,
     /// A joint at a position.
     Joint(usize, Node),
     /// The errors of the spindle.
     Spindle,
 }
 
-/// A node of an axis: the position, its sine and cosine, and the errors there.
+/// A node of an axis.
 #[derive(Debug, Clone, Copy)]
 pub struct Node {
+    /// Position, mm or deg.
     pub position: f64,
+    /// Its sine and cosine.
     pub turn: (f64, f64),
+    /// The six errors there.
     pub six: Six,
 }
 
@@ -51,51 +56,55 @@ impl Inputs<f64> for Node {
         self.turn
     }
 
-    fn six(self, _: usize) -> Six {
+    fn errors(self, _: usize) -> Six {
         self.six
     }
 }
 
-/// An order that can be asked for one section alone.
+/// An order that can evaluate one section of the chain alone.
 pub trait Sections {
-    /// The chain.
+    /// Returns the chain.
     fn chain(&self) -> &CompiledChain;
-    /// The displacement of a point by its errors, of first and of second degree (exact: all in the first), and a number that is
-    /// above [`FARTHEST`] if it must not be trusted.
+    /// Returns the displacement of a point (mm) by the errors of a section, of first and of second degree (exact: all
+    /// in the first), and the largest squared half angle met: above [`MAX_SQUARED_HALF_ANGLE`] the displacement is not
+    /// valid.
     fn displaced(&self, section: Section, point: Vector3) -> ([Vector3; 2], f64);
 }
 
-/// Where the product of two errors belongs.
+/// The treatment of the product of two errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Product {
-    /// Nowhere: order 1.
-    Nowhere,
-    /// Into the second degree: order 2.
-    Second,
-    /// To all the rest: exact.
-    Whole,
+pub enum ErrorProducts {
+    /// Dropped: order 1.
+    Dropped,
+    /// Added to the second degree: order 2.
+    SecondDegree,
+    /// Added to the displacement: exact.
+    Kept,
 }
 
-/// Of the image of x: `columns x + shift`.
+/// An affine map: `columns x + shift`.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Linear {
+    /// Columns of the linear part.
     pub columns: [Vector3; 3],
+    /// Image of zero, mm.
     pub shift: Vector3,
 }
 
 impl Linear {
-    /// Without the shift.
+    /// Returns the image of x without the shift.
     #[inline(always)]
     pub fn turned(&self, x: Vector3) -> Vector3 {
         plus_times(plus_times(times(self.columns[0], x[0]), self.columns[1], x[1]), self.columns[2], x[2])
     }
 
+    /// Returns the image of x.
     #[inline(always)]
     pub fn image(&self, x: Vector3) -> Vector3 {
         plus(self.turned(x), self.shift)
     }
 
-    /// Sum of both images.
+    /// Returns the map to the sum of both images.
     #[inline(always)]
     pub fn plus(&self, other: &Self) -> Self {
         let mut sum = *self;
@@ -106,14 +115,14 @@ impl Linear {
         sum
     }
 
-    /// The linear part alone after another map.
+    /// Returns the linear part after another map.
     #[inline(always)]
     fn after(&self, other: &Self) -> Self {
         let [a, b, c] = other.columns;
         Self { columns: [self.turned(a), self.turned(b), self.turned(c)], shift: self.turned(other.shift) }
     }
 
-    /// After the nominal motion of a section.
+    /// Returns this map after the nominal motion of an inner section.
     #[inline(always)]
     fn past(&self, inner: &Affine) -> Self {
         let columns = if inner.turns { self.after(&inner.nominal).columns } else { self.columns };
@@ -124,67 +133,69 @@ impl Linear {
 /// A section: its nominal motion, and the displacement by degree.
 #[derive(Debug, Clone, Copy)]
 pub struct Affine {
+    /// Nominal motion.
     pub nominal: Linear,
+    /// Displacement of first and of second degree.
     pub displacement: [Linear; 2],
-    /// Does it turn (ideally)?
+    /// True if the nominal motion rotates.
     turns: bool,
 }
 
-/// Points are asked for at this distance (mm): a power of two of a machine's size, so that differences lose nothing.
-const PROBE: f64 = 1024.0;
+/// Distance of the probed points (mm): a power of two of a machine's size, so that differences lose no digits.
+const PROBE_MM: f64 = 1024.0;
 
 impl Affine {
-    /// In coordinates about the functional point of the zero pose, for the machine's zero point may be far away. `None` where the
-    /// numbers must not be trusted.
+    /// Returns the map of a section in coordinates about the functional point of the zero pose, for the machine's zero
+    /// point may be far away; `None` if its rotations are beyond the range of the series.
     pub fn of(sections: &impl Sections, section: Section) -> Option<Self> {
         let base = sections.chain().tip;
-        let asked = |point: Vector3| {
-            let (displaced, far) = sections.displaced(section, plus(base, point));
-            (far <= FARTHEST).then_some(displaced)
+        let probe = |point: Vector3| {
+            let (displaced, squared_half_angle) = sections.displaced(section, plus(base, point));
+            (squared_half_angle <= MAX_SQUARED_HALF_ANGLE).then_some(displaced)
         };
-        let origin = asked([0.0; 3])?;
+        let origin = probe([0.0; 3])?;
         let mut displacement = origin.map(|shift| Linear { columns: [[0.0; 3]; 3], shift });
         for k in 0..3 {
-            let there = asked(std::array::from_fn(|i| if i == k { PROBE } else { 0.0 }))?;
+            let there = probe(std::array::from_fn(|i| if i == k { PROBE_MM } else { 0.0 }))?;
             for degree in 0..2 {
-                displacement[degree].columns[k] = times(minus(there[degree], origin[degree]), 1.0 / PROBE);
+                displacement[degree].columns[k] = times(minus(there[degree], origin[degree]), 1.0 / PROBE_MM);
             }
         }
         let (nominal, turns) = match section {
             Section::Joint(axis, at) => moved(&sections.chain().joints[axis], base, &at),
-            Section::Clamping | Section::Spindle => (UNIT, false),
+            Section::WorkpieceSetup | Section::Spindle => (UNIT, false),
         };
         Some(Self { nominal, displacement, turns })
     }
 
-    /// This one outside another.
+    /// Returns the product of this section and an inner one.
     #[inline(always)]
-    pub fn times(&self, inner: &Self, product: Product) -> Self {
+    pub fn times(&self, inner: &Self, products: ErrorProducts) -> Self {
         let (a, [first, second]) = (&self.nominal, &self.displacement);
         let [of_first, of_second] = &inner.displacement;
-        let displacement = match product {
-            Product::Nowhere => [first.past(inner).plus(&a.after(of_first)), Linear::default()],
-            Product::Second => [
+        let displacement = match products {
+            ErrorProducts::Dropped => [first.past(inner).plus(&a.after(of_first)), Linear::default()],
+            ErrorProducts::SecondDegree => [
                 first.past(inner).plus(&a.after(of_first)),
                 second.past(inner).plus(&a.after(of_second)).plus(&first.after(of_first)),
             ],
-            Product::Whole => [first.past(inner).plus(&a.plus(first).after(of_first)), Linear::default()],
+            ErrorProducts::Kept => [first.past(inner).plus(&a.plus(first).after(of_first)), Linear::default()],
         };
         Self { nominal: a.past(inner), displacement, turns: self.turns || inner.turns }
     }
 
-    /// The displacement of the base, by degree, that is already displaced from where it ideally is.
-    pub fn displaced(&self, by: Vector3, product: Product) -> [Vector3; 2] {
+    /// Returns the displacement of the base, by degree, after a displacement inside the section.
+    pub fn displaced(&self, by: Vector3, products: ErrorProducts) -> [Vector3; 2] {
         let [first, second] = self.displacement.map(|displacement| displacement.shift);
         let (first, again) = (plus(first, self.nominal.turned(by)), self.displacement[0].turned(by));
-        match product {
-            Product::Nowhere => [first, second],
-            Product::Second => [first, plus(second, again)],
-            Product::Whole => [plus(first, again), second],
+        match products {
+            ErrorProducts::Dropped => [first, second],
+            ErrorProducts::SecondDegree => [first, plus(second, again)],
+            ErrorProducts::Kept => [plus(first, again), second],
         }
     }
 
-    /// By degree, the vector of the rotation's antisymmetric part: the sine of the angle, along the axis.
+    /// Returns the axial vector of the rotation, by degree: the sine of the angle, along the axis.
     #[inline(always)]
     pub fn rotation(&self) -> [Vector3; 2] {
         let ([a, b, c], mut sines) = (self.nominal.columns, [[0.0; 3]; 2]);
@@ -195,13 +206,13 @@ impl Affine {
         sines
     }
 
-    /// The rotation relative to the nominal one less 1: columns of G A^T.
+    /// Returns the rotation relative to the nominal one, minus 1: columns of G A^T.
     pub fn relative(&self) -> [Vector3; 3] {
         let displaced = &self.displacement[0];
         std::array::from_fn(|k| displaced.turned(self.nominal.columns.map(|column| column[k])))
     }
 
-    /// The angle (rad) by which it turns off the nominal orientation, up to a quarter turn.
+    /// Returns the angle (rad) from the nominal orientation, up to a quarter turn.
     pub fn angle(&self) -> f64 {
         let sines = self.rotation()[0];
         libm::asin(dot(sines, sines).sqrt().min(1.0))
@@ -210,7 +221,7 @@ impl Affine {
 
 const UNIT: Linear = Linear { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], shift: [0.0; 3] };
 
-/// The nominal motion of a joint about a base; does it turn?
+/// Returns the nominal motion of a joint in coordinates about a base; true if it rotates.
 fn moved(link: &CompiledJoint, base: Vector3, at: &Node) -> (Linear, bool) {
     match link.motion {
         Motion::Slide(u) => (Linear { shift: times(u, at.position), ..UNIT }, false),

@@ -1,42 +1,40 @@
-//! The chain, compiled: what of a machine does not depend on the pose, joint by joint.
+//! The compiled chain: everything about a machine's joints that does not depend on the pose.
 
 use super::curves::{Curves, Six};
-use super::lanes::Lanes;
-use super::lookup::LookupRequest;
+use super::lookup::{Chunk, Lookup, LookupRequest};
+use super::simd::Lanes;
+use super::vector::{Vector, cross, dot, minus, plus, plus_times, splat, times};
 use crate::machine::{
     Approach, Axis, AxisKind, JointConvention, Joints, LocationAction, LocationOrder, Machine, MotionSide,
 };
 
-/// Three lanes: a vector, a point.
-pub type Vector<V> = [V; 3];
-
-/// A machine from the tool to the workpiece, ready for any order.
+/// A machine's chain, ready for the walk of any order. Lengths in mm, angles in rad, positions of rotary axes in deg.
 #[derive(Debug, Clone)]
 pub struct CompiledChain {
     /// Joints in the order of the machine's axes: from the workpiece to the tool.
     pub joints: Vec<CompiledJoint>,
-    /// The functional point at the zero pose.
+    /// The functional point at the zero pose, mm.
     pub tip: [f64; 3],
-    /// Its displacement by clamping.
+    /// Its displacement by the set-up of the tool, mm.
     pub tool: [f64; 3],
     /// Errors of the spindle about the gauge point.
-    pub spindle: Option<Placed>,
-    /// Errors of the clamped workpiece about its origin; inverted.
-    pub clamping: Option<Placed>,
-    /// Shape of error matrices.
+    pub spindle: Option<ErrorsAtPoint>,
+    /// Set-up errors of the workpiece about its origin; inverted.
+    pub workpiece_setup: Option<ErrorsAtPoint>,
+    /// True if error matrices are 1 + hat(eps) rather than rotations.
     pub linearised: bool,
-    /// Do location errors count in the real part?
+    /// True if location errors count in the real part.
     pub real_locations: bool,
 }
 
-/// Six errors with the point about which they turn.
+/// Six constant errors about a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Placed {
-    /// The errors.
+pub struct ErrorsAtPoint {
+    /// The errors (mm, rad).
     pub six: Six,
-    /// The point.
+    /// The point, mm.
     pub about: [f64; 3],
-    /// Does the inverse of their matrix count?
+    /// True if the inverse of their matrix acts.
     pub inverse: bool,
 }
 
@@ -49,31 +47,31 @@ pub struct CompiledJoint {
     pub origin: [f64; 3],
     /// Component errors.
     pub curves: Curves,
-    /// Are there any?
+    /// True if there are any.
     pub errors: bool,
-    /// Are the sine and cosine of the position needed?
+    /// True if a walk reads the sine and cosine of the position.
     pub turns: bool,
-    /// Do they act before the motion, seen from the workpiece (E M rather than M E)?
+    /// True if they act before the motion, seen from the workpiece (E M rather than M E).
     pub outside: bool,
-    /// Does the inverse of their matrix count?
+    /// True if the inverse of their matrix acts.
     pub inverse: bool,
     /// Location errors.
-    pub location: Option<Placed>,
-    /// How they act.
-    pub located: Located,
+    pub location: Option<ErrorsAtPoint>,
+    /// Their place among the joint's factors.
+    pub location_effect: LocationEffect,
 }
 
 impl CompiledJoint {
-    /// What a walk wants to know at it.
+    /// Returns the data that the walks of order 2 and of the exact model read at this joint.
     #[inline(always)]
-    pub fn wanted(&self) -> LookupRequest<'_> {
+    pub fn lookup_request(&self) -> LookupRequest<'_> {
         LookupRequest { turns: self.turns, curves: if self.errors { Some(&self.curves) } else { None } }
     }
 }
 
-/// How a location error acts.
+/// The place of a location error among the factors of its joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Located {
+pub enum LocationEffect {
     /// `Loc N Loc^-1`.
     Around,
     /// Before the motion and the component errors, seen from the workpiece.
@@ -85,37 +83,49 @@ pub enum Located {
 /// Nominal motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {
-    /// By the position times this vector.
+    /// A translation by the position times this vector.
     Slide([f64; 3]),
-    /// By the position, about a direction through the origin.
-    Turn(About),
+    /// A rotation by the position, about a direction through the origin.
+    Turn(RotationAxis),
 }
 
-/// The direction of a rotary axis; `-1` turns the sense.
+/// The direction of a rotary axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum About {
-    /// A machine axis, 0 to 2.
+pub enum RotationAxis {
+    /// Machine axis 0 to 2, and the sense: 1 or -1.
     Principal(usize, f64),
     /// Any unit vector.
     Oblique([f64; 3]),
 }
 
 impl CompiledChain {
-    /// `None` if its curves cannot be compiled.
+    /// Returns `None` if the error curves cannot be compiled.
     pub fn new(machine: &Machine, approach: Approach) -> Option<Self> {
         let conventions = machine.conventions();
         let link = |(i, axis): (usize, &Axis)| link(machine, i, axis, approach);
-        let placed = |six: Six, about, inverse| (six != [0.0; 6]).then_some(Placed { six, about, inverse });
+        let placed = |six: Six, about, inverse| (six != [0.0; 6]).then_some(ErrorsAtPoint { six, about, inverse });
         let spindle = machine.spindle_errors().map(|errors| errors.location_values());
         Some(Self {
             joints: machine.axes().iter().enumerate().map(link).collect::<Option<_>>()?,
             tip: machine.tool().tip,
             tool: machine.setup().tool,
             spindle: spindle.and_then(|six| placed(six, machine.tool().gauge, false)),
-            clamping: placed(machine.setup().workpiece, machine.workpiece(), true),
+            workpiece_setup: placed(machine.setup().workpiece, machine.workpiece(), true),
             linearised: conventions.joints == Joints::Linearised,
             real_locations: conventions.location_order == LocationOrder::Real,
         })
+    }
+
+    /// Looks up, for a chunk of poses, everything that the walks of order 2 and of the exact model read.
+    #[inline(always)]
+    pub fn look_up<V: Lanes>(&self, axes: &mut [Lookup], chunk: Chunk<'_>) {
+        for axis in 0..axes.len() {
+            let request = self.joints[axis].lookup_request();
+            axes[axis].fill::<V>(request, axis, chunk);
+            if let Some(curves) = request.curves {
+                axes[axis].fill_errors::<V>(curves, axis, chunk);
+            }
+        }
     }
 }
 
@@ -124,21 +134,23 @@ fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Opt
     let errors = machine.axis_errors(index);
     let six = errors.location_values();
     let (motion, curves) = (motion(axis, &convention), Curves::new(errors, approach)?);
-    let (located, inverse) = match convention.location {
-        LocationAction::Displaces => (Located::Around, false),
-        LocationAction::Factor(factor) if factor.side == MotionSide::Outer => (Located::Outermost, factor.inverse),
-        LocationAction::Factor(factor) => (Located::Innermost, factor.inverse),
+    let (location_effect, inverse) = match convention.location {
+        LocationAction::Displaces => (LocationEffect::Around, false),
+        LocationAction::Factor(factor) if factor.side == MotionSide::Outer => {
+            (LocationEffect::Outermost, factor.inverse)
+        }
+        LocationAction::Factor(factor) => (LocationEffect::Innermost, factor.inverse),
     };
     Some(CompiledJoint {
         errors: !curves.is_zero(),
-        turns: matches!(motion, Motion::Turn(_)) || curves.has_waves(),
+        turns: matches!(motion, Motion::Turn(_)) || curves.has_harmonics(),
         motion,
         origin: convention.pivot,
         curves,
         outside: convention.component.side == MotionSide::Outer,
         inverse: convention.component.inverse,
-        location: (six != [0.0; 6]).then_some(Placed { six, about: convention.pivot, inverse }),
-        located,
+        location: (six != [0.0; 6]).then_some(ErrorsAtPoint { six, about: convention.pivot, inverse }),
+        location_effect,
     })
 }
 
@@ -149,63 +161,13 @@ fn motion(axis: &Axis, convention: &JointConvention) -> Motion {
         AxisKind::Rotary => {
             let unit =
                 (0..3).find(|k| (0..3).all(|j| if j == *k { direction[j].abs() == 1.0 } else { direction[j] == 0.0 }));
-            Motion::Turn(unit.map_or(About::Oblique(direction), |k| About::Principal(k, direction[k])))
+            Motion::Turn(unit.map_or(RotationAxis::Oblique(direction), |k| RotationAxis::Principal(k, direction[k])))
         }
     }
 }
 
-/// `a x b`.
-#[inline(always)]
-pub fn cross<V: Lanes>(a: Vector<V>, b: Vector<V>) -> Vector<V> {
-    let products = [a[1] * b[2], a[2] * b[0], a[0] * b[1]];
-    [products[0].minus_times(a[2], b[1]), products[1].minus_times(a[0], b[2]), products[2].minus_times(a[1], b[0])]
-}
-
-/// `sum + a x b`.
-#[inline(always)]
-pub fn plus_cross<V: Lanes>(sum: Vector<V>, a: Vector<V>, b: Vector<V>) -> Vector<V> {
-    let sum = [sum[0].plus_times(a[1], b[2]), sum[1].plus_times(a[2], b[0]), sum[2].plus_times(a[0], b[1])];
-    [sum[0].minus_times(a[2], b[1]), sum[1].minus_times(a[0], b[2]), sum[2].minus_times(a[1], b[0])]
-}
-
-/// `a + b`.
-#[inline(always)]
-pub fn plus<V: Lanes>(a: Vector<V>, b: Vector<V>) -> Vector<V> {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-/// `a - b`.
-#[inline(always)]
-pub fn minus<V: Lanes>(a: Vector<V>, b: Vector<V>) -> Vector<V> {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-/// `a * factor`.
-#[inline(always)]
-pub fn times<V: Lanes>(a: Vector<V>, factor: V) -> Vector<V> {
-    [a[0] * factor, a[1] * factor, a[2] * factor]
-}
-
-/// `sum + a * factor`.
-#[inline(always)]
-pub fn plus_times<V: Lanes>(sum: Vector<V>, a: Vector<V>, factor: V) -> Vector<V> {
-    [sum[0].plus_times(a[0], factor), sum[1].plus_times(a[1], factor), sum[2].plus_times(a[2], factor)]
-}
-
-/// The same vector in all lanes.
-#[inline(always)]
-pub fn splat<V: Lanes>(a: &[f64; 3]) -> Vector<V> {
-    [V::splat(a[0]), V::splat(a[1]), V::splat(a[2])]
-}
-
-/// `a . b`.
-#[inline(always)]
-pub fn dot<V: Lanes>(a: Vector<V>, b: Vector<V>) -> V {
-    (a[0] * b[0]).plus_times(a[1], b[1]).plus_times(a[2], b[2])
-}
-
-impl About {
-    /// A vector turned by the angle with this sine and cosine.
+impl RotationAxis {
+    /// Returns a vector rotated by the angle with this sine and cosine.
     #[inline(always)]
     pub fn turned<V: Lanes>(&self, (s, c): (V, V), v: Vector<V>) -> Vector<V> {
         match *self {
@@ -229,7 +191,7 @@ impl About {
         }
     }
 
-    /// A point turned about an origin. What lies along a machine axis stays as it is.
+    /// Returns a point rotated about an origin; of a machine axis, the component along it stays as it is.
     #[inline(always)]
     pub fn turned_about<V: Lanes>(&self, turn: (V, V), origin: &[f64; 3], point: Vector<V>) -> Vector<V> {
         let o = splat(origin);
@@ -242,7 +204,7 @@ impl About {
         }
     }
 
-    /// The direction, with its sense.
+    /// Returns the unit vector of the direction.
     pub fn direction(&self) -> [f64; 3] {
         match *self {
             Self::Principal(k, sense) => std::array::from_fn(|i| if i == k { sense } else { 0.0 }),
@@ -251,13 +213,13 @@ impl About {
     }
 }
 
-/// A point moved by the position times a direction; a machine axis costs one sum.
+/// Returns a point moved by the position times a direction; a machine axis costs one sum.
 #[inline(always)]
 pub fn slid<V: Lanes>(direction: &[f64; 3], position: V, point: Vector<V>) -> Vector<V> {
     const ONE: u64 = 1.0_f64.to_bits();
     let mut moved = point;
     for k in 0..3 {
-        // Compared as bits: to the vectors in flight that is less in the way.
+        // Compared as integers, which leaves the vector registers alone.
         let bits = direction[k].to_bits();
         if bits == ONE {
             moved[k] = point[k] + position;

@@ -1,37 +1,37 @@
-//! The six error curves of an axis, compiled: one interval and one fraction for all of them.
+//! The six error curves of an axis, compiled into one table: one interval and one fraction serve all six.
 //!
-//! All tables of the axis are brought onto the union of their knots, which changes nothing: a piecewise linear
-//! function stays one, a cubic piece cut in two is two cubic pieces, and beyond its end a table is constant. A
-//! row holds the six values at a knot (two places are padding), of cubic tables another one the six second
-//! derivatives; a look-up reads neighbouring rows and no gathered numbers. Polynomials and harmonics are sums of
-//! rows too. Constants, means of two directions, and any linear map of the six are folded in.
+//! All tables of the axis are brought onto the union of their knots, which changes nothing: a piecewise linear function
+//! stays one, a cubic piece cut in two is two cubic pieces, and beyond its ends a table is constant. A row holds the
+//! six values at a knot (two columns are spare); a cubic table has a second row per knot with the six second
+//! derivatives. A look-up reads adjacent rows and gathers no single numbers. Polynomials and harmonics are sums of rows
+//! too. Constants, means of the two directions, and any linear map of the six errors are folded into the rows.
 
-use super::intervals::{Found, Intervals, apart, search};
-use super::lanes::{Lanes, MOST, Places};
-use super::rows::{Pieces, Row};
+use super::intervals::{IntervalPoint, Intervals, find_by_bucket, find_by_search};
+use super::lanes::RowOffsets;
+use super::simd::{Lanes, MAX_LANES, RowVector, TableRow};
 use super::trigonometry::nearest;
 use crate::machine::{Approach, BSpline, ComponentError, Curve, ErrorTerm, JointErrors, Knots};
 
-/// Six errors: translations, then rotations.
+/// Six errors: translations along x, y, z (mm), then rotations about them (rad).
 pub type Six = [f64; 6];
 
-/// Compiled curves. Their values are sums of all parts.
+/// Six compiled curves. Their values are the sums of the constant, the table, the polynomial and the harmonics.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Curves {
-    /// Added everywhere.
+    /// Constant part.
     constant: Six,
     table: Option<CurveTable>,
-    /// Coefficients of the powers of the position from the first on.
+    /// Coefficients of the powers 1, 2, ... of the position (mm or deg).
     powers: Vec<Six>,
-    /// Cosine and sine parts of the orders from the first on.
-    waves: Vec<[Six; 2]>,
+    /// Cosine and sine coefficients of the orders 1, 2, ...
+    harmonics: Vec<[Six; 2]>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 struct CurveTable {
-    rows: Vec<Row>,
-    /// Second derivatives, if cubic.
-    seconds: Vec<Row>,
+    rows: Vec<TableRow>,
+    /// Second derivatives at the knots; empty unless the table is cubic.
+    seconds: Vec<TableRow>,
     first: f64,
     last: f64,
     /// The period of a continuous axis, and its inverse.
@@ -39,40 +39,51 @@ struct CurveTable {
     intervals: Intervals,
 }
 
-/// Where positions lie in a table. Aligned, so that no vector of 64 bytes lies in two cache lines.
+/// N positions within a table. Aligned, so that no vector of 64 bytes lies in two cache lines.
 #[derive(Debug, Clone, PartialEq)]
 #[repr(C, align(64))]
-pub struct Spots<const N: usize> {
-    interval: Places<N>,
-    /// Share of the interval's upper end.
-    share: [f64; N],
-    /// Weights of the second derivatives at both ends, of cubic tables.
-    bends: [[f64; N]; 2],
+pub struct TablePositions<const N: usize> {
+    rows: RowOffsets<N>,
+    /// Distance from the lower knot, divided by the length of the interval.
+    fraction: [f64; N],
+    /// Weights of the second derivatives at the lower and the upper knot; used by cubic tables only.
+    second_weights: [[f64; N]; 2],
 }
 
-impl<const N: usize> Spots<N> {
-    /// Before anything is located.
-    pub const NONE: Self = Self { interval: Places::NONE, share: [0.0; N], bends: [[0.0; N]; 2] };
+/// The vector of positions that begins at index `at`.
+#[derive(Debug, Clone, Copy)]
+pub struct TableVector<'a, const N: usize> {
+    /// The positions.
+    pub positions: &'a TablePositions<N>,
+    /// Index of the first position of the vector.
+    pub at: usize,
+}
+
+impl<const N: usize> TablePositions<N> {
+    /// Positions before they are located.
+    pub const NONE: Self = Self { rows: RowOffsets::NONE, fraction: [0.0; N], second_weights: [[0.0; N]; 2] };
 }
 
 impl Curves {
-    /// The component errors of an axis. `None` if periodic tables stand beside others, or a piece is no cubic.
+    /// Compiles the component errors of an axis. Returns `None` if periodic tables stand beside others, or if a
+    /// B-spline is not piecewise cubic.
     pub fn new(errors: &JointErrors, approach: Approach) -> Option<Self> {
         let (mut curves, mut parts, mut tables) = (Self::default(), Vec::new(), Vec::new());
         for (column, term) in errors.component.iter().enumerate() {
             match term {
-                Some(ErrorTerm::Component(component)) => parts
-                    .extend(weighted(component, approach).into_iter().map(|(weight, curve)| (column, weight, curve))),
+                Some(ErrorTerm::Component(component)) => parts.extend(weighted(column, component, approach)),
                 Some(ErrorTerm::Constant(value)) => curves.constant[column] += value,
                 Some(ErrorTerm::Tolerance(_)) | None => {}
             }
         }
-        for (column, weight, curve) in parts {
+        for WeightedCurve { column, weight, curve } in parts {
             match curve {
                 Curve::Polynomial(c) => curves.add_polynomial(column, weight, c),
                 Curve::Harmonics(orders) => curves.add_harmonics(column, weight, orders),
-                Curve::Linear(_) | Curve::Cubic(..) => tables.push((column, weight, curve.clone())),
-                Curve::BSpline(spline) => tables.push((column, weight, piecewise(spline)?)),
+                Curve::Linear(_) | Curve::Cubic(..) => {
+                    tables.push(WeightedCurve { column, weight, curve: curve.clone() })
+                }
+                Curve::BSpline(spline) => tables.push(WeightedCurve { column, weight, curve: as_cubic(spline)? }),
             }
         }
         curves.table = if tables.is_empty() { None } else { Some(CurveTable::union(&tables)?) };
@@ -96,36 +107,36 @@ impl Curves {
             match order.checked_sub(1) {
                 None => self.constant[column] += weight * cosine,
                 Some(k) => {
-                    self.waves.resize(self.waves.len().max(order), [[0.0; 6]; 2]);
-                    self.waves[k][0][column] += weight * cosine;
-                    self.waves[k][1][column] += weight * sine;
+                    self.harmonics.resize(self.harmonics.len().max(order), [[0.0; 6]; 2]);
+                    self.harmonics[k][0][column] += weight * cosine;
+                    self.harmonics[k][1][column] += weight * sine;
                 }
             }
         }
     }
 
-    /// No errors at all?
+    /// True if all six errors are zero everywhere.
     pub fn is_zero(&self) -> bool {
         *self == Self::default()
     }
 
-    /// A linear map of the six, folded into every row.
+    /// Returns the curves of the errors that a linear map makes of these six.
     pub fn mapped(mut self, map: impl Fn(&Six) -> Six) -> Self {
         self.constant = map(&self.constant);
         self.powers.iter_mut().for_each(|row| *row = map(row));
-        self.waves.iter_mut().flatten().for_each(|row| *row = map(row));
-        for Row(row) in self.table.iter_mut().flat_map(|table| table.rows.iter_mut().chain(&mut table.seconds)) {
+        self.harmonics.iter_mut().flatten().for_each(|row| *row = map(row));
+        for TableRow(row) in self.table.iter_mut().flat_map(|table| table.rows.iter_mut().chain(&mut table.seconds)) {
             let [a, b, c, d, e, f, ..] = *row;
             row[..6].copy_from_slice(&map(&[a, b, c, d, e, f]));
         }
         self
     }
 
-    /// A constant, folded in: into the rows of values where there are any.
+    /// Returns the curves with a constant added: to the rows of values if there is a table.
     pub fn plus(mut self, constant: &Six) -> Self {
         self.constant.iter_mut().zip(constant).for_each(|(sum, c)| *sum += c);
         if let Some(table) = &mut self.table {
-            for Row(row) in &mut table.rows {
+            for TableRow(row) in &mut table.rows {
                 row.iter_mut().zip(&self.constant).for_each(|(value, c)| *value += c);
             }
             self.constant = [0.0; 6];
@@ -133,77 +144,79 @@ impl Curves {
         self
     }
 
-    /// Do they need the sine and cosine of the position?
-    pub fn has_waves(&self) -> bool {
-        !self.waves.is_empty()
+    /// True if evaluation takes the sine and cosine of the position.
+    pub fn has_harmonics(&self) -> bool {
+        !self.harmonics.is_empty()
     }
 
-    /// Where positions (mm or deg), whole vectors, lie in the table.
+    /// Locates positions (mm or deg) in the table; their number is a multiple of the width of the vector.
     #[inline(always)]
-    pub fn locate<V: Lanes, const N: usize>(&self, positions: &[f64], spots: &mut Spots<N>) {
+    pub fn locate<V: Lanes, const N: usize>(&self, positions: &[f64], to: &mut TablePositions<N>) {
         if let Some(table) = &self.table {
-            table.locate::<V, N>(positions, spots);
+            table.locate::<V, N>(positions, to);
         }
     }
 
-    /// The six errors at positions that have been located, whose sine and cosine are given where harmonics need them.
+    /// Returns the six errors at located positions. `turn` holds sine and cosine of the positions; only harmonics read
+    /// it.
     #[inline(always)]
-    pub fn at<V: Lanes, const N: usize>(&self, position: V, turn: (V, V), spots: (&Spots<N>, usize)) -> [V; 6] {
+    pub fn at<V: Lanes, const N: usize>(&self, position: V, turn: (V, V), vector: TableVector<'_, N>) -> [V; 6] {
         let mut six = match &self.table {
             Some(table) => {
-                let rows = if table.is_cubic() { table.cubic::<V, N>(spots) } else { table.linear::<V, N>(spots) };
-                let [a, b, c, d, e, f, ..] = V::columns(&rows);
+                let rows = if table.is_cubic() { table.cubic::<V, N>(vector) } else { table.linear::<V, N>(vector) };
+                let [a, b, c, d, e, f, ..] = V::transpose(&rows);
                 [a, b, c, d, e, f]
             }
             None => splat_six(&self.constant),
         };
-        if self.powers.is_empty() && self.waves.is_empty() {
+        if self.powers.is_empty() && self.harmonics.is_empty() {
             return six;
         }
         if !self.powers.is_empty() {
             self.add_powers(&mut six, position);
         }
-        if !self.waves.is_empty() {
-            self.add_waves(&mut six, turn);
+        if !self.harmonics.is_empty() {
+            self.add_harmonic_terms(&mut six, turn);
         }
         six
     }
 
-    /// Are they a table of straight pieces and nothing else?
-    pub fn are_rows(&self) -> bool {
+    /// True if the curves are a piecewise linear table and nothing else.
+    pub fn is_linear_table(&self) -> bool {
         let straight = self.table.as_ref().is_some_and(|table| !table.is_cubic());
-        straight && self.powers.is_empty() && self.waves.is_empty()
+        straight && self.powers.is_empty() && self.harmonics.is_empty()
     }
 
-    /// Two linear combinations of the six, in the columns that are otherwise padding.
-    pub fn set_asides(&mut self, asides: impl Fn(&Six) -> [f64; 2]) {
-        for Row([a, b, c, d, e, f, aside @ ..]) in self.table.iter_mut().flat_map(|table| &mut table.rows) {
-            *aside = asides(&[*a, *b, *c, *d, *e, *f]);
+    /// Writes two linear combinations of the six errors into the spare columns of every row.
+    pub fn set_auxiliary(&mut self, auxiliary: impl Fn(&Six) -> [f64; 2]) {
+        for TableRow([a, b, c, d, e, f, aside @ ..]) in self.table.iter_mut().flat_map(|table| &mut table.rows) {
+            *aside = auxiliary(&[*a, *b, *c, *d, *e, *f]);
         }
     }
 
-    /// Rows at positions that have been located, of curves that [are rows](Self::are_rows): the six errors and two asides.
+    /// Returns interpolated rows at located positions of a [linear table](Self::is_linear_table): the six errors and
+    /// the two spare columns.
     #[inline(always)]
-    pub fn rows<V: Lanes, const N: usize>(&self, spots: (&Spots<N>, usize)) -> [V::Eight; MOST] {
+    pub fn rows<V: Lanes, const N: usize>(&self, vector: TableVector<'_, N>) -> [V::Row; MAX_LANES] {
         match &self.table {
-            Some(table) => table.linear::<V, N>(spots),
-            None => [V::Eight::of(&Row([0.0; 8])); MOST],
+            Some(table) => table.linear::<V, N>(vector),
+            None => [V::Row::of(&TableRow([0.0; 8])); MAX_LANES],
         }
     }
 
-    /// The same, added to those of another axis.
+    /// Adds the interpolated rows to those of another axis.
     #[inline(always)]
-    pub fn add_rows<V: Lanes, const N: usize>(&self, rows: &mut [V::Eight; MOST], spots: (&Spots<N>, usize)) {
+    pub fn add_rows<V: Lanes, const N: usize>(&self, rows: &mut [V::Row; MAX_LANES], vector: TableVector<'_, N>) {
         if let Some(table) = &self.table {
-            table.add_linear::<V, N>(rows, spots);
+            table.add_linear::<V, N>(rows, vector);
         }
     }
 
-    /// The six errors at one position.
-    pub fn alone(&self, position: f64, turn: (f64, f64)) -> Six {
-        let mut spots = Spots::<1>::NONE;
-        self.locate::<f64, 1>(&[position], &mut spots);
-        self.at(position, turn, (&spots, 0))
+    /// Returns the six errors at one position (mm or deg); `turn` holds its sine and cosine.
+    pub fn at_position(&self, position: f64, turn: (f64, f64)) -> Six {
+        let mut located = TablePositions::<1>::NONE;
+        self.locate::<f64, 1>(&[position], &mut located);
+        self.at(position, turn, TableVector { positions: &located, at: 0 })
     }
 
     #[inline(always)]
@@ -220,9 +233,9 @@ impl Curves {
     }
 
     #[inline(always)]
-    fn add_waves<V: Lanes>(&self, six: &mut [V; 6], (s1, c1): (V, V)) {
+    fn add_harmonic_terms<V: Lanes>(&self, six: &mut [V; 6], (s1, c1): (V, V)) {
         let (mut s, mut c) = (s1, c1);
-        for [cosines, sines] in &self.waves {
+        for [cosines, sines] in &self.harmonics {
             for k in 0..6 {
                 six[k] = six[k].plus_times(V::splat(cosines[k]), c).plus_times(V::splat(sines[k]), s);
             }
@@ -231,53 +244,63 @@ impl Curves {
     }
 }
 
-/// The same six numbers in all lanes.
+/// Returns vectors with the same six numbers in all lanes.
 #[inline(always)]
 pub fn splat_six<V: Lanes>(six: &Six) -> [V; 6] {
     let [a, b, c, d, e, f] = *six;
     [V::splat(a), V::splat(b), V::splat(c), V::splat(d), V::splat(e), V::splat(f)]
 }
 
-/// The one or two curves that count, with their shares.
-fn weighted(component: &ComponentError, approach: Approach) -> Vec<(f64, &Curve)> {
+/// A curve with the column of its error and its weight in the sum.
+struct WeightedCurve<C> {
+    column: usize,
+    weight: f64,
+    curve: C,
+}
+
+/// Returns the curves that make up a component error approached from a side: two halves for the mean.
+fn weighted(column: usize, component: &ComponentError, approach: Approach) -> Vec<WeightedCurve<&Curve>> {
+    let one = |weight, curve| WeightedCurve { column, weight, curve };
     match (component, approach) {
-        (ComponentError::Single(curve), _) => vec![(1.0, curve)],
-        (ComponentError::Bidirectional { forward, .. }, Approach::Forward) => vec![(1.0, forward)],
-        (ComponentError::Bidirectional { reverse, .. }, Approach::Reverse) => vec![(1.0, reverse)],
-        (ComponentError::Bidirectional { forward, reverse }, Approach::Mean) => vec![(0.5, forward), (0.5, reverse)],
+        (ComponentError::Single(curve), _) => vec![one(1.0, curve)],
+        (ComponentError::Bidirectional { forward, .. }, Approach::Forward) => vec![one(1.0, forward)],
+        (ComponentError::Bidirectional { reverse, .. }, Approach::Reverse) => vec![one(1.0, reverse)],
+        (ComponentError::Bidirectional { forward, reverse }, Approach::Mean) => {
+            vec![one(0.5, forward), one(0.5, reverse)]
+        }
     }
 }
 
-/// A B-spline by values and second derivatives at its knots. `None` if it has jumps in them, or a higher degree.
-fn piecewise(spline: &BSpline) -> Option<Curve> {
+/// Returns a B-spline as values and second derivatives at its knots; `None` if those jump, or if its degree is above 3.
+fn as_cubic(spline: &BSpline) -> Option<Curve> {
     let second = spline.second_derivatives()?;
     Some(Curve::Cubic(spline.breaks().clone(), second))
 }
 
-/// A curve of a table, with its second derivative, which is linear between the knots of a spline.
-struct Piece<'a> {
+/// A column of the table: a curve, and its second derivative, which is piecewise linear.
+struct CurveColumn<'a> {
     column: usize,
     weight: f64,
     curve: &'a Curve,
-    bend: Option<Curve>,
+    second: Option<Curve>,
 }
 
-impl<'a> Piece<'a> {
-    /// `None` if the second derivatives do not fit the knots.
-    fn new((column, weight, curve): &'a (usize, f64, Curve)) -> Option<Self> {
-        let bend = match curve {
-            Curve::Cubic(knots, second) => {
-                let points: Vec<(f64, f64)> = knots.positions().iter().copied().zip(second.iter().copied()).collect();
+impl<'a> CurveColumn<'a> {
+    /// Returns `None` if the second derivatives do not fit the knots.
+    fn new(WeightedCurve { column, weight, curve }: &'a WeightedCurve<Curve>) -> Option<Self> {
+        let second = match curve {
+            Curve::Cubic(knots, values) => {
+                let points: Vec<(f64, f64)> = knots.positions().iter().copied().zip(values.iter().copied()).collect();
                 Some(Curve::Linear(Knots::new(&points, knots.period()).ok()?))
             }
             _ => None,
         };
-        Some(Self { column: *column, weight: *weight, curve, bend })
+        Some(Self { column: *column, weight: *weight, curve, second })
     }
 
-    /// Are value and second derivative the same at two places, but for rounding?
+    /// True if value and second derivative agree at two positions up to rounding.
     fn same(&self, a: f64, b: f64) -> bool {
-        std::iter::once(self.curve).chain(&self.bend).all(|curve| {
+        std::iter::once(self.curve).chain(&self.second).all(|curve| {
             let values = curve.knots().map_or(&[][..], Knots::values);
             let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
             (curve.value(a) - curve.value(b)).abs() <= 16.0 * f64::EPSILON * largest
@@ -286,25 +309,26 @@ impl<'a> Piece<'a> {
 }
 
 impl CurveTable {
-    fn union(curves: &[(usize, f64, Curve)]) -> Option<Self> {
-        let all: Vec<&Knots> = curves.iter().filter_map(|(_, _, curve)| curve.knots()).collect();
+    /// Returns the table of all curves on the union of their knots; `None` if their periods differ.
+    fn union(curves: &[WeightedCurve<Curve>]) -> Option<Self> {
+        let all: Vec<&Knots> = curves.iter().filter_map(|weighted| weighted.curve.knots()).collect();
         let period = all.first()?.period();
         if all.iter().any(|knots| knots.period() != period) {
             return None;
         }
-        let pieces: Vec<Piece<'_>> = curves.iter().map(Piece::new).collect::<Option<_>>()?;
-        let knots = union_of_knots(&all, period, &pieces)?;
-        let cubic = pieces.iter().any(|piece| piece.bend.is_some());
+        let columns: Vec<CurveColumn<'_>> = curves.iter().map(CurveColumn::new).collect::<Option<_>>()?;
+        let knots = union_of_knots(&all, period, &columns)?;
+        let cubic = columns.iter().any(|column| column.second.is_some());
         let (mut rows, mut seconds) = (Vec::new(), Vec::new());
         for knot in &knots {
-            let (mut value, mut second) = ([0.0; 8], [0.0; 8]);
-            for Piece { column, weight, curve, bend } in &pieces {
-                value[*column] += weight * curve.value(*knot);
-                second[*column] += weight * bend.as_ref().map_or(0.0, |bend| bend.value(*knot));
+            let (mut row, mut second_row) = ([0.0; 8], [0.0; 8]);
+            for CurveColumn { column, weight, curve, second } in &columns {
+                row[*column] += weight * curve.value(*knot);
+                second_row[*column] += weight * second.as_ref().map_or(0.0, |second| second.value(*knot));
             }
-            rows.push(Row(value));
+            rows.push(TableRow(row));
             if cubic {
-                seconds.push(Row(second));
+                seconds.push(TableRow(second_row));
             }
         }
         let (first, last) = (knots[0], knots[knots.len() - 1]);
@@ -316,14 +340,14 @@ impl CurveTable {
         !self.seconds.is_empty()
     }
 
-    /// A position in the table's range.
+    /// Returns positions moved into the range of the table: by whole periods, else to the nearer end.
     #[inline(always)]
     fn within<V: Lanes>(&self, position: V) -> V {
         let (first, last) = (V::splat(self.first), V::splat(self.last));
         let x = match self.period {
             Some((period, inverse)) => {
-                let way = position - first;
-                position.minus_times(nearest(V::splat(-0.5).plus_times(way, V::splat(inverse))), V::splat(period))
+                let distance = position - first;
+                position.minus_times(nearest(V::splat(-0.5).plus_times(distance, V::splat(inverse))), V::splat(period))
             }
             None => position,
         };
@@ -331,92 +355,110 @@ impl CurveTable {
     }
 
     #[inline(always)]
-    fn locate<V: Lanes, const N: usize>(&self, positions: &[f64], spots: &mut Spots<N>) {
-        spots.interval.reach(self.rows.len());
+    fn locate<V: Lanes, const N: usize>(&self, positions: &[f64], to: &mut TablePositions<N>) {
+        to.rows.cover(self.rows.len());
         let (first, mut i) = (V::splat(self.first), 0);
         match &self.intervals {
-            Intervals::Even { per_unit, last, width } => {
+            Intervals::Uniform { per_unit, last, width } => {
                 while i < positions.len() {
                     let along = (self.within(V::load(&positions[i..])) - first) * V::splat(*per_unit);
-                    let (whole, interval) = along.smaller(V::splat(*last)).whole();
-                    self.put(spots, i, (interval, along - whole, V::splat(*width)));
+                    let (whole, interval) = along.smaller(V::splat(*last)).truncate();
+                    let fraction = along - whole;
+                    self.put(to, i, IntervalPoint { interval, fraction, width: V::splat(*width) });
                     i += V::COUNT;
                 }
             }
-            Intervals::Apart { cells, rows } => {
+            Intervals::Bucketed { buckets, rows } => {
                 while i < positions.len() {
                     let x = self.within(V::load(&positions[i..]));
-                    self.put(spots, i, apart(rows, &cells.of(x - first), x));
+                    self.put(to, i, find_by_bucket(rows, &buckets.indices(x - first), x));
                     i += V::COUNT;
                 }
             }
-            Intervals::Crowded { cells, starts, knots } => {
+            Intervals::Searched { buckets, starts, knots } => {
                 while i < positions.len() {
                     let x = self.within(V::load(&positions[i..]));
-                    let (interval, share, width) = search(starts, knots, &cells.of(x - first), &x.spread(), V::COUNT);
-                    self.put(spots, i, (interval, V::load(&share), V::load(&width)));
+                    let indices = buckets.indices(x - first);
+                    let IntervalPoint { interval, fraction, width } =
+                        find_by_search(starts, knots, &indices, &x.to_array(), V::COUNT);
+                    let (fraction, width) = (V::load(&fraction), V::load(&width));
+                    self.put(to, i, IntervalPoint { interval, fraction, width });
                     i += V::COUNT;
                 }
             }
         }
     }
 
+    /// Writes a vector of located positions from index i on.
     #[inline(always)]
-    fn put<V: Lanes, const N: usize>(&self, spots: &mut Spots<N>, i: usize, (interval, share, width): Found<V>) {
-        // The mask changes nothing, and shows the compiler that the vector lies within the room.
+    fn put<V: Lanes, const N: usize>(&self, to: &mut TablePositions<N>, i: usize, point: IntervalPoint<V>) {
+        // The mask changes nothing; it shows the compiler that the vector lies within the array.
         let i = i & (N - V::COUNT);
-        spots.interval.put::<V>(i, &interval);
-        share.store(&mut spots.share[i..]);
+        let IntervalPoint { interval, fraction, width } = point;
+        to.rows.put::<V>(i, &interval);
+        fraction.store(&mut to.fraction[i..]);
         if self.is_cubic() {
-            let (scale, rest) = (width * width * V::splat(1.0 / 6.0), V::splat(1.0) - share);
-            ((rest * rest * rest - rest) * scale).store(&mut spots.bends[0][i..]);
-            ((share * share * share - share) * scale).store(&mut spots.bends[1][i..]);
+            let (scale, rest) = (width * width * V::splat(1.0 / 6.0), V::splat(1.0) - fraction);
+            ((rest * rest * rest - rest) * scale).store(&mut to.second_weights[0][i..]);
+            ((fraction * fraction * fraction - fraction) * scale).store(&mut to.second_weights[1][i..]);
         }
     }
 
+    /// Returns the rows interpolated linearly.
     #[inline(always)]
-    fn linear<V: Lanes, const N: usize>(&self, (spots, i): (&Spots<N>, usize)) -> [V::Eight; MOST] {
-        let share = &spots.share[i..i + V::COUNT];
-        let mut rows = [V::Eight::of(&self.rows[0]); MOST];
+    fn linear<V: Lanes, const N: usize>(
+        &self,
+        TableVector { positions, at }: TableVector<'_, N>,
+    ) -> [V::Row; MAX_LANES] {
+        let fraction = &positions.fraction[at..at + V::COUNT];
+        let mut rows = [V::Row::of(&self.rows[0]); MAX_LANES];
         for lane in 0..V::COUNT {
-            let (low, high) = spots.interval.pair(&self.rows, i + lane);
-            let (low, high) = (V::Eight::of(low), V::Eight::of(high));
-            rows[lane] = low.plus_times(high.minus(low), share[lane]);
+            let (low, high) = positions.rows.row_pair(&self.rows, at + lane);
+            let (low, high) = (V::Row::of(low), V::Row::of(high));
+            rows[lane] = low.plus_times(high.minus(low), fraction[lane]);
         }
         rows
     }
 
-    /// The same, added to rows.
+    /// Adds the rows interpolated linearly.
     #[inline(always)]
-    fn add_linear<V: Lanes, const N: usize>(&self, rows: &mut [V::Eight; MOST], (spots, i): (&Spots<N>, usize)) {
-        let share = &spots.share[i..i + V::COUNT];
+    fn add_linear<V: Lanes, const N: usize>(
+        &self,
+        rows: &mut [V::Row; MAX_LANES],
+        TableVector { positions, at }: TableVector<'_, N>,
+    ) {
+        let fraction = &positions.fraction[at..at + V::COUNT];
         for lane in 0..V::COUNT {
-            let (low, high) = spots.interval.pair(&self.rows, i + lane);
-            let (low, high) = (V::Eight::of(low), V::Eight::of(high));
-            rows[lane] = rows[lane].plus(low).plus_times(high.minus(low), share[lane]);
+            let (low, high) = positions.rows.row_pair(&self.rows, at + lane);
+            let (low, high) = (V::Row::of(low), V::Row::of(high));
+            rows[lane] = rows[lane].plus(low).plus_times(high.minus(low), fraction[lane]);
         }
     }
 
-    /// Natural form of a cubic piece: values and second derivatives at both ends.
+    /// Returns the rows interpolated by cubic pieces, from values and second derivatives at both knots.
     #[inline(always)]
-    fn cubic<V: Lanes, const N: usize>(&self, (spots, i): (&Spots<N>, usize)) -> [V::Eight; MOST] {
-        let share = &spots.share[i..i + V::COUNT];
-        let [low_bend, high_bend] = [&spots.bends[0][i..i + V::COUNT], &spots.bends[1][i..i + V::COUNT]];
-        let mut rows = [V::Eight::of(&self.rows[0]); MOST];
+    fn cubic<V: Lanes, const N: usize>(
+        &self,
+        TableVector { positions, at }: TableVector<'_, N>,
+    ) -> [V::Row; MAX_LANES] {
+        let fraction = &positions.fraction[at..at + V::COUNT];
+        let [low_weight, high_weight] = positions.second_weights.each_ref().map(|weights| &weights[at..at + V::COUNT]);
+        let mut rows = [V::Row::of(&self.rows[0]); MAX_LANES];
         for lane in 0..V::COUNT {
-            let (low, high) = spots.interval.pair(&self.rows, i + lane);
-            let (low_second, high_second) = spots.interval.pair(&self.seconds, i + lane);
-            let (low, high) = (V::Eight::of(low), V::Eight::of(high));
-            let bent =
-                low.plus_times(high.minus(low), share[lane]).plus_times(V::Eight::of(low_second), low_bend[lane]);
-            rows[lane] = bent.plus_times(V::Eight::of(high_second), high_bend[lane]);
+            let (low, high) = positions.rows.row_pair(&self.rows, at + lane);
+            let (low_second, high_second) = positions.rows.row_pair(&self.seconds, at + lane);
+            let (low, high) = (V::Row::of(low), V::Row::of(high));
+            let with_low =
+                low.plus_times(high.minus(low), fraction[lane]).plus_times(V::Row::of(low_second), low_weight[lane]);
+            rows[lane] = with_low.plus_times(V::Row::of(high_second), high_weight[lane]);
         }
         rows
     }
 }
 
-/// All knots, rising, at least two; of a periodic axis those of one turn from the first table's start.
-fn union_of_knots(all: &[&Knots], period: Option<f64>, pieces: &[Piece<'_>]) -> Option<Vec<f64>> {
+/// Returns all knots in rising order, at least two; of a periodic axis those of one period from the start of the first
+/// table.
+fn union_of_knots(all: &[&Knots], period: Option<f64>, columns: &[CurveColumn<'_>]) -> Option<Vec<f64>> {
     let start = *all.first()?.positions().first()?;
     let mut knots: Vec<f64> = match period {
         Some(period) => {
@@ -429,7 +471,7 @@ fn union_of_knots(all: &[&Knots], period: Option<f64>, pieces: &[Piece<'_>]) -> 
     let largest = knots.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
     // Knots that rounding alone tells apart are one; a step between two is none.
     let near = |a: f64, b: f64| b - a <= 4.0 * f64::EPSILON * largest;
-    knots.dedup_by(|b, a| a == b || near(*a, *b) && pieces.iter().all(|piece| piece.same(*a, *b)));
+    knots.dedup_by(|b, a| a == b || near(*a, *b) && columns.iter().all(|column| column.same(*a, *b)));
     if let [single] = knots[..] {
         knots.push(single + 1.0);
     }

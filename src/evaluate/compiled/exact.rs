@@ -1,25 +1,24 @@
-//! The exact model in closed form: every joint by its increments, so that nothing small is a difference of large numbers.
+//! The exact model in closed form: every joint by its increments, so that nothing small is a difference of large
+//! numbers.
 //!
-//! From the tool to the workpiece are carried the nominal functional point p, the displacement d of the actual one, and
-//! the actual rotation relative to the nominal one. An error motion about o with the linear part 1 + K adds
+//! The walk from the tool to the workpiece carries the nominal functional point p, the displacement d of the actual
+//! one, and the actual rotation relative to the nominal one. An error motion about o with the linear part 1 + K adds
 //! `delta + K (p + d - o)` to d. With orthogonal joints K = a hat(eps) + b hat(eps)^2 with the series of sin t / t and
-//! (1 - cos t) / t^2, and the rotation is a quaternion; with linearised joints a and b are rational, and the
-//! rotation is a matrix, which need not be orthogonal.
+//! (1 - cos t) / t^2, and the rotation is a quaternion; with linearised joints a and b are rational, and the rotation
+//! is a matrix, which need not be orthogonal.
 
 use super::affine::{Section, Sections};
-use super::batch::{FARTHEST, Task};
-use super::chain::{
-    About, CompiledChain, CompiledJoint, Located, Motion, Placed, Vector, cross, dot, minus, plus, plus_cross,
-    plus_times, slid, splat, times,
-};
-use super::lanes::Lanes;
-use super::lookup::{Inputs, Lookup, Part, Scattered, look_up};
+use super::chain::{CompiledChain, CompiledJoint, ErrorsAtPoint, LocationEffect, Motion, RotationAxis, slid};
+use super::lookup::{Chunk, Inputs, Lookup, PoseInputs};
+use super::pass::{LaneDeviation, MAX_SQUARED_HALF_ANGLE, PoseKernel};
+use super::simd::Lanes;
 use super::trigonometry::RADIAN;
+use super::vector::{Vector, cross, dot, minus, plus, plus_cross, plus_times, splat, times};
 
-/// Terms of the series: good to the last bit up to [`super::batch::FARTHEST`].
+/// Number of terms of the series: exact to rounding up to [`MAX_SQUARED_HALF_ANGLE`].
 const TERMS: usize = 10;
 
-/// `first, first * ratio(1), ...` with the ratio of two whole numbers linear in i.
+/// Returns the coefficients of sin t / t, or of cos t if `even`, by powers of t^2, times `first`.
 const fn series(first: f64, even: bool) -> [f64; TERMS] {
     let mut terms = [first; TERMS];
     let mut i = 1;
@@ -32,11 +31,11 @@ const fn series(first: f64, even: bool) -> [f64; TERMS] {
     terms
 }
 
-/// sin t / t and cos t by powers of t^2.
+/// Coefficients of sin t / t and of cos t by powers of t^2.
 const SINC: [f64; TERMS] = series(1.0, false);
 const COSINE: [f64; TERMS] = series(1.0, true);
 
-/// asin s / s by powers of s^2.
+/// Returns the coefficients of asin s / s by powers of s^2.
 pub const fn arcsine<const N: usize>() -> [f64; N] {
     let mut terms = [1.0; N];
     let mut i = 1;
@@ -50,7 +49,7 @@ pub const fn arcsine<const N: usize>() -> [f64; N] {
 
 const ARCSINE: [f64; TERMS] = arcsine();
 
-/// With the coefficients of the powers of x from 0 on.
+/// Returns the polynomial with these coefficients of the powers 0, 1, ... at x.
 #[inline(always)]
 pub fn polynomial<V: Lanes>(terms: &[f64], x: V) -> V {
     let mut sum = V::splat(terms[terms.len() - 1]);
@@ -60,27 +59,27 @@ pub fn polynomial<V: Lanes>(terms: &[f64], x: V) -> V {
     sum
 }
 
-/// An error motion, ready to be applied.
+/// An error motion, or its inverse, as the walk applies it.
 #[derive(Debug, Clone, Copy)]
-struct Small<V> {
+struct ErrorMotion<V> {
     turn: Vector<V>,
     shift: Vector<V>,
     /// K = a hat(turn) + b hat(turn)^2.
     a: V,
     b: V,
-    /// Scalar part of its quaternion, and the factor of `turn` in the vector part.
+    /// Scalar part of the quaternion, and the factor of `turn` in the vector part.
     half: (V, V),
     inverse: bool,
 }
 
 /// The actual rotation relative to the nominal one.
-trait Relative<V: Lanes>: Copy {
+trait RelativeRotation<V: Lanes>: Copy {
     fn none() -> Self;
-    /// The error motion of six numbers; a number too large where the series are not good enough.
-    fn small(six: [V; 6], inverse: bool) -> (Small<V>, V);
-    fn turned(self, about: &About, turn: (V, V)) -> Self;
-    /// After an error motion.
-    fn after(self, small: &Small<V>) -> Self;
+    /// Returns the error motion of six errors, and its squared half angle (rad^2).
+    fn motion(six: [V; 6], inverse: bool) -> (ErrorMotion<V>, V);
+    fn turned(self, about: &RotationAxis, turn: (V, V)) -> Self;
+    /// Returns the rotation after an error motion.
+    fn after(self, motion: &ErrorMotion<V>) -> Self;
     fn vector(self) -> (Vector<V>, V);
 }
 
@@ -88,21 +87,21 @@ trait Relative<V: Lanes>: Copy {
 #[derive(Clone, Copy)]
 struct Quaternion<V>(V, Vector<V>);
 
-impl<V: Lanes> Relative<V> for Quaternion<V> {
+impl<V: Lanes> RelativeRotation<V> for Quaternion<V> {
     #[inline(always)]
     fn none() -> Self {
         Self(V::splat(1.0), [V::splat(0.0); 3])
     }
 
     #[inline(always)]
-    fn small(six: [V; 6], inverse: bool) -> (Small<V>, V) {
+    fn motion(six: [V; 6], inverse: bool) -> (ErrorMotion<V>, V) {
         let [dx, dy, dz, ex, ey, ez] = six;
         let turn = [ex, ey, ez];
         let half = V::splat(0.5);
         let quarter = dot(turn, turn) * V::splat(0.25);
         let (sine, cosine) = (polynomial(&SINC[..6], quarter), polynomial(&COSINE[..7], quarter));
         let sign = V::splat(if inverse { -1.0 } else { 1.0 });
-        let small = Small {
+        let motion = ErrorMotion {
             turn,
             shift: [dx, dy, dz],
             a: sine * cosine * sign,
@@ -110,17 +109,17 @@ impl<V: Lanes> Relative<V> for Quaternion<V> {
             half: (cosine, sine * half * sign),
             inverse,
         };
-        (small, quarter)
+        (motion, quarter)
     }
 
     #[inline(always)]
-    fn turned(self, about: &About, turn: (V, V)) -> Self {
+    fn turned(self, about: &RotationAxis, turn: (V, V)) -> Self {
         Self(self.0, about.turned(turn, self.1))
     }
 
     #[inline(always)]
-    fn after(self, small: &Small<V>) -> Self {
-        let (c, v) = (small.half.0, times(small.turn, small.half.1));
+    fn after(self, motion: &ErrorMotion<V>) -> Self {
+        let (c, v) = (motion.half.0, times(motion.turn, motion.half.1));
         let vector = plus_cross(plus_times(times(self.1, c), v, self.0), v, self.1);
         Self(c * self.0 - dot(v, self.1), vector)
     }
@@ -132,7 +131,7 @@ impl<V: Lanes> Relative<V> for Quaternion<V> {
     }
 }
 
-/// A matrix less 1, by columns.
+/// A matrix minus the identity, by columns.
 #[derive(Clone, Copy)]
 struct Matrix<V>([Vector<V>; 3]);
 
@@ -141,36 +140,36 @@ fn transposed<V: Lanes>([a, b, c]: [Vector<V>; 3]) -> [Vector<V>; 3] {
     [[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]]]
 }
 
-impl<V: Lanes> Relative<V> for Matrix<V> {
+impl<V: Lanes> RelativeRotation<V> for Matrix<V> {
     #[inline(always)]
     fn none() -> Self {
         Self([[V::splat(0.0); 3]; 3])
     }
 
     #[inline(always)]
-    fn small(six: [V; 6], inverse: bool) -> (Small<V>, V) {
+    fn motion(six: [V; 6], inverse: bool) -> (ErrorMotion<V>, V) {
         let [dx, dy, dz, ex, ey, ez] = six;
         let (turn, zero, one) = ([ex, ey, ez], V::splat(0.0), V::splat(1.0));
-        // (1 + H)^-1 = 1 - H / (1 + s) + H^2 / (1 + s) with s the square of the vector.
-        let factor = if inverse { one.over(one + dot(turn, turn)) } else { zero };
+        // (1 + H)^-1 = 1 - H / (1 + s) + H^2 / (1 + s) with s the squared length of the vector.
+        let factor = if inverse { one.quotient(one + dot(turn, turn)) } else { zero };
         let a = if inverse { zero - factor } else { one };
-        (Small { turn, shift: [dx, dy, dz], a, b: factor, half: (one, zero), inverse }, zero)
+        (ErrorMotion { turn, shift: [dx, dy, dz], a, b: factor, half: (one, zero), inverse }, zero)
     }
 
     #[inline(always)]
-    fn turned(self, about: &About, turn: (V, V)) -> Self {
+    fn turned(self, about: &RotationAxis, turn: (V, V)) -> Self {
         let [a, b, c] = self.0;
         let [a, b, c] = transposed([about.turned(turn, a), about.turned(turn, b), about.turned(turn, c)]);
         Self(transposed([about.turned(turn, a), about.turned(turn, b), about.turned(turn, c)]))
     }
 
     #[inline(always)]
-    fn after(self, small: &Small<V>) -> Self {
+    fn after(self, motion: &ErrorMotion<V>) -> Self {
         let mut columns = self.0;
         for k in 0..3 {
             let mut whole = columns[k];
             whole[k] = whole[k] + V::splat(1.0);
-            columns[k] = plus(columns[k], small.moved(whole));
+            columns[k] = plus(columns[k], motion.moved(whole));
         }
         Self(columns)
     }
@@ -183,8 +182,8 @@ impl<V: Lanes> Relative<V> for Matrix<V> {
     }
 }
 
-impl<V: Lanes> Small<V> {
-    /// K y.
+impl<V: Lanes> ErrorMotion<V> {
+    /// Returns K y.
     #[inline(always)]
     fn moved(&self, y: Vector<V>) -> Vector<V> {
         let once = cross(self.turn, y);
@@ -192,11 +191,11 @@ impl<V: Lanes> Small<V> {
     }
 }
 
-impl Small<f64> {
-    /// The same in all lanes.
+impl ErrorMotion<f64> {
+    /// Returns the same motion in all lanes.
     #[inline(always)]
-    fn splat<V: Lanes>(&self) -> Small<V> {
-        Small {
+    fn splat<V: Lanes>(&self) -> ErrorMotion<V> {
+        ErrorMotion {
             turn: splat(&self.turn),
             shift: splat(&self.shift),
             a: V::splat(self.a),
@@ -207,213 +206,226 @@ impl Small<f64> {
     }
 }
 
-/// A constant error motion and its inverse.
+/// A constant error motion and its inverse, about a point.
 #[derive(Debug, Clone, Copy)]
-struct Fixed {
-    motion: Small<f64>,
-    undone: Small<f64>,
+struct ConstantMotion {
+    motion: ErrorMotion<f64>,
+    inverse: ErrorMotion<f64>,
     about: [f64; 3],
 }
 
-impl Fixed {
-    /// `None` if it is too large for the series.
-    fn new(placed: &Placed, linearised: bool) -> Option<Self> {
-        let small = |inverse| match linearised {
-            true => Matrix::small(placed.six, inverse),
-            false => Quaternion::small(placed.six, inverse),
+impl ConstantMotion {
+    /// Returns `None` if the rotation is too large for the series.
+    fn new(placed: &ErrorsAtPoint, linearised: bool) -> Option<Self> {
+        let motion = |inverse| match linearised {
+            true => Matrix::motion(placed.six, inverse),
+            false => Quaternion::motion(placed.six, inverse),
         };
-        let ((motion, far), (undone, _)) = (small(placed.inverse), small(!placed.inverse));
-        (far <= FARTHEST).then_some(Self { motion, undone, about: placed.about })
+        let ((motion, squared_half_angle), (inverse, _)) = (motion(placed.inverse), motion(!placed.inverse));
+        (squared_half_angle <= MAX_SQUARED_HALF_ANGLE).then_some(Self { motion, inverse, about: placed.about })
     }
 }
 
-/// What is carried from the tool to the workpiece.
+/// The quantities that the walk carries from the tool to the workpiece.
 struct State<V, R> {
     point: Vector<V>,
     displacement: Vector<V>,
     relative: R,
-    far: V,
+    squared_half_angle: V,
 }
 
-impl<V: Lanes, R: Relative<V>> State<V, R> {
-    /// A point and its displacement, before any rotation.
+impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
+    /// Returns the state at a point with its displacement, before any rotation.
     #[inline(always)]
     fn at(point: Vector<V>, displacement: Vector<V>) -> Self {
-        Self { point, displacement, relative: R::none(), far: V::splat(0.0) }
+        Self { point, displacement, relative: R::none(), squared_half_angle: V::splat(0.0) }
     }
 
     #[inline(always)]
-    fn apply(&mut self, small: &Small<V>, about: &[f64; 3]) {
+    fn apply(&mut self, motion: &ErrorMotion<V>, about: &[f64; 3]) {
         let arm = plus(minus(self.point, splat(about)), self.displacement);
-        let added = if small.inverse {
-            minus(small.moved(minus(arm, small.shift)), small.shift)
+        let added = if motion.inverse {
+            minus(motion.moved(minus(arm, motion.shift)), motion.shift)
         } else {
-            plus(small.moved(arm), small.shift)
+            plus(motion.moved(arm), motion.shift)
         };
         self.displacement = plus(self.displacement, added);
-        self.relative = self.relative.after(small);
+        self.relative = self.relative.after(motion);
     }
 
     #[inline(always)]
-    fn small(&mut self, (small, far): &(Small<V>, V), about: &[f64; 3]) {
-        self.far = self.far.larger(*far);
-        self.apply(small, about);
+    fn motion(&mut self, (motion, squared_half_angle): &(ErrorMotion<V>, V), about: &[f64; 3]) {
+        self.squared_half_angle = self.squared_half_angle.larger(*squared_half_angle);
+        self.apply(motion, about);
     }
 
     #[inline(always)]
-    fn fixed(&mut self, fixed: &Fixed) {
-        self.apply(&fixed.motion.splat(), &fixed.about);
+    fn apply_constant(&mut self, constant: &ConstantMotion) {
+        self.apply(&constant.motion.splat(), &constant.about);
     }
 
-    /// The axis turned further than the nominal one: by an angle that need not be small.
+    /// Rotates on by the correction of a rotary axis (deg), which need not be small.
     #[inline(always)]
-    fn further(&mut self, about: &About, angle: V, origin: &[f64; 3]) {
+    fn rotate_on(&mut self, about: &RotationAxis, angle: V, origin: &[f64; 3]) {
         let [x, y, z] = times(splat(&about.direction()), angle * V::splat(RADIAN));
         let zero = V::splat(0.0);
-        let (small, far) = Quaternion::small([zero, zero, zero, x, y, z], false);
-        self.far = self.far.larger(far);
-        self.apply(&small, origin);
+        let (motion, squared_half_angle) = Quaternion::motion([zero, zero, zero, x, y, z], false);
+        self.squared_half_angle = self.squared_half_angle.larger(squared_half_angle);
+        self.apply(&motion, origin);
     }
 
     #[inline(always)]
-    fn link<I: Inputs<V>>(&mut self, link: &CompiledJoint, axis: usize, location: Option<&Fixed>, inputs: I) {
+    fn link<I: Inputs<V>>(&mut self, link: &CompiledJoint, axis: usize, location: Option<&ConstantMotion>, inputs: I) {
         let zero = V::splat(0.0);
         let (q, added) = (inputs.position(axis), inputs.added(axis));
-        let there = match added {
+        let command = match added {
             Some(added) => q + added,
             None => q,
         };
         let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
-        let errors = if link.errors { Some(R::small(inputs.six(axis), link.inverse)) } else { None };
-        if let (Some(location), Located::Innermost) = (location, link.located) {
-            self.fixed(location);
+        let errors = if link.errors { Some(R::motion(inputs.errors(axis), link.inverse)) } else { None };
+        if let (Some(location), LocationEffect::Innermost) = (location, link.location_effect) {
+            self.apply_constant(location);
         }
-        if let (Some(small), false) = (&errors, link.outside) {
-            self.small(small, &link.origin);
+        if let (Some(motion), false) = (&errors, link.outside) {
+            self.motion(motion, &link.origin);
         }
-        let around = if link.located == Located::Around { location } else { None };
+        let around = if link.location_effect == LocationEffect::Around { location } else { None };
         match &link.motion {
-            Motion::Slide(direction) => self.slide(direction, around, (q, there), added),
+            Motion::Slide(direction) => self.slide(direction, around, (q, command), added),
             Motion::Turn(about) => self.turn(about, &link.origin, around, turn, added),
         }
-        if let (Some(small), true) = (&errors, link.outside) {
-            self.small(small, &link.origin);
+        if let (Some(motion), true) = (&errors, link.outside) {
+            self.motion(motion, &link.origin);
         }
-        if let (Some(location), Located::Outermost) = (location, link.located) {
-            self.fixed(location);
+        if let (Some(location), LocationEffect::Outermost) = (location, link.location_effect) {
+            self.apply_constant(location);
         }
     }
 
-    /// A linear axis; an error of its place only bends its direction.
+    /// Passes a linear axis; its location error only bends its direction.
     #[inline(always)]
-    fn slide(&mut self, direction: &[f64; 3], around: Option<&Fixed>, (q, there): (V, V), added: Option<V>) {
+    fn slide(&mut self, direction: &[f64; 3], around: Option<&ConstantMotion>, (q, command): (V, V), added: Option<V>) {
         self.point = slid(direction, q, self.point);
         if let Some(added) = added {
             self.displacement = plus_times(self.displacement, splat(direction), added);
         }
         if let Some(location) = around {
             let bent = location.motion.moved(*direction);
-            self.displacement = plus_times(self.displacement, splat(&bent), there);
+            self.displacement = plus_times(self.displacement, splat(&bent), command);
         }
     }
 
-    /// A rotary axis: N, or Loc N Loc^-1.
+    /// Passes a rotary axis: N, or Loc N Loc^-1.
     #[inline(always)]
-    fn turn(&mut self, about: &About, origin: &[f64; 3], around: Option<&Fixed>, turn: (V, V), added: Option<V>) {
+    fn turn(
+        &mut self,
+        about: &RotationAxis,
+        origin: &[f64; 3],
+        around: Option<&ConstantMotion>,
+        turn: (V, V),
+        added: Option<V>,
+    ) {
         if let Some(location) = around {
-            self.apply(&location.undone.splat(), origin);
+            self.apply(&location.inverse.splat(), origin);
         }
         self.point = about.turned_about(turn, origin, self.point);
         self.displacement = about.turned(turn, self.displacement);
         self.relative = self.relative.turned(about, turn);
         if let Some(added) = added {
-            self.further(about, added, origin);
+            self.rotate_on(about, added, origin);
         }
         if let Some(location) = around {
-            self.fixed(location);
+            self.apply_constant(location);
         }
     }
 }
 
-/// The plan of the exact model.
+/// The compiled exact model.
 #[derive(Debug, Clone)]
-pub struct Exact {
+pub struct ExactModel {
     chain: CompiledChain,
-    locations: Vec<Option<Fixed>>,
-    spindle: Option<Fixed>,
-    clamping: Option<Fixed>,
+    locations: Vec<Option<ConstantMotion>>,
+    spindle: Option<ConstantMotion>,
+    workpiece_setup: Option<ConstantMotion>,
 }
 
-impl Exact {
-    /// `None` if a constant error is too large for the series.
+impl ExactModel {
+    /// Returns `None` if a constant error is too large for the series.
     pub fn new(chain: CompiledChain) -> Option<Self> {
-        let fixed = |placed: &Option<Placed>| match placed {
-            Some(placed) => Fixed::new(placed, chain.linearised).map(Some),
+        let fixed = |placed: &Option<ErrorsAtPoint>| match placed {
+            Some(placed) => ConstantMotion::new(placed, chain.linearised).map(Some),
             None => Some(None),
         };
         Some(Self {
             locations: chain.joints.iter().map(|link| fixed(&link.location)).collect::<Option<_>>()?,
             spindle: fixed(&chain.spindle)?,
-            clamping: fixed(&chain.clamping)?,
+            workpiece_setup: fixed(&chain.workpiece_setup)?,
             chain,
         })
     }
 
     #[inline(always)]
-    fn chain<V: Lanes, R: Relative<V>>(&self, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+    fn chain<V: Lanes, R: RelativeRotation<V>>(&self, inputs: PoseInputs<'_>) -> LaneDeviation<V> {
         let chain = &self.chain;
         let mut state = State::<V, R>::at(splat(&chain.tip), splat(&chain.tool));
         if let Some(spindle) = &self.spindle {
-            state.fixed(spindle);
+            state.apply_constant(spindle);
         }
         for (axis, link) in chain.joints.iter().enumerate().rev() {
             state.link(link, axis, self.locations[axis].as_ref(), inputs);
         }
-        if let Some(clamping) = &self.clamping {
-            state.fixed(clamping);
+        if let Some(workpiece_setup) = &self.workpiece_setup {
+            state.apply_constant(workpiece_setup);
         }
-        let (rotation, far) = state.relative.vector();
-        (state.displacement, rotation, state.far.larger(far))
+        let (rotation, squared_half_angle) = state.relative.vector();
+        LaneDeviation {
+            position: state.displacement,
+            rotation,
+            squared_half_angle: state.squared_half_angle.larger(squared_half_angle),
+        }
     }
 
-    fn past<R: Relative<f64>>(&self, section: Section, point: [f64; 3]) -> ([f64; 3], f64) {
+    fn past<R: RelativeRotation<f64>>(&self, section: Section, point: [f64; 3]) -> ([f64; 3], f64) {
         let mut state = State::<f64, R>::at(point, [0.0; 3]);
         match section {
             Section::Joint(axis, at) => {
                 state.link(&self.chain.joints[axis], axis, self.locations[axis].as_ref(), at);
             }
-            Section::Spindle => self.spindle.iter().for_each(|spindle| state.fixed(spindle)),
-            Section::Clamping => self.clamping.iter().for_each(|clamping| state.fixed(clamping)),
+            Section::Spindle => self.spindle.iter().for_each(|spindle| state.apply_constant(spindle)),
+            Section::WorkpieceSetup => {
+                self.workpiece_setup.iter().for_each(|workpiece_setup| state.apply_constant(workpiece_setup))
+            }
         }
-        (state.displacement, state.far)
+        (state.displacement, state.squared_half_angle)
     }
 }
 
-impl Sections for Exact {
+impl Sections for ExactModel {
     fn chain(&self) -> &CompiledChain {
         &self.chain
     }
 
     fn displaced(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
-        let (displacement, far) = match self.chain.linearised {
+        let (displacement, squared_half_angle) = match self.chain.linearised {
             true => self.past::<Matrix<f64>>(section, point),
             false => self.past::<Quaternion<f64>>(section, point),
         };
-        ([displacement, [0.0; 3]], far)
+        ([displacement, [0.0; 3]], squared_half_angle)
     }
 }
 
-impl Task for Exact {
-    type Room = ();
-    const ROOM: () = ();
+impl PoseKernel for ExactModel {
+    type Workspace = ();
+    const EMPTY: () = ();
 
     #[inline(always)]
-    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], _: &mut (), part: Part<'_>) {
-        look_up::<V>(&self.chain, axes, part);
+    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], _: &mut (), chunk: Chunk<'_>) {
+        self.chain.look_up::<V>(axes, chunk);
     }
 
     #[inline(always)]
-    fn at<V: Lanes>(&self, _: &(), inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+    fn at<V: Lanes>(&self, _: &(), inputs: PoseInputs<'_>) -> LaneDeviation<V> {
         if self.chain.linearised { self.chain::<V, Matrix<V>>(inputs) } else { self.chain::<V, Quaternion<V>>(inputs) }
     }
 }

@@ -1,163 +1,101 @@
 //! Order 1: the sum over the joints of Ad(prefix) times the joint's six errors.
 //!
-//! From the tool to the workpiece a point and two vectors are carried: the functional point, the rotation, and the displacement
-//! of a point of reference, all in the frame reached. So every prefix is applied once, to what has been summed, and the lever
-//! of the functional point about the point of reference counts once, at the end. The errors (delta, eps) about a point o displace r by
-//! `delta + eps x (r - o)`: that is folded into the tables, and so are location errors.
+//! The walk from the tool to the workpiece carries a point and two vectors: the functional point, the rotation, and the
+//! displacement of a point of reference, all in the frame reached. So every prefix is applied once, to the sum so far,
+//! and the lever of the functional point about the point of reference counts once, at the end. The errors (delta, eps)
+//! about a point o displace r by `delta + eps x (r - o)`: that is folded into the tables, and so are location errors
+//! (`twist`).
 
-use super::batch::Task;
-use super::chain::{
-    About, CompiledChain, CompiledJoint, Located, Motion, Placed, Vector, cross, minus, plus, plus_cross, splat,
-};
-use super::curves::{Curves, Six, splat_six};
-use super::lanes::Lanes;
-use super::lookup::{CHUNK, Lookup, LookupRequest, Part, Scattered};
+use super::chain::{CompiledChain, Motion, RotationAxis};
+use super::curves::{Six, splat_six};
+use super::lookup::{CHUNK, Chunk, Lookup, LookupRequest, PoseInputs};
+use super::pass::{LaneDeviation, PoseKernel};
+use super::simd::Lanes;
 use super::steps::{self, Step, Sum};
+use super::twist::{TwistChain, TwistJoint};
+use super::vector::{Vector, minus, plus, plus_cross, splat};
 
-/// The plan of order 1.
+/// The compiled model of order 1.
 #[derive(Debug, Clone)]
 pub struct FirstOrder {
     /// From the workpiece to the tool.
-    joints: Vec<Joint>,
-    /// From the tool to the workpiece, by the numbers of the joints.
+    joints: Vec<TwistJoint>,
+    /// From the tool to the workpiece; joints by their index.
     steps: Vec<Step>,
-    /// The functional point at the zero pose less the first point of reference.
+    /// The functional point at the zero pose minus the first point of reference, mm.
     point: [f64; 3],
-    /// Its displacement by clamping.
+    /// Its displacement by the set-up of the tool, mm.
     tool: [f64; 3],
 }
 
-/// A joint of it.
-#[derive(Debug, Clone)]
-pub struct Joint {
-    pub motion: Motion,
-    pub origin: [f64; 3],
-    /// Twists `(delta - eps x o, eps)`; `None` if there are no errors.
-    pub curves: Option<Curves>,
-    pub outside: bool,
-    /// Are the sine and cosine of the position needed?
-    pub turns: bool,
-    /// A constant twist on the workpiece's side of the joint.
-    pub constant: Option<Six>,
-    /// Displacement per mm of way, of an axis that is not square.
-    pub bend: Option<[f64; 3]>,
-}
-
-/// `(delta, eps)` about a point to displacement of the machine's zero point, and rotation.
-pub fn twist(six: &Six, about: &[f64; 3], sign: f64) -> Six {
-    let [dx, dy, dz, ex, ey, ez] = six.map(|e| e * sign);
-    let [x, y, z] = cross([ex, ey, ez], *about);
-    [dx - x, dy - y, dz - z, ex, ey, ez]
-}
-
-fn placed(placed: &Placed) -> Six {
-    twist(&placed.six, &placed.about, if placed.inverse { -1.0 } else { 1.0 })
-}
-
-/// Sum of constants that are there or not.
-fn sum(a: Option<Six>, b: Option<Six>) -> Option<Six> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(std::array::from_fn(|k| a[k] + b[k])),
-        (a, b) => a.or(b),
-    }
-}
-
 impl FirstOrder {
-    /// `None` where location errors count in the real part.
+    /// Returns `None` if location errors count in the real part.
     pub fn new(chain: &CompiledChain) -> Option<Self> {
         if chain.real_locations {
             return None;
         }
-        // The constant twist on the workpiece's side of what comes next, from the workpiece on.
-        let mut pending = chain.clamping.as_ref().map(placed);
-        let mut joints: Vec<Joint> = Vec::new();
-        for link in &chain.joints {
-            let [outer, inner] = constants(link);
-            let sign = if link.inverse { -1.0 } else { 1.0 };
-            let mut curves = link.curves.clone().mapped(|six| twist(six, &link.origin, sign));
-            let mut before = sum(pending, outer);
-            pending = inner;
-            if !curves.is_zero() {
-                let constant = if link.outside { before.take() } else { pending.take() };
-                curves = curves.plus(&constant.unwrap_or_default());
-            }
-            // What is left on this side goes to the joint before, which may hold it in its tables.
-            if let Some(Joint { outside: false, curves: Some(last), .. }) = joints.last_mut() {
-                *last = std::mem::take(last).plus(&before.take().unwrap_or_default());
-            }
-            joints.push(Joint {
-                turns: link.turns,
-                motion: link.motion,
-                origin: link.origin,
-                curves: (!curves.is_zero()).then_some(curves),
-                outside: link.outside,
-                constant: before,
-                bend: bend(link),
-            });
-        }
-        let end = sum(pending, chain.spindle.as_ref().map(placed));
+        let TwistChain { joints, end } = TwistChain::new(chain);
         let point = minus(chain.tip, steps::reference(&joints, joints.len()));
-        Some(Self { steps: steps::of(&joints, end), joints, point, tool: chain.tool })
+        Some(Self { steps: steps::steps(&joints, end), joints, point, tool: chain.tool })
     }
 
-    /// A chunk of poses from the tool past all steps.
+    /// Walks a chunk of poses from the tool past all steps.
     #[inline(always)]
-    fn walk<V: Lanes>(&self, states: &mut States, axes: &[Lookup], part: Part<'_>) {
-        states.begin::<V>(self, part.count);
+    fn walk<V: Lanes>(&self, states: &mut WalkStates, axes: &[Lookup], chunk: Chunk<'_>) {
+        states.begin::<V>(self, chunk.count);
         for step in &self.steps {
             if let Some(axis) = step.motion {
-                states.moved::<V>(&self.joints[axis], step, &axes[axis], part.positions(axis));
+                states.moved::<V>(&self.joints[axis], step, &axes[axis], chunk.positions(axis));
             }
             if let Some(sum) = &step.sum {
-                states.summed::<V>(sum, axes, part);
+                states.summed::<V>(sum, axes, chunk);
             }
             if let Some((axis, _)) = &step.errors {
-                states.add_errors::<V>(&axes[*axis], part.count);
+                states.add_errors::<V>(&axes[*axis], chunk.count);
             }
             if let Some(constant) = &step.constant {
-                states.add_constant::<V>(constant, part.count);
+                states.add_constant::<V>(constant, chunk.count);
             }
         }
     }
 }
 
-impl Task for FirstOrder {
-    type Room = States;
-    const ROOM: States = States::NONE;
+impl PoseKernel for FirstOrder {
+    type Workspace = WalkStates;
+    const EMPTY: WalkStates = WalkStates::NONE;
 
     #[inline(always)]
-    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], states: &mut States, part: Part<'_>) {
+    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], states: &mut WalkStates, chunk: Chunk<'_>) {
         for axis in 0..axes.len() {
             let joint = &self.joints[axis];
-            axes[axis].look::<V>(LookupRequest { turns: joint.turns, curves: joint.curves.as_ref() }, axis, part);
+            axes[axis].fill::<V>(LookupRequest { turns: joint.turns, curves: joint.curves.as_ref() }, axis, chunk);
         }
         for step in &self.steps {
             if let Some((axis, curves)) = &step.errors {
-                axes[*axis].six::<V>(curves, *axis, part);
+                axes[*axis].fill_errors::<V>(curves, *axis, chunk);
             }
         }
-        self.walk::<V>(states, axes, part);
+        self.walk::<V>(states, axes, chunk);
     }
 
     #[inline(always)]
-    fn at<V: Lanes>(&self, states: &States, inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
-        let (displacement, rotation) = states.at(inputs.i);
-        (displacement, rotation, V::splat(0.0))
+    fn at<V: Lanes>(&self, states: &WalkStates, inputs: PoseInputs<'_>) -> LaneDeviation<V> {
+        states.at(inputs.i)
     }
 }
 
-/// What is carried from the tool to the workpiece, of a chunk of poses. Every step goes over all of them: finding out what it
-/// has to do would cost as much as doing it for one vector.
+/// The quantities that the walk carries, for a chunk of poses. Every step goes over the whole chunk: deciding what a
+/// step does costs as much as doing it for one vector.
 #[repr(C, align(64))]
-pub struct States {
-    /// The functional point less the point of reference.
+pub struct WalkStates {
+    /// The functional point minus the point of reference.
     point: Vectors,
     /// Displacement of the point of reference.
     displacement: Vectors,
     rotation: Vectors,
 }
 
-/// Vectors by columns.
+/// Vectors of a chunk by columns.
 struct Vectors([[f64; CHUNK]; 3]);
 
 impl Vectors {
@@ -165,7 +103,7 @@ impl Vectors {
 
     #[inline(always)]
     fn get<V: Lanes>(&self, i: usize) -> Vector<V> {
-        // The mask changes nothing, and shows the compiler that the vector lies within the chunk.
+        // The mask changes nothing; it shows the compiler that the vector lies within the chunk.
         let (i, [x, y, z]) = (i & (CHUNK - V::COUNT), &self.0);
         [V::load(&x[i..]), V::load(&y[i..]), V::load(&z[i..])]
     }
@@ -178,14 +116,14 @@ impl Vectors {
         vector[2].store(&mut z[i..]);
     }
 
-    /// One column more by a vector.
+    /// Adds to a column.
     #[inline(always)]
     fn add<V: Lanes>(&mut self, k: usize, i: usize, more: V) {
         let place = &mut self.0[k][i & (CHUNK - V::COUNT)..];
         (V::load(place) + more).store(place);
     }
 
-    /// One column more by a product.
+    /// Adds a product to a column.
     #[inline(always)]
     fn add_product<V: Lanes>(&mut self, k: usize, i: usize, a: V, b: V) {
         let place = &mut self.0[k][i & (CHUNK - V::COUNT)..];
@@ -198,46 +136,47 @@ impl Vectors {
     }
 }
 
-impl States {
-    /// Before anything.
+impl WalkStates {
+    /// The state before any chunk.
     pub const NONE: Self = Self { point: Vectors::NONE, displacement: Vectors::NONE, rotation: Vectors::NONE };
 
-    /// At the tool.
+    /// Sets the state at the tool.
     #[inline(always)]
-    fn begin<V: Lanes>(&mut self, plan: &FirstOrder, count: usize) {
-        let (mut i, point) = (0, splat::<V>(&plan.point));
+    fn begin<V: Lanes>(&mut self, model: &FirstOrder, count: usize) {
+        let (mut i, point) = (0, splat::<V>(&model.point));
         while i < count {
             self.point.put(i, point);
-            self.displacement.put(i, splat::<V>(&plan.tool));
+            self.displacement.put(i, splat::<V>(&model.tool));
             self.rotation.put(i, [V::splat(0.0); 3]);
             i += V::COUNT;
         }
     }
 
-    /// Displacement of the functional point, and rotation.
+    /// Returns the deviations: the lever of the functional point about the point of reference counts here.
     #[inline(always)]
-    fn at<V: Lanes>(&self, i: usize) -> (Vector<V>, Vector<V>) {
+    fn at<V: Lanes>(&self, i: usize) -> LaneDeviation<V> {
         let rotation = self.rotation.get(i);
-        (plus_cross(self.displacement.get(i), rotation, self.point.get(i)), rotation)
+        let position = plus_cross(self.displacement.get(i), rotation, self.point.get(i));
+        LaneDeviation { position, rotation, squared_half_angle: V::splat(0.0) }
     }
 
-    /// By a joint's own motion.
+    /// Passes the nominal motion of a joint.
     #[inline(always)]
-    fn moved<V: Lanes>(&mut self, joint: &Joint, step: &Step, lookup: &Lookup, positions: &[f64]) {
+    fn moved<V: Lanes>(&mut self, joint: &TwistJoint, step: &Step, lookup: &Lookup, positions: &[f64]) {
         match joint.motion {
             Motion::Slide(direction) => self.slid::<V>(&direction, joint.bend.as_ref(), step.rotated, positions),
-            // Each by itself: the compiler leaves out what stays as it is.
-            Motion::Turn(About::Principal(0, sense)) => {
-                self.turned::<V>(&About::Principal(0, sense), lookup, positions.len());
+            // One call per machine axis: the compiler drops the component that stays as it is.
+            Motion::Turn(RotationAxis::Principal(0, sense)) => {
+                self.turned::<V>(&RotationAxis::Principal(0, sense), lookup, positions.len());
             }
-            Motion::Turn(About::Principal(1, sense)) => {
-                self.turned::<V>(&About::Principal(1, sense), lookup, positions.len());
+            Motion::Turn(RotationAxis::Principal(1, sense)) => {
+                self.turned::<V>(&RotationAxis::Principal(1, sense), lookup, positions.len());
             }
-            Motion::Turn(About::Principal(_, sense)) => {
-                self.turned::<V>(&About::Principal(2, sense), lookup, positions.len());
+            Motion::Turn(RotationAxis::Principal(_, sense)) => {
+                self.turned::<V>(&RotationAxis::Principal(2, sense), lookup, positions.len());
             }
-            Motion::Turn(About::Oblique(direction)) => {
-                self.turned::<V>(&About::Oblique(direction), lookup, positions.len());
+            Motion::Turn(RotationAxis::Oblique(direction)) => {
+                self.turned::<V>(&RotationAxis::Oblique(direction), lookup, positions.len());
             }
         }
         if let Some(shift) = &step.shift {
@@ -245,15 +184,15 @@ impl States {
         }
     }
 
-    /// By the positions times a direction; before all errors a machine axis costs one sum.
+    /// Moves by the positions times a direction; before all errors a machine axis costs one sum.
     #[inline(always)]
     fn slid<V: Lanes>(&mut self, direction: &[f64; 3], bend: Option<&[f64; 3]>, rotated: bool, positions: &[f64]) {
         for k in 0..3 {
             let (factor, bend, mut i) = (direction[k], bend.map_or(0.0, |bend| bend[k]), 0);
             while factor != 0.0 && i < positions.len() {
                 let q = V::load(&positions[i..]);
-                let way = if factor == 1.0 { q } else { q * V::splat(factor) };
-                self.farther(k, i, way, rotated);
+                let travel = if factor == 1.0 { q } else { q * V::splat(factor) };
+                self.advance_point(k, i, travel, rotated);
                 i += V::COUNT;
             }
             i = 0;
@@ -264,33 +203,33 @@ impl States {
         }
     }
 
-    /// About another point of reference.
+    /// Moves the point of reference.
     #[inline(always)]
     fn shifted<V: Lanes>(&mut self, by: &[f64; 3], count: usize) {
         for k in 0..3 {
             let mut i = 0;
             while by[k] != 0.0 && i < count {
-                self.farther(k, i, V::splat(-by[k]), true);
+                self.advance_point(k, i, V::splat(-by[k]), true);
                 i += V::COUNT;
             }
         }
     }
 
-    /// The functional point is farther along a machine axis from the point of reference.
+    /// Moves the functional point along machine axis k, away from the point of reference.
     #[inline(always)]
-    fn farther<V: Lanes>(&mut self, k: usize, i: usize, way: V, rotated: bool) {
-        self.point.add(k, i, way);
+    fn advance_point<V: Lanes>(&mut self, k: usize, i: usize, travel: V, rotated: bool) {
+        self.point.add(k, i, travel);
         if rotated {
             let (next, last) = ((k + 1) % 3, (k + 2) % 3);
             let (a, b): (V, V) = (self.rotation.column(last, i), self.rotation.column(next, i));
-            self.displacement.add_product(next, i, V::splat(0.0) - a, way);
-            self.displacement.add_product(last, i, b, way);
+            self.displacement.add_product(next, i, V::splat(0.0) - a, travel);
+            self.displacement.add_product(last, i, b, travel);
         }
     }
 
-    /// About an axis through the point of reference.
+    /// Rotates about an axis through the point of reference.
     #[inline(always)]
-    fn turned<V: Lanes>(&mut self, about: &About, lookup: &Lookup, count: usize) {
+    fn turned<V: Lanes>(&mut self, about: &RotationAxis, lookup: &Lookup, count: usize) {
         let mut i = 0;
         while i < count {
             let turn = lookup.turn::<V>(i);
@@ -301,24 +240,24 @@ impl States {
         }
     }
 
-    /// The errors of several axes, transposed once.
+    /// Adds the errors of several axes: rows summed, then transposed once.
     #[inline(always)]
-    fn summed<V: Lanes>(&mut self, sum: &Sum, axes: &[Lookup], part: Part<'_>) {
+    fn summed<V: Lanes>(&mut self, sum: &Sum, axes: &[Lookup], chunk: Chunk<'_>) {
         let mut i = 0;
-        while i < part.count {
-            let mut rows = sum.first.1.rows::<V, CHUNK>(axes[sum.first.0].spots(i));
+        while i < chunk.count {
+            let mut rows = sum.first.1.rows::<V, CHUNK>(axes[sum.first.0].table_vector(i));
             for (axis, curves) in &sum.others {
-                curves.add_rows::<V, CHUNK>(&mut rows, axes[*axis].spots(i));
+                curves.add_rows::<V, CHUNK>(&mut rows, axes[*axis].table_vector(i));
             }
-            let [x, y, z, ex, ey, ez, aside, other] = V::columns(&rows);
+            let [x, y, z, ex, ey, ez, lever_a, lever_b] = V::transpose(&rows);
             self.add::<V>(i, [x, y, z, ex, ey, ez]);
             if let Some(slide) = sum.slide {
-                let q = V::load(&part.positions(slide.axis)[i..]);
+                let q = V::load(&chunk.positions(slide.axis)[i..]);
                 let [x, y, z]: Vector<V> = self.displacement.get(i);
                 let moved = match slide.along {
-                    0 => [x, y.plus_times(aside, q), z.plus_times(other, q)],
-                    1 => [x.plus_times(aside, q), y, z.plus_times(other, q)],
-                    _ => [x.plus_times(aside, q), y.plus_times(other, q), z],
+                    0 => [x, y.plus_times(lever_a, q), z.plus_times(lever_b, q)],
+                    1 => [x.plus_times(lever_a, q), y, z.plus_times(lever_b, q)],
+                    _ => [x.plus_times(lever_a, q), y.plus_times(lever_b, q), z],
                 };
                 self.displacement.put(i, moved);
             }
@@ -344,35 +283,10 @@ impl States {
         }
     }
 
-    /// A twist more.
+    /// Adds a twist.
     #[inline(always)]
     fn add<V: Lanes>(&mut self, i: usize, [x, y, z, ex, ey, ez]: [V; 6]) {
         self.displacement.put(i, plus(self.displacement.get(i), [x, y, z]));
         self.rotation.put(i, plus(self.rotation.get(i), [ex, ey, ez]));
-    }
-}
-
-/// Constant twists of a joint on the workpiece's side and on the tool's side.
-fn constants(link: &CompiledJoint) -> [Option<Six>; 2] {
-    let Some(location) = &link.location else { return [None, None] };
-    match (link.located, link.motion) {
-        (Located::Around, Motion::Slide(_)) => [None, None],
-        (Located::Around, Motion::Turn(_)) => {
-            let outer = placed(location);
-            [Some(outer), Some(outer.map(|e| -e))]
-        }
-        (Located::Outermost, _) => [Some(placed(location)), None],
-        (Located::Innermost, _) => [None, Some(placed(location))],
-    }
-}
-
-/// `eps x u`: the direction of an axis that is not square.
-fn bend(link: &CompiledJoint) -> Option<[f64; 3]> {
-    match (link.motion, &link.location) {
-        (Motion::Slide(u), Some(location)) if link.located == Located::Around => {
-            let [.., a, b, c] = location.six;
-            Some(cross([a, b, c], u))
-        }
-        _ => None,
     }
 }

@@ -1,21 +1,22 @@
-//! Deviations in another frame: turned by the nominal rotations of the joints passed.
+//! Deviations in other frames: rotated by the nominal motions of the joints passed.
 
-use super::CompiledModel;
 use super::batch::{Batch, Output, Slices};
-use super::chain::{About, Motion};
-use super::lanes::{Kernel, Lanes};
+use super::chain::{Motion, RotationAxis};
+use super::lanes::run;
+use super::model::CompiledModel;
+use super::simd::{Kernel, Lanes};
 use super::trigonometry::sin_cos;
-use crate::evaluate::Frame;
+use crate::evaluate::deviation::Frame;
 use crate::lower::NominalPose;
 use crate::machine::Branch;
 
-struct Turned<'a, 'o> {
-    joints: &'a [(usize, About)],
+struct FrameRotation<'a, 'o> {
+    joints: &'a [(usize, RotationAxis)],
     poses: Slices<'a>,
     out: Output<'o>,
 }
 
-impl Kernel for Turned<'_, '_> {
+impl Kernel for FrameRotation<'_, '_> {
     #[inline(always)]
     fn run<V: Lanes>(mut self) {
         let (count, mut at) = (self.out.len(), 0);
@@ -30,7 +31,7 @@ impl Kernel for Turned<'_, '_> {
     }
 }
 
-impl Turned<'_, '_> {
+impl FrameRotation<'_, '_> {
     #[inline(always)]
     fn step<V: Lanes>(&mut self, at: usize) {
         let (p, r) = (&self.out.position, &self.out.rotation);
@@ -49,20 +50,20 @@ impl Turned<'_, '_> {
 }
 
 impl CompiledModel {
-    /// Turns deviations from the workpiece frame into another one.
+    /// Rotates deviations at these poses (mm, deg) from the workpiece frame into another one, in place.
     pub fn to_frame(&self, frame: Frame, poses: &Batch<'_>, mut out: Output<'_>) {
-        let on_the_way = |axis: usize| match frame {
+        let passed = |axis: usize| match frame {
             Frame::Workpiece => false,
             Frame::Machine => self.machine.axes()[axis].branch == Branch::Workpiece,
             Frame::Tool => true,
         };
         let Some(chain) = &self.chain else { return self.to_frame_one_by_one(frame, poses, &mut out) };
-        let turns = chain.joints.iter().enumerate().filter(|(axis, _)| on_the_way(*axis));
-        let joints: Vec<(usize, About)> = turns
+        let turns = chain.joints.iter().enumerate().filter(|(axis, _)| passed(*axis));
+        let joints: Vec<(usize, RotationAxis)> = turns
             .filter_map(|(axis, link)| if let Motion::Turn(about) = link.motion { Some((axis, about)) } else { None })
             .collect();
         let poses = Slices { axes: poses.axes(), added: &[], whole: poses.len() };
-        super::lanes::run(self.width, Turned { joints: &joints, poses, out });
+        run(self.width, FrameRotation { joints: &joints, poses, out });
     }
 
     fn to_frame_one_by_one(&self, frame: Frame, poses: &Batch<'_>, out: &mut Output<'_>) {

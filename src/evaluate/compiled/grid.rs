@@ -1,45 +1,45 @@
-//! Tensor grids: nothing that does not depend on the inner axis is computed at its nodes.
+//! Tensor grids: at a node nothing is computed that depends on the outer axes or on the inner axis alone.
 //!
-//! The inner axis is the last one, which is the joint next to the tool. The outer joints are composed into one map for a whole line
-//! (`composed`): the numbers are those of scattered poses up to rounding, 1e-12 of the largest, and the same at any vector width and on any
-//! number of threads.
+//! The inner axis is the last one, the joint next to the tool. The outer joints are multiplied into one map for a whole
+//! line (`grid_lines`): the numbers are those of scattered poses up to rounding, 1e-12 of the largest, and the same at
+//! any vector width and on any number of threads.
 
-use super::affine::Product;
+use super::affine::ErrorProducts;
 use super::batch::Output;
 use super::grid_lines::{GridLines, Lines};
 use super::lanes::run;
+use super::model::{CompiledModel, OrderKernel};
 use super::second::SecondOrder;
-use super::{CompiledModel, Walk};
-use crate::evaluate::Nodes;
+use crate::evaluate::poses::Nodes;
 use rayon::prelude::*;
 
-/// A plan with the nodes of a grid.
+/// A compiled model on the nodes of a grid.
 #[derive(Debug, Clone)]
 pub struct CompiledGrid {
-    plan: CompiledModel,
+    model: CompiledModel,
     counts: Vec<usize>,
-    composed: Box<GridLines>,
+    lines: Box<GridLines>,
 }
 
-/// Lines that one thread does at a time, in nodes.
+/// Number of nodes of a task for one thread, in whole lines.
 const BLOCK: usize = 1 << 15;
 
-/// Nodes of all axes together of which 300 bytes each are kept.
-const MAX_KNOWN: usize = 1 << 16;
+/// Maximum number of nodes of all axes together; each takes 300 bytes.
+const MAX_AXIS_NODES: usize = 1 << 16;
 
 impl CompiledGrid {
-    /// Nodes of a line: of the inner axis.
+    /// Returns the number of nodes of a line, which are those of the inner axis.
     pub fn line(&self) -> usize {
         self.counts.last().copied().unwrap_or(1)
     }
 
-    /// Lines of the grid; the largest `usize` if there are more.
+    /// Returns the number of lines; `usize::MAX` if there are more.
     pub fn lines(&self) -> usize {
         self.counts.iter().rev().skip(1).copied().fold(1, usize::saturating_mul)
     }
 
-    /// Deviations at the nodes of whole lines from `first` on, in the order of [`Nodes::get`]: as many lines as `out` has room
-    /// for, on this thread.
+    /// Computes the deviations at the nodes of whole lines from line `first` on, in the order of [`Nodes::get`], as
+    /// many as fit into `out`, on this thread.
     pub fn fill(&self, first: usize, out: Output<'_>) {
         let lines = (out.len() / self.line()).min(self.lines().saturating_sub(first));
         let (whole, _) = out.split_at(lines * self.line());
@@ -48,10 +48,10 @@ impl CompiledGrid {
         for (node, count) in at.iter_mut().zip(&self.counts).rev() {
             (*node, index) = (index % count, index / count);
         }
-        run(self.plan.width, Lines { grid: &self.composed, first: at, out: whole });
+        run(self.model.width, Lines { grid: &self.lines, first: at, out: whole });
     }
 
-    /// The same on all threads of rayon's pool.
+    /// Computes the same deviations as [`Self::fill`] on all threads of rayon's pool.
     pub fn fill_parallel(&self, first: usize, out: Output<'_>) {
         let lines = (out.len() / self.line()).min(self.lines().saturating_sub(first));
         let block = (BLOCK / self.line()).max(1);
@@ -67,32 +67,22 @@ impl CompiledGrid {
 }
 
 impl CompiledModel {
-    /// The plan on the nodes of a grid; `None` if it is not compiled or has no axes, where the errors of the exact model may turn by
-    /// more than 0.3 rad together, and of axes with so many nodes that what is known at each of them had no end.
+    /// Returns the model on the nodes of a grid; `None` if the model is not compiled or has no axes, if the errors of
+    /// the exact model together may rotate by more than 0.3 rad, and if the axes have more than 65536 nodes together.
     pub fn grid(&self, nodes: &Nodes) -> Option<CompiledGrid> {
-        let known = nodes.counts().fold(0, usize::saturating_add);
-        if known > MAX_KNOWN || nodes.counts().count() != self.machine.axes().len() {
+        let count = nodes.counts().fold(0, usize::saturating_add);
+        if count > MAX_AXIS_NODES || nodes.counts().count() != self.machine.axes().len() {
             return None;
         }
         let positions = nodes.positions();
-        let composed = match &self.kernel {
-            Walk::First(_) => GridLines::new(&SecondOrder::new(self.chain.clone()?)?, Product::Nowhere, &positions),
-            Walk::Second(task) => GridLines::new(task, Product::Second, &positions),
-            Walk::Exact(task) => GridLines::new(task.as_ref(), Product::Whole, &positions),
-            Walk::General => None,
+        let lines = match &self.kernel {
+            OrderKernel::First(_) => {
+                GridLines::new(&SecondOrder::new(self.chain.clone()?)?, ErrorProducts::Dropped, &positions)
+            }
+            OrderKernel::Second(task) => GridLines::new(task, ErrorProducts::SecondDegree, &positions),
+            OrderKernel::Exact(task) => GridLines::new(task.as_ref(), ErrorProducts::Kept, &positions),
+            OrderKernel::General => None,
         };
-        Some(CompiledGrid { plan: self.clone(), counts: nodes.counts().collect(), composed: Box::new(composed?) })
+        Some(CompiledGrid { model: self.clone(), counts: nodes.counts().collect(), lines: Box::new(lines?) })
     }
-}
-
-/// The next line; which is the outermost axis that moved.
-pub fn advance(nodes: &mut [usize], count: impl Fn(usize) -> usize) -> usize {
-    for k in (0..nodes.len()).rev() {
-        nodes[k] += 1;
-        if nodes[k] < count(k) {
-            return k;
-        }
-        nodes[k] = 0;
-    }
-    0
 }

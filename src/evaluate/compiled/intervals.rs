@@ -1,129 +1,154 @@
-//! In which interval of a table a position lies, and its share of the upper end.
+//! The interval of a table in which a position lies, and the fraction of the interval that lies below the position.
 //!
-//! Intervals of one length are counted. Those of measured tables are not of one length (ISO 230-2 wants targets at uneven steps): the
-//! range is divided into cells of one length, few enough to stay in the cache and short enough that none has two knots in it. Then a cell
-//! has a row with both intervals that meet in it, read as the rows of the table are. Where knots crowd together there is a search.
+//! The index of a uniform interval is a product. Measured tables are not uniform (ISO 230-2 asks for targets at uneven
+//! steps): their range is divided into buckets of one length, few enough to stay in the cache and short enough that
+//! each holds at most one knot. A bucket has a row with the two intervals that meet in it, read as the rows of the
+//! table are. Knots too close together for that are found by a binary search within the bucket.
 
-use super::lanes::{Lanes, MOST};
-use super::rows::{Pieces, Row};
+use super::simd::{Lanes, MAX_LANES, RowVector, TableRow};
 
-/// How the interval of a position is found.
+/// The method by which the interval of a position is found.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Intervals {
-    /// Of one length: intervals per mm or deg, the number of the last, and the length.
-    Even { per_unit: f64, last: f64, width: f64 },
-    /// A row for each cell: the knot in it, then begin, inverse length and length of the interval that the cell begins in, inverse length and
-    /// length of the next one, which begins at the knot, and the number of the first. Infinity is no knot.
-    Apart { cells: Cells, rows: Vec<Row> },
-    /// The interval at the start of each cell, and a search up to that of the next.
-    Crowded { cells: Cells, starts: Vec<u32>, knots: Vec<f64> },
+    /// Intervals of one length: intervals per mm or deg, the index of the last, and the length.
+    Uniform { per_unit: f64, last: f64, width: f64 },
+    /// One row per bucket: its knot (infinity if it has none); begin, inverse length and length of the interval in
+    /// which the bucket begins; inverse length and length of the interval that begins at the knot; and the index of the
+    /// first of the two.
+    Bucketed { buckets: Buckets, rows: Vec<TableRow> },
+    /// The interval at the start of each bucket, and a binary search up to that of the next.
+    Searched { buckets: Buckets, starts: Vec<u32>, knots: Vec<f64> },
 }
 
-/// Cells of one length.
+/// Division of a table's range into buckets of one length.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Cells {
+pub struct Buckets {
     per_unit: f64,
     last: f64,
 }
 
-impl Cells {
+impl Buckets {
     fn new(count: usize, span: f64) -> Self {
         Self { per_unit: count as f64 / span, last: (count - 1) as f64 }
     }
 
-    /// Their numbers at positions from the first knot on.
+    /// Returns the indices of the buckets at distances (mm or deg) from the first knot.
     #[inline(always)]
-    pub fn of<V: Lanes>(&self, along: V) -> [u32; MOST] {
-        (along * V::splat(self.per_unit)).smaller(V::splat(self.last)).whole().1
+    pub fn indices<V: Lanes>(&self, distance: V) -> [u32; MAX_LANES] {
+        (distance * V::splat(self.per_unit)).smaller(V::splat(self.last)).truncate().1
     }
 }
 
-/// Intervals, shares of their upper ends, and lengths, lane by lane.
-pub type Found<V> = ([u32; MOST], V, V);
+/// Positions within their intervals, lane by lane.
+#[derive(Debug, Clone, Copy)]
+pub struct IntervalPoint<V> {
+    /// Index of the interval.
+    pub interval: [u32; MAX_LANES],
+    /// Distance from the lower knot, divided by the length of the interval.
+    pub fraction: V,
+    /// Length of the interval (mm or deg).
+    pub width: V,
+}
 
-/// Cells are at most so many times the intervals.
-const MAX_CELLS: usize = 4;
+/// Maximum number of buckets per interval.
+const MAX_BUCKETS_PER_INTERVAL: usize = 4;
+
+/// Maximum number of buckets of a searched table.
+const MAX_SEARCH_BUCKETS: usize = 1 << 20;
 
 impl Intervals {
-    /// Between knots that rise; there are at least two.
+    /// Returns the cheapest method for these knots: at least two, in rising order.
     pub fn new(knots: &[f64]) -> Self {
         let count = knots.len() - 1;
         let (first, span) = (knots[0], knots[count] - knots[0]);
-        let place = |i: usize| first + span * (i as f64 / count as f64);
-        if knots.iter().enumerate().all(|(i, q)| (q - place(i)).abs() <= 8.0 * f64::EPSILON * span) {
-            return Self::Even { per_unit: count as f64 / span, last: (count - 1) as f64, width: span / count as f64 };
+        let uniform = |i: usize| first + span * (i as f64 / count as f64);
+        if knots.iter().enumerate().all(|(i, q)| (q - uniform(i)).abs() <= 8.0 * f64::EPSILON * span) {
+            return Self::Uniform {
+                per_unit: count as f64 / span,
+                last: (count - 1) as f64,
+                width: span / count as f64,
+            };
         }
-        let mut cells = count;
-        while cells <= MAX_CELLS * count {
-            if let Some(rows) = (0..cells).map(|cell| row(knots, (cell, cells))).collect() {
-                return Self::Apart { cells: Cells::new(cells, span), rows };
+        let mut buckets = count;
+        while buckets <= MAX_BUCKETS_PER_INTERVAL * count {
+            if let Some(rows) = (0..buckets).map(|index| Bucket { index, count: buckets }.row(knots)).collect() {
+                return Self::Bucketed { buckets: Buckets::new(buckets, span), rows };
             }
-            cells += cells.div_ceil(4);
+            buckets += buckets.div_ceil(4);
         }
-        let cells = (2 * count).min(1 << 20);
-        let starts = (0..=cells).map(|cell| interval(knots, edge(knots, (cell, cells))) as u32).collect();
-        Self::Crowded { cells: Cells::new(cells, span), starts, knots: knots.to_vec() }
+        let buckets = (2 * count).min(MAX_SEARCH_BUCKETS);
+        let start = |index| interval(knots, Bucket { index, count: buckets }.start(knots)) as u32;
+        let starts = (0..=buckets).map(start).collect();
+        Self::Searched { buckets: Buckets::new(buckets, span), starts, knots: knots.to_vec() }
     }
 }
 
-/// Where a cell of so many begins.
-fn edge(knots: &[f64], (cell, cells): (usize, usize)) -> f64 {
-    let (first, last) = (knots[0], knots[knots.len() - 1]);
-    first + (last - first) * (cell as f64 / cells as f64)
+/// One of `count` buckets over the range of the knots.
+#[derive(Debug, Clone, Copy)]
+struct Bucket {
+    index: usize,
+    count: usize,
 }
 
-/// The interval of a position.
+impl Bucket {
+    fn start(self, knots: &[f64]) -> f64 {
+        let (first, last) = (knots[0], knots[knots.len() - 1]);
+        first + (last - first) * (self.index as f64 / self.count as f64)
+    }
+
+    /// Returns the row of the bucket; `None` if it holds two knots.
+    fn row(self, knots: &[f64]) -> Option<TableRow> {
+        let (i, end) = (interval(knots, self.start(knots)), Self { index: self.index + 1, ..self }.start(knots));
+        let (low, knot) = (knots[i], knots[i + 1]);
+        let width = knot - low;
+        let without_knot = [f64::INFINITY, low, 1.0 / width, width, 0.0, 0.0, i as f64, 0.0];
+        match knots.get(i + 2) {
+            Some(next) if knot < end => {
+                let next_width = next - knot;
+                let with_knot = [knot, low, 1.0 / width, width, 1.0 / next_width, next_width, i as f64, 0.0];
+                (*next >= end).then_some(TableRow(with_knot))
+            }
+            _ => Some(TableRow(without_knot)),
+        }
+    }
+}
+
+/// Returns the index of the interval that holds a position.
 fn interval(knots: &[f64], x: f64) -> usize {
     knots.partition_point(|q| *q <= x).saturating_sub(1).min(knots.len() - 2)
 }
 
-/// The row of a cell; `None` if there are two knots in it.
-fn row(knots: &[f64], (cell, cells): (usize, usize)) -> Option<Row> {
-    let (i, end) = (interval(knots, edge(knots, (cell, cells))), edge(knots, (cell + 1, cells)));
-    let (low, knot) = (knots[i], knots[i + 1]);
-    let width = knot - low;
-    let alone = [f64::INFINITY, low, 1.0 / width, width, 0.0, 0.0, i as f64, 0.0];
-    match knots.get(i + 2) {
-        Some(next) if knot < end => {
-            let next_width = next - knot;
-            let both = [knot, low, 1.0 / width, width, 1.0 / next_width, next_width, i as f64, 0.0];
-            (*next >= end).then_some(Row(both))
-        }
-        _ => Some(Row(alone)),
-    }
-}
-
-/// At positions in these cells, of which none has two knots in it.
+/// Finds positions `x` by the rows of their buckets, none of which holds two knots.
 #[inline(always)]
-pub fn apart<V: Lanes>(rows: &[Row], cells: &[u32; MOST], x: V) -> Found<V> {
-    let mut of = [V::Eight::of(&rows[0]); MOST];
+pub fn find_by_bucket<V: Lanes>(rows: &[TableRow], buckets: &[u32; MAX_LANES], x: V) -> IntervalPoint<V> {
+    let mut read = [V::Row::of(&rows[0]); MAX_LANES];
     for lane in 0..V::COUNT {
-        of[lane] = V::Eight::of(&rows[cells[lane] as usize]);
+        read[lane] = V::Row::of(&rows[buckets[lane] as usize]);
     }
-    let [knot, low, low_inverse, low_width, high_inverse, high_width, index, _] = V::columns(&of);
-    let share = (x - x.if_less(knot, low, knot)) * x.if_less(knot, low_inverse, high_inverse);
-    let (_, interval) = x.if_less(knot, index, index + V::splat(1.0)).whole();
-    (interval, share, x.if_less(knot, low_width, high_width))
+    let [knot, low, low_inverse, low_width, high_inverse, high_width, index, _] = V::transpose(&read);
+    let fraction = (x - x.select_less(knot, low, knot)) * x.select_less(knot, low_inverse, high_inverse);
+    let (_, interval) = x.select_less(knot, index, index + V::splat(1.0)).truncate();
+    IntervalPoint { interval, fraction, width: x.select_less(knot, low_width, high_width) }
 }
 
-/// Lane by lane.
+/// Finds the first `count` positions one by one, by a binary search from the start of their bucket.
 #[inline(never)]
-pub fn search(
+pub fn find_by_search(
     starts: &[u32],
     knots: &[f64],
-    cells: &[u32; MOST],
-    positions: &[f64; MOST],
+    buckets: &[u32; MAX_LANES],
+    positions: &[f64; MAX_LANES],
     count: usize,
-) -> ([u32; MOST], [f64; MOST], [f64; MOST]) {
-    let (mut at, mut share, mut width) = ([0; MOST], [0.0; MOST], [0.0; MOST]);
+) -> IntervalPoint<[f64; MAX_LANES]> {
+    let (mut interval, mut fraction, mut width) = ([0; MAX_LANES], [0.0; MAX_LANES], [0.0; MAX_LANES]);
     for lane in 0..count {
-        let (cell, x) = (cells[lane] as usize, positions[lane]);
-        let (low, high) = (starts[cell] as usize, starts[cell + 1] as usize);
+        let (bucket, x) = (buckets[lane] as usize, positions[lane]);
+        let (low, high) = (starts[bucket] as usize, starts[bucket + 1] as usize);
         let i = low + knots[low + 1..=high].partition_point(|q| *q <= x);
         let h = knots[i + 1] - knots[i];
-        (at[lane], share[lane], width[lane]) = (i as u32, (x - knots[i]) / h, h);
+        (interval[lane], fraction[lane], width[lane]) = (i as u32, (x - knots[i]) / h, h);
     }
-    (at, share, width)
+    IntervalPoint { interval, fraction, width }
 }
 
 #[cfg(test)]
@@ -158,11 +183,11 @@ mod tests {
     fn targets_of_iso_230_2_have_rows() {
         for count in [3, 21, 128, 4097] {
             let knots = jittered(count);
-            let Intervals::Apart { cells, rows } = Intervals::new(&knots) else { panic!("{count}") };
-            assert!(rows.len() <= MAX_CELLS * count);
+            let Intervals::Bucketed { buckets, rows } = Intervals::new(&knots) else { panic!("{count}") };
+            assert!(rows.len() <= MAX_BUCKETS_PER_INTERVAL * count);
             agrees(&knots, |x| {
-                let (at, share, width) = apart(&rows, &cells.of(x - knots[0]), x);
-                (at[0], share, width)
+                let point = find_by_bucket(&rows, &buckets.indices(x - knots[0]), x);
+                (point.interval[0], point.fraction, point.width)
             });
         }
     }
@@ -173,16 +198,16 @@ mod tests {
         let middle = knots[20];
         knots.extend((1..5).map(|k| middle + f64::from(k) * 1e-6));
         knots.sort_by(f64::total_cmp);
-        let Intervals::Crowded { cells, starts, knots } = Intervals::new(&knots) else { panic!("{knots:?}") };
+        let Intervals::Searched { buckets, starts, knots } = Intervals::new(&knots) else { panic!("{knots:?}") };
         agrees(&knots, |x| {
-            let (at, share, width) = search(&starts, &knots, &cells.of(x - knots[0]), &[x; MOST], 1);
-            (at[0], share[0], width[0])
+            let point = find_by_search(&starts, &knots, &buckets.indices(x - knots[0]), &[x; MAX_LANES], 1);
+            (point.interval[0], point.fraction[0], point.width[0])
         });
     }
 
     #[test]
     fn equal_steps_are_counted() {
         let knots: Vec<f64> = (0..=77).map(|i| 3.0 + 0.1 * f64::from(i)).collect();
-        assert!(matches!(Intervals::new(&knots), Intervals::Even { .. }));
+        assert!(matches!(Intervals::new(&knots), Intervals::Uniform { .. }));
     }
 }

@@ -1,56 +1,50 @@
-//! Vectors of the processor, and the choice among them at run time. The only file with `unsafe`.
+//! The vectors of each processor, and the choice among them at run time. The only file with `unsafe`.
 //!
-//! A [`Kernel`] is written once over [`Lanes`], and [`run`] compiles it for every width. All operations
-//! are those of IEEE 754 on doubles with one rounding each. Products are fused with sums where the kernel says so and nowhere
-//! else, so a number does not depend on the width in which it was computed, to the bit. Processors that cannot fuse (of
+//! A [`Kernel`] is written once over [`Lanes`], and [`run`] compiles it for every width. All operations are those of
+//! IEEE 754 on doubles with one rounding each. Products are fused with sums where the kernel says so and nowhere else,
+//! so a number does not depend on the width in which it was computed, to the bit. Processors that cannot fuse (of
 //! before 2013) run the scalar width with the C library's `fma`: slowly, and with the same bits.
 //!
 //! Why the unsafe code is sound:
-//! - `x4`, `x8` and `neon` vectors exist only within a kernel, and [`run`] is the one way into it: it enters a
+//! - `F64x4`, `F64x8` and `F64x2` vectors exist only within a kernel, and [`run`] is the one way into it: it enters a
 //!   function compiled for a feature only with a [`Width`] that [`Width::is_supported`] admits on this processor.
 //!   The operations below are inlined there; without the feature no code of theirs is reached.
-//! - Loads and stores go through references to arrays of the vector's size: checked by slices, any alignment. Stores past the
-//!   caches ask for an aligned place first, and a fence follows them.
-//! - [`Places`] never holds one beyond its bound, and whoever looks there has the bound checked against the table.
+//! - Loads and stores go through references to arrays of the vector's size: checked by slices, any alignment. Stores
+//!   past the caches ask for an aligned place first, and a fence follows them.
+//! - [`RowOffsets`] never holds one beyond its bound, and every read checks the bound against the table.
 
 #![allow(unsafe_code)]
 
-use super::rows::{Pieces, Row};
+use super::simd::{Kernel, Lanes, MAX_LANES, TableRow};
 use super::width::Width;
-use std::ops::{Add, Mul, Sub};
 
-/// Lanes of the widest vector; smaller ones leave the rest of an array unused.
-pub const MOST: usize = 8;
-
-/// The sign of a double.
-const SIGN: u64 = 1 << 63;
-
-/// Places of many poses in a table: to each a row that has another one behind it.
+/// Offsets of the rows of many poses in a table; every row has another one behind it.
 #[derive(Debug, Clone, PartialEq)]
 #[repr(C, align(64))]
-pub struct Places<const N: usize> {
-    /// In doubles from the beginning: the processor scales by 8 and no further.
+pub struct RowOffsets<const N: usize> {
+    /// In doubles from the beginning: the processor scales an index by 8 at most.
     at: [u32; N],
-    /// The largest that may stand there.
+    /// Upper bound of the offsets.
     last: u32,
 }
 
 /// Doubles of a row.
 const ROW: u32 = 8;
 
-impl<const N: usize> Places<N> {
-    /// Before anything is placed.
+impl<const N: usize> RowOffsets<N> {
+    /// Offsets before any is stored.
     pub const NONE: Self = Self { at: [0; N], last: 0 };
 
-    /// From now on places may be as far as a table of so many rows has them.
+    /// Raises the bound to that of a table with this number of rows.
     #[inline(always)]
-    pub fn reach(&mut self, rows: usize) {
+    pub fn cover(&mut self, rows: usize) {
         self.last = self.last.max((rows as u32).saturating_sub(2).saturating_mul(ROW));
     }
 
-    /// Places a vector of poses from pose `i` on, by the numbers of their rows.
+    /// Stores the rows of a vector of poses from pose `i` on, by their indices; those beyond the bound become the
+    /// bound.
     #[inline(always)]
-    pub fn put<V: Lanes>(&mut self, i: usize, row: &[u32; MOST]) {
+    pub fn put<V: Lanes>(&mut self, i: usize, row: &[u32; MAX_LANES]) {
         let (last, mut at) = (self.last, *row);
         for at in &mut at {
             *at = at.wrapping_mul(ROW).min(last);
@@ -58,83 +52,15 @@ impl<const N: usize> Places<N> {
         self.at[i..i + V::COUNT].copy_from_slice(&at[..V::COUNT]);
     }
 
-    /// The row of a pose, and the next one. What bounds them all is checked, not each one.
+    /// Returns the row of a pose, and the next one. The bound of all offsets is checked, not each offset.
     #[inline(always)]
-    pub fn pair<'r>(&self, rows: &'r [Row], i: usize) -> (&'r Row, &'r Row) {
+    pub fn row_pair<'r>(&self, rows: &'r [TableRow], i: usize) -> (&'r TableRow, &'r TableRow) {
         let _ = &rows[(self.last / ROW) as usize + 1];
         let at = (self.at[i] as usize) * size_of::<f64>();
         let first = rows.as_ptr().cast::<u8>().wrapping_add(at);
         // SAFETY: `at` is at most `last`, which with the row behind it lies in `rows`; both are multiples of a row.
-        unsafe { (&*first.cast::<Row>(), &*first.wrapping_add(size_of::<Row>()).cast::<Row>()) }
+        unsafe { (&*first.cast::<TableRow>(), &*first.wrapping_add(size_of::<TableRow>()).cast::<TableRow>()) }
     }
-}
-
-/// Some doubles that are worked on at once.
-pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    /// How many.
-    const COUNT: usize;
-    /// Eight doubles in as many registers as they need.
-    type Eight: Pieces;
-
-    /// The same number in all lanes.
-    fn splat(x: f64) -> Self;
-    /// The first numbers of a slice (it must have as many).
-    fn load(from: &[f64]) -> Self;
-    /// To the beginning of a slice (it must be long enough).
-    fn store(self, to: &mut [f64]);
-    /// Is a vector a whole cache line, which can be stored past the caches?
-    const LINE: bool = false;
-    /// Likewise, past the caches if [`Self::LINE`] and the place is a line. [`settle`] must follow.
-    #[inline(always)]
-    fn store_past(self, to: &mut [f64]) {
-        self.store(to);
-    }
-    /// `self + a * b` with one rounding.
-    fn plus_times(self, a: Self, b: Self) -> Self;
-    /// `self - a * b` with one rounding.
-    fn minus_times(self, a: Self, b: Self) -> Self;
-    /// Quotient.
-    fn over(self, other: Self) -> Self;
-    /// `yes` where `self < than`, else `no` (also where one is not a number).
-    fn if_less(self, than: Self, yes: Self, no: Self) -> Self;
-    /// Cut to whole numbers, for `0 <= x < 2^31`: as numbers and as indices.
-    fn whole(self) -> (Self, [u32; MOST]);
-    /// Lane by lane.
-    fn spread(self) -> [f64; MOST];
-    /// Sine and cosine of an angle, some quarter turns further: as many as the last bits of `counted` say
-    /// (a whole number to which 1.5 * 2^52 has been added).
-    #[inline(always)]
-    fn quarters_further(counted: Self, sine: Self, cosine: Self) -> (Self, Self) {
-        let (counted, mut sine, mut cosine) = (counted.spread(), sine.spread(), cosine.spread());
-        for lane in 0..Self::COUNT {
-            let count = counted[lane].to_bits();
-            let (s, c) = (sine[lane], cosine[lane]);
-            let (s, c) = if count & 1 == 0 { (s, c) } else { (c, s) };
-            sine[lane] = f64::from_bits(s.to_bits() ^ (count << 62 & SIGN));
-            cosine[lane] = f64::from_bits(c.to_bits() ^ (count.wrapping_add(1) << 62 & SIGN));
-        }
-        (Self::load(&sine), Self::load(&cosine))
-    }
-
-    /// Column k of the result holds element k of each row: lane i is row i.
-    fn columns(rows: &[Self::Eight; MOST]) -> [Self; 8];
-
-    /// The smaller one.
-    #[inline(always)]
-    fn smaller(self, other: Self) -> Self {
-        self.if_less(other, self, other)
-    }
-    /// The larger one.
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        other.if_less(self, self, other)
-    }
-}
-
-/// Something to be computed over vectors. `run` must be inlined: it is compiled once for each width.
-pub trait Kernel {
-    /// The computation.
-    fn run<V: Lanes>(self);
 }
 
 /// Runs a kernel; a width that the processor has not is the scalar one.
@@ -147,7 +73,7 @@ pub fn run<K: Kernel>(width: Width, kernel: K) {
         // SAFETY: the processor has the feature.
         Width::Avx2 if width.is_supported() => unsafe { x86::avx2(kernel) },
         #[cfg(target_arch = "aarch64")]
-        Width::Neon => kernel.run::<arm::Neon>(),
+        Width::Neon => kernel.run::<arm::F64x2>(),
         #[cfg(target_arch = "x86_64")]
         // SAFETY: the processor has the feature.
         Width::Fused if width.is_supported() => unsafe { x86::fused(kernel) },
@@ -155,9 +81,9 @@ pub fn run<K: Kernel>(width: Width, kernel: K) {
     }
 }
 
-/// Asks for the cache line of an element of a column beforehand, whether or not there is one: it changes nothing but the time.
+/// Prefetches the cache line of an element of a column; the element need not exist. Affects nothing but the time.
 #[inline(always)]
-pub fn expect(column: &[f64], index: usize) {
+pub fn prefetch(column: &[f64], index: usize) {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: a prefetch reads nothing a program can see and never faults, whatever the address.
     unsafe {
@@ -168,8 +94,8 @@ pub fn expect(column: &[f64], index: usize) {
     let _ = (column, index);
 }
 
-/// Ends a series of [`Lanes::store_past`]: other threads see them before anything stored later.
-pub fn settle() {
+/// Ends a series of [`Lanes::store_streaming`]: other threads see these before anything stored later.
+pub fn store_fence() {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: every such processor has it.
     unsafe {
@@ -207,7 +133,8 @@ macro_rules! operators {
     };
 }
 
-/// Minimum and maximum by one instruction, which gives its second operand where one is not a number: as `if_less` does.
+/// Minimum and maximum by one instruction, which gives its second operand where one is not a number: as `select_less`
+/// does.
 #[cfg(target_arch = "x86_64")]
 macro_rules! extremes {
     ($min:ident, $max:ident) => {
@@ -262,12 +189,12 @@ macro_rules! common {
             unsafe { $store(to.as_mut_ptr(), self.0) }
         }
         #[inline(always)]
-        fn over(self, other: Self) -> Self {
+        fn quotient(self, other: Self) -> Self {
             Self(unsafe { $over(self.0, other.0) })
         }
         #[inline(always)]
-        fn spread(self) -> [f64; MOST] {
-            let mut lanes = [0.0; MOST];
+        fn to_array(self) -> [f64; MAX_LANES] {
+            let mut lanes = [0.0; MAX_LANES];
             self.store(&mut lanes);
             lanes
         }
@@ -276,8 +203,9 @@ macro_rules! common {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Add, Kernel, Lanes, MOST, Mul, SIGN, Sub};
+    use crate::evaluate::compiled::simd::{Kernel, Lanes, MAX_LANES, SIGN};
     use std::arch::x86_64::*;
+    use std::ops::{Add, Mul, Sub};
 
     #[target_feature(enable = "fma")]
     pub(super) fn fused<K: Kernel>(kernel: K) {
@@ -286,33 +214,33 @@ mod x86 {
 
     #[target_feature(enable = "avx2,fma")]
     pub(super) fn avx2<K: Kernel>(kernel: K) {
-        kernel.run::<Four>();
+        kernel.run::<F64x4>();
     }
 
     #[target_feature(enable = "avx512f")]
     pub(super) fn avx512<K: Kernel>(kernel: K) {
-        kernel.run::<Eight>();
+        kernel.run::<F64x8>();
     }
 
     #[derive(Clone, Copy)]
-    pub struct Four(__m256d);
+    pub struct F64x4(__m256d);
 
-    operators!(Four, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd);
+    operators!(F64x4, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd);
 
-    impl Lanes for Four {
-        type Eight = [Self; 2];
+    impl Lanes for F64x4 {
+        type Row = [Self; 2];
 
         common!(4, _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_div_pd);
         fused!(_mm256_fmadd_pd, _mm256_fnmadd_pd);
         extremes!(_mm256_min_pd, _mm256_max_pd);
 
         #[inline(always)]
-        fn if_less(self, than: Self, yes: Self, no: Self) -> Self {
+        fn select_less(self, than: Self, yes: Self, no: Self) -> Self {
             Self(unsafe { _mm256_blendv_pd(no.0, yes.0, _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, than.0)) })
         }
         #[inline(always)]
-        fn whole(self) -> (Self, [u32; MOST]) {
-            let mut indices = [0; MOST];
+        fn truncate(self) -> (Self, [u32; MAX_LANES]) {
+            let mut indices = [0; MAX_LANES];
             let whole = unsafe {
                 let cut = _mm256_cvttpd_epi32(self.0);
                 _mm_storeu_si128(indices.as_mut_ptr().cast(), cut);
@@ -321,7 +249,7 @@ mod x86 {
             (Self(whole), indices)
         }
         #[inline(always)]
-        fn quarters_further(counted: Self, sine: Self, cosine: Self) -> (Self, Self) {
+        fn add_quarter_turns(counted: Self, sine: Self, cosine: Self) -> (Self, Self) {
             unsafe {
                 let count = _mm256_castpd_si256(counted.0);
                 let (one, sign) = (_mm256_set1_epi64x(1), _mm256_castsi256_pd(_mm256_set1_epi64x(SIGN as i64)));
@@ -334,7 +262,7 @@ mod x86 {
             }
         }
         #[inline(always)]
-        fn columns(rows: &[Self::Eight; MOST]) -> [Self; 8] {
+        fn transpose(rows: &[Self::Row; MAX_LANES]) -> [Self; 8] {
             let ([a, b, c, d], [e, f, g, h]) = unsafe { (transposed(rows, 0), transposed(rows, 1)) };
             [a, b, c, d, e, f, g, h]
         }
@@ -343,45 +271,45 @@ mod x86 {
     /// Four columns of four rows.
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn transposed(rows: &[[Four; 2]; MOST], half: usize) -> [Four; 4] {
+    fn transposed(rows: &[[F64x4; 2]; MAX_LANES], half: usize) -> [F64x4; 4] {
         let [r, s, t, u] = [rows[0][half].0, rows[1][half].0, rows[2][half].0, rows[3][half].0];
         let (a, b) = (_mm256_unpacklo_pd(r, s), _mm256_unpackhi_pd(r, s));
         let (c, d) = (_mm256_unpacklo_pd(t, u), _mm256_unpackhi_pd(t, u));
         [
-            Four(_mm256_permute2f128_pd::<0x20>(a, c)),
-            Four(_mm256_permute2f128_pd::<0x20>(b, d)),
-            Four(_mm256_permute2f128_pd::<0x31>(a, c)),
-            Four(_mm256_permute2f128_pd::<0x31>(b, d)),
+            F64x4(_mm256_permute2f128_pd::<0x20>(a, c)),
+            F64x4(_mm256_permute2f128_pd::<0x20>(b, d)),
+            F64x4(_mm256_permute2f128_pd::<0x31>(a, c)),
+            F64x4(_mm256_permute2f128_pd::<0x31>(b, d)),
         ]
     }
 
     /// Quarters of four vectors: all first ones, all second ones, and so on.
     #[inline]
     #[target_feature(enable = "avx512f")]
-    fn quarters(a: __m512d, b: __m512d, c: __m512d, d: __m512d) -> [Eight; 4] {
+    fn quarters(a: __m512d, b: __m512d, c: __m512d, d: __m512d) -> [F64x8; 4] {
         let (ab02, cd02) = (_mm512_shuffle_f64x2::<0x88>(a, b), _mm512_shuffle_f64x2::<0x88>(c, d));
         let (ab13, cd13) = (_mm512_shuffle_f64x2::<0xdd>(a, b), _mm512_shuffle_f64x2::<0xdd>(c, d));
         [
-            Eight(_mm512_shuffle_f64x2::<0x88>(ab02, cd02)),
-            Eight(_mm512_shuffle_f64x2::<0x88>(ab13, cd13)),
-            Eight(_mm512_shuffle_f64x2::<0xdd>(ab02, cd02)),
-            Eight(_mm512_shuffle_f64x2::<0xdd>(ab13, cd13)),
+            F64x8(_mm512_shuffle_f64x2::<0x88>(ab02, cd02)),
+            F64x8(_mm512_shuffle_f64x2::<0x88>(ab13, cd13)),
+            F64x8(_mm512_shuffle_f64x2::<0xdd>(ab02, cd02)),
+            F64x8(_mm512_shuffle_f64x2::<0xdd>(ab13, cd13)),
         ]
     }
 
     #[derive(Clone, Copy)]
-    pub struct Eight(__m512d);
+    pub struct F64x8(__m512d);
 
-    operators!(Eight, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd);
+    operators!(F64x8, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd);
 
-    impl Lanes for Eight {
-        type Eight = [Self; 1];
+    impl Lanes for F64x8 {
+        type Row = [Self; 1];
 
         common!(8, _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_div_pd);
 
-        const LINE: bool = true;
+        const FILLS_CACHE_LINE: bool = true;
         #[inline(always)]
-        fn store_past(self, to: &mut [f64]) {
+        fn store_streaming(self, to: &mut [f64]) {
             let to = &mut to[..8];
             if to.as_ptr().align_offset(64) == 0 {
                 unsafe { _mm512_stream_pd(to.as_mut_ptr(), self.0) }
@@ -393,12 +321,12 @@ mod x86 {
         extremes!(_mm512_min_pd, _mm512_max_pd);
 
         #[inline(always)]
-        fn if_less(self, than: Self, yes: Self, no: Self) -> Self {
+        fn select_less(self, than: Self, yes: Self, no: Self) -> Self {
             Self(unsafe { _mm512_mask_blend_pd(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, than.0), no.0, yes.0) })
         }
         #[inline(always)]
-        fn whole(self) -> (Self, [u32; MOST]) {
-            let mut indices = [0; MOST];
+        fn truncate(self) -> (Self, [u32; MAX_LANES]) {
+            let mut indices = [0; MAX_LANES];
             let whole = unsafe {
                 let cut = _mm512_cvttpd_epi32(self.0);
                 _mm256_storeu_si256(indices.as_mut_ptr().cast(), cut);
@@ -407,7 +335,7 @@ mod x86 {
             (Self(whole), indices)
         }
         #[inline(always)]
-        fn quarters_further(counted: Self, sine: Self, cosine: Self) -> (Self, Self) {
+        fn add_quarter_turns(counted: Self, sine: Self, cosine: Self) -> (Self, Self) {
             unsafe {
                 let (count, one) = (_mm512_castpd_si512(counted.0), _mm512_set1_epi64(1));
                 let odd = _mm512_test_epi64_mask(count, one);
@@ -422,7 +350,7 @@ mod x86 {
             }
         }
         #[inline(always)]
-        fn columns(rows: &[Self::Eight; MOST]) -> [Self; 8] {
+        fn transpose(rows: &[Self::Row; MAX_LANES]) -> [Self; 8] {
             // Quarter j of such a vector holds column 2j (even) or 2j+1 (odd) of two rows.
             unsafe {
                 let [[a], [b], [c], [d], [e], [f], [g], [h]] = *rows;
@@ -446,17 +374,18 @@ mod x86 {
 
 #[cfg(target_arch = "aarch64")]
 mod arm {
-    use super::{Add, Lanes, MOST, Mul, Sub};
+    use crate::evaluate::compiled::simd::{Lanes, MAX_LANES};
     use std::arch::aarch64::*;
+    use std::ops::{Add, Mul, Sub};
 
     /// Every processor of this architecture has these vectors.
     #[derive(Clone, Copy)]
-    pub struct Neon(float64x2_t);
+    pub struct F64x2(float64x2_t);
 
-    operators!(Neon, vaddq_f64, vsubq_f64, vmulq_f64);
+    operators!(F64x2, vaddq_f64, vsubq_f64, vmulq_f64);
 
-    impl Lanes for Neon {
-        type Eight = [Self; 4];
+    impl Lanes for F64x2 {
+        type Row = [Self; 4];
 
         common!(2, vdupq_n_f64, vld1q_f64, vst1q_f64, vdivq_f64);
 
@@ -470,18 +399,18 @@ mod arm {
         }
 
         #[inline(always)]
-        fn if_less(self, than: Self, yes: Self, no: Self) -> Self {
+        fn select_less(self, than: Self, yes: Self, no: Self) -> Self {
             Self(unsafe { vbslq_f64(vcltq_f64(self.0, than.0), yes.0, no.0) })
         }
         #[inline(always)]
-        fn whole(self) -> (Self, [u32; MOST]) {
-            let lanes = self.spread();
+        fn truncate(self) -> (Self, [u32; MAX_LANES]) {
+            let lanes = self.to_array();
             let (a, b) = (lanes[0] as i32, lanes[1] as i32);
             (Self::load(&[f64::from(a), f64::from(b)]), [a as u32, b as u32, 0, 0, 0, 0, 0, 0])
         }
         #[inline(always)]
-        fn columns(rows: &[Self::Eight; MOST]) -> [Self; 8] {
-            std::array::from_fn(|k| Self::load(&[rows[0][k / 2].spread()[k % 2], rows[1][k / 2].spread()[k % 2]]))
+        fn transpose(rows: &[Self::Row; MAX_LANES]) -> [Self; 8] {
+            std::array::from_fn(|k| Self::load(&[rows[0][k / 2].to_array()[k % 2], rows[1][k / 2].to_array()[k % 2]]))
         }
     }
 }

@@ -1,101 +1,103 @@
-//! What is found out about a chunk of poses before their walk: places in the tables, sines and cosines, and errors.
+//! Everything that is computed for a chunk of poses before their walk: positions in the tables, sines, cosines, and
+//! errors.
 //!
-//! A walk that looked all this up itself would wait for it joint by joint, and compilers would keep the lanes of an index or
-//! a share in a register and take them apart by shuffles, on the very port that transposes the rows. A chunk ahead
-//! they lie in memory: an index is there when its row is due, and a share is an operand of its product. Measured with
-//! AVX-512, order 1, in the cache: 26 ns per pose without, 17 with. Orders 2 and exact have their errors looked up ahead too
-//! (6 % less time); order 1, which sums them, does not: its walk is short, and the stores would take what is won.
+//! A walk that looked this up itself would wait for it joint by joint, and compilers would keep the lanes of an index
+//! or of a fraction in a register and take them apart by shuffles, on the very port that transposes the rows. Computed
+//! a chunk ahead they lie in memory: an index is there when its row is due, and a fraction is an operand of its
+//! product. Measured with AVX-512, order 1, in the cache: 26 ns per pose without, 17 with. The errors of order 2 and of
+//! the exact model are looked up ahead too (6 % less time); order 1 sums rows instead: its walk is short, and the
+//! stores would cost what is won.
 
 use super::batch::Slices;
-use super::chain::CompiledChain;
-use super::curves::{Curves, Spots};
-use super::lanes::Lanes;
+use super::curves::{Curves, TablePositions, TableVector};
+use super::simd::Lanes;
 use super::trigonometry::{sin_cos, sines_cosines};
 
-/// Poses of a chunk: whole vectors of any width, few enough that everything stays in the first cache.
+/// Poses of a chunk: a multiple of every vector width, few enough that all their data stay in the first cache.
 pub const CHUNK: usize = 32;
 
-/// Of one axis, at the poses of a chunk.
+/// Data of one axis at the poses of a chunk.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
 pub struct Lookup {
-    spots: Spots<CHUNK>,
+    table: TablePositions<CHUNK>,
     sine: [f64; CHUNK],
     cosine: [f64; CHUNK],
-    /// The six errors, of axes that are not summed.
+    /// The six errors (mm, rad) of axes whose rows are not summed.
     errors: [[f64; CHUNK]; 6],
 }
 
-/// Some poses of a batch: whole vectors, at most a chunk.
+/// Consecutive poses of a batch: whole vectors, at most [`CHUNK`] poses.
 #[derive(Debug, Clone, Copy)]
-pub struct Part<'a> {
+pub struct Chunk<'a> {
     /// The batch.
     pub poses: Slices<'a>,
-    /// The first pose.
+    /// Index of the first pose.
     pub from: usize,
-    /// How many.
+    /// Number of poses.
     pub count: usize,
 }
 
-impl Part<'_> {
-    /// Their positions of an axis.
+impl Chunk<'_> {
+    /// Returns the positions (mm or deg) of an axis.
     #[inline(always)]
     pub fn positions(&self, axis: usize) -> &[f64] {
         &self.poses.axes[axis][self.from..self.from + self.count]
     }
 }
 
-/// What a walk wants to know at an axis.
+/// Data that the walk of an order reads at an axis.
 #[derive(Debug, Clone, Copy)]
 pub struct LookupRequest<'a> {
-    /// The sine and cosine of the position?
+    /// True if it reads the sine and cosine of the position.
     pub turns: bool,
-    /// These curves at it.
+    /// The error curves that it reads.
     pub curves: Option<&'a Curves>,
 }
 
 impl Lookup {
-    /// Of nothing yet.
+    /// Data before any look-up.
     pub const NONE: Self =
-        Self { spots: Spots::NONE, sine: [0.0; CHUNK], cosine: [0.0; CHUNK], errors: [[0.0; CHUNK]; 6] };
+        Self { table: TablePositions::NONE, sine: [0.0; CHUNK], cosine: [0.0; CHUNK], errors: [[0.0; CHUNK]; 6] };
 
-    /// Sines, cosines and places of an axis.
+    /// Computes sines, cosines and positions in the table for one axis.
     #[inline(always)]
-    pub fn look<V: Lanes>(&mut self, wanted: LookupRequest<'_>, axis: usize, part: Part<'_>) {
-        let positions = part.positions(axis);
-        if wanted.turns {
-            self.turns::<V>(positions);
+    pub fn fill<V: Lanes>(&mut self, request: LookupRequest<'_>, axis: usize, chunk: Chunk<'_>) {
+        let positions = chunk.positions(axis);
+        if request.turns {
+            self.fill_sines::<V>(positions);
         }
-        match (wanted.curves, part.poses.added.get(axis)) {
-            (Some(curves), None) => curves.locate::<V, CHUNK>(positions, &mut self.spots),
+        match (request.curves, chunk.poses.added.get(axis)) {
+            (Some(curves), None) => curves.locate::<V, CHUNK>(positions, &mut self.table),
             (Some(curves), Some(added)) => {
-                let mut there = [0.0; CHUNK];
-                let there = &mut there[..part.count];
-                for (i, q) in there.iter_mut().enumerate() {
-                    *q = positions[i] + added[part.from + i];
+                let mut actual = [0.0; CHUNK];
+                let actual = &mut actual[..chunk.count];
+                for (i, q) in actual.iter_mut().enumerate() {
+                    *q = positions[i] + added[chunk.from + i];
                 }
-                curves.locate::<V, CHUNK>(there, &mut self.spots);
+                curves.locate::<V, CHUNK>(actual, &mut self.table);
             }
             (None, _) => {}
         }
     }
 
-    /// The six errors of an axis, once its places are known.
+    /// Computes the six errors of an axis whose positions in the table are known.
     #[inline(always)]
-    pub fn six<V: Lanes>(&mut self, curves: &Curves, axis: usize, part: Part<'_>) {
+    pub fn fill_errors<V: Lanes>(&mut self, curves: &Curves, axis: usize, chunk: Chunk<'_>) {
         let mut i = 0;
-        while i < part.count {
-            let (mut q, mut turn) = (V::load(&part.poses.axes[axis][part.from + i..]), (V::splat(0.0), V::splat(0.0)));
-            if curves.has_waves() {
+        while i < chunk.count {
+            let (mut q, mut turn) =
+                (V::load(&chunk.poses.axes[axis][chunk.from + i..]), (V::splat(0.0), V::splat(0.0)));
+            if curves.has_harmonics() {
                 turn = (V::load(&self.sine[i..]), V::load(&self.cosine[i..]));
             }
-            if let Some(added) = part.poses.added.get(axis) {
-                q = q + V::load(&added[part.from + i..]);
-                if curves.has_waves() {
+            if let Some(added) = chunk.poses.added.get(axis) {
+                q = q + V::load(&added[chunk.from + i..]);
+                if curves.has_harmonics() {
                     turn = sin_cos(q);
                 }
             }
-            let six = curves.at(q, turn, (&self.spots, i));
+            let six = curves.at(q, turn, self.table_vector(i));
             for k in 0..6 {
                 six[k].store(&mut self.errors[k][i..]);
             }
@@ -103,13 +105,13 @@ impl Lookup {
         }
     }
 
-    /// Where the positions from the i-th on lie in their table.
+    /// Returns the positions in the table of the vector that begins at pose i of the chunk.
     #[inline(always)]
-    pub fn spots(&self, i: usize) -> (&Spots<CHUNK>, usize) {
-        (&self.spots, i)
+    pub fn table_vector(&self, i: usize) -> TableVector<'_, CHUNK> {
+        TableVector { positions: &self.table, at: i }
     }
 
-    /// The six errors, where they are looked up ahead.
+    /// Returns the six errors from pose i of the chunk on, if they were computed.
     #[inline(always)]
     pub fn errors<V: Lanes>(&self, i: usize) -> [V; 6] {
         let mut six = [V::splat(0.0); 6];
@@ -119,21 +121,21 @@ impl Lookup {
         six
     }
 
-    /// Sine and cosine of the positions, where wanted.
+    /// Returns sine and cosine of the positions from pose i of the chunk on, if they were computed.
     #[inline(always)]
     pub fn turn<V: Lanes>(&self, i: usize) -> (V, V) {
         (V::load(&self.sine[i..]), V::load(&self.cosine[i..]))
     }
 
     #[inline(always)]
-    fn turns<V: Lanes>(&mut self, positions: &[f64]) {
-        let i = self.turn_abreast::<V, 2>(positions, 0);
-        let _ = self.turn_abreast::<V, 1>(positions, i);
+    fn fill_sines<V: Lanes>(&mut self, positions: &[f64]) {
+        let i = self.fill_sines_of::<V, 2>(positions, 0);
+        let _ = self.fill_sines_of::<V, 1>(positions, i);
     }
 
-    /// From a position on, until fewer are left; returns how far it came.
+    /// Computes N vectors at a time from position i on while as many are left; returns the first position not done.
     #[inline(always)]
-    fn turn_abreast<V: Lanes, const N: usize>(&mut self, positions: &[f64], mut i: usize) -> usize {
+    fn fill_sines_of<V: Lanes, const N: usize>(&mut self, positions: &[f64], mut i: usize) -> usize {
         while i + N * V::COUNT <= positions.len() {
             let mut degrees = [V::splat(0.0); N];
             for k in 0..N {
@@ -150,32 +152,32 @@ impl Lookup {
     }
 }
 
-/// What a walk reads, axis by axis.
+/// Source of the data that a walk reads, axis by axis.
 pub trait Inputs<V: Lanes>: Copy {
-    /// Position.
+    /// Returns the position, mm or deg.
     fn position(self, axis: usize) -> V;
-    /// What is added to it for the real machine only.
+    /// Returns what the command adds to the position of the actual machine only; `None` without commands.
     fn added(self, axis: usize) -> Option<V>;
-    /// Sine and cosine of the position, where wanted.
+    /// Returns sine and cosine of the position, if the axis reads them.
     fn turn(self, axis: usize) -> (V, V);
-    /// The errors of the axis.
-    fn six(self, axis: usize) -> [V; 6];
+    /// Returns the six errors of the axis.
+    fn errors(self, axis: usize) -> [V; 6];
 }
 
-/// Of a vector of poses of a batch.
+/// Data of one vector of poses of a batch.
 #[derive(Debug, Clone, Copy)]
-pub struct Scattered<'a> {
+pub struct PoseInputs<'a> {
     /// The batch.
     pub poses: Slices<'a>,
-    /// The first pose of the vector.
+    /// Index of the first pose of the vector in the batch.
     pub at: usize,
-    /// What was found out, by axis.
+    /// Data looked up, by axis.
     pub axes: &'a [Lookup],
-    /// The first pose within the chunk.
+    /// Index of the first pose within the chunk.
     pub i: usize,
 }
 
-impl<V: Lanes> Inputs<V> for Scattered<'_> {
+impl<V: Lanes> Inputs<V> for PoseInputs<'_> {
     #[inline(always)]
     fn position(self, axis: usize) -> V {
         V::load(&self.poses.axes[axis][self.at..])
@@ -195,19 +197,7 @@ impl<V: Lanes> Inputs<V> for Scattered<'_> {
     }
 
     #[inline(always)]
-    fn six(self, axis: usize) -> [V; 6] {
+    fn errors(self, axis: usize) -> [V; 6] {
         self.axes[axis].errors(self.i)
-    }
-}
-
-/// What orders 2 and exact find out ahead: everything that their walk reads.
-#[inline(always)]
-pub fn look_up<V: Lanes>(chain: &CompiledChain, axes: &mut [Lookup], part: Part<'_>) {
-    for axis in 0..axes.len() {
-        let wanted = chain.joints[axis].wanted();
-        axes[axis].look::<V>(wanted, axis, part);
-        if let Some(curves) = wanted.curves {
-            axes[axis].six::<V>(curves, axis, part);
-        }
     }
 }

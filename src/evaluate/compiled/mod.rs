@@ -1,30 +1,35 @@
 //! The compiled evaluator: a machine, an order and a side of approach, compiled once and run over many poses.
 //!
-//! The general algebra of [`lower`](crate::lower) defines the result; a plan gives the same numbers at the speed of
-//! the vector unit. Compilation goes once through the chain:
+//! The general algebra of [`lower`](crate::lower) defines the result; a compiled model gives the same numbers at the
+//! speed of the vector unit. Compilation goes once through the chain:
 //!
 //! 1. `chain`: geometry and conventions become joints with motions, and points about which errors turn;
-//! 2. `curves`: the six curves of an axis become one table that is read row by row;
-//! 3. `first`, `second`, `exact`: the joints become the walk of one order, constants folded, and at order 1 (`steps`) neighbouring
-//!    axes summed.
+//! 2. `curves`, `intervals`: the six curves of an axis become one table that is read row by row;
+//! 3. `twist`, `steps`, `first` (order 1), `second` (order 2), `exact`: the joints become the walk of one order,
+//!    constants folded; at order 1 the rows of neighbouring axes are summed.
 //!
-//! Running is a walk from the tool to the workpiece, many poses abreast (`lanes`); what does not depend on the walk, such as the
-//! places of positions in the tables, is found out a chunk of poses ahead (`lookup`).
+//! A run (`model`, `pass`) is a walk from the tool to the workpiece with a pose in every lane of a vector:
 //!
-//! What is promised: numbers do not depend on the vector width nor on the number of threads, to the bit. They agree with
-//! [`evaluate`](super::evaluate()) up to rounding: order 1 to 1e-12 of the batch's largest deviation; the others to 1e-12
-//! of it plus the rounding of positions in the general algebra (about 1e-12 mm), which a plan avoids. Nothing is
-//! approximated: what no kernel covers (orders above 2, location errors in the real part at order 1 or 2, rotations beyond 0.3 rad)
-//! goes pose by pose through the general algebra, on the same interface.
+//! 4. `simd` says what kernels may do with vectors (`vector`: three of them), `lanes` and `scalar` implement it for
+//!    every `width`, and `trigonometry` adds sines and cosines;
+//! 5. `lookup` computes for a chunk of poses what does not depend on the walk, such as their positions in the tables;
+//! 6. `grid`, `grid_lines`, `affine`: on a tensor grid the outer joints are multiplied once per line;
+//! 7. `frame` rotates deviations into other frames.
+//!
+//! Numbers do not depend on the vector width nor on the number of threads, to the bit. They agree with
+//! [`evaluate`](super::evaluate()) up to rounding: order 1 to 1e-12 of the batch's largest deviation; the others to
+//! 1e-12 of it plus the rounding of positions in the general algebra (about 1e-12 mm), which a compiled model avoids.
+//! Nothing is approximated: what no kernel covers (orders above 2, location errors in the real part at order 1 or 2,
+//! rotations beyond 0.3 rad) goes pose by pose through the general algebra, behind the same interface.
 
 #![allow(
     clippy::needless_range_loop,
     clippy::manual_map,
-    reason = "closures are compiled without the vector features of the function around them: kernels have plain loops and matches"
+    reason = "closures lack the vector features of the function around them: kernels have plain loops and matches"
 )]
 
 mod affine;
-mod batch;
+pub(super) mod batch;
 mod chain;
 mod curves;
 mod exact;
@@ -35,179 +40,18 @@ mod grid_lines;
 mod intervals;
 pub(super) mod lanes;
 mod lookup;
-mod rows;
+pub(super) mod model;
+mod pass;
 mod scalar;
 mod second;
+pub(super) mod simd;
 mod steps;
 mod trigonometry;
-mod width;
+mod twist;
+mod vector;
+pub(super) mod width;
 
 pub use batch::{Batch, Columns, Output, PoseColumns};
 pub use grid::CompiledGrid;
+pub use model::CompiledModel;
 pub use width::Width;
-
-use super::{Deviation, Frame, Order, command_deviation, evaluate};
-use crate::lower::NominalPose;
-use crate::machine::{Approach, Machine};
-use batch::{Pass, Slices};
-use chain::CompiledChain;
-
-/// Axes that kernels have room for; longer chains go through the general algebra.
-const MAX_AXES: usize = 16;
-
-/// Poses that one thread does at a time, at least.
-const BLOCK: usize = 4096;
-
-/// Of a larger batch that many pieces are made, so that threads end together; but none is of more blocks than this.
-const PIECES: usize = 64;
-const MAX_BLOCKS: usize = 8;
-
-/// A machine compiled for an order and a side of approach. Deviations are those of the workpiece frame.
-#[derive(Debug, Clone)]
-pub struct CompiledModel {
-    machine: Machine,
-    order: Order,
-    approach: Approach,
-    width: Width,
-    /// `None` if the chain cannot be compiled.
-    chain: Option<CompiledChain>,
-    kernel: Walk,
-}
-
-#[derive(Debug, Clone)]
-enum Walk {
-    First(first::FirstOrder),
-    Second(second::SecondOrder),
-    Exact(Box<exact::Exact>),
-    /// Pose by pose over the general algebra.
-    General,
-}
-
-impl CompiledModel {
-    /// Compiles. The machine is copied: a plan stands alone.
-    pub fn new(machine: &Machine, order: Order, approach: Approach) -> Self {
-        let chain = CompiledChain::new(machine, approach).filter(|chain| chain.joints.len() <= MAX_AXES);
-        let kernel = chain.as_ref().and_then(|chain| match order {
-            Order::Degree(0 | 1) => first::FirstOrder::new(chain).map(Walk::First),
-            Order::Degree(2) => second::SecondOrder::new(chain.clone()).map(Walk::Second),
-            Order::Degree(_) => None,
-            Order::Exact => exact::Exact::new(chain.clone()).map(|exact| Walk::Exact(Box::new(exact))),
-        });
-        let kernel = kernel.unwrap_or(Walk::General);
-        Self { machine: machine.clone(), order, approach, width: Width::widest(), chain, kernel }
-    }
-
-    /// The same plan with narrower vectors; one that the processor has not is the scalar one.
-    #[must_use]
-    pub fn with_width(mut self, width: Width) -> Self {
-        self.width = width;
-        self
-    }
-
-    /// The machine.
-    pub fn machine(&self) -> &Machine {
-        &self.machine
-    }
-
-    /// The order.
-    pub fn order(&self) -> Order {
-        self.order
-    }
-
-    /// The side of approach.
-    pub fn approach(&self) -> Approach {
-        self.approach
-    }
-
-    /// Does it run on vectors (rather than pose by pose over the general algebra)?
-    pub fn is_compiled(&self) -> bool {
-        !matches!(self.kernel, Walk::General)
-    }
-
-    /// Deviations at a batch of poses, on this thread. As many as fit into `out` are computed.
-    pub fn deviations(&self, poses: &Batch<'_>, out: Output<'_>) {
-        self.block(Slices { axes: poses.axes(), added: &[], whole: out.len() }, out);
-    }
-
-    /// The same on all threads of rayon's pool.
-    pub fn deviations_parallel(&self, poses: &Batch<'_>, out: Output<'_>) {
-        let whole = poses.len().min(out.len());
-        let piece = (whole / PIECES).clamp(BLOCK, MAX_BLOCKS * BLOCK).next_multiple_of(BLOCK);
-        self.parallel(poses, out, piece, whole);
-    }
-
-    fn parallel(&self, poses: &Batch<'_>, out: Output<'_>, piece: usize, whole: usize) {
-        let count = poses.len().min(out.len());
-        if count <= piece {
-            return self.block(Slices { axes: poses.axes(), added: &[], whole }, out);
-        }
-        let half = (count / 2).next_multiple_of(piece);
-        let ((low, high), (low_out, high_out)) = (poses.split_at(half), out.split_at(half));
-        rayon::join(|| self.parallel(&low, low_out, piece, whole), || self.parallel(&high, high_out, piece, whole));
-    }
-
-    /// Exact deviations of commands, `added` to the positions, from where the nominal machine would be without: what is left
-    /// of a correction. `None` unless the order is exact.
-    pub fn commanded(&self, poses: &Batch<'_>, added: &Batch<'_>, out: Output<'_>) -> Option<()> {
-        let fits = self.order == Order::Exact && added.len() == poses.len() && added.axes().len() == poses.axes().len();
-        fits.then(|| self.block(Slices { axes: poses.axes(), added: added.axes(), whole: out.len() }, out))
-    }
-
-    /// Deviation at one pose.
-    pub fn deviation(&self, pose: &[f64]) -> Deviation {
-        let mut numbers = [0.0; 6];
-        let [a, b, c, d, e, f] = numbers.each_mut().map(std::slice::from_mut);
-        let columns: Vec<&[f64]> = pose.iter().map(std::slice::from_ref).collect();
-        self.block(
-            Slices { axes: &columns, added: &[], whole: 1 },
-            Output { position: [a, b, c], rotation: [d, e, f] },
-        );
-        let [a, b, c, d, e, f] = numbers;
-        Deviation { position: [a, b, c].into(), rotation: [d, e, f].into() }
-    }
-
-    fn block(&self, poses: Slices<'_>, mut out: Output<'_>) {
-        let mut beyond = Vec::new();
-        let pass = (self.width, poses, &mut beyond);
-        match &self.kernel {
-            Walk::First(task) => over(task, pass, out.reborrow()),
-            Walk::Second(task) => over(task, pass, out.reborrow()),
-            Walk::Exact(task) => over(task.as_ref(), pass, out.reborrow()),
-            Walk::General => beyond.extend(0..out.len()),
-        }
-        beyond.sort_unstable();
-        beyond.dedup();
-        for index in beyond {
-            let pose: Vec<f64> = poses.axes.iter().map(|column| column[index]).collect();
-            let deviation = if poses.added.is_empty() {
-                self.general(&pose)
-            } else {
-                let command: Vec<f64> = pose.iter().zip(poses.added).map(|(q, column)| q + column[index]).collect();
-                command_deviation(&self.machine, &NominalPose::at(&self.machine, &pose).pose, &command, self.approach)
-            };
-            out.put(index, &deviation);
-        }
-    }
-
-    /// Over the general algebra.
-    fn general(&self, pose: &[f64]) -> Deviation {
-        evaluate(&self.machine, pose, self.order, self.approach, Frame::Workpiece).deviation
-    }
-}
-
-/// Over all poses that there is room for; fewer than a vector are padded with the last of them.
-fn over<T: batch::Task>(task: &T, (width, poses, beyond): (Width, Slices<'_>, &mut Vec<usize>), mut out: Output<'_>) {
-    let (count, lanes) = (out.len(), width.lanes());
-    if count == 0 || count >= lanes {
-        return lanes::run(width, Pass { task, poses, out, beyond });
-    }
-    let padded = |columns: &[&[f64]]| -> Vec<Vec<f64>> {
-        columns.iter().map(|q| (0..lanes).map(|i| q[i.min(count - 1)]).collect()).collect()
-    };
-    let (axes, added, mut columns) = (padded(poses.axes), padded(poses.added), Columns::new(lanes));
-    let [axes, added] = [&axes, &added].map(|columns| columns.iter().map(Vec::as_slice).collect::<Vec<_>>());
-    let poses = Slices { axes: &axes, added: &added, whole: lanes };
-    lanes::run(width, Pass { task, poses, out: columns.output(lanes), beyond });
-    beyond.retain(|index| *index < count);
-    (0..count).for_each(|index| out.put(index, &columns.get(index)));
-}

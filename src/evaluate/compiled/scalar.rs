@@ -1,10 +1,10 @@
-//! A vector of one double: the width that every processor has.
+//! Vectors of one double: the width that every processor has.
 
-use super::lanes::{Lanes, MOST};
+use super::simd::{Lanes, MAX_LANES};
 
 impl Lanes for f64 {
     const COUNT: usize = 1;
-    type Eight = [f64; 8];
+    type Row = [f64; 8];
 
     #[inline(always)]
     fn splat(x: f64) -> Self {
@@ -27,24 +27,24 @@ impl Lanes for f64 {
         (-a).mul_add(b, self)
     }
     #[inline(always)]
-    fn over(self, other: Self) -> Self {
+    fn quotient(self, other: Self) -> Self {
         self / other
     }
     #[inline(always)]
-    fn if_less(self, than: Self, yes: Self, no: Self) -> Self {
+    fn select_less(self, than: Self, yes: Self, no: Self) -> Self {
         if self < than { yes } else { no }
     }
     #[inline(always)]
-    fn whole(self) -> (Self, [u32; MOST]) {
+    fn truncate(self) -> (Self, [u32; MAX_LANES]) {
         let index = self as i32;
         (f64::from(index), [index as u32, 0, 0, 0, 0, 0, 0, 0])
     }
     #[inline(always)]
-    fn spread(self) -> [f64; MOST] {
+    fn to_array(self) -> [f64; MAX_LANES] {
         [self, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     }
     #[inline(always)]
-    fn columns(rows: &[[f64; 8]; MOST]) -> [Self; 8] {
+    fn transpose(rows: &[[f64; 8]; MAX_LANES]) -> [Self; 8] {
         rows[0]
     }
 }

@@ -1,40 +1,38 @@
 //! Order 2: every joint's own second order, and every pair of joints once.
 //!
-//! Beside the sums of order 1 a second displacement and a second rotation are carried. A joint adds to them its own
-//! square and its product with everything summed so far, which are the joints on its tool side: all pairs,
-//! in one walk. With E^-1 in place of E (`errors_are: body`) the signs and the squares change as its series says.
+//! Beside the sums of order 1 the walk carries a displacement and a rotation of second degree. A joint adds to them its
+//! own square and its product with the sums so far, which are the joints on its tool side: all pairs, in one walk. With
+//! E^-1 in place of E (`errors_are: body`) the signs and the squares change as the series of the inverse says.
 
 use super::affine::{Section, Sections};
-use super::batch::Task;
-use super::chain::{
-    About, CompiledChain, CompiledJoint, Located, Motion, Placed, Vector, cross, minus, plus, plus_cross, plus_times,
-    slid, splat, times,
-};
+use super::chain::{CompiledChain, CompiledJoint, ErrorsAtPoint, LocationEffect, Motion, RotationAxis, slid};
 use super::curves::splat_six;
-use super::lanes::Lanes;
-use super::lookup::{Inputs, Lookup, Part, Scattered, look_up};
+use super::lookup::{Chunk, Inputs, Lookup, PoseInputs};
+use super::pass::{LaneDeviation, PoseKernel};
+use super::simd::Lanes;
+use super::vector::{Vector, cross, minus, plus, plus_cross, plus_times, splat, times};
 
-/// The plan of order 2.
+/// The compiled model of order 2.
 #[derive(Debug, Clone)]
 pub struct SecondOrder {
     chain: CompiledChain,
 }
 
-/// What is carried from the tool to the workpiece: by degree.
+/// The quantities that the walk carries from the tool to the workpiece: first and second degree.
 struct State<V> {
     point: Vector<V>,
     displacement: [Vector<V>; 2],
     rotation: [Vector<V>; 2],
-    /// Share of hat(eps)^2 in an error matrix, and in its inverse.
+    /// Coefficient of hat(eps)^2 in an error matrix, and in its inverse.
     squares: [V; 2],
 }
 
 impl<V: Lanes> State<V> {
-    /// A point and its displacement, before any rotation.
+    /// Returns the state at a point with its displacement, before any rotation.
     #[inline(always)]
     fn at(chain: &CompiledChain, point: Vector<V>, displacement: Vector<V>) -> Self {
         let zero = [V::splat(0.0); 3];
-        // exp: 1/2 and 1/2; 1 + hat: none, and 1 in its inverse.
+        // exp: 1/2 and 1/2; 1 + hat: 0, and 1 in its inverse.
         let squares = if chain.linearised { [0.0, 1.0] } else { [0.5, 0.5] };
         Self {
             point,
@@ -51,7 +49,7 @@ impl<V: Lanes> State<V> {
         let (shift, turn) = (times([dx, dy, dz], sign), times([ex, ey, ez], sign));
         let once = cross(turn, minus(self.point, splat(about)));
         let [first, second] = self.displacement;
-        // The inverse turns what its own shift has moved.
+        // The inverse rotates the point that its own translation has moved.
         let moved = if inverse { plus(first, shift) } else { first };
         let square = self.squares[usize::from(inverse)];
         let added = plus_cross(times(cross(turn, once), square), turn, moved);
@@ -62,12 +60,12 @@ impl<V: Lanes> State<V> {
     }
 
     #[inline(always)]
-    fn placed(&mut self, placed: &Placed, undone: bool) {
+    fn placed(&mut self, placed: &ErrorsAtPoint, undone: bool) {
         self.apply(splat_six(&placed.six), placed.inverse != undone, &placed.about);
     }
 
     #[inline(always)]
-    fn slide(&mut self, direction: &[f64; 3], around: Option<&Placed>, q: V) {
+    fn slide(&mut self, direction: &[f64; 3], around: Option<&ErrorsAtPoint>, q: V) {
         self.point = slid(direction, q, self.point);
         if let Some(location) = around {
             let [.., a, b, c] = splat_six(&location.six);
@@ -79,7 +77,7 @@ impl<V: Lanes> State<V> {
     }
 
     #[inline(always)]
-    fn turn(&mut self, about: &About, origin: &[f64; 3], around: Option<&Placed>, turn: (V, V)) {
+    fn turn(&mut self, about: &RotationAxis, origin: &[f64; 3], around: Option<&ErrorsAtPoint>, turn: (V, V)) {
         if let Some(location) = around {
             self.placed(location, true);
         }
@@ -97,15 +95,15 @@ impl<V: Lanes> State<V> {
         let zero = V::splat(0.0);
         let q = inputs.position(axis);
         let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
-        let errors = if link.errors { Some(inputs.six(axis)) } else { None };
+        let errors = if link.errors { Some(inputs.errors(axis)) } else { None };
         let location = link.location.as_ref();
-        if let (Some(location), Located::Innermost) = (location, link.located) {
+        if let (Some(location), LocationEffect::Innermost) = (location, link.location_effect) {
             self.placed(location, false);
         }
         if let (Some(six), false) = (errors, link.outside) {
             self.apply(six, link.inverse, &link.origin);
         }
-        let around = if link.located == Located::Around { location } else { None };
+        let around = if link.location_effect == LocationEffect::Around { location } else { None };
         match &link.motion {
             Motion::Slide(direction) => self.slide(direction, around, q),
             Motion::Turn(about) => self.turn(about, &link.origin, around, turn),
@@ -113,14 +111,14 @@ impl<V: Lanes> State<V> {
         if let (Some(six), true) = (errors, link.outside) {
             self.apply(six, link.inverse, &link.origin);
         }
-        if let (Some(location), Located::Outermost) = (location, link.located) {
+        if let (Some(location), LocationEffect::Outermost) = (location, link.location_effect) {
             self.placed(location, false);
         }
     }
 }
 
 impl SecondOrder {
-    /// `None` where location errors count in the real part.
+    /// Returns `None` if location errors count in the real part.
     pub fn new(chain: CompiledChain) -> Option<Self> {
         (!chain.real_locations).then_some(Self { chain })
     }
@@ -136,23 +134,25 @@ impl Sections for SecondOrder {
         match section {
             Section::Joint(axis, at) => state.link(&self.chain.joints[axis], axis, at),
             Section::Spindle => self.chain.spindle.iter().for_each(|spindle| state.placed(spindle, false)),
-            Section::Clamping => self.chain.clamping.iter().for_each(|clamping| state.placed(clamping, false)),
+            Section::WorkpieceSetup => {
+                self.chain.workpiece_setup.iter().for_each(|workpiece_setup| state.placed(workpiece_setup, false))
+            }
         }
         (state.displacement, 0.0)
     }
 }
 
-impl Task for SecondOrder {
-    type Room = ();
-    const ROOM: () = ();
+impl PoseKernel for SecondOrder {
+    type Workspace = ();
+    const EMPTY: () = ();
 
     #[inline(always)]
-    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], _: &mut (), part: Part<'_>) {
-        look_up::<V>(&self.chain, axes, part);
+    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], _: &mut (), chunk: Chunk<'_>) {
+        self.chain.look_up::<V>(axes, chunk);
     }
 
     #[inline(always)]
-    fn at<V: Lanes>(&self, _: &(), inputs: Scattered<'_>) -> (Vector<V>, Vector<V>, V) {
+    fn at<V: Lanes>(&self, _: &(), inputs: PoseInputs<'_>) -> LaneDeviation<V> {
         let chain = &self.chain;
         let mut state = State::<V>::at(chain, splat(&chain.tip), splat(&chain.tool));
         if let Some(spindle) = &chain.spindle {
@@ -161,11 +161,11 @@ impl Task for SecondOrder {
         for (axis, link) in chain.joints.iter().enumerate().rev() {
             state.link(link, axis, inputs);
         }
-        if let Some(clamping) = &chain.clamping {
-            state.placed(clamping, false);
+        if let Some(workpiece_setup) = &chain.workpiece_setup {
+            state.placed(workpiece_setup, false);
         }
         let [d, dd] = state.displacement;
         let [w, ww] = state.rotation;
-        (plus(dd, d), plus(ww, w), V::splat(0.0))
+        LaneDeviation { position: plus(dd, d), rotation: plus(ww, w), squared_half_angle: V::splat(0.0) }
     }
 }

@@ -1,92 +1,100 @@
-//! The walk of order 1, step by step, with the errors of neighbouring axes summed before they are transposed.
+//! The steps of the walk of order 1, with the rows of neighbouring axes summed before they are transposed.
 //!
-//! Twists that act at one point simply add up: of such axes the rows of the tables are summed, transposed once, and have one lever.
-//! One slide along a machine axis may lie between some of them and that point. Behind it a twist is the same if its
-//! displacement is less `eps x u` times the position, which are two numbers; they stand in the rows, where else there is padding.
+//! Twists that act at one point add up: the table rows of such axes are summed, transposed once, and share one lever.
+//! One slide along a machine axis may lie between some of them and that point. A twist moved past the slide is the same
+//! with its displacement reduced by `eps x u` times the position: two numbers, which stand in the spare columns of the
+//! rows.
 //!
-//! What has been summed is a rotation and the displacement of a point of reference, so that a twist more is a sum and nothing else.
-//! That point lies on the axis of the turn that comes next, which leaves it where it is; the twists are those about it.
+//! The sum so far is a rotation and the displacement of a point of reference, so that another twist is added component
+//! by component. The point of reference lies on the axis of the next rotary joint, which leaves it where it is; twists
+//! are taken about it.
 
-use super::chain::{Motion, cross, minus};
+use super::chain::Motion;
 use super::curves::{Curves, Six};
-use super::first::{Joint, twist};
+use super::twist::{TwistJoint, twist};
+use super::vector::{cross, minus};
 
-/// A step of the walk: each part after the one before, if it is there.
+/// A step of the walk; its parts act in the order of the fields.
 #[derive(Debug, Clone, Default)]
 pub struct Step {
-    /// Past the joint of an axis.
+    /// Nominal motion of the joint with this index.
     pub motion: Option<usize>,
-    /// Have there been errors before?
+    /// True if a step before has added errors.
     pub rotated: bool,
-    /// From this point of reference to the next.
+    /// Move of the point of reference, mm.
     pub shift: Option<[f64; 3]>,
-    /// The errors of axes whose curves are rows.
+    /// Errors of axes whose curves are linear tables.
     pub sum: Option<Sum>,
-    /// The errors of an axis whose curves are more.
+    /// Errors of an axis with other curves.
     pub errors: Option<(usize, Curves)>,
     /// A constant twist.
     pub constant: Option<Six>,
 }
 
-/// Axes whose twists are added up, with their curves.
+/// Axes whose twists are added up: index and curves.
 #[derive(Debug, Clone)]
 pub struct Sum {
+    /// First axis of the sum.
     pub first: (usize, Curves),
+    /// The other axes.
     pub others: Vec<(usize, Curves)>,
+    /// Slide between some of them and the point of reference.
     pub slide: Option<Slide>,
 }
 
-/// A slide between some of them and the point.
+/// A linear axis between the axes of a sum and the point of reference.
 #[derive(Debug, Clone, Copy)]
 pub struct Slide {
+    /// Index of the axis.
     pub axis: usize,
-    /// The machine axis along which it goes, 0 to 2. The two numbers of a row belong to the other two, in rising order.
+    /// Its direction: machine axis 0 to 2. The spare columns of a row belong to the other two, in rising order.
     pub along: usize,
 }
 
-/// The point of reference on the workpiece's side of these joints' end: of the next turn there, else of the last one passed.
-pub fn reference(joints: &[Joint], end: usize) -> [f64; 3] {
-    let turn = |joint: &&Joint| matches!(joint.motion, Motion::Turn(_));
+/// Returns the point of reference after the joints from `end` on: the origin of the next rotary joint, else of the last
+/// one passed.
+pub fn reference(joints: &[TwistJoint], end: usize) -> [f64; 3] {
+    let turn = |joint: &&TwistJoint| matches!(joint.motion, Motion::Turn(_));
     let next = joints[..end].iter().rev().find(turn);
     next.or_else(|| joints.iter().find(turn)).map_or([0.0; 3], |joint| joint.origin)
 }
 
-/// Of these joints, from the tool to the workpiece, beginning with a constant twist.
-pub fn of(joints: &[Joint], end: Option<Six>) -> Vec<Step> {
-    let mut maker = Maker { joints, steps: vec![Step::default()], open: None };
-    maker.constant(end, joints.len());
+/// Returns the steps past these joints, from the tool to the workpiece, beginning with a constant twist.
+pub fn steps(joints: &[TwistJoint], end: Option<Six>) -> Vec<Step> {
+    let mut builder = StepBuilder { joints, steps: vec![Step::default()], open: None };
+    builder.constant(end, joints.len());
     for (axis, joint) in joints.iter().enumerate().rev() {
         if !joint.outside {
-            maker.errors(axis, axis + 1);
+            builder.errors(axis, axis + 1);
         }
-        maker.motion(axis);
+        builder.motion(axis);
         if joint.outside {
-            maker.errors(axis, axis);
+            builder.errors(axis, axis);
         }
-        maker.constant(joint.constant, axis);
+        builder.constant(joint.constant, axis);
     }
     let mut rotated = false;
-    for step in &mut maker.steps {
+    for step in &mut builder.steps {
         step.rotated = rotated;
         rotated |= step.sum.is_some() || step.errors.is_some() || step.constant.is_some();
     }
-    maker.steps
+    builder.steps
 }
 
-/// A twist about the machine's zero point as one about another.
+/// Returns a twist about the machine's zero point as one about another point.
 fn about_point(six: &Six, point: [f64; 3]) -> Six {
     twist(six, &point.map(|x| -x), 1.0)
 }
 
-struct Maker<'a> {
-    joints: &'a [Joint],
+struct StepBuilder<'a> {
+    joints: &'a [TwistJoint],
     steps: Vec<Step>,
-    /// Which step has the latest sum, and the slides passed since, if others may still join it.
+    /// Index of the step with the latest sum, and the slides passed since; `None` if no axis can join it any more.
     open: Option<(usize, Vec<usize>)>,
 }
 
-impl Maker<'_> {
-    /// The step that is being made.
+impl StepBuilder<'_> {
+    /// Returns the step under construction.
     fn last(&mut self) -> &mut Step {
         if self.steps.is_empty() {
             self.steps.push(Step::default());
@@ -109,18 +117,18 @@ impl Maker<'_> {
         }
     }
 
-    /// A constant twist on the workpiece's side of the joint `end`.
+    /// Adds a constant twist on the workpiece's side of the joint `end`.
     fn constant(&mut self, constant: Option<Six>, end: usize) {
         let about = reference(self.joints, end);
         self.last().constant = constant.map(|six| about_point(&six, about));
     }
 
-    /// The errors of an axis; those that follow on the workpiece's side are joints before `end`.
+    /// Adds the errors of an axis; the joints before `end` lie on the workpiece's side of them.
     fn errors(&mut self, axis: usize, end: usize) {
         let Some(curves) = self.joints[axis].curves.clone() else { return };
         let about = reference(self.joints, end);
         let curves = curves.mapped(|six| about_point(six, about));
-        if !curves.are_rows() {
+        if !curves.is_linear_table() {
             if self.last().errors.is_some() {
                 self.steps.push(Step::default());
             }
@@ -141,7 +149,7 @@ impl Maker<'_> {
         self.open = Some((self.steps.len() - 1, Vec::new()));
     }
 
-    /// The latest sum, taken from its step to act here; `None` if too much lies between.
+    /// Takes the latest sum from its step to act here; `None` if more than one slide lies between.
     fn latest(&mut self) -> Option<Sum> {
         let (at, passed) = self.open.take()?;
         let mut sum = self.steps[at].sum.clone()?;
@@ -156,13 +164,13 @@ impl Maker<'_> {
 }
 
 impl Sum {
-    /// Behind a slide; `None` if that is not along a machine axis.
+    /// Moves the sum past a slide; returns `None` if that is not along a machine axis.
     fn passed(&mut self, axis: usize, motion: Motion) -> Option<()> {
         let Motion::Slide(u) = motion else { return None };
         let along = (0..3).find(|k| (0..3).all(|j| j == *k || u[j] == 0.0))?;
         for (_, curves) in std::iter::once(&mut self.first).chain(&mut self.others) {
-            curves.set_asides(|[.., a, b, c]| {
-                let [x, y, z] = cross([*a, *b, *c], u).map(|way| -way);
+            curves.set_auxiliary(|[.., a, b, c]| {
+                let [x, y, z] = cross([*a, *b, *c], u).map(|lever| -lever);
                 [[y, z], [x, z], [x, y]][along]
             });
         }

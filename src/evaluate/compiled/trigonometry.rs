@@ -1,10 +1,10 @@
 //! Sine and cosine of degrees over vectors, with the same bits at any width.
 //!
-//! The angle is reduced in degrees, where quarter turns are exact. On the rest (at most 45 deg) stand the
+//! The angle is reduced in degrees, where quarter turns are exact. The remainder (at most 45 deg) goes into the
 //! polynomials of FreeBSD's msun (`k_sin`, `k_cos`, S. Moshier's and Sun's coefficients), by Horner's scheme in fused
 //! operations: within 1 ulp of the sine and cosine of the rest in radians.
 
-use super::lanes::Lanes;
+use super::simd::Lanes;
 use std::ops::{Mul, Sub};
 
 #[allow(clippy::excessive_precision, reason = "as published")]
@@ -27,51 +27,52 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_482_65e-11,
 ];
 
-/// Degrees in radians.
+/// One degree in radians.
 pub const RADIAN: f64 = std::f64::consts::PI / 180.0;
 
 /// 1.5 * 2^52: added to a number below 2^51 it leaves no bit for a fraction.
 const COUNTER: f64 = 6_755_399_441_055_744.0;
 
-/// The nearest whole number, ties to even, for numbers below 2^51.
+/// Returns the nearest integers, ties to even, of numbers below 2^51.
 #[inline(always)]
 pub fn nearest<V: Lanes>(x: V) -> V {
     (x + V::splat(COUNTER)) - V::splat(COUNTER)
 }
 
-/// Sine and cosine of an angle in degrees (below 1e9), exact at multiples of 90.
+/// Returns sine and cosine of angles in degrees (below 1e9), exact at multiples of 90.
 #[inline(always)]
 pub fn sin_cos<V: Lanes>(degrees: V) -> (V, V) {
     let ([sine], [cosine]) = sines_cosines([degrees]);
     (sine, cosine)
 }
 
-/// Of several vectors of angles, side by side: a polynomial alone would wait for itself.
+/// Returns the sines and cosines of several vectors of angles in degrees: interleaved, one polynomial fills the latency
+/// of another.
 #[inline(always)]
 pub fn sines_cosines<V: Lanes, const N: usize>(degrees: [V; N]) -> ([V; N], [V; N]) {
-    let degrees = Several(degrees);
-    let counted = same(COUNTER).plus_times(degrees, same(1.0 / 90.0));
-    let quarter = counted - same(COUNTER);
-    let rest = degrees.minus_times(quarter, same(90.0)) * same(RADIAN);
-    let (Several(mut s), Several(mut c)) = (sine(rest), cosine(rest));
+    let degrees = VectorArray(degrees);
+    let counted = broadcast(COUNTER).plus_times(degrees, broadcast(1.0 / 90.0));
+    let quarter = counted - broadcast(COUNTER);
+    let rest = degrees.minus_times(quarter, broadcast(90.0)) * broadcast(RADIAN);
+    let (VectorArray(mut s), VectorArray(mut c)) = (sine(rest), cosine(rest));
     for k in 0..N {
-        (s[k], c[k]) = V::quarters_further(counted.0[k], s[k], c[k]);
+        (s[k], c[k]) = V::add_quarter_turns(counted.0[k], s[k], c[k]);
     }
     (s, c)
 }
 
-/// Several vectors that are computed with in turn.
+/// Several vectors with the same operations, interleaved.
 #[derive(Clone, Copy)]
-struct Several<V, const N: usize>([V; N]);
+struct VectorArray<V, const N: usize>([V; N]);
 
-/// The same number everywhere.
+/// Returns the same number in all lanes.
 #[inline(always)]
-fn same<V: Lanes, const N: usize>(x: f64) -> Several<V, N> {
-    Several([V::splat(x); N])
+fn broadcast<V: Lanes, const N: usize>(x: f64) -> VectorArray<V, N> {
+    VectorArray([V::splat(x); N])
 }
 
-/// One by one, with the operations of [`Lanes`].
-macro_rules! one_by_one {
+/// Applies an operation of [`Lanes`] to each of the vectors.
+macro_rules! lanewise {
     ($name:ident, $($other:ident),+) => {
         #[inline(always)]
         fn $name(mut self, $($other: Self),+) -> Self {
@@ -83,41 +84,41 @@ macro_rules! one_by_one {
     };
 }
 
-impl<V: Lanes, const N: usize> Several<V, N> {
-    one_by_one!(plus_times, a, b);
-    one_by_one!(minus_times, a, b);
+impl<V: Lanes, const N: usize> VectorArray<V, N> {
+    lanewise!(plus_times, a, b);
+    lanewise!(minus_times, a, b);
 }
 
-impl<V: Lanes, const N: usize> Sub for Several<V, N> {
+impl<V: Lanes, const N: usize> Sub for VectorArray<V, N> {
     type Output = Self;
-    one_by_one!(sub, other);
+    lanewise!(sub, other);
 }
 
-impl<V: Lanes, const N: usize> Mul for Several<V, N> {
+impl<V: Lanes, const N: usize> Mul for VectorArray<V, N> {
     type Output = Self;
-    one_by_one!(mul, other);
+    lanewise!(mul, other);
 }
 
-/// The angle (up to 45 deg, in rad) and a product: 0.65 ulp.
+/// Returns the sine of angles up to 45 deg, in rad: x plus a product, 0.65 ulp.
 #[inline(always)]
-fn sine<V: Lanes, const N: usize>(x: Several<V, N>) -> Several<V, N> {
+fn sine<V: Lanes, const N: usize>(x: VectorArray<V, N>) -> VectorArray<V, N> {
     let z = x * x;
     x.plus_times(z * x, horner(&SINE, z))
 }
 
-/// Of an angle up to 45 deg, in rad: 1 and a product, 0.7 ulp.
+/// Returns the cosine of angles up to 45 deg, in rad: 1 plus a product, 0.7 ulp.
 #[inline(always)]
-fn cosine<V: Lanes, const N: usize>(x: Several<V, N>) -> Several<V, N> {
+fn cosine<V: Lanes, const N: usize>(x: VectorArray<V, N>) -> VectorArray<V, N> {
     let z = x * x;
-    let half = same(-0.5).plus_times(z, horner(&COSINE, z));
-    same(1.0).plus_times(z, half)
+    let half = broadcast(-0.5).plus_times(z, horner(&COSINE, z));
+    broadcast(1.0).plus_times(z, half)
 }
 
 #[inline(always)]
-fn horner<V: Lanes, const N: usize>([a, b, c, d, e, f]: &[f64; 6], z: Several<V, N>) -> Several<V, N> {
-    let mut sum = same(*f);
+fn horner<V: Lanes, const N: usize>([a, b, c, d, e, f]: &[f64; 6], z: VectorArray<V, N>) -> VectorArray<V, N> {
+    let mut sum = broadcast(*f);
     for term in [e, d, c, b, a] {
-        sum = same(*term).plus_times(sum, z);
+        sum = broadcast(*term).plus_times(sum, z);
     }
     sum
 }
@@ -143,7 +144,8 @@ mod tests {
                 assert!(ulps(s, es) <= 1 && ulps(c, ec) <= 1, "{rest}: {s} {es} {c} {ec}");
             }
             let ((s, c), (es, ec)) = (sin_cos(angle), sin_cos_degrees(angle));
-            // Besides, the general reduction adds 360 to negative angles, which rounds them to half a last place of 360 deg.
+            // Besides, the general reduction adds 360 to negative angles, which rounds them to half a last place of 360
+            // deg.
             let bound = 1.7e-16 + if angle < 0.0 { 128.0 * f64::EPSILON * RADIAN } else { 0.0 };
             assert!((s - es).abs() <= bound && (c - ec).abs() <= bound, "{angle}: {s} {es} {c} {ec}");
         }

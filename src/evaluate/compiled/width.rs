@@ -1,25 +1,25 @@
-//! Which vectors there are.
+//! The widths of vectors that kernels are compiled for.
 
-/// Which vectors are in use.
+/// A width of vectors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Width {
-    /// One number after the other, on any processor; one that cannot fuse products with sums imitates it, slowly.
+    /// One double at a time, on any processor; without fused multiply-add it is emulated, slowly.
     Scalar,
-    /// One number after the other, fused by an instruction.
+    /// One double at a time, with the fused multiply-add instruction of x86.
     Fused,
-    /// Two doubles of an ARM processor.
+    /// Two doubles (aarch64).
     Neon,
-    /// Four doubles.
+    /// Four doubles (x86).
     Avx2,
-    /// Eight doubles.
+    /// Eight doubles (x86).
     Avx512,
 }
 
 impl Width {
-    /// From the narrowest to the widest.
+    /// All widths, narrowest first.
     pub const ALL: [Self; 5] = [Self::Scalar, Self::Fused, Self::Neon, Self::Avx2, Self::Avx512];
 
-    /// Doubles of a vector.
+    /// Returns the number of doubles of a vector.
     pub fn lanes(self) -> usize {
         match self {
             Self::Scalar | Self::Fused => 1,
@@ -29,7 +29,7 @@ impl Width {
         }
     }
 
-    /// Has this processor such vectors?
+    /// True if this processor has such vectors.
     pub fn is_supported(self) -> bool {
         match self {
             Self::Scalar => true,
@@ -45,7 +45,7 @@ impl Width {
         }
     }
 
-    /// The widest that this processor has.
+    /// Returns the widest that this processor has.
     pub fn widest() -> Self {
         Self::ALL.into_iter().rev().find(|width| width.is_supported()).unwrap_or(Self::Scalar)
     }

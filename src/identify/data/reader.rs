@@ -82,7 +82,8 @@ pub fn read_measurements(
 }
 
 /// Columns of a file.
-const COLUMNS: &str = "a measurement file has a column for each axis (mm, deg), and `dx [um]`, `dy [um]`, `dz [um]`, or another kind \
+const COLUMNS: &str = "a measurement file has a column for each axis (mm, deg), and `dx [um]`, `dy [um]`, `dz [um]`, \
+ or another kind \
     of reading: `rel.dx [um]`, `ball`, `length [mm]`, `displacement [mm]`, `dl [um]`, `along [um]`, `EXX [um]`; \
     optionally `tool`, `run`, `approach`, `weight` or `u [um]`";
 /// Rows of a file.
@@ -92,7 +93,8 @@ const ROWS: &str =
 fn refusal(code: codes::Code, message: String, place: Option<Place>) -> Diagnostic {
     let help = match code {
         codes::E0505 => {
-            "give its approximate place, from the workpiece origin, in columns `station.x [mm]`, `station.y [mm]`, `station.z [mm]`"
+            "give its approximate place, from the workpiece origin, in columns `station.x [mm]`, `station.y [mm]`, \
+             `station.z [mm]`"
         }
         codes::E0506 => {
             "leave the row out, or correct its pose: a length has a direction only between different points"

@@ -59,7 +59,8 @@ pub(crate) fn parameters(
         },
         _ => {
             let message = format!("`{}` is not a basis", shown(form));
-            let help = "write poly3 (powers 0 to 3; at most 20), fourier2 (orders 0 to 2), spline8 or bspline8 (8 knots; at most 50), \
+            let help = "write poly3 (powers 0 to 3; at most 20), fourier2 (orders 0 to 2), spline8 or bspline8 (8 \
+             knots; at most 50), \
                         or blocks4 (4 blocks)";
             Err(refusal(message, help))
         }

@@ -237,9 +237,9 @@ impl<'a> Model<'a> {
         data.par_iter().map(|m| self.residual(m, theta)).collect()
     }
 
-    /// The linear problem at these unknowns, `min |J step - residual|`, rows times the root of their weights: the triangle
-    /// of all rows, whose singular values are good to the last digits. Rows are folded piece by piece; neither the
-    /// pieces
+    /// The linear problem at these unknowns, `min |J step - residual|`, rows times the root of their weights: the
+    /// triangle of all rows, whose singular values are good to the last digits. Rows are folded piece by piece;
+    /// neither the pieces
     /// nor their order depend on the number of threads.
     pub fn triangle(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> ReducedSystem {
         let piece = data.len().div_ceil(16).clamp(32, 4096);

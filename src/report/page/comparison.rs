@@ -1,7 +1,7 @@
 //! Two or more machines on the same tool poses.
 
 use super::given::MachineInput;
-use crate::analysis::{Compared, Comparison, ErrorAlone, Work};
+use crate::analysis::{Comparison, ErrorContribution, MachineResult, Work};
 use crate::analysis::{compare, contributions};
 use crate::evaluate::{Bare, Field};
 use crate::machine::{Machine, Pose};
@@ -35,20 +35,20 @@ impl ComparisonData {
         let first = given.first().filter(|_| given.len() > 1)?;
         let bare: Vec<Bare<'_>> = given.iter().map(|g| Bare { machine: g.machine, order: g.order }).collect();
         let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-        let comparison = compare(&fields, &Work::Taken(first.sample()), first.approach, &|_| {});
-        let poses = |c: &Compared| c.reached.iter().map(|(pose, _)| pose.clone()).collect();
+        let comparison = compare(&fields, &Work::OfPoses(first.sample()), first.approach, &|_| {});
+        let poses = |c: &MachineResult| c.reached.iter().map(|(pose, _)| pose.clone()).collect();
         let sides = given.iter().zip(&comparison.machines).map(|(g, c)| (g.machine, poses(c))).collect();
         Some((comparison, sides))
     }
 
     /// What the page shows of them; `budgets` is null if there are none.
     pub fn new(given: &[MachineInput<'_>], (comparison, sides): &(Comparison, Sides<'_>), budgets: Value) -> Self {
-        let side = |(g, c): (&MachineInput<'_>, &Compared)| {
+        let side = |(g, c): (&MachineInput<'_>, &MachineResult)| {
             json!({"name": g.machine.name(), "file": g.file, "chain": g.machine.chain().to_string(),
                 "unreachable": c.unreachable, "position_um": c.statistics.position_um,
                 "rotation_urad": c.statistics.rotation_urad, "minus_first": c.difference})
         };
-        let error = |e: ErrorAlone| {
+        let error = |e: ErrorContribution| {
             let minus: Vec<f64> = (0..e.um.len()).map(|i| e.minus_first(i)).collect();
             json!({"error": e.error, "um": e.um, "minus_first": minus})
         };

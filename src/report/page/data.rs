@@ -4,8 +4,8 @@
 use super::comparison::ComparisonData;
 use super::field::FieldData;
 use super::given::{MachineInput, TargetResult};
-use crate::analysis::sources;
-use crate::analysis::{LocationSet, Map, Source, Status, body_diagonals, levers, rest};
+use crate::analysis::error_statistics;
+use crate::analysis::{ErrorStatistics, LocationSet, Map, Status, body_diagonals, levers, rest};
 use crate::controller::Handled;
 use crate::evaluate::{Bare, Order, Summary, worst};
 use crate::machine::{Approach, Axis, ErrorTerm, Machine, Travel};
@@ -48,7 +48,7 @@ pub struct MachineData {
     locations: Vec<Value>,
     statistics: Value,
     worst: Vec<Value>,
-    /// The first so many poses are those of `sources`.
+    /// The first so many poses are those of `error_statistics`.
     source_poses: usize,
     sources: Vec<Value>,
     diagonals: Vec<Value>,
@@ -102,7 +102,7 @@ impl MachineData {
                 "rotation_arcsec": arcsec(&map.statistics.rotation_urad)}),
             worst: bad.iter().map(named).collect(),
             source_poses: few.0,
-            sources: sources(&bare, &few_poses, &worst_pose, given.approach).iter().map(source).collect(),
+            sources: error_statistics(&bare, &few_poses, &worst_pose, given.approach).iter().map(source).collect(),
             diagonals: diagonals(&bare, given.approach),
             instruments: given.instruments.json(machine),
             budget: given.budget.map_or(Value::Null, |budget| budget.json().into()),
@@ -143,7 +143,8 @@ fn order_word(order: Order) -> String {
 
 fn arcsec(urad: &Summary) -> Value {
     let of = |x: f64| (x * 1e-6).to_degrees() * 3600.0;
-    json!({"max": of(urad.max), "mean": of(urad.mean), "rms": of(urad.rms), "p95": of(urad.p95), "range": urad.range.map(of)})
+    json!({"max": of(urad.max), "mean": of(urad.mean), "rms": of(urad.rms), "p95": of(urad.p95),
+        "range": urad.range.map(of)})
 }
 
 fn tool(machine: &Machine) -> Value {
@@ -179,7 +180,8 @@ fn locations(machine: &Machine) -> Vec<Value> {
         let (value, tolerance, unit) = value(id);
         let factor = if id.direction.is_rotation() { 1e6 } else { 1e3 };
         let uncertainty = machine.uncertainty(id).map(|half| half * factor);
-        json!({"error": id, "status": status, "value": value, "uncertainty": uncertainty, "tolerance": tolerance, "unit": unit})
+        json!({"error": id, "status": status, "value": value, "uncertainty": uncertainty, "tolerance": tolerance,
+            "unit": unit})
     };
     let word = |status: Status| match status {
         Status::Given => "given",
@@ -191,7 +193,7 @@ fn locations(machine: &Machine) -> Vec<Value> {
     needed.chain(set.besides.iter().map(|id| row(id, "given besides"))).collect()
 }
 
-fn source(source: &Source) -> Value {
+fn source(source: &ErrorStatistics) -> Value {
     json!({"error": source.error, "kind": if source.error.is_location() { "location" } else { "component" },
         "p95_um": source.position.p95, "max_um": source.position.max, "mean_um": source.position.mean,
         "p95_urad": source.rotation.p95, "at_worst_um": source.along + 0.0})
@@ -202,7 +204,8 @@ fn diagonals(bare: &Bare<'_>, approach: Approach) -> Vec<Value> {
     let of = |d: &crate::analysis::Diagonal| {
         let deviations: Vec<f64> = d.deviations.iter().map(|x| x * 1e3 + 0.0).collect();
         json!({"name": d.name, "from": positions(machine, &d.ends[0]), "to": positions(machine, &d.ends[1]),
-            "length_mm": d.length, "range_um": d.range() * 1e3, "end_um": deviations.last(), "deviations_um": deviations})
+            "length_mm": d.length, "range_um": d.range() * 1e3, "end_um": deviations.last(),
+                "deviations_um": deviations})
     };
     body_diagonals(bare, &rest(machine), DIAGONAL_STEPS, approach).iter().map(of).collect()
 }
@@ -210,10 +213,16 @@ fn diagonals(bare: &Bare<'_>, approach: Approach) -> Vec<Value> {
 fn certificate(machine: &Machine, written: &TargetResult) -> Value {
     let TargetResult { target, certificate, .. } = written;
     let manifest = &target.manifest;
-    let figures = |f: &crate::controller::Figures| json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis});
+    let figures = |f: &crate::controller::Figures| {
+        json!({"position_um": f.all.position_um,
+        "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis})
+    };
     let mut errors: Vec<_> = certificate.errors.iter().collect();
     errors.sort_by(|a, b| b.left.total_cmp(&a.left));
-    let error = |e: &&crate::controller::ErrorLeft| json!({"error": e.error, "handled": handled(e.handled), "alone_um": e.alone, "left_um": e.left});
+    let error = |e: &&crate::controller::ErrorLeft| {
+        json!({"error": e.error, "handled": handled(e.handled),
+        "alone_um": e.alone, "left_um": e.left})
+    };
     let by_axis = |values: &[f64]| {
         let entry =
             |(axis, c): (&Axis, &f64)| json!({"axis": axis.name.as_str(), "unit": axis.unit(), "added": c + 0.0});
@@ -226,7 +235,8 @@ fn certificate(machine: &Machine, written: &TargetResult) -> Value {
         "poses": certificate.poses, "direction": certificate.approach,
         "uncompensated": figures(&certificate.uncompensated), "compensated": figures(&certificate.compensated),
         "errors": errors.iter().map(error).collect::<Vec<_>>(),
-        "at_reference": {"forward": by_axis(&certificate.at_reference[0]), "reverse": by_axis(&certificate.at_reference[1])},
+        "at_reference": {"forward": by_axis(&certificate.at_reference[0]),
+            "reverse": by_axis(&certificate.at_reference[1])},
     })
 }
 

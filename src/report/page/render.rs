@@ -114,7 +114,8 @@ fn policy(script: &str, served: Delivery) -> String {
     let own = |text: &str| format!("'sha256-{}'", hash(text));
     let connect = if served == Delivery::Watched { "'self'" } else { "'none'" };
     format!(
-        "default-src 'none'; script-src {}; style-src {}; connect-src {connect}; img-src data:; base-uri 'none'; form-action 'none'",
+        "default-src 'none'; script-src {}; style-src {}; connect-src {connect}; img-src data:; base-uri 'none'; \
+         form-action 'none'",
         own(script),
         own(STYLE)
     )

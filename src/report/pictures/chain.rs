@@ -53,8 +53,10 @@ pub fn chain_picture(machine: &Machine) -> Picture {
 }
 
 const NOTE: &str = "Blue: motion of the tool relative to the workpiece for a positive command, in machine coordinates \
-    at the zero pose; lengths in mm. A prime marks an axis that carries the workpiece. Arm: longest distance in the volume from the \
-    point about which the axis's angular errors turn to the functional point; an angle of 10 µrad moves it by 1 µm for every 100 mm of arm.";
+    at the zero pose; lengths in mm. A prime marks an axis that carries the workpiece. Arm: longest distance in the \
+    volume from the \
+    point about which the axis's angular errors turn to the functional point; an angle of 10 µrad moves it by 1 µm \
+    for every 100 mm of arm.";
 
 fn stations(machine: &Machine) -> Vec<Station<'_>> {
     let levers = levers(machine);

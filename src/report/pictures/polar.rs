@@ -130,7 +130,8 @@ impl PolarPicture<'_> {
         let below = TOP + PANEL + 58.0;
         let _ = WAYS.iter().fold(LEFT, |x, (name, stroke)| stroke.key(&mut svg, (x, below), name));
         let note = format!(
-            "One ring is {} of radial deviation; the dark circle is the nominal radius. Outwards: the machine is too far out.",
+            "One ring is {} of radial deviation; the dark circle is the nominal radius. Outwards: the machine is too \
+             far out.",
             dial(0).ring_words()
         );
         svg.text((LEFT, below + 22.0), &note, Font::faint(12.0), Anchor::Start, 0.0);

@@ -142,10 +142,14 @@ fn head(arrays: &[Array], points: usize, cells: usize) -> String {
     };
     let texts: Vec<String> = arrays.iter().map(&mut place).collect();
     format!(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n \
-         <!-- Nominal tool tip from the workpiece origin in mm; deviation in um, rotation in urad: actual minus nominal, tool relative to workpiece. -->\n \
-         <UnstructuredGrid>\n  <Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n   <Points>\n{}   </Points>\n   <Cells>\n{}   </Cells>\n   \
-         <PointData Vectors=\"deviation_um\" Scalars=\"length_um\">\n{}   </PointData>\n  </Piece>\n </UnstructuredGrid>\n <AppendedData encoding=\"raw\">\n_",
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+         header_type=\"UInt64\">\n \
+         <!-- Nominal tool tip from the workpiece origin in mm; deviation in um, rotation in urad: actual minus \
+         nominal, tool relative to workpiece. -->\n \
+         <UnstructuredGrid>\n  <Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n   <Points>\n{}   \
+         </Points>\n   <Cells>\n{}   </Cells>\n   \
+         <PointData Vectors=\"deviation_um\" Scalars=\"length_um\">\n{}   </PointData>\n  </Piece>\n \
+         </UnstructuredGrid>\n <AppendedData encoding=\"raw\">\n_",
         texts[0],
         texts[1..VALUES].concat(),
         texts[VALUES..].concat()

@@ -105,7 +105,8 @@ impl BudgetReport<'_> {
             .collect();
         json!({
             "worst_case": totals.worst_case, "rss": totals.rss, "mean_of_both": totals.mean_of_both(),
-            "worst_case_at": positions(self.machine, &totals.worst_pose), "rss_at": positions(self.machine, &totals.rss_pose),
+            "worst_case_at": positions(self.machine, &totals.worst_pose), "rss_at": positions(self.machine,
+                &totals.rss_pose),
             "monte_carlo": {
                 "mean": totals.mean.0, "mean_sigma": totals.mean.1, "p95": totals.percentile(95).value,
                 "percentiles": percentiles,
@@ -199,7 +200,7 @@ pub fn budgets_json(budgets: &[BudgetReport<'_>], errors: &[BoundedError]) -> Va
         })
     };
     let error = |e: &BoundedError| {
-        let each = |f: &dyn Fn(&crate::analysis::budget::Part) -> f64| -> Vec<Option<f64>> {
+        let each = |f: &dyn Fn(&crate::analysis::budget::BudgetPart) -> f64| -> Vec<Option<f64>> {
             e.parts.iter().map(|part| part.as_ref().map(f)).collect()
         };
         let minus: Vec<f64> = (0..e.parts.len()).map(|i| e.minus_first(i)).collect();
@@ -209,7 +210,8 @@ pub fn budgets_json(budgets: &[BudgetReport<'_>], errors: &[BoundedError]) -> Va
             "minus_first": minus, "average_um": each(&|p| p.average),
         })
     };
-    json!({"machines": budgets.iter().map(side).collect::<Vec<_>>(), "largest_um": errors.first().map_or(0.0, BoundedError::largest), "contributions": errors.iter().map(error).collect::<Vec<_>>()})
+    json!({"machines": budgets.iter().map(side).collect::<Vec<_>>(), "largest_um": errors.first().map_or(0.0,
+        BoundedError::largest), "contributions": errors.iter().map(error).collect::<Vec<_>>()})
 }
 
 fn minus_first(totals: &Totals, first: &Totals) -> Value {

@@ -19,9 +19,13 @@ pub fn circle_json(b: &BallBar) -> Value {
 
 /// An R-test of one axis.
 pub fn turn_json(machine: &Machine, r: &RTest) -> Value {
-    let reading = |((q, pose), d): ((&f64, &Pose), &Vector3<f64>)| json!({"position_deg": q, "axes": positions(machine, pose), "reading_um": [d.x + 0.0, d.y + 0.0, d.z + 0.0]});
+    let reading = |((q, pose), d): ((&f64, &Pose), &Vector3<f64>)| {
+        json!({"position_deg": q,
+        "axes": positions(machine, pose), "reading_um": [d.x + 0.0, d.y + 0.0, d.z + 0.0]})
+    };
     json!({
-        "axis": machine.axes()[r.axis].name.as_str(), "range_um": r.range, "count": r.readings.len(), "skipped": r.skipped,
+        "axis": machine.axes()[r.axis].name.as_str(), "range_um": r.range, "count": r.readings.len(),
+            "skipped": r.skipped,
         "readings": r.positions.iter().zip(&r.poses).zip(&r.readings).map(reading).collect::<Vec<_>>(),
     })
 }

@@ -1,23 +1,23 @@
-//! Which errors are bounded, and by how much.
+//! The bounds of errors.
 
 use super::class::Class;
-use crate::analysis::closed_form::location_set::LocationSet;
+use crate::analysis::closed_form::LocationSet;
 use crate::machine::{AxisKind, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine};
 
-/// An error of which only the bound is known.
+/// An error of which only a bound is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bound {
     /// The error.
     pub error: ErrorId,
-    /// It is between minus and plus this (mm, rad).
+    /// Bound of its magnitude (mm, rad).
     pub tolerance: f64,
-    /// From the table of the class, not from the machine file.
+    /// True if the bound is that of the class, false if the machine file gives it.
     pub of_class: bool,
 }
 
-/// The bounds in the machine file, in the order of [`Machine::errors`]; with a class, also its bounds
-/// for the component errors of every axis and for the minimal set of location errors, where the file
-/// has no bound of its own. Bounds of zero are left out.
+/// Returns the bounds in the machine file, in the order of [`Machine::errors`]; with a class, also its bounds for the
+/// component errors of every axis and for the minimal set of location errors, where the file has no bound of its own.
+/// Bounds of zero are left out.
 pub fn bounds(machine: &Machine, class: Option<&Class>) -> Vec<Bound> {
     let own = |error: &ErrorId| {
         let found = machine.errors().find(|(id, _)| id == error)?;
@@ -48,12 +48,12 @@ pub fn bounds(machine: &Machine, class: Option<&Class>) -> Vec<Bound> {
     bounds
 }
 
-/// Errors of a machine that have a value: a budget is of what is not known, so they do not count.
+/// Returns the number of errors of a machine that have a value; a budget leaves them out.
 pub fn known(machine: &Machine) -> usize {
     machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).count()
 }
 
-/// Does a budget of this class lack values for the machine?
+/// True if the machine has rotary axes and the class has no values for them.
 pub fn lacks_rotary(machine: &Machine, class: &Class) -> bool {
     !class.knows_rotary() && machine.axes().iter().any(|axis| axis.kind == AxisKind::Rotary)
 }

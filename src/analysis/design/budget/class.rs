@@ -6,17 +6,18 @@ use std::collections::BTreeMap;
 
 #[derive(Debug, Deserialize)]
 struct ClassTable {
-    least_travel_m: f64,
+    min_travel_m: f64,
     classes: BTreeMap<String, Class>,
 }
 
 /// One class of machine tools.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Class {
-    /// Where its numbers come from.
+    /// Source of its numbers.
     pub source: String,
     #[serde(skip)]
-    least_travel: f64,
+    /// Shortest travel for which the table holds, mm.
+    min_travel_mm: f64,
     linear: Linear,
     rotary: Option<Rotary>,
 }
@@ -39,28 +40,29 @@ struct Rotary {
     angular_positioning_urad: f64,
 }
 
-/// All classes by name. The table is part of the program; a test reads it.
+/// Returns all classes by name. The table is part of the program; a test reads it.
 pub fn classes() -> BTreeMap<String, Class> {
     let table: Option<ClassTable> = serde_yaml::from_str(include_str!("classes.yaml")).ok();
     let Some(table) = table else { return BTreeMap::new() };
-    let complete = |(name, class)| (name, Class { least_travel: table.least_travel_m * 1e3, ..class });
+    let complete = |(name, class)| (name, Class { min_travel_mm: table.min_travel_m * 1e3, ..class });
     table.classes.into_iter().map(complete).collect()
 }
 
 impl Class {
-    /// Has it values for rotary axes?
+    /// True if it has values for rotary axes.
     pub fn knows_rotary(&self) -> bool {
         self.rotary.is_some()
     }
 
-    /// The bound of an error of an axis, or of the spindle if there is none (mm, rad).
+    /// Returns the bound (mm, rad) of an error of an axis, or of the spindle without an axis; `None` if the class has
+    /// none.
     pub fn tolerance(&self, axis: Option<&Axis>, error: &ErrorId) -> Option<f64> {
         let (um, urad) = (1e-3, 1e-6);
         let turns = error.direction.is_rotation();
         let Some(axis) = axis else { return turns.then_some(self.linear.squareness_urad * urad) };
         let own = along(axis, error.direction);
         let (min, max) = axis.travel.interval();
-        let metres = (max - min).max(self.least_travel) * 1e-3;
+        let metres = (max - min).max(self.min_travel_mm) * 1e-3;
         use crate::machine::ErrorFamily::{Component, Location};
         Some(match (axis.kind, error.family, turns) {
             (AxisKind::Linear, Location, true) => self.linear.squareness_urad * urad,
@@ -78,10 +80,10 @@ impl Class {
     }
 }
 
-/// Is the direction the one that lies nearest to the axis?
+/// True if the direction is the one nearest to that of the axis.
 fn along(axis: &Axis, direction: Direction) -> bool {
     let size = |i: usize| axis.direction[i].abs();
-    let nearest = (1..3).fold(0, |most, i| if size(i) > size(most) { i } else { most });
+    let nearest = (1..3).fold(0, |nearest, i| if size(i) > size(nearest) { i } else { nearest });
     direction.index() % 3 == nearest
 }
 

@@ -8,31 +8,31 @@
 //! axes, where the curve closes); a mean that repeats a location error is not drawn on purpose. The
 //! curve is kept at [`NODES`] positions, straight in between.
 //!
-//! The numbers of an error hang on the seed, its name and the sample alone: a stream of ChaCha8 each.
+//! The numbers of an error depend on the seed, its name and the sample alone: a stream of ChaCha8 each.
 
 use crate::machine::{ErrorId, sin_cos_degrees};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Nodes of a curve along the travel, both ends included.
+/// Number of nodes of a curve along the travel, both ends included.
 pub const NODES: usize = 65;
 
-/// Waves of a curve.
+/// Number of waves of a curve.
 pub const HARMONICS: usize = 6;
 
-/// How an error is distributed between its bounds.
+/// The distribution of an error between its bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Distribution {
-    /// Anywhere alike: standard deviation tolerance / sqrt 3 (GUM 4.3.7).
+    /// Uniform: standard deviation tolerance / sqrt 3 (GUM 4.3.7).
     #[default]
     Uniform,
-    /// Rather in the middle: standard deviation tolerance / sqrt 6 (GUM 4.3.9).
+    /// Triangular about 0: standard deviation tolerance / sqrt 6 (GUM 4.3.9).
     Triangular,
 }
 
 impl Distribution {
-    /// Its name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Uniform => "uniform",
@@ -40,8 +40,8 @@ impl Distribution {
         }
     }
 
-    /// A standard normal value as a share of the tolerance, -1 to 1.
-    pub fn share(self, normal: f64) -> f64 {
+    /// Returns a standard normal value as a fraction of the tolerance, -1 to 1.
+    pub fn fraction(self, normal: f64) -> f64 {
         let even = libm::erf(normal * std::f64::consts::FRAC_1_SQRT_2);
         match self {
             Self::Uniform => even,
@@ -49,7 +49,7 @@ impl Distribution {
         }
     }
 
-    /// Standard deviation as a share of the tolerance.
+    /// Returns the standard deviation as a fraction of the tolerance.
     pub fn deviation(self) -> f64 {
         match self {
             Self::Uniform => (1.0_f64 / 3.0).sqrt(),
@@ -58,7 +58,7 @@ impl Distribution {
     }
 }
 
-/// Where random errors come from.
+/// The generator of random errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draws {
     seed: u64,
@@ -68,7 +68,7 @@ pub struct Draws {
 }
 
 impl Draws {
-    /// With a seed.
+    /// Returns the generator with a seed.
     pub fn new(seed: u64, distribution: Distribution) -> Self {
         let norm: f64 = (1..=HARMONICS).map(|k| 1.0 / (k * k) as f64).sum::<f64>().sqrt();
         let node = |turn: f64, m: usize| {
@@ -92,19 +92,19 @@ impl Draws {
         Normals { generator, second: None }
     }
 
-    /// A location error, as a share of its tolerance.
+    /// Returns a location error of a sample, as a fraction of its tolerance.
     pub fn constant(&self, error: &ErrorId, sample: usize) -> f64 {
-        self.distribution.share(self.stream(error, sample).next())
+        self.distribution.fraction(self.stream(error, sample).next())
     }
 
-    /// A component error at the nodes, as shares of its tolerance.
+    /// Returns a component error of a sample at the nodes, as fractions of its tolerance.
     pub fn curve(&self, error: &ErrorId, sample: usize, closed: bool) -> [f64; NODES] {
         let mut normals = self.stream(error, sample);
         let amplitudes: [(f64, f64); HARMONICS] = std::array::from_fn(|_| (normals.next(), normals.next()));
         let waves = &self.waves[usize::from(closed)];
         std::array::from_fn(|m| {
             let wave = |((c, s), (a, b)): (&(f64, f64), &(f64, f64))| c * a + s * b;
-            self.distribution.share(waves[m].iter().zip(&amplitudes).map(wave).sum())
+            self.distribution.fraction(waves[m].iter().zip(&amplitudes).map(wave).sum())
         })
     }
 }
@@ -116,7 +116,7 @@ struct Normals {
 }
 
 impl Normals {
-    /// Evenly in (0, 1], 53 bits.
+    /// Returns a number uniform in (0, 1], with 53 bits.
     fn unit(&mut self) -> f64 {
         const SCALE: f64 = 1.0 / (1_u64 << 53) as f64;
         ((self.generator.next_u64() >> 11) + 1) as f64 * SCALE

@@ -1,16 +1,16 @@
 //! Deviations of many drawn machines at once: per pose a small matrix for every joint, times the
-//! errors of [`LANES`] samples side by side. Each error lives in one joint, so this is a sum over joints.
+//! errors of [`SAMPLE_LANES`] samples side by side. Each error lives in one joint, so this is a sum over joints.
 
 use super::bounds::Bound;
 use super::draw::{Draws, NODES};
 use crate::lower::{Quantity, SideWeights, TwistMap, twists};
 use crate::machine::{Axis, Machine, Travel};
 
-/// Samples that are computed side by side.
-pub const LANES: usize = 40;
+/// Number of samples computed side by side.
+pub const SAMPLE_LANES: usize = 40;
 
-/// A number for each of these samples.
-pub type Lanes = [f64; LANES];
+/// A number per sample.
+pub type SampleLanes = [f64; SAMPLE_LANES];
 
 /// The bounds of one joint's errors by direction (mm, rad), with the index of each in the list of bounds.
 #[derive(Debug, Clone, Default)]
@@ -21,7 +21,7 @@ pub struct JointBounds {
     closed: bool,
 }
 
-/// The bounds joint by joint: of every axis in the order of the machine, then of the spindle.
+/// Returns the bounds joint by joint: of every axis in the order of the machine, then of the spindle.
 pub fn by_joint(machine: &Machine, bounds: &[Bound]) -> Vec<JointBounds> {
     let joint = |axis: Option<&Axis>| JointBounds {
         interval: axis.map_or((0.0, 0.0), |axis| axis.travel.interval()),
@@ -38,56 +38,64 @@ pub fn by_joint(machine: &Machine, bounds: &[Bound]) -> Vec<JointBounds> {
 }
 
 impl JointBounds {
-    /// Between which nodes of a curve a position is (the lower one), and how far towards the upper one;
-    /// beyond the travel the curve keeps its end value.
-    pub fn place(&self, position: f64) -> (usize, f64) {
+    /// Returns the point of a curve at a position (mm or deg); beyond the travel the curve keeps its end value.
+    pub fn curve_point(&self, position: f64) -> CurvePoint {
         let (min, max) = self.interval;
         let along = if self.closed { (position - min).rem_euclid(max - min) } else { position.clamp(min, max) - min };
         let x = if max > min { along / (max - min) * (NODES - 1) as f64 } else { 0.0 };
         let node = (x as usize).min(NODES - 2);
-        (node, x - node as f64)
+        CurvePoint { node, fraction: x - node as f64 }
     }
+}
+
+/// A point between two nodes of a curve.
+#[derive(Debug, Clone, Copy)]
+pub struct CurvePoint {
+    /// Index of the lower node.
+    pub node: usize,
+    /// Fraction of the interval to the upper node.
+    pub fraction: f64,
 }
 
 /// The errors of a joint in a chunk of samples (mm, rad).
 #[derive(Debug)]
-pub struct DrawnJoint {
-    location: Option<Box<[Lanes; 6]>>,
-    nodes: Vec<[Lanes; 6]>,
+pub struct JointSamples {
+    location: Option<Box<[SampleLanes; 6]>>,
+    nodes: Vec<[SampleLanes; 6]>,
 }
 
 /// A chunk of drawn machines.
 #[derive(Debug)]
-pub struct Chunk(Vec<DrawnJoint>);
+pub struct SampleChunk(Vec<JointSamples>);
 
-impl Chunk {
-    /// Samples `first..first + LANES`.
+impl SampleChunk {
+    /// Draws samples `first..first + SAMPLE_LANES`.
     pub fn new(joints: &[JointBounds], bounds: &[Bound], draws: &Draws, first: usize) -> Self {
         Self(joints.iter().map(|joint| drawn(joint, bounds, draws, first)).collect())
     }
 
-    /// Location errors of a joint, if it has any.
-    pub fn location(&self, joint: usize) -> Option<&[Lanes; 6]> {
+    /// Returns the location errors of a joint, if it has any.
+    pub fn location(&self, joint: usize) -> Option<&[SampleLanes; 6]> {
         self.0[joint].location.as_deref()
     }
 
-    /// Component errors of a joint at a place of its travel, if it has any.
-    pub fn component(&self, joint: usize, (node, share): (usize, f64)) -> Option<[Lanes; 6]> {
-        let [low, high] = self.0[joint].nodes.get(node..node + 2)? else { return None };
-        let mut six = [[0.0; LANES]; 6];
+    /// Returns the component errors of a joint at a point of its curves, if it has any.
+    pub fn component(&self, joint: usize, at: CurvePoint) -> Option<[SampleLanes; 6]> {
+        let [low, high] = self.0[joint].nodes.get(at.node..at.node + 2)? else { return None };
+        let mut six = [[0.0; SAMPLE_LANES]; 6];
         for ((out, a), b) in six.iter_mut().zip(low).zip(high) {
-            for lane in 0..LANES {
-                out[lane] = a[lane] + share * (b[lane] - a[lane]);
+            for lane in 0..SAMPLE_LANES {
+                out[lane] = a[lane] + at.fraction * (b[lane] - a[lane]);
             }
         }
         Some(six)
     }
 }
 
-fn drawn(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> DrawnJoint {
+fn drawn(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> JointSamples {
     let any = |six: &[Option<usize>; 6]| six.iter().any(Option::is_some);
     let location = any(&joint.location).then(|| {
-        let mut six = Box::new([[0.0; LANES]; 6]);
+        let mut six = Box::new([[0.0; SAMPLE_LANES]; 6]);
         for (row, bound) in six.iter_mut().zip(joint.location).filter_map(|(row, i)| Some((row, &bounds[i?]))) {
             let draw = |lane: usize| bound.tolerance * draws.constant(&bound.error, first + lane);
             *row = std::array::from_fn(draw);
@@ -96,21 +104,21 @@ fn drawn(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> 
     });
     let mut nodes = Vec::new();
     if any(&joint.component) {
-        nodes = vec![[[0.0; LANES]; 6]; NODES];
+        nodes = vec![[[0.0; SAMPLE_LANES]; 6]; NODES];
         for (k, bound) in joint.component.iter().enumerate().filter_map(|(k, i)| Some((k, &bounds[(*i)?]))) {
-            for lane in 0..LANES {
+            for lane in 0..SAMPLE_LANES {
                 let curve = draws.curve(&bound.error, first + lane, joint.closed);
                 nodes.iter_mut().zip(curve).for_each(|(node, u)| node[k][lane] = bound.tolerance * u);
             }
         }
     }
-    DrawnJoint { location, nodes }
+    JointSamples { location, nodes }
 }
 
-/// Adds a map times errors.
-pub fn add(map: &TwistMap, errors: &[Lanes; 6], to: &mut [Lanes; 3]) {
+/// Adds a map times the errors of every sample.
+pub fn add(map: &TwistMap, errors: &[SampleLanes; 6], to: &mut [SampleLanes; 3]) {
     for (row, out) in map.iter().zip(to) {
-        for lane in 0..LANES {
+        for lane in 0..SAMPLE_LANES {
             let near = row[0] * errors[0][lane] + row[1] * errors[1][lane] + row[2] * errors[2][lane];
             let far = row[3] * errors[3][lane] + row[4] * errors[4][lane] + row[5] * errors[5][lane];
             out[lane] += near + far;
@@ -118,52 +126,53 @@ pub fn add(map: &TwistMap, errors: &[Lanes; 6], to: &mut [Lanes; 3]) {
     }
 }
 
-/// Squared lengths.
-pub fn squares(d: &[Lanes; 3]) -> Lanes {
+/// Returns squared lengths.
+pub fn squares(d: &[SampleLanes; 3]) -> SampleLanes {
     std::array::from_fn(|lane| d[0][lane] * d[0][lane] + d[1][lane] * d[1][lane] + d[2][lane] * d[2][lane])
 }
 
-/// A pose, ready for any number of samples.
+/// The maps of all joints at a pose, for any number of samples.
 #[derive(Debug, Clone)]
-pub struct Station {
-    /// Of location and of component errors of every joint.
+pub struct BudgetPose {
+    /// Maps of location and of component errors of every joint.
     maps: Vec<[TwistMap; 2]>,
-    places: Vec<(usize, f64)>,
+    points: Vec<CurvePoint>,
 }
 
-impl Station {
-    /// A machine at a pose (mm, deg).
+impl BudgetPose {
+    /// Returns the maps of a machine at a pose (mm, deg).
     pub fn new(machine: &Machine, joints: &[JointBounds], pose: &[f64], quantity: Quantity) -> Self {
         let weights = machine.axes().iter().map(|axis| {
             [SideWeights::location(axis, machine.conventions()), SideWeights::component(axis, machine.conventions())]
         });
         let weights = weights.chain([[SideWeights::SPINDLE; 2]]);
         let maps = twists(machine, pose, quantity).iter().zip(weights).map(|(t, w)| w.map(|w| w.map(t))).collect();
-        let places = joints.iter().zip(pose).map(|(joint, q)| joint.place(*q)).chain([(0, 0.0)]).collect();
-        Self { maps, places }
+        let points = joints.iter().zip(pose).map(|(joint, q)| joint.curve_point(*q));
+        let points = points.chain([CurvePoint { node: 0, fraction: 0.0 }]).collect();
+        Self { maps, points }
     }
 
-    /// What every sample of the chunk deviates by.
-    pub fn deviations(&self, chunk: &Chunk) -> [Lanes; 3] {
-        let mut d = [[0.0; LANES]; 3];
-        for (joint, ([location, component], place)) in self.maps.iter().zip(&self.places).enumerate() {
+    /// Returns the deviations of every sample of a chunk (mm or rad).
+    pub fn deviations(&self, chunk: &SampleChunk) -> [SampleLanes; 3] {
+        let mut d = [[0.0; SAMPLE_LANES]; 3];
+        for (joint, ([location, component], point)) in self.maps.iter().zip(&self.points).enumerate() {
             if let Some(errors) = chunk.location(joint) {
                 add(location, errors, &mut d);
             }
-            if let Some(errors) = chunk.component(joint, *place) {
+            if let Some(errors) = chunk.component(joint, *point) {
                 add(component, &errors, &mut d);
             }
         }
         d
     }
 
-    /// What each bounded error does in one sample, in the order of the bounds.
-    pub fn parts(&self, chunk: &Chunk, joints: &[JointBounds], lane: usize, count: usize) -> Vec<[f64; 3]> {
+    /// Returns the deviation by each bounded error in one sample, in the order of the bounds.
+    pub fn parts(&self, chunk: &SampleChunk, joints: &[JointBounds], lane: usize, count: usize) -> Vec<[f64; 3]> {
         let mut parts = vec![[0.0; 3]; count];
-        for (joint, (([location, component], place), bounds)) in
-            self.maps.iter().zip(&self.places).zip(joints).enumerate()
+        for (joint, (([location, component], point), bounds)) in
+            self.maps.iter().zip(&self.points).zip(joints).enumerate()
         {
-            let drawn = [chunk.location(joint).copied(), chunk.component(joint, *place)];
+            let drawn = [chunk.location(joint).copied(), chunk.component(joint, *point)];
             let indices = [&bounds.location, &bounds.component];
             for ((map, errors), index) in [location, component].into_iter().zip(drawn).zip(indices) {
                 let Some(errors) = errors else { continue };
@@ -175,7 +184,7 @@ impl Station {
         parts
     }
 
-    /// What each bounded error does at its bound, in the order of the bounds.
+    /// Returns the deviation by each error at its bound, in the order of the bounds.
     pub fn extremes(&self, joints: &[JointBounds], bounds: &[Bound]) -> Vec<[f64; 3]> {
         let mut extremes = vec![[0.0; 3]; bounds.len()];
         for (maps, joint) in self.maps.iter().zip(joints) {

@@ -1,259 +1,34 @@
 //! Error budget: from tolerances to the volumetric error.
 //!
 //! 1. [`bounds()`]: which errors are bounded, by the machine file or by a [`Class`] of machines.
-//! 2. At every pose, what each does at its bound. Added up with the worst signs that is the worst case;
-//!    as root of the sum of squares it is the RSS; each by itself makes the Pareto chart.
+//! 2. At every pose, the effect of each error at its bound. Their sum with the worst signs is the worst case, the root
+//!    of the sum of their squares the RSS; each by itself is a bar of the Pareto chart.
 //! 3. [`Draws`]: random machines whose errors respect the tolerances. Every deviation goes through the
 //!    model, so errors that act together, and poses, are correlated as in the machine. The error of a
 //!    machine is a [`Statistic`] over the poses; percentiles are over machines.
-//! 4. Which tolerance to tighten first: the derivative of the 95 % value. All derivatives come from the
+//! 4. The tolerance to tighten first: the derivative of the 95 % value. All derivatives come from the
 //!    same random numbers. Since the error of a machine grows in proportion to all tolerances together,
 //!    tolerance times derivative, summed up, is the 95 % value itself (Euler).
-//! 5. [`beside()`]: these parts in several machines.
+//! 5. [`side_by_side()`]: these effects in several machines.
 //!
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
-mod beside;
 mod bounds;
 mod class;
 mod draw;
-pub(crate) mod kernel;
+mod kernel;
 mod monte_carlo;
 mod quantile;
+mod side_by_side;
+mod totals;
 mod worst;
 
-pub use beside::{BoundedError, Part, beside};
 pub use bounds::{Bound, bounds, known, lacks_rotary};
 pub use class::{Class, classes};
 pub use draw::{Distribution, Draws, HARMONICS, NODES};
+pub(crate) use kernel::{CurvePoint, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, add, by_joint, squares};
 pub use monte_carlo::Statistic;
 pub use quantile::{Percentile, mean, rank};
+pub use side_by_side::{BoundedError, BudgetPart, side_by_side};
+pub use totals::{Budget, Contribution, PERCENTS, Request, ToleranceEffect, Totals, budget, budget_poses};
 pub use worst::longest;
-
-use crate::evaluate::{Poses, Random};
-use crate::lower::Quantity;
-use crate::machine::{Machine, Pose};
-use kernel::{JointBounds, Station, by_joint};
-use monte_carlo::Sample;
-use rayon::prelude::*;
-
-/// What is to be budgeted.
-#[derive(Debug, Clone, Copy)]
-pub struct Request<'a> {
-    /// The machine; errors with a value do not count.
-    pub machine: &'a Machine,
-    /// What is bounded.
-    pub bounds: &'a [Bound],
-    /// Where to look.
-    pub poses: &'a [Pose],
-    /// One more pose for the Pareto chart.
-    pub at: Option<&'a [f64]>,
-    /// How machines are drawn.
-    pub draws: &'a Draws,
-    /// How many.
-    pub samples: usize,
-    /// What counts of each.
-    pub statistic: Statistic,
-}
-
-/// A budget of the functional point's position (um) and of the tool's orientation (urad).
-#[derive(Debug, Clone)]
-pub struct Budget {
-    /// Of the functional point, um.
-    pub position: Totals,
-    /// Of the orientation, urad.
-    pub rotation: Totals,
-    /// What each error does at its bound to the position at the pose where the RSS is largest, um.
-    pub worst: Vec<Contribution>,
-    /// The same as root of the mean square over the poses.
-    pub average: Vec<Contribution>,
-    /// The same at the pose asked for.
-    pub at: Option<Vec<Contribution>>,
-}
-
-/// What the tolerances come to.
-#[derive(Debug, Clone)]
-pub struct Totals {
-    /// All errors at their bounds with the worst signs, at the pose where that is largest.
-    pub worst_case: f64,
-    /// That pose (mm, deg).
-    pub worst_pose: Pose,
-    /// Root of the sum of squares of the bounds' effects, at the pose where that is largest.
-    pub rss: f64,
-    /// That pose.
-    pub rss_pose: Pose,
-    /// The drawn machines' errors in rising order.
-    pub sorted: Vec<f64>,
-    /// Their mean and its standard error.
-    pub mean: (f64, f64),
-    /// Which tolerance has how much of the 95 % value, in the order of the bounds.
-    pub tighten: Vec<Tighten>,
-}
-
-/// One error at its bound.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contribution {
-    /// Index in the list of bounds.
-    pub bound: usize,
-    /// Share of the sum of squares.
-    pub share: f64,
-    /// What it does alone, um.
-    pub um: f64,
-}
-
-/// How the 95 % value hangs on a tolerance.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tighten {
-    /// Tolerance times derivative of the 95 % value (um or urad): a tenth of it is won, to first order,
-    /// by a tolerance a tenth smaller.
-    pub effect: f64,
-    /// Its standard error from the number of samples.
-    pub sigma: f64,
-}
-
-/// Percentiles that are reported.
-pub const PERCENTS: [usize; 4] = [50, 90, 95, 99];
-
-/// Samples that tell the derivative of the 95 % value: those between these percentiles.
-const WINDOW: (f64, f64) = (0.925, 0.975);
-
-/// Up to so many axes all corners of the volume are among the poses.
-const CORNERS: usize = 10;
-
-/// The corners of the volume, and random poses within it.
-pub fn budget_poses(machine: &Machine, count: usize, seed: u64) -> Vec<Pose> {
-    let volume = machine.volume();
-    let moving: Vec<usize> = (0..volume.len()).filter(|i| volume[*i].max > volume[*i].min).collect();
-    let corner = |k: usize| {
-        let mut pose: Pose = volume.iter().map(|grid| grid.min).collect();
-        moving.iter().enumerate().filter(|(bit, _)| k >> bit & 1 == 1).for_each(|(_, i)| pose[*i] = volume[*i].max);
-        pose
-    };
-    let corners = if moving.len() > CORNERS { 0 } else { 1 << moving.len() };
-    let within = Poses::Random(Random::of(machine, count, seed));
-    (0..corners).map(corner).chain(within.iter()).collect()
-}
-
-/// The budget. There is at least one bound, pose and sample. `progress` is told how many machines were
-/// drawn: twice the samples in all.
-pub fn budget(request: Request<'_>, progress: &(dyn Fn(usize) + Sync)) -> Budget {
-    let joints = by_joint(request.machine, request.bounds);
-    let (position, extremes) = totals(&request, &joints, Quantity::Position, progress);
-    let (rotation, _) = totals(&request, &joints, Quantity::Rotation, progress);
-    let at = request.at.map(|pose| {
-        let station = Station::new(request.machine, &joints, pose, Quantity::Position);
-        contributions(&lengths(&station.extremes(&joints, request.bounds)))
-    });
-    let rss = |list: &Vec<[f64; 3]>| lengths(list).iter().map(|x| x * x).sum::<f64>();
-    let worst = largest(&extremes.iter().map(rss).collect::<Vec<_>>());
-    Budget {
-        position,
-        rotation,
-        worst: contributions(&lengths(&extremes[worst])),
-        average: contributions(&root_mean_square(&extremes)),
-        at,
-    }
-}
-
-/// Every error at its bound, at every pose.
-type Extremes = Vec<Vec<[f64; 3]>>;
-
-fn totals(
-    request: &Request<'_>,
-    joints: &[JointBounds],
-    quantity: Quantity,
-    progress: &(dyn Fn(usize) + Sync),
-) -> (Totals, Extremes) {
-    let Request { machine, bounds, poses, draws, samples, statistic, .. } = *request;
-    let scale = if quantity == Quantity::Position { 1e3 } else { 1e6 };
-    let stations: Vec<Station> = poses.par_iter().map(|pose| Station::new(machine, joints, pose, quantity)).collect();
-    let extremes: Extremes = stations.par_iter().map(|station| station.extremes(joints, bounds)).collect();
-    let (worst, worst_case) = worst_of(&extremes);
-    let rss: Vec<f64> = extremes.iter().map(|list| lengths(list).iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
-    let mut drawn = monte_carlo::draw(&stations, joints, bounds, draws, statistic, samples, progress);
-    // A stable order of equal values keeps the window the same on every run.
-    drawn.sort_by(|a, b| a.value.total_cmp(&b.value));
-    let sorted: Vec<f64> = drawn.iter().map(|sample| sample.value * scale).collect();
-    let largest_rss = largest(&rss);
-    let totals = Totals {
-        worst_case: worst_case * scale,
-        worst_pose: poses[worst].clone(),
-        rss: rss[largest_rss] * scale,
-        rss_pose: poses[largest_rss].clone(),
-        mean: mean(&sorted),
-        tighten: tighten(&drawn, bounds.len(), scale),
-        sorted,
-    };
-    (totals, extremes)
-}
-
-impl Totals {
-    /// Mean of worst case and RSS: what budgets of this kind promise (A. H. Slocum).
-    pub fn mean_of_both(&self) -> f64 {
-        0.5 * (self.worst_case + self.rss)
-    }
-
-    /// A percentile of the drawn machines.
-    pub fn percentile(&self, percent: usize) -> Percentile {
-        Percentile::of(&self.sorted, percent)
-    }
-}
-
-/// The pose with the largest worst case. The sum of lengths is never shorter, so most are passed over.
-fn worst_of(extremes: &Extremes) -> (usize, f64) {
-    let most: Vec<f64> = extremes.iter().map(|list| lengths(list).iter().sum()).collect();
-    let mut order: Vec<usize> = (0..extremes.len()).collect();
-    order.sort_by(|a, b| most[*b].total_cmp(&most[*a]).then(a.cmp(b)));
-    let mut best = (0, f64::NEG_INFINITY);
-    for index in order {
-        if most[index] < best.1 {
-            break;
-        }
-        let length = longest(&extremes[index]);
-        if length > best.1 {
-            best = (index, length);
-        }
-    }
-    best
-}
-
-fn lengths(vectors: &[[f64; 3]]) -> Vec<f64> {
-    vectors.iter().map(|v| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()).collect()
-}
-
-/// Of equal ones the first.
-fn largest(values: &[f64]) -> usize {
-    (0..values.len()).fold(0, |best, i| if values[i] > values[best] { i } else { best })
-}
-
-fn root_mean_square(extremes: &Extremes) -> Vec<f64> {
-    let mut sums = vec![0.0; extremes.first().map_or(0, Vec::len)];
-    for list in extremes {
-        sums.iter_mut().zip(lengths(list)).for_each(|(sum, x)| *sum += x * x);
-    }
-    sums.into_iter().map(|sum| (sum / extremes.len() as f64).sqrt()).collect()
-}
-
-/// Largest first.
-fn contributions(lengths: &[f64]) -> Vec<Contribution> {
-    let total: f64 = lengths.iter().map(|x| x * x).sum();
-    let share = |x: f64| if total > 0.0 { x * x / total } else { 0.0 };
-    let one = |(bound, x): (usize, &f64)| Contribution { bound, share: share(*x), um: x * 1e3 };
-    let mut list: Vec<Contribution> = lengths.iter().enumerate().map(one).collect();
-    list.sort_by(|a, b| b.um.total_cmp(&a.um).then(a.bound.cmp(&b.bound)));
-    list
-}
-
-/// Means of the parts over the samples around the 95 % value.
-fn tighten(drawn: &[Sample], count: usize, scale: f64) -> Vec<Tighten> {
-    let n = drawn.len() as f64;
-    let first = ((WINDOW.0 * n) as usize).min(drawn.len() - 1);
-    let last = (libm::ceil(WINDOW.1 * n) as usize).clamp(first + 1, drawn.len());
-    let around = &drawn[first..last];
-    let one = |bound: usize| {
-        let parts: Vec<f64> = around.iter().map(|sample| sample.parts[bound] * scale).collect();
-        let (effect, sigma) = mean(&parts);
-        Tighten { effect, sigma }
-    };
-    (0..count).map(one).collect()
-}

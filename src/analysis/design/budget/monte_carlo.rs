@@ -1,12 +1,12 @@
-//! Drawn machines: the error of each over all poses, and what each tolerance has to do with it.
+//! Drawn machines: the error of each over all poses, and the effect of each tolerance on it.
 
 use super::bounds::Bound;
 use super::draw::Draws;
-use super::kernel::{Chunk, JointBounds, LANES, Lanes, Station, squares};
+use super::kernel::{BudgetPose, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, squares};
 use super::quantile::rank;
 use rayon::prelude::*;
 
-/// What the deviations of one machine over the poses come to.
+/// The statistic of one machine's deviations over the poses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Statistic {
@@ -18,7 +18,7 @@ pub enum Statistic {
 }
 
 impl Statistic {
-    /// Of values, at least one; their order is lost.
+    /// Returns the statistic of values, at least one; reorders them.
     pub fn of(self, values: &mut [f64]) -> f64 {
         match self {
             Self::Max => values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
@@ -26,7 +26,7 @@ impl Statistic {
         }
     }
 
-    /// The pose that attains it, with the value there; of equal ones the first.
+    /// Returns the pose that attains it, with the value there; of equal ones the first.
     pub fn attained(self, values: &[f64]) -> (usize, f64) {
         let mut indices: Vec<usize> = (0..values.len()).collect();
         let order = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]).then(b.cmp(a));
@@ -44,14 +44,14 @@ impl Statistic {
 pub struct Sample {
     /// Its statistic over the poses (mm or rad).
     pub value: f64,
-    /// What each bounded error has of that value: they sum up to it. Divided by the tolerance it is the
-    /// derivative of the value by that tolerance, for a drawn error grows with its tolerance.
+    /// The part of that value by each bounded error; the parts sum up to it. Divided by the tolerance a part is the
+    /// derivative of the value by that tolerance, for a drawn error grows in proportion to its tolerance.
     pub parts: Vec<f64>,
 }
 
-/// Draws so many machines; the same to the bit on any number of threads.
+/// Returns a number of drawn machines; the same to the bit on any number of threads.
 pub fn draw(
-    stations: &[Station],
+    poses: &[BudgetPose],
     joints: &[JointBounds],
     bounds: &[Bound],
     draws: &Draws,
@@ -60,23 +60,23 @@ pub fn draw(
     progress: &(dyn Fn(usize) + Sync),
 ) -> Vec<Sample> {
     let chunk = |index: usize| {
-        let first = index * LANES;
-        let chunk = Chunk::new(joints, bounds, draws, first);
-        let lengths: Vec<Lanes> = stations.iter().map(|station| squares(&station.deviations(&chunk))).collect();
-        let count = LANES.min(samples - first);
+        let first = index * SAMPLE_LANES;
+        let chunk = SampleChunk::new(joints, bounds, draws, first);
+        let lengths: Vec<SampleLanes> = poses.iter().map(|pose| squares(&pose.deviations(&chunk))).collect();
+        let count = SAMPLE_LANES.min(samples - first);
         progress(count);
         let sample = |lane: usize| {
             let column: Vec<f64> = lengths.iter().map(|lanes| lanes[lane]).collect();
             let (pose, square) = statistic.attained(&column);
             let value = square.sqrt();
-            Sample { value, parts: parts(&stations[pose].parts(&chunk, joints, lane, bounds.len())) }
+            Sample { value, parts: parts(&poses[pose].parts(&chunk, joints, lane, bounds.len())) }
         };
         (0..count).map(sample).collect::<Vec<_>>()
     };
-    (0..samples.div_ceil(LANES)).into_par_iter().flat_map_iter(chunk).collect()
+    (0..samples.div_ceil(SAMPLE_LANES)).into_par_iter().flat_map_iter(chunk).collect()
 }
 
-/// Components along the sum.
+/// Returns the components of vectors along their sum.
 fn parts(vectors: &[[f64; 3]]) -> Vec<f64> {
     let sum = vectors.iter().fold([0.0; 3], |sum, v| std::array::from_fn(|i| sum[i] + v[i]));
     let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -6,23 +6,23 @@ const TAIL: f64 = 0.025;
 /// A percentile of the population the samples come from.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Percentile {
-    /// Which, in percent.
+    /// The percentile, in percent.
     pub percent: usize,
     /// The ceil(percent n / 100)-th smallest sample.
     pub value: f64,
-    /// Lower end of the interval that holds it with 95 % confidence; none if there are too few samples.
+    /// Lower end of the interval that holds it with 95 % confidence; `None` with too few samples.
     pub low: Option<f64>,
     /// Upper end.
     pub high: Option<f64>,
 }
 
-/// Rank (from 1) of a percentile.
+/// Returns the rank (from 1) of a percentile among `count` samples.
 pub fn rank(count: usize, percent: usize) -> usize {
     (count * percent).div_ceil(100).max(1)
 }
 
 impl Percentile {
-    /// Of samples in rising order, at least one. The number of samples below the percentile is
+    /// Returns a percentile of samples in rising order, at least one. The number of samples below the percentile is
     /// binomially distributed, whatever the distribution: that gives the ranks of the interval's ends.
     pub fn of(sorted: &[f64], percent: usize) -> Self {
         let n = sorted.len();
@@ -35,7 +35,7 @@ impl Percentile {
     }
 }
 
-/// Cumulated probabilities of 0, 1, ... n of n.
+/// Returns the cumulated probabilities of 0, 1, ... n successes of n.
 fn binomial(n: usize, p: f64) -> Vec<f64> {
     let odds = libm::log(p / (1.0 - p));
     let mut exponent = n as f64 * libm::log1p(-p);
@@ -51,7 +51,7 @@ fn binomial(n: usize, p: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Mean, and its standard error.
+/// Returns the mean, and its standard error.
 pub fn mean(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;

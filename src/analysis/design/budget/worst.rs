@@ -1,4 +1,4 @@
-//! The longest sum of vectors with any signs: what errors at their bounds do at worst.
+//! The longest sum of vectors with any signs: the worst case of errors at their bounds.
 //!
 //! All sums lie in a zonotope; the longest is one of its corners, and every corner lies on a face whose
 //! normal is perpendicular to two of the vectors. So for each pair: vectors beside the face have the
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 /// Below this sine a vector counts as lying within the plane.
 const WITHIN: f64 = 1e-12;
 
-/// Length of the longest sum.
+/// Returns the length of the longest sum.
 pub fn longest(vectors: &[[f64; 3]]) -> f64 {
     let vectors: Vec<Vector3<f64>> = vectors.iter().map(|v| Vector3::from(*v)).filter(|v| v.norm() > 0.0).collect();
     let vectors = merged(vectors);
@@ -26,7 +26,7 @@ pub fn longest(vectors: &[[f64; 3]]) -> f64 {
     best
 }
 
-/// Parallel vectors act as one.
+/// Returns the vectors with parallel ones added up.
 fn merged(vectors: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     let mut merged: Vec<Vector3<f64>> = Vec::new();
     for v in vectors {
@@ -38,7 +38,7 @@ fn merged(vectors: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     merged
 }
 
-/// The longest sum among the corners of the face with this normal; `along` lies within it.
+/// Returns the longest sum among the corners of the face with this normal; `along` lies within it.
 fn on_face(vectors: &[Vector3<f64>], normal: &Vector3<f64>, along: &Vector3<f64>) -> f64 {
     let (u, v) = (along.normalize(), normal.cross(along).normalize());
     let mut beside = Vector3::zeros();

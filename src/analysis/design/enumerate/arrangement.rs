@@ -1,43 +1,43 @@
-//! All ways to place axes on the two sides of the bed: every order of the walk, cut by the bed at
-//! every place. n axes have n! (n + 1) of them.
+//! All arrangements of axes on the two sides of the bed: every order of the walk, with the bed at every place in it. n
+//! axes have n! (n + 1) of them.
 
 use super::rule::Rule;
 use crate::machine::{AxisKind, AxisName, Branch, Machine};
 
-/// More than this many are not listed.
+/// Maximum number of arrangements.
 pub const MAX_ARRANGEMENTS: usize = 50_000;
 
-/// More axes than this are not tried: 9! * 10 is over three millions, before any exclusion.
+/// Maximum number of axes: 9! * 10 is over three millions, before any exclusion.
 const MAX_AXES: usize = 8;
 
-/// One walk, and the places of the bed in it that are wanted.
+/// One walk, and the places of the bed in it that the rules admit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Walk {
     /// Indices of the machine's axes, from workpiece to tool.
     pub axes: Vec<usize>,
-    /// How many of them are on the workpiece side: one entry for every arrangement.
+    /// Number of them on the workpiece side: one entry per arrangement.
     pub tables: Vec<usize>,
 }
 
 impl Walk {
-    /// Names and sides, as [`Machine::rearranged`] takes them.
+    /// Returns names and sides for [`Machine::rearranged`].
     pub fn sides(&self, machine: &Machine, table: usize) -> Vec<(AxisName, Branch)> {
         let side = |i: usize| if i < table { Branch::Workpiece } else { Branch::Tool };
         self.axes.iter().enumerate().map(|(i, axis)| (machine.axes()[*axis].name.clone(), side(i))).collect()
     }
 }
 
-/// Too many to be listed: so many before any exclusion (the largest `usize` if there are more), or after.
+/// There are more arrangements than [`MAX_ARRANGEMENTS`], or too many axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TooMany {
-    /// Before exclusions.
+    /// Number before the rules are applied; `usize::MAX` if there are more.
     Before(usize),
-    /// After them.
+    /// Number that the rules admit.
     After(usize),
 }
 
-/// All walks of the machine's linear axes and `rotary` of its rotary ones (all if none is said), with
-/// at least one wanted place of the bed each.
+/// Returns all walks of the machine's linear axes and `rotary` of its rotary ones (`None`: all of them) that have at
+/// least one admitted place of the bed. Fails if there are too many.
 pub fn walks(machine: &Machine, rotary: Option<usize>, rules: &[Rule]) -> Result<Vec<Walk>, TooMany> {
     let of = |kind: AxisKind| (0..machine.axes().len()).filter(move |i| machine.axes()[*i].kind == kind);
     let (linear, turning): (Vec<usize>, Vec<usize>) = (of(AxisKind::Linear).collect(), of(AxisKind::Rotary).collect());
@@ -53,8 +53,8 @@ pub fn walks(machine: &Machine, rotary: Option<usize>, rules: &[Rule]) -> Result
         axes.sort_unstable();
         permutations(&mut Vec::new(), &axes, &mut |order| {
             let names: Vec<&AxisName> = order.iter().map(|i| &machine.axes()[*i].name).collect();
-            let wanted = |table: &usize| rules.iter().all(|rule| rule.holds(&names, *table));
-            let tables: Vec<usize> = (0..=order.len()).filter(wanted).collect();
+            let admitted = |table: &usize| rules.iter().all(|rule| rule.holds(&names, *table));
+            let tables: Vec<usize> = (0..=order.len()).filter(admitted).collect();
             if !tables.is_empty() {
                 walks.push(Walk { axes: order.to_vec(), tables });
             }
@@ -68,7 +68,7 @@ fn binomial(n: usize, k: usize) -> usize {
     (0..k).fold(1_usize, |product, i| product.saturating_mul(n - i) / (i + 1))
 }
 
-/// All subsets of so many, in the order of the list.
+/// Returns all subsets with `count` elements, in the order of the list.
 fn choices(list: &[usize], count: usize) -> Vec<Vec<usize>> {
     if count == 0 {
         return vec![Vec::new()];
@@ -80,15 +80,15 @@ fn choices(list: &[usize], count: usize) -> Vec<Vec<usize>> {
     list.iter().copied().enumerate().flat_map(from).collect()
 }
 
-/// All orders, in that of the list.
+/// Calls `each` with all orders, in that of the list.
 fn permutations(begun: &mut Vec<usize>, rest: &[usize], each: &mut impl FnMut(&[usize])) {
     if rest.is_empty() {
         return each(begun);
     }
     for (i, next) in rest.iter().enumerate() {
         begun.push(*next);
-        let left: Vec<usize> = [&rest[..i], &rest[i + 1..]].concat();
-        permutations(begun, &left, each);
+        let others: Vec<usize> = [&rest[..i], &rest[i + 1..]].concat();
+        permutations(begun, &others, each);
         begun.pop();
     }
 }

@@ -1,27 +1,27 @@
-//! Results walk by walk as text: a line that says what study they are of, then a line for each walk.
-//! Parts of a study, made on other machines or before an interruption, are put together from these.
+//! Results walk by walk as text: a line that identifies the study, then a line for each walk. Parts of a study, made on
+//! other machines or before an interruption, are put together from these.
 
-use super::Row;
+use super::ranking::Row;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Results of a study so far.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Journal {
-    /// What makes the study: results of another fingerprint do not belong to it.
+    /// Fingerprint of the study: results with another one do not belong to it.
     pub fingerprint: String,
-    /// Walks in all.
+    /// Number of walks.
     pub steps: usize,
-    /// Rows of the walks that are done.
+    /// Rows of the finished walks, by index.
     pub done: BTreeMap<usize, Vec<Row>>,
 }
 
-/// Why text is not a journal.
+/// The reason why text is not a journal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct JournalFailure {
     /// The line, from 1.
     pub line: usize,
-    /// What is wrong with it.
+    /// The reason.
     pub why: String,
 }
 
@@ -40,26 +40,26 @@ struct Step {
     rows: Vec<Row>,
 }
 
-/// Of the form of the text.
+/// Version of the text's form.
 const FORM: &str = "1";
 
 impl Journal {
-    /// Nothing done yet.
+    /// Returns a journal without results.
     pub fn new(fingerprint: String, steps: usize) -> Self {
         Self { fingerprint, steps, done: BTreeMap::new() }
     }
 
-    /// Are all walks done?
+    /// True if all walks are finished.
     pub fn is_complete(&self) -> bool {
         self.done.len() == self.steps
     }
 
-    /// All rows, walk by walk.
+    /// Returns all rows, walk by walk.
     pub fn rows(&self) -> Vec<Row> {
         self.done.values().flatten().cloned().collect()
     }
 
-    /// As text; numbers are written so that they are read back to the last bit.
+    /// Returns the journal as text; numbers are written so that they are read back to the last bit.
     pub fn to_text(&self) -> String {
         let head = Head { abbe_enumerate: FORM.to_owned(), fingerprint: self.fingerprint.clone(), steps: self.steps };
         let mut text = serde_json::json!(head).to_string() + "\n";
@@ -70,7 +70,7 @@ impl Journal {
         text
     }
 
-    /// From text.
+    /// Returns the journal written as text. Fails with the line and the reason.
     pub fn parse(text: &str) -> Result<Self, JournalFailure> {
         let failure = |line: usize, why: String| JournalFailure { line: line + 1, why };
         let mut lines = text.lines().enumerate();

@@ -1,4 +1,4 @@
-//! Which arrangements are wanted: a few words each.
+//! Rules that an arrangement has to satisfy, a few words each.
 //!
 //! ```text
 //! rule  = [not] (AXIS before AXIS | AXIS carries AXIS | AXIS on side | (at most | at least) N on side)
@@ -11,25 +11,37 @@
 use crate::machine::{AxisName, Branch};
 use std::fmt;
 
-/// What every arrangement has to be like.
+/// A rule for every arrangement.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rule {
     negated: bool,
     clause: Clause,
 }
 
+/// The reason why a text is not a rule.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RuleFailure(pub String);
+
+impl fmt::Display for RuleFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for RuleFailure {}
+
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Clause {
     Before(AxisName, AxisName),
-    ModuleContent(AxisName, AxisName),
+    Carries(AxisName, AxisName),
     On(AxisName, Branch),
     AtMost(usize, Branch),
     AtLeast(usize, Branch),
 }
 
 impl Rule {
-    /// From its words; or what is wrong with them.
-    pub fn parse(text: &str, axes: &[&AxisName]) -> Result<Self, String> {
+    /// Returns the rule that a text states about axes of the chain. Fails with the reason.
+    pub fn parse(text: &str, axes: &[&AxisName]) -> Result<Self, RuleFailure> {
         let words: Vec<&str> = text.split_whitespace().collect();
         let (negated, words) = match words.split_first() {
             Some((&"not", rest)) => (true, rest),
@@ -39,28 +51,29 @@ impl Rule {
             let found = axes.iter().find(|name| name.as_str() == word).map(|name| (*name).clone());
             found.ok_or_else(|| {
                 let known: Vec<&str> = axes.iter().map(|name| name.as_str()).collect();
-                format!("`{word}` is no axis of the chain; its axes are {}", known.join(", "))
+                RuleFailure(format!("`{word}` is no axis of the chain; its axes are {}", known.join(", ")))
             })
         };
-        let number = |word: &str| word.parse::<usize>().map_err(|_| format!("`{word}` is not a number of axes"));
+        let number =
+            |word: &str| word.parse::<usize>().map_err(|_| RuleFailure(format!("`{word}` is not a number of axes")));
         let clause = match words {
             [a, "before", b] => Clause::Before(axis(a)?, axis(b)?),
-            [a, "carries", b] => Clause::ModuleContent(axis(a)?, axis(b)?),
+            [a, "carries", b] => Clause::Carries(axis(a)?, axis(b)?),
             [a, "on", side] => Clause::On(axis(a)?, branch(side)?),
             ["at", "most", n, "on", side] => Clause::AtMost(number(n)?, branch(side)?),
             ["at", "least", n, "on", side] => Clause::AtLeast(number(n)?, branch(side)?),
-            _ => return Err(format!("`{text}` is not a rule")),
+            _ => return Err(RuleFailure(format!("`{text}` is not a rule"))),
         };
         Ok(Self { negated, clause })
     }
 
-    /// Does it hold for the walk whose first `table` axes carry the workpiece?
+    /// True if it holds for the walk whose first `table` axes carry the workpiece.
     pub fn holds(&self, walk: &[&AxisName], table: usize) -> bool {
         let place = |name: &AxisName| walk.iter().position(|other| *other == name);
         let count = |side: Branch| if side == Branch::Workpiece { table } else { walk.len() - table };
         let holds = match &self.clause {
             Clause::Before(a, b) => place(a).zip(place(b)).map(|(a, b)| a < b),
-            Clause::ModuleContent(a, b) => place(a).zip(place(b)).map(|(a, b)| {
+            Clause::Carries(a, b) => place(a).zip(place(b)).map(|(a, b)| {
                 // The bed stands before the axis with the index `table`.
                 if a < table { b < a } else { b > a }
             }),
@@ -72,11 +85,11 @@ impl Rule {
     }
 }
 
-fn branch(word: &str) -> Result<Branch, String> {
+fn branch(word: &str) -> Result<Branch, RuleFailure> {
     match word {
         "table" | "workpiece" => Ok(Branch::Workpiece),
         "tool" | "head" => Ok(Branch::Tool),
-        _ => Err(format!("`{word}` is no side of the machine: `table` or `tool`")),
+        _ => Err(RuleFailure(format!("`{word}` is no side of the machine: `table` or `tool`"))),
     }
 }
 
@@ -88,7 +101,7 @@ impl fmt::Display for Rule {
         }
         match &self.clause {
             Clause::Before(a, b) => write!(f, "{a} before {b}"),
-            Clause::ModuleContent(a, b) => write!(f, "{a} carries {b}"),
+            Clause::Carries(a, b) => write!(f, "{a} carries {b}"),
             Clause::On(a, branch) => write!(f, "{a} on {}", side(branch)),
             Clause::AtMost(n, branch) => write!(f, "at most {n} on {}", side(branch)),
             Clause::AtLeast(n, branch) => write!(f, "at least {n} on {}", side(branch)),

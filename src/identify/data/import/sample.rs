@@ -75,7 +75,8 @@ pub struct Import {
 
 /// A refusal of the file as a whole.
 pub(super) fn refusal(message: String, place: Option<Place>) -> Diagnostic {
-    let help = "a table needs a header: a position column (`X [mm]`, `position [mm]`) and columns named by error (`EXX [um]`), \
+    let help = "a table needs a header: a position column (`X [mm]`, `position [mm]`) and columns named by error \
+     (`EXX [um]`), \
                 by run (with `--error EXX --unit um`), or `error`, `value` and `unit`";
     Diagnostic::new(codes::E0509, message).at(place, "").help(help)
 }

@@ -126,10 +126,12 @@ impl PlanePicture<'_> {
         let [right, times] = [self.axis(0).to_owned(), thousands(exaggeration)];
         match self.drawn {
             PlaneStyle::Colours => format!(
-                "Arrows: the part of d within the plane, {times} times as long as it is; to the right is too far in +{right}."
+                "Arrows: the part of d within the plane, {times} times as long as it is; to the right is too far in \
+                 +{right}."
             ),
             PlaneStyle::Grid => format!(
-                "Grey: nominal grid; blue: displaced by the part of d within the plane, {times} times as far as it is; to the right is too far in +{right}."
+                "Grey: nominal grid; blue: displaced by the part of d within the plane, {times} times as far as it \
+                 is; to the right is too far in +{right}."
             ),
         }
     }

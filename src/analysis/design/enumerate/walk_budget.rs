@@ -1,30 +1,32 @@
 //! The budget of all arrangements of a walk at once. Where the bed stands does not change the nominal
-//! machine, only on which side of its motion each axis errs. So what every joint does is computed once
+//! machine, only the side of its motion on which each axis errs. So the deviation by every joint is computed once
 //! for either side, and an arrangement is a sum of table-side joints before the bed and tool-side ones
 //! after it, always added up in the same order.
 
-use crate::analysis::design::budget::Statistic;
-use crate::analysis::design::budget::kernel::{Chunk, JointBounds, LANES, Lanes, add, squares};
+use crate::analysis::design::budget::{
+    CurvePoint, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, Statistic, add, squares,
+};
 use crate::lower::{Quantity, SideWeights, TwistMap, twists};
 use crate::machine::{Axis, Branch, Machine, Pose};
 
-/// A joint at a pose: its index among the drawn joints, its place on its travel, its maps.
-struct Joint {
+/// A joint at a pose: maps of its errors on the tool side and on the table side.
+struct JointMaps {
+    /// Index among the drawn joints.
     drawn: usize,
-    place: (usize, f64),
+    point: CurvePoint,
     location: [TwistMap; 2],
     component: [TwistMap; 2],
-    /// A location error does the same on either side.
+    /// True if a location error acts the same on either side.
     alike: bool,
 }
 
 /// All joints of the walk at one pose.
-struct Stop {
-    joints: Vec<Joint>,
+struct PoseMaps {
+    joints: Vec<JointMaps>,
     spindle: TwistMap,
 }
 
-/// The statistic over the poses, for every arrangement (rows, as `tables` lists them) and sample.
+/// Returns the statistic over the poses, mm, for every arrangement (rows, as `tables` lists them) and sample.
 /// `axes` are the indices of the walk's axes among the drawn joints; the last joint is the spindle.
 pub fn statistics(
     machine: &Machine,
@@ -32,16 +34,16 @@ pub fn statistics(
     tables: &[usize],
     poses: &[Pose],
     bounds: &[JointBounds],
-    chunks: &[Chunk],
+    chunks: &[SampleChunk],
     statistic: Statistic,
 ) -> Vec<Vec<f64>> {
-    let stops: Vec<Stop> = poses.iter().map(|pose| stop(machine, axes, pose, bounds)).collect();
-    let mut rows = vec![Vec::with_capacity(chunks.len() * LANES); tables.len()];
-    let mut lengths: Vec<Vec<Lanes>> = vec![Vec::with_capacity(poses.len()); tables.len()];
+    let pose_maps: Vec<PoseMaps> = poses.iter().map(|pose| maps(machine, axes, pose, bounds)).collect();
+    let mut rows = vec![Vec::with_capacity(chunks.len() * SAMPLE_LANES); tables.len()];
+    let mut lengths: Vec<Vec<SampleLanes>> = vec![Vec::with_capacity(poses.len()); tables.len()];
     for chunk in chunks {
         lengths.iter_mut().for_each(Vec::clear);
-        for stop in &stops {
-            let deviations = stop.deviations(chunk, bounds.len() - 1);
+        for maps in &pose_maps {
+            let deviations = maps.deviations(chunk, bounds.len() - 1);
             lengths.iter_mut().zip(tables).for_each(|(list, table)| list.push(squares(&deviations[*table])));
         }
         rows.iter_mut().zip(&lengths).for_each(|(row, lanes)| row.extend(over_poses(statistic, lanes)));
@@ -49,22 +51,22 @@ pub fn statistics(
     rows
 }
 
-/// Squared lengths of one arrangement, chunk by chunk and pose by pose.
-pub fn squared(
+/// Returns the squared lengths (mm^2) of one arrangement, chunk by chunk and pose by pose.
+pub fn squared_lengths(
     machine: &Machine,
     axes: &[usize],
     table: usize,
     poses: &[Pose],
     bounds: &[JointBounds],
-    chunks: &[Chunk],
-) -> Vec<Vec<Lanes>> {
-    let stops: Vec<Stop> = poses.iter().map(|pose| stop(machine, axes, pose, bounds)).collect();
-    let at = |stop: &Stop, chunk: &Chunk| squares(&stop.deviations(chunk, bounds.len() - 1)[table]);
-    chunks.iter().map(|chunk| stops.iter().map(|stop| at(stop, chunk)).collect()).collect()
+    chunks: &[SampleChunk],
+) -> Vec<Vec<SampleLanes>> {
+    let pose_maps: Vec<PoseMaps> = poses.iter().map(|pose| maps(machine, axes, pose, bounds)).collect();
+    let at = |maps: &PoseMaps, chunk: &SampleChunk| squares(&maps.deviations(chunk, bounds.len() - 1)[table]);
+    chunks.iter().map(|chunk| pose_maps.iter().map(|maps| at(maps, chunk)).collect()).collect()
 }
 
-/// The statistic of lengths over the poses, for every lane.
-pub fn over_poses(statistic: Statistic, squares: &[Lanes]) -> Lanes {
+/// Returns the statistic of lengths over the poses, for every lane.
+pub fn over_poses(statistic: Statistic, squares: &[SampleLanes]) -> SampleLanes {
     let mut column = vec![0.0; squares.len()];
     std::array::from_fn(|lane| {
         column.iter_mut().zip(squares).for_each(|(x, lanes)| *x = lanes[lane]);
@@ -72,32 +74,32 @@ pub fn over_poses(statistic: Statistic, squares: &[Lanes]) -> Lanes {
     })
 }
 
-fn stop(machine: &Machine, axes: &[usize], pose: &[f64], bounds: &[JointBounds]) -> Stop {
+fn maps(machine: &Machine, axes: &[usize], pose: &[f64], bounds: &[JointBounds]) -> PoseMaps {
     let twists = twists(machine, pose, Quantity::Position);
     let conventions = machine.conventions();
     let joint = |(i, axis): (usize, &Axis)| {
         let side = |branch| Axis { branch, ..axis.clone() };
         let sides = [side(Branch::Tool), side(Branch::Workpiece)];
         let location = sides.each_ref().map(|axis| SideWeights::location(axis, conventions));
-        Joint {
+        JointMaps {
             drawn: axes[i],
-            place: bounds[axes[i]].place(pose[i]),
+            point: bounds[axes[i]].curve_point(pose[i]),
             alike: location[0] == location[1],
             location: location.map(|weights| weights.map(&twists[i])),
             component: sides.map(|axis| SideWeights::component(&axis, conventions).map(&twists[i])),
         }
     };
-    let joints: Vec<Joint> = machine.axes().iter().enumerate().map(joint).collect();
-    Stop { spindle: SideWeights::SPINDLE.map(&twists[joints.len()]), joints }
+    let joints: Vec<JointMaps> = machine.axes().iter().enumerate().map(joint).collect();
+    PoseMaps { spindle: SideWeights::SPINDLE.map(&twists[joints.len()]), joints }
 }
 
-type Deviations = [Lanes; 3];
+type Deviations = [SampleLanes; 3];
 
-const NONE: Deviations = [[0.0; LANES]; 3];
+const NONE: Deviations = [[0.0; SAMPLE_LANES]; 3];
 
-impl Stop {
-    /// With no axis on the table, with one, ... with all.
-    fn deviations(&self, chunk: &Chunk, spindle: usize) -> Vec<Deviations> {
+impl PoseMaps {
+    /// Returns the deviations with 0, 1, ... all axes on the table.
+    fn deviations(&self, chunk: &SampleChunk, spindle: usize) -> Vec<Deviations> {
         let sides: Vec<[Deviations; 2]> = self.joints.iter().map(|joint| joint.deviations(chunk)).collect();
         let mut last = NONE;
         if let Some(errors) = chunk.location(spindle) {
@@ -119,9 +121,9 @@ impl Stop {
     }
 }
 
-impl Joint {
-    /// On the tool side, on the table side.
-    fn deviations(&self, chunk: &Chunk) -> [Deviations; 2] {
+impl JointMaps {
+    /// Returns the deviations on the tool side, and on the table side.
+    fn deviations(&self, chunk: &SampleChunk) -> [Deviations; 2] {
         let mut sides = [NONE; 2];
         if let Some(errors) = chunk.location(self.drawn) {
             add(&self.location[0], errors, &mut sides[0]);
@@ -131,7 +133,7 @@ impl Joint {
                 add(&self.location[1], errors, &mut sides[1]);
             }
         }
-        if let Some(errors) = chunk.component(self.drawn, self.place) {
+        if let Some(errors) = chunk.component(self.drawn, self.point) {
             add(&self.component[0], &errors, &mut sides[0]);
             add(&self.component[1], &errors, &mut sides[1]);
         }

@@ -5,10 +5,7 @@
 //! 2. The same joints and the same chain as in every evaluation are multiplied.
 //! 3. E_VE takes the inverse joint by joint; deviations are those of `eval`, workpiece frame.
 
-mod symbols;
-
-pub use symbols::{Meaning, Naming, Symbol};
-
+use super::symbols::{self, Meaning, Naming, Symbol};
 use crate::algebra::symbolic::{Kind, MAX_PRODUCTS, Rules, Symbolic};
 use crate::algebra::{Algebra, Htm};
 use crate::diagnostic::{Diagnostic, codes};
@@ -16,18 +13,18 @@ use crate::evaluate::rotation;
 use crate::lower::{
     Chain, DeclaredAlgebra, ErrorLift, ErrorSite, NamedSource, Position, Source, named_sources, unit_values,
 };
-use crate::machine::{AxisKind, Joints, Location, LocationOrder, Machine};
+use crate::machine::{Axis, AxisKind, Joints, Location, LocationOrder, Machine};
 use nalgebra::{Matrix4, Vector3};
 use num_traits::Zero;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// How the equations are written.
+/// Options of the notation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Options {
-    /// Whose letters.
+    /// Letters of the symbols.
     pub naming: Naming,
-    /// The length of the tool as the symbol L instead of a number.
+    /// True to write the length of the tool as the symbol L instead of a number.
     pub tool_length: bool,
 }
 
@@ -42,7 +39,7 @@ pub struct Equations {
     pub t_tool: Htm<Symbolic>,
     /// From the bed to the workpiece.
     pub t_work: Htm<Symbolic>,
-    /// (T_tool^-1 T_work) real minus nominal, between workpiece frame and tool frame.
+    /// (T_tool^-1 T_work) actual minus nominal, between workpiece frame and tool frame.
     pub e_ve: Matrix4<Symbolic>,
     /// Deviation of the functional point, mm.
     pub position: Vector3<Symbolic>,
@@ -50,7 +47,8 @@ pub struct Equations {
     pub rotation: Vector3<Symbolic>,
 }
 
-/// The closed forms of a machine in a declared algebra.
+/// Returns the closed forms of a machine in a declared algebra. Fails if they are no polynomials, or exceed
+/// [`MAX_PRODUCTS`].
 pub fn equations(machine: &Machine, declared: &DeclaredAlgebra, options: Options) -> Result<Equations, Diagnostic> {
     let errors = named_sources(machine);
     if let Some(culprit) = errors.iter().find(|error| !is_polynomial(machine, error)) {
@@ -58,44 +56,44 @@ pub fn equations(machine: &Machine, declared: &DeclaredAlgebra, options: Options
     }
     let alphabet = Alphabet::new(machine, declared, &errors, options);
     let at = alphabet.positions(machine);
-    let mut real = Chain::actual_at(machine, &at, &unit_values(machine), &alphabet);
+    let mut actual = Chain::actual_at(machine, &at, &unit_values(machine), &alphabet);
     let mut nominal = Chain::nominal_at(machine, &at);
     if let Some(length) = alphabet.find(|m| m == Meaning::ToolLength) {
         let number = Symbolic::from_real(machine.tool().tip[2] - machine.tool().gauge[2]);
-        for tip in [&mut real.tip, &mut nominal.tip] {
+        for tip in [&mut actual.tip, &mut nominal.tip] {
             tip[2] += length.clone() - number.clone();
         }
     }
-    let found = collected(machine, &real, &nominal);
+    let equations = collected(machine, &actual, &nominal);
     if alphabet.rules.exhausted() {
         return Err(too_long());
     }
-    let found = found.ok_or_else(no_number)?;
-    Ok(Equations { symbols: alphabet.symbols, ..found })
+    let equations = equations.ok_or_else(no_number)?;
+    Ok(Equations { symbols: alphabet.symbols, ..equations })
 }
 
-/// `None` if anything in it is no polynomial.
-fn collected(machine: &Machine, real: &Chain<Symbolic>, nominal: &Chain<Symbolic>) -> Option<Equations> {
+/// Returns the equations without their symbols; `None` if an element is no polynomial.
+fn collected(machine: &Machine, actual: &Chain<Symbolic>, nominal: &Chain<Symbolic>) -> Option<Equations> {
     let origin = machine.workpiece();
-    let pose = (real.tool_in_workpiece(&origin), nominal.tool_in_workpiece(&origin));
-    let backwards = (inverse_pose(real, &origin)?, inverse_pose(nominal, &origin)?);
+    let pose = (actual.tool_in_workpiece(&origin), nominal.tool_in_workpiece(&origin));
+    let backwards = (inverse_pose(actual, &origin)?, inverse_pose(nominal, &origin)?);
     let names = machine.axes().iter().map(|axis| axis.name.to_string());
-    let mut joints: Vec<(String, Htm<Symbolic>)> = names.zip(real.joints.iter().cloned()).collect();
-    if let (Some(name), true) = (machine.chain().spindle(), real.spindle != Htm::identity()) {
-        joints.push((name.to_string(), real.spindle.clone()));
+    let mut joints: Vec<(String, Htm<Symbolic>)> = names.zip(actual.joints.iter().cloned()).collect();
+    if let (Some(name), true) = (machine.chain().spindle(), actual.spindle != Htm::identity()) {
+        joints.push((name.to_string(), actual.spindle.clone()));
     }
     let found = Equations {
         symbols: Vec::new(),
         joints,
-        t_tool: real.t_tool(),
-        t_work: inverse(real.workpiece_walk())?,
+        t_tool: actual.t_tool(),
+        t_work: inverse(actual.workpiece_walk())?,
         e_ve: backwards.0.to_matrix() - backwards.1.to_matrix(),
         position: pose.0.translation - pose.1.translation,
         rotation: rotation(&pose.0.linear, &pose.1.linear, machine.conventions().joints),
     };
     let found = match machine.conventions().location_order {
         LocationOrder::Real => found,
-        // Of order 0 there is nothing but rounding.
+        // The terms of order 0 are rounding.
         LocationOrder::Nilpotent => Equations {
             e_ve: found.e_ve.map(|p| p.nilpotent()),
             position: found.position.map(|p| p.nilpotent()),
@@ -107,19 +105,19 @@ fn collected(machine: &Machine, real: &Chain<Symbolic>, nominal: &Chain<Symbolic
     all.into_iter().all(Symbolic::is_polynomial).then_some(found)
 }
 
-/// Inverse of a product: of each factor, in reverse order.
+/// Returns the inverse of a product: the inverses of the factors in reverse order.
 fn inverse<'a>(factors: impl DoubleEndedIterator<Item = &'a Htm<Symbolic>>) -> Option<Htm<Symbolic>> {
     factors.rev().try_fold(Htm::identity(), |product, factor| Some(product.compose(&factor.inverse()?)))
 }
 
-/// From the tool frame to the workpiece frame, inverted.
+/// Returns the inverse of the tool's pose in the workpiece frame.
 fn inverse_pose(chain: &Chain<Symbolic>, origin: &[f64; 3]) -> Option<Htm<Symbolic>> {
     let walk = inverse(chain.walk())?;
     let translation = walk.apply(origin) - &chain.tip;
     Some(Htm { linear: walk.linear, translation })
 }
 
-/// Under `location_order: real` only squareness is a polynomial.
+/// True if the equations are polynomials in an error: with `location_order: real` only in squareness.
 fn is_polynomial(machine: &Machine, error: &NamedSource) -> bool {
     let conventions = machine.conventions();
     let ErrorSite::Location(index) = error.source.place else { return true };
@@ -179,7 +177,7 @@ impl Alphabet {
 
     fn positions(&self, machine: &Machine) -> Vec<Position<Symbolic>> {
         let symbol = |meaning: Meaning| self.find(|m| m == meaning).unwrap_or_else(Symbolic::zero);
-        let position = |(i, axis): (usize, &crate::machine::Axis)| match axis.kind {
+        let position = |(i, axis): (usize, &Axis)| match axis.kind {
             AxisKind::Linear => Position::Linear(symbol(Meaning::Position(i))),
             AxisKind::Rotary => Position::Rotary(symbol(Meaning::Sine(i)), symbol(Meaning::Cosine(i))),
         };

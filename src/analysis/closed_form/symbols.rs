@@ -3,7 +3,7 @@
 use crate::lower::{ErrorSite, NamedSource, Source};
 use crate::machine::{Axis, AxisKind, Conventions, Direction, Location, Machine};
 
-/// Whose letters.
+/// Letters of the symbols.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Naming {
@@ -14,7 +14,7 @@ pub enum Naming {
     Paper,
 }
 
-/// What a symbol stands for.
+/// The meaning of a symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Meaning {
     /// An error, mm or rad; -1 if the symbol is the error with the opposite sign.
@@ -36,18 +36,18 @@ pub struct Symbol {
     pub text: String,
     /// In LaTeX.
     pub latex: String,
-    /// What it is.
+    /// Its meaning.
     pub meaning: Meaning,
 }
 
 impl Symbol {
-    /// The value of the symbol where an error has this value.
+    /// Returns the sign of the symbol relative to the error for which it stands.
     pub fn sign(&self) -> f64 {
         if let Meaning::Error(_, sign) = self.meaning { f64::from(sign) } else { 1.0 }
     }
 }
 
-/// The symbol of an error.
+/// Returns the symbol of an error.
 pub(crate) fn error(machine: &Machine, given: &NamedSource, naming: Naming) -> Symbol {
     let axis = match given.source.place {
         ErrorSite::Location(i) | ErrorSite::Component(i) => machine.axes().get(i),
@@ -66,7 +66,7 @@ fn iso(given: &NamedSource) -> (String, String, i8) {
     (given.name.clone(), latex, 1)
 }
 
-/// Text, LaTeX and sign in the letters of the papers.
+/// Returns text, LaTeX and sign in the letters of the papers.
 fn paper(axis: &Axis, source: Source, conventions: &Conventions) -> (String, String, i8) {
     let letter = ['x', 'y', 'z'][source.direction.index() % 3];
     let (small, rotation) = (axis.name.as_str().to_lowercase(), source.direction.is_rotation());
@@ -85,7 +85,7 @@ fn paper(axis: &Axis, source: Source, conventions: &Conventions) -> (String, Str
     (format!("{plain}{letter}({})", axis.name), format!("{greek}_{letter}({})", axis.name), 1)
 }
 
-/// Sxy = EC0Y, Sxz = -EB0Z, Syz = EA0Z.
+/// Returns the pair of axes and the sign of a squareness: Sxy = EC0Y, Sxz = -EB0Z, Syz = EA0Z.
 fn squareness(axis: &str, direction: Direction) -> Option<(&'static str, i8)> {
     match (axis, direction) {
         ("y", Direction::C) => Some(("xy", 1)),
@@ -95,7 +95,7 @@ fn squareness(axis: &str, direction: Direction) -> Option<(&'static str, i8)> {
     }
 }
 
-/// The symbols of an axis's position.
+/// Returns the symbols of an axis's position.
 pub(crate) fn position(index: usize, axis: &Axis, naming: Naming) -> Vec<Symbol> {
     let symbol = |text: String, latex: String, meaning| Symbol { text, latex, meaning };
     let name = axis.name.as_str();
@@ -111,7 +111,7 @@ pub(crate) fn position(index: usize, axis: &Axis, naming: Naming) -> Vec<Symbol>
     }
 }
 
-/// The length of the tool.
+/// Returns the symbol of the tool's length.
 pub(crate) fn tool_length() -> Symbol {
     Symbol { text: "L".to_owned(), latex: "L".to_owned(), meaning: Meaning::ToolLength }
 }

@@ -1,18 +1,19 @@
-//! Budgets side by side: tolerance by tolerance, what each has of the 95 % value in each of several machines.
+//! Budgets side by side: the effect of each tolerance on the 95 % value of each of several machines.
 
 use super::bounds::Bound;
-use super::{Budget, Tighten};
+use super::totals::{Budget, ToleranceEffect};
 use crate::machine::ErrorId;
 use std::collections::BTreeMap;
 
 /// One bounded error in one machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Part {
+pub struct BudgetPart {
     /// Its bound (mm, rad).
     pub tolerance: f64,
-    /// What it has of the 95 % value of the drawn machines' position (um): the parts of a machine add up to it.
-    pub of_p95: Tighten,
-    /// What it does alone at its bound, root mean square over the poses (um).
+    /// Its effect on the 95 % value of the drawn machines' position (um): the effects of a machine add up to that
+    /// value.
+    pub of_p95: ToleranceEffect,
+    /// Deviation by it alone at its bound, root mean square over the poses (um).
     pub average: f64,
 }
 
@@ -22,16 +23,16 @@ pub struct BoundedError {
     /// The error.
     pub error: ErrorId,
     /// In each machine; `None` where it is not bounded.
-    pub parts: Vec<Option<Part>>,
+    pub parts: Vec<Option<BudgetPart>>,
 }
 
 impl BoundedError {
-    /// The largest part of all machines.
+    /// Returns the largest effect of all machines, um.
     pub fn largest(&self) -> f64 {
         self.parts.iter().flatten().map(|part| part.of_p95.effect.abs()).fold(0.0, f64::max)
     }
 
-    /// Its part of a machine's 95 % value minus that of the first; an error that is not bounded has no part.
+    /// Returns its effect on a machine's 95 % value minus that on the first machine's, um; without a bound it is 0.
     /// Over all errors these differences add up to that of the 95 % values.
     pub fn minus_first(&self, machine: usize) -> f64 {
         let effect = |i: usize| self.parts.get(i).copied().flatten().map_or(0.0, |part| part.of_p95.effect);
@@ -39,18 +40,19 @@ impl BoundedError {
     }
 }
 
-/// Every error that is bounded in any of the machines; largest first, then by name.
-pub fn beside(budgets: &[(&[Bound], &Budget)]) -> Vec<BoundedError> {
-    let mut by_error: BTreeMap<&ErrorId, Vec<Option<Part>>> = BTreeMap::new();
+/// Returns every error that is bounded in any of the machines; largest first, then by name.
+pub fn side_by_side(budgets: &[(&[Bound], &Budget)]) -> Vec<BoundedError> {
+    let mut by_error: BTreeMap<&ErrorId, Vec<Option<BudgetPart>>> = BTreeMap::new();
     for (machine, (bounds, budget)) in budgets.iter().enumerate() {
         let average: BTreeMap<usize, f64> = budget.average.iter().map(|c| (c.bound, c.um)).collect();
         for (i, bound) in bounds.iter().enumerate() {
             let parts = by_error.entry(&bound.error).or_insert_with(|| vec![None; budgets.len()]);
             let average = average.get(&i).copied().unwrap_or(0.0);
-            parts[machine] = Some(Part { tolerance: bound.tolerance, of_p95: budget.position.tighten[i], average });
+            parts[machine] =
+                Some(BudgetPart { tolerance: bound.tolerance, of_p95: budget.position.tighten[i], average });
         }
     }
-    let one = |(error, parts): (&ErrorId, Vec<Option<Part>>)| BoundedError { error: error.clone(), parts };
+    let one = |(error, parts): (&ErrorId, Vec<Option<BudgetPart>>)| BoundedError { error: error.clone(), parts };
     let mut list: Vec<BoundedError> = by_error.into_iter().map(one).collect();
     list.sort_by(|a, b| b.largest().total_cmp(&a.largest()));
     list

@@ -1,0 +1,235 @@
+//! The budget of one machine: worst case, RSS and drawn machines over the poses.
+
+use super::bounds::Bound;
+use super::draw::Draws;
+use super::kernel::{BudgetPose, JointBounds, by_joint};
+use super::monte_carlo::{self, Sample, Statistic};
+use super::quantile::{Percentile, mean};
+use super::worst::longest;
+use crate::evaluate::{Poses, Random};
+use crate::lower::Quantity;
+use crate::machine::{Machine, Pose};
+use rayon::prelude::*;
+
+/// The request for a budget.
+#[derive(Debug, Clone, Copy)]
+pub struct Request<'a> {
+    /// The machine; errors with a value do not count.
+    pub machine: &'a Machine,
+    /// The bounded errors.
+    pub bounds: &'a [Bound],
+    /// The poses (mm, deg).
+    pub poses: &'a [Pose],
+    /// Another pose (mm, deg) for the Pareto chart.
+    pub at: Option<&'a [f64]>,
+    /// The generator of drawn machines.
+    pub draws: &'a Draws,
+    /// Number of drawn machines.
+    pub samples: usize,
+    /// Statistic of each machine over the poses.
+    pub statistic: Statistic,
+}
+
+/// A budget of the functional point's position (um) and of the tool's orientation (urad).
+#[derive(Debug, Clone)]
+pub struct Budget {
+    /// Position of the functional point, um.
+    pub position: Totals,
+    /// Orientation of the tool, urad.
+    pub rotation: Totals,
+    /// Effect of each error at its bound on the position, at the pose where the RSS is largest, um.
+    pub worst: Vec<Contribution>,
+    /// The same as root of the mean square over the poses.
+    pub average: Vec<Contribution>,
+    /// The same at the pose asked for.
+    pub at: Option<Vec<Contribution>>,
+}
+
+/// The totals of a budget, in um or urad.
+#[derive(Debug, Clone)]
+pub struct Totals {
+    /// All errors at their bounds with the worst signs, at the pose where that is largest.
+    pub worst_case: f64,
+    /// That pose (mm, deg).
+    pub worst_pose: Pose,
+    /// Root of the sum of squares of the bounds' effects, at the pose where that is largest.
+    pub rss: f64,
+    /// That pose.
+    pub rss_pose: Pose,
+    /// The drawn machines' errors in rising order.
+    pub sorted: Vec<f64>,
+    /// Their mean and its standard error.
+    pub mean: (f64, f64),
+    /// Effect of each tolerance on the 95 % value, in the order of the bounds.
+    pub tighten: Vec<ToleranceEffect>,
+}
+
+/// One error at its bound.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contribution {
+    /// Index in the list of bounds.
+    pub bound: usize,
+    /// Fraction of the sum of squares.
+    pub share: f64,
+    /// Deviation by this error alone, um.
+    pub um: f64,
+}
+
+/// The dependence of the 95 % value on a tolerance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ToleranceEffect {
+    /// Tolerance times derivative of the 95 % value (um or urad): tightening the tolerance by 10 % lowers that value by
+    /// a tenth of this, to first order.
+    pub effect: f64,
+    /// Its standard error from the number of samples.
+    pub sigma: f64,
+}
+
+/// The reported percentiles, in percent.
+pub const PERCENTS: [usize; 4] = [50, 90, 95, 99];
+
+/// The derivative of the 95 % value is estimated from the samples between these fractions.
+const WINDOW: (f64, f64) = (0.925, 0.975);
+
+/// Maximum number of axes with which all corners of the volume are among the poses.
+const MAX_CORNER_AXES: usize = 10;
+
+/// Returns the corners of the volume, and `count` random poses within it (mm, deg).
+pub fn budget_poses(machine: &Machine, count: usize, seed: u64) -> Vec<Pose> {
+    let volume = machine.volume();
+    let moving: Vec<usize> = (0..volume.len()).filter(|i| volume[*i].max > volume[*i].min).collect();
+    let corner = |k: usize| {
+        let mut pose: Pose = volume.iter().map(|grid| grid.min).collect();
+        moving.iter().enumerate().filter(|(bit, _)| k >> bit & 1 == 1).for_each(|(_, i)| pose[*i] = volume[*i].max);
+        pose
+    };
+    let corners = if moving.len() > MAX_CORNER_AXES { 0 } else { 1 << moving.len() };
+    let within = Poses::Random(Random::of(machine, count, seed));
+    (0..corners).map(corner).chain(within.iter()).collect()
+}
+
+/// Returns the budget; the request has at least one bound, pose and sample. Calls `progress` with the number of
+/// machines drawn since its last call: in all twice the samples.
+pub fn budget(request: Request<'_>, progress: &(dyn Fn(usize) + Sync)) -> Budget {
+    let joints = by_joint(request.machine, request.bounds);
+    let (position, extremes) = totals(&request, &joints, Quantity::Position, progress);
+    let (rotation, _) = totals(&request, &joints, Quantity::Rotation, progress);
+    let at = request.at.map(|pose| {
+        let budget_pose = BudgetPose::new(request.machine, &joints, pose, Quantity::Position);
+        contributions(&lengths(&budget_pose.extremes(&joints, request.bounds)))
+    });
+    let rss = |list: &Vec<[f64; 3]>| lengths(list).iter().map(|x| x * x).sum::<f64>();
+    let worst = largest(&extremes.iter().map(rss).collect::<Vec<_>>());
+    Budget {
+        position,
+        rotation,
+        worst: contributions(&lengths(&extremes[worst])),
+        average: contributions(&root_mean_square(&extremes)),
+        at,
+    }
+}
+
+/// Deviations by every error at its bound, at every pose.
+type Extremes = Vec<Vec<[f64; 3]>>;
+
+fn totals(
+    request: &Request<'_>,
+    joints: &[JointBounds],
+    quantity: Quantity,
+    progress: &(dyn Fn(usize) + Sync),
+) -> (Totals, Extremes) {
+    let Request { machine, bounds, poses, draws, samples, statistic, .. } = *request;
+    let scale = if quantity == Quantity::Position { 1e3 } else { 1e6 };
+    let budget_poses: Vec<BudgetPose> =
+        poses.par_iter().map(|pose| BudgetPose::new(machine, joints, pose, quantity)).collect();
+    let extremes: Extremes = budget_poses.par_iter().map(|budget_pose| budget_pose.extremes(joints, bounds)).collect();
+    let (worst, worst_case) = worst_of(&extremes);
+    let rss: Vec<f64> = extremes.iter().map(|list| lengths(list).iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
+    let mut drawn = monte_carlo::draw(&budget_poses, joints, bounds, draws, statistic, samples, progress);
+    // A stable order of equal values keeps the window the same on every run.
+    drawn.sort_by(|a, b| a.value.total_cmp(&b.value));
+    let sorted: Vec<f64> = drawn.iter().map(|sample| sample.value * scale).collect();
+    let largest_rss = largest(&rss);
+    let totals = Totals {
+        worst_case: worst_case * scale,
+        worst_pose: poses[worst].clone(),
+        rss: rss[largest_rss] * scale,
+        rss_pose: poses[largest_rss].clone(),
+        mean: mean(&sorted),
+        tighten: tighten(&drawn, bounds.len(), scale),
+        sorted,
+    };
+    (totals, extremes)
+}
+
+impl Totals {
+    /// Returns the mean of worst case and RSS, the estimate of such budgets (A. H. Slocum).
+    pub fn mean_of_both(&self) -> f64 {
+        0.5 * (self.worst_case + self.rss)
+    }
+
+    /// Returns a percentile of the drawn machines, with its confidence interval.
+    pub fn percentile(&self, percent: usize) -> Percentile {
+        Percentile::of(&self.sorted, percent)
+    }
+}
+
+/// Returns the pose with the largest worst case, and its length. The sum of lengths is an upper bound that skips other
+/// poses.
+fn worst_of(extremes: &Extremes) -> (usize, f64) {
+    let upper: Vec<f64> = extremes.iter().map(|list| lengths(list).iter().sum()).collect();
+    let mut order: Vec<usize> = (0..extremes.len()).collect();
+    order.sort_by(|a, b| upper[*b].total_cmp(&upper[*a]).then(a.cmp(b)));
+    let mut best = (0, f64::NEG_INFINITY);
+    for index in order {
+        if upper[index] < best.1 {
+            break;
+        }
+        let length = longest(&extremes[index]);
+        if length > best.1 {
+            best = (index, length);
+        }
+    }
+    best
+}
+
+fn lengths(vectors: &[[f64; 3]]) -> Vec<f64> {
+    vectors.iter().map(|v| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()).collect()
+}
+
+/// Returns the index of the largest value; of equal ones the first.
+fn largest(values: &[f64]) -> usize {
+    (0..values.len()).fold(0, |best, i| if values[i] > values[best] { i } else { best })
+}
+
+fn root_mean_square(extremes: &Extremes) -> Vec<f64> {
+    let mut sums = vec![0.0; extremes.first().map_or(0, Vec::len)];
+    for list in extremes {
+        sums.iter_mut().zip(lengths(list)).for_each(|(sum, x)| *sum += x * x);
+    }
+    sums.into_iter().map(|sum| (sum / extremes.len() as f64).sqrt()).collect()
+}
+
+/// Returns the contributions of lengths (mm), largest first.
+fn contributions(lengths: &[f64]) -> Vec<Contribution> {
+    let total: f64 = lengths.iter().map(|x| x * x).sum();
+    let share = |x: f64| if total > 0.0 { x * x / total } else { 0.0 };
+    let one = |(bound, x): (usize, &f64)| Contribution { bound, share: share(*x), um: x * 1e3 };
+    let mut list: Vec<Contribution> = lengths.iter().enumerate().map(one).collect();
+    list.sort_by(|a, b| b.um.total_cmp(&a.um).then(a.bound.cmp(&b.bound)));
+    list
+}
+
+/// Returns the means of the parts over the samples around the 95 % value.
+fn tighten(drawn: &[Sample], count: usize, scale: f64) -> Vec<ToleranceEffect> {
+    let n = drawn.len() as f64;
+    let first = ((WINDOW.0 * n) as usize).min(drawn.len() - 1);
+    let last = (libm::ceil(WINDOW.1 * n) as usize).clamp(first + 1, drawn.len());
+    let around = &drawn[first..last];
+    let one = |bound: usize| {
+        let parts: Vec<f64> = around.iter().map(|sample| sample.parts[bound] * scale).collect();
+        let (effect, sigma) = mean(&parts);
+        ToleranceEffect { effect, sigma }
+    };
+    (0..count).map(one).collect()
+}

@@ -1,0 +1,71 @@
+//! Arrangements with their results, and their order.
+
+use crate::analysis::design::compare::UnreachableCount;
+use serde::{Deserialize, Serialize};
+
+/// The standing of an arrangement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Standing {
+    /// It reaches tool poses and has a result.
+    Judged,
+    /// Its rotary axes cannot turn the tool in as many directions as the work requires.
+    CannotTurn,
+    /// It reaches none of the tool poses.
+    ReachesNothing,
+}
+
+/// An arrangement and its result.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// The chain as ISO prints it.
+    pub chain: String,
+    /// Number of axes that carry the workpiece.
+    pub table: usize,
+    /// How it did.
+    pub standing: Standing,
+    /// Tool poses it reaches.
+    pub reached: usize,
+    /// Those it does not.
+    pub unreachable: UnreachableCount,
+    /// Over the tool poses it reaches, um.
+    pub result: Option<Outcome>,
+}
+
+/// The position error of an arrangement over the tool poses it reaches, um.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// What it is ranked by: the 95 % value of the drawn machines, or the statistic of the errors given.
+    pub um: f64,
+    /// Interval that holds the 95 % value with 95 % confidence, where there are enough samples.
+    pub low: Option<f64>,
+    /// Its upper end.
+    pub high: Option<f64>,
+    /// Mean of the drawn machines.
+    pub mean: Option<f64>,
+    /// What it is ranked by, minus the same of the machine as its file has it, on the same tool poses.
+    pub minus_file: f64,
+}
+
+/// Arrangements in three groups, each in order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ranking {
+    /// Best first; of equal ones the one listed first.
+    pub ranked: Vec<Row>,
+    /// Judged, but they reach a smaller fraction of the work than required; those that reach more come first.
+    pub short: Vec<Row>,
+    /// They cannot turn the tool as the work requires.
+    pub cannot_turn: Vec<Row>,
+}
+
+/// Returns the arrangements in order; a ranked one reaches at least the fraction `reach` (0 to 1) of the `work` tool
+/// poses.
+pub fn ranked(rows: Vec<Row>, work: usize, reach: f64) -> Ranking {
+    let (cannot_turn, able): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(|r| r.standing == Standing::CannotTurn);
+    let enough = |row: &Row| row.result.is_some() && row.reached as f64 >= reach * work as f64;
+    let (mut ranked, mut short): (Vec<Row>, Vec<Row>) = able.into_iter().partition(enough);
+    let um = |row: &Row| row.result.map_or(f64::INFINITY, |result| result.um);
+    ranked.sort_by(|a, b| um(a).total_cmp(&um(b)));
+    short.sort_by(|a, b| b.reached.cmp(&a.reached).then(um(a).total_cmp(&um(b))));
+    Ranking { ranked, short, cannot_turn }
+}

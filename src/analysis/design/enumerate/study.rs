@@ -1,0 +1,232 @@
+//! A study: every walk on the same tool poses, judged by a budget or by the errors that have a value.
+
+use super::arrangement::Walk;
+use super::ranking::{Outcome, Row, Standing};
+use super::walk_budget;
+use crate::analysis::design::budget::{
+    Bound, Draws, JointBounds, Percentile, SAMPLE_LANES, SampleChunk, SampleLanes, Statistic, by_joint, mean,
+};
+use crate::analysis::design::compare::UnreachableCount;
+use crate::analysis::inverse::{ToolPose, Unreachable, inverse, rest, tool_pose};
+use crate::analysis::volume::Work;
+use crate::evaluate::{Bare, Field, Order, Poses, Random};
+use crate::lower::{Quantity, Twist, twists};
+use crate::machine::{Approach, Axis, AxisKind, Branch, Machine, Pose};
+use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
+
+/// The criterion by which arrangements are judged.
+#[derive(Debug, Clone)]
+pub enum Judge {
+    /// Errors drawn between bounds.
+    Budget {
+        /// The bounds.
+        bounds: Vec<Bound>,
+        /// The generator of errors.
+        draws: Draws,
+        /// Number of samples.
+        samples: usize,
+    },
+    /// The errors that have a value, with the exact model.
+    Errors,
+}
+
+/// A study of arrangements.
+#[derive(Debug)]
+pub struct Study<'a> {
+    machine: &'a Machine,
+    walks: Vec<Walk>,
+    statistic: Statistic,
+    judge: Judge,
+    work: Vec<ToolPose>,
+    reference: Reference,
+    joints: Vec<JointBounds>,
+    chunks: Vec<SampleChunk>,
+    freedom: usize,
+}
+
+/// The machine as its file has it: squared lengths of the deviations (mm^2) at every tool pose.
+#[derive(Debug)]
+enum Reference {
+    /// SampleChunk by chunk.
+    Drawn(Vec<Vec<SampleLanes>>),
+    Values(Vec<f64>),
+}
+
+impl<'a> Study<'a> {
+    /// Returns a study with its work and errors drawn. Tool poses that the machine itself cannot reach are left out.
+    pub fn new(machine: &'a Machine, walks: Vec<Walk>, judge: Judge, statistic: Statistic, work: &Work) -> Self {
+        let at_rest = rest(machine);
+        let own = |i: usize| {
+            let target = work.get(machine, i);
+            inverse(machine, &target, &at_rest).ok().map(|pose| (target, pose))
+        };
+        let own: Vec<(ToolPose, Pose)> = (0..work.len()).into_par_iter().filter_map(own).collect();
+        let (work, poses): (Vec<ToolPose>, Vec<Pose>) = own.into_iter().unzip();
+        let (joints, chunks) = match &judge {
+            Judge::Errors => (Vec::new(), Vec::new()),
+            Judge::Budget { bounds, draws, samples } => {
+                let joints = by_joint(machine, bounds);
+                let chunk = |i: usize| SampleChunk::new(&joints, bounds, draws, i * SAMPLE_LANES);
+                let chunks = (0..samples.div_ceil(SAMPLE_LANES)).into_par_iter().map(chunk).collect();
+                (joints, chunks)
+            }
+        };
+        let freedom = freedom(machine);
+        let reference = Reference::Values(Vec::new());
+        let mut study = Self { machine, walks, statistic, judge, work, reference, joints, chunks, freedom };
+        study.reference = study.own(&poses);
+        study
+    }
+
+    /// Returns the machine's own deviations at the work.
+    fn own(&self, poses: &[Pose]) -> Reference {
+        if let Judge::Errors = self.judge {
+            return Reference::Values(poses.par_iter().map(|pose| squared_deviation(self.machine, pose)).collect());
+        }
+        let axes: Vec<usize> = (0..self.machine.axes().len()).collect();
+        let table = self.machine.axes().iter().filter(|a| a.branch == Branch::Workpiece).count();
+        Reference::Drawn(walk_budget::squared_lengths(self.machine, &axes, table, poses, &self.joints, &self.chunks))
+    }
+
+    /// Returns the number of walks: the steps of the study.
+    pub fn steps(&self) -> usize {
+        self.walks.len()
+    }
+
+    /// Returns the number of arrangements.
+    pub fn arrangements(&self) -> usize {
+        self.walks.iter().map(|walk| walk.tables.len()).sum()
+    }
+
+    /// Returns the tool poses of the work.
+    pub fn work(&self) -> &[ToolPose] {
+        &self.work
+    }
+
+    /// Returns the rows of all arrangements of one walk.
+    pub fn step(&self, index: usize) -> Vec<Row> {
+        let walk = &self.walks[index];
+        let mut rows = Vec::new();
+        let machines: Vec<Machine> =
+            walk.tables.iter().filter_map(|table| self.machine.rearranged(&walk.sides(self.machine, *table))).collect();
+        // Axes whose sense depends on their side (`direct`) make another nominal machine of each arrangement.
+        let sense = |machine: &Machine| machine.axes().iter().map(|axis| axis.sign() > 0.0).collect::<Vec<_>>();
+        let mut from = 0;
+        while from < machines.len() {
+            let alike = machines[from..].iter().take_while(|m| sense(m) == sense(&machines[from])).count();
+            rows.extend(self.alike(walk, &machines[from..from + alike], &walk.tables[from..from + alike]));
+            from += alike;
+        }
+        rows
+    }
+
+    /// Returns the rows of arrangements with the same nominal machine.
+    fn alike(&self, walk: &Walk, machines: &[Machine], tables: &[usize]) -> Vec<Row> {
+        let nominal = &machines[0];
+        let row = |(machine, table): (&Machine, &usize), standing, missed: UnreachableCount| Row {
+            chain: machine.chain().to_string(),
+            table: *table,
+            standing,
+            reached: self.work.len() - missed.total,
+            unreachable: missed,
+            result: None,
+        };
+        let each = || machines.iter().zip(tables);
+        if freedom(nominal) < self.freedom {
+            let missed =
+                UnreachableCount { total: self.work.len(), direction: self.work.len(), ..UnreachableCount::default() };
+            return each().map(|of| row(of, Standing::CannotTurn, missed)).collect();
+        }
+        let at_rest = rest(nominal);
+        let found: Vec<Result<Pose, Unreachable>> =
+            self.work.iter().map(|target| inverse(nominal, target, &at_rest)).collect();
+        let missed = UnreachableCount::count(found.iter().filter_map(|pose| pose.as_ref().err()));
+        let (reached, poses): (Vec<usize>, Vec<Pose>) =
+            found.into_iter().enumerate().filter_map(|(i, pose)| Some((i, pose.ok()?))).unzip();
+        if poses.is_empty() {
+            return each().map(|of| row(of, Standing::ReachesNothing, missed)).collect();
+        }
+        let results = self.results(walk, machines, tables, &reached, &poses);
+        let judged =
+            each().zip(results).map(|(of, result)| Row { result: Some(result), ..row(of, Standing::Judged, missed) });
+        judged.collect()
+    }
+
+    fn results(
+        &self,
+        walk: &Walk,
+        machines: &[Machine],
+        tables: &[usize],
+        reached: &[usize],
+        poses: &[Pose],
+    ) -> Vec<Outcome> {
+        match (&self.judge, &self.reference) {
+            (Judge::Budget { samples, .. }, Reference::Drawn(own)) => {
+                let file = own.iter().flat_map(|lanes| {
+                    let same: Vec<SampleLanes> = reached.iter().map(|i| lanes[*i]).collect();
+                    walk_budget::over_poses(self.statistic, &same)
+                });
+                let file = percentile(file.take(*samples).collect()).value;
+                let rows = walk_budget::statistics(
+                    &machines[0],
+                    &walk.axes,
+                    tables,
+                    poses,
+                    &self.joints,
+                    &self.chunks,
+                    self.statistic,
+                );
+                let outcome = |mut row: Vec<f64>| {
+                    row.truncate(*samples);
+                    let (mean, _) = mean(&row);
+                    let p = percentile(row);
+                    let um = |x: f64| x * 1e3;
+                    let (low, high) = (p.low.map(um), p.high.map(um));
+                    Outcome { um: um(p.value), low, high, mean: Some(um(mean)), minus_file: um(p.value) - um(file) }
+                };
+                rows.into_iter().map(outcome).collect()
+            }
+            (_, Reference::Values(own)) => {
+                let file = self.statistic.of(&mut reached.iter().map(|i| own[*i]).collect::<Vec<_>>()).sqrt();
+                let outcome = |machine: &Machine| {
+                    let mut squares: Vec<f64> = poses.iter().map(|pose| squared_deviation(machine, pose)).collect();
+                    let um = self.statistic.of(&mut squares).sqrt() * 1e3;
+                    Outcome { um, low: None, high: None, mean: None, minus_file: um - file * 1e3 }
+                };
+                machines.iter().map(outcome).collect()
+            }
+            (Judge::Errors, Reference::Drawn(_)) => Vec::new(),
+        }
+    }
+}
+
+fn percentile(mut values: Vec<f64>) -> Percentile {
+    values.sort_by(f64::total_cmp);
+    Percentile::of(&values, 95)
+}
+
+/// Returns the squared length (mm^2) of the deviation by the errors that have a value.
+fn squared_deviation(machine: &Machine, pose: &[f64]) -> f64 {
+    Bare { machine, order: Order::Exact }.deviation(pose, Approach::Mean).position.norm_squared()
+}
+
+/// Returns the number of directions in which the machine can turn its tool axis: 0, 1 or 2, at almost all poses.
+pub fn freedom(machine: &Machine) -> usize {
+    const POSES: usize = 4;
+    const MIN_EIGENVALUE: f64 = 1e-9;
+    let intervals = machine.axes().iter().map(|axis| axis.travel.interval()).collect();
+    let at = |pose: Pose| {
+        let direction = tool_pose(machine, &pose).direction;
+        let twists = twists(machine, &pose, Quantity::Rotation);
+        let turn = |(axis, twist): (&Axis, &Twist)| {
+            let u = axis.direction;
+            let w = Vector3::from_fn(|i, _| (0..3).map(|k| twist.outer[i][k + 3] * u[k]).sum());
+            w.cross(&direction)
+        };
+        let rotary = machine.axes().iter().zip(&twists).filter(|(axis, _)| axis.kind == AxisKind::Rotary);
+        let gram = rotary.map(turn).fold(Matrix3::zeros(), |sum, w| sum + w * w.transpose());
+        gram.symmetric_eigenvalues().iter().filter(|value| **value > MIN_EIGENVALUE).count()
+    };
+    Poses::Random(Random::new(intervals, POSES, 0)).iter().map(at).max().unwrap_or(0)
+}
