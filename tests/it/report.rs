@@ -310,7 +310,7 @@ fn the_watched_page_follows_its_file_and_answers_this_computer_only() {
     let serving = Serving::new(&file);
     let (head, body) = serving.ask("GET / HTTP/1.1\nHost: 127.0.0.1:PORT\n\n");
     assert!(head.starts_with("HTTP/1.1 200") && body.contains("<h1>First</h1>"), "{head}");
-    let tag = head.lines().find_map(|line| line.strip_prefix("ETag: ")).unwrap().to_owned();
+    let tag = head.lines().find_map(|line| line.strip_prefix("etag: ")).unwrap().to_owned();
     for (request, status) in [
         (format!("GET / HTTP/1.1\nHost: localhost:PORT\nIf-None-Match: {tag}\n\n"), "304"),
         ("GET / HTTP/1.1\nHost: evil.example\n\n".to_owned(), "421"),
@@ -322,10 +322,8 @@ fn the_watched_page_follows_its_file_and_answers_this_computer_only() {
         let (head, body) = serving.ask(&request);
         assert!(head.starts_with(&format!("HTTP/1.1 {status}")) && body.is_empty(), "{request}: {head}");
     }
-    assert!(
-        serving.ask(&format!("GET / HTTP/1.1\nX: {}\n\n", "x".repeat(20_000))).0.is_empty(),
-        "a request without end"
-    );
+    let (head, body) = serving.ask(&format!("GET / HTTP/1.1\nX: {}\n\n", "x".repeat(20_000)));
+    assert!((head.is_empty() || head.starts_with("HTTP/1.1 431")) && body.is_empty(), "a request without end: {head}");
     let _ = folder.with("m.yaml", &machine("Second", "30 urad"));
     serving.until("<h1>Second</h1>");
     // A file that is extended is followed too.
