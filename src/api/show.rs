@@ -107,7 +107,7 @@ pub fn show(file: &MachineFile) -> ChainResult {
         axes: file.axes().iter().zip(&levers(file)).map(axis).collect(),
         tools: file.tools().iter().map(tool).collect(),
         workpiece_origin_mm: file.workpiece(),
-        conventions: file.conventions().clone(),
+        conventions: *file.conventions(),
         location_errors: LocationErrors { set: set.members.into_iter().map(member).collect(), besides: set.besides },
     }
 }

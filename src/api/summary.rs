@@ -72,7 +72,7 @@ pub fn summary(file: &MachineFile) -> MachineSummary {
         chain: file.chain().to_string(),
         axes: file.axes().iter().map(axis).collect(),
         tools: file.tools().iter().map(|tool| tool.name.clone()).collect(),
-        conventions: file.conventions().clone(),
+        conventions: *file.conventions(),
         errors: counts(file),
     }
 }

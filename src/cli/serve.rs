@@ -56,7 +56,7 @@ async fn accept(listener: TcpListener, port: u16, page: CurrentPage) -> std::io:
         let Ok(place) = Arc::clone(&places).acquire_owned().await else { return Ok(()) };
         let Ok((stream, _)) = listener.accept().await else { continue };
         let page = Arc::clone(&page);
-        let _ = tokio::spawn(async move {
+        drop(tokio::spawn(async move {
             let answer = service_fn(move |request| {
                 let response = respond(&request, port, &page);
                 async move { Ok::<_, Infallible>(response) }
@@ -68,7 +68,7 @@ async fn accept(listener: TcpListener, port: u16, page: CurrentPage) -> std::io:
             // A reader that goes away concerns nobody else.
             let _ = tokio::time::timeout(EXCHANGE_DEADLINE, exchange).await;
             drop(place);
-        });
+        }));
     }
 }
 
