@@ -8,8 +8,8 @@
 //! - `design`: machines side by side ([`compare()`]), tolerances to the volumetric error ([`mod@budget`]), arrangements
 //!   of the axes ([`enumerate`]), and the effect of each error alone ([`error_statistics()`], [`contributions()`]).
 //! - `closed_form`: equations over polynomials in symbols ([`equations()`]), interactions of errors
-//!   ([`interactions()`]), first-order effects joint by joint ([`twists()`]), and the minimal set of location errors
-//!   ([`LocationSet`]).
+//!   ([`interactions()`]), first-order effects joint by joint ([`twists`](crate::lower::twists)), and the minimal
+//!   set of location errors ([`LocationSet`]).
 //! - [`instrument`]: the readings of a ball bar, an R-test, or a laser along the diagonals.
 
 mod closed_form;

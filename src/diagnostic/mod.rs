@@ -53,7 +53,7 @@ pub struct Label {
     pub text: String,
 }
 
-/// One thing that is wrong. As text it is one line; [`render`] shows the place as well.
+/// One thing that is wrong. As text it is one line, without its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
     /// Stable code such as `E0203`; `abbe explain CODE` prints its long text.

@@ -6,7 +6,7 @@
 //!    [`read_kinematics`](super::ControllerTarget::read_kinematics) reads the numbers back;
 //! 3. [`ModuleField`] does what the module does with them, in own arithmetic: nothing here uses the lowering
 //!    of the machine, and only numbers that were read from the files count;
-//! 4. [`certify_kinematics`] says what is left.
+//! 4. [`certify_kinematics`](crate::controller::certify_kinematics) states what is left.
 //!
 //! Two frames are in use. The controller's *world* holds the tip of the tool relative to where the gauge
 //! point is with all axes at 0, plus the tool's length (so that world and joints agree while no rotary

@@ -1,8 +1,8 @@
 //! All arrangements of a machine's axes on the two sides of the bed, on the same work.
 //!
 //! 1. [`walks`] lists them, walk by walk, without those that a [`Rule`] excludes.
-//! 2. The [`Work`] is a list of tool poses in the workpiece frame, drawn from the volume of the machine as
-//!    its file has it, or given. Every walk reaches them by its nominal inverse kinematics, or does not.
+//! 2. The [`Work`](crate::analysis::Work) is a list of tool poses in the workpiece frame, drawn from the volume of
+//!    the machine as its file has it, or given. Every walk reaches them by its nominal inverse kinematics, or does not.
 //! 3. A walk that cannot turn the tool as the work requires is set apart.
 //! 4. The others are judged by a budget (the same drawn errors for all) or by the errors given.
 //! 5. [`ranked`] puts them in order; [`Journal`] keeps results walk by walk, so that a run can be
