@@ -44,6 +44,7 @@ mod verify;
 
 pub use budget::{BudgetOptions, BudgetResult, budget};
 pub use budgets::ComparedBudgets;
+#[cfg(feature = "cli")]
 pub(crate) use budgets::{DrawnMachines, budgets};
 pub use certificate::CertificateReport;
 pub use check::{CheckedFile, annotations, check};
@@ -66,6 +67,7 @@ pub use identify::{
 };
 pub use import::{ImportOptions, ImportResult, ImportedError, LeftOutRow, import};
 pub use instrument::{Instrument, InstrumentOptions, InstrumentResult, Readings, instrument};
+#[cfg(feature = "cli")]
 pub(crate) use machine_file::bounded_only;
 pub use machine_file::{LoadOptions, MachineFile, load, loads};
 pub use map::{BodyDiagonal, MapOptions, MapPoses, MapResult, Uncompensated, WorstPose, map, map_tables};
