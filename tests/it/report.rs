@@ -380,7 +380,7 @@ fn without_tolerances_there_is_no_budget_and_without_linear_axes_no_path() {
     let three = page(&folder, &["vmc-cframe-754.yaml", "--poses", "20"]);
     assert!(data(&three)["machines"][0]["budget"].is_null() && !three.contains("m1-budget"));
     let robot = page(&folder, &["robots/ur5.yaml", "--poses", "20"]);
-    assert!(robot.contains("None of the paths can be driven"));
+    assert!(robot.contains("The machine can follow none of the paths"));
     let out = folder.file("page2.html");
     let (code, message) = refused(&["report", "trunnion.yaml", "--class", "commodity", "--out", text(&out)]);
     assert!(code == 1 && message.contains("E0605") && !out.exists(), "{message}");
