@@ -2,7 +2,8 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
-use abbe::{Diagnostics, IdentifyOptions, IdentifyResult, LoadOptions, Run};
+use abbe::results::IdentifyResult;
+use abbe::{Diagnostics, IdentifyOptions, LoadOptions, Run};
 
 const MACHINE: &str = r#"
 abbe: 1

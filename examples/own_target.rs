@@ -2,7 +2,8 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
-use abbe::{CompensationOptions, CompileOptions, Diagnostics, LoadOptions, Run};
+use abbe::options::CompensationOptions;
+use abbe::{CompileOptions, Diagnostics, LoadOptions, Run};
 
 /// The folder `docs/examples/northmill` describes the controller (docs/adding-a-target.md).
 pub fn main() -> Result<(), Diagnostics> {

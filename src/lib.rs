@@ -7,6 +7,9 @@
 //! Every job is one function: a [`MachineFile`], a struct of options with defaults, a [`Run`] that says where files are
 //! read; an [`Answer`] with the value and the warnings comes back, or the [`Diagnostics`] that refuse the input.
 //!
+//! The functions and their options stand here; the types of options' fields in [`options`], what is returned in
+//! [`results`], numbers and diagnostics as text in [`text`], sets of files in a folder in [`sets`].
+//!
 //! Deviations are actual minus nominal, tool relative to workpiece, in ISO 841 directions. Lengths are in mm and angles
 //! in rad unless a name ends in another unit; positions of rotary axes are in deg as programmed.
 //!
@@ -81,7 +84,7 @@
 //! 9. `controller` writes the files from templates, reads them back, replays them as the controller would, and
 //!    certifies what is left.
 //! 10. `report` draws pictures and pages.
-//! 11. `api` is this façade, `cli` the program over it.
+//! 11. `api` is this façade; the program `abbe` is a face over it.
 //!
 //! `docs/architecture.md` states the invariants, `docs/theory.md` the mathematics. The stages are public for the tests
 //! and the benchmarks of this repository; they are hidden here, and no part of the interface.
@@ -94,9 +97,6 @@ pub mod algebra;
 pub mod analysis;
 #[doc(hidden)]
 pub mod api;
-#[cfg(feature = "cli")]
-#[doc(hidden)]
-pub mod cli;
 #[doc(hidden)]
 pub mod compensation;
 #[doc(hidden)]

@@ -1,5 +1,7 @@
-//! The program: everything is in the library, this only hands the process over to it.
+//! The program: a face over the library, which computes everything.
+
+mod cli;
 
 fn main() -> std::process::ExitCode {
-    abbe::cli::run(std::env::args_os())
+    cli::run(std::env::args_os())
 }

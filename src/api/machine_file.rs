@@ -17,6 +17,7 @@ pub struct MachineFile {
     pub(crate) sources: Sources,
     /// The path of the file.
     pub(crate) path: PathBuf,
+    warnings: Vec<Diagnostic>,
 }
 
 impl Deref for MachineFile {
@@ -36,6 +37,11 @@ impl MachineFile {
     /// Returns name and text of every file that the machine was read from, in the order read.
     pub fn sources(&self) -> &Sources {
         &self.sources
+    }
+
+    /// Returns what reading it warned of.
+    pub fn warnings(&self) -> &[Diagnostic] {
+        &self.warnings
     }
 
     /// Returns the plain name and the SHA-256 of every file that the machine was read from.
@@ -119,7 +125,8 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
     call.checked()?;
     let machine = machine.ok_or(Refused)?;
     let identify = document.and_then(|document| document.identify);
-    let file = MachineFile { machine, identify, sources: call.diagnostics.sources.clone(), path: path.to_owned() };
+    let (sources, warnings) = (call.diagnostics.sources.clone(), call.diagnostics.iter().cloned().collect());
+    let file = MachineFile { machine, identify, sources, path: path.to_owned(), warnings };
     match &options.tool {
         None => Ok(file),
         Some(name) => file.with_tool(name).or_else(|refusal| call.refuse(refusal)),

@@ -14,7 +14,7 @@ mod certificate;
 mod check;
 mod classify;
 mod compare;
-pub(crate) mod compensation;
+mod compensation;
 mod compile;
 mod compiled_model;
 mod convert;
@@ -30,78 +30,55 @@ mod instrument;
 mod machine_file;
 mod map;
 mod map_tables;
+pub mod options;
 mod plane_picture;
-pub(crate) mod poses;
-pub(crate) mod run;
+mod poses;
+mod replay;
+mod report;
+pub mod results;
+mod run;
+pub mod sets;
 mod show;
 mod starter;
 mod study;
 mod summary;
 mod targets;
-pub(crate) mod tolerances;
+pub mod text;
+mod tolerances;
 mod tool_poses;
 mod verify;
 
-pub use budget::{BudgetOptions, BudgetResult, budget};
-pub use budgets::ComparedBudgets;
-#[cfg(feature = "cli")]
-pub(crate) use budgets::{DrawnMachines, budgets};
-pub use certificate::CertificateReport;
-pub use check::{CheckedFile, annotations, check};
-pub use classify::{Classification, ClassifyOptions, MotionWithErrors, NoMotion, SixErrors, classify};
-pub use compare::{CompareOptions, CompareResult, ComparedMachine, ComparedPose, ErrorContribution, compare};
-pub use compensation::options::{CompensationOptions, CorrectingAxes};
-pub use compile::{CompileOptions, CompiledSet, compile};
-pub use compiled_model::{CompiledModel, DeviationColumns, PoseDeviation, compile_model};
-pub use convert::{ConversionProof, ConvertOptions, ConvertResult, ConvertedError, MisfitSize, convert};
-pub use diff::{AxisDifference, DiffOptions, SetDifference, diff};
-pub use effects::{ErrorEffect, Neglected};
-pub use enumerate::{EnumerateOptions, EnumerateResult, JudgedBy, RankedArrangements, StudyProgress, enumerate};
-pub use equations::{EquationsOptions, EquationsResult, equations};
-pub use eval::{EvalOptions, EvalResult, EvalUnits, PoseResult, eval};
-pub use explain::{Explanation, explain};
-pub use identify::{
-    ExpectedParameter, FittedParameter, IdentifyOptions, IdentifyResult, KindResidual, MeasurementPlan,
-    MonomialCoefficient, MonomialComponent, MonomialFit, NamedSvg, OrderShares, OutlierPlace, PlanOptions, PlannedPose,
-    RepeatedReadings, ResidualTest, Rms, RmsBeforeAfter, ScatterOfKind, fit_monomials, identify, plan_measurements,
-};
-pub use import::{ImportOptions, ImportResult, ImportedError, LeftOutRow, import};
-pub use instrument::{Instrument, InstrumentOptions, InstrumentResult, Readings, instrument};
-#[cfg(feature = "cli")]
-pub(crate) use machine_file::bounded_only;
+pub use budget::{BudgetOptions, budget};
+pub use check::check;
+pub use classify::{ClassifyOptions, classify};
+pub use compare::{CompareOptions, compare};
+pub use compile::{CompileOptions, compile};
+pub use compiled_model::{CompiledModel, compile_model};
+pub use convert::{ConvertOptions, convert};
+pub use diff::{DiffOptions, diff};
+pub use enumerate::{EnumerateOptions, enumerate};
+pub use equations::{EquationsOptions, equations};
+pub use eval::{EvalOptions, eval};
+pub use explain::explain;
+pub use identify::{IdentifyOptions, PlanOptions, fit_monomials, identify, plan_measurements};
+pub use import::{ImportOptions, import};
+pub use instrument::{InstrumentOptions, instrument};
 pub use machine_file::{LoadOptions, MachineFile, load, loads};
-pub use map::{BodyDiagonal, MapOptions, MapPoses, MapResult, Uncompensated, WorstPose, map, map_tables};
-pub use map_tables::MapTable;
-pub use plane_picture::{PlaneComponent, PlaneDrawing, PlaneOptions};
-pub use poses::{AxisPositions, axes_text};
+pub use map::{MapOptions, map, map_tables};
+pub use replay::replay;
+pub use report::{ReportOptions, report};
 pub use run::{Answer, Monitor, Run};
-pub use show::{
-    Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, chain_dot, chain_picture, error_curves, show,
-};
-pub use starter::{Starter, schema, starter};
-pub use study::StudyFile;
-pub use summary::{AxisSummary, ErrorCounts, MachineSummary, summary};
-pub use targets::{TargetCertainty, TargetSummary, targets};
-pub use tolerances::ToleranceOptions;
-pub use tool_poses::{MissedToolPose, ReachedToolPoses};
-pub use verify::{ReplayPosition, VerifyOptions, replay, set_manifest, verify};
+pub use show::show;
+pub use starter::{schema, starter};
+pub use summary::summary;
+pub use targets::targets;
+pub use verify::{VerifyOptions, verify};
 
-pub use crate::analysis::budget::{
-    Bound, Budget, BudgetPart, Contribution, Distribution, PERCENTS, Percentile, Statistic, Totals,
-};
-pub use crate::analysis::enumerate::{Ranking, Row as ArrangementRow};
-pub use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest};
-pub use crate::analysis::{Naming, Status as LocationStatus};
-pub use crate::compensation::{Fit, Goal, Stored};
-pub use crate::controller::{
-    Certificate, ControllerTarget, ErrorLeft, Figures, Handled, Hashed, Limits, Lock, ROUNDING_UM, RenderedFile, micro,
-};
-pub use crate::diagnostic::{Diagnostic, Diagnostics, Severity, codes, shown};
-pub use crate::evaluate::{Frame, Order, Statistics, Summary, UnknownOrder};
-pub use crate::machine::{Approach, Axis, AxisKind, Branch, Machine, Sense};
-pub use crate::report::{Picture, PictureFailure, RowFormat as TableForm, Sink, tolerance, tolerance_unit};
+pub use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 pub use crate::syntax::{Disk, Files, MemoryFiles};
-pub use crate::units::{angle, length, number, significant};
+
+use crate::evaluate::Order;
+use crate::machine::Machine;
 
 /// The order asked for, or the one that the conventions of the machine name.
 fn order_of(machine: &Machine, order: Option<Order>) -> Order {

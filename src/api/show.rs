@@ -128,17 +128,19 @@ fn axis((axis, lever): (&Axis, &Lever)) -> ChainAxis {
     }
 }
 
-/// Returns a picture of the kinematic chain.
-pub fn chain_picture(file: &MachineFile) -> Picture {
-    report::chain_picture(file)
-}
+impl MachineFile {
+    /// Returns a picture of the kinematic chain.
+    pub fn chain_picture(&self) -> Picture {
+        report::chain_picture(self)
+    }
 
-/// Returns the kinematic chain as a graph for Graphviz.
-pub fn chain_dot(file: &MachineFile) -> String {
-    report::chain_dot(file)
-}
+    /// Returns the kinematic chain as a graph for Graphviz.
+    pub fn chain_dot(&self) -> String {
+        report::chain_dot(self)
+    }
 
-/// Returns a picture of the curves of the component errors; none without component errors.
-pub fn error_curves(file: &MachineFile) -> Option<Picture> {
-    report::all_curves(file)
+    /// Returns a picture of the curves of the component errors; none without component errors.
+    pub fn error_curves(&self) -> Option<Picture> {
+        report::all_curves(self)
+    }
 }

@@ -2,21 +2,19 @@
 
 use super::certificate::CertificateReport;
 use super::compensation::folder::Folder;
-use super::compensation::found_set::found_set;
+use super::compensation::found_set::{FoundSet, found_set};
 use super::compensation::options::CompensationOptions;
 use super::compensation::table_set::{self, FoundTables};
 use super::compensation::{module_set, verdict};
 use super::machine_file::MachineFile;
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::{
-    ControllerTarget, Depth, JudgedTables, LOCK_NAME, Lock, ReadBack, Replay, assigned_letters, certify,
-    certify_kinematics, is_plain_name,
+    ControllerTarget, Depth, JudgedTables, LOCK_NAME, Lock, ReadBack, certify, certify_kinematics, is_plain_name,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
-use crate::machine::Approach;
 use std::path::{Path, PathBuf};
 
-/// Options of [`verify`] and [`replay`].
+/// Options of [`verify`] and [`replay`](super::replay()).
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct VerifyOptions {
@@ -67,64 +65,13 @@ pub fn verify(
     })
 }
 
-/// A position at which a table is read.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct ReplayPosition {
-    /// Number of the joint in the controller's order, from 0.
-    pub joint: usize,
-    /// Direction of approach: forward or reverse.
-    pub approach: Approach,
-    /// Position of the joint, mm or deg; all other axes stand at 0.
-    pub position: f64,
-}
-
-/// Returns what the controller adds to the joint at each position, mm or deg.
-///
-/// Fails like [`verify`], and for a kinematics module, which has no tables that hold for a joint alone.
-pub fn replay(
-    file: &MachineFile,
-    folder: &Path,
-    positions: &[ReplayPosition],
-    options: &VerifyOptions,
-    run: Run,
-) -> Result<Answer<Vec<f64>>, Diagnostics> {
-    Call::answer(run, file.sources(), |call| {
-        let set = opened(call, file, folder, options)?;
-        if set.target.manifest.kinematics().is_some() {
-            return call.usage("--replay: a kinematics module has no tables that hold for a joint alone");
-        }
-        let (FoundTables { target, tables, .. }, _) = tables(call, file, folder, set, options)?;
-        let replay = Replay::new(file, &target, &tables);
-        let letters = assigned_letters(file, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
-        positions.iter().map(|at| added(call, file, &replay, &letters, at)).collect()
-    })
-}
-
-fn added(
-    call: &mut Call,
-    file: &MachineFile,
-    replay: &Replay,
-    letters: &[(usize, String)],
-    at: &ReplayPosition,
-) -> Result<f64, Refused> {
-    let Some((axis, _)) = letters.get(at.joint) else {
-        let message = format!("the machine has no joint {}", at.joint);
-        return call.refuse(
-            Diagnostic::new(codes::E0802, message).help("joints are numbered from 0 in the controller's order"),
-        );
-    };
-    let mut command = vec![0.0; file.axes().len()];
-    command[*axis] = at.position;
-    Ok(replay.added(&command, at.approach)[*axis])
-}
-
 /// Finds the set in the folder, and warns of what its manifest does not agree with.
-fn opened(
+pub(super) fn opened(
     call: &mut Call,
     file: &MachineFile,
     path: &Path,
     options: &VerifyOptions,
-) -> Result<super::compensation::found_set::FoundSet, Refused> {
+) -> Result<FoundSet, Refused> {
     let folder = Folder::new(path, call.run.files);
     let lock = folder.lock();
     warn_other_inputs(call, file, lock.as_ref());
@@ -140,11 +87,11 @@ fn opened(
 }
 
 /// Reads the tables of a set, and those that were installed before.
-fn tables(
+pub(super) fn tables(
     call: &mut Call,
     file: &MachineFile,
     folder: &Path,
-    set: super::compensation::found_set::FoundSet,
+    set: FoundSet,
     options: &VerifyOptions,
 ) -> Result<(FoundTables, Option<crate::compensation::CorrectionTables>), Refused> {
     let found = table_set::tables_of(call, file, folder, set)?;
@@ -159,7 +106,7 @@ fn module(
     call: &mut Call,
     file: &MachineFile,
     folder: &Path,
-    set: &super::compensation::found_set::FoundSet,
+    set: &FoundSet,
     options: &VerifyOptions,
 ) -> Result<CertificateReport, Refused> {
     let (target, texts) = (&set.target, &set.files);

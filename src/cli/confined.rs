@@ -2,7 +2,7 @@
 //! limited processor time: the fuel of a template bounds its steps, not what a step costs.
 
 use super::output::session::Session;
-use crate::diagnostic::{Diagnostic, codes};
+use abbe::{Diagnostic, codes};
 use std::ffi::OsString;
 use std::process::ExitCode;
 

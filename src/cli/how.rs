@@ -1,6 +1,6 @@
 //! How a machine is compensated: the options that `compile`, `verify`, `diff`, `map` and `report` share.
 
-use crate::api::{CompensationOptions, CorrectingAxes, Fit, Goal, Stored};
+use abbe::options::{CompensationOptions, CorrectingAxes, Fit, Goal, Stored};
 use std::path::PathBuf;
 
 /// Options that `compile` and `verify` share.

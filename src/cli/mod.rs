@@ -2,11 +2,11 @@
 //!
 //! Exit codes: 0 done, 1 input refused, 2 usage, 3 our own fault.
 
+mod arguments;
 mod confined;
 mod how;
 mod output;
 mod serve;
-mod set_effect;
 mod store;
 mod tolerances;
 mod verbs;
@@ -219,6 +219,6 @@ fn completions(session: &Session, shell: clap_complete::Shell) -> Outcome {
 }
 
 fn schema(session: &Session) -> Outcome {
-    session.print(&format!("{:#}", crate::api::schema()));
+    session.print(&format!("{:#}", abbe::schema()));
     Ok(())
 }

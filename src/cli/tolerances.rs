@@ -1,11 +1,6 @@
 //! Options of the verbs that draw errors between bounds.
 
-use super::Exit;
-use super::output::session::Session;
-use crate::analysis::budget::Draws;
-use crate::api::{Bound, Distribution, Statistic, ToleranceOptions};
-use crate::machine::Machine;
-use crate::report::DrawSettings;
+use abbe::options::{Distribution, Statistic, ToleranceOptions};
 
 /// How errors are drawn and judged.
 #[derive(Debug, Clone, clap::Args)]
@@ -39,36 +34,17 @@ impl ToleranceArgs {
         ToleranceOptions { class: self.class.clone(), distribution: self.distribution(), statistic: self.statistic() }
     }
 
-    pub(super) fn distribution(&self) -> Distribution {
+    fn distribution(&self) -> Distribution {
         match self.distribution {
             DistributionArg::Uniform => Distribution::Uniform,
             DistributionArg::Triangular => Distribution::Triangular,
         }
     }
 
-    pub(super) fn statistic(&self) -> Statistic {
+    fn statistic(&self) -> Statistic {
         match self.statistic {
             StatisticArg::Max => Statistic::Max,
             StatisticArg::P95 => Statistic::P95,
         }
-    }
-
-    /// For verbs that compute on their own.
-    pub(super) fn drawing(&self, source: Option<String>, samples: usize, seed: u64) -> DrawSettings {
-        self.options().drawing(source, samples, seed)
-    }
-
-    /// For verbs that compute on their own.
-    pub(super) fn draws(&self, seed: u64) -> Draws {
-        self.options().draws(seed)
-    }
-
-    /// For verbs that compute on their own.
-    pub(super) fn bounds_if_any(
-        &self,
-        session: &mut Session,
-        machine: &Machine,
-    ) -> Result<(Vec<Bound>, Option<String>), Exit> {
-        session.within(|call| self.options().bounds_if_any(call, machine))
     }
 }

@@ -5,10 +5,11 @@
 use super::output::session::Session;
 use super::serve::{ServedPage, serve};
 use super::store::files::Recorded;
-use super::verbs::report::{Args, Built, build, write};
+use super::verbs::report::{Args, compute, write};
 use super::{Exit, Outcome};
-use crate::diagnostic::{Diagnostic, Rendering, codes, render};
-use crate::report::page::{Delivery, PageData, RenderedPage, colours};
+use abbe::options::Delivery;
+use abbe::results::{RenderedPage, Report};
+use abbe::{Diagnostic, codes};
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -52,7 +53,7 @@ fn follow(session: &mut Session, turn: &mut Turn<'_>, mut files: Recorded, answe
 /// The last page that was fine.
 struct Turn<'a> {
     args: &'a Args,
-    good: Option<Built>,
+    good: Option<Report>,
 }
 
 impl Turn<'_> {
@@ -60,16 +61,16 @@ impl Turn<'_> {
     fn take(&mut self, session: &mut Session) -> Result<(Recorded, ServedPage), Exit> {
         let files = Recorded::default();
         let mut now = session.fresh();
-        let problem = match build(&mut now, self.args, &files) {
-            Ok(built) => {
-                self.good = Some(built);
+        let problem = match compute(&mut now, self.args, &files) {
+            Ok(report) => {
+                self.good = Some(report);
                 None
             }
             // The command line itself: no file will mend it.
             Err(Exit::Usage) => return session.unfit_as(&now),
-            Err(Exit::Refused) => Some(render(&now.diagnostics, Rendering::default())),
+            Err(Exit::Refused) => Some(now.diagnostics.to_string()),
         };
-        let good = self.good.get_or_insert_with(nothing);
+        let good = self.good.get_or_insert_default();
         let page = good.page(Delivery::Watched, problem.as_deref()).or_else(|d| session.refuse(d))?;
         if problem.is_none() {
             write_alone(&mut now, self.args, good)?;
@@ -79,16 +80,12 @@ impl Turn<'_> {
     }
 }
 
-fn write_alone(session: &mut Session, args: &Args, good: &Built) -> Outcome {
+fn write_alone(session: &mut Session, args: &Args, good: &Report) -> Outcome {
     if args.out.is_none() {
         return Ok(());
     }
     let page = good.page(Delivery::Alone, None).or_else(|d| session.refuse(d))?;
     write(session, args, &page)
-}
-
-fn nothing() -> Built {
-    Built::new(PageData { abbe: env!("CARGO_PKG_VERSION"), machines: Vec::new(), comparison: None, colours: colours() })
 }
 
 fn answer(page: RenderedPage) -> ServedPage {

@@ -1,7 +1,8 @@
 //! A compiled model through the façade: columns in, columns out, the same numbers as `eval` gives pose by pose.
 
 use crate::support::config;
-use abbe::api::{Approach, EvalOptions, LoadOptions, Order, Run, compile_model, eval, load};
+use abbe::api::options::{Approach, Order};
+use abbe::api::{EvalOptions, LoadOptions, Run, compile_model, eval, load};
 
 const POSES: [[f64; 3]; 3] = [[100.0, 50.0, -20.0], [377.0, 250.0, -500.0], [754.0, 0.0, -1.5]];
 

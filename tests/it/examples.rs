@@ -4,6 +4,8 @@
 mod compile;
 #[path = "../../examples/identify.rs"]
 mod identify;
+#[path = "../../examples/map.rs"]
+mod map;
 #[path = "../../examples/own_target.rs"]
 mod own_target;
 
@@ -19,6 +21,18 @@ fn identify_finds_the_squareness_and_writes_a_machine() {
     let again = abbe::loads(&text, &abbe::LoadOptions::default(), abbe::Run::default()).unwrap();
     assert_eq!(abbe::summary(&again).errors.location, 1);
     assert!(text.contains("measured.csv (sha256 "), "{text}");
+}
+
+#[test]
+fn map_writes_every_pose_with_its_deviation() {
+    map::main().unwrap();
+    let table = map::table().unwrap();
+    assert_eq!(table.lines().count(), 1001);
+    for row in table.lines().skip(1) {
+        let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+        // A squareness of 10 urad moves the functional point along X by -10 urad times Y.
+        assert!((cells[3] + 1e-2 * cells[1]).abs() < 1e-4, "{row}");
+    }
 }
 
 #[test]

@@ -1,32 +1,9 @@
-//! Budgets of several machines on the same work: for `compare` and for the comparison of `report`.
+//! Budgets of several machines on the same work: for `compare`.
 
-use super::session::Session;
 use super::view::table;
-use crate::api::{BudgetPart as Part, ComparedBudgets, DrawnMachines};
-use crate::cli::Exit;
-use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::verbs::budget::{TOTALS, TOTALS_NOTE, totals_row};
-use crate::machine::{Machine, Pose};
-use crate::units::significant;
-
-/// How machines are drawn.
-#[derive(Clone, Copy)]
-pub(crate) struct Drawn<'a> {
-    pub tolerances: &'a ToleranceArgs,
-    pub samples: usize,
-    pub seed: u64,
-}
-
-/// The budgets for verbs that compute on their own.
-pub(crate) fn budgets(
-    session: &mut Session,
-    sides: &[(&Machine, Vec<Pose>)],
-    drawn: Drawn<'_>,
-) -> Result<Option<ComparedBudgets>, Exit> {
-    let tolerances = drawn.tolerances.options();
-    let machines = DrawnMachines { tolerances: &tolerances, samples: drawn.samples, seed: drawn.seed };
-    session.within(|call| crate::api::budgets(call, sides, machines))
-}
+use abbe::results::{BudgetPart as Part, ComparedBudgets};
+use abbe::text::significant;
 
 /// Two tables: totals, and what each tolerance has of the 95 % value.
 pub(crate) fn text(of: &ComparedBudgets, top: usize) -> String {

@@ -1,11 +1,10 @@
 //! A certificate as text and JSON.
 
 use super::session::Session;
-use crate::api::{
-    Approach, Axis, CertificateReport, ControllerTarget, ErrorLeft, Handled, Machine, ROUNDING_UM, Summary, micro,
-    significant,
-};
 use crate::cli::Format;
+use abbe::options::Approach;
+use abbe::results::{Axis, CertificateReport, ControllerTarget, ErrorLeft, Handled, Machine, ROUNDING_UM, Summary};
+use abbe::text::{micro, significant};
 use serde_json::json;
 use std::path::Path;
 

@@ -1,8 +1,8 @@
 //! The result of `abbe identify` as text and CSV.
 
 use super::view::table;
-use crate::api::{FittedParameter, IdentifyResult, RepeatedReadings, ResidualTest};
-use crate::units::significant;
+use abbe::results::{FittedParameter, IdentifyResult, RepeatedReadings, ResidualTest};
+use abbe::text::significant;
 
 /// Coverage factors above this are printed: less than 30 degrees of freedom.
 const USUAL: f64 = 2.045;

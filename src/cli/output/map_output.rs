@@ -1,9 +1,11 @@
 //! Files of `abbe map`: every pose with its deviation, for other programs, and pictures.
 
 use super::session::Session;
-use crate::api::{Diagnostic, MapTable, Picture, PlaneComponent, PlaneDrawing, PlaneOptions, TableForm};
 use crate::cli::Outcome;
 use crate::cli::store::write::{PictureKind, Staged, write_picture};
+use abbe::Diagnostic;
+use abbe::options::{MapTable, PlaneComponent, PlaneDrawing, PlaneOptions, TableForm};
+use abbe::results::Picture;
 use std::io::BufWriter;
 use std::path::PathBuf;
 

@@ -1,8 +1,8 @@
 //! The result of `abbe identify --method moore-penrose` as text and CSV.
 
 use super::view::table;
-use crate::api::{MonomialCoefficient, MonomialComponent, MonomialFit};
-use crate::units::significant;
+use abbe::results::{MonomialCoefficient, MonomialComponent, MonomialFit};
+use abbe::text::significant;
 
 pub(crate) fn csv(fit: &MonomialFit) -> String {
     let row = |c: &MonomialComponent, k: &MonomialCoefficient| {

@@ -1,9 +1,9 @@
 //! Pictures into a folder.
 
 use super::session::Session;
-use crate::api::NamedSvg;
 use crate::cli::Outcome;
 use crate::cli::store::write;
+use abbe::results::NamedSvg;
 use std::path::Path;
 
 /// Writes each under its name, never over an input of the run.

@@ -1,8 +1,8 @@
 //! The result of `abbe identify --plan` as text.
 
 use super::view::table;
-use crate::api::MeasurementPlan;
-use crate::units::significant;
+use abbe::results::MeasurementPlan;
+use abbe::text::significant;
 
 pub(crate) fn text(plan: &MeasurementPlan) -> String {
     let mut rows = table(&["parameter", "1 sigma expected", "unit"]);

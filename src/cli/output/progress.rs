@@ -1,7 +1,7 @@
 //! Progress on standard error: only on a terminal, and only for what lasts over a second.
 
-use crate::api::Monitor;
 use crate::cli::confined;
+use abbe::Monitor;
 use std::io::{IsTerminal, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};

@@ -1,7 +1,9 @@
 //! The result of `enumerate` as text and CSV.
 
 use super::view::{cell, table, tool_poses_text};
-use crate::api::{ArrangementRow, JudgedBy, RankedArrangements, Statistic, significant};
+use abbe::options::{JudgedBy, Statistic};
+use abbe::results::{ArrangementRow, RankedArrangements};
+use abbe::text::significant;
 
 /// One line for each arrangement.
 pub(crate) fn csv(of: &RankedArrangements) -> String {

@@ -1,11 +1,10 @@
 //! One run of the program: its options, what it found wrong, and its two output streams.
 
 use super::progress::ProgressBar;
-use crate::api::run::{Call, Refused};
-use crate::api::{Answer, LoadOptions, MachineFile, Run};
 use crate::cli::{Color, Exit, Format, FormatArg, Global, Outcome};
-use crate::diagnostic::{Diagnostic, Diagnostics, Rendering, codes, render, summary};
-use crate::syntax::{Disk, Files};
+use abbe::text::{Rendering, counts, render};
+use abbe::{Answer, LoadOptions, MachineFile, Run};
+use abbe::{Diagnostic, Diagnostics, Disk, Files, codes};
 use serde_json::{Value, json};
 use std::cell::{Cell, RefCell};
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -61,12 +60,6 @@ impl Session {
         }
     }
 
-    /// Makes a part of a job of the library, for verbs that compute on their own.
-    pub(crate) fn within<T>(&mut self, job: impl FnOnce(&mut Call<'_>) -> Result<T, Refused>) -> Result<T, Exit> {
-        let answer = Call::answer(self.run(), &self.diagnostics.sources, job);
-        self.take(answer)
-    }
-
     /// Reads a machine file; `tool` picks one of its tools.
     pub(crate) fn load(&mut self, path: &Path, tool: Option<&str>) -> Result<MachineFile, Exit> {
         self.load_through(&Disk, path, tool)
@@ -80,14 +73,8 @@ impl Session {
         tool: Option<&str>,
     ) -> Result<MachineFile, Exit> {
         let options = LoadOptions { tool: tool.map(str::to_owned) };
-        let answer = crate::api::load(path, &options, Run { files, ..self.run() });
+        let answer = abbe::load(path, &options, Run { files, ..self.run() });
         self.take(answer)
-    }
-
-    /// Reads a text file.
-    pub(crate) fn read(&mut self, path: &Path) -> Result<String, Exit> {
-        let read = crate::syntax::read_text(path, None, &Disk, &mut self.diagnostics);
-        read.map(|(_, text)| text).ok_or(Exit::Refused)
     }
 
     /// Form of the output; SARIF counts as JSON.
@@ -120,11 +107,6 @@ impl Session {
         if !self.global.quiet {
             let _ = writeln!(std::io::stderr().lock(), "{text}");
         }
-    }
-
-    /// No progress, please.
-    pub(crate) fn is_quiet(&self) -> bool {
-        self.global.quiet
     }
 
     /// Prints a JSON object, when the run ends, with the warnings found so far in it.
@@ -206,7 +188,7 @@ impl Session {
             let text = render(&self.diagnostics, Rendering { color });
             let _ = std::io::stderr().lock().write_all(text.as_bytes());
             if refused {
-                let _ = writeln!(std::io::stderr().lock(), "{}", summary(&self.diagnostics));
+                let _ = writeln!(std::io::stderr().lock(), "{}", counts(&self.diagnostics));
             }
         }
     }

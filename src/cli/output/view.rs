@@ -1,8 +1,10 @@
 //! Options that the verbs about whole volumes share, and how their numbers are printed.
 
-use crate::api::{Approach, Frame, Order, ReachedToolPoses, Statistics, Summary, UnknownOrder, shown, significant};
+use abbe::options::{Approach, Frame, Order};
+use abbe::results::{ReachedToolPoses, Statistics, Summary};
+use abbe::text::{UnknownOrder, shown, significant};
 
-pub(crate) use crate::api::axes_text;
+pub(crate) use abbe::text::axes_text;
 
 /// How errors are followed and looked at.
 #[derive(Debug, Clone, clap::Args)]

@@ -10,8 +10,8 @@
 
 use super::files::{SET_LIMIT, read_at_most};
 use super::write::unwritable_folder;
-use crate::controller::{Hashed, RenderedFile, is_plain_name, sha256};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use abbe::sets::{Hashed, RenderedFile, is_plain_name, sha256};
+use abbe::{Diagnostic, Diagnostics, codes};
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};

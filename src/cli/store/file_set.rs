@@ -8,9 +8,9 @@ use super::files::{SET_LIMIT, read_at_most};
 use super::write;
 use crate::cli::Outcome;
 use crate::cli::output::session::Session;
-use crate::controller::{Hashed, LOCK_NAME, Lock, RenderedFile};
-use crate::diagnostic::{Diagnostic, codes};
-use crate::syntax::ReadFailure;
+use abbe::results::ReadFailure;
+use abbe::sets::{Hashed, LOCK_NAME, Lock, RenderedFile, is_plain_name};
+use abbe::{Diagnostic, codes};
 use std::fs;
 use std::path::Path;
 
@@ -34,7 +34,7 @@ pub(crate) fn write(folder: &Path, files: &[RenderedFile], lock: &Lock) -> Resul
 /// Our own earlier files that the new set does not have.
 fn stale(ours: &[Hashed], files: &[&RenderedFile]) -> Vec<Hashed> {
     let gone = ours.iter().filter(|old| !files.iter().any(|new| new.name == old.name));
-    gone.filter(|old| crate::controller::is_plain_name(&old.name)).cloned().collect()
+    gone.filter(|old| is_plain_name(&old.name)).cloned().collect()
 }
 
 /// The manifest of the set that is in the folder.

@@ -1,13 +1,14 @@
 //! What a run has read from the disk.
 
-use crate::controller::sha256;
-use crate::syntax::{Disk, Files, ReadFailure};
+use abbe::results::ReadFailure;
+use abbe::sets::{MAX_FILE_BYTES, sha256};
+use abbe::{Disk, Files};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Largest file of a compensation set that is read back: as large as one is written.
-pub(crate) const SET_LIMIT: u64 = crate::controller::MAX_FILE_BYTES as u64;
+pub(crate) const SET_LIMIT: u64 = MAX_FILE_BYTES as u64;
 
 /// The disk, remembering what was read from it: also files that are missing, for they may appear.
 #[derive(Default)]

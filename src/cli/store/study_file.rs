@@ -1,7 +1,8 @@
 //! State files of `enumerate`. A state file is always whole: it is written beside and renamed, at most once a second.
 
 use super::write::write_whole;
-use crate::api::{Diagnostic, StudyFile};
+use abbe::Diagnostic;
+use abbe::options::StudyFile;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};

@@ -1,7 +1,7 @@
 //! Files are written whole or not at all: into a temporary file beside the target, then renamed.
 
-use crate::diagnostic::{Diagnostic, Sources, codes};
-use crate::report::Picture;
+use abbe::results::{Picture, Sources};
+use abbe::{Diagnostic, codes};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

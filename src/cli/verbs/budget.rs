@@ -1,14 +1,14 @@
 //! `abbe budget`: tolerances to the volumetric error.
 
-use crate::api::{
-    Bound, BudgetOptions, BudgetResult, Contribution, MachineFile, PERCENTS, Percentile, Statistic, Totals, angle,
-    budget, length, significant, tolerance, tolerance_unit,
-};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{axes_text, table, tool_poses_text};
 use crate::cli::store::write::{PictureKind, refuse_outputs, write_picture};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
+use abbe::options::Statistic;
+use abbe::results::{Bound, BudgetResult, Contribution, PERCENTS, Percentile, Totals};
+use abbe::text::{angle, length, significant, tolerance, tolerance_unit};
+use abbe::{BudgetOptions, MachineFile, budget};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -118,7 +118,7 @@ impl Report<'_> {
     }
 
     fn text(&self) -> String {
-        let what = match self.args.tolerances.statistic() {
+        let what = match self.result.drawing().statistic {
             Statistic::Max => "largest deviation over the poses",
             Statistic::P95 => "95 % deviation over the poses",
         };
@@ -137,7 +137,7 @@ impl Report<'_> {
             self.result.poses,
             self.result.tool_poses.as_ref().map_or_else(|| "poses".to_owned(), tool_poses_text),
             self.args.samples,
-            self.args.tolerances.distribution().name(),
+            self.result.drawing().distribution.name(),
             self.args.seed
         );
         text += &self.totals_table();

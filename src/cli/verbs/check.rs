@@ -1,11 +1,12 @@
 //! `abbe check`: all diagnostics, and a summary of the machine.
 
-use crate::api::{CheckedFile, ErrorCounts, MachineFile, annotations, check, summary};
 use crate::cli::output::session::Session;
 use crate::cli::{Exit, Format, Outcome};
-use crate::diagnostic::summary as counts;
-use crate::machine::{ErrorTerm, Travel};
-use crate::units::{angle, length};
+use abbe::results::{CheckedFile, ErrorCounts};
+use abbe::results::{ErrorId, ErrorTerm, Travel};
+use abbe::text::annotations;
+use abbe::text::{angle, counts, length};
+use abbe::{MachineFile, check, summary};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -92,7 +93,7 @@ fn quoted(text: &str) -> String {
 }
 
 fn rows(machine: &MachineFile) -> Vec<String> {
-    let row = |(id, term): (crate::machine::ErrorId, &ErrorTerm)| {
+    let row = |(id, term): (ErrorId, &ErrorTerm)| {
         let print = |value: f64| if id.direction.is_rotation() { angle(value) } else { length(value) };
         let (kind, value) = match term {
             ErrorTerm::Constant(value) => ("location", print(*value)),

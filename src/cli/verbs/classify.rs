@@ -1,9 +1,10 @@
 //! `abbe classify`: the motion and the errors of a 4x4 matrix over the dual numbers.
 
-use crate::api::{Classification, ClassifyOptions, MotionWithErrors, SixErrors, classify};
 use crate::cli::output::session::Session;
 use crate::cli::{Format, Outcome};
-use crate::units::{angle, length, significant};
+use abbe::results::{Classification, MotionWithErrors, SixErrors};
+use abbe::text::{angle, length, significant};
+use abbe::{ClassifyOptions, classify};
 use serde_json::json;
 use std::path::PathBuf;
 

@@ -1,11 +1,13 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
-use crate::api::{CompareOptions, CompareResult, Statistics, compare, significant};
 use crate::cli::output::budgets;
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{STATISTICS, ViewArgs, cell, numbers, statistics_rows, table};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
+use abbe::results::{CompareResult, Statistics};
+use abbe::text::significant;
+use abbe::{CompareOptions, compare};
 use serde_json::json;
 use std::path::PathBuf;
 

@@ -1,11 +1,12 @@
 //! `abbe compile`: the compensation files of a controller, with their certificate.
 
-use crate::api::{CompileOptions, Limits};
 use crate::cli::Outcome;
 use crate::cli::how::SetArgs;
 use crate::cli::output::certificate::CertificateView;
 use crate::cli::output::session::Session;
 use crate::cli::store::{file_set, write};
+use abbe::CompileOptions;
+use abbe::options::Limits;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -60,7 +61,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if let Some(installed) = &args.installed {
         file_set::settle(session, installed)?;
     }
-    let answer = crate::api::compile(&file, &args.options(), session.run());
+    let answer = abbe::compile(&file, &args.options(), session.run());
     let set = session.take(answer)?;
     file_set::write(&args.out, &set.files, &set.lock).or_else(|refusal| session.refuse(refusal))?;
     CertificateView { report: &set.certificate, folder: &args.out }.print(session);

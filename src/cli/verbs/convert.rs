@@ -1,10 +1,11 @@
 //! `abbe convert`: the same machine under other conventions, proved by comparing both.
 
-use crate::api::{ConvertOptions, ConvertResult, MachineFile, convert};
+use crate::cli::arguments::{Unfit, length};
 use crate::cli::output::session::Session;
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
-use crate::units;
+use abbe::results::ConvertResult;
+use abbe::{ConvertOptions, MachineFile, convert};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -51,9 +52,8 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 /// A length of zero or more, such as `10 nm`.
-fn distance(text: &str) -> Result<f64, String> {
-    let length = units::quantity(text).map_err(|failure| failure.to_string())?.as_length();
-    length.filter(|mm| (0.0..=1.0).contains(mm)).ok_or_else(|| "write a length up to 1 mm, such as `10 nm`".to_owned())
+fn distance(text: &str) -> Result<f64, Unfit> {
+    length(text, |mm| (0.0..=1.0).contains(&mm), "write a length up to 1 mm, such as `10 nm`")
 }
 
 fn text(old: &MachineFile, result: &ConvertResult, out: Option<&Path>) -> String {

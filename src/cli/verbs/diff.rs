@@ -1,10 +1,12 @@
 //! `abbe diff`: how far two sets of compensation files are apart, in micrometres.
 
-use crate::api::{DiffOptions, SetDifference, significant};
 use crate::cli::how::SetArgs;
 use crate::cli::output::session::Session;
 use crate::cli::store::file_set;
 use crate::cli::{Format, Outcome};
+use abbe::DiffOptions;
+use abbe::results::SetDifference;
+use abbe::text::significant;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -27,7 +29,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let (compensation, poses, seed) = (args.set.how.options(), args.set.poses as usize, args.set.seed);
     let options = DiffOptions { compensation, poses, seed };
-    let answer = crate::api::diff(&file, &args.old, &args.new, &options, session.run());
+    let answer = abbe::diff(&file, &args.old, &args.new, &options, session.run());
     let difference = session.take(answer)?;
     match session.format() {
         Format::Json => session.print_json(json!(difference)),

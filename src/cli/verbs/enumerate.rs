@@ -1,11 +1,13 @@
 //! `abbe enumerate`: all arrangements of the axes on the two sides of the bed, ranked on the same work.
 
-use crate::api::{EnumerateOptions, EnumerateResult, JudgedBy, StudyFile, StudyProgress, enumerate};
 use crate::cli::output::ranking;
 use crate::cli::output::session::Session;
 use crate::cli::store::study_file::StateFile;
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
+use abbe::options::{JudgedBy, StudyFile};
+use abbe::results::{EnumerateResult, StudyProgress};
+use abbe::{EnumerateOptions, enumerate};
 use serde_json::json;
 use std::path::PathBuf;
 

@@ -1,8 +1,9 @@
 //! `abbe equations`: the closed forms.
 
-use crate::api::{EquationsOptions, Naming, equations};
 use crate::cli::output::session::Session;
 use crate::cli::{Format, Outcome};
+use abbe::options::Naming;
+use abbe::{EquationsOptions, equations};
 use serde_json::json;
 use std::path::PathBuf;
 

@@ -1,12 +1,12 @@
 //! `abbe eval`: deviation and E_VE at poses.
 
-use crate::api::{
-    Approach, AxisPositions, ErrorEffect, EvalOptions, EvalResult, MachineFile, Neglected, PoseResult, eval,
-    significant,
-};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{FrameArg, ViewArgs, frame_text, length, numbers, table};
 use crate::cli::{Format, Outcome};
+use abbe::options::Approach;
+use abbe::results::{AxisPositions, ErrorEffect, EvalResult, Neglected, PoseResult};
+use abbe::text::significant;
+use abbe::{EvalOptions, MachineFile, eval};
 use serde_json::json;
 use std::path::PathBuf;
 

@@ -1,8 +1,8 @@
 //! `abbe explain`: the long text of a diagnostic's code, of an error's name, of a target.
 
-use crate::api::explain;
 use crate::cli::output::session::Session;
 use crate::cli::{Format, Outcome};
+use abbe::explain;
 use serde_json::json;
 
 #[derive(Debug, clap::Args)]

@@ -1,14 +1,13 @@
 //! `abbe identify`: measurements to error parameters, and a fitted machine file.
 
-use crate::api::{
-    IdentifyOptions, IdentifyResult, MachineFile, MeasurementPlan, MonomialFit, Order, PlanOptions, fit_monomials,
-    identify, plan_measurements,
-};
+use crate::cli::arguments::{Unfit, length};
 use crate::cli::output::session::Session;
 use crate::cli::output::{identify_report, monomials, pictures, plan, view};
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
-use crate::units;
+use abbe::options::Order;
+use abbe::results::{IdentifyResult, MeasurementPlan, MonomialFit};
+use abbe::{IdentifyOptions, MachineFile, PlanOptions, fit_monomials, identify, plan_measurements};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -156,17 +155,16 @@ fn print_monomials(session: &Session, fit: &MonomialFit) {
 }
 
 /// The orders that can be fitted.
-fn order(text: &str) -> Result<Order, String> {
+fn order(text: &str) -> Result<Order, Unfit> {
     match text {
         "exact" => Ok(Order::Exact),
         "1" => Ok(Order::Degree(1)),
         "2" => Ok(Order::Degree(2)),
-        _ => Err("write 1, 2 or exact".to_owned()),
+        _ => Err(Unfit("write 1, 2 or exact".to_owned())),
     }
 }
 
 /// A length above zero, such as `2 um`.
-fn noise(text: &str) -> Result<f64, String> {
-    let length = units::quantity(text).map_err(|failure| failure.to_string())?.as_length();
-    length.filter(|mm| *mm > 0.0).ok_or_else(|| "write a length above zero, such as `2 um`".to_owned())
+fn noise(text: &str) -> Result<f64, Unfit> {
+    length(text, |mm| mm > 0.0, "write a length above zero, such as `2 um`")
 }

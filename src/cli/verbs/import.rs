@@ -1,12 +1,13 @@
 //! `abbe import`: a single-axis measurement as an instrument exports it, to a table of error curves.
 
-use crate::api::{ImportOptions, ImportResult, ImportedError, import};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
-use crate::diagnostic::Sources;
-use crate::units::{counted, significant};
+use abbe::results::Sources;
+use abbe::results::{ImportResult, ImportedError};
+use abbe::text::{counted, significant};
+use abbe::{ImportOptions, import};
 use serde_json::json;
 use std::path::PathBuf;
 

@@ -1,9 +1,10 @@
 //! `abbe init`: a machine file to begin with.
 
-use crate::api::{Starter, starter};
 use crate::cli::Outcome;
 use crate::cli::output::session::Session;
 use crate::cli::store::write::write_new;
+use abbe::options::Starter;
+use abbe::starter;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]

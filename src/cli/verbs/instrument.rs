@@ -1,13 +1,13 @@
 //! `abbe instrument`: what measuring instruments would read of the machine.
 
-use crate::api::{
-    BallBar, CirclePlane, Diagonal, Instrument, InstrumentOptions, InstrumentResult, MachineFile, RTest, Readings,
-    instrument, significant,
-};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{cell, table};
 use crate::cli::store::write::{PictureKind, write_picture};
 use crate::cli::{Format, Outcome};
+use abbe::options::{CirclePlane, Instrument};
+use abbe::results::{BallBar, Diagonal, InstrumentResult, RTest, Readings};
+use abbe::text::significant;
+use abbe::{InstrumentOptions, MachineFile, instrument};
 use serde_json::json;
 use std::path::PathBuf;
 

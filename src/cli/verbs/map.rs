@@ -1,9 +1,5 @@
 //! `abbe map`: the error over a volume.
 
-use crate::api::{
-    Diagnostic, MachineFile, MapOptions, MapPoses, MapResult, MapTable, Statistics, TableForm, codes, map_tables,
-    significant,
-};
 use crate::cli::how::CompensationArgs;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
@@ -12,6 +8,10 @@ use crate::cli::output::view::{
 };
 use crate::cli::store::write::refuse_outputs;
 use crate::cli::{Format, Outcome};
+use abbe::options::{MapPoses, MapTable, TableForm};
+use abbe::results::{MapResult, Statistics};
+use abbe::text::significant;
+use abbe::{Diagnostic, MachineFile, MapOptions, codes, map_tables};
 use serde_json::json;
 use std::io::Cursor;
 use std::path::PathBuf;

@@ -1,30 +1,15 @@
 //! `abbe report`: one self-contained HTML page for a design review.
 
-use crate::analysis::budget::{Bound, Budget, Request, budget, budget_poses};
-use crate::analysis::map;
-use crate::analysis::{Plane, View, rest, space_axes};
-use crate::api::bounded_only;
 use crate::cli::how::SetArgs;
-use crate::cli::output::budgets::{Drawn, budgets};
-use crate::cli::output::progress::Progress;
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{ApproachArg, order};
-use crate::cli::set_effect;
 use crate::cli::store::write::{refuse_input, refuse_outputs, write_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Exit, Format, Outcome, watch};
-use crate::controller::Depth;
-use crate::diagnostic::{Diagnostic, codes};
-use crate::evaluate::{Bare, Field, Frame, Order};
-use crate::machine::Machine;
-use crate::report::page::{
-    ComparisonData, Delivery, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
-    TargetResult, colours,
-};
-use crate::report::{BudgetReport, DrawSettings, PlanePicture, PlaneQuantity, PlaneStyle, axis_curves, chain_picture};
-use crate::syntax::Disk;
-use crate::syntax::Files;
-use serde_json::{Value, json};
+use abbe::options::{Delivery, Order};
+use abbe::results::{RenderedPage, Report};
+use abbe::{Disk, Files, ReportOptions, Run, report};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -59,13 +44,28 @@ pub(crate) struct Args {
     options: SetArgs,
 }
 
+impl Args {
+    fn options(&self) -> ReportOptions {
+        ReportOptions {
+            targets: self.target.clone(),
+            compensation: self.options.how.options(),
+            poses: self.options.poses as usize,
+            seed: self.options.seed,
+            order: self.order,
+            approach: self.direction.into(),
+            tolerances: self.tolerances.options(),
+            samples: self.samples as usize,
+        }
+    }
+}
+
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if args.watch {
         return watch::run(session, args);
     }
     refuse_outputs(&args.out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
-    let built = build(session, args, &Disk)?;
-    let page = built.page(Delivery::Alone, None).or_else(|d| session.refuse(d))?;
+    let report = compute(session, args, &Disk)?;
+    let page = report.page(Delivery::Alone, None).or_else(|d| session.refuse(d))?;
     write(session, args, &page)?;
     let (out, bytes) = (args.out.as_deref().unwrap_or(Path::new("")), page.text.len());
     match session.format() {
@@ -82,185 +82,12 @@ pub(crate) fn write(session: &mut Session, args: &Args, page: &RenderedPage) -> 
     write_whole(out, page.text.as_bytes()).or_else(|d| session.refuse(d))
 }
 
-/// All that a page shows.
-pub(crate) struct Built {
-    data: PageData,
-    pictures: Vec<Pictures>,
-}
-
-impl Built {
-    /// A page without machines: there was none yet that is not refused.
-    pub(crate) fn new(data: PageData) -> Self {
-        Self { data, pictures: Vec::new() }
-    }
-
-    /// The page, perhaps with what is wrong with the file as it is now.
-    pub(crate) fn page(&self, served: Delivery, problem: Option<&str>) -> Result<RenderedPage, Diagnostic> {
-        let page = Page { data: &self.data, pictures: &self.pictures, served, problem };
-        page.html().map_err(|why| Diagnostic::new(codes::E0632, format!("the page cannot be rendered: {why}")))
-    }
-}
-
 /// Reads the machines through `files` and computes what the page shows.
-pub(crate) fn build(session: &mut Session, args: &Args, files: &dyn Files) -> Result<Built, Exit> {
+pub(crate) fn compute(session: &mut Session, args: &Args, files: &dyn Files) -> Result<Report, Exit> {
     let mut machines = Vec::new();
     for path in &args.machines {
-        let seen = session.diagnostics.iter().count();
-        let machine = session.load_through(files, path, args.options.tool.as_deref())?.machine;
-        session.within(|call| {
-            call.extend(bounded_only(&machine));
-            Ok(())
-        })?;
-        let written =
-            args.target.iter().map(|name| compensation(session, args, &machine, name)).collect::<Result<_, _>>()?;
-        let warnings = session.diagnostics.iter().skip(seen).map(|d| format!("{}: {}", d.code, d.message)).collect();
-        let (budget, instruments) = (budgeted(session, args, &machine)?, Instruments::new(&machine));
-        machines.push(Subject { machine, file: path.display().to_string(), written, warnings, budget, instruments });
+        machines.push(session.load_through(files, path, args.options.tool.as_deref())?);
     }
-    let given: Vec<MachineInput<'_>> = machines.iter().map(|subject| subject.given(args)).collect();
-    let progress = Progress::new(given.len() * args.options.poses as usize, session.is_quiet());
-    let done = |count| progress.add(count);
-    let comparison = comparison(session, args, &given)?;
-    let data = PageData { abbe: env!("CARGO_PKG_VERSION"), machines: Vec::new(), comparison, colours: colours() };
-    let mut built = Built::new(data);
-    for (i, given) in given.iter().enumerate() {
-        let view = View { approach: given.approach, frame: Frame::Workpiece };
-        let field = Bare { machine: given.machine, order: given.order };
-        // Never more poses than a map takes: the option's range sees to that.
-        let Ok(map) = map(&field, &given.sample(), view, &done) else { continue };
-        let data = MachineData::new(i + 1, given, &map);
-        built.pictures.push(pictures(given, &data));
-        built.data.machines.push(data);
-    }
-    Ok(built)
-}
-
-/// A machine with all that was found out about it.
-struct Subject {
-    machine: Machine,
-    file: String,
-    written: Vec<TargetResult>,
-    warnings: Vec<String>,
-    instruments: Instruments,
-    budget: Option<Budgeted>,
-}
-
-/// A budget with what it is of.
-struct Budgeted {
-    bounds: Vec<Bound>,
-    budget: Budget,
-    poses: usize,
-    drawing: DrawSettings,
-}
-
-/// Poses of a budget besides the corners of the volume: as many as `budget` takes.
-const BUDGET_POSES: usize = 500;
-
-/// What `budget` would say, if any error is bounded.
-fn budgeted(session: &mut Session, args: &Args, machine: &Machine) -> Result<Option<Budgeted>, Exit> {
-    let (bounds, source) = args.tolerances.bounds_if_any(session, machine)?;
-    if bounds.is_empty() {
-        return Ok(None);
-    }
-    let (samples, seed) = (args.samples as usize, args.options.seed);
-    let (poses, draws) = (budget_poses(machine, BUDGET_POSES, seed), args.tolerances.draws(seed));
-    let statistic = args.tolerances.statistic();
-    let request = Request { machine, bounds: &bounds, poses: &poses, at: None, draws: &draws, samples, statistic };
-    let progress = Progress::new(2 * samples, session.is_quiet());
-    let budget = budget(request, &|count| progress.add(count));
-    let drawing = args.tolerances.drawing(source, samples, seed);
-    Ok(Some(Budgeted { budget, poses: poses.len(), drawing, bounds }))
-}
-
-/// Several machines on the same work, with their budgets where all have one.
-fn comparison(session: &mut Session, args: &Args, given: &[MachineInput<'_>]) -> Result<Option<ComparisonData>, Exit> {
-    let Some(work) = ComparisonData::work(given) else { return Ok(None) };
-    let drawn = Drawn { tolerances: &args.tolerances, samples: args.samples as usize, seed: args.options.seed };
-    let budgets = budgets(session, &work.1, drawn)?;
-    let json = budgets.map_or(Value::Null, |budgets| json!(budgets));
-    Ok(Some(ComparisonData::new(given, &work, json)))
-}
-
-impl Subject {
-    fn given(&self, args: &Args) -> MachineInput<'_> {
-        let default = self.machine.conventions().default_order.map_or(Order::Exact, Order::Degree);
-        MachineInput {
-            machine: &self.machine,
-            file: &self.file,
-            order: args.order.unwrap_or(default),
-            approach: args.direction.into(),
-            poses: (args.options.poses as usize, args.options.seed),
-            written: &self.written,
-            warnings: &self.warnings,
-            instruments: &self.instruments,
-            budget: self.budget.as_ref().map(|b| BudgetReport {
-                machine: &self.machine,
-                bounds: &b.bounds,
-                budget: &b.budget,
-                poses: b.poses,
-                drawing: &b.drawing,
-            }),
-        }
-    }
-}
-
-/// What `compile` would write for a target, and its certificate.
-fn compensation(session: &mut Session, args: &Args, machine: &Machine, name: &str) -> Result<TargetResult, Exit> {
-    let depth = Depth { poses: args.options.poses as usize, seed: args.options.seed };
-    let (target, effect, certificate) = set_effect::compiled(session, machine, name, &args.options.how, depth)?;
-    Ok(TargetResult { target, effect, certificate })
-}
-
-/// Intervals along the longer side of a plane.
-const PLANE_NODES: f64 = 48.0;
-
-/// Bars of a chart.
-const BARS: usize = 14;
-
-fn pictures(given: &MachineInput<'_>, data: &MachineData) -> Pictures {
-    let machine = given.machine;
-    let curves = (0..machine.axes().len())
-        .filter_map(|axis| Some((machine.axes()[axis].name.to_string(), axis_curves(machine, axis)?.svg())));
-    let axes = space_axes(machine);
-    let pairs = [(0, 1), (0, 2), (1, 2)].into_iter().filter_map(|(a, b)| Some([*axes.get(a)?, *axes.get(b)?]));
-    Pictures {
-        chain: chain_picture(machine).svg(),
-        curves: curves.collect(),
-        planes: pairs.map(|axes| plane(given, axes)).collect(),
-        pareto: data.pareto(BARS).map_or_else(String::new, |picture| picture.svg()),
-        instruments: given.instruments.pictures(machine),
-        budget: given.budget.iter().flat_map(|b| [b.pareto(BARS).svg(), b.waterfall(BARS).svg()]).collect(),
-    }
-}
-
-/// A plane as a map and as a grid, and after each compensation with the same colours.
-fn plane(given: &MachineInput<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
-    let MachineInput { machine, order, approach, .. } = *given;
-    let view = View { approach, frame: Frame::Workpiece };
-    let spans = axes.map(|i| machine.volume()[i].max - machine.volume()[i].min);
-    let longest = spans[0].max(spans[1]);
-    let counts = spans.map(|span| 1 + (PLANE_NODES * span / longest).round().max(2.0) as usize);
-    let of = |field: &dyn Field| Plane::of(field, axes, &rest(machine), counts, view);
-    let bare = of(&Bare { machine, order });
-    let (state, like) = if given.written.is_empty() { ("", None) } else { ("uncompensated", Some(&bare)) };
-    let picture = PlanePicture {
-        machine,
-        plane: &bare,
-        view,
-        order,
-        shown: PlaneQuantity::Length,
-        drawn: PlaneStyle::Colours,
-        state,
-        like,
-    };
-    let mut svgs = vec![picture.svg(), PlanePicture { drawn: PlaneStyle::Grid, ..picture }.svg()];
-    for written in given.written {
-        let after = of(&*written.effect.field(machine, &written.target));
-        let state = format!("after {}", written.target.manifest.target);
-        for drawn in [PlaneStyle::Colours, PlaneStyle::Grid] {
-            svgs.push(PlanePicture { plane: &after, drawn, state: &state, like: Some(&bare), ..picture }.svg());
-        }
-    }
-    let names = axes.map(|i| machine.axes()[i].name.to_string());
-    (format!("{}-{} plane", names[0], names[1]), svgs)
+    let answer = report(&machines, &args.options(), Run { files, ..session.run() });
+    session.take(answer)
 }

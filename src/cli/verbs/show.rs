@@ -1,13 +1,12 @@
 //! `abbe show`: the chain as a picture, frames and lever arms, the location errors it needs.
 
-use crate::api::{
-    AxisKind, Branch, ChainAxis, ChainResult, LocationStatus, MachineFile, Sense, chain_dot, chain_picture,
-    error_curves, show, significant,
-};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{cell, numbers, table};
 use crate::cli::store::write::{PictureKind, refuse_outputs, write_picture};
 use crate::cli::{Format, Outcome};
+use abbe::results::{AxisKind, Branch, ChainAxis, ChainResult, LocationStatus, Sense};
+use abbe::text::significant;
+use abbe::{MachineFile, show};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -41,7 +40,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     refuse_outputs(outputs, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     draw(session, args, &file)?;
     if args.dot {
-        session.print(&chain_dot(&file));
+        session.print(&file.chain_dot());
         return Ok(());
     }
     let chain = show(&file);
@@ -57,13 +56,13 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 fn draw(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
     let mut pictures = Vec::new();
     for (path, kind) in [(&args.svg, PictureKind::Svg), (&args.png, PictureKind::Png)] {
-        pictures.extend(path.as_ref().map(|path| (path, kind, chain_picture(file))));
+        pictures.extend(path.as_ref().map(|path| (path, kind, file.chain_picture())));
     }
     if let Some(path) = &args.curves {
         let Some(kind) = PictureKind::of(path) else {
             return session.usage("`--curves` takes a file that ends in .svg or .png");
         };
-        let Some(picture) = error_curves(file) else {
+        let Some(picture) = file.error_curves() else {
             return session.usage("the machine has no component errors to draw");
         };
         pictures.push((path, kind, picture));

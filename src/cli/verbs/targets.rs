@@ -1,8 +1,9 @@
 //! `abbe targets`: what each controller can express, its limits, and how sure its facts are.
 
-use crate::api::{TargetSummary, targets};
 use crate::cli::output::session::Session;
 use crate::cli::{Format, Outcome};
+use abbe::results::TargetSummary;
+use abbe::targets;
 use serde_json::json;
 
 pub(crate) fn run(session: &Session) -> Outcome {

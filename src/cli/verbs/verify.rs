@@ -1,11 +1,13 @@
 //! `abbe verify`: replay files as the controller would and certify what they leave.
 
-use crate::api::{Approach, Diagnostic, MachineFile, ReplayPosition, VerifyOptions, codes, number, set_manifest};
+use crate::cli::Outcome;
 use crate::cli::how::SetArgs;
 use crate::cli::output::certificate::CertificateView;
 use crate::cli::output::session::Session;
 use crate::cli::store::file_set;
-use crate::cli::{Exit, Outcome};
+use abbe::options::{Approach, ReplayPosition};
+use abbe::sets::set_manifest;
+use abbe::{MachineFile, VerifyOptions};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -45,7 +47,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if let Some(path) = &args.replay {
         return replay(session, &file, &args.folder, path, &options);
     }
-    let answer = crate::api::verify(&file, &args.folder, &options, session.run());
+    let answer = abbe::verify(&file, &args.folder, &options, session.run());
     let report = session.take(answer)?;
     CertificateView { report: &report, folder: &args.folder }.print(session);
     Ok(())
@@ -53,8 +55,8 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 
 /// Prints the replay at single positions, with which a test of a real controller compares.
 fn replay(session: &mut Session, file: &MachineFile, folder: &Path, path: &Path, options: &VerifyOptions) -> Outcome {
-    let positions = positions(session, file, path)?;
-    let answer = crate::api::replay(file, folder, &positions, options, session.run());
+    let positions = session.take(ReplayPosition::list(file, path, session.run()))?;
+    let answer = abbe::replay(file, folder, &positions, options, session.run());
     let added = session.take(answer)?;
     let mut out = String::from("joint,direction,position,correction\n");
     for (at, added) in positions.iter().zip(added) {
@@ -63,37 +65,4 @@ fn replay(session: &mut Session, file: &MachineFile, folder: &Path, path: &Path,
     }
     session.print(&out);
     Ok(())
-}
-
-fn positions(session: &mut Session, file: &MachineFile, path: &Path) -> Result<Vec<ReplayPosition>, Exit> {
-    let text = session.read(path)?;
-    let mut lines = text.lines();
-    if !lines.next().unwrap_or_default().replace(' ', "").starts_with("joint,direction,position") {
-        let message = format!("`{}` does not begin with the header joint,direction,position", path.display());
-        let help = "further columns may follow; one position a line";
-        return session.refuse(Diagnostic::new(codes::E0802, message).help(help));
-    }
-    let mut positions = Vec::new();
-    for line in lines {
-        match position(line).filter(|at| at.joint < file.axes().len()) {
-            Some(at) => positions.push(at),
-            None => {
-                let message = format!("`{}`: `{line}` is not joint,direction,position", path.display());
-                let help = "write a joint of this machine, forward or reverse, and a number";
-                return session.refuse(Diagnostic::new(codes::E0802, message).help(help));
-            }
-        }
-    }
-    Ok(positions)
-}
-
-fn position(line: &str) -> Option<ReplayPosition> {
-    let mut cells = line.split(',');
-    let joint = cells.next()?.trim().parse().ok()?;
-    let approach = match cells.next()?.trim() {
-        "forward" => Approach::Forward,
-        "reverse" => Approach::Reverse,
-        _ => return None,
-    };
-    Some(ReplayPosition { joint, approach, position: number(cells.next()?).ok()? })
 }

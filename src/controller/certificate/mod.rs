@@ -10,6 +10,7 @@
 //! those of single errors, are values that are handed in. Of `compensation` only types are used, and a test holds
 //! both folders to that.
 
+mod content;
 mod depth;
 mod effect;
 mod figures;
@@ -19,9 +20,7 @@ mod single_error;
 mod tables;
 mod zero_shift;
 
-use crate::machine::Approach;
-use sign_test::Strongest;
-
+pub use content::Certificate;
 pub use depth::Depth;
 pub(super) use depth::{LatticeShare, single_error_poses};
 pub use effect::Effect;
@@ -31,28 +30,3 @@ pub use single_error::{ErrorLeft, Handled};
 pub use tables::JudgedTables;
 pub(super) use tables::judge_tables;
 pub use zero_shift::ZeroShift;
-
-/// A certificate: the deviations that a set of files leaves, over the volume and error by error.
-#[derive(Debug, Clone)]
-pub struct Certificate {
-    /// The number of poses.
-    pub poses: usize,
-    /// The direction of approach that is worse after compensation.
-    pub approach: Approach,
-    /// Figures without the files.
-    pub uncompensated: Figures,
-    /// Figures with the files.
-    pub compensated: Figures,
-    /// Every error alone.
-    pub errors: Vec<ErrorLeft>,
-    /// The number of poses that the figures of single errors rest on.
-    pub single_error_poses: usize,
-    /// The motions that are added with all axes at 0, approached forward and in reverse (mm, deg).
-    pub at_reference: [Vec<f64>; 2],
-    /// The effect of a new reference position, where tables must vanish at it.
-    pub shifted: Option<ZeroShift>,
-    /// Figures that are larger with the files than without them.
-    pub raised: Vec<RaisedFigure>,
-    /// The entry by which the sign is best tested; none if nothing is corrected.
-    pub strongest: Option<Strongest>,
-}

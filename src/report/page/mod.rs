@@ -11,6 +11,7 @@
 
 mod comparison;
 mod data;
+mod drawn;
 mod field;
 mod given;
 mod instruments;

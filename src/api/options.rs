@@ -1,0 +1,21 @@
+//! Types of the fields of options: what is chosen, and where results are written.
+
+pub use super::compensation::options::{CompensationOptions, CorrectingAxes};
+pub use super::enumerate::JudgedBy;
+pub use super::instrument::Instrument;
+pub use super::map::MapPoses;
+pub use super::map_tables::MapTable;
+pub use super::plane_picture::{PlaneComponent, PlaneDrawing, PlaneOptions};
+pub use super::replay::ReplayPosition;
+pub use super::starter::Starter;
+pub use super::study::StudyFile;
+pub use super::tolerances::ToleranceOptions;
+pub use crate::analysis::Naming;
+pub use crate::analysis::budget::{Distribution, Statistic};
+pub use crate::analysis::instrument::CirclePlane;
+pub use crate::compensation::{Fit, Goal, Stored};
+pub use crate::controller::Limits;
+pub use crate::evaluate::{Frame, Order};
+pub use crate::machine::Approach;
+pub use crate::report::page::Delivery;
+pub use crate::report::{RowFormat as TableForm, Sink};

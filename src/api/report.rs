@@ -1,0 +1,218 @@
+//! `report`: one self-contained HTML page for a design review.
+
+use super::budgets::{DrawnMachines, budgets};
+use super::compensation::effect::compiled_effect;
+use super::compensation::options::CompensationOptions;
+use super::machine_file::{MachineFile, bounded_only};
+use super::order_of;
+use super::run::{Answer, Call, Refused, Run};
+use super::tolerances::ToleranceOptions;
+use crate::analysis::budget::{Bound, Budget, Request, budget, budget_poses};
+use crate::analysis::{MAX_POSES, TooManyPoses, View, map};
+use crate::controller::Depth;
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::evaluate::{Bare, Frame, Order};
+use crate::machine::{Approach, Machine};
+use crate::report::page::{
+    ComparisonData, Delivery, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
+    TargetResult, colours,
+};
+use crate::report::{BudgetReport, DrawSettings};
+use serde_json::{Value, json};
+
+/// Options of [`report`].
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct ReportOptions {
+    /// Controllers whose compensation and certificate are shown.
+    pub targets: Vec<String>,
+    /// How the machines are compensated.
+    pub compensation: CompensationOptions,
+    /// Number of poses of maps and certificates.
+    pub poses: usize,
+    /// Seed of the poses, and of the errors that are drawn.
+    pub seed: u64,
+    /// How far errors are followed; by default exactly, unless the conventions of a machine name an order.
+    pub order: Option<Order>,
+    /// Side of approach, where forward and reverse curves were given.
+    pub approach: Approach,
+    /// How errors are bounded, drawn and judged, where a machine bounds some.
+    pub tolerances: ToleranceOptions,
+    /// Number of machines that are drawn for a budget, at least 2.
+    pub samples: usize,
+}
+
+impl Default for ReportOptions {
+    fn default() -> Self {
+        Self {
+            targets: Vec::new(),
+            compensation: CompensationOptions::default(),
+            poses: 2000,
+            seed: 1,
+            order: None,
+            approach: Approach::default(),
+            tolerances: ToleranceOptions::default(),
+            samples: 1000,
+        }
+    }
+}
+
+/// What a page shows: numbers and pictures. The default shows no machine.
+#[derive(Debug, Clone)]
+pub struct Report {
+    data: PageData,
+    pictures: Vec<Pictures>,
+}
+
+impl Default for Report {
+    fn default() -> Self {
+        let abbe = env!("CARGO_PKG_VERSION");
+        let data = PageData { abbe, machines: Vec::new(), comparison: None, colours: colours() };
+        Self { data, pictures: Vec::new() }
+    }
+}
+
+impl Report {
+    /// Returns the page, perhaps with what is wrong with the files as they are now.
+    ///
+    /// Fails if a number has no JSON.
+    pub fn page(&self, delivery: Delivery, problem: Option<&str>) -> Result<RenderedPage, Diagnostic> {
+        let page = Page { data: &self.data, pictures: &self.pictures, served: delivery, problem };
+        page.html().map_err(|why| Diagnostic::new(codes::E0632, format!("the page cannot be rendered: {why}")))
+    }
+}
+
+/// Computes a page about machines; several are compared on the tool poses of the first.
+///
+/// Fails for targets and classes that are not there, and where [`compile`](super::compile) fails for a target.
+pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> Result<Answer<Report>, Diagnostics> {
+    let mut known = Diagnostics::default();
+    files.iter().for_each(|file| known.absorb(Diagnostics::about(file.sources().clone())));
+    Call::answer(run, &known.sources, |call| reported(call, files, options))
+}
+
+fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions) -> Result<Report, Refused> {
+    if options.samples < 2 {
+        return call.usage("a budget draws 2 machines at least");
+    }
+    let subjects: Vec<Subject<'_>> =
+        files.iter().map(|file| Subject::of(call, file, options)).collect::<Result<_, _>>()?;
+    let given: Vec<MachineInput<'_>> = subjects.iter().map(|subject| subject.given(options)).collect();
+    let mut report = Report::default();
+    report.data.comparison = comparison(call, options, &given)?;
+    let drawn = call.stage(given.len() * options.poses, |advance| {
+        given.iter().enumerate().map(|(i, given)| drawn(i + 1, given, advance)).collect::<Result<Vec<_>, _>>()
+    });
+    let Ok(drawn) = drawn else { return call.usage(format!("a report takes {MAX_POSES} poses at most")) };
+    (report.data.machines, report.pictures) = drawn.into_iter().unzip();
+    Ok(report)
+}
+
+/// What the page shows of a machine.
+fn drawn(
+    number: usize,
+    given: &MachineInput<'_>,
+    advance: &(dyn Fn(usize) + Sync),
+) -> Result<(MachineData, Pictures), TooManyPoses> {
+    let view = View { approach: given.approach, frame: Frame::Workpiece };
+    let map = map(&Bare { machine: given.machine, order: given.order }, &given.sample(), view, advance)?;
+    let data = MachineData::new(number, given, &map);
+    let pictures = Pictures::new(given, &data);
+    Ok((data, pictures))
+}
+
+/// A machine with all that was found out about it.
+struct Subject<'a> {
+    file: &'a MachineFile,
+    written: Vec<TargetResult>,
+    warnings: Vec<String>,
+    instruments: Instruments,
+    budget: Option<OwnBudget>,
+}
+
+impl<'a> Subject<'a> {
+    fn of(call: &mut Call<'_>, file: &'a MachineFile, options: &ReportOptions) -> Result<Self, Refused> {
+        let seen = call.diagnostics.iter().count();
+        call.extend(bounded_only(file));
+        call.checked()?;
+        let written =
+            options.targets.iter().map(|name| compensated(call, file, name, options)).collect::<Result<_, _>>()?;
+        let found = file.warnings().iter().chain(call.diagnostics.iter().skip(seen));
+        let warnings = found.map(Diagnostic::to_string).collect();
+        let (budget, instruments) = (OwnBudget::of(call, file, options)?, Instruments::new(file));
+        Ok(Self { file, written, warnings, instruments, budget })
+    }
+
+    fn given(&self, options: &ReportOptions) -> MachineInput<'_> {
+        MachineInput {
+            machine: self.file,
+            file: self.file.path(),
+            order: order_of(self.file, options.order),
+            approach: options.approach,
+            poses: (options.poses, options.seed),
+            written: &self.written,
+            warnings: &self.warnings,
+            instruments: &self.instruments,
+            budget: self.budget.as_ref().map(|budget| budget.report(self.file)),
+        }
+    }
+}
+
+/// What `compile` would write for a target, and its certificate.
+fn compensated(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    name: &str,
+    options: &ReportOptions,
+) -> Result<TargetResult, Refused> {
+    let (how, depth) = (&options.compensation, Depth { poses: options.poses, seed: options.seed });
+    let target = how.target(call, name, None)?;
+    let (effect, certificate) = compiled_effect(call, machine, &target, how, depth)?;
+    Ok(TargetResult { target, effect, certificate })
+}
+
+/// A budget with what it is of.
+struct OwnBudget {
+    bounds: Vec<Bound>,
+    budget: Budget,
+    poses: usize,
+    drawing: DrawSettings,
+}
+
+/// Poses of a budget besides the corners of the volume: as many as `budget` takes.
+const BUDGET_POSES: usize = 500;
+
+impl OwnBudget {
+    /// None if no error is bounded.
+    fn of(call: &mut Call<'_>, machine: &Machine, options: &ReportOptions) -> Result<Option<Self>, Refused> {
+        let ReportOptions { tolerances, samples, seed, .. } = options;
+        let (bounds, source) = tolerances.bounds_if_any(call, machine)?;
+        if bounds.is_empty() {
+            return Ok(None);
+        }
+        let (poses, draws) = (budget_poses(machine, BUDGET_POSES, *seed), tolerances.draws(*seed));
+        let (samples, statistic) = (*samples, tolerances.statistic);
+        let request = Request { machine, bounds: &bounds, poses: &poses, at: None, draws: &draws, samples, statistic };
+        let budget = call.stage(2 * samples, |advance| budget(request, advance));
+        let drawing = tolerances.drawing(source, samples, *seed);
+        Ok(Some(Self { budget, poses: poses.len(), drawing, bounds }))
+    }
+
+    fn report<'a>(&'a self, machine: &'a Machine) -> BudgetReport<'a> {
+        let Self { bounds, budget, poses, drawing } = self;
+        BudgetReport { machine, bounds, budget, poses: *poses, drawing }
+    }
+}
+
+/// Several machines on the same work, with their budgets where all have one.
+fn comparison(
+    call: &mut Call<'_>,
+    options: &ReportOptions,
+    given: &[MachineInput<'_>],
+) -> Result<Option<ComparisonData>, Refused> {
+    let Some(work) = ComparisonData::work(given) else { return Ok(None) };
+    let drawn = DrawnMachines { tolerances: &options.tolerances, samples: options.samples, seed: options.seed };
+    let budgets = budgets(call, &work.1, drawn)?;
+    let json = budgets.map_or(Value::Null, |budgets| json!(budgets));
+    Ok(Some(ComparisonData::new(given, &work, json)))
+}

@@ -1,0 +1,42 @@
+//! What the functions return, and its parts. Serde writes results in the shapes that docs/formats.md describes.
+
+pub use super::budget::BudgetResult;
+pub use super::budgets::ComparedBudgets;
+pub use super::certificate::CertificateReport;
+pub use super::check::CheckedFile;
+pub use super::classify::{Classification, MotionWithErrors, NoMotion, SixErrors};
+pub use super::compare::{CompareResult, ComparedMachine, ComparedPose, ErrorContribution};
+pub use super::compile::CompiledSet;
+pub use super::compiled_model::{DeviationColumns, PoseDeviation};
+pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitSize};
+pub use super::diff::{AxisDifference, SetDifference};
+pub use super::effects::{ErrorEffect, Neglected};
+pub use super::enumerate::{EnumerateResult, RankedArrangements, StudyProgress};
+pub use super::equations::EquationsResult;
+pub use super::eval::{EvalResult, EvalUnits, PoseResult};
+pub use super::explain::Explanation;
+pub use super::identify::{
+    ExpectedParameter, FittedParameter, IdentifyResult, KindResidual, MeasurementPlan, MonomialCoefficient,
+    MonomialComponent, MonomialFit, NamedSvg, OrderShares, OutlierPlace, PlannedPose, RepeatedReadings, ResidualTest,
+    Rms, RmsBeforeAfter, ScatterOfKind,
+};
+pub use super::import::{ImportResult, ImportedError, LeftOutRow};
+pub use super::instrument::{InstrumentResult, Readings};
+pub use super::map::{BodyDiagonal, MapResult, Uncompensated, WorstPose};
+pub use super::poses::AxisPositions;
+pub use super::report::Report;
+pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors};
+pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
+pub use super::targets::{TargetCertainty, TargetSummary};
+pub use super::tool_poses::{MissedToolPose, ReachedToolPoses};
+pub use crate::analysis::Status as LocationStatus;
+pub use crate::analysis::budget::{Bound, Budget, BudgetPart, Contribution, PERCENTS, Percentile, Totals};
+pub use crate::analysis::enumerate::{Ranking, Row as ArrangementRow};
+pub use crate::analysis::instrument::{BallBar, Diagonal, RTest};
+pub use crate::controller::{Certificate, ControllerTarget, ErrorLeft, Figures, Handled, ROUNDING_UM};
+pub use crate::diagnostic::{Severity, Sources};
+pub use crate::evaluate::{Statistics, Summary};
+pub use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorTerm, Machine, Sense, Travel};
+pub use crate::report::page::RenderedPage;
+pub use crate::report::{Picture, PictureFailure};
+pub use crate::syntax::ReadFailure;

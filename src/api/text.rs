@@ -1,0 +1,16 @@
+//! Values, diagnostics and quantities as text.
+
+pub use super::check::annotations;
+pub use super::poses::axes_text;
+pub use crate::controller::micro;
+pub use crate::diagnostic::{Rendering, render, shown, summary as counts};
+pub use crate::evaluate::UnknownOrder;
+pub use crate::report::{tolerance, tolerance_unit};
+pub use crate::units::{Failure as UnknownQuantity, angle, counted, length, number, significant};
+
+/// Parses a length with its unit, such as `2 um`, mm.
+///
+/// Fails for what is no quantity; returns none for a quantity that is no length.
+pub fn parse_length(text: &str) -> Result<Option<f64>, UnknownQuantity> {
+    crate::units::quantity(text).map(|quantity| quantity.as_length())
+}

@@ -1,0 +1,32 @@
+//! What a certificate states.
+
+use super::figures::{Figures, RaisedFigure};
+use super::sign_test::Strongest;
+use super::single_error::ErrorLeft;
+use super::zero_shift::ZeroShift;
+use crate::machine::Approach;
+
+/// A certificate: the deviations that a set of files leaves, over the volume and error by error.
+#[derive(Debug, Clone)]
+pub struct Certificate {
+    /// The number of poses.
+    pub poses: usize,
+    /// The direction of approach that is worse after compensation.
+    pub approach: Approach,
+    /// Figures without the files.
+    pub uncompensated: Figures,
+    /// Figures with the files.
+    pub compensated: Figures,
+    /// Every error alone.
+    pub errors: Vec<ErrorLeft>,
+    /// The number of poses that the figures of single errors rest on.
+    pub single_error_poses: usize,
+    /// The motions that are added with all axes at 0, approached forward and in reverse (mm, deg).
+    pub at_reference: [Vec<f64>; 2],
+    /// The effect of a new reference position, where tables must vanish at it.
+    pub shifted: Option<ZeroShift>,
+    /// Figures that are larger with the files than without them.
+    pub raised: Vec<RaisedFigure>,
+    /// The entry by which the sign is best tested; none if nothing is corrected.
+    pub strongest: Option<Strongest>,
+}

@@ -1,0 +1,65 @@
+//! The pictures of a machine on the page.
+
+use super::data::MachineData;
+use super::given::MachineInput;
+use super::render::Pictures;
+use crate::analysis::{Plane, View, rest, space_axes};
+use crate::evaluate::{Bare, Field, Frame};
+use crate::report::pictures::{PlanePicture, PlaneQuantity, PlaneStyle, axis_curves, chain_picture};
+
+/// Intervals along the longer side of a plane.
+const PLANE_NODES: f64 = 48.0;
+
+/// Bars of a chart.
+const BARS: usize = 14;
+
+impl Pictures {
+    /// Draws a machine.
+    pub fn new(given: &MachineInput<'_>, data: &MachineData) -> Self {
+        let machine = given.machine;
+        let curves = (0..machine.axes().len())
+            .filter_map(|axis| Some((machine.axes()[axis].name.to_string(), axis_curves(machine, axis)?.svg())));
+        let axes = space_axes(machine);
+        let pairs = [(0, 1), (0, 2), (1, 2)].into_iter().filter_map(|(a, b)| Some([*axes.get(a)?, *axes.get(b)?]));
+        Self {
+            chain: chain_picture(machine).svg(),
+            curves: curves.collect(),
+            planes: pairs.map(|axes| plane(given, axes)).collect(),
+            pareto: data.pareto(BARS).map_or_else(String::new, |picture| picture.svg()),
+            instruments: given.instruments.pictures(machine),
+            budget: given.budget.iter().flat_map(|b| [b.pareto(BARS).svg(), b.waterfall(BARS).svg()]).collect(),
+        }
+    }
+}
+
+/// A plane as a map and as a grid, and after each compensation with the same colours.
+fn plane(given: &MachineInput<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
+    let MachineInput { machine, order, approach, .. } = *given;
+    let view = View { approach, frame: Frame::Workpiece };
+    let spans = axes.map(|i| machine.volume()[i].max - machine.volume()[i].min);
+    let longest = spans[0].max(spans[1]);
+    let counts = spans.map(|span| 1 + (PLANE_NODES * span / longest).round().max(2.0) as usize);
+    let of = |field: &dyn Field| Plane::of(field, axes, &rest(machine), counts, view);
+    let bare = of(&Bare { machine, order });
+    let (state, like) = if given.written.is_empty() { ("", None) } else { ("uncompensated", Some(&bare)) };
+    let picture = PlanePicture {
+        machine,
+        plane: &bare,
+        view,
+        order,
+        shown: PlaneQuantity::Length,
+        drawn: PlaneStyle::Colours,
+        state,
+        like,
+    };
+    let mut svgs = vec![picture.svg(), PlanePicture { drawn: PlaneStyle::Grid, ..picture }.svg()];
+    for written in given.written {
+        let after = of(&*written.effect.field(machine, &written.target));
+        let state = format!("after {}", written.target.manifest.target);
+        for drawn in [PlaneStyle::Colours, PlaneStyle::Grid] {
+            svgs.push(PlanePicture { plane: &after, drawn, state: &state, like: Some(&bare), ..picture }.svg());
+        }
+    }
+    let names = axes.map(|i| machine.axes()[i].name.to_string());
+    (format!("{}-{} plane", names[0], names[1]), svgs)
+}
