@@ -59,11 +59,6 @@ impl Triangle {
         householder::fold(&mut self.folded, &mut other.folded);
     }
 
-    /// The number of rows pushed.
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
     /// The rows collected since the last time go into the triangle.
     fn fold(&mut self) {
         let width = self.unknowns + 1;
@@ -337,7 +332,7 @@ mod tests {
             }
             let [mut first, second] = parts;
             first.merge(second);
-            prop_assert_eq!(first.rows(), a.nrows());
+            prop_assert_eq!(first.rows, a.nrows());
             let (merged, whole) = (first.finish(), reduce(&a, &b));
             prop_assert!((merged.r.transpose() * &merged.r - whole.r.transpose() * &whole.r).amax() < 1e-12);
             prop_assert!((merged.right_norm() - b.norm()).abs() < 1e-12);

@@ -19,16 +19,13 @@ mod inverse;
 mod volume;
 
 pub use closed_form::{
-    Calculation, Effect, Equations, Interactions, LocationSet, Meaning, Naming, Options, Status, Symbol, equations,
-    interactions,
+    Effect, Equations, Interactions, LocationSet, Meaning, Naming, Options, Status, Symbol, equations, interactions,
 };
 pub use design::{
     Comparison, ErrorContribution, ErrorStatistics, MachineResult, UnreachableCount, budget, compare, contributions,
     enumerate, error_statistics,
 };
-pub use inverse::{
-    DIRECTION_TOLERANCE, Inverse, PLACE_TOLERANCE, ToolPose, Unreachable, inverse, place, rest, tool_pose,
-};
+pub use inverse::{Inverse, ToolPose, Unreachable, inverse, place, rest, tool_pose};
 pub use volume::{
     Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, Survey, SurveyTask, TooManyPoses, View, Work,
     body_diagonals, deviation_in, frame_rotation, levers, map, space_axes, survey, survey_with_rows,

@@ -26,13 +26,13 @@ mod tables;
 
 pub use batch::correct_all;
 pub use capability::{
-    CrossAxisRules, Directions, Encoding, Fit, Holds, KinematicsMechanism, LatticeRules, Mechanisms, ModuleContent,
-    OwnAxisRules, PlaneGrid, PlaneRules, Reference, Spacing, Stored, TableRules,
+    Directions, Encoding, Fit, Holds, KinematicsMechanism, LatticeRules, Mechanisms, ModuleContent, PlaneGrid,
+    PlaneRules, Reference, Spacing, Stored, TableRules,
 };
 pub use correct::{Corrected, correct};
-pub use increment::{Increment, Scale};
+pub use increment::Increment;
 pub use jacobian::Jacobian;
-pub use lattice::{LatticeRequest, lattice, lattice_nodes};
+pub use lattice::{LatticeRequest, lattice};
 pub use own_axis::{own_axis_table, resampled, reversal_tables};
 pub use plan::{lacking, tables};
 pub use product::TABLES_OF_A_PRODUCT;

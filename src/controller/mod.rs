@@ -24,10 +24,8 @@ pub use certificate::{
     Certificate, Depth, Effect, ErrorLeft, Figures, Handled, JudgedTables, ROUNDING_UM, RaisedFigure, ZeroShift, micro,
 };
 pub use emit::{Hashed, LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile, sha256};
-pub use kinematics::{KinematicsModule, Model, ModuleField, ModuleWords, Setting, World};
-pub use manifest::{
-    Certainty, Controller, ControllerTarget, FileSpec, Layout, Level, Manifest, NAMES, assigned_letters, is_plain_name,
-};
-pub use read::{NamedText, ReadBack, RecognisedSet, recognise};
-pub use replay::{Compensated, Replay};
+pub use kinematics::{KinematicsModule, Model, ModuleField};
+pub use manifest::{Certainty, Controller, ControllerTarget, NAMES, assigned_letters, is_plain_name};
+pub use read::{ReadBack, RecognisedSet, recognise};
+pub use replay::Replay;
 pub use single_errors::{certify, certify_kinematics};

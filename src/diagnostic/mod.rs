@@ -12,7 +12,7 @@ mod shown;
 mod suggest;
 
 pub use codes::{CODES, Code, info};
-pub use record::{DiagnosticRecord, PlaceRecord, PlaceStart, WarningRecord};
+pub use record::{DiagnosticRecord, PlaceRecord, WarningRecord};
 pub use render::{Rendering, render, summary};
 pub use sarif::sarif;
 pub(crate) use shown::is_layout;

@@ -24,8 +24,7 @@ mod solve;
 mod words;
 
 pub use data::{
-    DistanceEnd, InstrumentUnknown, Measurement, MeasurementSet, Reading, ReadingKind, Repeats, import,
-    read_measurements, repeats,
+    DistanceEnd, Measurement, MeasurementSet, Reading, ReadingKind, Repeats, import, read_measurements, repeats,
 };
 pub use fitted_file::fitted_file;
 pub use model::{
@@ -33,6 +32,5 @@ pub use model::{
     slope_bounds, unused,
 };
 pub use solve::{
-    Estimate, Fit, MeasurementPlan, Outlier, Randomness, Residuals, Scatter, Solution, fit, held_out, plan, randomness,
-    solve,
+    Estimate, Fit, Outlier, Randomness, Residuals, Scatter, Solution, fit, held_out, plan, randomness, solve,
 };

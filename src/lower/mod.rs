@@ -19,5 +19,5 @@ pub use chain::{Chain, NominalPose, positions};
 pub use generators::{DeclaredAlgebra, NamedSource, WeilLift, named_sources, unit_values};
 pub use joint::{JointElements, Position, error_motion, invert_if, joint};
 pub use source::{ErrorLift, ErrorSite, ErrorValues, Exact, OrderN, Source, values};
-pub use tangent::{PositionJacobian, actual_point, point, position_jacobian};
+pub use tangent::{actual_point, point, position_jacobian};
 pub use twist::{Quantity, Sensitivity, SideWeights, Twist, TwistMap, sensitivities, sensitivities_to, twists};

@@ -17,17 +17,15 @@ mod name;
 mod resolve;
 mod written;
 
-pub use algebra::{AlgebraChoice, Generators, NamedMonomial};
+pub use algebra::{AlgebraChoice, Generators};
 pub use axis::{Axis, AxisKind, Travel};
 pub use bspline::{BSpline, BSplineFailure};
 pub use chain::{Body, Branch, KinematicChain};
-pub use conventions::{
-    Conventions, ConventionsFailure, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, RotaryOrder, Sense,
-};
+pub use conventions::{Conventions, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, RotaryOrder, Sense};
 pub use curve::{Curve, Knots, KnotsFailure, sin_cos_degrees};
 pub use errors::{Approach, ComponentError, ErrorTerm, JointErrors};
 pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};
-pub use model::{Grid, Machine, MachineParts, Pose, Provenance, SetUp, Tool, UndefinedError};
+pub use model::{Grid, Machine, MachineParts, Pose, Provenance, SetUp, Tool};
 pub use name::{AxisName, Direction, ErrorFamily, ErrorId};
 pub use resolve::{largest, parse_error_name, resolve};
 pub use written::machine_file;

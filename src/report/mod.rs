@@ -18,9 +18,8 @@ mod rows;
 mod text;
 
 pub use pictures::{
-    Bar, DiagonalPicture, FitPicture, FitPoint, ParetoPicture, Picture, PictureFailure, PlanePicture, PlaneQuantity,
-    PlaneStyle, PolarPicture, RTestPicture, WaterfallPicture, all_curves, axis_curves, before_after, chain_dot,
-    chain_picture,
+    DiagonalPicture, FitPicture, FitPoint, Picture, PictureFailure, PlanePicture, PlaneQuantity, PlaneStyle,
+    PolarPicture, RTestPicture, all_curves, before_after, chain_dot, chain_picture,
 };
 pub use rows::{RowBlock, RowFormat, Rows, Sink, Stream};
 pub use text::{

@@ -21,11 +21,11 @@ mod tree;
 
 pub use disk::Disk;
 pub use document::{
-    AlgebraEntry, AxisEntry, Branches, ConventionsEntry, Document, Entries, GeneratorsEntry, IdentifyEntry, SetUpEntry,
-    ToolEntry, TravelEntry, VolumeAxis, WorkpieceEntry,
+    AlgebraEntry, AxisEntry, ConventionsEntry, Document, GeneratorsEntry, IdentifyEntry, ToolEntry, TravelEntry,
+    VolumeAxis,
 };
 pub use files::{EntryKind, Files, FolderEntry, MemoryFiles, ReadFailure};
-pub use places::{Keys, Places, Spot, below, keys};
+pub use places::{Keys, below, keys};
 pub use read::read_text;
 pub use scalar::Scalar;
 pub use schema::schema;

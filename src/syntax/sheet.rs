@@ -78,11 +78,6 @@ fn windows(bytes: &[u8]) -> Option<String> {
 }
 
 impl Sheet {
-    /// The file among the sources.
-    pub fn source(&self) -> SourceId {
-        self.source
-    }
-
     /// The lines that count.
     pub fn lines(&self) -> Vec<Line> {
         let mut start = 0;

@@ -72,16 +72,6 @@ impl Basis {
         Self { generators, ideal, monomials, index, table }
     }
 
-    /// The number of generators.
-    pub fn generators(&self) -> u16 {
-        self.generators
-    }
-
-    /// The vanishing monomials.
-    pub fn ideal(&self) -> &Ideal {
-        &self.ideal
-    }
-
     /// The surviving monomials, 1 first, lowest degree first.
     pub fn monomials(&self) -> &[Monomial] {
         &self.monomials

@@ -10,7 +10,7 @@ mod table;
 mod tests;
 
 pub use basis::{Basis, BasisFailure};
-pub use monomials::{Ideal, Monomial, Size};
+pub use monomials::{Ideal, Monomial};
 
 use super::Algebra;
 use num_traits::{One, Zero};

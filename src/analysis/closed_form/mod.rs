@@ -10,6 +10,6 @@ mod location_set;
 mod symbols;
 
 pub use equations::{Equations, Options, equations};
-pub use interactions::{Calculation, Effect, Interactions, interactions};
+pub use interactions::{Effect, Interactions, interactions};
 pub use location_set::{LocationSet, Status};
 pub use symbols::{Meaning, Naming, Symbol};

@@ -11,5 +11,5 @@ mod r_test;
 
 pub use ball_bar::{BallBar, Plane as CirclePlane, ball_bar};
 pub use diagonal::{Diagonal, diagonals};
-pub use path::{Path, deviation_from, within};
+pub use path::{Path, within};
 pub use r_test::{RTest, r_test};

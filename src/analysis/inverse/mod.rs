@@ -20,4 +20,4 @@ mod turning;
 
 pub use algebra::Inverse;
 pub use nominal::{inverse, place};
-pub use tool_pose::{DIRECTION_TOLERANCE, PLACE_TOLERANCE, ToolPose, Unreachable, rest, tool_pose};
+pub use tool_pose::{ToolPose, Unreachable, rest, tool_pose};

@@ -28,5 +28,4 @@ mod topology;
 pub use carry::KinematicsModule;
 pub use data::{CurveData, Form, Joint, Model, ModuleWords};
 pub use driven::ModuleField;
-pub use nominal::Setting;
 pub use solve::World;

@@ -10,8 +10,8 @@ mod library;
 mod soundness;
 
 pub use description::{
-    Arithmetic, AxisLetters, Certainty, Column, Controller, Edge, FileSpec, Frame, Index, Layout, Level, LineSpec,
-    Lookup, Manifest, OutsideTable, Per,
+    Arithmetic, AxisLetters, Certainty, Column, Controller, Edge, FileSpec, Frame, Index, Layout, LineSpec, Lookup,
+    Manifest, OutsideTable, Per,
 };
 pub use letters::assigned_letters;
 pub use library::{ControllerTarget, NAMES, is_plain_name};

@@ -26,7 +26,7 @@ mod set;
 pub use arrays::Arrays;
 pub use constants::Pins;
 pub use file::{Fault, ReadBack};
-pub use recognise::{NamedText, RecognisedSet, recognise};
+pub use recognise::{RecognisedSet, recognise};
 
 use file::number;
 use reading::Reading;

@@ -16,7 +16,7 @@ mod weighing;
 
 pub use checks::{Outlier, Residuals, held_out};
 pub use fit::{Fit, Scatter, fit};
-pub use plan::{MeasurementPlan, plan};
+pub use plan::plan;
 pub use randomness::{Randomness, randomness};
 pub use solution::{Estimate, Solution};
 pub use weighing::solve;

@@ -21,7 +21,7 @@ pub use comparison::ComparisonData;
 pub use data::{MachineData, PageData};
 pub use given::{MachineInput, TargetResult};
 pub use instruments::Instruments;
-pub use render::{Delivery, Page, PageFailure, Pictures, RenderedPage};
+pub use render::{Delivery, Page, Pictures, RenderedPage};
 
 use super::pictures::rising;
 

@@ -22,11 +22,6 @@ pub fn polynomial_text(polynomial: &Symbolic, symbols: &[Symbol]) -> String {
     polynomial_in(Script::Text, polynomial, symbols)
 }
 
-/// A polynomial as LaTeX.
-pub fn polynomial_latex(polynomial: &Symbolic, symbols: &[Symbol]) -> String {
-    polynomial_in(Script::Latex, polynomial, symbols)
-}
-
 fn polynomial_in(script: Script, polynomial: &Symbolic, symbols: &[Symbol]) -> String {
     let mut text = String::new();
     for (monomial, coefficient) in polynomial.terms() {

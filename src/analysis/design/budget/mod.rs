@@ -25,10 +25,10 @@ mod worst;
 
 pub use bounds::{Bound, bounds, known, lacks_rotary};
 pub use class::{Class, classes};
-pub use draw::{Distribution, Draws, HARMONICS, NODES};
+pub use draw::{Distribution, Draws, NODES};
 pub(crate) use kernel::{CurvePoint, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, add, by_joint, squares};
 pub use monte_carlo::Statistic;
 pub use quantile::{Percentile, mean, rank};
 pub use side_by_side::{BoundedError, BudgetPart, side_by_side};
-pub use totals::{Budget, Contribution, PERCENTS, Request, ToleranceEffect, Totals, budget, budget_poses};
+pub use totals::{Budget, Contribution, PERCENTS, Request, Totals, budget, budget_poses};
 pub use worst::longest;

@@ -18,7 +18,7 @@ mod study;
 mod walk_budget;
 
 pub use arrangement::{MAX_ARRANGEMENTS, TooMany, Walk, walks};
-pub use journal::{Journal, JournalFailure};
-pub use ranking::{Outcome, Ranking, Row, Standing, ranked};
+pub use journal::Journal;
+pub use ranking::{Ranking, Row, Standing, ranked};
 pub use rule::{Rule, RuleFailure};
-pub use study::{Judge, Study, freedom};
+pub use study::{Judge, Study};

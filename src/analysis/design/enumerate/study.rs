@@ -89,16 +89,6 @@ impl<'a> Study<'a> {
         Reference::Drawn(walk_budget::squared_lengths(self.machine, &axes, table, poses, &self.joints, &self.chunks))
     }
 
-    /// Returns the number of walks: the steps of the study.
-    pub fn steps(&self) -> usize {
-        self.walks.len()
-    }
-
-    /// Returns the number of arrangements.
-    pub fn arrangements(&self) -> usize {
-        self.walks.iter().map(|walk| walk.tables.len()).sum()
-    }
-
     /// Returns the tool poses of the work.
     pub fn work(&self) -> &[ToolPose] {
         &self.work

@@ -19,9 +19,7 @@ mod table;
 mod unit;
 
 pub use figures::AccuracyFigures;
-pub use form::TableForm;
-pub use sample::{Import, ImportRequest, Sample, UnusedRow};
-pub use table::ImportedTable;
+pub use sample::{Import, ImportRequest};
 
 use crate::diagnostic::Diagnostics;
 use crate::syntax::Files;
