@@ -68,6 +68,13 @@ fn the_hook_accepts_good_machines_and_refuses_bad_ones() {
             assert_eq!(good.status.code(), Some(0), "{}", String::from_utf8_lossy(&good.stderr));
         }
         assert_eq!(shell(&format!("{entry} bad.yaml"), &machines).status.code(), Some(1));
+        // pre-commit hands over all files of a commit at once.
+        let several = shell(&format!("{entry} three-axis.yaml head-head.yaml"), &machines);
+        assert_eq!(several.status.code(), Some(0));
+        let one_bad = shell(&format!("{entry} three-axis.yaml bad.yaml head-head.yaml"), &machines);
+        let (out, err) = (String::from_utf8_lossy(&one_bad.stdout), String::from_utf8_lossy(&one_bad.stderr));
+        assert_eq!(one_bad.status.code(), Some(1));
+        assert!(out.contains("bad.yaml\n  refused:") && err.contains("bad.yaml"), "{out}{err}");
     }
 }
 
@@ -82,6 +89,25 @@ fn the_samples_name_what_there_is() {
     assert!(steps.iter().all(|step| step["run"].is_string() != step["uses"].is_string()), "{steps:?}");
     let install = steps.iter().find_map(|step| step["run"].as_str().filter(|run| run.contains("install"))).unwrap();
     assert!(install.ends_with(concat!("--tag v", env!("CARGO_PKG_VERSION"))), "{install}");
+}
+
+#[test]
+fn the_workflow_writes_annotations_whether_machines_are_refused_or_not() {
+    let folder = Folder::new();
+    let machines = machines(&folder);
+    let top = machines.parent().unwrap();
+    let [_, workflow] = samples();
+    let steps = workflow["jobs"]["check"]["steps"].as_array().unwrap();
+    let check = steps.iter().find(|step| step["name"] == "Check the machines").unwrap()["run"].as_str().unwrap();
+    for (bad, code, level) in [("", 0, "warning"), ("abbe: 1\nchain: w X b t\n", 1, "error")] {
+        if !bad.is_empty() {
+            std::fs::write(machines.join("bad.yaml"), bad).unwrap();
+        }
+        assert_eq!(shell(check, top).status.code(), Some(code));
+        let log: Value = serde_json::from_str(&std::fs::read_to_string(top.join("abbe.sarif")).unwrap()).unwrap();
+        let results = log["runs"][0]["results"].as_array().unwrap();
+        assert!(results.iter().all(|result| result["level"] == "warning") == (level == "warning"), "{results:?}");
+    }
 }
 
 #[test]

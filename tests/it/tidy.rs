@@ -168,6 +168,19 @@ const OF_THE_PROGRAM: [&str; 13] = [
 /// The one file of the library that touches the file system: it implements `syntax::Files`.
 const DISK: &str = "src/syntax/disk.rs";
 
+/// Failures have types: a text alone is no error that a caller can match.
+#[test]
+fn no_failure_is_a_text() {
+    let untyped = |line: &str| line.contains(", String>") && line.contains("Result<") && !line.contains("Map<");
+    let mut wrong = Vec::new();
+    for (path, text) in sources() {
+        let lines = code_lines(&text).filter(|(_, line)| untyped(line));
+        wrong.extend(lines.map(|(number, line)| format!("{}:{number}: {}", path.display(), line.trim())));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(untyped("fn x() -> Result<f64, String> {") && !untyped("-> Result<(), Diagnostic> {"));
+}
+
 #[test]
 fn the_library_has_no_clock_thread_or_file_but_what_it_is_handed() {
     let mut wrong = Vec::new();

@@ -82,7 +82,7 @@ pub(crate) fn settle(folder: &Path, diagnostics: &mut Diagnostics) -> Result<(),
     if list.symlink_metadata().is_ok() {
         let decided =
             Decided::of(folder).ok_or_else(|| unfinished(folder, &format!("`{LIST_NAME}` is not readable")))?;
-        decided.possible(folder).map_err(|why| unfinished(folder, &why))?;
+        decided.possible(folder)?;
         decided.carry_out(folder).map_err(|(name, failure)| unfinished(folder, &format!("`{name}`: {failure}")))?;
         let message = format!("a run was killed while it replaced the set in `{}`", folder.display());
         let help = "all of the new set had been written: it has been put in place";
@@ -121,17 +121,17 @@ impl Decided {
     }
 
     /// Is everything there to finish it, and nothing touched since?
-    fn possible(&self, folder: &Path) -> Result<(), String> {
+    fn possible(&self, folder: &Path) -> Result<(), Diagnostic> {
         for file in &self.files {
             let there = hash(&folder.join(&file.name));
             if there.as_ref() == Some(&file.sha256) {
                 continue;
             }
             if there != file.before {
-                return Err(format!("`{}` has been changed since", file.name));
+                return Err(unfinished(folder, &format!("`{}` has been changed since", file.name)));
             }
             if hash(&self.temporary(folder, &file.name)).as_ref() != Some(&file.sha256) {
-                return Err(format!("its new `{}` is lost", file.name));
+                return Err(unfinished(folder, &format!("its new `{}` is lost", file.name)));
             }
         }
         Ok(())
