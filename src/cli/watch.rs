@@ -14,7 +14,7 @@ use std::net::{Ipv4Addr, TcpListener};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// How often files are looked at.
+/// Interval between two looks at the files.
 const PACE: Duration = Duration::from_millis(150);
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {

@@ -9,13 +9,13 @@ use crate::machine::Pose;
 struct Open {
     jacobian: Jacobian,
     correction: Correction,
-    /// Nothing more is to be done.
+    /// True once the pose is solved.
     closed: bool,
 }
 
-/// Solves actual(q + c) = nominal(q) at many poses (mm, deg), every pose by at most as many steps as
-/// [`correct()`](super::correct()) takes. What is left is computed without a difference of positions, and so better
-/// than there by the rounding of those. `None` unless the plan is exact.
+/// Solves actual(q + c) = nominal(q) at many poses (mm, deg), every pose in at most the number of steps that
+/// [`correct()`](super::correct()) takes. The residual is computed without a difference of positions: it lacks their
+/// rounding, which the residual of `correct()` has. `None` unless the plan is exact.
 pub fn correct_all(plan: &CompiledModel, poses: &[Pose], scope: Scope) -> Option<Vec<Corrected>> {
     let none = Correction::none(plan.machine());
     correct_all_from(plan, poses, vec![none; poses.len()], scope)

@@ -3,12 +3,13 @@
 use super::curves::straight;
 use super::{CorrectionTable, CorrectionTables, ErrorCurve};
 
-/// What a table adds at the nodes of another one over the same axes, node by node, and whether approached in reverse.
+/// Look-up of the first table's correction at the nodes of the second, over the same axes, node by node; true if
+/// approached in reverse.
 pub type LookUp<'a> = dyn Fn(&CorrectionTable, &CorrectionTable, bool) -> Vec<f64> + 'a;
 
 impl CorrectionTables {
-    /// These tables plus others, on the nodes of these; what only the others have is taken over as it is.
-    /// The values of the others between their nodes come from `at`.
+    /// Returns these tables plus others, on the nodes of these; tables that only the others have are kept. The values
+    /// of the others between their nodes come from `at`.
     pub fn plus(mut self, others: &Self, at: &LookUp) -> Self {
         for other in &others.tables {
             let same = |t: &&mut CorrectionTable| (&t.axes, &t.corrected) == (&other.axes, &other.corrected);
@@ -49,7 +50,7 @@ fn united(positions: &[f64], more: &[f64], most: usize) -> Option<Vec<f64>> {
 }
 
 impl CorrectionTable {
-    /// Puts points into a table over one axis without changing what it adds, if it then has no more than `most`.
+    /// Puts points into a table over one axis without changing what it adds, if it then has at most `max` points.
     pub fn add_points(&mut self, more: &[f64], most: usize) {
         let Some(nodes) = united(&self.nodes[0], more, most) else { return };
         for values in std::iter::once(&mut self.values).chain(&mut self.reverse) {

@@ -9,9 +9,9 @@ use crate::machine::{Approach, Machine};
 /// The solution for one pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Corrected {
-    /// What is added to the command.
+    /// Correction added to the command.
     pub correction: Correction,
-    /// What is left after it.
+    /// Deviation after the correction.
     pub left: Deviation,
 }
 
@@ -21,9 +21,9 @@ pub(super) const MAX_STEPS: usize = 12;
 /// A step below this (mm, deg) is rounding.
 pub(super) const SMALL_STEP: f64 = 1e-11;
 
-/// Solves actual(q + c) = nominal(q) for the exact model at a pose (mm, deg). The Jacobian is that of
-/// the nominal machine at q: the chord form of Newton's iteration, whose contraction is the size of the
-/// errors. Least squares where the axes are too few; then, and near singular poses, something is left.
+/// Solves actual(q + c) = nominal(q) for the exact model at a pose (mm, deg). The Jacobian is that of the nominal
+/// machine at q: the chord form of Newton's iteration, whose contraction is the size of the errors. Where the axes are
+/// too few, the solution is that of least squares; then, and near singular poses, a residual remains.
 pub fn correct(machine: &Machine, pose: &[f64], approach: Approach, scope: Scope) -> Corrected {
     let mut correction = Correction::none(machine);
     let nominal = NominalPose::at(machine, pose).pose;
@@ -40,7 +40,7 @@ pub fn correct(machine: &Machine, pose: &[f64], approach: Approach, scope: Scope
     Corrected { correction, left }
 }
 
-/// Nothing left that the scope asks for: far below any controller's increment.
+/// True if the residual is far below any controller's increment in all that the scope corrects.
 pub(super) fn settled(left: &Deviation, scope: Scope) -> bool {
     scope.goal == Goal::Position && left.position.amax() < 1e-10
 }

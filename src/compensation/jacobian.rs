@@ -14,13 +14,13 @@ pub(super) fn against(deviation: &Deviation) -> ToolCorrection {
 /// Motion of the tool that takes a deviation away.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ToolCorrection {
-    /// Of the functional point, mm.
+    /// Displacement of the functional point, mm.
     pub displacement: Vector3<f64>,
-    /// Of the tool's orientation, rad.
+    /// Rotation of the tool, rad.
     pub rotation: Vector3<f64>,
 }
 
-/// What the axes do to the tool at a pose of the nominal machine, workpiece frame.
+/// Motion of the tool by each axis at a pose of the nominal machine, workpiece frame.
 #[derive(Debug, Clone)]
 pub struct Jacobian {
     kinds: Vec<AxisKind>,
@@ -56,8 +56,8 @@ impl Jacobian {
         Self { kinds: machine.axes().iter().map(|axis| axis.kind).collect(), displacement, tilt, across }
     }
 
-    /// The correction that takes a deviation away, to first order: a step from what the rotary axes
-    /// have been corrected by `so_far`.
+    /// Returns the correction that removes a deviation, to first order: a step from `so_far`, the correction of the
+    /// rotary axes up to here.
     pub fn correction(&self, deviation: &Deviation, so_far: &Correction, scope: Scope) -> Correction {
         let mut step = vec![0.0; self.kinds.len()];
         let ToolCorrection { displacement: mut wanted, rotation } = against(deviation);

@@ -1,4 +1,4 @@
-//! Where the points of a table over one axis lie, as the rules of the mechanism allow.
+//! Positions of the points of a table over one axis, as the rules of the mechanism allow.
 
 use super::{Spacing, TableRules};
 use crate::machine::{AxisKind, Curve, Direction, ErrorTerm, Machine, Travel};
@@ -24,13 +24,13 @@ pub(super) fn interval(machine: &Machine, axis: usize, rules: &TableRules) -> (f
     }
 }
 
-/// The curves that a table over an axis stands for.
+/// The curves that a table over an axis holds.
 pub(super) struct Curves<'a> {
     pub machine: &'a Machine,
     pub axis: usize,
-    /// Which errors of the axis count.
+    /// Selects the errors of the axis that count.
     pub counts: &'a dyn Fn(Direction) -> bool,
-    /// Does the table carry sines of the axis's angle besides?
+    /// True if the table also carries sines of the axis's angle.
     pub sines: bool,
 }
 
@@ -44,7 +44,7 @@ impl Curves<'_> {
         terms.filter_map(component).flat_map(|c| c.curves())
     }
 
-    /// Are all of them straight between knots?
+    /// True if all curves are straight between knots.
     fn straight(&self) -> bool {
         !self.sines && self.all().all(|curve| matches!(curve, Curve::Linear(_)))
     }
@@ -63,8 +63,8 @@ impl Curves<'_> {
         all
     }
 
-    /// Positions of the table's points: where they are free and the knots too many, those stay that leave least
-    /// between them.
+    /// Positions of the table's points. Where they are free and the knots too many, the points with the smallest
+    /// residual between them stay.
     pub fn positions(&self, rules: &TableRules, columns: &Columns) -> Vec<f64> {
         let kind = self.machine.axes()[self.axis].kind;
         let (min, max) = interval(self.machine, self.axis, rules);
@@ -108,7 +108,7 @@ impl Curves<'_> {
         kept.into_iter().map(|i| candidates[i]).collect()
     }
 
-    /// The step of equal distances, in at most so many intervals: one that meets the knots if there is one.
+    /// Returns the step of equal distances, in at most `max_intervals`: one that meets the knots if there is one.
     fn step(&self, (min, max): (f64, f64), most: usize) -> f64 {
         let knots = self.knots((min, max));
         let regular = (max - min) / (knots.len() - 1) as f64;
@@ -123,8 +123,8 @@ impl Curves<'_> {
         (max - min) / intervals.min(most).max(1) as f64
     }
 
-    /// The largest step whose multiples from 0 meet the knots, or else the ends, in at most so many intervals. Where
-    /// the ends are not met, what lies between the last multiple and the end would count for a whole step.
+    /// Returns the largest step whose multiples from 0 meet the knots, or else the ends, in at most `max_intervals`.
+    /// Where the ends are not met, the rest between the last multiple and the end would count for a whole step.
     fn anchored_step(&self, (min, max): (f64, f64), most: usize, least: f64) -> f64 {
         let whole = |ratio: f64| (ratio - libm::round(ratio)).abs() < 1e-6;
         let (fine, most) = (SMOOTH_INTERVALS.min(most), (2 * SMOOTH_INTERVALS).min(most));
@@ -173,7 +173,7 @@ fn anchored((min, max): (f64, f64), step: f64) -> Vec<f64> {
     (first..=last).map(|i| i as f64 * step).collect()
 }
 
-/// So many multiples of a step, up to the first one not below the range's end; of a turn so many and one.
+/// Returns `count` multiples of a step, up to the first one not below the range's end; over a turn, `count` and one.
 pub(super) fn rolling(
     (min, max): (f64, f64),
     count: usize,
@@ -190,13 +190,13 @@ pub(super) fn rolling(
     (last + 1 - count as i64..=last).map(|i| i as f64 * step).collect()
 }
 
-/// What a table has in its columns at a position, and what of a number the controller stores.
+/// Values in the columns of a table at a position, and the number that the controller stores for a value.
 pub(super) struct Columns<'a> {
     pub value: &'a dyn Fn(f64) -> Vec<f64>,
     pub stored: &'a dyn Fn(f64) -> f64,
 }
 
-/// Candidates with what straight lines between stored numbers leave of them.
+/// Candidates, with the residual of straight lines between stored numbers.
 struct Loss<'a> {
     positions: &'a [f64],
     rows: &'a [Vec<f64>],
@@ -204,7 +204,7 @@ struct Loss<'a> {
 }
 
 impl Loss<'_> {
-    /// What is left in the square between two points that are kept, weighed by the way that each candidate stands for.
+    /// Returns the sum of squared residuals between two points that are kept, weighted by the travel of each candidate.
     fn between(&self, low: usize, high: usize) -> f64 {
         let way = self.positions[high] - self.positions[low];
         let left = |i: usize| {
@@ -216,14 +216,14 @@ impl Loss<'_> {
         (low + 1..high).map(left).sum()
     }
 
-    /// What a kept point costs less than it would to do without it.
+    /// Returns the increase of the sum of squares if a kept point is removed.
     fn worth(&self, kept: &[usize], at: usize) -> f64 {
         let (before, here, after) = (kept[at - 1], kept[at], kept[at + 1]);
         self.between(before, after) - self.between(before, here) - self.between(here, after)
     }
 
-    /// Between two points, where a further one leaves least, and how much less that is. Of many places every so
-    /// manyth is looked at, and those about the best of them.
+    /// Returns the gain and the index of the best further point between two points. Of many places, every n-th is tried
+    /// first, then those about the best of them.
     fn best(&self, low: usize, high: usize) -> Option<(f64, usize)> {
         let whole = self.between(low, high);
         let gain = |i: usize| (whole - self.between(low, i) - self.between(i, high), i);
@@ -238,16 +238,17 @@ impl Loss<'_> {
 /// Places between two points that are looked at for another one.
 const LOOKED_AT: usize = 512;
 
-/// Of so many candidates the best choice is found. Where more points than these are kept, a choice matters little.
+/// Number of candidates of which the best choice is found. Where more points than these are kept, a choice matters
+/// little.
 const TRIED: usize = 192;
 
-/// Rounds of improvement at most.
+/// Maximum number of rounds of improvement.
 const ROUNDS: usize = 20;
 
-/// Which of many rising positions to keep, so that straight lines between the stored numbers, as the controller draws
-/// them, leave least in the square. First the candidate is taken away that costs least, again and again, until there
-/// are few; the best choice of these is then found (Bellman 1961); in the end each point is moved between its
-/// neighbours, as long as that leaves less.
+/// Chooses the rising positions to keep, so that straight lines between the stored numbers, as the controller draws
+/// them, have the smallest sum of squared residuals. First the candidate that costs the least is removed, again and
+/// again, until there are few. The best choice of these is then found (Bellman 1961). In the end each point is moved
+/// between its neighbours, as long as that lowers the sum.
 pub(super) fn place(positions: &[f64], rows: &[Vec<f64>], stored: &[Vec<f64>], most: usize) -> Vec<usize> {
     let loss = Loss { positions, rows, stored };
     let most = most.max(2);
@@ -261,8 +262,8 @@ pub(super) fn place(positions: &[f64], rows: &[Vec<f64>], stored: &[Vec<f64>], m
     kept
 }
 
-/// What it costs to do without a candidate, and which. The cheapest is the greatest; of equal ones every other goes
-/// before the next, so that no gap outgrows the others on a straight curve.
+/// Cost of removing a candidate, and its index. The cheapest is the greatest; of equal ones every other goes before the
+/// next, so that no gap outgrows the others on a straight curve.
 #[derive(PartialEq)]
 struct Cost(f64, usize);
 
@@ -281,13 +282,14 @@ impl PartialOrd for Cost {
     }
 }
 
-/// What is left in the square (mm or deg, by the way) is rounding below this: a thousandth of the finest increment.
+/// A sum of squares (mm or deg squared, per mm or deg of travel) below this is rounding: a thousandth of the finest
+/// increment.
 const NOTHING: f64 = 1e-24;
 
-/// Takes candidates away until so many are left.
+/// Removes candidates until `max_points` remain.
 fn thin(loss: &Loss, most: usize) -> Vec<usize> {
     let count = loss.positions.len();
-    // Neighbours of each candidate that is still there, and what it costs.
+    // Neighbours of each remaining candidate, and its cost.
     let mut before: Vec<usize> = (0..count).map(|at| at.saturating_sub(1)).collect();
     let mut after: Vec<usize> = (1..=count).collect();
     let mut costs: Vec<Option<f64>> = vec![None; count];
@@ -305,7 +307,7 @@ fn thin(loss: &Loss, most: usize) -> Vec<usize> {
     }
     while left > most {
         let Some(Cost(known, at)) = queue.pop() else { break };
-        // What was queued before a neighbour went has another cost now.
+        // An entry queued before a neighbour was removed has another cost now.
         if costs[at].is_none_or(|cost| cost.total_cmp(&known).is_ne()) {
             continue;
         }
@@ -322,12 +324,13 @@ fn thin(loss: &Loss, most: usize) -> Vec<usize> {
     (0..count).filter(|at| !within(*at) || costs[*at].is_some()).collect()
 }
 
-/// The choice of `most` (at least 2) out of more candidates, both ends among them, that leaves least of all.
+/// Returns the choice of `max_points` (at least 2) out of more candidates, both ends among them, with the smallest sum
+/// of squares.
 fn choose(loss: &Loss, candidates: &[usize], most: usize) -> Vec<usize> {
     let last = candidates.len() - 1;
     let between: Vec<Vec<f64>> =
         (0..=last).map(|high| (0..high).map(|low| loss.between(candidates[low], candidates[high])).collect()).collect();
-    // Least that is left up to a candidate by so many intervals, and the candidate before it.
+    // Smallest sum up to a candidate by this number of intervals, and the candidate before it.
     let mut least: Vec<f64> = (0..=last).map(|at| if at == 0 { 0.0 } else { f64::INFINITY }).collect();
     let mut before: Vec<Vec<usize>> = Vec::new();
     for _ in 1..most {
@@ -349,7 +352,7 @@ fn choose(loss: &Loss, candidates: &[usize], most: usize) -> Vec<usize> {
 /// Smaller gains are rounding.
 const GAIN: f64 = 1e-9;
 
-/// Moves every point between its neighbours to where least is left.
+/// Moves every point between its neighbours to the smallest sum of squares.
 fn slide(loss: &Loss, kept: &mut [usize]) -> bool {
     let mut moved = false;
     for at in 1..kept.len().saturating_sub(1) {
@@ -383,7 +386,7 @@ mod tests {
         assert_eq!(place(&positions, &rows, &rows, 2), [0, 100]);
     }
 
-    /// Where nothing is lost whatever is kept, points are spread, and rounding does not crowd them together.
+    /// Where nothing is lost with any choice, points are spread, and rounding does not crowd them together.
     #[test]
     fn straight_curves_keep_points_everywhere() {
         let positions: Vec<f64> = (0..=1000).map(f64::from).collect();
@@ -399,7 +402,8 @@ mod tests {
         kept.windows(2).map(|pair| loss.between(pair[0], pair[1])).sum()
     }
 
-    /// Of all ways to keep so many points none leaves less: tried out, on curves with noise and coarse storage.
+    /// No choice of the same number of points has a smaller sum: all are tried, on curves with noise and coarse
+    /// storage.
     #[test]
     fn nothing_leaves_less() {
         let mut seed = 1_u64;

@@ -23,7 +23,7 @@ impl CertificateView<'_> {
         }
     }
 
-    /// What a new reference position does where tables must vanish at it.
+    /// Returns the effect of a new reference position where tables must vanish at it.
     fn shifted(&self) -> String {
         let Some(shifted) = &self.report.certificate.shifted else { return String::new() };
         let one = |(axis, shift): (&Axis, &f64)| {
@@ -99,7 +99,7 @@ impl CertificateView<'_> {
         format!("{table}\n{}{raised}{}", ratio(&before.all.position_um, &after.all.position_um), self.shifted())
     }
 
-    /// Only what is left: a list of forty errors that are gone helps nobody.
+    /// Returns the errors that are not compensated fully: a list of forty others helps nobody.
     fn by_error(&self) -> String {
         let list = |keep: &dyn Fn(&ErrorLeft) -> bool| {
             let names: Vec<String> =

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
-    /// The new conventions: a preset, words such as `carried_body`, or `linear: before, rotary: rotating`; what is not
-    /// named stays as it is.
+    /// The new conventions: a preset, words such as `carried_body`, or `linear: before, rotary: rotating`; others stay
+    /// as they are.
     #[arg(long, value_name = "CONVENTIONS", required_unless_present = "datum")]
     to: Option<String>,
     /// Let location errors count from the actual line of this axis instead of the machine frame (`axis_only`).

@@ -1,4 +1,4 @@
-//! What a certificate states.
+//! Content of a certificate.
 
 use super::figures::{Figures, RaisedFigure};
 use super::sign_test::Strongest;

@@ -1,11 +1,11 @@
-//! How many poses a certificate and its single errors rest on.
+//! Number of poses of a certificate and of its single errors.
 
 use crate::controller::replay::Replay;
 use crate::evaluate::random_poses;
 use crate::machine::{Machine, Pose};
 use std::collections::BTreeSet;
 
-/// How many poses, from which seed.
+/// Number of poses, and the seed.
 #[derive(Debug, Clone, Copy)]
 pub struct Depth {
     /// Poses of the certificate.
@@ -35,7 +35,7 @@ pub(in crate::controller) fn single_error_poses(poses: &[Pose]) -> &[Pose] {
 /// The part of a lattice that single errors are judged by: its cells around the first poses.
 #[derive(Debug, Clone)]
 pub(in crate::controller) struct LatticeShare {
-    /// How many poses.
+    /// Number of poses.
     pub poses: usize,
     /// Numbers of the nodes around them, rising.
     pub nodes: Vec<usize>,

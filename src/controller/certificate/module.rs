@@ -21,7 +21,7 @@ pub(in crate::controller) struct ModuleSet<'a> {
     pub beside: &'a CorrectionTables,
 }
 
-/// What a target makes of one error alone; no module if it cannot be made.
+/// A target's module for one error alone; no module if it cannot be made.
 #[derive(Debug, Clone)]
 pub(in crate::controller) struct SingleErrorModule {
     pub error: ErrorId,

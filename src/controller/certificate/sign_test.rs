@@ -17,7 +17,7 @@ pub struct Strongest {
     pub value: f64,
 }
 
-/// Below this (mm, deg) what is added is rounding: a kinematics module computes where a table has zeros.
+/// A motion below this (mm, deg) is rounding: a kinematics module computes where a table has zeros.
 const ROUNDING: f64 = 1e-10;
 
 /// Returns the largest motion over poses and directions of approach.
@@ -37,8 +37,8 @@ fn strongest_of(
     entries.max_by(|a, b| order(a).0.cmp(&order(b).0).then(order(a).1.total_cmp(&order(b).1)))
 }
 
-/// Of what is not in tables: with the rotary axes at 0, where an instrument along a linear axis reads it, or
-/// elsewhere if there is none.
+/// Returns the largest motion that is not in tables: with the rotary axes at 0, where an instrument along a linear axis
+/// reads it, or elsewhere if there is none.
 pub(crate) fn strongest_at(
     machine: &Machine,
     (poses, ways): (&[Pose], &[Approach]),

@@ -1,4 +1,4 @@
-//! What a target leaves of every error alone.
+//! The residual of every error alone with a target's tables.
 //!
 //! Tables for single errors are handed in. They are replayed like those of the set, on a machine with the one error,
 //! and judged by the general algebra.
@@ -18,11 +18,11 @@ use rayon::prelude::*;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Handled {
-    /// At most a twentieth of it, or 0.05 um, is left.
+    /// The residual is at most a twentieth of the error's effect, or 0.05 um.
     Fully,
-    /// More than that is left, and less than nineteen twentieths.
+    /// The residual is above that, and below nineteen twentieths.
     Partly,
-    /// At least nineteen twentieths of it are left.
+    /// The residual is at least nineteen twentieths.
     No,
 }
 
@@ -51,8 +51,8 @@ pub(super) fn nominal<'a>(machine: &Machine, poses: &'a [Pose]) -> Vec<NominalAt
     poses.par_iter().map(at).collect()
 }
 
-/// Judges one error: `machine` has no other one, and `added` is what its controller adds to the command of a pose,
-/// given with its number.
+/// Judges one error: `machine` has no other one, and `added` returns the correction of its controller at a pose, given
+/// with its number.
 pub(super) fn judge_one(
     error: ErrorId,
     machine: &Machine,
@@ -88,7 +88,7 @@ pub(super) struct SetOfTables<'a> {
 }
 
 impl SetOfTables<'_> {
-    /// Returns what is left of every error, and on how many of the poses that rests.
+    /// Returns the residual of every error, and the number of poses it is computed on.
     pub fn judge(&self, poses: &[Pose]) -> (Vec<ErrorLeft>, usize) {
         match (self.single_errors, &self.tables.tables[..]) {
             (SingleErrors::Lattice(cells), [lattice]) => {
@@ -108,7 +108,7 @@ impl SetOfTables<'_> {
 
     fn judge_set(&self, set: &SingleErrorTables, poses: &[NominalAt]) -> ErrorLeft {
         let alone = self.machine.filtered(|id| *id == set.error);
-        // Most tables of a single error are zero, and add nothing.
+        // Nearly all tables of a single error are zero, and add nothing.
         let tables = set.tables.tables.iter().filter(|table| !is_zero(table)).cloned().collect();
         let tables = CorrectionTables { tables, errors: set.tables.errors.clone() };
         let replay = Replay::new(&alone, self.target, &tables);
@@ -141,7 +141,7 @@ impl Cells<'_> {
         self.cells.errors.par_iter().map(one).collect()
     }
 
-    /// Nodes that nobody filled add nothing: what they lack is then left.
+    /// Nodes that nobody filled add nothing: the residual shows it.
     fn corners(&self, pose: &[f64]) -> Corners {
         let place = |(node, weight)| Some((self.cells.nodes.binary_search(&node).ok()?, weight));
         self.replay.lattice_corners(pose).into_iter().filter_map(place).collect()

@@ -1,4 +1,4 @@
-//! From a machine to a target's rounded tables, and the numbers in them that its manifest forbids.
+//! The rounded tables of a target, filled from a machine, and the numbers in them that its manifest forbids.
 
 use super::limits::steepest_along;
 use super::stored::{StoredColumn, differences};

@@ -29,7 +29,8 @@ impl ControllerTarget {
         sum.merged()
     }
 
-    /// Where points are free, the new tables get the points of the old ones besides their own, as far as there is room.
+    /// Where points are free, gives the new tables the points of the old ones besides their own, as far as there is
+    /// room.
     fn share_points(&self, fresh: &mut CorrectionTables, installed: &CorrectionTables) {
         let mechanisms = &self.manifest.mechanism;
         for table in fresh.tables.iter_mut().filter(|table| table.axes.len() == 1) {

@@ -9,9 +9,9 @@ use crate::units::{self, Dimension, significant};
 /// Largest corrections that are not refused.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Limits {
-    /// Of a linear axis, mm.
+    /// Limit for a linear axis, mm.
     pub length: f64,
-    /// Of a rotary axis, rad.
+    /// Limit for a rotary axis, rad.
     pub angle: f64,
     /// Change of a correction per change of its own axis's position (mm/mm, deg/deg).
     pub slope: f64,
@@ -24,7 +24,7 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Parses text such as `2 mm, 10 mrad, 0.05`; a limit that is left out keeps its default.
+    /// Parses text such as `2 mm, 10 mrad, 0.05`; an omitted limit keeps its default.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut limits = Self::default();
         let mut seen = [false; 3];

@@ -1,7 +1,7 @@
-//! What a program's words mean on a machine, by what its axes can do, and which joint and letter each has.
+//! Meaning of a program's words on a machine, by the abilities of its axes, with the joint and the letter of each.
 //!
 //! - Three linear axes that span the room hold the **tip**: X Y Z of the program are its place.
-//! - Otherwise, where six axes move the tool in all six ways (robots), X Y Z and A B C are its **pose**.
+//! - Otherwise, where six axes move the tool in all six degrees of freedom (robots), X Y Z and A B C are its **pose**.
 //! - Otherwise (lathes, two-axis machines, SCARA) every word is the position of its **axis**.
 //!
 //! Further axes have words of their own.
@@ -12,7 +12,7 @@ use crate::evaluate::random_poses;
 use crate::machine::{Axis, AxisKind, Machine, Pose};
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3, Vector6};
 
-/// Poses over the volume at which it is asked what the axes can do.
+/// Poses over the volume at which the abilities of the axes are tested.
 const POSES: usize = 32;
 
 /// The seed of these poses.
@@ -38,14 +38,14 @@ impl Model {
 pub struct Topology {
     /// Their meaning.
     pub words: ModuleWords,
-    /// For each axis of the walk whether it is found (or, where words are axes, corrected) to hold the tip.
+    /// For each axis of the walk, true if it is solved (or, where words are axes, corrected) to hold the tip.
     pub solved: Vec<bool>,
     /// The coordinate of its own, if it has one.
     pub letters: Vec<Option<usize>>,
     /// The controller's joint.
     pub numbers: Vec<usize>,
-    /// The root mean square distance (mm) of the tip from the rotary axes: the length at which turns and ways
-    /// are weighed against each other.
+    /// The root mean square distance (mm) of the tip from the rotary axes: the length at which rotations and
+    /// translations are weighed against each other.
     pub arm: f64,
 }
 
@@ -147,8 +147,8 @@ fn across<const N: usize>(vector: SVector<f64, N>, base: &[SVector<f64, N>]) -> 
     base.iter().fold(vector, |rest, unit| rest - unit * unit.dot(&rest))
 }
 
-/// Six axes that move the tool in all ways at some pose of the volume, those next to the tool first; in the
-/// order of the walk.
+/// Six axes that move the tool in all degrees of freedom at some pose of the volume, those next to the tool first; in
+/// the order of the walk.
 fn six(model: &Model, poses: &[Pose], arm: f64, flat: f64) -> Option<Vec<usize>> {
     if model.joints.len() < 6 {
         return None;
@@ -182,7 +182,7 @@ fn columns(model: &Model, pose: &Pose, arm: f64) -> Vec<Vector6<f64>> {
     model.joints.iter().zip(&place.lever).zip(&place.turn).map(column).collect()
 }
 
-/// Least of what an arm can be, mm.
+/// Smallest arm, mm.
 const SHORTEST: f64 = 1.0;
 
 fn arm(model: &Model, poses: &[Pose]) -> f64 {

@@ -144,7 +144,7 @@ enum ManifestFault {
     Syntax(serde_yaml::Error),
     /// Its keys do not fit together.
     Unsound(String),
-    /// A template stands outside the target's folder.
+    /// A template is outside the target's folder.
     Template(String),
 }
 

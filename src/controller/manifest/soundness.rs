@@ -118,7 +118,7 @@ const MAX_DECIMALS: u8 = 12;
 /// More points than any controller's table.
 const MAX_POINTS: usize = 100_000;
 
-/// A lattice of so many nodes of six axes is half a gigabyte of text.
+/// Maximum number of nodes: a lattice of this size of six axes is half a gigabyte of text.
 const MAX_NODES: usize = 5_000_000;
 
 impl Layout {

@@ -7,7 +7,7 @@ use crate::compensation::{CorrectionTable, CorrectionTables, Encoding, ErrorCurv
 use crate::controller::emit::{StoredColumn, StoredPosition};
 use crate::machine::{AxisKind, Direction, parse_error_name};
 
-/// Tables and error curves of all records. What is said before the first named record holds for all.
+/// Tables and error curves of all records. Fields before the first named record hold for all.
 pub(super) fn tables(reading: &Reading, records: &[Record]) -> Result<CorrectionTables, Fault> {
     let named = records.iter().any(|record| !record.name.is_empty());
     let common = records.iter().find(|record| named && record.name.is_empty());
@@ -49,7 +49,7 @@ impl Assembly<'_> {
         Fault::new(self.record.line, message)
     }
 
-    /// A number that is said once.
+    /// Returns a number of the record; none if it has no such field.
     pub fn number(&self, name: &str) -> Result<Option<f64>, Fault> {
         let Some((text, line)) = self.field(name) else { return Ok(None) };
         number(text).map(Some).map_err(|message| Fault::new(*line, message))
@@ -59,7 +59,7 @@ impl Assembly<'_> {
         self.number(name)?.ok_or_else(|| self.fault(format!("there is no `{name}` for this table")))
     }
 
-    /// A whole number that is said once.
+    /// Returns a whole number of the record; none if it has no such field.
     pub fn whole(&self, name: &str) -> Result<Option<usize>, Fault> {
         let Some(value) = self.number(name)? else { return Ok(None) };
         let (_, line) = self.field(name).map_or((String::new(), 0), Clone::clone);
@@ -91,7 +91,7 @@ impl Assembly<'_> {
         if axes.is_empty() { Err(self.fault(format!("there is no {role} axis for this table"))) } else { Ok(axes) }
     }
 
-    /// The axis to which the file belongs, by what it says or by its name.
+    /// Returns the axis to which the file belongs, by its content or by its name.
     pub fn own(&self) -> Result<Option<usize>, Fault> {
         let said = self.field("axis_number").map(|(word, line)| (self.reading.by_number(word), word, *line));
         match (said, self.reading.axis) {
@@ -285,7 +285,7 @@ impl Assembly<'_> {
         Ok(StoredColumn { times, ..StoredColumn::new(rules, self.kind(axis)) }.correction(stored, own))
     }
 
-    /// By how much the controller multiplies the numbers of a lattice.
+    /// Factor by which the controller multiplies the numbers of a lattice.
     fn magnification(&self, rules: &TableRules) -> Result<f64, Fault> {
         let times = self.whole("magnification")?.unwrap_or(1);
         let most = match rules.encoding {

@@ -54,7 +54,7 @@ fn in_millimetres(reading: &Reading, mut table: CorrectionTable, kind: AxisKind)
     table
 }
 
-/// The numbers on a line, or what is wrong with it.
+/// Returns the numbers on a line, or its fault.
 fn point(columns: &[Column], number_of_line: usize, line: &str) -> Result<Vec<f64>, Fault> {
     let fault = |message: String| Fault::new(number_of_line, message);
     if line.len() > MAX_LINE {

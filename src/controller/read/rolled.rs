@@ -17,7 +17,7 @@ impl Assembly<'_> {
         let (kind, turns) = (self.kind(table.corrected[0]), self.reading.machine.is_continuous(axis));
         let (reference, first, last) =
             (self.required("reference")?, self.required("first")?, self.required("last_number")?);
-        // Over a turn the farthest point in - is the reference point itself, and says once more what the last one says.
+        // Over a turn the farthest point in - is the reference point itself, and repeats the value of the last one.
         let repeated = turns && first == reference;
         let lowest = if repeated { first } else { first.wrapping_sub(1) };
         if first > last || last - first + 2 > rules.max_points || (first == 0 && !repeated) {
@@ -92,8 +92,7 @@ impl Assembly<'_> {
         Ok(sums)
     }
 
-    /// Entries from one step behind 0 on, of a plane line by line; what lies beyond the travel stands for negative
-    /// positions.
+    /// Entries from one step behind 0 on, of a plane line by line; entries beyond the travel hold negative positions.
     pub fn rolled(&self, mut table: CorrectionTable, rules: &TableRules) -> Result<CorrectionTable, Fault> {
         let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
         let counts = self.counts(table.axes.len())?;
@@ -118,8 +117,8 @@ impl Assembly<'_> {
         Ok(table)
     }
 
-    /// What is taken away besides when an axis is approached in reverse: a constant, and a table of what it differs
-    /// from that. None if there is nothing.
+    /// Correction removed when an axis is approached in reverse: a constant, and a table of the differences from it.
+    /// None if there is nothing.
     pub fn reversal(&self) -> Result<Option<CorrectionTable>, Fault> {
         let Some((word, line)) = self.field("reversal") else { return Ok(None) };
         let axis = self.reading.by_number(word);

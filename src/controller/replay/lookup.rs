@@ -1,4 +1,4 @@
-//! Look-up in tables over one axis: cells, straight lines, what lies outside, single precision.
+//! Look-up in tables over one axis: cells, straight lines, positions outside, single precision.
 
 use crate::controller::manifest::OutsideTable;
 

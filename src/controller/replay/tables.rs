@@ -15,11 +15,11 @@ pub struct Replay<'a> {
     machine: &'a Machine,
     tables: &'a CorrectionTables,
     controller: Controller,
-    /// Which tables are looked up modulo 360 deg on continuous axes.
+    /// True for each table that is looked up modulo 360 deg on continuous axes.
     modulo: Vec<bool>,
-    /// Which tables are a factor: a line has no end.
+    /// True for each table that is a factor: a line has no end.
     factors: Vec<bool>,
-    /// The tables in force when the machine was measured: its errors are those that these left.
+    /// The tables in force when the machine was measured: its errors are their residual.
     installed: Option<Box<Replay<'a>>>,
 }
 

@@ -10,7 +10,7 @@ use crate::machine::{ErrorId, ErrorTerm, Machine};
 use crate::units::significant;
 use rayon::prelude::*;
 
-/// What a module and the tables beside it leave, over the volume and error by error.
+/// Certifies a module and the tables beside it, over the volume and error by error.
 pub fn certify_kinematics(
     machine: &Machine,
     target: &ControllerTarget,
@@ -34,7 +34,8 @@ fn single_error_modules(machine: &Machine, target: &ControllerTarget, orientatio
 }
 
 impl Limits {
-    /// Limits on what a module corrects: the deviation of the functional point and of the tool axis.
+    /// Returns a refusal for every limit that a module's correction exceeds: of the functional point and of the tool
+    /// axis.
     pub fn exceeded_by(&self, certificate: &Certificate) -> Vec<Diagnostic> {
         let (position, axis) = (certificate.uncompensated.all.position_um.max, certificate.uncompensated.tool_axis.max);
         let refusal = |what: String| Diagnostic::new(codes::E0602, what).help(RAISE_LIMIT);
