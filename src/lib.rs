@@ -82,7 +82,7 @@
 //! 7. `identify` fits errors to measured deviations and writes a machine file again.
 //! 8. `compensation` solves for the corrected command and fills the tables of a controller's mechanism.
 //! 9. `controller` writes the files from templates, reads them back, replays them as the controller would, and
-//! certifies the residual.
+//!    certifies the residual.
 //! 10. `report` draws pictures and pages.
 //! 11. `api` is this façade; the program `abbe` is a face over it.
 //!

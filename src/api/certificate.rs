@@ -5,7 +5,7 @@ use crate::controller::{Certificate, ControllerTarget, Figures, RaisedFigure, Ze
 use crate::machine::{AxisKind, Machine};
 use serde_json::{Map, Value, json};
 
-/// What a controller leaves after it has applied a set of files.
+/// Residual of a machine after a controller has applied a set of files.
 #[derive(Debug, Clone)]
 pub struct CertificateReport {
     /// The machine, with the tool that the set holds for.

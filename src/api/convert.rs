@@ -12,8 +12,8 @@ use serde::Serialize;
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct ConvertOptions {
-    /// The new conventions: a preset, words such as `carried_body`, or `linear: before, rotary: rotating`; what is not
-    /// named stays as it is.
+    /// The new conventions: a preset, words such as `carried_body`, or `linear: before, rotary: rotating`; others stay
+    /// as they are.
     pub to: Option<String>,
     /// The axis from whose actual line location errors count (`axis_only`), instead of the machine frame.
     pub datum: Option<String>,
@@ -177,7 +177,7 @@ fn datum(file: &MachineFile, name: &str) -> Result<AxisName, Diagnostic> {
     })
 }
 
-/// The machine of the text: the proof is about what is written.
+/// Returns the machine of the text: the proof is about the written file.
 fn taken(call: &mut Call<'_>, text: &str) -> Result<MachineFile, Refused> {
     read_back(text).or_else(|why| {
         let message = format!("the converted machine is refused: {}", shown(&why.to_string()));

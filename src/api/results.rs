@@ -1,4 +1,4 @@
-//! What the functions return, and its parts. Serde writes results in the shapes that docs/formats.md describes.
+//! Results of the functions, and their parts. Serde writes results in the shapes that docs/formats.md describes.
 
 pub use super::budget::BudgetResult;
 pub use super::budgets::ComparedBudgets;

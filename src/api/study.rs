@@ -63,7 +63,7 @@ impl<'a> Keeper<'a> {
     }
 }
 
-/// Returns what a file has of the study already; nothing without the file.
+/// Returns the part of the study that a file holds; nothing without the file.
 pub(super) fn begun(call: &mut Call<'_>, path: Option<&Path>, empty: Journal) -> Result<Journal, Refused> {
     match path {
         Some(path) if call.run.files.read(path) != Err(ReadFailure::NotFound) => {

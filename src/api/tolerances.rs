@@ -6,14 +6,14 @@ use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::Machine;
 use crate::report::DrawSettings;
 
-/// How errors are drawn between their bounds, and judged.
+/// Draws of errors between their bounds, and the statistic of their effect.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct ToleranceOptions {
     /// Class of machines whose typical tolerances are taken where the file has none: `ultra-precision`, `premium`,
     /// `production`, `commodity`, `large-gantry` or `desktop`.
     pub class: Option<String>,
-    /// How an error is distributed between its bounds.
+    /// Distribution of an error between its bounds.
     pub distribution: Distribution,
     /// Statistic of a machine over the poses.
     pub statistic: Statistic,

@@ -1,4 +1,4 @@
-//! `verify`: files replayed as the controller would, and what they leave.
+//! `verify`: files replayed as the controller would, and the residual.
 
 use super::certificate::CertificateReport;
 use super::compensation::folder::Folder;
@@ -18,9 +18,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct VerifyOptions {
-    /// Name of the controller; by default what the folder's manifest or its files tell.
+    /// Name of the controller; by default the one that the folder's manifest or its files name.
     pub target: Option<String>,
-    /// How the machine was compensated.
+    /// Options of the compensation.
     pub compensation: CompensationOptions,
     /// Number of poses of the certificate.
     pub poses: usize,
@@ -41,7 +41,7 @@ pub fn set_manifest(folder: &Path, run: Run) -> Option<Lock> {
     Folder::new(folder, run.files).lock()
 }
 
-/// Reads the files in a folder back, replays them as the controller would, and returns what they leave.
+/// Reads the files in a folder back, replays them as the controller would, and returns the residual.
 ///
 /// Fails if the folder holds no set of a known target, or one that the controller would misread.
 pub fn verify(
@@ -65,7 +65,7 @@ pub fn verify(
     })
 }
 
-/// Finds the set in the folder, and warns of what its manifest does not agree with.
+/// Finds the set in the folder, and warns of differences from its manifest.
 pub(super) fn opened(
     call: &mut Call,
     file: &MachineFile,

@@ -3,8 +3,8 @@
 //! 1. A controller with the model gets the error curves, and nothing else.
 //! 2. A lattice over whatever axes were asked for holds everything, and stands alone.
 //! 3. Otherwise rotary axes get their own tables from their own error. The residual of the functional point goes to the
-//! linear axes: own and cross tables, then planes or a lattice over fixed axes for their residual ([`super::sum`]).
-//! Tables without effect are not written.
+//!    linear axes: own and cross tables, then planes or a lattice over fixed axes for their residual
+//!    ([`super::sum`]). Tables without effect are not written.
 
 use super::batch::correct_all_from;
 use super::curves::{error_curves, straight};

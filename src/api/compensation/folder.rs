@@ -12,7 +12,7 @@ pub(crate) const SET_LIMIT: u64 = MAX_FILE_BYTES as u64;
 const MAX_FILES: usize = 200;
 const MAX_BYTES: u64 = 4 * SET_LIMIT;
 
-/// A folder and what is in it.
+/// A folder with its files.
 pub(crate) struct Folder<'a> {
     pub path: &'a Path,
     files: &'a dyn Files,
@@ -60,7 +60,7 @@ impl<'a> Folder<'a> {
         found
     }
 
-    /// Reads every text in the folder, up to a limit; warns of what is left alone.
+    /// Reads every text in the folder, up to a limit; warns of the files that are ignored.
     pub fn texts(&self, diagnostics: &mut Diagnostics) -> Vec<(String, String)> {
         let candidate = |entry: &&FolderEntry| {
             entry.kind == EntryKind::File && entry.name != LOCK_NAME && !entry.name.starts_with('.')

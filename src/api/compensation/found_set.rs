@@ -1,5 +1,5 @@
-//! Which target's files a folder holds: the one that is named, or that the set's manifest names; else the one whose
-//! files are there by name; else the one that their content tells.
+//! The target of the files in a folder: the one that is named, or that the set's manifest names; else the one whose
+//! files are there by name; else the one that their content identifies.
 
 use super::folder::{Folder, left_alone};
 use super::options::{CompensationOptions, stored_of};

@@ -79,7 +79,7 @@ fn lattice_axes(call: &mut Call, machine: &Machine, named: &[String]) -> Result<
     Ok(all.filter(wanted).collect())
 }
 
-/// A lattice has two nodes on every axis at the least, and something to correct.
+/// Refuses a lattice with fewer than two nodes on an axis, or with nothing to correct.
 fn refuse_impossible_lattice(
     call: &mut Call,
     machine: &Machine,
@@ -105,7 +105,7 @@ fn refuse_impossible_lattice(
     Ok(())
 }
 
-/// What does not go into the tables: points beyond the format's limit, travel beyond the volume.
+/// Warns of points beyond the format's limit, and of travel beyond the volume.
 fn warn_left_out(call: &mut Call, machine: &Machine, target: &ControllerTarget, tables: &CorrectionTables) {
     let own = target.manifest.mechanism.own_axis.as_ref().map(|own| &own.table);
     if let Some(rules) = own.filter(|rules| rules.fit == Fit::Axis) {

@@ -1,4 +1,4 @@
-//! What a certificate warns of.
+//! Warnings of a certificate.
 
 use crate::controller::{Certificate, ROUNDING_UM, RaisedFigure};
 use crate::diagnostic::{Diagnostic, codes};
@@ -40,7 +40,7 @@ pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
     } else if let Some(words) = raised(certificate) {
         found.push(Diagnostic::new(codes::W0602, format!("the tables raise {words}")).help(why_raised(certificate)));
     }
-    // A twentieth more is within what any table of angles changes here and there.
+    // An increase by a twentieth is within the local changes of any table of angles.
     let turned = |b: &Summary, a: &Summary| a.p95 > b.p95 * 1.05 + ROUNDING_UM;
     if turned(&before.tool_axis, &after.tool_axis) || turned(&before.all.rotation_urad, &after.all.rotation_urad) {
         let message = format!(
@@ -58,7 +58,7 @@ pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
     found
 }
 
-/// Why tables can make it worse, and what to do.
+/// Returns the reason why tables can make it worse, and the remedy.
 fn why_raised(certificate: &Certificate) -> &'static str {
     match &certificate.shifted {
         Some(shifted) if shifted.is_better() => {

@@ -5,7 +5,7 @@
 //! 2. [`render_kinematics`](super::ControllerTarget::render_kinematics) writes the files,
 //!    [`read_kinematics`](super::ControllerTarget::read_kinematics) reads the numbers back;
 //! 3. [`ModuleField`] computes with them as the module does, in own arithmetic: nothing here uses the lowering of the
-//! machine, and only numbers that were read from the files count;
+//!    machine, and only numbers that were read from the files count;
 //! 4. [`certify_kinematics`](crate::controller::certify_kinematics) states the residual.
 //!
 //! Two frames are in use. The controller's *world* holds the position of the tip of the tool relative to the gauge

@@ -1,5 +1,5 @@
-//! What the page shows of a machine, as it is embedded: units stand in the keys, lengths are mm or um,
-//! angles deg or urad.
+//! Content of the page for a machine, as it is embedded: units are in the keys, lengths are mm or um, angles deg or
+//! urad.
 
 use super::comparison::ComparisonData;
 use super::field::FieldData;
@@ -48,7 +48,7 @@ pub struct MachineData {
     locations: Vec<Value>,
     statistics: Value,
     worst: Vec<Value>,
-    /// The first so many poses are those of `error_statistics`.
+    /// Number of the first poses that `error_statistics` uses.
     source_poses: usize,
     sources: Vec<Value>,
     diagonals: Vec<Value>,
@@ -58,10 +58,10 @@ pub struct MachineData {
     field: FieldData,
 }
 
-/// How many of the worst poses are named.
+/// Number of the worst poses that are named.
 const WORST: usize = 5;
 
-/// Poses for what each error does alone, at most: all errors at all poses are held at once.
+/// Maximum number of poses for the effect of each error alone: all errors at all poses are held at once.
 const SOURCE_POSES: usize = 10_000;
 
 /// Intervals of a body diagonal.
@@ -113,7 +113,7 @@ impl MachineData {
 }
 
 impl MachineData {
-    /// The errors that do most alone, and how they add up; `None` without errors.
+    /// Returns the errors with the largest effect alone, and their sum; `None` without errors.
     pub fn pareto(&self, top: usize) -> Option<Picture> {
         let bar = |s: &Value| Some(Bar { label: s["error"].as_str()?.to_owned(), value: s["p95_um"].as_f64()? });
         let bars: Vec<Bar> = self.sources.iter().filter_map(bar).collect();

@@ -53,7 +53,7 @@ fn footer(svg: &mut Svg, top: f64, notes: &[String]) {
     }
 }
 
-/// What ISO 230-1 calls a component error, in a word or two.
+/// Returns the name of a component error in ISO 230-1, in a word or two.
 fn word(axis: &Axis, direction: Direction) -> String {
     let letters = ["X", "Y", "Z"];
     let along = (0..3).find(|i| axis.direction[*i].abs() > 0.999);
@@ -76,7 +76,7 @@ struct Panel {
     curves: Vec<PanelKind>,
     /// Expanded uncertainty of the values, if it is known.
     band: Option<f64>,
-    /// Said where there is no curve.
+    /// Text in place of a missing curve.
     instead: String,
 }
 
@@ -169,11 +169,11 @@ fn scale(panels: &[Panel]) -> (f64, f64, f64) {
     (libm::floor(min / step + 1e-9) * step, libm::ceil(max / step - 1e-9) * step, step)
 }
 
-/// Where a panel is, and what its sides mean.
+/// Place of a panel, and its scales.
 struct PanelFrame {
     corner: (f64, f64),
     x: (f64, f64),
-    /// Least, largest, step.
+    /// Smallest value, largest value, step.
     y: (f64, f64, f64),
     unit: &'static str,
 }

@@ -8,7 +8,7 @@ use crate::units::significant;
 /// One pose: nominal position (mm), and the in-plane deviations (mm).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitPoint {
-    /// Where the axes were sent.
+    /// Commanded positions of the axes.
     pub nominal: (f64, f64),
     /// Measured, actual minus nominal.
     pub measured: (f64, f64),
@@ -23,7 +23,7 @@ pub struct FitPicture<'a> {
     pub machine: &'a str,
     /// The axis to the right, and the one upwards.
     pub axes: [&'a str; 2],
-    /// Where the other axes are.
+    /// Positions of the other axes.
     pub slice: String,
     /// The poses.
     pub points: Vec<FitPoint>,
@@ -91,7 +91,8 @@ impl FitPicture<'_> {
         format!("{count} points, root mean square in the plane: {data} µm measured, {left} µm left by the prediction")
     }
 
-    /// So that the largest displacement is as long as the margin allows, rounded down to 1, 2 or 5.
+    /// Returns the magnification at which the largest displacement is as long as the margin allows, rounded down to 1,
+    /// 2 or 5.
     fn magnification(&self, scale: f64) -> f64 {
         let sizes = self.points.iter().flat_map(|p| [p.measured, p.predicted]).map(|(x, y)| libm::hypot(x, y));
         let largest = sizes.fold(0.0, f64::max);

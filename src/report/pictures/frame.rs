@@ -1,4 +1,4 @@
-//! The rectangle a diagram is drawn in, and its axes: what pictures of curves and bars share.
+//! The rectangle a diagram is drawn in, and its axes, for pictures of curves and bars.
 
 use super::scale::{round_step, tick_text, ticks};
 use super::svg::{Anchor, FAINT, Font, INK, LINE, Svg};
@@ -26,7 +26,7 @@ pub struct PlotFrame {
 }
 
 impl Axis {
-    /// From a least to a largest value; an interval of no width is widened.
+    /// Axis from a smallest to a largest value; an interval of no width is widened.
     pub fn new(min: f64, max: f64) -> Self {
         Self { min, max: if max > min { max } else { min + 1.0 }, turns: false }
     }
@@ -49,12 +49,12 @@ impl Axis {
 }
 
 impl PlotFrame {
-    /// Where a value is, from above.
+    /// Returns the y coordinate of a value, px.
     pub fn y(&self, axis: &Axis, value: f64) -> f64 {
         self.top + self.height * (1.0 - axis.share(value))
     }
 
-    /// Where a value is, from the left.
+    /// Returns the x coordinate of a value, px.
     pub fn x(&self, axis: &Axis, value: f64) -> f64 {
         self.left + self.width * axis.share(value)
     }

@@ -1,4 +1,4 @@
-//! Diagrams of what instruments read along a path: an R-test over the turn of a rotary axis, a laser along the
+//! Diagrams of instruments' readings along a path: an R-test over the turn of a rotary axis, a laser along the
 //! diagonals there and back. All panels of a picture have one scale.
 
 use super::frame::{Axis, PlotFrame};
@@ -32,7 +32,7 @@ pub struct DiagonalPicture<'a> {
 const WIDTH: f64 = 920.0;
 const LEFT: f64 = 24.0;
 const TOP: f64 = 92.0;
-/// Left of a frame, for its axis.
+/// Width beside a frame for its axis.
 const MARGIN: f64 = 66.0;
 const COMPONENTS: [(&str, Stroke); 3] = [
     ("dx", Stroke { colour: FIRST, dashes: "" }),
@@ -118,7 +118,7 @@ fn row(svg: &mut Svg, name: &str, test: &RTest, (frame, axis): (PlotFrame, &Axis
 }
 
 impl DiagonalPicture<'_> {
-    /// The picture: the displacement over the way along each diagonal.
+    /// The picture: the displacement over the travel along each diagonal.
     pub fn picture(&self) -> Picture {
         const PANEL: (f64, f64) = (360.0, 190.0);
         const STEP: (f64, f64) = (444.0, 286.0);

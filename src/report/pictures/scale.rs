@@ -1,6 +1,6 @@
-//! Ticks at round numbers, and colours whose differences look like the differences they stand for.
+//! Ticks at round numbers, and colours whose differences look like the differences they show.
 
-/// The 1, 2 or 5 times a power of ten that divides `range` into at most `most` steps.
+/// Returns the 1, 2 or 5 times a power of ten that divides `range` into at most `max_steps` steps.
 pub fn round_step(range: f64, most: usize) -> f64 {
     if !(range > 0.0 && range.is_finite()) {
         return 1.0;
@@ -40,12 +40,12 @@ const RISING: [Lch; 4] = [(0.97, 0.035, 105.0), (0.87, 0.09, 140.0), (0.73, 0.10
 const SIGNED: [Lch; 5] =
     [(0.56, 0.14, 255.0), (0.78, 0.075, 250.0), (0.975, 0.0, 0.0), (0.80, 0.085, 40.0), (0.60, 0.165, 28.0)];
 
-/// Colour of a share of the largest value, 0 to 1.
+/// Colour of a fraction of the largest value, 0 to 1.
 pub fn rising(share: f64) -> String {
     blended(&RISING, share)
 }
 
-/// Colour of a share of the largest absolute value, -1 to 1.
+/// Colour of a fraction of the largest absolute value, -1 to 1.
 pub fn signed(share: f64) -> String {
     blended(&SIGNED, 0.5 + 0.5 * share)
 }
