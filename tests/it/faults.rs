@@ -1,5 +1,5 @@
-//! Tables with a fault of what filled them: their certificates must show it. Single errors rest on as many poses as
-//! they say.
+//! Tables with a fault in their filling: their certificates must show it. Single errors rest on the number of poses
+//! that they state.
 
 use abbe::compensation::{CorrectionTable, CorrectionTables, LatticeRequest, Scope};
 use abbe::controller::{Certificate, ControllerTarget, JudgedTables, certify};
