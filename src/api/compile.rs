@@ -149,6 +149,6 @@ fn refuse_unverified(call: &mut Call, target: &ControllerTarget, accepted: bool)
         return Ok(());
     }
     let message = format!("the format of `{name}` is known from memory only: {}", target.manifest.caution());
-    let help = "`abbe explain TARGET` says what is sure; to write the files all the same: --accept-unverified";
+    let help = "`abbe explain TARGET` states what is sure; to write the files all the same: --accept-unverified";
     call.refuse(Diagnostic::new(codes::E0710, message).help(help))
 }

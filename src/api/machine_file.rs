@@ -139,7 +139,7 @@ pub(crate) fn bounded_only(machine: &Machine) -> Option<Diagnostic> {
     let bounded = count > 0 && machine.errors().all(|(_, term)| matches!(term, ErrorTerm::Tolerance(_)));
     bounded.then(|| {
         let message = format!("all {} are only bounded, and count as 0", counted(count, "error"));
-        let help = "`abbe budget` says what the bounds come to; give values for what was measured";
+        let help = "`abbe budget` computes the effect of bounds; give values for measured errors";
         Diagnostic::new(codes::W0802, message).help(help)
     })
 }

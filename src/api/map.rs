@@ -263,9 +263,8 @@ fn compensation(
 ) -> Result<Option<(ControllerTarget, Effect)>, Refused> {
     let Some(name) = &options.target else { return Ok(None) };
     if order != Order::Exact {
-        return call.usage(
-            "a compensated machine is mapped with the exact model: leave `--order` out, or say `--order exact`",
-        );
+        return call
+            .usage("a compensated machine is mapped with the exact model: omit `--order`, or give `--order exact`");
     }
     let target = options.compensation.target(call, name, None)?;
     let depth = Depth { poses: CERTIFIED, seed: options.seed };

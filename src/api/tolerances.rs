@@ -61,9 +61,9 @@ fn find(machine: &Machine, name: &str) -> Result<Class, Diagnostic> {
         return Err(Diagnostic::new(codes::E0605, message).help(did_you_mean(name, &known)));
     };
     if lacks_rotary(machine, &class) {
-        let message = format!("the class `{name}` knows nothing of rotary axes, and the machine has some");
+        let message = format!("the class `{name}` has no tolerances of rotary axes, and the machine has such axes");
         let help = "take another class, or write the tolerances of the rotary axes into a variant of the file and \
-         leave `--class` out";
+         omit `--class`";
         return Err(Diagnostic::new(codes::E0605, message).help(help));
     }
     Ok(class)
@@ -72,8 +72,11 @@ fn find(machine: &Machine, name: &str) -> Result<Class, Diagnostic> {
 fn nothing_bounded(machine: &Machine) -> Diagnostic {
     let given = known(machine);
     let message = format!("`{}` has no error that is only bounded", shown(machine.name()));
-    let values =
-        if given > 0 { format!("its {given} errors have values, which a budget leaves out; ") } else { String::new() };
+    let values = if given > 0 {
+        format!("its {given} errors have values, which a budget does not draw; ")
+    } else {
+        String::new()
+    };
     Diagnostic::new(codes::E0604, message).help(format!(
         "{values}write bounds, `EAY: {{ tolerance: 20 urad }}`, or take those of a class: `--class production`"
     ))

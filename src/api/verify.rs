@@ -141,10 +141,8 @@ fn warn_other_tool(call: &mut Call, file: &MachineFile, target: &ControllerTarge
 /// Warns of files that are no longer as the manifest of the set states; they are read all the same.
 fn warn_edited(call: &mut Call, folder: &Folder, lock: Option<&Lock>) {
     let Some(lock) = lock else {
-        let message = format!(
-            "`{}` has no readable {LOCK_NAME}: whether its files were edited cannot be told",
-            folder.path.display()
-        );
+        let message =
+            format!("`{}` has no readable {LOCK_NAME}: edits of its files cannot be detected", folder.path.display());
         call.warn(Diagnostic::new(codes::W0703, message).help("files found on a machine are judged as they are"));
         return;
     };

@@ -75,7 +75,7 @@ impl Turn<'_> {
         if problem.is_none() {
             write_alone(&mut now, self.args, good)?;
         }
-        session.say(if problem.is_some() { "refused: the page says why" } else { "the page is up to date" });
+        session.say(if problem.is_some() { "refused: the page gives the reason" } else { "the page is up to date" });
         Ok((files, answer(page)))
     }
 }

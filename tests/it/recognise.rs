@@ -114,7 +114,7 @@ fn tables_that_do_not_say_their_axis() {
     std::fs::remove_file(set.join("compensation.inc")).unwrap();
     let run = verify(&three, &set, &["--poses", "40"]);
     assert_eq!(run.code, Some(0), "{}", run.err);
-    run.says("W0710").says("`y.txt` does not say its axis: read as the table of `Y`");
+    run.says("W0710").says("`y.txt` does not name its axis: read as the table of `Y`");
     // A set is only whole with all of its tables.
     std::fs::remove_file(set.join("y.txt")).unwrap();
     verify(&three, &set, &[]).refused("E0705").says("joint_1_Y.comp");
@@ -215,7 +215,7 @@ fn what_is_not_read_is_said() {
     std::fs::write(found.join("image.png"), [0x89, 0x50, 0xff, 0xfe]).unwrap();
     let run = verify(&machine, &found, &["--poses", "40"]);
     assert_eq!(run.code, Some(0), "{}", run.err);
-    run.says("W0711").says(&format!("`{name}` is left alone")).says("`image.png` is left alone").says(": line ");
+    run.says("W0711").says(&format!("`{name}` is ignored")).says("`image.png` is ignored").says(": line ");
     // With the set's manifest a missing table is missing.
     std::fs::remove_file(out.join("_N_AX2_EEC_INI")).unwrap();
     verify(&machine, &out, &[]).refused("E0705").says("_N_AX2_EEC_INI");

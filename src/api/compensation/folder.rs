@@ -83,8 +83,8 @@ impl<'a> Folder<'a> {
 
 /// Warns of a file that is not judged.
 pub(crate) fn left_alone(name: &str, why: &str) -> Diagnostic {
-    let message = format!("`{}` is left alone: {why}", shown(name));
-    Diagnostic::new(codes::W0711, message).help("what is certified is the set without this file")
+    let message = format!("`{}` is ignored: {why}", shown(name));
+    Diagnostic::new(codes::W0711, message).help("the certificate is of the set without this file")
 }
 
 fn unreadable(failure: &ReadFailure) -> String {

@@ -19,6 +19,6 @@ use crate::diagnostic::{Diagnostic, codes};
 /// Refuses rendered files that do not read back as the intended set.
 fn misread(target: &ControllerTarget) -> Diagnostic {
     let name = &target.manifest.target;
-    Diagnostic::new(codes::E0707, format!("the files of target `{name}` do not read back as what was to be written"))
-        .help("its templates do not write what its manifest says; nothing was written")
+    Diagnostic::new(codes::E0707, format!("the files of target `{name}` do not read back as the intended set"))
+        .help("its templates and its manifest disagree; nothing was written")
 }

@@ -111,7 +111,7 @@ impl CompensationOptions {
         for kind in &self.without {
             if !target.manifest.mechanism.leave_out(kind) {
                 let kind = kind.escape_debug();
-                return call.usage(format!("--without: the target `{name}` has no tables `{kind}`, or none besides"));
+                return call.usage(format!("--without: the target `{name}` has no tables `{kind}`, or no others"));
             }
         }
         if let Some(fit) = self.fit {

@@ -88,10 +88,11 @@ fn refuse_impossible_lattice(
 ) -> Result<(), Refused> {
     let free = target.manifest.mechanism.lattice.as_ref().filter(|rules| rules.inputs.is_empty());
     let Some(rules) = free else { return Ok(()) };
-    let most = request.max_nodes.min(rules.table.max_points);
-    let least = 2_usize.checked_pow(u32::try_from(request.axes.len()).unwrap_or(u32::MAX)).unwrap_or(usize::MAX);
-    if least > most {
-        let message = format!("a lattice over {} axes has more than {most} nodes at the least", request.axes.len());
+    let max = request.max_nodes.min(rules.table.max_points);
+    let min = 2_usize.checked_pow(u32::try_from(request.axes.len()).unwrap_or(u32::MAX)).unwrap_or(usize::MAX);
+    if min > max {
+        let message =
+            format!("a lattice over {} axes has {min} nodes or more, above the limit of {max}", request.axes.len());
         let help = "span it over fewer axes with --lattice X,Y,Z, or allow more with --nodes";
         return call.refuse(Diagnostic::new(codes::E0603, message).help(help));
     }

@@ -35,7 +35,7 @@ pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
         lessened(&before.all.position_um, &after.all.position_um) || lessened(&before.tool_axis, &after.tool_axis);
     if certificate.strongest.is_none() && !lessens {
         let help = "no error of this machine is within the target's reach, or the files hold nothing: a target with \
-         a lattice, such as grid-csv, takes away what depends on several axes";
+         a lattice, such as grid-csv, corrects errors that depend on several axes";
         found.push(Diagnostic::new(codes::W0602, "the tables correct nothing").help(help));
     } else if let Some(words) = raised(certificate) {
         found.push(Diagnostic::new(codes::W0602, format!("the tables raise {words}")).help(why_raised(certificate)));
@@ -52,7 +52,7 @@ pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
         );
         found.push(Diagnostic::new(codes::W0603, message).help(
             "rotation about the tool axis matters to tools that \
-         do not turn; `--correct position` leaves the rotary axes alone",
+         do not turn; `--correct position` does not move the rotary axes",
         ));
     }
     found

@@ -32,8 +32,8 @@ impl CertificateView<'_> {
         };
         let list: Vec<String> = self.report.machine.axes().iter().zip(&shifted.shift).map(one).collect();
         format!(
-            "The tables vanish at the reference position. With the machine zero moved besides by {} the position is \
-             at most {} um off, 95 % {}; without tables and with the zero where it is best for that, {} and {}.\n",
+            "The tables vanish at the reference position. With the machine zero also moved by {} the position is \
+             at most {} um off, 95 % {}; without tables and with the best zero for that, {} and {}.\n",
             list.join(", "),
             significant(shifted.position_um.max, 4),
             significant(shifted.position_um.p95, 4),
@@ -110,7 +110,7 @@ impl CertificateView<'_> {
         let gone = list(&|e| e.handled == Handled::Fully && !idle(e));
         let poses = self.report.certificate.single_error_poses;
         let mut text = format!(
-            "What this target can do against each error alone, laid out as here, over {poses} of the poses:\n  fully \
+            "Each error alone, with tables of its own laid out as here, over {poses} of the poses:\n  fully \
              compensated: {gone}\n"
         );
         if self.report.certificate.errors.iter().any(idle) {
@@ -120,7 +120,7 @@ impl CertificateView<'_> {
             self.report.certificate.errors.iter().filter(|e| e.handled != Handled::Fully && !idle(e)).collect();
         left.sort_by(|a, b| b.left.total_cmp(&a.left));
         if !left.is_empty() {
-            text.push_str("  left of it (95 %, um; in brackets without compensation):\n");
+            text.push_str("  residual (95 %, um; in brackets without compensation):\n");
         }
         for e in left {
             let (left, alone) = (significant(e.left, 3), significant(e.alone, 3));
@@ -153,8 +153,8 @@ impl CertificateView<'_> {
             ("the files add", "they")
         };
         format!(
-            "Then measure: at {}{coming}, {what} {added} to {name}. Switched on, {they} must change what an \
-             instrument along {name} reads by {added}; by {other} means a wrong sign.\n",
+            "Then measure: at {}{coming}, {what} {added} to {name}. Switched on, {they} must change the reading of an \
+             instrument along {name} by {added}; by {other} means a wrong sign.\n",
             place.join(", "),
         )
     }

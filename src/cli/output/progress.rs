@@ -47,7 +47,7 @@ impl Progress {
             state.shown = true;
             let percent = 100 * state.done / self.total.max(1);
             let left = remaining(now - self.begun, state.done, self.total);
-            let _ = write!(std::io::stderr(), "\r{percent:3} % of {}, {left} left\x1b[K", self.total);
+            let _ = write!(std::io::stderr(), "\r{percent:3} % of {}, {left} remaining\x1b[K", self.total);
         }
     }
 }

@@ -120,11 +120,11 @@ fn effects(result: &EvalResult) -> String {
     let mut text = String::new();
     for (number, pose) in result.poses.iter().enumerate() {
         let Some(first) = &pose.sensitivity else { continue };
-        text.push_str(&format!("Pose {}: what 1 um or 1 urad of an error does\n", number + 1));
+        text.push_str(&format!("Pose {}: effect of 1 um or 1 urad of each error\n", number + 1));
         text.push_str(&format!("{}\n", first_table(first)));
         if let Some(second) = &pose.interactions {
             let table = second_table(second);
-            text.push_str(&format!("Interactions that do most, with the errors as they are\n{table}\n"));
+            text.push_str(&format!("Largest interactions, with the errors as they are\n{table}\n"));
         }
     }
     result.neglected.map_or(text.clone(), |neglected| format!("{text}{}\n", sentence(&neglected)))

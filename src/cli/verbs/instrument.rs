@@ -154,7 +154,7 @@ fn circles_text(file: &MachineFile, result: &InstrumentResult, radius: f64, list
         ]);
     }
     format!(
-        "{}{rows}\nG: circular deviation about the least-squares centre, G(b): of both ways; D: mean radial \
+        "{}{rows}\nG: circular deviation about the least-squares centre, G(b): of both senses; D: mean radial \
          deviation; F: largest and smallest.\nSquareness above 0: the angle between the plane's directions is above \
          90 deg. Scale: of the first direction minus the second.\n",
         head(file, &format!("ball bar of {} mm about", significant(radius, 6)), result)

@@ -19,7 +19,7 @@ impl ControllerTarget {
     pub fn refusal(&self, machine: &Machine) -> Option<Diagnostic> {
         let why = lacking(machine, &self.manifest.mechanism)?;
         let message = format!("the target `{}` cannot be used: {why}", self.manifest.target);
-        Some(Diagnostic::new(codes::E0708, message).help("`abbe targets` says what each controller can hold"))
+        Some(Diagnostic::new(codes::E0708, message).help("`abbe targets` lists what each controller can hold"))
     }
 
     /// Returns a refusal of everything in the tables that the controller does not take: E0709.

@@ -72,7 +72,7 @@ impl Limits {
         });
         let slope = steepest(machine, tables).filter(|(_, slope)| *slope > self.slope).map(|(axis, slope)| {
             refusal(format!(
-                "the corrections of `{}` change by {} per unit of its way, above the limit of {}",
+                "the corrections of `{}` change by {} per unit of its travel, above the limit of {}",
                 name(axis),
                 significant(slope, 3),
                 self.slope

@@ -132,9 +132,8 @@ impl ControllerTarget {
     }
 
     fn failed(&self, failure: &TemplateFailure) -> Diagnostic {
-        Diagnostic::new(codes::E0702, format!("target `{}`: {failure}", self.manifest.target)).help(
-            "docs/adding-a-target.md says what templates are given and how long they may run; nothing was written",
-        )
+        Diagnostic::new(codes::E0702, format!("target `{}`: {failure}", self.manifest.target))
+            .help("docs/adding-a-target.md states the variables and the limits of templates; nothing was written")
     }
 
     /// Names of the files that hold a table of their own for each axis, in the order of the joints:

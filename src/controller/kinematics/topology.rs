@@ -87,7 +87,7 @@ pub fn warnings(machine: &Machine, model: &Model) -> Vec<Diagnostic> {
             "the axes cannot bring the tool everywhere: words of the program are positions of axes, not of the tip";
         all.push(
             Diagnostic::new(codes::W0760, message)
-                .help("what the axes that are there can move is corrected; the certificate says what is left"),
+                .help("the axes that are there correct what they can move; the certificate states the residual"),
         );
     }
     for (axis, joint) in machine.axes().iter().zip(&model.joints) {
@@ -237,7 +237,7 @@ fn no_letter(axis: &Axis, words: ModuleWords) -> Diagnostic {
         ModuleWords::Pose => "X, Y, Z, A, B and C are the pose of the tool; ",
         ModuleWords::Axes => "",
     };
-    let message = format!("the controller has no letter left for axis `{}`", axis.name);
+    let message = format!("the controller has no free letter for axis `{}`", axis.name);
     Diagnostic::new(codes::E0752, message).help(format!(
         "{taken}linear axes have the letters X Y Z U V W, rotary ones A B C, then U V W; take an axis out of the chain"
     ))

@@ -18,7 +18,7 @@ impl Manifest {
             }
             Some(_) => {
                 return Some(
-                    "mechanism: kinematics stand alone, or beside own_axis tables with both directions that hold the \
+                    "mechanism: kinematics come alone, or with own_axis tables with both directions that hold the \
                      reversal"
                         .to_owned(),
                 );

@@ -68,7 +68,7 @@ impl Arrays {
         let index = |x: &f64| match *x {
             -1.0 if none => Ok(None),
             x if x >= 0.0 && x < below as f64 && x.fract() == 0.0 => Ok(Some(x as usize)),
-            _ => Err(self.fault(name, &format!("`{name}` holds {x}, which is none of {below}"))),
+            _ => Err(self.fault(name, &format!("`{name}` holds {x} instead of an index below {below}"))),
         };
         numbers.iter().map(index).collect()
     }

@@ -182,7 +182,7 @@ impl Assembly<'_> {
             if (place_of.position(max) - last).abs() > rules.increment.least_position(place_of.kind) {
                 return Err(Fault::new(
                     line,
-                    format!("the last point stands at {last}, not at {max}: values and step do not fit together"),
+                    format!("the last point is at {last}, not at {max}: values and step do not fit together"),
                 ));
             }
         }
@@ -202,7 +202,7 @@ impl Assembly<'_> {
             _ => self.record.points.keys().map(|index| index[place] + 1).max().unwrap_or(0),
         };
         match said {
-            Some(count) if found > count => Err(self.fault(format!("{found} points, and the file says {count}"))),
+            Some(count) if found > count => Err(self.fault(format!("{found} points, and the file states {count}"))),
             Some(count) => Ok(count),
             None => Ok(found),
         }

@@ -90,9 +90,8 @@ fn block(
     if names.iter().filter(|name| is_argument(reading, name)).count() > 1 {
         return Err(Fault::new(
             line,
-            "a block over two axes: the machine language has no errors that depend on two, and what this block does \
-             would not be in \
-             the certificate. Give the curves over their own axis alone, at one position of the other",
+            "a block over two axes: the machine language has no errors that depend on two, so its effect would not be \
+             in the certificate. Give the curves over their own axis alone, at one position of the other",
         ));
     }
     if argument.is_none() && is_argument(reading, names[0]) {
@@ -189,7 +188,7 @@ pub(super) fn axis_columns(reading: &Reading, header: &Header, text: &str) -> Re
     let reversing =
         |(_, row): &&(usize, Vec<Option<f64>>)| reversal.and_then(|at| row[at]).is_some_and(|value| value != 0.0);
     if let Some((line, _)) = rows.iter().find(reversing) {
-        let message = format!("a value under `{}`: what the controller makes of it is not public", header.reversal);
+        let message = format!("a value under `{}`: its use by the controller is not public", header.reversal);
         return Err(Fault::new(*line, message));
     }
     let mut all = CorrectionTables::default();

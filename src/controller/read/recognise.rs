@@ -87,7 +87,7 @@ fn ambiguous(best: &TargetFit, rivals: &[&TargetFit], files: &[NamedText]) -> Di
     };
     let all: Vec<String> = std::iter::once(best).chain(rivals.iter().copied()).map(said).collect();
     Diagnostic::new(codes::E0730, format!("by their content the files are of several targets: {}", all.join(", ")))
-        .help("say which with --target, or put each set into a folder of its own")
+        .help("name the target with --target, or put each set into a folder of its own")
 }
 
 impl TargetFit {
@@ -176,7 +176,7 @@ impl TargetFit {
             known[i] = Some(axis);
             let (name, axis) = (&files[self.placed[i].file].0, &machine.axes()[axis]);
             let message =
-                format!("`{name}` does not say its axis: read as the table of `{}`, whose travel it spans", axis.name);
+                format!("`{name}` does not name its axis: read as the table of `{}`, whose travel it spans", axis.name);
             let help = "name it as `compile` does, or put the controller's configuration that assigns it beside it";
             diagnostics.push(Diagnostic::new(codes::W0710, message).help(help));
         }
@@ -234,7 +234,7 @@ impl TargetFit {
             .map(|(axis, name)| format!("{} (`{name}`)", machine.axes()[axis].name))
             .collect();
         let message = format!(
-            "`{}` is a table of target `{}` and does not say for which axis: {}",
+            "`{}` is a table of target `{}` and does not name its axis: {}",
             files[placed.file].0,
             self.target.manifest.target,
             candidates.join(", ")
@@ -256,8 +256,8 @@ impl TargetFit {
             let fault = self.failed.iter().find(|(failed, _)| *failed == file).map(|(_, fault)| fault);
             let why = fault.map_or_else(String::new, |f| format!(": line {}: {}", f.line + 1, f.message));
             let message =
-                format!("`{name}` is left alone: it is no table of target `{}`{why}", self.target.manifest.target);
-            let help = "what is certified is the set without this file";
+                format!("`{name}` is ignored: it is no table of target `{}`{why}", self.target.manifest.target);
+            let help = "the certificate is of the set without this file";
             diagnostics.push(Diagnostic::new(codes::W0711, message).help(help));
         }
     }

@@ -21,7 +21,7 @@ impl Assembly<'_> {
         let repeated = turns && first == reference;
         let lowest = if repeated { first } else { first.wrapping_sub(1) };
         if first > last || last - first + 2 > rules.max_points || (first == 0 && !repeated) {
-            return Err(self.fault(format!("the points {first} to {last} are none that the controller has")));
+            return Err(self.fault(format!("the controller has no points {first} to {last}")));
         }
         if !(lowest..=last).contains(&reference) {
             return Err(self.fault("the reference point is none of the points"));
@@ -77,7 +77,9 @@ impl Assembly<'_> {
             Ok(stored * times)
         };
         if repeated && increment(first)? != increment(last)? {
-            return Err(self.fault(format!("the points {first} and {last} are the same and differ")));
+            return Err(
+                self.fault(format!("points {first} and {last} are the same position but hold different values"))
+            );
         }
         let mut sums = vec![0.0];
         for n in first + usize::from(repeated)..=last {
@@ -111,7 +113,7 @@ impl Assembly<'_> {
                 table.values = line.iter().flat_map(|(_, i)| column.iter().map(move |(_, j)| cell(*i, *j))).collect();
                 table.nodes = [line, column].map(|nodes| nodes.into_iter().map(|(q, _)| q).collect()).to_vec();
             }
-            _ => return Err(self.fault("the controller has no table over so many axes")),
+            _ => return Err(self.fault(format!("the controller has no table over {} axes", counts.len()))),
         }
         self.check(&table, rules)?;
         Ok(table)
@@ -157,7 +159,7 @@ impl Assembly<'_> {
         let wanted = if axes == 1 { counts[0] } else { wanted };
         let most = self.reading.target.manifest.mechanism.iter().map(|(_, rules)| rules.max_points).max();
         if found != wanted || counts.iter().any(|count| *count < 2) || most.is_some_and(|most| wanted > 2 * most) {
-            return Err(self.fault(format!("{found} entries, and the file says {wanted}")));
+            return Err(self.fault(format!("{found} entries, and the file states {wanted}")));
         }
         Ok(counts)
     }

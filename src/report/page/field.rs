@@ -257,7 +257,7 @@ impl Lattice<'_> {
         for written in self.given.written {
             let name = &written.target.manifest.target;
             heads.push((format!("after-{name}"), format!("after {name}"), "after"));
-            heads.push((format!("removed-{name}"), format!("what {name} takes away"), "removed"));
+            heads.push((format!("removed-{name}"), format!("removed by {name}"), "removed"));
         }
         heads.into_iter().enumerate().map(|(k, head)| self.layer(k, head, stations)).collect()
     }

@@ -103,7 +103,7 @@ impl ParetoPicture {
         }
         svg.path(&polyline(&line), &format!(r#"fill="none" stroke="{SECOND}" stroke-width="1.6""#));
         line.iter().for_each(|at| svg.circle(*at, 2.6, &format!(r#"fill="{SECOND}""#)));
-        FRAME.right(&mut svg, &shares, "share of the sum of squares in %", SECOND);
+        FRAME.right(&mut svg, &shares, "fraction of the sum of squares in %", SECOND);
         svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
 }

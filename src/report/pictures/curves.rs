@@ -40,7 +40,7 @@ pub fn all_curves(machine: &Machine) -> Option<Picture> {
 }
 
 fn notes() -> Vec<String> {
-    let note = "Dots: points as given; line: what is evaluated between them. Where two directions of approach were \
+    let note = "Dots: points as given; line: the curve evaluated between them. Where two directions of approach were \
      given, \
         blue is forward and brown, dashed, reverse. Band, U: expanded uncertainty (k = 2) where the file states it. \
         Sign: actual minus nominal. Panels of a row have one scale.";

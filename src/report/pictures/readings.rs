@@ -135,7 +135,7 @@ impl DiagonalPicture<'_> {
         let below = height - 18.0;
         let end = WAYS.iter().fold(LEFT + MARGIN, |x, (name, stroke)| stroke.key(&mut svg, (x, below), name));
         let note =
-            "Way really made along the diagonal minus nominal. p: the axis rises, n: it falls, in the order X, Y, Z.";
+            "Actual minus nominal travel along the diagonal. p: the axis rises, n: it falls, in the order X, Y, Z.";
         svg.text((end + 20.0, below), note, Font::faint(12.0), Anchor::Start, 0.0);
         svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
@@ -147,7 +147,7 @@ fn panel(svg: &mut Svg, d: &Diagonal, frame: PlotFrame, axis: &Axis) {
     let title = format!("{}: E_d {e} µm, B_d {b} µm", d.name);
     svg.text((frame.left, frame.top - 10.0), &title, Font::bold(13.0), Anchor::Start, 0.0);
     frame.vertical(svg, axis, "µm");
-    frame.horizontal(svg, &across, "way along the diagonal in mm");
+    frame.horizontal(svg, &across, "travel along the diagonal in mm");
     for (way, (_, stroke)) in [&d.there, &d.back].into_iter().zip(WAYS) {
         let points: Vec<(f64, f64)> =
             d.ways.iter().zip(way).map(|(x, y)| (frame.x(&across, *x), frame.y(axis, *y))).collect();
