@@ -8,7 +8,7 @@ use super::compensation::verdict;
 use super::machine_file::{MachineFile, bounded_only};
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::{
-    Certificate, ControllerTarget, Depth, Hashed, JudgedTables, Limits, Lock, NAMES, RenderedFile, certify,
+    Certificate, ControllerTarget, Depth, Hashed, Limits, Lock, NAMES, RenderedFile, TablesUnderTest, certify,
     certify_kinematics,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
@@ -101,7 +101,7 @@ fn tables(
         limits: options.max_correction,
     };
     let set = table_set::rendered(call, file, target, &request, installed.as_ref())?;
-    let judged = JudgedTables { target, tables: &set.tables, installed: installed.as_ref() };
+    let judged = TablesUnderTest { target, tables: &set.tables, installed: installed.as_ref() };
     let certificate = certify(file, judged, how.scope(), options.poses, options.seed);
     call.extend(verdict::warnings(&certificate));
     call.checked()?;

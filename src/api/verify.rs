@@ -9,7 +9,7 @@ use super::compensation::{module_set, verdict};
 use super::machine_file::MachineFile;
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::{
-    ControllerTarget, Depth, JudgedTables, LOCK_NAME, Lock, ReadBack, certify, certify_kinematics, is_plain_name,
+    ControllerTarget, Depth, LOCK_NAME, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics, is_plain_name,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use std::path::{Path, PathBuf};
@@ -57,7 +57,7 @@ pub fn verify(
         }
         let (found, installed) = tables(call, file, folder, set, options)?;
         let FoundTables { target, tables, files } = found;
-        let judged = JudgedTables { target: &target, tables: &tables, installed: installed.as_ref() };
+        let judged = TablesUnderTest { target: &target, tables: &tables, installed: installed.as_ref() };
         let certificate = certify(file, judged, options.compensation.scope(), options.poses, options.seed);
         call.extend(verdict::warnings(&certificate));
         call.checked()?;

@@ -21,7 +21,8 @@ mod replay;
 mod single_errors;
 
 pub use certificate::{
-    Certificate, Depth, Effect, ErrorLeft, Figures, Handled, JudgedTables, ROUNDING_UM, RaisedFigure, ZeroShift, micro,
+    Certificate, Depth, Effect, ErrorLeft, Figures, Handled, ROUNDING_UM, RaisedFigure, TablesUnderTest, ZeroShift,
+    micro,
 };
 pub use emit::{Hashed, LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile, sha256};
 pub use kinematics::{KinematicsModule, Model, ModuleField};

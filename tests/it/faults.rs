@@ -2,7 +2,7 @@
 //! that they state.
 
 use abbe::compensation::{CorrectionTable, CorrectionTables, LatticeRequest, Scope};
-use abbe::controller::{Certificate, ControllerTarget, JudgedTables, certify};
+use abbe::controller::{Certificate, ControllerTarget, TablesUnderTest, certify};
 use abbe::machine::{Approach, Machine};
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ fn filled(machine: &Machine, target: &ControllerTarget) -> CorrectionTables {
 }
 
 fn certified(machine: &Machine, target: &ControllerTarget, tables: &CorrectionTables) -> Certificate {
-    certify(machine, JudgedTables { target, tables, installed: None }, Scope::POSITION, 300, 1)
+    certify(machine, TablesUnderTest { target, tables, installed: None }, Scope::POSITION, 300, 1)
 }
 
 /// Three linear axes and an endless table.

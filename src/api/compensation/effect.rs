@@ -6,7 +6,7 @@ use super::table_set::{self, FoundTables, TableRequest};
 use super::{module_set, verdict};
 use crate::api::run::{Call, Refused};
 use crate::controller::{
-    Certificate, ControllerTarget, Depth, Effect, JudgedTables, Limits, certify, certify_kinematics,
+    Certificate, ControllerTarget, Depth, Effect, Limits, TablesUnderTest, certify, certify_kinematics,
 };
 use crate::machine::Machine;
 use std::path::Path;
@@ -28,7 +28,7 @@ pub(crate) fn compiled_effect(
     } else {
         let request = TableRequest::plain(options.scope());
         let tables = table_set::rendered(call, machine, target, &request, None)?.tables;
-        let judged = JudgedTables { target, tables: &tables, installed: None };
+        let judged = TablesUnderTest { target, tables: &tables, installed: None };
         let certificate = certify(machine, judged, options.scope(), depth.poses, depth.seed);
         (Effect::CorrectionTables(tables), certificate)
     };

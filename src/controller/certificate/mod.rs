@@ -26,6 +26,6 @@ pub use effect::Effect;
 pub use figures::{Figures, ROUNDING_UM, RaisedFigure, micro};
 pub(super) use module::{ModuleSet, SingleErrorModule, judge_module};
 pub use single_error::{ErrorLeft, Handled};
-pub use tables::JudgedTables;
+pub use tables::TablesUnderTest;
 pub(super) use tables::judge_tables;
 pub use zero_shift::ZeroShift;

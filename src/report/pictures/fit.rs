@@ -88,7 +88,9 @@ impl FitPicture<'_> {
         let data = rms(&|p| p.measured);
         let left = rms(&|p| (p.measured.0 - p.predicted.0, p.measured.1 - p.predicted.1));
         let count = self.points.len();
-        format!("{count} points, root mean square in the plane: {data} µm measured, {left} µm residual after the prediction")
+        format!(
+            "{count} points, root mean square in the plane: {data} µm measured, {left} µm residual after the prediction"
+        )
     }
 
     /// Returns the magnification at which the largest displacement is as long as the margin allows, rounded down to 1,
