@@ -3,7 +3,9 @@
 use super::session::Session;
 use crate::cli::Format;
 use abbe::options::Approach;
-use abbe::results::{Axis, CertificateReport, ControllerTarget, ErrorLeft, Handled, Machine, ROUNDING_UM, Summary};
+use abbe::results::{
+    Axis, CertificateReport, CompensationDegree, ControllerTarget, ErrorLeft, Machine, ROUNDING_UM, Summary,
+};
 use abbe::text::{micro, significant};
 use serde_json::json;
 use std::path::Path;
@@ -48,7 +50,7 @@ impl CertificateView<'_> {
             .certificate
             .errors
             .iter()
-            .map(|e| format!("{},{},{},{}", e.error, word(e.handled), e.alone, e.left));
+            .map(|e| format!("{},{},{},{}", e.error, word(e.degree), e.alone, e.left));
         let header = "error,handled,alone [um],left [um]".to_owned();
         std::iter::once(header).chain(rows).collect::<Vec<_>>().join("\n")
     }
@@ -107,7 +109,7 @@ impl CertificateView<'_> {
             if names.is_empty() { "none".to_owned() } else { names.join(" ") }
         };
         let idle = |e: &ErrorLeft| e.alone < NO_EFFECT;
-        let gone = list(&|e| e.handled == Handled::Fully && !idle(e));
+        let gone = list(&|e| e.degree == CompensationDegree::Fully && !idle(e));
         let poses = self.report.certificate.single_error_poses;
         let mut text = format!(
             "Each error alone, with tables of its own laid out as here, over {poses} of the poses:\n  fully \
@@ -116,15 +118,20 @@ impl CertificateView<'_> {
         if self.report.certificate.errors.iter().any(idle) {
             text.push_str(&format!("  without effect here: {}\n", list(&idle)));
         }
-        let mut left: Vec<_> =
-            self.report.certificate.errors.iter().filter(|e| e.handled != Handled::Fully && !idle(e)).collect();
+        let mut left: Vec<_> = self
+            .report
+            .certificate
+            .errors
+            .iter()
+            .filter(|e| e.degree != CompensationDegree::Fully && !idle(e))
+            .collect();
         left.sort_by(|a, b| b.left.total_cmp(&a.left));
         if !left.is_empty() {
             text.push_str("  residual (95 %, um; in brackets without compensation):\n");
         }
         for e in left {
             let (left, alone) = (significant(e.left, 3), significant(e.alone, 3));
-            text.push_str(&format!("  {:6} {:6} {left:>8} ({alone})\n", e.error.to_string(), word(e.handled)));
+            text.push_str(&format!("  {:6} {:6} {left:>8} ({alone})\n", e.error.to_string(), word(e.degree)));
         }
         text
     }
@@ -208,10 +215,10 @@ fn tool(machine: &Machine, target: &ControllerTarget) -> String {
     format!("{name}{length} mm from the gauge point to the functional point{only}")
 }
 
-fn word(handled: Handled) -> &'static str {
-    match handled {
-        Handled::Fully => "fully",
-        Handled::Partly => "partly",
-        Handled::No => "no",
+fn word(degree: CompensationDegree) -> &'static str {
+    match degree {
+        CompensationDegree::Fully => "fully",
+        CompensationDegree::Partly => "partly",
+        CompensationDegree::No => "no",
     }
 }

@@ -14,10 +14,10 @@ use crate::lower::NominalPose;
 use crate::machine::{Approach, ErrorId, Machine, Pose};
 use rayon::prelude::*;
 
-/// The part of one error that a target takes away.
+/// Degree to which a target compensates one error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Handled {
+pub enum CompensationDegree {
     /// The residual is at most a twentieth of the error's effect, or 0.05 um.
     Fully,
     /// The residual is above that, and below nineteen twentieths.
@@ -31,8 +31,8 @@ pub enum Handled {
 pub struct ErrorLeft {
     /// The error.
     pub error: ErrorId,
-    /// The part that is taken away.
-    pub handled: Handled,
+    /// Degree of its compensation.
+    pub degree: CompensationDegree,
     /// 95 % position deviation with this error alone, uncompensated, um.
     pub alone: f64,
     /// 95 % position deviation after compensation, um.
@@ -159,12 +159,12 @@ impl Cells<'_> {
 
 fn verdict(error: ErrorId, alone: f64, left: f64) -> ErrorLeft {
     const NOTHING: f64 = 0.05;
-    let handled = if left <= (0.05 * alone).max(NOTHING) {
-        Handled::Fully
+    let degree = if left <= (0.05 * alone).max(NOTHING) {
+        CompensationDegree::Fully
     } else if left >= 0.95 * alone {
-        Handled::No
+        CompensationDegree::No
     } else {
-        Handled::Partly
+        CompensationDegree::Partly
     };
-    ErrorLeft { error, handled, alone, left }
+    ErrorLeft { error, degree, alone, left }
 }

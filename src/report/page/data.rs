@@ -6,7 +6,7 @@ use super::field::FieldData;
 use super::given::{MachineInput, TargetResult};
 use crate::analysis::error_statistics;
 use crate::analysis::{ErrorStatistics, LocationSet, Map, Status, body_diagonals, levers, rest};
-use crate::controller::Handled;
+use crate::controller::CompensationDegree;
 use crate::evaluate::{Bare, Order, Summary, worst};
 use crate::machine::{Approach, Axis, ErrorTerm, Machine, Travel};
 use crate::report::pictures::{Bar, ParetoPicture, Picture};
@@ -220,7 +220,7 @@ fn certificate(machine: &Machine, written: &TargetResult) -> Value {
     let mut errors: Vec<_> = certificate.errors.iter().collect();
     errors.sort_by(|a, b| b.left.total_cmp(&a.left));
     let error = |e: &&crate::controller::ErrorLeft| {
-        json!({"error": e.error, "handled": handled(e.handled),
+        json!({"error": e.error, "handled": degree(e.degree),
         "alone_um": e.alone, "left_um": e.left})
     };
     let by_axis = |values: &[f64]| {
@@ -240,10 +240,10 @@ fn certificate(machine: &Machine, written: &TargetResult) -> Value {
     })
 }
 
-fn handled(handled: Handled) -> &'static str {
-    match handled {
-        Handled::Fully => "fully",
-        Handled::Partly => "partly",
-        Handled::No => "no",
+fn degree(degree: CompensationDegree) -> &'static str {
+    match degree {
+        CompensationDegree::Fully => "fully",
+        CompensationDegree::Partly => "partly",
+        CompensationDegree::No => "no",
     }
 }
