@@ -43,7 +43,9 @@ impl CertificateReport {
         let errors: serde_json::Map<_, _> = certificate
             .errors
             .iter()
-            .map(|e| (e.error.to_string(), json!({"handled": e.degree, "left_um": e.left, "alone_um": e.alone})))
+            .map(|e| {
+                (e.error.to_string(), json!({"handled": e.degree, "left_um": e.residual_um, "alone_um": e.alone_um}))
+            })
             .collect();
         let shifted = certificate.shifted.as_ref();
         let shift = |s: &ZeroShift| {

@@ -4,7 +4,7 @@ use super::session::Session;
 use crate::cli::Format;
 use abbe::options::Approach;
 use abbe::results::{
-    Axis, CertificateReport, CompensationDegree, ControllerTarget, ErrorLeft, Machine, ROUNDING_UM, Summary,
+    Axis, CertificateReport, CompensationDegree, ControllerTarget, Machine, ROUNDING_UM, SingleErrorResidual, Summary,
 };
 use abbe::text::{micro, significant};
 use serde_json::json;
@@ -50,7 +50,7 @@ impl CertificateView<'_> {
             .certificate
             .errors
             .iter()
-            .map(|e| format!("{},{},{},{}", e.error, word(e.degree), e.alone, e.left));
+            .map(|e| format!("{},{},{},{}", e.error, word(e.degree), e.alone_um, e.residual_um));
         let header = "error,handled,alone [um],left [um]".to_owned();
         std::iter::once(header).chain(rows).collect::<Vec<_>>().join("\n")
     }
@@ -103,12 +103,12 @@ impl CertificateView<'_> {
 
     /// Returns the errors that are not compensated fully: a list of forty others helps nobody.
     fn by_error(&self) -> String {
-        let list = |keep: &dyn Fn(&ErrorLeft) -> bool| {
+        let list = |keep: &dyn Fn(&SingleErrorResidual) -> bool| {
             let names: Vec<String> =
                 self.report.certificate.errors.iter().filter(|e| keep(e)).map(|e| e.error.to_string()).collect();
             if names.is_empty() { "none".to_owned() } else { names.join(" ") }
         };
-        let idle = |e: &ErrorLeft| e.alone < NO_EFFECT;
+        let idle = |e: &SingleErrorResidual| e.alone_um < NO_EFFECT;
         let gone = list(&|e| e.degree == CompensationDegree::Fully && !idle(e));
         let poses = self.report.certificate.single_error_poses;
         let mut text = format!(
@@ -125,12 +125,12 @@ impl CertificateView<'_> {
             .iter()
             .filter(|e| e.degree != CompensationDegree::Fully && !idle(e))
             .collect();
-        left.sort_by(|a, b| b.left.total_cmp(&a.left));
+        left.sort_by(|a, b| b.residual_um.total_cmp(&a.residual_um));
         if !left.is_empty() {
             text.push_str("  residual (95 %, um; in brackets without compensation):\n");
         }
         for e in left {
-            let (left, alone) = (significant(e.left, 3), significant(e.alone, 3));
+            let (left, alone) = (significant(e.residual_um, 3), significant(e.alone_um, 3));
             text.push_str(&format!("  {:6} {:6} {left:>8} ({alone})\n", e.error.to_string(), word(e.degree)));
         }
         text

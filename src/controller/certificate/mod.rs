@@ -25,7 +25,7 @@ pub(super) use depth::{LatticeShare, single_error_poses};
 pub use effect::Effect;
 pub use figures::{Figures, ROUNDING_UM, RaisedFigure, micro};
 pub(super) use module::{ModuleSet, SingleErrorModule, judge_module};
-pub use single_error::{CompensationDegree, ErrorLeft};
+pub use single_error::{CompensationDegree, SingleErrorResidual};
 pub use tables::TablesUnderTest;
 pub(super) use tables::judge_tables;
 pub use zero_shift::ZeroShift;

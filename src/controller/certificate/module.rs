@@ -4,7 +4,7 @@ use super::Certificate;
 use super::depth::{Depth, single_error_poses};
 use super::figures::{Judgement, judge};
 use super::sign_test::strongest_at;
-use super::single_error::{ErrorLeft, NominalAt, judge_one, nominal};
+use super::single_error::{NominalAt, SingleErrorResidual, judge_one, nominal};
 use crate::compensation::CorrectionTables;
 use crate::controller::kinematics::{KinematicsModule, ModuleField};
 use crate::controller::manifest::ControllerTarget;
@@ -65,7 +65,7 @@ fn judge_single(
     target: &ControllerTarget,
     single: &SingleErrorModule,
     poses: &[NominalAt],
-) -> ErrorLeft {
+) -> SingleErrorResidual {
     let alone = machine.filtered(|id| *id == single.error);
     let field = single
         .module

@@ -28,15 +28,15 @@ pub enum CompensationDegree {
 
 /// One error in the certificate.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ErrorLeft {
+pub struct SingleErrorResidual {
     /// The error.
     pub error: ErrorId,
     /// Degree of its compensation.
     pub degree: CompensationDegree,
     /// 95 % position deviation with this error alone, uncompensated, um.
-    pub alone: f64,
+    pub alone_um: f64,
     /// 95 % position deviation after compensation, um.
-    pub left: f64,
+    pub residual_um: f64,
 }
 
 /// A pose with the place of the nominal tool at it, which is the same for every single error.
@@ -58,8 +58,8 @@ pub(super) fn judge_one(
     machine: &Machine,
     poses: &[NominalAt],
     added: impl Fn(usize, &Pose, Approach) -> Vec<f64>,
-) -> ErrorLeft {
-    let (mut alone, mut left) = (0.0_f64, 0.0_f64);
+) -> SingleErrorResidual {
+    let (mut alone_um, mut residual_um) = (0.0_f64, 0.0_f64);
     for approach in approaches(machine) {
         let at = |(number, place): (usize, &NominalAt)| {
             let sent = |command: &[f64]| command_deviation(machine, &place.nominal, command, *approach);
@@ -72,10 +72,10 @@ pub(super) fn judge_one(
             (before, sent(&command))
         };
         let (before, after): (Vec<Deviation>, Vec<Deviation>) = poses.iter().enumerate().map(at).unzip();
-        alone = alone.max(Statistics::of(&before).position_um.p95);
-        left = left.max(Statistics::of(&after).position_um.p95);
+        alone_um = alone_um.max(Statistics::of(&before).position_um.p95);
+        residual_um = residual_um.max(Statistics::of(&after).position_um.p95);
     }
-    verdict(error, alone, left)
+    verdict(error, alone_um, residual_um)
 }
 
 /// A set of tables whose single errors are judged.
@@ -89,7 +89,7 @@ pub(super) struct SetOfTables<'a> {
 
 impl SetOfTables<'_> {
     /// Returns the residual of every error, and the number of poses it is computed on.
-    pub fn judge(&self, poses: &[Pose]) -> (Vec<ErrorLeft>, usize) {
+    pub fn judge(&self, poses: &[Pose]) -> (Vec<SingleErrorResidual>, usize) {
         match (self.single_errors, &self.tables.tables[..]) {
             (SingleErrors::Lattice(cells), [lattice]) => {
                 let replay = Replay::new(self.machine, self.target, self.tables);
@@ -106,7 +106,7 @@ impl SetOfTables<'_> {
         }
     }
 
-    fn judge_set(&self, set: &SingleErrorTables, poses: &[NominalAt]) -> ErrorLeft {
+    fn judge_set(&self, set: &SingleErrorTables, poses: &[NominalAt]) -> SingleErrorResidual {
         let alone = self.machine.filtered(|id| *id == set.error);
         // Nearly all tables of a single error are zero, and add nothing.
         let tables = set.tables.tables.iter().filter(|table| !is_zero(table)).cloned().collect();
@@ -131,7 +131,7 @@ struct Cells<'a> {
 type Corners = Vec<(usize, f64)>;
 
 impl Cells<'_> {
-    fn judge(&self, machine: &Machine, poses: &[NominalAt]) -> Vec<ErrorLeft> {
+    fn judge(&self, machine: &Machine, poses: &[NominalAt]) -> Vec<SingleErrorResidual> {
         let axes = machine.axes().len();
         let corners: Vec<Corners> = poses.iter().map(|place| self.corners(place.pose)).collect();
         let one = |(error, values): &(ErrorId, Vec<f64>)| {
@@ -157,14 +157,14 @@ impl Cells<'_> {
     }
 }
 
-fn verdict(error: ErrorId, alone: f64, left: f64) -> ErrorLeft {
+fn verdict(error: ErrorId, alone_um: f64, residual_um: f64) -> SingleErrorResidual {
     const NOTHING: f64 = 0.05;
-    let degree = if left <= (0.05 * alone).max(NOTHING) {
+    let degree = if residual_um <= (0.05 * alone_um).max(NOTHING) {
         CompensationDegree::Fully
-    } else if left >= 0.95 * alone {
+    } else if residual_um >= 0.95 * alone_um {
         CompensationDegree::No
     } else {
         CompensationDegree::Partly
     };
-    ErrorLeft { error, degree, alone, left }
+    SingleErrorResidual { error, degree, alone_um, residual_um }
 }

@@ -218,10 +218,10 @@ fn certificate(machine: &Machine, written: &TargetResult) -> Value {
         "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis})
     };
     let mut errors: Vec<_> = certificate.errors.iter().collect();
-    errors.sort_by(|a, b| b.left.total_cmp(&a.left));
-    let error = |e: &&crate::controller::ErrorLeft| {
+    errors.sort_by(|a, b| b.residual_um.total_cmp(&a.residual_um));
+    let error = |e: &&crate::controller::SingleErrorResidual| {
         json!({"error": e.error, "handled": degree(e.degree),
-        "alone_um": e.alone, "left_um": e.left})
+        "alone_um": e.alone_um, "left_um": e.residual_um})
     };
     let by_axis = |values: &[f64]| {
         let entry =
