@@ -12,7 +12,7 @@ pub struct Corrected {
     /// Correction added to the command.
     pub correction: Correction,
     /// Deviation after the correction.
-    pub left: Deviation,
+    pub residual: Deviation,
 }
 
 /// The chord iteration contracts by the relative size of the errors, about 1e-4 a step.
@@ -28,19 +28,19 @@ pub fn correct(machine: &Machine, pose: &[f64], approach: Approach, scope: Scope
     let mut correction = Correction::none(machine);
     let nominal = NominalPose::at(machine, pose).pose;
     let jacobian = Jacobian::at(machine, pose);
-    let mut left = command_deviation(machine, &nominal, &correction.applied(pose), approach);
+    let mut residual = command_deviation(machine, &nominal, &correction.applied(pose), approach);
     for _ in 0..MAX_STEPS {
-        let step = jacobian.correction(&left, &correction, scope);
+        let step = jacobian.correction(&residual, &correction, scope);
         correction.0.iter_mut().zip(&step.0).for_each(|(c, s)| *c += s);
-        left = command_deviation(machine, &nominal, &correction.applied(pose), approach);
-        if step.0.iter().all(|s| s.abs() < SMALL_STEP) || settled(&left, scope) {
+        residual = command_deviation(machine, &nominal, &correction.applied(pose), approach);
+        if step.0.iter().all(|s| s.abs() < SMALL_STEP) || settled(&residual, scope) {
             break;
         }
     }
-    Corrected { correction, left }
+    Corrected { correction, residual }
 }
 
 /// True if the residual is far below any controller's increment in all that the scope corrects.
-pub(super) fn settled(left: &Deviation, scope: Scope) -> bool {
-    scope.goal == Goal::Position && left.position.amax() < 1e-10
+pub(super) fn settled(residual: &Deviation, scope: Scope) -> bool {
+    scope.goal == Goal::Position && residual.position.amax() < 1e-10
 }

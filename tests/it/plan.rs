@@ -438,7 +438,7 @@ fn corrections_in_batches_are_those_one_by_one() {
                 let gaps = one.correction.0.iter().zip(&found.correction.0).map(|(a, b)| (a - b).abs());
                 // mm and deg; the rounding of positions, and the last step of an iteration that contracts by 1e-4.
                 assert!(gaps.fold(0.0, f64::max) < 1e-9, "{name} {scope:?} {pose:?}: {one:?} {found:?}");
-                assert!((one.left.position - found.left.position).amax() < 1e-10, "{name} {scope:?}");
+                assert!((one.residual.position - found.residual.position).amax() < 1e-10, "{name} {scope:?}");
             }
         }
         let first = CompiledModel::new(&machine, Order::Degree(1), Approach::Mean);
