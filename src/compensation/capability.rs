@@ -313,23 +313,23 @@ impl Directions {
 
 impl TableRules {
     fn max_magnification(&self) -> u32 {
-        if let Encoding::Magnified(most) = self.encoding { most } else { 1 }
+        if let Encoding::Magnified(max) = self.encoding { max } else { 1 }
     }
 
     /// Returns the smallest magnification that `does` accepts, or else the largest there is.
     fn magnified(&self, does: impl Fn(f64) -> bool) -> f64 {
-        let most = self.max_magnification();
-        if most <= 1 {
+        let max = self.max_magnification();
+        if max <= 1 {
             return 1.0;
         }
-        (1..=most).map(f64::from).find(|times| does(*times)).unwrap_or(f64::from(most))
+        (1..=max).map(f64::from).find(|times| does(*times)).unwrap_or(f64::from(max))
     }
 
     /// Rounds a lattice to its stored numbers, with the smallest magnification that brings all within the range.
     fn magnify(&self, machine: &Machine, table: &mut CorrectionTable) {
         let decimals = self.increment.correction_decimals;
         let (scales, width) = (self.scales(machine, table), table.corrected.len());
-        let within = |number: f64| self.largest.is_none_or(|most| number.abs() <= most);
+        let within = |number: f64| self.largest.is_none_or(|max| number.abs() <= max);
         let stored = |i: usize, c: f64, times: f64| round(c * scales[i % width] / times, decimals);
         let all = |times: f64| table.values.iter().enumerate().all(|(i, c)| within(stored(i, *c, times)));
         let times = self.magnified(all);
@@ -345,7 +345,7 @@ impl TableRules {
         let (scales, width) = (self.scales(machine, table), table.corrected.len());
         let kept = |number: f64, times: f64| {
             let places = number / times * last;
-            let within = self.largest.is_none_or(|most| places.abs() <= most * last + ROUNDING);
+            let within = self.largest.is_none_or(|max| places.abs() <= max * last + ROUNDING);
             within && (places - libm::round(places)).abs() < ROUNDING
         };
         self.magnified(|times| table.values.iter().enumerate().all(|(i, c)| kept(c * scales[i % width], times)))

@@ -42,17 +42,17 @@ fn add(curve: &mut ErrorCurve, other: &ErrorCurve) {
 }
 
 /// Positions and more of them, rising; none if that makes too many.
-fn united(positions: &[f64], more: &[f64], most: usize) -> Option<Vec<f64>> {
+fn united(positions: &[f64], more: &[f64], max: usize) -> Option<Vec<f64>> {
     let mut all = [positions, more].concat();
     all.sort_by(f64::total_cmp);
     all.dedup();
-    (all.len() > positions.len() && all.len() <= most).then_some(all)
+    (all.len() > positions.len() && all.len() <= max).then_some(all)
 }
 
 impl CorrectionTable {
-    /// Puts points into a table over one axis without changing what it adds, if it then has at most `max` points.
-    pub fn add_points(&mut self, more: &[f64], most: usize) {
-        let Some(nodes) = united(&self.nodes[0], more, most) else { return };
+    /// Puts points into a table over one axis without changing what it adds, if it then has at max `max` points.
+    pub fn add_points(&mut self, more: &[f64], max: usize) {
+        let Some(nodes) = united(&self.nodes[0], more, max) else { return };
         for values in std::iter::once(&mut self.values).chain(&mut self.reverse) {
             *values = nodes.iter().map(|q| straight(&self.nodes[0], values, *q)).collect();
         }
@@ -62,11 +62,11 @@ impl CorrectionTable {
 
 impl ErrorCurve {
     /// The same for a curve; a constant has no points.
-    pub fn add_points(&mut self, more: &[f64], most: usize) {
+    pub fn add_points(&mut self, more: &[f64], max: usize) {
         if self.positions.is_empty() {
             return;
         }
-        let Some(positions) = united(&self.positions, more, most) else { return };
+        let Some(positions) = united(&self.positions, more, max) else { return };
         self.values = positions.iter().map(|q| straight(&self.positions, &self.values, *q)).collect();
         self.positions = positions;
     }

@@ -68,7 +68,7 @@ impl Increment {
     }
 
     /// Smallest step of a position (mm or deg).
-    pub fn least_position(self, kind: AxisKind) -> f64 {
+    pub fn min_position(self, kind: AxisKind) -> f64 {
         libm::pow(10.0, -f64::from(self.position_decimals)) / self.position_scale.of(kind)
     }
 

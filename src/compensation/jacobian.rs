@@ -73,17 +73,17 @@ impl Jacobian {
             wanted -= self.displacement[axis] * angle;
             step[axis] = angle.to_degrees();
         }
-        for (axis, way) in self.linear_step(wanted) {
-            step[axis] = way;
+        for (axis, travel) in self.linear_step(wanted) {
+            step[axis] = travel;
         }
         Correction(step)
     }
 
     /// Displacement of the functional point (mm, workpiece frame) by a small motion of the axes.
     pub fn displacement(&self, motion: &Correction) -> Vector3<f64> {
-        let part = |((kind, column), way): ((&AxisKind, &Vector3<f64>), &f64)| match kind {
-            AxisKind::Linear => column * *way,
-            AxisKind::Rotary => column * way.to_radians(),
+        let part = |((kind, column), travel): ((&AxisKind, &Vector3<f64>), &f64)| match kind {
+            AxisKind::Linear => column * *travel,
+            AxisKind::Rotary => column * travel.to_radians(),
         };
         self.kinds.iter().zip(&self.displacement).zip(&motion.0).map(part).sum()
     }
@@ -111,7 +111,7 @@ impl Jacobian {
         // mm per rad: far below any lever arm that is worth turning about.
         const SHORTEST_ARM: f64 = 0.1;
         let beyond = |v: Vector3<f64>| {
-            v - self.linear_step(v).iter().map(|(i, way)| self.displacement[*i] * *way).sum::<Vector3<f64>>()
+            v - self.linear_step(v).iter().map(|(i, travel)| self.displacement[*i] * *travel).sum::<Vector3<f64>>()
         };
         let axes: Vec<(usize, Vector3<f64>)> =
             self.axes(AxisKind::Rotary).map(|i| (i, beyond(self.displacement[i]))).collect();

@@ -89,8 +89,8 @@ pub(super) fn own_added(tables: &[CorrectionTable], pose: &[f64], approach: Appr
         let q = pose[axis].clamp(nodes[0], nodes[nodes.len() - 1]);
         let high = nodes.partition_point(|node| *node <= q).clamp(1, nodes.len().max(2) - 1).min(nodes.len() - 1);
         let low = high.saturating_sub(1);
-        let share = if high > low { (q - nodes[low]) / (nodes[high] - nodes[low]) } else { 0.0 };
-        let at = |values: &[f64]| values[low] * (1.0 - share) + values[high] * share;
+        let fraction = if high > low { (q - nodes[low]) / (nodes[high] - nodes[low]) } else { 0.0 };
+        let at = |values: &[f64]| values[low] * (1.0 - fraction) + values[high] * fraction;
         let reverse = table.reverse.as_ref().unwrap_or(&table.values);
         added[axis] += match approach {
             Approach::Forward => at(&table.values),
@@ -127,13 +127,15 @@ impl Planner<'_> {
         let own = self.own_error_tables();
         let alone: Vec<Machine> =
             self.machine.axes().iter().map(|axis| self.machine.filtered(|id| id.axis == axis.name)).collect();
-        let exact = |machine: &Machine, way| CompiledModel::new(machine, Order::Exact, way);
+        let exact = |machine: &Machine, approach| CompiledModel::new(machine, Order::Exact, approach);
         let plan = exact(self.machine, Approach::Mean);
         let mean = |poses: &[Pose]| wanted(&plan, &own, poses);
-        let ways = |machine: &Machine| {
-            machine.is_bidirectional().then(|| [Approach::Forward, Approach::Reverse].map(|way| exact(machine, way)))
+        let both_models = |machine: &Machine| {
+            machine
+                .is_bidirectional()
+                .then(|| [Approach::Forward, Approach::Reverse].map(|approach| exact(machine, approach)))
         };
-        let both: Vec<Option<[CompiledModel; 2]>> = alone.iter().map(ways).collect();
+        let both: Vec<Option<[CompiledModel; 2]>> = alone.iter().map(both_models).collect();
         let half = |poses: &[Pose], axis: usize| {
             let Some([forward, reverse]) = &both[axis] else { return vec![vec![0.0; both.len()]; poses.len()] };
             let (forward, reverse) = (wanted(forward, &[], poses), wanted(reverse, &[], poses));
@@ -384,9 +386,9 @@ impl Planner<'_> {
             (false, false) => (5, 21),
             (false, true) => (7, 25),
         };
-        let most = libm::floor(libm::pow(rules.max_points as f64, 1.0 / axes.len() as f64) + 1e-9) as usize;
-        let most = most.min(if coarse { coarse_count } else { fine });
-        let few = TableRules { max_points: most.min(rules.max_points_per_axis), ..rules.clone() };
+        let max_count = libm::floor(libm::pow(rules.max_points as f64, 1.0 / axes.len() as f64) + 1e-9) as usize;
+        let max_count = max_count.min(if coarse { coarse_count } else { fine });
+        let few = TableRules { max_points: max_count.min(rules.max_points_per_axis), ..rules.clone() };
         let ranges: Vec<(f64, f64)> = axes.iter().map(|axis| interval(self.machine, *axis, rules)).collect();
         let step = ranges.iter().map(|(min, max)| (max - min) / (few.max_points - 1) as f64).fold(0.0, f64::max);
         let nodes = axes.iter().zip(ranges).map(|(axis, (min, max))| {
@@ -395,7 +397,7 @@ impl Planner<'_> {
                 let turns = self.machine.is_continuous(*axis);
                 return rules.increment.distinct(rolling((min, max), few.max_points - 1, turns, rules, kind), kind);
             }
-            let least = rules.increment.least_position(kind);
+            let min_step = rules.increment.min_position(kind);
             let intervals = match (product && !coarse, kind) {
                 (true, AxisKind::Linear) => PRODUCT_INTERVALS,
                 (true, AxisKind::Rotary) => libm::ceil((max - min) / PRODUCT_ANGLE - 1e-9).max(2.0) as usize,
@@ -403,7 +405,7 @@ impl Planner<'_> {
             };
             let intervals = intervals.min(few.max_points - 1) as f64;
             let step = if shape == GridShape::Plane(PlaneGrid::SameStep) { step } else { (max - min) / intervals };
-            let step = least * libm::ceil(step / least - 1e-6);
+            let step = min_step * libm::ceil(step / min_step - 1e-6);
             let count = (libm::ceil((max - min) / step - 1e-9).max(1.0) as usize + 1).min(few.max_points);
             let start = rules.increment.position(min, kind);
             rules.increment.distinct((0..count).map(|i| start + i as f64 * step), kind)

@@ -18,15 +18,15 @@ const STEPS: usize = 60;
 
 /// Returns at most `max_parts` of the largest singular parts of values (row by row, `columns` in a row), largest first,
 /// without those that are nowhere above `threshold`.
-pub(super) fn parts(values: &[f64], columns: usize, most: usize, least: f64) -> Vec<Factors> {
-    let mut left = values.to_vec();
+pub(super) fn parts(values: &[f64], columns: usize, max_parts: usize, threshold: f64) -> Vec<Factors> {
+    let mut rest = values.to_vec();
     let mut found = Vec::new();
-    while found.len() < most.min(columns).min(values.len() / columns.max(1)) {
-        let [u, v] = largest(&left, columns);
-        if peak(&u) * peak(&v) <= least {
+    while found.len() < max_parts.min(columns).min(values.len() / columns.max(1)) {
+        let [u, v] = largest(&rest, columns);
+        if peak(&u) * peak(&v) <= threshold {
             break;
         }
-        for (row, a) in left.chunks_mut(columns).zip(&u) {
+        for (row, a) in rest.chunks_mut(columns).zip(&u) {
             row.iter_mut().zip(&v).for_each(|(x, b)| *x -= a * b);
         }
         found.push([u, v]);
@@ -85,7 +85,7 @@ fn balanced([mut u, mut v]: Factors) -> Factors {
 }
 
 fn peak(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, x| f64::max(most, x.abs()))
+    values.iter().fold(0.0, |max, x| f64::max(max, x.abs()))
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

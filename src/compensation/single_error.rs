@@ -118,8 +118,8 @@ fn single_error_tables(
         let (forward, reverse) = (linear(pose, Approach::Forward), linear(pose, Approach::Reverse));
         let both = ids.iter().zip(forward.iter().zip(&reverse));
         both.flat_map(|(id, (f, r))| {
-            let share = if id.axis == *name { 0.5 } else { 0.0 };
-            f.iter().zip(r).map(move |(f, r)| share * (f - r)).collect::<Vec<_>>()
+            let fraction = if id.axis == *name { 0.5 } else { 0.0 };
+            f.iter().zip(r).map(move |(f, r)| fraction * (f - r)).collect::<Vec<_>>()
         })
         .collect()
     };

@@ -34,13 +34,13 @@ fn background(machine: &Machine) -> Vec<Pose> {
     // Powers of the root of x^(d+1) = x + 1: the d-dimensional golden ratio.
     let degree = machine.axes().len() as f64 + 1.0;
     let root = (0..40).fold(1.5, |x, _| libm::pow(1.0 + x, 1.0 / degree));
-    let share = |i: usize, axis: usize| {
+    let fraction = |i: usize, axis: usize| {
         let x = (i as f64 + 0.5) * libm::pow(root, -(axis as f64 + 1.0));
         x - libm::floor(x)
     };
     let position = |i: usize, axis: usize| {
         let grid = machine.volume()[axis];
-        grid.min + (grid.max - grid.min) * share(i, axis)
+        grid.min + (grid.max - grid.min) * fraction(i, axis)
     };
     (0..BACKGROUND).map(|i| (0..machine.axes().len()).map(|axis| position(i, axis)).collect()).collect()
 }
@@ -79,10 +79,10 @@ fn corners(table: &CorrectionTable, pose: &[f64]) -> Vec<(usize, f64)> {
     for (axis, nodes) in table.axes.iter().zip(&table.nodes) {
         let q = pose[*axis].clamp(nodes[0], nodes[nodes.len() - 1]);
         let low = nodes.partition_point(|node| *node <= q).clamp(1, nodes.len().max(2) - 1) - 1;
-        let share = nodes.get(low + 1).map_or(0.0, |high| (q - nodes[low]) / (high - nodes[low]));
+        let fraction = nodes.get(low + 1).map_or(0.0, |high| (q - nodes[low]) / (high - nodes[low]));
         let both = |(node, weight): &(usize, f64)| {
             let base = node * nodes.len() + low;
-            [(base, weight * (1.0 - share)), (base + 1, weight * share)]
+            [(base, weight * (1.0 - fraction)), (base + 1, weight * fraction)]
         };
         corners = corners.iter().flat_map(both).filter(|(_, weight)| *weight != 0.0).collect();
     }
@@ -157,8 +157,8 @@ impl<'a> Filler<'a> {
                     pick(row).iter().zip(taken).map(|(wanted, taken)| wanted - taken).collect()
                 };
                 let rows: Vec<Vec<f64>> = wanted.par_iter().enumerate().map(left).collect();
-                match traits.products.filter(|most| *most < usize::MAX) {
-                    Some(most) => by_products(table, &rows, most),
+                match traits.products.filter(|max| *max < usize::MAX) {
+                    Some(max) => by_products(table, &rows, max),
                     None => rows,
                 }
             };
@@ -255,11 +255,11 @@ fn mean(rows: &[Vec<f64>]) -> Vec<f64> {
 }
 
 /// Returns the part of a table over two axes that `max` products can hold, channel by channel.
-fn by_products(table: &CorrectionTable, rows: &[Vec<f64>], most: usize) -> Vec<Vec<f64>> {
+fn by_products(table: &CorrectionTable, rows: &[Vec<f64>], max: usize) -> Vec<Vec<f64>> {
     let columns = table.nodes[1].len();
     let channel = |c: usize| {
         let values: Vec<f64> = rows.iter().map(|row| row[c]).collect();
-        product::sum(&product::parts(&values, columns, most, 0.0), values.len())
+        product::sum(&product::parts(&values, columns, max, 0.0), values.len())
     };
     let channels: Vec<Vec<f64>> = (0..rows.first().map_or(0, Vec::len)).map(channel).collect();
     (0..rows.len()).map(|node| channels.iter().map(|values| values[node]).collect()).collect()

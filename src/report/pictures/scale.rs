@@ -1,11 +1,11 @@
 //! Ticks at round numbers, and colours whose differences look like the differences they show.
 
 /// Returns the 1, 2 or 5 times a power of ten that divides `range` into at most `max_steps` steps.
-pub fn round_step(range: f64, most: usize) -> f64 {
+pub fn round_step(range: f64, max_steps: usize) -> f64 {
     if !(range > 0.0 && range.is_finite()) {
         return 1.0;
     }
-    let raw = range / most.max(1) as f64;
+    let raw = range / max_steps.max(1) as f64;
     let power = libm::pow(10.0, libm::floor(libm::log10(raw)));
     let factor = [1.0, 2.0, 5.0].into_iter().find(|f| f * power >= raw * (1.0 - 1e-9)).unwrap_or(10.0);
     factor * power
