@@ -111,9 +111,9 @@ fn warn_left_out(call: &mut Call, machine: &Machine, target: &ControllerTarget, 
     let own = target.manifest.mechanism.own_axis.as_ref().map(|own| &own.table);
     if let Some(rules) = own.filter(|rules| rules.fit == Fit::Axis) {
         for (axis, points) in resampled(machine, rules) {
-            let (name, most) = (&machine.axes()[axis].name, rules.max_points);
+            let (name, max) = (&machine.axes()[axis].name, rules.max_points);
             let message =
-                format!("the curves of `{name}` have {points} points, the format holds {most}: they were resampled");
+                format!("the curves of `{name}` have {points} points, the format holds {max}: they were resampled");
             let help = "thin the curve out yourself if certain points matter";
             call.warn(Diagnostic::new(codes::W0604, message).help(help));
         }

@@ -34,14 +34,14 @@ pub(in crate::controller) fn single_error_poses(poses: &[Pose]) -> &[Pose] {
 
 /// The part of a lattice that single errors are judged by: its cells around the first poses.
 #[derive(Debug, Clone)]
-pub(in crate::controller) struct LatticeShare {
+pub(in crate::controller) struct LatticeSubset {
     /// Number of poses.
     pub poses: usize,
     /// Numbers of the nodes around them, rising.
     pub nodes: Vec<usize>,
 }
 
-impl LatticeShare {
+impl LatticeSubset {
     /// Returns the cells around as many of the poses as the bound on nodes lets be filled.
     pub fn of(replay: &Replay, poses: &[Pose]) -> Self {
         let mut nodes = BTreeSet::new();

@@ -21,7 +21,7 @@ mod zero_shift;
 
 pub use content::Certificate;
 pub use depth::Depth;
-pub(super) use depth::{LatticeShare, single_error_poses};
+pub(super) use depth::{LatticeSubset, single_error_poses};
 pub use effect::Effect;
 pub use figures::{Figures, ROUNDING_UM, RaisedFigure, micro};
 pub(super) use module::{ModuleSet, SingleErrorModule, judge_module};

@@ -3,7 +3,7 @@
 //! Tables for single errors are handed in. They are replayed like those of the set, on a machine with the one error,
 //! and judged by the general algebra.
 
-use super::depth::LatticeShare;
+use super::depth::LatticeSubset;
 use super::figures::approaches;
 use crate::algebra::Htm;
 use crate::compensation::{CorrectionTable, CorrectionTables, LatticeCells, SingleErrorTables, SingleErrors};
@@ -93,7 +93,7 @@ impl SetOfTables<'_> {
         match (self.single_errors, &self.tables.tables[..]) {
             (SingleErrors::Lattice(cells), [lattice]) => {
                 let replay = Replay::new(self.machine, self.target, self.tables);
-                let poses = &poses[..LatticeShare::of(&replay, poses).poses];
+                let poses = &poses[..LatticeSubset::of(&replay, poses).poses];
                 let cells = Cells { lattice, replay: &replay, cells };
                 (cells.judge(self.machine, &nominal(self.machine, poses)), poses.len())
             }

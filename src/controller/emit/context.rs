@@ -98,18 +98,18 @@ impl TableWords<'_> {
         let mut seen = Vec::new();
         for table in &self.tables.tables {
             let apart = self.rules(table).is_some_and(|rules| rules.directions == Directions::TwoTables);
-            let ways = ways(table, number, apart);
+            let directed = directed(table, number, apart);
             number += table.count(apart);
             if keep(table)
                 && let Some(rules) = self.rules(table)
             {
-                seen.push(self.table(table, rules, &ways));
+                seen.push(self.table(table, rules, &directed));
             }
         }
         seen.into()
     }
 
-    fn table(&self, table: &CorrectionTable, rules: &TableRules, ways: &[DirectedTable]) -> Value {
+    fn table(&self, table: &CorrectionTable, rules: &TableRules, tables: &[DirectedTable]) -> Value {
         let (input, output) = (table.axes[0], table.corrected[0]);
         let kind = match (table.axes.len(), table.is_own_axis()) {
             (1, true) => "own",
@@ -122,16 +122,16 @@ impl TableWords<'_> {
         let first = inputs[0].clone();
         let outputs: Vec<Value> = table.corrected.iter().map(|axis| self.axis(*axis)).collect();
         let points = if table.axes.len() == 1 { self.points(table, rules, 0) } else { Value::UNDEFINED };
-        let directed: Vec<Value> = ways
+        let directed: Vec<Value> = tables
             .iter()
-            .map(|way| {
-                let points = self.points(table, rules, way.direction);
-                context! { direction => way.direction, number => way.number, points }
+            .map(|one| {
+                let points = self.points(table, rules, one.direction);
+                context! { direction => one.direction, number => one.number, points }
             })
             .collect();
         context! {
             kind, inputs, outputs, points, ways => directed,
-            number => ways[0].number,
+            number => tables[0].number,
             bidirectional => table.reverse.is_some(),
             input => self.letter(input), output => self.letter(output),
             input_number => self.joint(input) + 1, output_number => self.joint(output) + 1,
@@ -140,7 +140,7 @@ impl TableWords<'_> {
             slope => self.slope(table, rules),
             magnification => fixed(rules.magnification_of(self.machine, table), 0),
             rolled => if self.rolls(rules) { self.rolled(table, rules) } else { Value::UNDEFINED },
-            factors => self.factors(table, rules, ways[0].number),
+            factors => self.factors(table, rules, tables[0].number),
             ..first
         }
     }
@@ -379,7 +379,7 @@ impl TableWords<'_> {
 }
 
 /// One entry for both directions, or one for each: with a number of its own if they have separate tables.
-fn ways(table: &CorrectionTable, number: usize, apart: bool) -> Vec<DirectedTable> {
+fn directed(table: &CorrectionTable, number: usize, apart: bool) -> Vec<DirectedTable> {
     if table.reverse.is_none() {
         return vec![DirectedTable { direction: 0, number }];
     }

@@ -165,8 +165,8 @@ fn six(model: &Model, poses: &[Pose], arm: f64, flat: f64) -> Option<Vec<usize>>
         }
         chosen.reverse();
         let six: [usize; 6] = chosen.try_into().ok()?;
-        let least = Matrix6::from_columns(&six.map(|i| columns[i])).try_inverse()?.norm().recip();
-        (least > flat).then_some((least, six))
+        let weakest = Matrix6::from_columns(&six.map(|i| columns[i])).try_inverse()?.norm().recip();
+        (weakest > flat).then_some((weakest, six))
     };
     let best = poses.iter().filter_map(choice).max_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(best.1.to_vec())

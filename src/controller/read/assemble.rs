@@ -139,7 +139,7 @@ impl Assembly<'_> {
     fn line(&self, mut table: CorrectionTable, rules: &TableRules, line: usize) -> Result<CorrectionTable, Fault> {
         let kind = self.kind(table.corrected[0]);
         let slope = self.needed("slope")?;
-        if rules.largest.is_some_and(|most| slope.abs() > most) {
+        if rules.largest.is_some_and(|max| slope.abs() > max) {
             return Err(Fault::new(line, "the controller would refuse this factor"));
         }
         let far = StoredColumn::new(rules, kind).correction(slope, None);
@@ -218,8 +218,8 @@ impl Assembly<'_> {
         }
         let points = table.nodes.iter().fold(1, |product: usize, nodes| product.saturating_mul(nodes.len()));
         if points > rules.max_points || table.nodes.iter().any(|nodes| nodes.len() > rules.max_points_per_axis) {
-            let most = rules.max_points.min(rules.max_points_per_axis);
-            return Err(self.fault(format!("{points} points are more than the controller has room for ({most})")));
+            let max = rules.max_points.min(rules.max_points_per_axis);
+            return Err(self.fault(format!("{points} points are more than the controller has room for ({max})")));
         }
         Ok(())
     }
@@ -276,7 +276,7 @@ impl Assembly<'_> {
         stored: f64,
         line: usize,
     ) -> Result<f64, Fault> {
-        if rules.largest.is_some_and(|most| stored.abs() > most) {
+        if rules.largest.is_some_and(|max| stored.abs() > max) {
             return Err(Fault::new(line, format!("`{stored}` is beyond what the controller stores")));
         }
         let axis = table.corrected[output];
@@ -288,15 +288,15 @@ impl Assembly<'_> {
     /// Factor by which the controller multiplies the numbers of a lattice.
     fn magnification(&self, rules: &TableRules) -> Result<f64, Fault> {
         let times = self.whole("magnification")?.unwrap_or(1);
-        let most = match rules.encoding {
-            Encoding::Magnified(most) => usize::try_from(most).unwrap_or(usize::MAX),
+        let max = match rules.encoding {
+            Encoding::Magnified(max) => usize::try_from(max).unwrap_or(usize::MAX),
             Encoding::Plain | Encoding::Difference => 1,
         };
-        if (1..=most).contains(&times) {
+        if (1..=max).contains(&times) {
             Ok(times as f64)
         } else {
             let line = self.field("magnification").map_or(0, |(_, line)| *line);
-            Err(Fault::new(line, format!("the magnification is a whole number from 1 to {most}")))
+            Err(Fault::new(line, format!("the magnification is a whole number from 1 to {max}")))
         }
     }
 

@@ -140,7 +140,7 @@ impl TargetFit {
             }
             found.push(ReadBack { name, found: own.clone(), text: text.clone() });
         }
-        self.left_alone(files, diagnostics);
+        self.report_ignored(files, diagnostics);
         Some(RecognisedSet { target: target.clone(), files: found })
     }
 
@@ -244,7 +244,7 @@ impl TargetFit {
     }
 
     /// Reports the files that were not read.
-    fn left_alone(&self, files: &[NamedText], diagnostics: &mut Diagnostics) {
+    fn report_ignored(&self, files: &[NamedText], diagnostics: &mut Diagnostics) {
         let known = |name: &str| {
             let plain = |spec: &FileSpec| spec.layout.is_none() && spec.path == name;
             self.target.manifest.files.iter().any(plain)

@@ -71,7 +71,7 @@ impl Assembly<'_> {
             let (text, line) =
                 self.record.points.get(&[n, 0, 0]).and_then(|fields| fields.get("increment")).ok_or_else(missing)?;
             let stored = number(text).map_err(|message| Fault::new(*line, message))?;
-            if libm::trunc(stored) != stored || rules.largest.is_some_and(|most| stored.abs() > most) {
+            if libm::trunc(stored) != stored || rules.largest.is_some_and(|max| stored.abs() > max) {
                 return Err(Fault::new(*line, format!("`{stored}` is no increment that the controller stores")));
             }
             Ok(stored * times)
@@ -157,8 +157,8 @@ impl Assembly<'_> {
         let counts: Vec<usize> = counts.into_iter().map(|count| count.unwrap_or(found)).collect();
         let wanted = counts.iter().fold(1, |product: usize, count| product.saturating_mul(count + 1)) - 1;
         let wanted = if axes == 1 { counts[0] } else { wanted };
-        let most = self.reading.target.manifest.mechanism.iter().map(|(_, rules)| rules.max_points).max();
-        if found != wanted || counts.iter().any(|count| *count < 2) || most.is_some_and(|most| wanted > 2 * most) {
+        let max = self.reading.target.manifest.mechanism.iter().map(|(_, rules)| rules.max_points).max();
+        if found != wanted || counts.iter().any(|count| *count < 2) || max.is_some_and(|max| wanted > 2 * max) {
             return Err(self.fault(format!("{found} entries, and the file states {wanted}")));
         }
         Ok(counts)

@@ -2,7 +2,7 @@
 
 use crate::compensation::{Scope, SetLayout, SingleErrors, single_errors};
 use crate::controller::certificate::{
-    Certificate, Depth, LatticeShare, TablesUnderTest, judge_tables, single_error_poses,
+    Certificate, Depth, LatticeSubset, TablesUnderTest, judge_tables, single_error_poses,
 };
 use crate::controller::replay::Replay;
 use crate::machine::Machine;
@@ -19,7 +19,7 @@ fn filled(machine: &Machine, judged: TablesUnderTest, scope: Scope, depth: Depth
     let mechanisms = &target.manifest.mechanism;
     let nodes = mechanisms.free_lattice(tables).map_or_else(Vec::new, |_| {
         let replay = Replay::new(machine, target, tables);
-        LatticeShare::of(&replay, single_error_poses(&depth.poses(machine))).nodes
+        LatticeSubset::of(&replay, single_error_poses(&depth.poses(machine))).nodes
     });
     single_errors(machine, SetLayout { mechanisms, tables, scope, lattice_nodes: &nodes })
 }

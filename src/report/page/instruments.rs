@@ -91,8 +91,8 @@ impl Instruments {
 
 /// The test of an axis with the ball where fewest positions are out of reach; of equals the first place.
 fn turn(machine: &Machine, axis: usize) -> Option<(Pose, RTest)> {
-    let at = |share: &f64| {
-        let ball = within(machine, *share);
+    let at = |fraction: &f64| {
+        let ball = within(machine, *fraction);
         let test = r_test(machine, &ball, axis, POINTS[1]).ok()?;
         Some((ball, test))
     };

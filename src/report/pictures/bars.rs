@@ -90,7 +90,7 @@ impl ParetoPicture {
         let highest = self.bars.iter().map(|b| b.value).fold(0.0, f64::max);
         let axis = Axis::new(0.0, highest * 1.08);
         FRAME.vertical(&mut svg, &axis, &self.quantity);
-        let shares = Axis::new(0.0, 100.0);
+        let fractions = Axis::new(0.0, 100.0);
         let mut sum = 0.0;
         let mut line = vec![];
         for (i, b) in self.bars.iter().enumerate() {
@@ -98,12 +98,12 @@ impl ParetoPicture {
             let edges = bar(&mut svg, &axis, place, (0.0, b.value), &b.label, FIRST);
             value(&mut svg, place, edges, b.value, true);
             sum += b.value * b.value;
-            let share = if self.total > 0.0 { 100.0 * sum / self.total } else { 0.0 };
-            line.push((place.0 + 0.5 * place.1, FRAME.y(&shares, share)));
+            let fraction = if self.total > 0.0 { 100.0 * sum / self.total } else { 0.0 };
+            line.push((place.0 + 0.5 * place.1, FRAME.y(&fractions, fraction)));
         }
         svg.path(&polyline(&line), &format!(r#"fill="none" stroke="{SECOND}" stroke-width="1.6""#));
         line.iter().for_each(|at| svg.circle(*at, 2.6, &format!(r#"fill="{SECOND}""#)));
-        FRAME.right(&mut svg, &shares, "fraction of the sum of squares in %", SECOND);
+        FRAME.right(&mut svg, &fractions, "fraction of the sum of squares in %", SECOND);
         svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
 }

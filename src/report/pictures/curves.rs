@@ -181,8 +181,8 @@ struct PanelFrame {
 impl PanelFrame {
     fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
         let (low, high, _) = self.y;
-        let share = (x - self.x.0) / (self.x.1 - self.x.0).max(1e-9);
-        (self.corner.0 + PANEL.0 * share, self.corner.1 + PANEL.1 * (high - y) / (high - low).max(1e-9))
+        let fraction = (x - self.x.0) / (self.x.1 - self.x.0).max(1e-9);
+        (self.corner.0 + PANEL.0 * fraction, self.corner.1 + PANEL.1 * (high - y) / (high - low).max(1e-9))
     }
 
     fn draw(&self, svg: &mut Svg, panel: &Panel) {

@@ -86,10 +86,10 @@ impl FitPicture<'_> {
             significant(libm::sqrt(sum / self.points.len().max(1) as f64) * 1e3, 3)
         };
         let data = rms(&|p| p.measured);
-        let left = rms(&|p| (p.measured.0 - p.predicted.0, p.measured.1 - p.predicted.1));
+        let residual = rms(&|p| (p.measured.0 - p.predicted.0, p.measured.1 - p.predicted.1));
         let count = self.points.len();
         format!(
-            "{count} points, root mean square in the plane: {data} µm measured, {left} µm residual after the prediction"
+            "{count} points, root mean square in the plane: {data} µm measured, {residual} µm residual after the prediction"
         )
     }
 
@@ -101,9 +101,9 @@ impl FitPicture<'_> {
         if !(largest > 0.0 && largest.is_finite()) {
             return 1.0;
         }
-        let most = MARGIN / (largest * scale);
+        let max = MARGIN / (largest * scale);
         // The step above a tenth of it is between it and a tenth.
-        [10.0, 5.0, 2.0, 1.0].into_iter().map(|f| round_step(most / 10.0, 1) * f).find(|m| *m <= most).unwrap_or(1.0)
+        [10.0, 5.0, 2.0, 1.0].into_iter().map(|f| round_step(max / 10.0, 1) * f).find(|m| *m <= max).unwrap_or(1.0)
     }
 
     fn grid(

@@ -36,14 +36,14 @@ impl Axis {
         Self { turns: true, ..Self::new(min, max) }
     }
 
-    fn share(&self, value: f64) -> f64 {
+    fn fraction(&self, value: f64) -> f64 {
         (value - self.min) / (self.max - self.min)
     }
 
     fn ticks(&self, length: f64, pitch: f64) -> (Vec<f64>, f64) {
-        let (range, most) = (self.max - self.min, ((length / pitch) as usize).clamp(1, 10));
-        let round = [5.0, 10.0, 15.0, 30.0, 45.0, 90.0].into_iter().find(|step| range <= step * most as f64);
-        let step = round.filter(|_| self.turns && range > 20.0).unwrap_or_else(|| round_step(range, most));
+        let (range, max_steps) = (self.max - self.min, ((length / pitch) as usize).clamp(1, 10));
+        let round = [5.0, 10.0, 15.0, 30.0, 45.0, 90.0].into_iter().find(|step| range <= step * max_steps as f64);
+        let step = round.filter(|_| self.turns && range > 20.0).unwrap_or_else(|| round_step(range, max_steps));
         (ticks((self.min, self.max), step), step)
     }
 }
@@ -51,12 +51,12 @@ impl Axis {
 impl PlotFrame {
     /// Returns the y coordinate of a value, px.
     pub fn y(&self, axis: &Axis, value: f64) -> f64 {
-        self.top + self.height * (1.0 - axis.share(value))
+        self.top + self.height * (1.0 - axis.fraction(value))
     }
 
     /// Returns the x coordinate of a value, px.
     pub fn x(&self, axis: &Axis, value: f64) -> f64 {
-        self.left + self.width * axis.share(value)
+        self.left + self.width * axis.fraction(value)
     }
 
     /// The axis at the lower edge.

@@ -41,17 +41,17 @@ const SIGNED: [Lch; 5] =
     [(0.56, 0.14, 255.0), (0.78, 0.075, 250.0), (0.975, 0.0, 0.0), (0.80, 0.085, 40.0), (0.60, 0.165, 28.0)];
 
 /// Colour of a fraction of the largest value, 0 to 1.
-pub fn rising(share: f64) -> String {
-    blended(&RISING, share)
+pub fn rising(fraction: f64) -> String {
+    blended(&RISING, fraction)
 }
 
 /// Colour of a fraction of the largest absolute value, -1 to 1.
-pub fn signed(share: f64) -> String {
-    blended(&SIGNED, 0.5 + 0.5 * share)
+pub fn signed(fraction: f64) -> String {
+    blended(&SIGNED, 0.5 + 0.5 * fraction)
 }
 
-fn blended(stops: &[Lch], share: f64) -> String {
-    let place = share.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
+fn blended(stops: &[Lch], fraction: f64) -> String {
+    let place = fraction.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
     let i = (place as usize).min(stops.len() - 2);
     let (a, b, t) = (lab(stops[i]), lab(stops[i + 1]), place - i as f64);
     hex([0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * t))

@@ -35,8 +35,8 @@ impl PlanePicture<'_> {
         let exaggeration = self.exaggeration(scale);
         let notes: Vec<String> = self.notes(&values, exaggeration).iter().flat_map(|note| wrapped(note, 106)).collect();
         let area = self.area(scale);
-        let least = if self.drawn == PlaneStyle::Colours { BAR } else { 0.0 };
-        let below = TOP + (area.1 + 2.0 * self.margin()).max(least) + 66.0;
+        let min_height = if self.drawn == PlaneStyle::Colours { BAR } else { 0.0 };
+        let below = TOP + (area.1 + 2.0 * self.margin()).max(min_height) + 66.0;
         let mut svg = Svg::new(WIDTH, below + 18.5 * notes.len() as f64 + 8.0);
         svg.text((LEFT, 32.0), &fitted(&self.title(), 70), Font::bold(18.0), Anchor::Start, 0.0);
         svg.text((LEFT, 54.0), &fitted(&self.subtitle(), 100), Font::faint(14.0), Anchor::Start, 0.0);
