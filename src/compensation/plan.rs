@@ -1,7 +1,7 @@
 //! Assignment of corrections to tables: from a machine and a target's mechanisms.
 //!
 //! 1. A controller with the model gets the error curves, and nothing else.
-//! 2. A lattice over whatever axes were asked for holds everything, and stands alone.
+//! 2. A lattice over the requested axes holds everything, and is the only table.
 //! 3. Otherwise rotary axes get their own tables from their own error. The residual of the functional point goes to the
 //!    linear axes: own and cross tables, then planes or a lattice over fixed axes for their residual
 //!    ([`super::sum`]). Tables without effect are not written.

@@ -1,7 +1,7 @@
 //! A set of compensation files on disk: the files that may be replaced. [`commit`] replaces them.
 //!
 //! Files that the manifest in the folder lists with their present bytes are ours and are replaced;
-//! a file of the same name that is not is foreign or hand-edited and is refused; others are left alone.
+//! a file of the same name that is not is foreign or hand-edited and is refused; others are not touched.
 
 use super::commit::{self, Decided};
 use super::files::{SET_LIMIT, read_at_most};

@@ -70,7 +70,7 @@ pub fn motion(joint: &Joint, q: f64) -> Htm<f64> {
     }
 }
 
-/// Roll, pitch and yaw (deg) to a rotation: about X, then about the standing Y, then about the standing Z.
+/// Returns the rotation of extrinsic X-Y-Z angles (fixed-axis roll, pitch and yaw, deg).
 pub fn from_roll_pitch_yaw(angles: &[f64; 3]) -> Matrix3<f64> {
     let about = |k: usize| {
         let unit = std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 });
