@@ -89,7 +89,8 @@ impl FitPicture<'_> {
         let residual = rms(&|p| (p.measured.0 - p.predicted.0, p.measured.1 - p.predicted.1));
         let count = self.points.len();
         format!(
-            "{count} points, root mean square in the plane: {data} µm measured, {residual} µm residual after the prediction"
+            "{count} points, root mean square in the plane: {data} µm measured, {residual} µm residual after the \
+             prediction"
         )
     }
 
