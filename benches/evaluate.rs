@@ -88,7 +88,7 @@ impl Bench {
                 let field = CompiledField::new(&self.machine, order);
                 let poses = Poses::Nodes(Nodes::of(&self.machine));
                 let view = View::default();
-                // As with batches: the plan is compiled and the threads are there before the clock starts.
+                // As with batches: the plan is compiled and the threads exist before the clock starts.
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.parse().ok()?).build().unwrap();
                 let _ = (field.compiled_model(view.approach), pool.broadcast(|_| ()));
                 let task = SurveyTask { field: &field, poses: &poses, view, worst: 5 };
@@ -115,7 +115,7 @@ impl Bench {
     }
 }
 
-/// Into memory that is there already: `clone_from` of a derived `Clone` would ask for new pages.
+/// Copies into existing memory: `clone_from` of a derived `Clone` would ask for new pages.
 fn copy(to: &mut Columns, from: &Columns) {
     let from = from.position.iter().chain(&from.rotation);
     to.position.iter_mut().chain(&mut to.rotation).zip(from).for_each(|(to, from)| to.copy_from_slice(from));

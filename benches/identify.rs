@@ -1,5 +1,5 @@
-//! How long a fit takes, beside NumPy's least squares on the same matrix: `cargo bench --bench identify`, with
-//! `python3` and NumPy in reach (or `NUMPY=path/to/python`).
+//! Time of a fit, beside NumPy's least squares on the same matrix: `cargo bench --bench identify`, with `python3` and
+//! NumPy in reach (or `NUMPY=path/to/python`).
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
@@ -26,7 +26,7 @@ fn wanted(machine: &Machine, words: &[&str]) -> Vec<Parameter> {
     parameters(machine, &IdentifyEntry { fit, ..IdentifyEntry::default() }).unwrap()
 }
 
-/// The machine as its file says, at random poses, with a noise of about 1 um.
+/// Returns readings of the machine of the file at random poses, with a noise of about 1 um.
 fn data(machine: &Machine, count: usize) -> Vec<Measurement> {
     let mut state = 1_u64;
     let mut noise = || {

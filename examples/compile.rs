@@ -1,4 +1,4 @@
-//! Compiles a machine to LinuxCNC's tables in memory, and prints what they leave.
+//! Compiles a machine to LinuxCNC's tables in memory, and prints the residual.
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 

@@ -4,11 +4,11 @@
 //! maps, budgets and comparisons, identifies errors from measurements, and compiles the files that a CNC controller
 //! loads, each set with a certificate of what it leaves.
 //!
-//! Every job is one function: a [`MachineFile`], a struct of options with defaults, a [`Run`] that says where files are
-//! read; an [`Answer`] with the value and the warnings comes back, or the [`Diagnostics`] that refuse the input.
+//! Every job is one function: a [`MachineFile`], a struct of options with defaults, a [`Run`] that gives access to
+//! files; an [`Answer`] with the value and the warnings comes back, or the [`Diagnostics`] that refuse the input.
 //!
-//! The functions and their options stand here; the types of options' fields in [`options`], what is returned in
-//! [`results`], numbers and diagnostics as text in [`text`], sets of files in a folder in [`sets`].
+//! The functions and their options are here; the types of options' fields in [`options`], of results in [`results`],
+//! numbers and diagnostics as text in [`text`], sets of files in a folder in [`sets`].
 //!
 //! Deviations are actual minus nominal, tool relative to workpiece, in ISO 841 directions. Lengths are in mm and angles
 //! in rad unless a name ends in another unit; positions of rotary axes are in deg as programmed.
@@ -82,7 +82,7 @@
 //! 7. `identify` fits errors to measured deviations and writes a machine file again.
 //! 8. `compensation` solves for the corrected command and fills the tables of a controller's mechanism.
 //! 9. `controller` writes the files from templates, reads them back, replays them as the controller would, and
-//!    certifies what is left.
+//!    certifies the residual.
 //! 10. `report` draws pictures and pages.
 //! 11. `api` is this façade; the program `abbe` is a face over it.
 //!

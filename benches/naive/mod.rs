@@ -1,5 +1,6 @@
-//! What one would write first: every joint a 4x4 matrix, every curve looked up by itself, both chains multiplied out,
-//! and the difference taken. Small angles in the error matrices (`joints: linearised`), default conventions otherwise.
+//! The first program that comes to mind: every joint a 4x4 matrix, every curve looked up by itself, both chains
+//! multiplied out, and the difference taken. Small angles in the error matrices (`joints: linearised`), default
+//! conventions otherwise.
 
 use abbe::evaluate::{Batch, Columns, CompiledModel, Frame, evaluate};
 use abbe::machine::{AxisKind, Branch, ComponentError, Curve, ErrorTerm, Machine};
@@ -60,7 +61,7 @@ fn error(six: [f64; 6]) -> Matrix {
     [[1.0, -c, b, x], [c, 1.0, -a, y], [-b, a, 1.0, z], [0.0, 0.0, 0.0, 1.0]]
 }
 
-/// To first order, which is enough for constants of some 1e-5.
+/// Returns the inverse to first order, which is enough for constants of some 1e-5.
 fn inverse(m: &Matrix) -> Matrix {
     let mut r = identity();
     for i in 0..3 {
@@ -101,7 +102,7 @@ impl Joint {
 }
 
 impl Chain {
-    /// Of a machine whose curves are tables.
+    /// Builds the model of a machine whose curves are tables.
     pub fn new(machine: &Machine) -> Self {
         let joint = |(i, axis): (usize, &abbe::machine::Axis)| {
             let curve = |term: &Option<ErrorTerm>| match term {

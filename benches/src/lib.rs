@@ -1,8 +1,8 @@
 //! Paired timing of contenders that compute the same.
 //!
 //! Benchmark libraries time one thing after the other; on a machine with other work its speed drifts between them, and
-//! the drift goes into the ratio. Here the contenders take turns, sample by sample of some ten microseconds, and what
-//! is reported is the median of the ratios of neighbouring samples, beside medians and minima of the times.
+//! the drift goes into the ratio. Here the contenders take turns, sample by sample of some ten microseconds. The result
+//! is the median of the ratios of neighbouring samples, beside medians and minima of the times.
 
 use std::time::Instant;
 

@@ -53,7 +53,7 @@ impl<S: Algebra> Htm<S> {
         apply(&self.linear, point) + &self.translation
     }
 
-    /// As a 4x4 matrix.
+    /// Returns the 4x4 matrix.
     pub fn to_matrix(&self) -> Matrix4<S> {
         Matrix4::from_fn(|i, j| match (i, j) {
             (3, 3) => S::one(),

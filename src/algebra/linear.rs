@@ -1,8 +1,8 @@
 //! Least squares: rows streamed into a triangle (blockwise TSQR), its singular values and vectors by
 //! one-sided Jacobi rotations, rank, null space and covariance.
 //!
-//! Error parameters that the data do not tell apart make the matrices here short of rank as a rule, not as
-//! an exception. nalgebra's singular vectors are wrong there (nalgebra#1172): only its QR is used.
+//! Error parameters that the data do not separate make the matrices here short of rank as a rule, not as an exception.
+//! nalgebra's singular vectors are wrong there (nalgebra#1172): only its QR is used.
 
 mod householder;
 
@@ -39,7 +39,7 @@ impl Triangle {
         row[unknowns] = right;
     }
 
-    /// Room for so many more rows, each of coefficients and right side, to be written by the caller.
+    /// Adds room for `rows` more rows, each of coefficients and right side, to be written by the caller.
     pub fn extend(&mut self, rows: usize) -> &mut [f64] {
         let width = self.unknowns + 1;
         if self.buffer.len() + rows * width > BLOCK * width {
@@ -157,14 +157,15 @@ impl ReducedSystem {
 pub struct Svd {
     /// Singular values, falling.
     pub values: DVector<f64>,
-    /// Left vectors; zero where the value is zero.
+    /// Left vectors; zero if the value is zero.
     pub u: DMatrix<f64>,
     /// Right vectors, orthonormal.
     pub v: DMatrix<f64>,
 }
 
 impl Svd {
-    /// By one-sided Jacobi rotations. Works on any rank; meant for triangles of up to some hundred columns.
+    /// Computes the decomposition by one-sided Jacobi rotations. Works on any rank; meant for triangles of up to some
+    /// hundred columns.
     pub fn new(matrix: &DMatrix<f64>) -> Self {
         let n = matrix.ncols();
         let (mut a, mut v) = (matrix.clone(), DMatrix::identity(n, n));
@@ -210,8 +211,8 @@ impl Svd {
         x
     }
 
-    /// The x that minimises `|A x - right|^2 + pull |x + away|^2 + damping |x|^2`: a step of somebody who
-    /// stands `away` from home, is drawn there, and takes care not to step too far; the `rank` largest values in use.
+    /// Returns the x that minimises `|A x - right|^2 + pull |x + away|^2 + damping |x|^2`: a damped step from the
+    /// distance `away` to a home position that attracts it; the `rank` largest values are in use.
     pub fn step(
         &self,
         right: &DVector<f64>,
@@ -228,7 +229,7 @@ impl Svd {
         x
     }
 
-    /// Orthonormal basis of what A does not see, the columns of the result.
+    /// Orthonormal basis of the null space of A, the columns of the result.
     pub fn null_space(&self, rank: usize) -> DMatrix<f64> {
         self.v.columns(rank, self.v.ncols() - rank).into_owned()
     }
@@ -244,7 +245,7 @@ impl Svd {
 fn orthogonalise(a: &mut DMatrix<f64>, v: &mut DMatrix<f64>, p: usize, q: usize, floor: f64) -> bool {
     let (alpha, beta) = (a.column(p).norm_squared(), a.column(q).norm_squared());
     let gamma = a.column(p).dot(&a.column(q));
-    // Columns of rounding noise are left alone: they have no direction to be made orthogonal.
+    // Columns of rounding noise are skipped: they have no direction to be made orthogonal.
     if gamma.abs() <= 3e-15 * (alpha * beta).sqrt() || alpha.min(beta).sqrt() <= floor {
         return false;
     }

@@ -52,8 +52,8 @@ pub trait Algebra:
     /// The real part: the value at which functions are expanded.
     fn real(&self) -> f64;
 
-    /// Sum of all coefficients of degree 1 and higher: what the nilpotent part is worth when every
-    /// generator stands for the error itself.
+    /// Sum of all coefficients of degree 1 and higher: the value of the nilpotent part when every generator has the
+    /// value of its error.
     fn nilpotent_sum(&self) -> f64;
 
     /// Highest total degree that can be other than zero; 0 for a constant.

@@ -19,7 +19,7 @@ pub(crate) fn lift(call: &mut Call<'_>, machine: &Machine, text: &str) -> Result
     declared.build().or_else(|refusal| call.refuse(refusal))
 }
 
-/// As printed beside results.
+/// Returns the name printed beside results.
 pub(crate) fn name(lift: &WeilLift) -> String {
     let basis = lift.basis();
     let (generators, monomials) = (lift.declared().names().len(), basis.monomials().len());

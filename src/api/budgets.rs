@@ -9,7 +9,7 @@ use crate::report::{BudgetReport, DrawSettings, budgets_json};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
-/// How machines are drawn.
+/// Draws of machines.
 #[derive(Clone, Copy)]
 pub(crate) struct DrawnMachines<'a> {
     pub tolerances: &'a ToleranceOptions,
@@ -17,7 +17,7 @@ pub(crate) struct DrawnMachines<'a> {
     pub seed: u64,
 }
 
-/// A budget for each machine, and what they have of each error. Serialises as docs/formats.md describes.
+/// A budget for each machine, and the contribution of each error to each. Serialises as docs/formats.md describes.
 #[derive(Debug, Clone)]
 pub struct ComparedBudgets {
     machines: Vec<Machine>,
@@ -28,7 +28,7 @@ pub struct ComparedBudgets {
     pub budgets: Vec<Budget>,
     /// Error by error, largest first.
     pub errors: Vec<BoundedError>,
-    /// How machines were drawn.
+    /// Settings of the draws.
     pub drawing: DrawSettings,
 }
 

@@ -5,7 +5,7 @@ use crate::controller::{Certificate, ControllerTarget, Figures, RaisedFigure, Ze
 use crate::machine::{AxisKind, Machine};
 use serde_json::{Map, Value, json};
 
-/// What a controller leaves after it has applied a set of files.
+/// Residual of a machine after a controller has applied a set of files.
 #[derive(Debug, Clone)]
 pub struct CertificateReport {
     /// The machine, with the tool that the set holds for.
@@ -43,7 +43,9 @@ impl CertificateReport {
         let errors: serde_json::Map<_, _> = certificate
             .errors
             .iter()
-            .map(|e| (e.error.to_string(), json!({"handled": e.handled, "left_um": e.left, "alone_um": e.alone})))
+            .map(|e| {
+                (e.error.to_string(), json!({"handled": e.degree, "left_um": e.residual_um, "alone_um": e.alone_um}))
+            })
             .collect();
         let shifted = certificate.shifted.as_ref();
         let shift = |s: &ZeroShift| {

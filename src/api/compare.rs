@@ -28,12 +28,12 @@ pub struct CompareOptions {
     pub tool_poses: Option<PathBuf>,
     /// Seed of the tool poses, and of the errors that are drawn.
     pub seed: u64,
-    /// How errors are bounded, drawn and judged; budgets are compared where every machine bounds errors.
+    /// Bounds, draws and statistic of errors; budgets are compared where every machine bounds errors.
     #[serde(flatten)]
     pub tolerances: ToleranceOptions,
     /// Number of machines that are drawn for the budgets, at least 2.
     pub samples: usize,
-    /// How far errors are followed; by default exactly, unless the conventions of a machine name an order.
+    /// Order of the errors; exact by default, unless the conventions of a machine name an order.
     pub order: Option<Order>,
     /// Side of approach, where forward and reverse curves were given.
     pub approach: Approach,
@@ -49,7 +49,7 @@ impl Default for CompareOptions {
 /// Machines side by side, over the tool poses that all of them reach.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct CompareResult {
-    /// What each error does alone, largest first.
+    /// Effect of each error alone, largest first.
     pub contributions: Vec<ErrorContribution>,
     /// Number of tool poses asked for.
     pub asked: usize,
@@ -71,7 +71,7 @@ pub struct CompareResult {
     pub rows: Vec<ComparedPose>,
 }
 
-/// What an error does alone in each machine.
+/// Effect of an error alone in each machine.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ErrorContribution {
     /// Name of the error.
@@ -89,7 +89,7 @@ pub struct ComparedMachine {
     pub machine: String,
     /// Name of its file.
     pub file: String,
-    /// How far its errors are followed.
+    /// Order of its errors.
     pub order: Order,
     /// Number of tool poses that it does not reach, by reason.
     pub unreachable: UnreachableCount,
@@ -108,7 +108,7 @@ pub struct ComparedMachine {
 }
 
 impl ComparedMachine {
-    /// Returns the statistics over so many poses.
+    /// Returns the statistics over `poses` poses.
     pub fn statistics(&self, poses: usize) -> Statistics {
         Statistics { poses, position_um: self.position_um, rotation_urad: self.rotation_urad }
     }

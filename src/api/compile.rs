@@ -8,7 +8,7 @@ use super::compensation::verdict;
 use super::machine_file::{MachineFile, bounded_only};
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::{
-    Certificate, ControllerTarget, Depth, Hashed, JudgedTables, Limits, Lock, NAMES, RenderedFile, certify,
+    Certificate, ControllerTarget, Depth, Hashed, Limits, Lock, NAMES, RenderedFile, TablesUnderTest, certify,
     certify_kinematics,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
@@ -20,7 +20,7 @@ use std::path::PathBuf;
 pub struct CompileOptions {
     /// Name of the controller's folder, such as `linuxcnc`.
     pub target: String,
-    /// How the machine is compensated.
+    /// Options of the compensation.
     pub compensation: CompensationOptions,
     /// Number of poses of the certificate.
     pub poses: usize,
@@ -32,7 +32,7 @@ pub struct CompileOptions {
     pub installed: Option<PathBuf>,
     /// Limits on corrections.
     pub max_correction: Limits,
-    /// Names of the axes that span a lattice; all if empty. The others stand at 0 in its nodes.
+    /// Names of the axes that span a lattice; all if empty. The others are at 0 in its nodes.
     pub lattice: Vec<String>,
     /// Maximum number of lattice nodes.
     pub max_nodes: usize,
@@ -63,7 +63,7 @@ pub struct CompiledSet {
     /// The manifest of the set, to be written last as `abbe.lock.json`.
     #[serde(skip)]
     pub lock: Lock,
-    /// What the controller leaves after it has applied the files.
+    /// Residual after the controller has applied the files.
     #[serde(flatten)]
     pub certificate: CertificateReport,
 }
@@ -71,8 +71,8 @@ pub struct CompiledSet {
 /// Compiles a machine to the files of a controller. The files are read back and replayed as the controller would;
 /// nothing is written.
 ///
-/// Fails if the target is unknown or has nothing for this machine, if a correction exceeds the limits, if the files
-/// do not read back as what was meant, and if an option does not fit.
+/// Fails if the target is unknown or has nothing for this machine, if a correction exceeds the limits, if the files do
+/// not read back as the intended set, and if an option does not fit.
 pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Result<Answer<CompiledSet>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
         call.extend(bounded_only(file));
@@ -101,7 +101,7 @@ fn tables(
         limits: options.max_correction,
     };
     let set = table_set::rendered(call, file, target, &request, installed.as_ref())?;
-    let judged = JudgedTables { target, tables: &set.tables, installed: installed.as_ref() };
+    let judged = TablesUnderTest { target, tables: &set.tables, installed: installed.as_ref() };
     let certificate = certify(file, judged, how.scope(), options.poses, options.seed);
     call.extend(verdict::warnings(&certificate));
     call.checked()?;
@@ -149,6 +149,6 @@ fn refuse_unverified(call: &mut Call, target: &ControllerTarget, accepted: bool)
         return Ok(());
     }
     let message = format!("the format of `{name}` is known from memory only: {}", target.manifest.caution());
-    let help = "`abbe explain TARGET` says what is sure; to write the files all the same: --accept-unverified";
+    let help = "`abbe explain TARGET` states what is sure; to write the files all the same: --accept-unverified";
     call.refuse(Diagnostic::new(codes::E0710, message).help(help))
 }

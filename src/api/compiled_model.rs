@@ -15,9 +15,9 @@ pub struct CompiledModel(evaluate::CompiledModel);
 /// Deviation at one pose: actual minus nominal, workpiece frame.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct PoseDeviation {
-    /// Of the functional point, mm.
+    /// Displacement of the functional point, mm.
     pub position_mm: [f64; 3],
-    /// Of the orientation of the tool, rad.
+    /// Rotation of the tool, rad.
     pub rotation_rad: [f64; 3],
 }
 
@@ -38,7 +38,7 @@ pub struct DeviationColumns {
     pub wz: Vec<f64>,
 }
 
-/// Compiles a machine. The model stands alone: it does not borrow the machine.
+/// Compiles a machine. The model owns its data: it does not borrow the machine.
 pub fn compile_model(file: &MachineFile, order: Order, approach: Approach) -> CompiledModel {
     CompiledModel(evaluate::CompiledModel::new(file, order, approach))
 }

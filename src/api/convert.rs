@@ -12,8 +12,8 @@ use serde::Serialize;
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct ConvertOptions {
-    /// The new conventions: a preset, words such as `carried_body`, or `linear: before, rotary: rotating`; what is not
-    /// named stays as it is.
+    /// The new conventions: a preset, words such as `carried_body`, or `linear: before, rotary: rotating`; others stay
+    /// as they are.
     pub to: Option<String>,
     /// The axis from whose actual line location errors count (`axis_only`), instead of the machine frame.
     pub datum: Option<String>,
@@ -177,12 +177,12 @@ fn datum(file: &MachineFile, name: &str) -> Result<AxisName, Diagnostic> {
     })
 }
 
-/// The machine of the text: the proof is about what is written.
+/// Returns the machine of the text: the proof is about the written file.
 fn taken(call: &mut Call<'_>, text: &str) -> Result<MachineFile, Refused> {
     read_back(text).or_else(|why| {
         let message = format!("the converted machine is refused: {}", shown(&why.to_string()));
         let help = "an error that is plausible in one convention need not be in another: check the large ones; and all \
-                    tables stand in the new file, which has its limits: thin long ones out";
+                    tables are in the new file, which has its limits: thin long ones out";
         call.refuse(Diagnostic::new(codes::E0529, message).help(help))
     })
 }
@@ -234,7 +234,7 @@ fn inexact(old: &Machine, request: &ConversionRequest, conversion: &Conversion, 
     if !list.is_empty() {
         let names: Vec<String> = list.iter().take(3).map(one).collect();
         let more = if list.len() > 3 { format!(" and {} more", list.len() - 3) } else { String::new() };
-        why.push(format!("no curve of the language is what these would be: {}{more}", names.join(", ")));
+        why.push(format!("no curve of the language can hold these: {}{more}", names.join(", ")));
     }
     if why.is_empty() && proof.one_sided[0] <= request.within_mm && proof.one_sided[1] <= request.within_mm * 1e-3 {
         why.push(

@@ -1,4 +1,4 @@
-//! Besides deviations: what errors do one by one and two by two, and how far axes move to undo them.
+//! Effects beside deviations: of errors one by one and two by two, and motions of the axes that undo the errors.
 
 use super::poses::AxisPositions;
 use super::run::{Call, Refused};
@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 /// Poses of the volume over which the bound is taken, besides those asked for.
 pub(super) const BOUND_POSES: usize = 64;
 
-/// What an error, or a pair of errors, does at a pose; workpiece frame.
+/// Effect of an error, or of a pair of errors, at a pose; workpiece frame.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ErrorEffect {
     /// Name of the error; of a pair `A*B`.
@@ -26,12 +26,12 @@ pub struct ErrorEffect {
     pub value: f64,
 }
 
-/// Bound of what order 1 neglects: all interactions of second degree with one sign.
+/// Bound of the terms that order 1 neglects: all interactions of second degree with one sign.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Neglected {
-    /// Of the functional point, mm.
+    /// Displacement of the functional point, mm.
     pub position_mm: f64,
-    /// Of the tool, rad.
+    /// Rotation of the tool, rad.
     pub rotation_rad: f64,
 }
 
@@ -55,7 +55,7 @@ pub(super) struct Effects {
     pub neglected: Option<Neglected>,
 }
 
-/// Returns the effects at each pose, and what order 1 neglects at most over them and over the volume.
+/// Returns the effects at each pose, and the bound of the terms that order 1 neglects over them and over the volume.
 pub(super) fn effects(
     call: &mut Call<'_>,
     (machine, poses): (&Machine, &[Pose]),

@@ -16,13 +16,13 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct EvalOptions {
-    /// Poses as text, `X=100,C=90`: mm and deg; axes left out are at 0.
+    /// Poses as text, `X=100,C=90`: mm and deg; omitted axes are at 0.
     pub at: Vec<String>,
     /// Poses as numbers, mm and deg, each as long as the machine has axes and in the order of the chain.
     pub poses: Vec<Vec<f64>>,
     /// A CSV file of poses: a header of axis names, one pose a line, mm and deg.
     pub pose_file: Option<PathBuf>,
-    /// How far errors are followed; by default exactly, unless the conventions of the machine name an order.
+    /// Order of the errors; exact by default, unless the conventions of the machine name an order.
     pub order: Option<Order>,
     /// Side of approach, where forward and reverse curves were given.
     pub approach: Approach,
@@ -33,9 +33,9 @@ pub struct EvalOptions {
     pub algebra: Option<String>,
     /// Solves for the displacements of the axes that undo the errors, over `algebra`.
     pub inverse: bool,
-    /// Lists what 1 um or 1 urad of every error does.
+    /// Lists the effect of 1 um or 1 urad of every error.
     pub sensitivity: bool,
-    /// Lists what pairs of errors do, and how far order 1 can be trusted. Implies `sensitivity`.
+    /// Lists the effect of pairs of errors, and the error of order 1. Implies `sensitivity`.
     pub interactions: bool,
 }
 
@@ -56,7 +56,7 @@ pub struct EvalResult {
     pub units: EvalUnits,
     /// The poses in their order.
     pub poses: Vec<PoseResult>,
-    /// What order 1 neglects at most, over these poses and over [`EvalResult::BOUND_POSES`] of the volume.
+    /// Bound of the terms that order 1 neglects, over these poses and over [`EvalResult::BOUND_POSES`] of the volume.
     #[serde(skip)]
     pub neglected: Option<Neglected>,
 }
@@ -69,13 +69,13 @@ impl EvalResult {
 /// Units of an [`EvalResult`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct EvalUnits {
-    /// Of positions and deviations of points.
+    /// Unit of positions and deviations of points.
     pub position: &'static str,
-    /// Of rotations.
+    /// Unit of rotations.
     pub rotation: &'static str,
-    /// Of positions of linear axes.
+    /// Unit of positions of linear axes.
     pub linear_axis: &'static str,
-    /// Of positions of rotary axes.
+    /// Unit of positions of rotary axes.
     pub rotary_axis: &'static str,
 }
 
@@ -94,16 +94,16 @@ pub struct PoseResult {
     pub rotation: [f64; 3],
     /// `T_tool^-1 T_work`, actual minus nominal, row by row.
     pub e_ve: [[f64; 4]; 4],
-    /// What each error does, with [`EvalOptions::sensitivity`].
+    /// Effect of each error, with [`EvalOptions::sensitivity`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensitivity: Option<Vec<ErrorEffect>>,
-    /// What pairs of errors do, with [`EvalOptions::interactions`].
+    /// Effect of pairs of errors, with [`EvalOptions::interactions`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interactions: Option<Vec<ErrorEffect>>,
-    /// What order 1 neglects at most at this pose, with [`EvalOptions::interactions`].
+    /// Bound of the terms that order 1 neglects at this pose, with [`EvalOptions::interactions`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order_1_neglects: Option<Neglected>,
-    /// By how much the axes move to undo the errors, mm and deg, with [`EvalOptions::inverse`].
+    /// Motions of the axes that undo the errors, mm and deg, with [`EvalOptions::inverse`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inverse: Option<AxisPositions>,
 }
@@ -143,7 +143,7 @@ fn evaluated(call: &mut Call<'_>, machine: &Machine, options: &EvalOptions) -> R
     })
 }
 
-/// Adds to the results what is asked for besides deviations.
+/// Adds the requested results beside deviations.
 fn besides(
     call: &mut Call<'_>,
     (machine, poses): (&Machine, &[Pose]),

@@ -68,7 +68,7 @@ fn describe(id: &ErrorId) -> String {
     text
 }
 
-/// The sentence that says the sign of a squareness without a sign.
+/// Returns a sentence that fixes the sign of a squareness by an example, without a sign convention.
 fn squareness(id: &ErrorId) -> Option<&'static str> {
     match (id.is_location(), id.direction, id.axis.as_str()) {
         (true, Direction::C, "Y") => Some(

@@ -1,4 +1,4 @@
-//! What measuring instruments would read of a machine.
+//! Readings of measuring instruments on a machine.
 
 use super::machine_file::{MachineFile, bounded_only};
 use super::poses::{axes_text, axis_positions, check, pose_at};
@@ -53,7 +53,7 @@ pub enum Instrument {
     StepDiagonals,
 }
 
-/// What an instrument reads of a machine, exact model. Serialises as docs/formats.md describes.
+/// Readings of an instrument on a machine, exact model. Serialises as docs/formats.md describes.
 #[derive(Debug, Clone)]
 pub struct InstrumentResult {
     machine: Machine,
@@ -78,7 +78,7 @@ pub enum Readings {
     Lines {
         /// True if one axis moves at a time.
         stepped: bool,
-        /// Diagonal by diagonal, at least one.
+        /// Readings diagonal by diagonal, at least one.
         lines: Vec<Diagonal>,
     },
 }
@@ -89,7 +89,7 @@ impl InstrumentResult {
         axes_text(&self.machine, &self.at)
     }
 
-    /// Returns the axes that stand along the diagonals, such as `, A = 0 deg`.
+    /// Returns the axes that do not move along the diagonals, such as `, A = 0 deg`.
     pub fn standing(&self) -> String {
         let Readings::Lines { lines, .. } = &self.readings else { return String::new() };
         let moving = lines.first().map_or(&[][..], |line| &line.axes);
@@ -148,7 +148,7 @@ impl Serialize for InstrumentResult {
     }
 }
 
-/// Returns what a measuring instrument would read of a machine.
+/// Returns the readings of a measuring instrument on a machine.
 ///
 /// Fails for a path that the machine cannot drive, and for a place or an axis that does not fit it.
 pub fn instrument(
@@ -165,7 +165,7 @@ fn read(call: &mut Call<'_>, machine: &Machine, options: &InstrumentOptions) -> 
     let usual = within(machine, share);
     let at = match &options.at {
         None => usual,
-        // What is not named stays where it would be.
+        // Axes without a value stay at their usual place.
         Some(text) => named(machine, text, usual).or_else(|refusal| call.refuse(refusal))?,
     };
     check(call, machine, std::slice::from_ref(&at))?;

@@ -1,4 +1,4 @@
-//! From a path or a text to a machine.
+//! Machines from a path or a text.
 
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::Hashed;
@@ -39,7 +39,7 @@ impl MachineFile {
         &self.sources
     }
 
-    /// Returns what reading it warned of.
+    /// Returns the warnings of reading it.
     pub fn warnings(&self) -> &[Diagnostic] {
         &self.warnings
     }
@@ -83,13 +83,13 @@ pub(crate) fn hashed(sources: &Sources) -> Vec<Hashed> {
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct LoadOptions {
-    /// Which of the machine's tools; the first by default.
+    /// Tool of the machine; the first by default.
     pub tool: Option<String>,
 }
 
-/// Reads a machine file, and what it extends and names, through `run.files`.
+/// Reads a machine file, and the files it extends and names, through `run.files`.
 ///
-/// Fails with all that is wrong with the files, each with its place.
+/// Fails with all faults of the files, each with its place.
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions, run: Run) -> Result<Answer<MachineFile>, Diagnostics> {
     Call::answer(run, &Sources::default(), |call| read(call, path.as_ref(), options, run.files))
 }
@@ -139,7 +139,7 @@ pub(crate) fn bounded_only(machine: &Machine) -> Option<Diagnostic> {
     let bounded = count > 0 && machine.errors().all(|(_, term)| matches!(term, ErrorTerm::Tolerance(_)));
     bounded.then(|| {
         let message = format!("all {} are only bounded, and count as 0", counted(count, "error"));
-        let help = "`abbe budget` says what the bounds come to; give values for what was measured";
+        let help = "`abbe budget` computes the effect of bounds; give values for measured errors";
         Diagnostic::new(codes::W0802, message).help(help)
     })
 }

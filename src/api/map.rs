@@ -29,7 +29,7 @@ pub struct MapOptions {
     pub poses: MapPoses,
     /// Seed of random and low-discrepancy poses.
     pub seed: u64,
-    /// How far errors are followed; by default exactly, unless the conventions of the machine name an order.
+    /// Order of the errors; exact by default, unless the conventions of the machine name an order.
     pub order: Option<Order>,
     /// Side of approach, where forward and reverse curves were given.
     pub approach: Approach,
@@ -39,9 +39,9 @@ pub struct MapOptions {
     pub worst: usize,
     /// Draws the deviation over a plane.
     pub picture: Option<PlaneOptions>,
-    /// Maps what the compensation of this target leaves, by the files that `compile` would write.
+    /// Maps the residual of this target's compensation, by the files that `compile` would write.
     pub target: Option<String>,
-    /// How the machine is compensated for the target.
+    /// Options of the compensation for the target.
     pub compensation: CompensationOptions,
 }
 
@@ -126,7 +126,7 @@ pub struct MapResult {
     /// Relative error of the 95 % values, for a map of more than [`MapPoses::MAX_HELD`] poses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub p95_relative_error: Option<f64>,
-    /// What the machine reaches of the tool poses of a file.
+    /// Tool poses of a file, with those that the machine reaches.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tool_poses: Option<ReachedToolPoses>,
     /// The target whose compensation is in the map.
@@ -153,9 +153,9 @@ impl MapResult {
 /// Statistics of a machine without compensation.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Uncompensated {
-    /// Of the functional point, um.
+    /// Displacement of the functional point, um.
     pub position_um: Summary,
-    /// Of the orientation of the tool, urad.
+    /// Rotation of the tool, urad.
     pub rotation_urad: Summary,
 }
 
@@ -197,7 +197,7 @@ pub fn map(file: &MachineFile, options: &MapOptions, run: Run<'_>) -> Result<Ans
 
 /// Does the same, and writes every pose with its deviation into tables.
 ///
-/// Fails besides if a table cannot be written; then tables may be incomplete.
+/// Fails also if a table cannot be written; then tables may be incomplete.
 pub fn map_tables(
     file: &MachineFile,
     options: &MapOptions,
@@ -254,7 +254,7 @@ fn volume(
 /// Number of poses at which the warnings of a compensation are found.
 const CERTIFIED: usize = 1000;
 
-/// What `compile` would write for the target, with its warnings.
+/// Returns the effect of the files that `compile` would write for the target, with its warnings.
 fn compensation(
     call: &mut Call<'_>,
     machine: &Machine,
@@ -263,9 +263,8 @@ fn compensation(
 ) -> Result<Option<(ControllerTarget, Effect)>, Refused> {
     let Some(name) = &options.target else { return Ok(None) };
     if order != Order::Exact {
-        return call.usage(
-            "a compensated machine is mapped with the exact model: leave `--order` out, or say `--order exact`",
-        );
+        return call
+            .usage("a compensated machine is mapped with the exact model: omit `--order`, or give `--order exact`");
     }
     let target = options.compensation.target(call, name, None)?;
     let depth = Depth { poses: CERTIFIED, seed: options.seed };

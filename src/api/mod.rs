@@ -1,11 +1,11 @@
 //! The façade: one function for each job, from a machine file to certified tables.
 //!
 //! Every function takes a [`MachineFile`] (or several), a plain struct of options with defaults, and a [`Run`], which
-//! says where files are read and who hears of progress. It returns an [`Answer`]: the value, which serde can write in
-//! the shape that docs/formats.md describes, and the warnings; or the [`Diagnostics`] that refuse the input.
+//! gives access to files and receives progress. It returns an [`Answer`]: the value, which serde can write in the shape
+//! that docs/formats.md describes, and the warnings; or the [`Diagnostics`] that refuse the input.
 //!
-//! Nothing here prints, writes a file, reads the clock or the environment. What a job writes, it hands over as bytes or
-//! into the sinks that the caller gave it.
+//! Nothing here prints, writes a file, reads the clock or the environment. A job hands its files over as bytes or
+//! writes into the sinks that the caller gave it.
 
 mod algebra;
 mod budget;

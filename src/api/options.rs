@@ -1,4 +1,4 @@
-//! Types of the fields of options: what is chosen, and where results are written.
+//! Types of the fields of options.
 
 pub use super::compensation::options::{CompensationOptions, CorrectingAxes};
 pub use super::enumerate::JudgedBy;

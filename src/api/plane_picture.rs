@@ -12,17 +12,18 @@ use crate::report::{Picture, PlanePicture, PlaneQuantity, PlaneStyle, before_aft
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct PlaneOptions {
-    /// How the deviation is drawn.
+    /// Style of the drawing.
     pub drawing: PlaneDrawing,
     /// The two linear axes, such as `XY` or `X,Z`; by default the first two.
     pub plane: Option<String>,
-    /// Where the other axes are, `Z=-100,A=30`: mm and deg; by default at 0, or at the end of the travel nearest to it.
+    /// Positions of the other axes, `Z=-100,A=30`: mm and deg; by default at 0, or at the end of the travel nearest to
+    /// it.
     pub at: Option<String>,
-    /// What the colours show.
+    /// Quantity that the colours show.
     pub component: PlaneComponent,
 }
 
-/// How a deviation over a plane is drawn.
+/// Style of the drawing of a deviation over a plane.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PlaneDrawing {
@@ -31,11 +32,11 @@ pub enum PlaneDrawing {
     Colours,
     /// The deformed grid.
     Grid,
-    /// Maps of both states and of what is left; for a map with compensation.
+    /// Maps of the error without compensation, with it, and of the residual; for a map with compensation.
     BeforeAfter,
 }
 
-/// What the colours of a map show.
+/// Quantity that the colours of a map show.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PlaneComponent {
@@ -77,7 +78,7 @@ pub(super) struct Subject<'a> {
 }
 
 impl PlaneOptions {
-    /// Refuses what cannot be drawn, before any work.
+    /// Refuses a picture that cannot be drawn, before any work.
     pub(super) fn place(
         &self,
         call: &mut Call<'_>,

@@ -64,7 +64,7 @@ pub(crate) fn pose_option(
     text.map(|text| pose_at(machine, text).or_else(|refusal| call.refuse(refusal))).transpose()
 }
 
-/// Returns the pose of `X=100,C=90`; axes left out are at 0.
+/// Returns the pose of `X=100,C=90`; omitted axes are at 0.
 pub(crate) fn pose_at(machine: &Machine, text: &str) -> Result<Pose, Diagnostic> {
     let mut pose = vec![0.0; machine.axes().len()];
     let mut seen = vec![false; pose.len()];

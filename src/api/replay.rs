@@ -1,4 +1,4 @@
-//! What a controller adds at single positions, with which a test of a real controller compares.
+//! Corrections of a controller at single positions, with which a test of a real controller compares.
 
 use super::compensation::table_set::FoundTables;
 use super::machine_file::MachineFile;
@@ -18,15 +18,15 @@ pub struct ReplayPosition {
     pub joint: usize,
     /// Direction of approach: forward or reverse.
     pub approach: Approach,
-    /// Position of the joint, mm or deg; all other axes stand at 0.
+    /// Position of the joint, mm or deg; all other axes are at 0.
     pub position: f64,
 }
 
 impl ReplayPosition {
     /// Reads positions for joints of a machine from a CSV file with the columns joint, direction, position; further
-    /// columns are left alone.
+    /// columns are ignored.
     ///
-    /// Fails for another header, and for a line that is no such position.
+    /// Fails for another header, and for a line without such a position.
     pub fn list(machine: &Machine, path: &Path, run: Run<'_>) -> Result<Answer<Vec<Self>>, Diagnostics> {
         Call::answer(run, &Sources::default(), |call| listed(call, machine, path))
     }
@@ -64,7 +64,7 @@ fn listed(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Vec<Rep
     Ok(positions)
 }
 
-/// Returns what the controller adds to the joint at each position, mm or deg.
+/// Returns the correction of the controller for the joint at each position, mm or deg.
 ///
 /// Fails like [`verify`](super::verify()), and for a kinematics module: it has no tables that hold for a joint alone.
 pub fn replay(

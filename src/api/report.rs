@@ -26,17 +26,17 @@ use serde_json::{Value, json};
 pub struct ReportOptions {
     /// Controllers whose compensation and certificate are shown.
     pub targets: Vec<String>,
-    /// How the machines are compensated.
+    /// Options of the compensation.
     pub compensation: CompensationOptions,
     /// Number of poses of maps and certificates.
     pub poses: usize,
     /// Seed of the poses, and of the errors that are drawn.
     pub seed: u64,
-    /// How far errors are followed; by default exactly, unless the conventions of a machine name an order.
+    /// Order of the errors; exact by default, unless the conventions of a machine name an order.
     pub order: Option<Order>,
     /// Side of approach, where forward and reverse curves were given.
     pub approach: Approach,
-    /// How errors are bounded, drawn and judged, where a machine bounds some.
+    /// Bounds, draws and statistic of errors, where a machine bounds some.
     pub tolerances: ToleranceOptions,
     /// Number of machines that are drawn for a budget, at least 2.
     pub samples: usize,
@@ -57,7 +57,7 @@ impl Default for ReportOptions {
     }
 }
 
-/// What a page shows: numbers and pictures. The default shows no machine.
+/// Content of a page: numbers and pictures. The default shows no machine.
 #[derive(Debug, Clone)]
 pub struct Report {
     data: PageData,
@@ -73,7 +73,7 @@ impl Default for Report {
 }
 
 impl Report {
-    /// Returns the page, perhaps with what is wrong with the files as they are now.
+    /// Returns the page, with the problem of the present files if there is one.
     ///
     /// Fails if a number has no JSON.
     pub fn page(&self, delivery: Delivery, problem: Option<&str>) -> Result<RenderedPage, Diagnostic> {
@@ -108,7 +108,7 @@ fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions)
     Ok(report)
 }
 
-/// What the page shows of a machine.
+/// Content of the page for a machine.
 fn drawn(
     number: usize,
     given: &MachineInput<'_>,
@@ -158,7 +158,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// What `compile` would write for a target, and its certificate.
+/// Returns the effect of the files that `compile` would write for a target, and their certificate.
 fn compensated(
     call: &mut Call<'_>,
     machine: &Machine,
@@ -171,7 +171,7 @@ fn compensated(
     Ok(TargetResult { target, effect, certificate })
 }
 
-/// A budget with what it is of.
+/// A budget with the bounds, poses and draws it was computed from.
 struct OwnBudget {
     bounds: Vec<Bound>,
     budget: Budget,

@@ -1,4 +1,4 @@
-//! What the functions return, and its parts. Serde writes results in the shapes that docs/formats.md describes.
+//! Results of the functions, and their parts. Serde writes results in the shapes that docs/formats.md describes.
 
 pub use super::budget::BudgetResult;
 pub use super::budgets::ComparedBudgets;
@@ -33,7 +33,9 @@ pub use crate::analysis::Status as LocationStatus;
 pub use crate::analysis::budget::{Bound, Budget, BudgetPart, Contribution, PERCENTS, Percentile, Totals};
 pub use crate::analysis::enumerate::{Ranking, Row as ArrangementRow};
 pub use crate::analysis::instrument::{BallBar, Diagonal, RTest};
-pub use crate::controller::{Certificate, ControllerTarget, ErrorLeft, Figures, Handled, ROUNDING_UM};
+pub use crate::controller::{
+    Certificate, CompensationDegree, ControllerTarget, Figures, ROUNDING_UM, SingleErrorResidual,
+};
 pub use crate::diagnostic::{Severity, Sources};
 pub use crate::evaluate::{Statistics, Summary};
 pub use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorTerm, Machine, Sense, Travel};

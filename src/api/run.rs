@@ -1,4 +1,4 @@
-//! The frame of a call: where files come from, who hears of progress, what was found wrong.
+//! The frame of a call: access to files, progress, diagnostics.
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::syntax::{Disk, Files, MemoryFiles};
@@ -26,9 +26,9 @@ impl Monitor for Silent {}
 /// The surroundings of a call. The default has no files and reports no progress.
 #[derive(Clone, Copy)]
 pub struct Run<'a> {
-    /// Where files are read.
+    /// Access to files.
     pub files: &'a dyn Files,
-    /// Who hears of progress.
+    /// Receiver of progress.
     pub monitor: &'a dyn Monitor,
     /// True if a warning refuses the input.
     pub deny_warnings: bool,

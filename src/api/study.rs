@@ -63,7 +63,7 @@ impl<'a> Keeper<'a> {
     }
 }
 
-/// Returns what a file has of the study already; nothing without the file.
+/// Returns the part of the study that a file holds; nothing without the file.
 pub(super) fn begun(call: &mut Call<'_>, path: Option<&Path>, empty: Journal) -> Result<Journal, Refused> {
     match path {
         Some(path) if call.run.files.read(path) != Err(ReadFailure::NotFound) => {
@@ -77,7 +77,7 @@ pub(super) fn begun(call: &mut Call<'_>, path: Option<&Path>, empty: Journal) ->
 fn of_study(call: &Call<'_>, path: &Path, empty: &Journal) -> Result<Journal, Diagnostic> {
     let name = path.display();
     let foreign = |message: String| {
-        Diagnostic::new(codes::E0610, message).help("name another file, or remove this one; it is left as it is")
+        Diagnostic::new(codes::E0610, message).help("name another file, or remove this one; it is unchanged")
     };
     let text = match call.run.files.read(path).map(String::from_utf8) {
         Ok(Ok(text)) => text,

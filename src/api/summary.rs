@@ -27,7 +27,7 @@ pub struct AxisSummary {
     pub name: String,
     /// Linear or rotary.
     pub kind: AxisKind,
-    /// The branch that the axis stands on.
+    /// The branch that the axis is on.
     pub branch: Branch,
     /// Unit vector in machine coordinates at the zero pose.
     pub direction: [f64; 3],

@@ -119,7 +119,7 @@ fn mechanism(target: &ControllerTarget) -> String {
 fn kinematics_limits(mechanism: &KinematicsMechanism) -> String {
     match mechanism.carries {
         ModuleContent::FullModel => {
-            "as many axes as the nine words X Y Z A B C U V W can say; numbers as exact as the machine file's; the \
+            "one axis for each of the nine words X Y Z A B C U V W; numbers as exact as the machine file's; the \
              mean of forward and reverse"
                 .to_owned()
         }

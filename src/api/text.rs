@@ -10,7 +10,7 @@ pub use crate::units::{Failure as UnknownQuantity, angle, counted, length, numbe
 
 /// Parses a length with its unit, such as `2 um`, mm.
 ///
-/// Fails for what is no quantity; returns none for a quantity that is no length.
+/// Fails for a text that is no quantity; returns none for a quantity that is no length.
 pub fn parse_length(text: &str) -> Result<Option<f64>, UnknownQuantity> {
     crate::units::quantity(text).map(|quantity| quantity.as_length())
 }

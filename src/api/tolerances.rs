@@ -6,14 +6,14 @@ use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::Machine;
 use crate::report::DrawSettings;
 
-/// How errors are drawn between their bounds, and judged.
+/// Draws of errors between their bounds, and the statistic of their effect.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct ToleranceOptions {
     /// Class of machines whose typical tolerances are taken where the file has none: `ultra-precision`, `premium`,
     /// `production`, `commodity`, `large-gantry` or `desktop`.
     pub class: Option<String>,
-    /// How an error is distributed between its bounds.
+    /// Distribution of an error between its bounds.
     pub distribution: Distribution,
     /// Statistic of a machine over the poses.
     pub statistic: Statistic,
@@ -61,9 +61,9 @@ fn find(machine: &Machine, name: &str) -> Result<Class, Diagnostic> {
         return Err(Diagnostic::new(codes::E0605, message).help(did_you_mean(name, &known)));
     };
     if lacks_rotary(machine, &class) {
-        let message = format!("the class `{name}` knows nothing of rotary axes, and the machine has some");
+        let message = format!("the class `{name}` has no tolerances of rotary axes, and the machine has such axes");
         let help = "take another class, or write the tolerances of the rotary axes into a variant of the file and \
-         leave `--class` out";
+         omit `--class`";
         return Err(Diagnostic::new(codes::E0605, message).help(help));
     }
     Ok(class)
@@ -72,8 +72,11 @@ fn find(machine: &Machine, name: &str) -> Result<Class, Diagnostic> {
 fn nothing_bounded(machine: &Machine) -> Diagnostic {
     let given = known(machine);
     let message = format!("`{}` has no error that is only bounded", shown(machine.name()));
-    let values =
-        if given > 0 { format!("its {given} errors have values, which a budget leaves out; ") } else { String::new() };
+    let values = if given > 0 {
+        format!("its {given} errors have values, which a budget does not draw; ")
+    } else {
+        String::new()
+    };
     Diagnostic::new(codes::E0604, message).help(format!(
         "{values}write bounds, `EAY: {{ tolerance: 20 urad }}`, or take those of a class: `--class production`"
     ))

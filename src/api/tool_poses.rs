@@ -1,7 +1,7 @@
 //! Tool poses from a file, as the work of a machine: the functional point in the workpiece frame with the
 //! direction of the tool axis, or with positions of the rotary axes.
 //!
-//! What a machine cannot reach is left out, named row by row, and counted.
+//! Rows that a machine cannot reach are omitted, named row by row, and counted.
 
 use super::poses::check;
 use super::run::{Call, Refused};
@@ -20,7 +20,7 @@ const MAX_TOOL_POSES: usize = 1_000_000;
 /// Number of rows that are named one by one.
 const NAMED: usize = 10;
 
-/// Where the tool points.
+/// Direction of the tool.
 #[derive(Debug, Clone)]
 enum Aim {
     /// Unit vector from the tip to the holder, workpiece frame.
@@ -32,7 +32,7 @@ enum Aim {
 /// A row of the file.
 #[derive(Debug, Clone)]
 struct Row {
-    /// Where it stands.
+    /// Place of the row in the file.
     place: Place,
     /// 1-based.
     line: usize,
@@ -47,7 +47,7 @@ pub(crate) struct ToolPoses {
     rows: Vec<Row>,
 }
 
-/// What a machine reaches of the tool poses of a file.
+/// Tool poses of a file that a machine reaches.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct ReachedToolPoses {
     /// Name of the file.
@@ -98,7 +98,7 @@ pub(crate) fn asked(
 }
 
 impl ToolPoses {
-    /// As poses of the tool: where the nominal `machine`, whose rotary axes the file may give, holds it.
+    /// Returns poses of the tool, as the nominal `machine` holds it; the file may give positions of its rotary axes.
     pub(crate) fn list(&self, machine: &Machine) -> Vec<ToolPose> {
         let direction = |aim: &Aim| match aim {
             Aim::Axis(direction) => *direction,
@@ -107,7 +107,8 @@ impl ToolPoses {
         self.rows.iter().map(|row| ToolPose { tip: row.tip, direction: direction(&row.aim) }).collect()
     }
 
-    /// The poses of a machine for all rows that it reaches. Says what it does not; none at all is refused.
+    /// Returns the poses of a machine for all rows that it reaches. Reports the others; refuses a file without a
+    /// reachable row.
     pub(crate) fn reached(&self, call: &mut Call<'_>, machine: &Machine) -> Result<ReachedToolPoses, Refused> {
         let at_rest = rest(machine);
         let found: Vec<Result<Pose, Unreachable>> =
@@ -181,7 +182,7 @@ fn pose_at(machine: &Machine, row: &Row, at_rest: &[f64]) -> Result<Pose, Unreac
     }
 }
 
-/// What a column is, with the factor to mm or deg.
+/// Content of a column, with the factor to mm or deg.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Column {
     Tip(usize, f64),

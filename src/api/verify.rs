@@ -1,4 +1,4 @@
-//! `verify`: files replayed as the controller would, and what they leave.
+//! `verify`: files replayed as the controller would, and the residual.
 
 use super::certificate::CertificateReport;
 use super::compensation::folder::Folder;
@@ -9,7 +9,7 @@ use super::compensation::{module_set, verdict};
 use super::machine_file::MachineFile;
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::{
-    ControllerTarget, Depth, JudgedTables, LOCK_NAME, Lock, ReadBack, certify, certify_kinematics, is_plain_name,
+    ControllerTarget, Depth, LOCK_NAME, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics, is_plain_name,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use std::path::{Path, PathBuf};
@@ -18,9 +18,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct VerifyOptions {
-    /// Name of the controller; by default what the folder's manifest or its files tell.
+    /// Name of the controller; by default the one that the folder's manifest or its files name.
     pub target: Option<String>,
-    /// How the machine was compensated.
+    /// Options of the compensation.
     pub compensation: CompensationOptions,
     /// Number of poses of the certificate.
     pub poses: usize,
@@ -41,7 +41,7 @@ pub fn set_manifest(folder: &Path, run: Run) -> Option<Lock> {
     Folder::new(folder, run.files).lock()
 }
 
-/// Reads the files in a folder back, replays them as the controller would, and returns what they leave.
+/// Reads the files in a folder back, replays them as the controller would, and returns the residual.
 ///
 /// Fails if the folder holds no set of a known target, or one that the controller would misread.
 pub fn verify(
@@ -57,7 +57,7 @@ pub fn verify(
         }
         let (found, installed) = tables(call, file, folder, set, options)?;
         let FoundTables { target, tables, files } = found;
-        let judged = JudgedTables { target: &target, tables: &tables, installed: installed.as_ref() };
+        let judged = TablesUnderTest { target: &target, tables: &tables, installed: installed.as_ref() };
         let certificate = certify(file, judged, options.compensation.scope(), options.poses, options.seed);
         call.extend(verdict::warnings(&certificate));
         call.checked()?;
@@ -65,7 +65,7 @@ pub fn verify(
     })
 }
 
-/// Finds the set in the folder, and warns of what its manifest does not agree with.
+/// Finds the set in the folder, and warns of differences from its manifest.
 pub(super) fn opened(
     call: &mut Call,
     file: &MachineFile,
@@ -141,10 +141,8 @@ fn warn_other_tool(call: &mut Call, file: &MachineFile, target: &ControllerTarge
 /// Warns of files that are no longer as the manifest of the set states; they are read all the same.
 fn warn_edited(call: &mut Call, folder: &Folder, lock: Option<&Lock>) {
     let Some(lock) = lock else {
-        let message = format!(
-            "`{}` has no readable {LOCK_NAME}: whether its files were edited cannot be told",
-            folder.path.display()
-        );
+        let message =
+            format!("`{}` has no readable {LOCK_NAME}: edits of its files cannot be detected", folder.path.display());
         call.warn(Diagnostic::new(codes::W0703, message).help("files found on a machine are judged as they are"));
         return;
     };

@@ -2,7 +2,7 @@
 
 use abbe::text::parse_length;
 
-/// Why a text is no such argument.
+/// Reason why a text is not a valid argument.
 #[derive(Debug)]
 pub(super) struct Unfit(pub String);
 
@@ -14,7 +14,7 @@ impl std::fmt::Display for Unfit {
 
 impl std::error::Error for Unfit {}
 
-/// A length in mm that is as asked; `remedy` is said of another.
+/// Parses a length in mm. Fails with `remedy` as the message if `fits` refuses it.
 pub(super) fn length(text: &str, fits: impl Fn(f64) -> bool, remedy: &str) -> Result<f64, Unfit> {
     let length = parse_length(text).map_err(|failure| Unfit(failure.to_string()))?;
     length.filter(|mm| fits(*mm)).ok_or_else(|| Unfit(remedy.to_owned()))

@@ -1,21 +1,21 @@
-//! Runs with templates of the user's are done by a child of the program with limited memory and, while templates run,
-//! limited processor time: the fuel of a template bounds its steps, not what a step costs.
+//! Runs with templates of the user's are done by a child of the program with limited memory. While templates run, their
+//! processor time is limited too: the fuel of a template bounds its steps, not the cost of a step.
 
 use super::output::session::Session;
 use abbe::{Diagnostic, codes};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// GiB that such a run may take: many times what the largest set needs.
+/// GiB of memory for such a run: many times the need of the largest set.
 const GIBIBYTES: u64 = 1;
 
-/// Processor time that the templates of a set may take: many times what the largest set needs.
+/// Processor time for the templates of a set: many times the need of the largest set.
 pub(super) const TEMPLATE_SECONDS: u64 = 10;
 
 /// Stack of the child, for the recursion that the template engine allows.
 const STACK: usize = 16 << 20;
 
-/// Does the command line name a folder with templates?
+/// True if the command line names a folder with templates.
 pub(super) fn wanted(arguments: &[OsString]) -> bool {
     let named = |argument: &OsString| {
         let text = argument.to_string_lossy();
@@ -34,7 +34,7 @@ pub(super) fn run(arguments: &[OsString], mut session: Session) -> Option<ExitCo
         limit();
         return None;
     };
-    // What cannot have memory aborts; processor time that is used up is a signal of its own.
+    // A failed allocation aborts; processor time that is used up is a signal of its own.
     const ABORTED: i32 = 6;
     let late = rustix::process::Signal::XCPU.as_raw();
     match (status.code(), status.signal()) {
@@ -72,7 +72,7 @@ pub(super) fn limit() {
     let _ = setrlimit(Resource::Data, at_most(GIBIBYTES << 30));
     // An abort that is expected leaves no core behind.
     let _ = setrlimit(Resource::Core, at_most(0));
-    // Who stops the parent means the run.
+    // A signal that stops the parent is meant for the run.
     #[cfg(target_os = "linux")]
     let _ = rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::TERM));
 }
@@ -80,7 +80,7 @@ pub(super) fn limit() {
 #[cfg(not(unix))]
 pub(super) fn limit() {}
 
-/// Lets the child take so many more seconds of processor time, or any.
+/// Limits the processor time that the child may still use, in seconds; `None` lifts the limit.
 #[cfg(unix)]
 pub(super) fn limit_time(seconds: Option<u64>) {
     use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
@@ -93,7 +93,7 @@ pub(super) fn limit_time(seconds: Option<u64>) {
 #[cfg(not(unix))]
 pub(super) fn limit_time(_: Option<u64>) {}
 
-/// Does the run of the child. Returns exit code 3 if the thread cannot start or breaks off.
+/// Runs the job of the child. Returns exit code 3 if the thread cannot start or breaks off.
 pub(super) fn on_large_stack(job: impl FnOnce() -> ExitCode + Send + 'static) -> ExitCode {
     let thread = std::thread::Builder::new().stack_size(STACK).spawn(job);
     thread.map_or(ExitCode::from(3), |thread| thread.join().unwrap_or(ExitCode::from(3)))

@@ -1,4 +1,4 @@
-//! How a machine is compensated: the options that `compile`, `verify`, `diff`, `map` and `report` share.
+//! Options of the compensation of a machine: `compile`, `verify`, `diff`, `map` and `report` share them.
 
 use abbe::options::{CompensationOptions, CorrectingAxes, Fit, Goal, Stored};
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 pub(super) struct SetArgs {
     #[command(flatten)]
     pub how: CompensationArgs,
-    /// Which of the machine's tools.
+    /// Tool of the machine, by name [default: the first].
     #[arg(long)]
     pub tool: Option<String>,
     /// Poses of the certificate.
@@ -19,31 +19,31 @@ pub(super) struct SetArgs {
     pub seed: u64,
 }
 
-/// How a machine is compensated.
+/// Options of the compensation of a machine.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct CompensationArgs {
-    /// What is corrected: the position (a lattice's default), or the position and the direction of the tool axis (a
-    /// kinematics module's).
+    /// Goal of the correction: the position, or the position and the direction of the tool axis [default: `position`
+    /// for a lattice, `pose` for a kinematics module].
     #[arg(long, value_enum)]
     correct: Option<GoalArg>,
-    /// With which axes; linear by default for the position, all for the pose.
+    /// Axes that may correct [default: linear for `position`, all for `pose`].
     #[arg(long, value_enum)]
     with: Option<WithArg>,
     /// A folder with targets of your own.
     #[arg(long, value_name = "DIR")]
     templates: Option<PathBuf>,
-    /// What stored numbers mean, where the manual does not say it; by default what `abbe targets` says.
+    /// Meaning of stored numbers, where the manual does not state it [default: as `abbe targets` states].
     #[arg(long, value_enum)]
     stored: Option<StoredArg>,
     /// Leave out tables of one kind that the controller would have: product, plane, cross_axis, own_axis.
     #[arg(long, value_name = "KIND")]
     without: Vec<String>,
-    /// What own-axis tables are made for: the axis's own error at its origin, or the deviation of the functional point.
+    /// Content of own-axis tables: the axis's own error at its origin, or the deviation of the functional point.
     #[arg(long, value_enum)]
     fit: Option<FitArg>,
 }
 
-/// What own-axis tables are made for.
+/// Content of own-axis tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum FitArg {
     Axis,
@@ -59,14 +59,14 @@ pub(super) enum StoredArg {
     Error,
 }
 
-/// What is corrected.
+/// Goal of the correction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum GoalArg {
     Position,
     Pose,
 }
 
-/// Which axes correct.
+/// Axes that may correct.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum WithArg {
     Linear,

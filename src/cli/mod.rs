@@ -46,7 +46,7 @@ struct Global {
     /// Refuse the input on any of these (only `warnings`).
     #[arg(long, global = true, value_name = "WHAT", value_parser = ["warnings"])]
     deny: Option<String>,
-    /// Under limits: how the program calls itself for templates that are not its own.
+    /// Internal: marks the resource-limited child that renders user templates.
     #[arg(long, global = true, hide = true)]
     confined: bool,
 }
@@ -54,13 +54,13 @@ struct Global {
 /// Form of the output, as an argument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum FormatArg {
-    /// For people.
+    /// Text for people.
     Text,
-    /// For programs; see the contracts in docs/formats.md.
+    /// JSON for programs; see the contracts in docs/formats.md.
     Json,
-    /// For spreadsheets.
+    /// CSV for spreadsheets.
     Csv,
-    /// For annotations in reviews: diagnostics as SARIF 2.1.0 (only `check`).
+    /// Diagnostics as SARIF 2.1.0, for annotations in reviews (only `check`).
     Sarif,
 }
 
@@ -72,14 +72,14 @@ enum Format {
     Csv,
 }
 
-/// When to colour.
+/// Use of colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Color {
-    /// On a terminal.
+    /// Colour on a terminal.
     Auto,
-    /// Always.
+    /// Colour always.
     Always,
-    /// Never.
+    /// No colour.
     Never,
 }
 
@@ -93,7 +93,7 @@ enum Verb {
     Eval(eval::Args),
     /// The closed forms: joint matrices, E_VE and deviations as polynomials in the errors.
     Equations(equations::Args),
-    /// Which motion and which errors a 4x4 matrix over the dual numbers is.
+    /// Motion and errors of a 4x4 matrix over the dual numbers.
     Classify(classify::Args),
     /// The same machine under other conventions, proved by an equal map.
     Convert(convert::Args),
@@ -105,7 +105,7 @@ enum Verb {
     Budget(budget::Args),
     /// All arrangements of the axes, ranked on the same work.
     Enumerate(enumerate::Args),
-    /// What a ball bar, an R-test or a laser along the diagonals would read.
+    /// Readings of a ball bar, an R-test or a laser along the diagonals.
     Instrument(instrument::Args),
     /// Measurements to error parameters, with rank, uncertainty and a fitted machine file.
     Identify(identify::Args),
@@ -113,13 +113,13 @@ enum Verb {
     Import(import::Args),
     /// The compensation files of a controller, with their certificate.
     Compile(compile::Args),
-    /// Replay compensation files as the controller would, and say what they leave.
+    /// Replay compensation files as the controller would, and certify the residual.
     Verify(verify::Args),
     /// One self-contained HTML page for a design review.
     Report(report::Args),
-    /// How far two sets of compensation files are apart, in micrometres.
+    /// Difference between two sets of compensation files, in micrometres.
     Diff(diff::Args),
-    /// The controllers, what they can express, and how sure that is.
+    /// The controllers, their mechanisms, and how sure their facts are.
     Targets,
     /// The long text of a code, an error name or a target.
     Explain(explain::Args),
@@ -129,7 +129,7 @@ enum Verb {
     Schema,
     /// Completions for a shell.
     Completions {
-        /// Which.
+        /// Name of the shell.
         shell: clap_complete::Shell,
     },
     /// Write the manual pages.
@@ -137,7 +137,7 @@ enum Verb {
     Man(man::Args),
 }
 
-/// Why a verb did not finish; everything there is to say has been said to the session.
+/// Reason why a verb did not finish; the session holds the messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Exit {
     /// The input is refused; the session holds the diagnostics.

@@ -43,7 +43,7 @@ pub(super) fn serve(listener: TcpListener, port: u16, page: CurrentPage) -> std:
     listener.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
     let _ = std::thread::Builder::new().name("http".to_owned()).spawn(move || {
-        // Without a listener there is nothing to serve; the page on disk stays.
+        // No listener: nothing can be served, and the page on disk stays.
         let _ = runtime.block_on(accept(listener, port, page));
     })?;
     Ok(())
@@ -91,7 +91,7 @@ fn respond(request: &Request<Incoming>, port: u16, page: &CurrentPage) -> Respon
     response
 }
 
-/// The page itself states what it may load; it stands in no frame, and no other origin may read it.
+/// The page itself states what it may load; no frame may hold it, and no other origin may read it.
 const FIXED: [(header::HeaderName, &str); 7] = [
     (header::CONTENT_TYPE, "text/html; charset=utf-8"),
     (header::CACHE_CONTROL, "no-store"),

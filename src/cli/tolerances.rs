@@ -2,17 +2,17 @@
 
 use abbe::options::{Distribution, Statistic, ToleranceOptions};
 
-/// How errors are drawn and judged.
+/// Options of the errors that are drawn, and of their effect.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ToleranceArgs {
     /// Tolerances typical of a class of machines where the file has none: ultra-precision, premium,
     /// production, commodity, large-gantry, desktop.
     #[arg(long, value_name = "NAME")]
     pub(super) class: Option<String>,
-    /// How an error is distributed between its bounds.
+    /// Distribution of an error between its bounds.
     #[arg(long, value_enum, default_value = "uniform")]
     distribution: DistributionArg,
-    /// What counts of a machine: its largest deviation over the poses, or the 95 % one.
+    /// Figure of a machine: its largest deviation over the poses, or the 95 % one.
     #[arg(long, value_enum, default_value = "max")]
     statistic: StatisticArg,
 }

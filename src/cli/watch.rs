@@ -14,7 +14,7 @@ use std::net::{Ipv4Addr, TcpListener};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// How often files are looked at.
+/// Interval between two looks at the files.
 const PACE: Duration = Duration::from_millis(150);
 
 pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
@@ -75,7 +75,7 @@ impl Turn<'_> {
         if problem.is_none() {
             write_alone(&mut now, self.args, good)?;
         }
-        session.say(if problem.is_some() { "refused: the page says why" } else { "the page is up to date" });
+        session.say(if problem.is_some() { "refused: the page gives the reason" } else { "the page is up to date" });
         Ok((files, answer(page)))
     }
 }

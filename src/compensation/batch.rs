@@ -9,13 +9,13 @@ use crate::machine::Pose;
 struct Open {
     jacobian: Jacobian,
     correction: Correction,
-    /// Nothing more is to be done.
+    /// True once the pose is solved.
     closed: bool,
 }
 
-/// Solves actual(q + c) = nominal(q) at many poses (mm, deg), every pose by at most as many steps as
-/// [`correct()`](super::correct()) takes. What is left is computed without a difference of positions, and so better
-/// than there by the rounding of those. `None` unless the plan is exact.
+/// Solves actual(q + c) = nominal(q) at many poses (mm, deg), every pose in at most the number of steps that
+/// [`correct()`](super::correct()) takes. The residual is computed without a difference of positions: it lacks their
+/// rounding, which the residual of `correct()` has. `None` unless the plan is exact.
 pub fn correct_all(plan: &CompiledModel, poses: &[Pose], scope: Scope) -> Option<Vec<Corrected>> {
     let none = Correction::none(plan.machine());
     correct_all_from(plan, poses, vec![none; poses.len()], scope)
@@ -31,33 +31,33 @@ pub(super) fn correct_all_from(
     let machine = plan.machine();
     let axes = machine.axes().len();
     let at = PoseColumns::of(axes, poses.iter().map(Vec::as_slice));
-    let mut left = Columns::new(poses.len());
+    let mut residual = Columns::new(poses.len());
     let start = |(pose, correction): (&Pose, Correction)| Open {
         jacobian: Jacobian::at(machine, pose),
         correction,
         closed: false,
     };
     let mut open: Vec<Open> = poses.iter().zip(starts).map(start).collect();
-    let evaluate = |open: &[Open], left: &mut Columns| {
+    let evaluate = |open: &[Open], residual: &mut Columns| {
         let added = PoseColumns::of(axes, open.iter().map(|pose| pose.correction.0.as_slice()));
-        plan.commanded(&at.batch(), &added.batch(), left.output(poses.len()))
+        plan.commanded(&at.batch(), &added.batch(), residual.output(poses.len()))
     };
-    evaluate(&open, &mut left)?;
+    evaluate(&open, &mut residual)?;
     for _ in 0..MAX_STEPS {
         let mut small = vec![true; poses.len()];
         for (i, pose) in open.iter_mut().enumerate().filter(|(_, pose)| !pose.closed) {
-            let step = pose.jacobian.correction(&left.get(i), &pose.correction, scope);
+            let step = pose.jacobian.correction(&residual.get(i), &pose.correction, scope);
             pose.correction.0.iter_mut().zip(&step.0).for_each(|(c, s)| *c += s);
             small[i] = step.0.iter().all(|s| s.abs() < SMALL_STEP);
         }
-        evaluate(&open, &mut left)?;
+        evaluate(&open, &mut residual)?;
         for (i, pose) in open.iter_mut().enumerate() {
-            pose.closed |= small[i] || settled(&left.get(i), scope);
+            pose.closed |= small[i] || settled(&residual.get(i), scope);
         }
         if open.iter().all(|pose| pose.closed) {
             break;
         }
     }
-    let corrected = |(i, pose): (usize, Open)| Corrected { correction: pose.correction, left: left.get(i) };
+    let corrected = |(i, pose): (usize, Open)| Corrected { correction: pose.correction, residual: residual.get(i) };
     Some(open.into_iter().enumerate().map(corrected).collect())
 }

@@ -5,8 +5,8 @@ use super::tables::{CorrectionTable, CorrectionTables};
 use crate::machine::Machine;
 use serde::Deserialize;
 
-/// The mechanisms of a target. What several of them could hold goes into one only: rotary axes into
-/// their own tables, then own and cross tables, planes for what those leave.
+/// The mechanisms of a target. A correction that several of them could hold goes into one only: rotary axes into their
+/// own tables, then own and cross tables, planes for their residual.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mechanisms {
@@ -115,7 +115,7 @@ pub enum Reference {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fit {
-    /// The axis's own error at its origin: what its scale would have to read differently.
+    /// The axis's own error at its origin: the change of its scale's reading against it.
     #[default]
     Axis,
     /// The deviation of the functional point over the volume.
@@ -153,10 +153,10 @@ pub enum Directions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Encoding {
-    /// As it is.
+    /// The number itself.
     #[default]
     Plain,
-    /// As the difference to the point before, a whole number.
+    /// The difference to the point before, a whole number.
     Difference,
     /// Divided by a whole number up to this one: a parameter of the controller multiplies all numbers of the table.
     Magnified(u32),
@@ -219,7 +219,7 @@ pub struct TableRules {
     /// Largest change of the correction per change of the position between two points.
     #[serde(default)]
     pub max_slope: Option<f64>,
-    /// Least increments.
+    /// Increments of the stored numbers.
     pub increment: Increment,
 }
 
@@ -248,7 +248,7 @@ pub struct CrossAxisRules {
     /// True if an axis may correct itself too.
     #[serde(default)]
     pub own: bool,
-    /// Only these pairs of input and corrected axis; any if there are none.
+    /// The only pairs of input and corrected axis; any if there are none.
     #[serde(default)]
     pub pairs: Vec<[String; 2]>,
 }
@@ -313,23 +313,23 @@ impl Directions {
 
 impl TableRules {
     fn max_magnification(&self) -> u32 {
-        if let Encoding::Magnified(most) = self.encoding { most } else { 1 }
+        if let Encoding::Magnified(max) = self.encoding { max } else { 1 }
     }
 
-    /// The least magnification that does, or else the largest there is.
+    /// Returns the smallest magnification that `does` accepts, or else the largest there is.
     fn magnified(&self, does: impl Fn(f64) -> bool) -> f64 {
-        let most = self.max_magnification();
-        if most <= 1 {
+        let max = self.max_magnification();
+        if max <= 1 {
             return 1.0;
         }
-        (1..=most).map(f64::from).find(|times| does(*times)).unwrap_or(f64::from(most))
+        (1..=max).map(f64::from).find(|times| does(*times)).unwrap_or(f64::from(max))
     }
 
-    /// Rounds a lattice to its stored numbers, with the least magnification that brings all within the range.
+    /// Rounds a lattice to its stored numbers, with the smallest magnification that brings all within the range.
     fn magnify(&self, machine: &Machine, table: &mut CorrectionTable) {
         let decimals = self.increment.correction_decimals;
         let (scales, width) = (self.scales(machine, table), table.corrected.len());
-        let within = |number: f64| self.largest.is_none_or(|most| number.abs() <= most);
+        let within = |number: f64| self.largest.is_none_or(|max| number.abs() <= max);
         let stored = |i: usize, c: f64, times: f64| round(c * scales[i % width] / times, decimals);
         let all = |times: f64| table.values.iter().enumerate().all(|(i, c)| within(stored(i, *c, times)));
         let times = self.magnified(all);
@@ -337,7 +337,7 @@ impl TableRules {
         table.values = rounded.collect();
     }
 
-    /// The magnification of a rounded lattice: the least with which every number is stored as it is.
+    /// Returns the magnification of a rounded lattice: the smallest with which every number is stored as it is.
     pub fn magnification_of(&self, machine: &Machine, table: &CorrectionTable) -> f64 {
         /// Rounding of a division and a multiplication, in last places.
         const ROUNDING: f64 = 1e-6;
@@ -345,7 +345,7 @@ impl TableRules {
         let (scales, width) = (self.scales(machine, table), table.corrected.len());
         let kept = |number: f64, times: f64| {
             let places = number / times * last;
-            let within = self.largest.is_none_or(|most| places.abs() <= most * last + ROUNDING);
+            let within = self.largest.is_none_or(|max| places.abs() <= max * last + ROUNDING);
             within && (places - libm::round(places)).abs() < ROUNDING
         };
         self.magnified(|times| table.values.iter().enumerate().all(|(i, c)| kept(c * scales[i % width], times)))
@@ -380,7 +380,7 @@ impl Mechanisms {
         [own, cross, plane, self.product.as_mut(), lattice].into_iter().flatten()
     }
 
-    /// Gives stored numbers another sign; commands stay commands, and what stands beside a module keeps its own.
+    /// Gives stored numbers another sign; commands stay commands, and tables beside a module keep their own.
     pub fn store(&mut self, stored: Stored) {
         if self.kinematics.is_some() {
             return;
@@ -436,7 +436,7 @@ impl Mechanisms {
         self.mechanism(table).map(|(name, _)| name)
     }
 
-    /// Returns the rules under which a table stands.
+    /// Returns the rules of the mechanism that a table belongs to.
     pub fn rules(&self, table: &CorrectionTable) -> Option<&TableRules> {
         self.mechanism(table).map(|(_, rules)| rules)
     }

@@ -3,12 +3,13 @@
 use super::curves::straight;
 use super::{CorrectionTable, CorrectionTables, ErrorCurve};
 
-/// What a table adds at the nodes of another one over the same axes, node by node, and whether approached in reverse.
+/// Look-up of the first table's correction at the nodes of the second, over the same axes, node by node; true if
+/// approached in reverse.
 pub type LookUp<'a> = dyn Fn(&CorrectionTable, &CorrectionTable, bool) -> Vec<f64> + 'a;
 
 impl CorrectionTables {
-    /// These tables plus others, on the nodes of these; what only the others have is taken over as it is.
-    /// The values of the others between their nodes come from `at`.
+    /// Returns these tables plus others, on the nodes of these; tables that only the others have are kept. The values
+    /// of the others between their nodes come from `at`.
     pub fn plus(mut self, others: &Self, at: &LookUp) -> Self {
         for other in &others.tables {
             let same = |t: &&mut CorrectionTable| (&t.axes, &t.corrected) == (&other.axes, &other.corrected);
@@ -41,17 +42,17 @@ fn add(curve: &mut ErrorCurve, other: &ErrorCurve) {
 }
 
 /// Positions and more of them, rising; none if that makes too many.
-fn united(positions: &[f64], more: &[f64], most: usize) -> Option<Vec<f64>> {
+fn united(positions: &[f64], more: &[f64], max: usize) -> Option<Vec<f64>> {
     let mut all = [positions, more].concat();
     all.sort_by(f64::total_cmp);
     all.dedup();
-    (all.len() > positions.len() && all.len() <= most).then_some(all)
+    (all.len() > positions.len() && all.len() <= max).then_some(all)
 }
 
 impl CorrectionTable {
-    /// Puts points into a table over one axis without changing what it adds, if it then has no more than `most`.
-    pub fn add_points(&mut self, more: &[f64], most: usize) {
-        let Some(nodes) = united(&self.nodes[0], more, most) else { return };
+    /// Puts points into a table over one axis without changing what it adds, if it then has at max `max` points.
+    pub fn add_points(&mut self, more: &[f64], max: usize) {
+        let Some(nodes) = united(&self.nodes[0], more, max) else { return };
         for values in std::iter::once(&mut self.values).chain(&mut self.reverse) {
             *values = nodes.iter().map(|q| straight(&self.nodes[0], values, *q)).collect();
         }
@@ -61,11 +62,11 @@ impl CorrectionTable {
 
 impl ErrorCurve {
     /// The same for a curve; a constant has no points.
-    pub fn add_points(&mut self, more: &[f64], most: usize) {
+    pub fn add_points(&mut self, more: &[f64], max: usize) {
         if self.positions.is_empty() {
             return;
         }
-        let Some(positions) = united(&self.positions, more, most) else { return };
+        let Some(positions) = united(&self.positions, more, max) else { return };
         self.values = positions.iter().map(|q| straight(&self.positions, &self.values, *q)).collect();
         self.positions = positions;
     }

@@ -9,10 +9,10 @@ use crate::machine::{Approach, Machine};
 /// The solution for one pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Corrected {
-    /// What is added to the command.
+    /// Correction added to the command.
     pub correction: Correction,
-    /// What is left after it.
-    pub left: Deviation,
+    /// Deviation after the correction.
+    pub residual: Deviation,
 }
 
 /// The chord iteration contracts by the relative size of the errors, about 1e-4 a step.
@@ -21,26 +21,26 @@ pub(super) const MAX_STEPS: usize = 12;
 /// A step below this (mm, deg) is rounding.
 pub(super) const SMALL_STEP: f64 = 1e-11;
 
-/// Solves actual(q + c) = nominal(q) for the exact model at a pose (mm, deg). The Jacobian is that of
-/// the nominal machine at q: the chord form of Newton's iteration, whose contraction is the size of the
-/// errors. Least squares where the axes are too few; then, and near singular poses, something is left.
+/// Solves actual(q + c) = nominal(q) for the exact model at a pose (mm, deg). The Jacobian is that of the nominal
+/// machine at q: the chord form of Newton's iteration, whose contraction is the size of the errors. Where the axes are
+/// too few, the solution is that of least squares; then, and near singular poses, a residual remains.
 pub fn correct(machine: &Machine, pose: &[f64], approach: Approach, scope: Scope) -> Corrected {
     let mut correction = Correction::none(machine);
     let nominal = NominalPose::at(machine, pose).pose;
     let jacobian = Jacobian::at(machine, pose);
-    let mut left = command_deviation(machine, &nominal, &correction.applied(pose), approach);
+    let mut residual = command_deviation(machine, &nominal, &correction.applied(pose), approach);
     for _ in 0..MAX_STEPS {
-        let step = jacobian.correction(&left, &correction, scope);
+        let step = jacobian.correction(&residual, &correction, scope);
         correction.0.iter_mut().zip(&step.0).for_each(|(c, s)| *c += s);
-        left = command_deviation(machine, &nominal, &correction.applied(pose), approach);
-        if step.0.iter().all(|s| s.abs() < SMALL_STEP) || settled(&left, scope) {
+        residual = command_deviation(machine, &nominal, &correction.applied(pose), approach);
+        if step.0.iter().all(|s| s.abs() < SMALL_STEP) || settled(&residual, scope) {
             break;
         }
     }
-    Corrected { correction, left }
+    Corrected { correction, residual }
 }
 
-/// Nothing left that the scope asks for: far below any controller's increment.
-pub(super) fn settled(left: &Deviation, scope: Scope) -> bool {
-    scope.goal == Goal::Position && left.position.amax() < 1e-10
+/// True if the residual is far below any controller's increment in all that the scope corrects.
+pub(super) fn settled(residual: &Deviation, scope: Scope) -> bool {
+    scope.goal == Goal::Position && residual.position.amax() < 1e-10
 }

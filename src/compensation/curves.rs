@@ -92,7 +92,7 @@ fn written(point: Vector3<f64>, given: impl Fn(Direction) -> bool) -> impl Itera
     let moved: Vec<Vector3<f64>> =
         (0..3).filter(|i| given(Direction::ALL[3 + i])).map(|i| turn(i).cross(&point)).collect();
     let shifted =
-        move |direction: &Direction| moved.iter().any(|way| way.get(direction.index()).is_some_and(|x| *x != 0.0));
+        move |direction: &Direction| moved.iter().any(|span| span.get(direction.index()).is_some_and(|x| *x != 0.0));
     Direction::ALL.into_iter().filter(move |direction| given(*direction) || shifted(direction))
 }
 
@@ -129,7 +129,7 @@ pub(super) fn straight(positions: &[f64], values: &[f64], position: f64) -> f64 
     let q = position.clamp(positions[0], positions[last]);
     let high = positions.partition_point(|p| *p <= q).min(last);
     let low = high.saturating_sub(1);
-    let way = positions[high] - positions[low];
-    let share = if way > 0.0 { (q - positions[low]) / way } else { 0.0 };
-    values[low] * (1.0 - share) + values[high] * share
+    let span = positions[high] - positions[low];
+    let fraction = if span > 0.0 { (q - positions[low]) / span } else { 0.0 };
+    values[low] * (1.0 - fraction) + values[high] * fraction
 }

@@ -1,4 +1,4 @@
-//! Increments: to what a controller's files round positions and corrections.
+//! Increments: the rounding of positions and corrections in a controller's files.
 
 use crate::machine::{AxisKind, Direction};
 use serde::Deserialize;
@@ -7,9 +7,9 @@ use serde::Deserialize;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scale {
-    /// In one mm.
+    /// Increment in mm.
     pub mm: f64,
-    /// In one deg.
+    /// Increment in deg.
     pub deg: f64,
 }
 
@@ -20,13 +20,13 @@ impl Scale {
         Self::PLAIN
     }
 
-    /// For an axis of a kind.
+    /// Returns the increment for an axis of a kind.
     pub fn of(self, kind: AxisKind) -> f64 {
         if kind == AxisKind::Linear { self.mm } else { self.deg }
     }
 }
 
-/// Least increment of stored values.
+/// Smallest increments of stored values.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Increment {
@@ -67,8 +67,8 @@ impl Increment {
         stored
     }
 
-    /// Least step of a position (mm or deg).
-    pub fn least_position(self, kind: AxisKind) -> f64 {
+    /// Smallest step of a position (mm or deg).
+    pub fn min_position(self, kind: AxisKind) -> f64 {
         libm::pow(10.0, -f64::from(self.position_decimals)) / self.position_scale.of(kind)
     }
 
@@ -78,7 +78,7 @@ impl Increment {
     }
 }
 
-/// To the nearest multiple of the last decimal; the result prints exactly with that many decimals.
+/// Rounds to the nearest multiple of the last decimal; the result prints exactly with that many decimals.
 pub(super) fn round(value: f64, decimals: u8) -> f64 {
     let scale = libm::pow(10.0, f64::from(decimals));
     libm::round(value * scale) / scale + 0.0

@@ -14,13 +14,13 @@ pub(super) fn against(deviation: &Deviation) -> ToolCorrection {
 /// Motion of the tool that takes a deviation away.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ToolCorrection {
-    /// Of the functional point, mm.
+    /// Displacement of the functional point, mm.
     pub displacement: Vector3<f64>,
-    /// Of the tool's orientation, rad.
+    /// Rotation of the tool, rad.
     pub rotation: Vector3<f64>,
 }
 
-/// What the axes do to the tool at a pose of the nominal machine, workpiece frame.
+/// Motion of the tool by each axis at a pose of the nominal machine, workpiece frame.
 #[derive(Debug, Clone)]
 pub struct Jacobian {
     kinds: Vec<AxisKind>,
@@ -56,8 +56,8 @@ impl Jacobian {
         Self { kinds: machine.axes().iter().map(|axis| axis.kind).collect(), displacement, tilt, across }
     }
 
-    /// The correction that takes a deviation away, to first order: a step from what the rotary axes
-    /// have been corrected by `so_far`.
+    /// Returns the correction that removes a deviation, to first order: a step from `so_far`, the correction of the
+    /// rotary axes up to here.
     pub fn correction(&self, deviation: &Deviation, so_far: &Correction, scope: Scope) -> Correction {
         let mut step = vec![0.0; self.kinds.len()];
         let ToolCorrection { displacement: mut wanted, rotation } = against(deviation);
@@ -73,17 +73,17 @@ impl Jacobian {
             wanted -= self.displacement[axis] * angle;
             step[axis] = angle.to_degrees();
         }
-        for (axis, way) in self.linear_step(wanted) {
-            step[axis] = way;
+        for (axis, travel) in self.linear_step(wanted) {
+            step[axis] = travel;
         }
         Correction(step)
     }
 
     /// Displacement of the functional point (mm, workpiece frame) by a small motion of the axes.
     pub fn displacement(&self, motion: &Correction) -> Vector3<f64> {
-        let part = |((kind, column), way): ((&AxisKind, &Vector3<f64>), &f64)| match kind {
-            AxisKind::Linear => column * *way,
-            AxisKind::Rotary => column * way.to_radians(),
+        let part = |((kind, column), travel): ((&AxisKind, &Vector3<f64>), &f64)| match kind {
+            AxisKind::Linear => column * *travel,
+            AxisKind::Rotary => column * travel.to_radians(),
         };
         self.kinds.iter().zip(&self.displacement).zip(&motion.0).map(part).sum()
     }
@@ -111,7 +111,7 @@ impl Jacobian {
         // mm per rad: far below any lever arm that is worth turning about.
         const SHORTEST_ARM: f64 = 0.1;
         let beyond = |v: Vector3<f64>| {
-            v - self.linear_step(v).iter().map(|(i, way)| self.displacement[*i] * *way).sum::<Vector3<f64>>()
+            v - self.linear_step(v).iter().map(|(i, travel)| self.displacement[*i] * *travel).sum::<Vector3<f64>>()
         };
         let axes: Vec<(usize, Vector3<f64>)> =
             self.axes(AxisKind::Rotary).map(|i| (i, beyond(self.displacement[i]))).collect();

@@ -5,14 +5,14 @@ use crate::evaluate::{Bare, CompiledModel, Field, Order, node_count, node_positi
 use crate::machine::{Approach, AxisKind, Grid, Machine, Pose};
 use rayon::prelude::*;
 
-/// Which lattice is wanted.
+/// Request for a lattice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeRequest {
-    /// Indices of the axes that span it, in the order of the machine's axes; the others stand at 0.
+    /// Indices of the axes that span it, in the order of the machine's axes; the others are at 0.
     pub axes: Vec<usize>,
-    /// At most so many nodes (and never more than the capability's).
+    /// Maximum number of nodes (and never more than the capability's).
     pub max_nodes: usize,
-    /// What is corrected.
+    /// Goal and axes of the correction.
     pub scope: Scope,
 }
 
@@ -50,8 +50,8 @@ pub fn lattice(machine: &Machine, rules: &LatticeRules, request: &LatticeRequest
     lattice
 }
 
-/// Nodes of the given axes: the steps of the machine file's volume, made coarser where that costs
-/// least until there are no more than `max_nodes`.
+/// Nodes of the given axes: the steps of the machine file's volume, made coarser where that costs the least accuracy,
+/// until there are at most `max_nodes`.
 pub fn lattice_nodes(machine: &Machine, axes: &[usize], max_nodes: usize) -> Vec<Vec<f64>> {
     let volume: Vec<&Grid> = axes.iter().map(|axis| &machine.volume()[*axis]).collect();
     let mut counts: Vec<usize> = volume.iter().map(|grid| node_count(grid).max(2)).collect();
@@ -71,16 +71,16 @@ pub fn lattice_nodes(machine: &Machine, axes: &[usize], max_nodes: usize) -> Vec
     volume.into_iter().zip(counts).map(|(grid, n)| node_positions(grid, n)).collect()
 }
 
-/// A tenth fewer nodes; two are the least.
+/// Returns a count with a tenth fewer nodes, at least two; `None` if `count` has no more.
 fn coarser(count: usize) -> Option<usize> {
     (count > 2).then(|| (count - (count / 10).max(1)).max(2))
 }
 
-/// Where interpolation is tried out.
+/// Number of places at which interpolation is tested.
 const PLACES: usize = 48;
 
-/// How wrong linear interpolation between `count` nodes along one axis is (mm): the RMS over places
-/// spread through the volume, first order, at the middle of intervals.
+/// Returns the error of linear interpolation between `count` nodes along one axis (mm): the RMS over places spread
+/// through the volume, first order, at the middle of intervals.
 fn interpolation_error(machine: &Machine, axis: usize, count: usize) -> f64 {
     let nodes = node_positions(&machine.volume()[axis], count);
     let square = |(place, mut pose): (usize, Pose)| {

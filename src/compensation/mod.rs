@@ -1,11 +1,11 @@
-//! Compensation: what must be added to commands so that the real machine does what the nominal one would.
+//! Compensation: corrections of commands with which the actual machine does what the nominal one would.
 //!
 //! - [`correct()`] solves actual(q + c) = nominal(q) for one pose by Newton's iteration;
-//! - [`Mechanisms`] says what a controller can hold;
-//! - [`tables()`] decides what is compensated where and fills its tables, rounded.
+//! - [`Mechanisms`] states what a controller can hold;
+//! - [`tables()`] assigns the corrections to tables and fills these, rounded.
 //!
-//! A [`Correction`] is what is added to a command; a `Deviation` is actual minus nominal. They are
-//! different types, and the sign changes in exactly one function, `jacobian::against`.
+//! A [`Correction`] is added to a command; a `Deviation` is actual minus nominal. They are different types, and the
+//! sign changes in exactly one function, `jacobian::against`.
 
 mod batch;
 mod capability;

@@ -1,4 +1,4 @@
-//! Where the points of a table over one axis lie, as the rules of the mechanism allow.
+//! Positions of the points of a table over one axis, as the rules of the mechanism allow.
 
 use super::{Spacing, TableRules};
 use crate::machine::{AxisKind, Curve, Direction, ErrorTerm, Machine, Travel};
@@ -24,13 +24,13 @@ pub(super) fn interval(machine: &Machine, axis: usize, rules: &TableRules) -> (f
     }
 }
 
-/// The curves that a table over an axis stands for.
+/// The curves that a table over an axis holds.
 pub(super) struct Curves<'a> {
     pub machine: &'a Machine,
     pub axis: usize,
-    /// Which errors of the axis count.
+    /// Selects the errors of the axis that count.
     pub counts: &'a dyn Fn(Direction) -> bool,
-    /// Does the table carry sines of the axis's angle besides?
+    /// True if the table also carries sines of the axis's angle.
     pub sines: bool,
 }
 
@@ -44,7 +44,7 @@ impl Curves<'_> {
         terms.filter_map(component).flat_map(|c| c.curves())
     }
 
-    /// Are all of them straight between knots?
+    /// True if all curves are straight between knots.
     fn straight(&self) -> bool {
         !self.sines && self.all().all(|curve| matches!(curve, Curve::Linear(_)))
     }
@@ -63,8 +63,8 @@ impl Curves<'_> {
         all
     }
 
-    /// Positions of the table's points: where they are free and the knots too many, those stay that leave least
-    /// between them.
+    /// Positions of the table's points. Where they are free and the knots too many, the points with the smallest
+    /// residual between them stay.
     pub fn positions(&self, rules: &TableRules, columns: &Columns) -> Vec<f64> {
         let kind = self.machine.axes()[self.axis].kind;
         let (min, max) = interval(self.machine, self.axis, rules);
@@ -73,43 +73,45 @@ impl Curves<'_> {
             Spacing::Anchored => (min.min(0.0), max.max(0.0)),
             _ => (min, max),
         };
-        let most = rules.max_points.min(rules.max_points_per_axis);
-        let least = rules.increment.least_position(kind);
+        let max_points = rules.max_points.min(rules.max_points_per_axis);
+        let min_step = rules.increment.min_position(kind);
         let turns = self.machine.is_continuous(self.axis);
-        let step = |step: f64| whole_step(step, least, turns.then_some(range));
+        let step = |step: f64| whole_step(step, min_step, turns.then_some(range));
         let positions = match rules.spacing {
-            Spacing::Free => self.free(range, most, rules, columns),
-            Spacing::Equal => equal(range, most),
-            Spacing::Stepped => self.stepped(range, step(self.step(range, most - 1)), most),
-            Spacing::Anchored if turns => anchored(range, step(self.step(range, most.saturating_sub(3).max(1)))),
-            Spacing::Anchored => anchored(range, step(self.anchored_step(range, most.saturating_sub(3).max(1), least))),
+            Spacing::Free => self.free(range, max_points, rules, columns),
+            Spacing::Equal => equal(range, max_points),
+            Spacing::Stepped => self.stepped(range, step(self.step(range, max_points - 1)), max_points),
+            Spacing::Anchored if turns => anchored(range, step(self.step(range, max_points.saturating_sub(3).max(1)))),
+            Spacing::Anchored => {
+                anchored(range, step(self.anchored_step(range, max_points.saturating_sub(3).max(1), min_step)))
+            }
             Spacing::PowerOfTwo(unit) => {
-                let wanted = (range.1 - range.0) / (most - 1) as f64 / unit;
-                self.stepped(range, unit * libm::exp2(libm::ceil(libm::log2(wanted) - 1e-9).max(0.0)), most)
+                let wanted = (range.1 - range.0) / (max_points - 1) as f64 / unit;
+                self.stepped(range, unit * libm::exp2(libm::ceil(libm::log2(wanted) - 1e-9).max(0.0)), max_points)
             }
             Spacing::Line => vec![0.0, LINE],
         };
         rules.increment.distinct(positions, kind)
     }
 
-    fn free(&self, range: (f64, f64), most: usize, rules: &TableRules, columns: &Columns) -> Vec<f64> {
+    fn free(&self, range: (f64, f64), max_points: usize, rules: &TableRules, columns: &Columns) -> Vec<f64> {
         let knots = self.knots(range);
-        if self.straight() && (2..=most).contains(&knots.len()) {
+        if self.straight() && (2..=max_points).contains(&knots.len()) {
             return knots;
         }
-        let dense = CANDIDATES * most.min(SMOOTH_INTERVALS * 2);
+        let dense = CANDIDATES * max_points.min(SMOOTH_INTERVALS * 2);
         let mut candidates = [knots, equal(range, dense)].concat();
         candidates.sort_by(f64::total_cmp);
         // At the positions that will be stored.
         let candidates = rules.increment.distinct(candidates, self.machine.axes()[self.axis].kind);
         let rows: Vec<Vec<f64>> = candidates.iter().map(|q| (columns.value)(*q)).collect();
         let stored: Vec<Vec<f64>> = rows.iter().map(|row| row.iter().map(|x| (columns.stored)(*x)).collect()).collect();
-        let kept = place(&candidates, &rows, &stored, most);
+        let kept = place(&candidates, &rows, &stored, max_points);
         kept.into_iter().map(|i| candidates[i]).collect()
     }
 
-    /// The step of equal distances, in at most so many intervals: one that meets the knots if there is one.
-    fn step(&self, (min, max): (f64, f64), most: usize) -> f64 {
+    /// Returns the step of equal distances, in at most `max_intervals`: one that meets the knots if there is one.
+    fn step(&self, (min, max): (f64, f64), max_intervals: usize) -> f64 {
         let knots = self.knots((min, max));
         let regular = (max - min) / (knots.len() - 1) as f64;
         let meets = knots.iter().enumerate().all(|(i, q)| (q - min - i as f64 * regular).abs() < 1e-6 * regular);
@@ -120,38 +122,42 @@ impl Curves<'_> {
             (false, false) => SMOOTH_INTERVALS,
         };
         let intervals = if meets { (knots.len() - 1) * wanted.div_ceil(knots.len() - 1) } else { SMOOTH_INTERVALS };
-        (max - min) / intervals.min(most).max(1) as f64
+        (max - min) / intervals.min(max_intervals).max(1) as f64
     }
 
-    /// The largest step whose multiples from 0 meet the knots, or else the ends, in at most so many intervals. Where
-    /// the ends are not met, what lies between the last multiple and the end would count for a whole step.
-    fn anchored_step(&self, (min, max): (f64, f64), most: usize, least: f64) -> f64 {
+    /// Returns the largest step whose multiples from 0 meet the knots, or else the ends, in at most `max_intervals`.
+    /// Where the ends are not met, the rest between the last multiple and the end would count for a whole step.
+    fn anchored_step(&self, (min, max): (f64, f64), max_intervals: usize, min_step: f64) -> f64 {
         let whole = |ratio: f64| (ratio - libm::round(ratio)).abs() < 1e-6;
-        let (fine, most) = (SMOOTH_INTERVALS.min(most), (2 * SMOOTH_INTERVALS).min(most));
+        let (fine, max_intervals) = (SMOOTH_INTERVALS.min(max_intervals), (2 * SMOOTH_INTERVALS).min(max_intervals));
         let wanted = match (self.straight(), self.sines && self.machine.axes()[self.axis].kind == AxisKind::Rotary) {
             (true, _) => 1,
-            (false, true) => ROTARY_INTERVALS.min(most),
+            (false, true) => ROTARY_INTERVALS.min(max_intervals),
             (false, false) => fine,
         };
-        let meets = |step: f64, points: &[f64]| whole(step / least) && points.iter().all(|q| whole(q / step));
+        let meets = |step: f64, points: &[f64]| whole(step / min_step) && points.iter().all(|q| whole(q / step));
         let knots = self.knots((min, max));
         let of = |intervals: usize| (max - min) / intervals as f64;
-        let first = (wanted..=most).map(of).find(|step| meets(*step, &knots));
-        let ends =
-            || (fine..=most).chain((wanted.max(fine / 2)..fine).rev()).map(of).find(|step| meets(*step, &[min, max]));
+        let first = (wanted..=max_intervals).map(of).find(|step| meets(*step, &knots));
+        let ends = || {
+            (fine..=max_intervals)
+                .chain((wanted.max(fine / 2)..fine).rev())
+                .map(of)
+                .find(|step| meets(*step, &[min, max]))
+        };
         first.or_else(ends).unwrap_or(of(fine))
     }
 
-    fn stepped(&self, (min, max): (f64, f64), step: f64, most: usize) -> Vec<f64> {
-        let count = (libm::ceil((max - min) / step - 1e-9).max(1.0) as usize + 1).min(most);
+    fn stepped(&self, (min, max): (f64, f64), step: f64, max_points: usize) -> Vec<f64> {
+        let count = (libm::ceil((max - min) / step - 1e-9).max(1.0) as usize + 1).min(max_points);
         (0..count).map(|i| min + i as f64 * step).collect()
     }
 }
 
 /// A step of whole increments, not less than the one wanted; within a turn one that divides it.
-fn whole_step(wanted: f64, least: f64, turn: Option<(f64, f64)>) -> f64 {
+fn whole_step(wanted: f64, min_step: f64, turn: Option<(f64, f64)>) -> f64 {
     const DIVISORS: [f64; 14] = [0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0];
-    let rounded = least * libm::ceil(wanted / least - 1e-6);
+    let rounded = min_step * libm::ceil(wanted / min_step - 1e-6);
     let divides = |step: f64, (min, max): (f64, f64)| {
         let intervals = (max - min) / step;
         (intervals - libm::round(intervals)).abs() < 1e-9 * intervals
@@ -173,7 +179,7 @@ fn anchored((min, max): (f64, f64), step: f64) -> Vec<f64> {
     (first..=last).map(|i| i as f64 * step).collect()
 }
 
-/// So many multiples of a step, up to the first one not below the range's end; of a turn so many and one.
+/// Returns `count` multiples of a step, up to the first one not below the range's end; over a turn, `count` and one.
 pub(super) fn rolling(
     (min, max): (f64, f64),
     count: usize,
@@ -184,19 +190,19 @@ pub(super) fn rolling(
     if turn {
         return equal((min, max), count + 1);
     }
-    let (min, max, least) = (min.min(0.0), max.max(0.0), rules.increment.least_position(kind));
-    let step = least * libm::ceil((max - min) / count.saturating_sub(2).max(1) as f64 / least - 1e-6);
+    let (min, max, min_step) = (min.min(0.0), max.max(0.0), rules.increment.min_position(kind));
+    let step = min_step * libm::ceil((max - min) / count.saturating_sub(2).max(1) as f64 / min_step - 1e-6);
     let last = libm::ceil(max / step - 1e-9) as i64;
     (last + 1 - count as i64..=last).map(|i| i as f64 * step).collect()
 }
 
-/// What a table has in its columns at a position, and what of a number the controller stores.
+/// Values in the columns of a table at a position, and the number that the controller stores for a value.
 pub(super) struct Columns<'a> {
     pub value: &'a dyn Fn(f64) -> Vec<f64>,
     pub stored: &'a dyn Fn(f64) -> f64,
 }
 
-/// Candidates with what straight lines between stored numbers leave of them.
+/// Candidates, with the residual of straight lines between stored numbers.
 struct Loss<'a> {
     positions: &'a [f64],
     rows: &'a [Vec<f64>],
@@ -204,26 +210,26 @@ struct Loss<'a> {
 }
 
 impl Loss<'_> {
-    /// What is left in the square between two points that are kept, weighed by the way that each candidate stands for.
+    /// Returns the sum of squared residuals between two points that are kept, weighted by the travel of each candidate.
     fn between(&self, low: usize, high: usize) -> f64 {
-        let way = self.positions[high] - self.positions[low];
-        let left = |i: usize| {
-            let share = (self.positions[i] - self.positions[low]) / way;
+        let span = self.positions[high] - self.positions[low];
+        let residual = |i: usize| {
+            let fraction = (self.positions[i] - self.positions[low]) / span;
             let columns = self.rows[i].iter().zip(&self.stored[low]).zip(&self.stored[high]);
-            let square = columns.map(|((v, a), b)| v - a - (b - a) * share).map(|e| e * e).sum::<f64>();
+            let square = columns.map(|((v, a), b)| v - a - (b - a) * fraction).map(|e| e * e).sum::<f64>();
             square * 0.5 * (self.positions[i + 1] - self.positions[i - 1])
         };
-        (low + 1..high).map(left).sum()
+        (low + 1..high).map(residual).sum()
     }
 
-    /// What a kept point costs less than it would to do without it.
+    /// Returns the increase of the sum of squares if a kept point is removed.
     fn worth(&self, kept: &[usize], at: usize) -> f64 {
         let (before, here, after) = (kept[at - 1], kept[at], kept[at + 1]);
         self.between(before, after) - self.between(before, here) - self.between(here, after)
     }
 
-    /// Between two points, where a further one leaves least, and how much less that is. Of many places every so
-    /// manyth is looked at, and those about the best of them.
+    /// Returns the gain and the index of the best further point between two points. Of many places, every n-th is tried
+    /// first, then those about the best of them.
     fn best(&self, low: usize, high: usize) -> Option<(f64, usize)> {
         let whole = self.between(low, high);
         let gain = |i: usize| (whole - self.between(low, i) - self.between(i, high), i);
@@ -238,21 +244,22 @@ impl Loss<'_> {
 /// Places between two points that are looked at for another one.
 const LOOKED_AT: usize = 512;
 
-/// Of so many candidates the best choice is found. Where more points than these are kept, a choice matters little.
+/// Number of candidates of which the best choice is found. Where more points than these are kept, a choice matters
+/// little.
 const TRIED: usize = 192;
 
-/// Rounds of improvement at most.
+/// Maximum number of rounds of improvement.
 const ROUNDS: usize = 20;
 
-/// Which of many rising positions to keep, so that straight lines between the stored numbers, as the controller draws
-/// them, leave least in the square. First the candidate is taken away that costs least, again and again, until there
-/// are few; the best choice of these is then found (Bellman 1961); in the end each point is moved between its
-/// neighbours, as long as that leaves less.
-pub(super) fn place(positions: &[f64], rows: &[Vec<f64>], stored: &[Vec<f64>], most: usize) -> Vec<usize> {
+/// Chooses the rising positions to keep, so that straight lines between the stored numbers, as the controller draws
+/// them, have the smallest sum of squared residuals. First the candidate that costs the least is removed, again and
+/// again, until there are few. The best choice of these is then found (Bellman 1961). In the end each point is moved
+/// between its neighbours, as long as that lowers the sum.
+pub(super) fn place(positions: &[f64], rows: &[Vec<f64>], stored: &[Vec<f64>], max_points: usize) -> Vec<usize> {
     let loss = Loss { positions, rows, stored };
-    let most = most.max(2);
-    let thinned = thin(&loss, most.max(TRIED));
-    let mut kept = if thinned.len() > most { choose(&loss, &thinned, most) } else { thinned };
+    let max_points = max_points.max(2);
+    let thinned = thin(&loss, max_points.max(TRIED));
+    let mut kept = if thinned.len() > max_points { choose(&loss, &thinned, max_points) } else { thinned };
     for _ in 0..ROUNDS {
         if !slide(&loss, &mut kept) {
             break;
@@ -261,8 +268,8 @@ pub(super) fn place(positions: &[f64], rows: &[Vec<f64>], stored: &[Vec<f64>], m
     kept
 }
 
-/// What it costs to do without a candidate, and which. The cheapest is the greatest; of equal ones every other goes
-/// before the next, so that no gap outgrows the others on a straight curve.
+/// Cost of removing a candidate, and its index. The cheapest is the greatest; of equal ones every other goes before the
+/// next, so that no gap outgrows the others on a straight curve.
 #[derive(PartialEq)]
 struct Cost(f64, usize);
 
@@ -281,18 +288,19 @@ impl PartialOrd for Cost {
     }
 }
 
-/// What is left in the square (mm or deg, by the way) is rounding below this: a thousandth of the finest increment.
+/// A sum of squares (mm or deg squared, per mm or deg of travel) below this is rounding: a thousandth of the finest
+/// increment.
 const NOTHING: f64 = 1e-24;
 
-/// Takes candidates away until so many are left.
-fn thin(loss: &Loss, most: usize) -> Vec<usize> {
+/// Removes candidates until `max_points` remain.
+fn thin(loss: &Loss, max_points: usize) -> Vec<usize> {
     let count = loss.positions.len();
-    // Neighbours of each candidate that is still there, and what it costs.
+    // Neighbours of each remaining candidate, and its cost.
     let mut before: Vec<usize> = (0..count).map(|at| at.saturating_sub(1)).collect();
     let mut after: Vec<usize> = (1..=count).collect();
     let mut costs: Vec<Option<f64>> = vec![None; count];
     let mut queue = BinaryHeap::new();
-    let mut left = count;
+    let mut remaining = count;
     let within = |at: usize| at > 0 && at + 1 < count;
     let cost = |low: usize, at: usize, high: usize| {
         let cost = loss.worth(&[low, at, high], 1);
@@ -303,14 +311,14 @@ fn thin(loss: &Loss, most: usize) -> Vec<usize> {
         costs[at] = Some(cost);
         queue.push(Cost(cost, at));
     }
-    while left > most {
+    while remaining > max_points {
         let Some(Cost(known, at)) = queue.pop() else { break };
-        // What was queued before a neighbour went has another cost now.
+        // An entry queued before a neighbour was removed has another cost now.
         if costs[at].is_none_or(|cost| cost.total_cmp(&known).is_ne()) {
             continue;
         }
         costs[at] = None;
-        left -= 1;
+        remaining -= 1;
         let (low, high) = (before[at], after[at]);
         (after[low], before[high]) = (high, low);
         for at in [low, high].into_iter().filter(|at| within(*at)) {
@@ -322,21 +330,22 @@ fn thin(loss: &Loss, most: usize) -> Vec<usize> {
     (0..count).filter(|at| !within(*at) || costs[*at].is_some()).collect()
 }
 
-/// The choice of `most` (at least 2) out of more candidates, both ends among them, that leaves least of all.
-fn choose(loss: &Loss, candidates: &[usize], most: usize) -> Vec<usize> {
+/// Returns the choice of `max_points` (at least 2) out of more candidates, both ends among them, with the smallest sum
+/// of squares.
+fn choose(loss: &Loss, candidates: &[usize], max_points: usize) -> Vec<usize> {
     let last = candidates.len() - 1;
     let between: Vec<Vec<f64>> =
         (0..=last).map(|high| (0..high).map(|low| loss.between(candidates[low], candidates[high])).collect()).collect();
-    // Least that is left up to a candidate by so many intervals, and the candidate before it.
-    let mut least: Vec<f64> = (0..=last).map(|at| if at == 0 { 0.0 } else { f64::INFINITY }).collect();
+    // Smallest sum up to a candidate by this number of intervals, and the candidate before it.
+    let mut lowest: Vec<f64> = (0..=last).map(|at| if at == 0 { 0.0 } else { f64::INFINITY }).collect();
     let mut before: Vec<Vec<usize>> = Vec::new();
-    for _ in 1..most {
+    for _ in 1..max_points {
         let best = |high: usize| {
-            let ways = (0..high).map(|low| (least[low] + between[high][low], low));
-            ways.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, 0))
+            let choices = (0..high).map(|low| (lowest[low] + between[high][low], low));
+            choices.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, 0))
         };
         let (sums, lows) = (0..=last).map(best).unzip();
-        least = sums;
+        lowest = sums;
         before.push(lows);
     }
     let mut kept = vec![last];
@@ -349,14 +358,14 @@ fn choose(loss: &Loss, candidates: &[usize], most: usize) -> Vec<usize> {
 /// Smaller gains are rounding.
 const GAIN: f64 = 1e-9;
 
-/// Moves every point between its neighbours to where least is left.
+/// Moves every point between its neighbours to the smallest sum of squares.
 fn slide(loss: &Loss, kept: &mut [usize]) -> bool {
     let mut moved = false;
     for at in 1..kept.len().saturating_sub(1) {
         let worth = loss.worth(kept, at);
-        let way = loss.positions[kept[at + 1]] - loss.positions[kept[at - 1]];
+        let span = loss.positions[kept[at + 1]] - loss.positions[kept[at - 1]];
         if let Some((gain, best)) = loss.best(kept[at - 1], kept[at + 1])
-            && gain > worth * (1.0 + GAIN) + NOTHING * way
+            && gain > worth * (1.0 + GAIN) + NOTHING * span
         {
             kept[at] = best;
             moved = true;
@@ -383,7 +392,7 @@ mod tests {
         assert_eq!(place(&positions, &rows, &rows, 2), [0, 100]);
     }
 
-    /// Where nothing is lost whatever is kept, points are spread, and rounding does not crowd them together.
+    /// Where nothing is lost with any choice, points are spread, and rounding does not crowd them together.
     #[test]
     fn straight_curves_keep_points_everywhere() {
         let positions: Vec<f64> = (0..=1000).map(f64::from).collect();
@@ -399,7 +408,8 @@ mod tests {
         kept.windows(2).map(|pair| loss.between(pair[0], pair[1])).sum()
     }
 
-    /// Of all ways to keep so many points none leaves less: tried out, on curves with noise and coarse storage.
+    /// No choice of the same number of points has a smaller sum: all are tried, on curves with noise and coarse
+    /// storage.
     #[test]
     fn nothing_leaves_less() {
         let mut seed = 1_u64;
@@ -417,15 +427,15 @@ mod tests {
             let stored: Vec<Vec<f64>> =
                 rows.iter().map(|row| row.iter().map(|x| libm::round(x * 20.0) / 20.0).collect()).collect();
             let loss = Loss { positions: &positions, rows: &rows, stored: &stored };
-            let least = (0_u32..1 << 12).filter(|set| set.count_ones() == 4).map(|set| {
+            let minimum = (0_u32..1 << 12).filter(|set| set.count_ones() == 4).map(|set| {
                 let inner = (0..12).filter(|bit| set >> bit & 1 == 1).map(|bit| bit as usize + 1);
                 let kept: Vec<usize> = std::iter::once(0).chain(inner).chain([13]).collect();
                 total(&loss, &kept)
             });
             let found = total(&loss, &place(&positions, &rows, &stored, 6));
-            let least = least.fold(f64::INFINITY, f64::min);
+            let minimum = minimum.fold(f64::INFINITY, f64::min);
             // Sums of six terms, in another order.
-            assert!((found - least).abs() <= 1e-14 * least, "{found} {least}");
+            assert!((found - minimum).abs() <= 1e-14 * minimum, "{found} {minimum}");
         }
     }
 }

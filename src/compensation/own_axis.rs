@@ -31,8 +31,8 @@ fn own_axis_deviation(machine: &Machine, axis: usize, sent: Sent, approach: Appr
     }
 }
 
-/// Returns what an axis has to be moved by along (mm) or about (deg) its own direction against its own error: what its
-/// encoder would have to read differently.
+/// Returns the motion of an axis along (mm) or about (deg) its own direction against its own error: the change of its
+/// encoder's reading.
 fn own_axis_step(machine: &Machine, axis: usize, sent: Sent, approach: Approach) -> f64 {
     let this = &machine.axes()[axis];
     let direction = Vector3::from(this.direction) * this.sign();
@@ -111,8 +111,8 @@ fn own_correction(machine: &Machine, axis: usize, position: f64, approach: Appro
     correction
 }
 
-/// Axes whose measured points do not fit into the tables, with how many there are: those points are
-/// kept that matter most.
+/// Returns the axes whose measured points do not fit into the tables, with their number of points: the points that
+/// matter most are kept.
 pub fn resampled(machine: &Machine, rules: &TableRules) -> Vec<(usize, usize)> {
     let count = |axis: usize| {
         let counts = own(machine, axis);

@@ -1,10 +1,10 @@
-//! What is compensated where: from a machine and a target's mechanisms to tables.
+//! Assignment of corrections to tables: from a machine and a target's mechanisms.
 //!
 //! 1. A controller with the model gets the error curves, and nothing else.
-//! 2. A lattice over whatever axes were asked for holds everything, and stands alone.
-//! 3. Otherwise rotary axes get their own tables from their own error; what is left of the deviation
-//!    of the functional point goes to the linear axes: own and cross tables, then planes or a lattice
-//!    over fixed axes for what those leave ([`super::sum`]). What changes nothing is not written.
+//! 2. A lattice over the requested axes holds everything, and is the only table.
+//! 3. Otherwise rotary axes get their own tables from their own error. The residual of the functional point goes to the
+//!    linear axes: own and cross tables, then planes or a lattice over fixed axes for their residual
+//!    ([`super::sum`]). Tables without effect are not written.
 
 use super::batch::correct_all_from;
 use super::curves::{error_curves, straight};
@@ -18,7 +18,7 @@ use super::{
 use crate::evaluate::{CompiledModel, Order};
 use crate::machine::{Approach, AxisKind, Direction, ErrorTerm, Machine, Pose};
 
-/// Fills what the mechanisms can hold and rounds it to their increments.
+/// Fills the tables of the mechanisms and rounds them to their increments.
 pub fn tables(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) -> CorrectionTables {
     let mut tables = filled(machine, mechanisms, request);
     for table in &mut tables.tables {
@@ -48,8 +48,8 @@ fn filled(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) 
     Planner { machine, mechanisms }.tables()
 }
 
-/// Makes a table zero at position 0, between points too, or at the end nearest to it. What reverse differs from forward
-/// stays, unless the controller has a number for it there that cannot be negative.
+/// Makes a table zero at position 0, between points too, or at the end nearest to it. The difference between reverse
+/// and forward stays, unless the controller has a number for it there that cannot be negative.
 pub(super) fn vanish_at_reference(table: &mut CorrectionTable, positive_backlash: bool) {
     let width = table.corrected.len();
     let nearest = |nodes: &Vec<f64>| {
@@ -81,7 +81,7 @@ fn close(table: &mut CorrectionTable, place: usize) {
     }
 }
 
-/// What own-axis tables add at a pose, straight lines between their nodes.
+/// Returns the corrections of own-axis tables at a pose, straight lines between their nodes.
 pub(super) fn own_added(tables: &[CorrectionTable], pose: &[f64], approach: Approach) -> Vec<f64> {
     let mut added = vec![0.0; pose.len()];
     for table in tables {
@@ -89,8 +89,8 @@ pub(super) fn own_added(tables: &[CorrectionTable], pose: &[f64], approach: Appr
         let q = pose[axis].clamp(nodes[0], nodes[nodes.len() - 1]);
         let high = nodes.partition_point(|node| *node <= q).clamp(1, nodes.len().max(2) - 1).min(nodes.len() - 1);
         let low = high.saturating_sub(1);
-        let share = if high > low { (q - nodes[low]) / (nodes[high] - nodes[low]) } else { 0.0 };
-        let at = |values: &[f64]| values[low] * (1.0 - share) + values[high] * share;
+        let fraction = if high > low { (q - nodes[low]) / (nodes[high] - nodes[low]) } else { 0.0 };
+        let at = |values: &[f64]| values[low] * (1.0 - fraction) + values[high] * fraction;
         let reverse = table.reverse.as_ref().unwrap_or(&table.values);
         added[axis] += match approach {
             Approach::Forward => at(&table.values),
@@ -101,7 +101,7 @@ pub(super) fn own_added(tables: &[CorrectionTable], pose: &[f64], approach: Appr
     added
 }
 
-/// Corrections of all axes at poses with the own-error tables in force: what they leave, by the linear axes.
+/// Returns corrections of all axes at poses with the own-error tables in force: the linear axes correct their residual.
 fn wanted(plan: &CompiledModel, own: &[CorrectionTable], poses: &[Pose]) -> Vec<Vec<f64>> {
     let start = |pose: &Pose| Correction(own_added(own, pose, plan.approach()));
     let all = correct_all_from(plan, poses, poses.iter().map(start).collect(), Scope::POSITION);
@@ -109,7 +109,7 @@ fn wanted(plan: &CompiledModel, own: &[CorrectionTable], poses: &[Pose]) -> Vec<
     all.unwrap_or_default().into_iter().map(|corrected| corrected.correction.0).collect()
 }
 
-/// For what a table over several axes is laid out.
+/// Layout of a table over several axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum GridShape {
     Plane(PlaneGrid),
@@ -127,13 +127,15 @@ impl Planner<'_> {
         let own = self.own_error_tables();
         let alone: Vec<Machine> =
             self.machine.axes().iter().map(|axis| self.machine.filtered(|id| id.axis == axis.name)).collect();
-        let exact = |machine: &Machine, way| CompiledModel::new(machine, Order::Exact, way);
+        let exact = |machine: &Machine, approach| CompiledModel::new(machine, Order::Exact, approach);
         let plan = exact(self.machine, Approach::Mean);
         let mean = |poses: &[Pose]| wanted(&plan, &own, poses);
-        let ways = |machine: &Machine| {
-            machine.is_bidirectional().then(|| [Approach::Forward, Approach::Reverse].map(|way| exact(machine, way)))
+        let both_models = |machine: &Machine| {
+            machine
+                .is_bidirectional()
+                .then(|| [Approach::Forward, Approach::Reverse].map(|approach| exact(machine, approach)))
         };
-        let both: Vec<Option<[CompiledModel; 2]>> = alone.iter().map(ways).collect();
+        let both: Vec<Option<[CompiledModel; 2]>> = alone.iter().map(both_models).collect();
         let half = |poses: &[Pose], axis: usize| {
             let Some([forward, reverse]) = &both[axis] else { return vec![vec![0.0; both.len()]; poses.len()] };
             let (forward, reverse) = (wanted(forward, &[], poses), wanted(reverse, &[], poses));
@@ -183,8 +185,8 @@ impl Planner<'_> {
         layout.iter().map(of).collect()
     }
 
-    /// Does a table come from its axis's own error? Those of rotary axes do, and of linear ones if the
-    /// target says so.
+    /// True if a table comes from its axis's own error: tables of rotary axes do, and of linear ones if the target
+    /// states so.
     pub fn is_by_own_error(&self, table: &CorrectionTable) -> bool {
         let by_axis = self.mechanisms.own_rules().is_some_and(|rules| rules.fit == Fit::Axis);
         table.is_own_axis() && (by_axis || self.machine.axes()[table.axes[0]].kind == AxisKind::Rotary)
@@ -198,7 +200,7 @@ impl Planner<'_> {
         let shared = |axis: usize| self.mechanisms.own_axis.is_none().then(|| self.positions(axis, rules));
         let wanted = |axis: &usize| kinds.contains(&self.machine.axes()[*axis].kind);
         let axes = (0..self.machine.axes().len()).filter(wanted);
-        // Own and cross tables over the same axis stand on the same points: one list may hold both.
+        // Own and cross tables over the same axis have the same points: one list may hold both.
         let tables = axes.map(|axis| own_axis_table(self.machine, axis, rules, shared(axis)));
         // A controller with own-axis tables alone has one for every axis.
         tables.filter(|table| (alone && rules.fit == Fit::Axis) || self.counts(table)).collect()
@@ -215,7 +217,7 @@ impl Planner<'_> {
         }
     }
 
-    /// Is anything stored but zeros?
+    /// True if anything but zeros is stored.
     fn counts(&self, table: &CorrectionTable) -> bool {
         let Some(rules) = self.mechanisms.rules(table) else { return false };
         let width = table.corrected.len();
@@ -255,8 +257,8 @@ impl Planner<'_> {
         })
     }
 
-    /// Nodes over an axis for the deviation of the functional point. Free points stand at the knots of
-    /// all its curves, or where straight lines leave least of those.
+    /// Nodes over an axis for the deviation of the functional point. Free points are at the knots of all its curves, or
+    /// where straight lines have the smallest residual of those.
     fn positions(&self, axis: usize, rules: &TableRules) -> Vec<f64> {
         let any = |_: Direction| true;
         let values = |q: f64| self.machine.component_values(axis, q, Approach::Mean).to_vec();
@@ -265,7 +267,7 @@ impl Planner<'_> {
             .positions(rules, &Columns { value: &values, stored: &|x| x })
     }
 
-    /// How many of the controller's tables are left beside those that are taken.
+    /// Returns the number of the controller's tables that remain beside those that are taken.
     fn room(&self, taken: &[&[CorrectionTable]]) -> usize {
         let count: usize =
             taken.iter().flat_map(|tables| tables.iter()).map(|table| self.mechanisms.count(table)).sum();
@@ -384,9 +386,9 @@ impl Planner<'_> {
             (false, false) => (5, 21),
             (false, true) => (7, 25),
         };
-        let most = libm::floor(libm::pow(rules.max_points as f64, 1.0 / axes.len() as f64) + 1e-9) as usize;
-        let most = most.min(if coarse { coarse_count } else { fine });
-        let few = TableRules { max_points: most.min(rules.max_points_per_axis), ..rules.clone() };
+        let max_count = libm::floor(libm::pow(rules.max_points as f64, 1.0 / axes.len() as f64) + 1e-9) as usize;
+        let max_count = max_count.min(if coarse { coarse_count } else { fine });
+        let few = TableRules { max_points: max_count.min(rules.max_points_per_axis), ..rules.clone() };
         let ranges: Vec<(f64, f64)> = axes.iter().map(|axis| interval(self.machine, *axis, rules)).collect();
         let step = ranges.iter().map(|(min, max)| (max - min) / (few.max_points - 1) as f64).fold(0.0, f64::max);
         let nodes = axes.iter().zip(ranges).map(|(axis, (min, max))| {
@@ -395,7 +397,7 @@ impl Planner<'_> {
                 let turns = self.machine.is_continuous(*axis);
                 return rules.increment.distinct(rolling((min, max), few.max_points - 1, turns, rules, kind), kind);
             }
-            let least = rules.increment.least_position(kind);
+            let min_step = rules.increment.min_position(kind);
             let intervals = match (product && !coarse, kind) {
                 (true, AxisKind::Linear) => PRODUCT_INTERVALS,
                 (true, AxisKind::Rotary) => libm::ceil((max - min) / PRODUCT_ANGLE - 1e-9).max(2.0) as usize,
@@ -403,7 +405,7 @@ impl Planner<'_> {
             };
             let intervals = intervals.min(few.max_points - 1) as f64;
             let step = if shape == GridShape::Plane(PlaneGrid::SameStep) { step } else { (max - min) / intervals };
-            let step = least * libm::ceil(step / least - 1e-6);
+            let step = min_step * libm::ceil(step / min_step - 1e-6);
             let count = (libm::ceil((max - min) / step - 1e-9).max(1.0) as usize + 1).min(few.max_points);
             let start = rules.increment.position(min, kind);
             rules.increment.distinct((0..count).map(|i| start + i as f64 * step), kind)
@@ -443,7 +445,7 @@ fn strength(table: &CorrectionTable) -> f64 {
     table.values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count
 }
 
-/// What a machine must have for a target, in words; none if it has it.
+/// Returns what a machine lacks for a target, in words; none if it lacks nothing.
 pub fn lacking(machine: &Machine, mechanisms: &Mechanisms) -> Option<String> {
     let missing = |rules: &LatticeRules| {
         rules.inputs.iter().chain(&rules.outputs).find(|name| machine.axis_index(name).is_none()).cloned()

@@ -1,9 +1,9 @@
 //! Products of two tables over one axis each, for controllers that multiply tables.
 //!
-//! A table over two axes is written as a sum of products f(a) g(b), the largest singular parts of its values first:
-//! an angle that depends on one position times a lever that is another one is such a product. Each stands in the
-//! controller twice, as f g and as (-f) (-g), and each time as half of it: no manual says whether the values of the
-//! factors are added besides their product, and so they cancel out if they are.
+//! A table over two axes is written as a sum of products f(a) g(b), the largest singular parts of its values first: an
+//! angle that depends on one position times a lever that is another one is such a product. Each product is written as
+//! two halves, f g and (-f) (-g). No manual states whether the controller also adds the factor tables themselves; if it
+//! does, their contributions cancel.
 
 use super::increment::Increment;
 use super::tables::{CorrectionTable, Factors};
@@ -12,21 +12,21 @@ use crate::machine::AxisKind;
 /// Tables that a product takes: f, g, -f and -g.
 pub const TABLES_OF_A_PRODUCT: usize = 4;
 
-/// Steps of the power iteration. Where two parts are nearly equal it may stop between them, and what the first then
-/// leaves goes into the second.
+/// Steps of the power iteration. Where two parts are nearly equal it may stop between them; the residual of the first
+/// goes into the second.
 const STEPS: usize = 60;
 
-/// The largest singular parts of values (row by row, so many columns), largest first, without those that are nowhere
-/// above `least`.
-pub(super) fn parts(values: &[f64], columns: usize, most: usize, least: f64) -> Vec<Factors> {
-    let mut left = values.to_vec();
+/// Returns at most `max_parts` of the largest singular parts of values (row by row, `columns` in a row), largest first,
+/// without those that are nowhere above `threshold`.
+pub(super) fn parts(values: &[f64], columns: usize, max_parts: usize, threshold: f64) -> Vec<Factors> {
+    let mut rest = values.to_vec();
     let mut found = Vec::new();
-    while found.len() < most.min(columns).min(values.len() / columns.max(1)) {
-        let [u, v] = largest(&left, columns);
-        if peak(&u) * peak(&v) <= least {
+    while found.len() < max_parts.min(columns).min(values.len() / columns.max(1)) {
+        let [u, v] = largest(&rest, columns);
+        if peak(&u) * peak(&v) <= threshold {
             break;
         }
-        for (row, a) in left.chunks_mut(columns).zip(&u) {
+        for (row, a) in rest.chunks_mut(columns).zip(&u) {
             row.iter_mut().zip(&v).for_each(|(x, b)| *x -= a * b);
         }
         found.push([u, v]);
@@ -85,7 +85,7 @@ fn balanced([mut u, mut v]: Factors) -> Factors {
 }
 
 fn peak(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, x| f64::max(most, x.abs()))
+    values.iter().fold(0.0, |max, x| f64::max(max, x.abs()))
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -98,7 +98,7 @@ fn outer([f, g]: &Factors) -> impl Iterator<Item = f64> {
 }
 
 impl CorrectionTable {
-    /// How many of the controller's tables it takes if directions stand apart or not.
+    /// Returns the number of the controller's tables that this table takes; `apart` if each direction has its own.
     pub fn count(&self, apart: bool) -> usize {
         match (self.factors.len(), &self.reverse) {
             (0, Some(reverse)) if apart && *reverse != self.values => 2,
@@ -107,8 +107,8 @@ impl CorrectionTable {
         }
     }
 
-    /// Puts in place of its values what as many products as it has factors can hold of them, the factors rounded.
-    /// `closed` says over which axes the table begins again where it ends.
+    /// Replaces the values by what the table's number of products can hold of them, the factors rounded. `closed` marks
+    /// the axes over which the table begins again where it ends.
     pub(super) fn factorise(&mut self, increment: Increment, kind: AxisKind, closed: [bool; 2]) {
         let columns = self.nodes[1].len();
         let stored = |mut factor: Vec<f64>, closed: bool| {
@@ -129,7 +129,7 @@ impl CorrectionTable {
         }
     }
 
-    /// The table of a product over two axes that corrects what both factors correct.
+    /// Returns the table of a product over two axes that corrects what both factors correct.
     pub fn product(first: &Self, second: &Self, factors: Factors) -> Self {
         Self {
             axes: [&first.axes[..], &second.axes].concat(),
@@ -162,7 +162,7 @@ mod tests {
         assert!((peak(&found[0][0]) - peak(&found[0][1])).abs() < 1e-14);
     }
 
-    /// x y + x^2 y^2 on a grid: what two parts leave is rounding, what one leaves is the second singular value.
+    /// x y + x^2 y^2 on a grid: the residual of two parts is rounding, that of one is the second singular value.
     #[test]
     fn parts_come_largest_first() {
         let values = matrix(|x, y| x * y + x * x * y * y);

@@ -1,14 +1,13 @@
-//! A correction, and what is to be corrected with which axes.
+//! A correction, and the goal and the axes of correcting.
 
 use crate::machine::Machine;
 
-/// What is added to a command: mm for linear axes, deg for rotary axes, in the order of
-/// [`Machine::axes`].
+/// Correction of a command: mm for linear axes, deg for rotary axes, in the order of [`Machine::axes`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correction(pub Vec<f64>);
 
 impl Correction {
-    /// Nothing is added.
+    /// Returns the zero correction.
     pub fn none(machine: &Machine) -> Self {
         Self(vec![0.0; machine.axes().len()])
     }
@@ -19,22 +18,22 @@ impl Correction {
     }
 }
 
-/// What is corrected.
+/// Goal of the correction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Goal {
     /// The position of the functional point.
     Position,
-    /// The position and the direction of the tool axis; rotation about the tool axis is left.
+    /// The position and the direction of the tool axis; rotation about the tool axis is not corrected.
     Pose,
 }
 
-/// What is corrected, and with which axes.
+/// Goal and axes of the correction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scope {
-    /// What.
+    /// Goal.
     pub goal: Goal,
-    /// With the rotary axes too? They turn the tool, and move it where the linear axes cannot.
+    /// True if the rotary axes correct too. They turn the tool, and move it where the linear axes cannot.
     pub rotary: bool,
     /// Rotary axes are trusted with the direction of the tool down to this sensitivity (sine of the
     /// angle from a singular pose); below it their correction is bounded instead of exact.

@@ -1,4 +1,4 @@
-//! Tables of every error alone, laid out as those of a set: what each of them is worth is judged elsewhere.
+//! Tables of every error alone, laid out as those of a set; their effect is judged elsewhere.
 
 use super::curves::curves_like;
 use super::jacobian::Jacobian;
@@ -19,7 +19,7 @@ pub struct SetLayout<'a> {
     pub mechanisms: &'a Mechanisms,
     /// Its tables.
     pub tables: &'a CorrectionTables,
-    /// What it corrects.
+    /// Goal and axes of the correction.
     pub scope: Scope,
     /// Nodes of its lattice over any axes that are to be filled; none of another set.
     pub lattice_nodes: &'a [usize],
@@ -54,7 +54,7 @@ fn model_curves(machine: &Machine, tables: &CorrectionTables) -> Vec<SingleError
 
 /// Corrections of every error alone at some nodes of a lattice.
 fn lattice_cells(machine: &Machine, lattice: &CorrectionTable, layout: &SetLayout) -> LatticeCells {
-    // Without rotary columns the rotary axes were left alone.
+    // Without rotary columns the rotary axes were not corrected.
     let rotary = lattice.corrected.iter().any(|axis| machine.axes()[*axis].kind == AxisKind::Rotary);
     let scope = Scope { rotary, ..layout.scope };
     let none = Correction::none(machine);
@@ -82,7 +82,7 @@ fn single_error_tables(
     let ids: Vec<ErrorId> = machine.errors().map(|(id, _)| id).collect();
     let planner = Planner { machine, mechanisms };
     let (own, mut sums): (Vec<_>, Vec<_>) = tables.tables.iter().cloned().partition(|t| planner.is_by_own_error(t));
-    // As they were filled: planes take what tables over one axis leave.
+    // In the order of filling: planes take the residual of tables over one axis.
     sums.sort_by_key(|table| table.axes.len());
     let alone: Vec<Vec<CorrectionTable>> = ids
         .iter()
@@ -118,8 +118,8 @@ fn single_error_tables(
         let (forward, reverse) = (linear(pose, Approach::Forward), linear(pose, Approach::Reverse));
         let both = ids.iter().zip(forward.iter().zip(&reverse));
         both.flat_map(|(id, (f, r))| {
-            let share = if id.axis == *name { 0.5 } else { 0.0 };
-            f.iter().zip(r).map(move |(f, r)| share * (f - r)).collect::<Vec<_>>()
+            let fraction = if id.axis == *name { 0.5 } else { 0.0 };
+            f.iter().zip(r).map(move |(f, r)| fraction * (f - r)).collect::<Vec<_>>()
         })
         .collect()
     };

@@ -2,11 +2,11 @@
 //!
 //! The correction c of a linear axis is a function of all positions. A table over the axis a gets its
 //! main effect: the mean of c over the volume with a held, less the mean of all. Main effects of
-//! different axes have nothing in common, so nothing is compensated twice; tables over two and more
-//! axes get the same mean of what the tables before them leave. Errors that are a sum of functions of
-//! one axis each are so met exactly; of the others (a lever arm times an angle) the part that lessens
-//! the mean square most. The volume is sampled by one list of poses for all nodes: differences
-//! between nodes do not depend on its choice where they do not depend on the other axes.
+//! different axes have nothing in common, so nothing is compensated twice; tables over two and more axes get the same
+//! mean of the residual of the tables before them. Errors that are a sum of functions of one axis each are so met
+//! exactly; of the others (a lever arm times an angle) the part that lowers the mean square by the largest amount. The
+//! volume is sampled by one list of poses for all nodes: differences between nodes do not depend on its choice where
+//! they do not depend on the other axes.
 
 use super::{CorrectionTable, CorrectionTables, product};
 use crate::evaluate::node_positions;
@@ -34,13 +34,13 @@ fn background(machine: &Machine) -> Vec<Pose> {
     // Powers of the root of x^(d+1) = x + 1: the d-dimensional golden ratio.
     let degree = machine.axes().len() as f64 + 1.0;
     let root = (0..40).fold(1.5, |x, _| libm::pow(1.0 + x, 1.0 / degree));
-    let share = |i: usize, axis: usize| {
+    let fraction = |i: usize, axis: usize| {
         let x = (i as f64 + 0.5) * libm::pow(root, -(axis as f64 + 1.0));
         x - libm::floor(x)
     };
     let position = |i: usize, axis: usize| {
         let grid = machine.volume()[axis];
-        grid.min + (grid.max - grid.min) * share(i, axis)
+        grid.min + (grid.max - grid.min) * fraction(i, axis)
     };
     (0..BACKGROUND).map(|i| (0..machine.axes().len()).map(|axis| position(i, axis)).collect()).collect()
 }
@@ -79,24 +79,24 @@ fn corners(table: &CorrectionTable, pose: &[f64]) -> Vec<(usize, f64)> {
     for (axis, nodes) in table.axes.iter().zip(&table.nodes) {
         let q = pose[*axis].clamp(nodes[0], nodes[nodes.len() - 1]);
         let low = nodes.partition_point(|node| *node <= q).clamp(1, nodes.len().max(2) - 1) - 1;
-        let share = nodes.get(low + 1).map_or(0.0, |high| (q - nodes[low]) / (high - nodes[low]));
+        let fraction = nodes.get(low + 1).map_or(0.0, |high| (q - nodes[low]) / (high - nodes[low]));
         let both = |(node, weight): &(usize, f64)| {
             let base = node * nodes.len() + low;
-            [(base, weight * (1.0 - share)), (base + 1, weight * share)]
+            [(base, weight * (1.0 - fraction)), (base + 1, weight * fraction)]
         };
         corners = corners.iter().flat_map(both).filter(|(_, weight)| *weight != 0.0).collect();
     }
     corners
 }
 
-/// What a table is besides its layout.
+/// Properties of a table besides its layout.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Traits {
     /// A line through position 0, the best one over the volume.
     pub straight: bool,
-    /// May it hold a constant? The first table of an axis that may holds the mean.
+    /// True if it may hold a constant. The first table of an axis that may holds the mean.
     pub constant: bool,
-    /// Over two axes: only as much as so many products can hold.
+    /// Number of products of a table over two axes; its values are reduced to them.
     pub products: Option<usize>,
 }
 
@@ -144,8 +144,8 @@ impl<'a> Filler<'a> {
                 }
                 if traits.straight { line(&places, table, &rows) } else { rows }
             } else {
-                // Axes that span the table need no background, and few others a small one; products the one of the
-                // tables before, or what these differ in would be taken for one.
+                // Axes that span the table need no background, and few others a small one. Products need the one of the
+                // tables before, or their differences would be taken for a product.
                 let count = match (table.axes.len() == axes, traits.products) {
                     (true, _) => 1,
                     (false, None) => BACKGROUND / 2,
@@ -157,8 +157,8 @@ impl<'a> Filler<'a> {
                     pick(row).iter().zip(taken).map(|(wanted, taken)| wanted - taken).collect()
                 };
                 let rows: Vec<Vec<f64>> = wanted.par_iter().enumerate().map(left).collect();
-                match traits.products.filter(|most| *most < usize::MAX) {
-                    Some(most) => by_products(table, &rows, most),
+                match traits.products.filter(|max| *max < usize::MAX) {
+                    Some(max) => by_products(table, &rows, max),
                     None => rows,
                 }
             };
@@ -176,7 +176,7 @@ impl<'a> Filler<'a> {
         self.means(&over(axis, nodes), BACKGROUND)
     }
 
-    /// The mean of what is wanted over some of the background at each node of a table.
+    /// Returns the mean demand over some of the background at each node of a table.
     fn means(&mut self, table: &CorrectionTable, count: usize) -> Vec<Vec<f64>> {
         let background = &self.background[..count];
         known(&mut self.means, table, || effect(table, background, self.wanted.mean))
@@ -205,7 +205,7 @@ fn over(axis: usize, nodes: &[f64]) -> CorrectionTable {
     CorrectionTable::curve(axis, nodes.to_vec(), axis, Vec::new())
 }
 
-/// The least-squares slope over the places, as values at the two nodes of a line through position 0.
+/// Returns the least-squares slope over the places, as values at the two nodes of a line through position 0.
 fn line(places: &[f64], table: &CorrectionTable, rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let centre = places.iter().sum::<f64>() / places.len() as f64;
     let spread: f64 = places.iter().map(|q| (q - centre) * (q - centre)).sum();
@@ -254,12 +254,12 @@ fn mean(rows: &[Vec<f64>]) -> Vec<f64> {
     sum
 }
 
-/// What so many products hold of a table over two axes, channel by channel.
-fn by_products(table: &CorrectionTable, rows: &[Vec<f64>], most: usize) -> Vec<Vec<f64>> {
+/// Returns the part of a table over two axes that `max` products can hold, channel by channel.
+fn by_products(table: &CorrectionTable, rows: &[Vec<f64>], max: usize) -> Vec<Vec<f64>> {
     let columns = table.nodes[1].len();
     let channel = |c: usize| {
         let values: Vec<f64> = rows.iter().map(|row| row[c]).collect();
-        product::sum(&product::parts(&values, columns, most, 0.0), values.len())
+        product::sum(&product::parts(&values, columns, max, 0.0), values.len())
     };
     let channels: Vec<Vec<f64>> = (0..rows.first().map_or(0, Vec::len)).map(channel).collect();
     (0..rows.len()).map(|node| channels.iter().map(|values| values[node]).collect()).collect()

@@ -29,7 +29,7 @@ pub struct CorrectionTable {
 /// An error as a function of its axis's position, for a controller with the ISO 230-1 model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorCurve {
-    /// Which.
+    /// The error.
     pub error: ErrorId,
     /// Strictly rising positions (mm or deg); none for a location error.
     pub positions: Vec<f64>,
@@ -37,8 +37,8 @@ pub struct ErrorCurve {
     pub values: Vec<f64>,
 }
 
-/// What a target's files hold: the controller adds up what its tables say and what its model makes of
-/// the error curves.
+/// Content of a target's files: the controller adds the corrections of its tables and those that its model makes of the
+/// error curves.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CorrectionTables {
     /// Tables of corrections.
@@ -65,7 +65,7 @@ pub struct LatticeCells {
     pub errors: Vec<(ErrorId, Vec<f64>)>,
 }
 
-/// What a target makes of every error with a value alone.
+/// Tables or curves of a target for every error with a value, each alone.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SingleErrors {
     /// Tables laid out as those of the set.
@@ -92,12 +92,12 @@ impl CorrectionTable {
         self.nodes.iter().map(Vec::len).product()
     }
 
-    /// Has it no nodes?
+    /// True if it has no nodes.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Does one axis correct itself?
+    /// True if one axis corrects itself.
     pub fn is_own_axis(&self) -> bool {
         self.axes.len() == 1 && self.axes == self.corrected
     }
@@ -112,7 +112,7 @@ impl CorrectionTable {
         positions
     }
 
-    /// Full pose at a node; axes that do not span the table stand at 0.
+    /// Full pose at a node; axes that do not span the table are at 0.
     pub fn pose(&self, machine: &Machine, number: usize) -> Vec<f64> {
         let mut pose = vec![0.0; machine.axes().len()];
         for (axis, position) in self.axes.iter().zip(self.node(number)) {
@@ -148,8 +148,8 @@ impl CorrectionTables {
         }
     }
 
-    /// Tables that say the same of both directions need no second column; several over the same nodes
-    /// for the same axes are one. Sets that add the same to every command then are equal.
+    /// Merges tables: equal values in both directions need no second column; several tables over the same nodes for the
+    /// same axes become one. Sets that add the same to every command then are equal.
     pub fn merged(self) -> Self {
         let mut tables: Vec<CorrectionTable> = Vec::new();
         for table in self.tables {

@@ -1,10 +1,10 @@
 //! Targets: a controller is a folder in `templates/` (a manifest and minijinja templates), not code.
 //!
 //! 1. [`ControllerTarget::find`] reads the manifest, from the binary or from a folder of the user's;
-//! 2. [`ControllerTarget::tables`] fills what the controller's mechanism can hold and rounds it;
+//! 2. [`ControllerTarget::tables`] fills the tables of the controller's mechanisms and rounds them;
 //! 3. [`ControllerTarget::render`] writes the files (as bytes: nothing here touches the disk);
 //! 4. [`ControllerTarget::read`] reads such files back, refusing what the controller would misread;
-//! 5. [`Replay`] does what the controller does with them, in its own arithmetic;
+//! 5. [`Replay`] computes the controller's corrections from them, in its own arithmetic;
 //! 6. [`certify`] compares the machine with and without them on poses that are not table points.
 //!
 //! Targets without tables, which replace the controller's kinematics, have their own passes in `kinematics`.
@@ -21,7 +21,8 @@ mod replay;
 mod single_errors;
 
 pub use certificate::{
-    Certificate, Depth, Effect, ErrorLeft, Figures, Handled, JudgedTables, ROUNDING_UM, RaisedFigure, ZeroShift, micro,
+    Certificate, CompensationDegree, Depth, Effect, Figures, ROUNDING_UM, RaisedFigure, SingleErrorResidual,
+    TablesUnderTest, ZeroShift, micro,
 };
 pub use emit::{Hashed, LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile, sha256};
 pub use kinematics::{KinematicsModule, Model, ModuleField};

@@ -99,7 +99,7 @@ impl Constants {
             machine.axes().iter().zip(&self.before).map(|(axis, q)| at_joint(axis, &back.compose(q))).collect();
         let same = machine.conventions().location == Location::AxisOnly && request.datum.is_none();
         for (i, (axis, frame)) in machine.axes().iter().zip(&frames).enumerate() {
-            // What cannot act is dropped, unless it is the file's own.
+            // An idle entry is dropped, unless it is the file's own.
             let written = if same { frame.clone() } else { line_only(axis, frame) };
             locate(&mut parts.errors[i], &six_of(&written, request.conventions.joints));
         }
@@ -107,7 +107,7 @@ impl Constants {
         Ok(frames)
     }
 
-    /// `carried_body`: what stands between two motions belongs to the joint farther from the bed.
+    /// `carried_body`: the constant between two motions belongs to the joint farther from the bed.
     fn each_in_its_carrier(
         &self,
         machine: &Machine,
@@ -249,7 +249,7 @@ pub(super) fn six_of(motion: &Htm<f64>, joints: Joints) -> [f64; 6] {
     [t[0], t[1], t[2], turn[0], turn[1], turn[2]]
 }
 
-/// Rounding is no error: what differs by nothing keeps its value, what is nothing is 0.
+/// Rounding is no error: a number that differs by rounding keeps its old value, one within rounding of zero becomes 0.
 fn tidied<const N: usize>(new: &[f64; N], old: &[f64; N]) -> [f64; N] {
     std::array::from_fn(|i| if (new[i] - old[i]).abs() <= TINY[i / 3] { old[i] } else { new[i] })
 }

@@ -3,13 +3,13 @@
 //! Whatever the conventions, the walk from the workpiece to the tool is T = K0 X1 K1 ... Xn Kn: constants K
 //! between motions X, each the nominal motion of an axis with its error motion beside it.
 //!
-//! 1. [`constants`](Constants) reads the K of a machine and regroups them as the new conventions want them:
-//!    location errors, clamping of the workpiece, spindle.
-//! 2. [`ComponentErrors`] says what the six component errors of an axis become, as a function of its position.
+//! 1. [`constants`](Constants) reads the K of a machine and regroups them as the new conventions want them: location
+//!    errors, clamping of the workpiece, spindle.
+//! 2. [`ComponentErrors`] gives the new six component errors of an axis, as a function of its position.
 //! 3. [`shape()`] looks for a curve of the language that is this function.
 //! 4. [`prove`] compares both machines, exact model, over travels and volume.
 //!
-//! Nothing is approximated in silence: what no curve can hold is a [`Misfit`], and the proof has the last word.
+//! Nothing is approximated in silence: an error that no curve can hold is a [`Misfit`], and the proof decides.
 
 mod component;
 mod constants;
@@ -105,7 +105,7 @@ fn mirrored(axis: &Axis) -> Axis {
     Axis { travel, sense, ..axis.clone() }
 }
 
-/// A tolerance says nothing of how errors go together: it can stay, but not be turned into others.
+/// A tolerance does not state how errors go together: it can stay, but not be turned into others.
 fn tolerances(machine: &Machine, axis: usize, errors: &ComponentErrors<'_>) -> Result<(), Diagnostic> {
     let given = machine.axis_errors(axis);
     let bounded = given

@@ -1,8 +1,8 @@
 //! Conversion of a function of the position to a curve of the language.
 //!
-//! The forms are tried from the simplest on: what was there (or its negative), a polynomial, harmonics, a table
-//! at the positions of the old tables. The first that is the function everywhere it is looked at is taken; if
-//! there is none, the nearest, and what it misses is reported.
+//! The forms are tried from the simplest on: the old curve (or its negative), a polynomial, harmonics, a table at the
+//! positions of the old tables. The first that equals the function at all test positions is taken; if there is none,
+//! the nearest, with its residual reported.
 
 use super::{ComponentErrors, ROUNDING, TINY};
 use crate::machine::{

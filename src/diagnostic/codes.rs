@@ -188,7 +188,7 @@ codes! {
     E0740 "templates that need too much memory",
     E0750 "a letter is no coordinate of the controller",
     E0751 "the controller's module does not support the machine",
-    E0752 "the controller has no letter left",
+    E0752 "the controller has no free letter",
     E0810 "a file cannot be written",
     E0811 "a file is there already",
     E0812 "too many poses for a map",

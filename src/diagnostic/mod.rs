@@ -1,4 +1,4 @@
-//! Diagnostics: what is wrong with an input, where, and what to write instead.
+//! Diagnostics: faults of an input, their places, and their remedies.
 //!
 //! "Error" means a geometric error everywhere in this crate; a failure is a [`Diagnostic`].
 //! A stage collects as many as it can into [`Diagnostics`] and goes on; the command line

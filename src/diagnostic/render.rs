@@ -7,7 +7,7 @@ use std::ops::Range;
 /// Options of rendering.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Rendering {
-    /// With ANSI colours.
+    /// True for ANSI colours.
     pub color: bool,
 }
 
@@ -30,7 +30,7 @@ pub fn render(diagnostics: &Diagnostics, rendering: Rendering) -> String {
 /// Nobody reads more, and a hostile file has millions.
 const MAX_SHOWN: usize = 50;
 
-/// One line for the end of the run: `2 mistakes, 1 warning`; empty if there is nothing to say.
+/// One line for the end of the run: `2 mistakes, 1 warning`; empty if there are none.
 pub fn summary(diagnostics: &Diagnostics) -> String {
     let warnings = diagnostics.warnings();
     let refusals = diagnostics.iter().count() - warnings;
@@ -75,7 +75,7 @@ fn by_source(labels: &[Label]) -> Vec<(super::SourceId, Vec<(bool, &Label)>)> {
     files
 }
 
-/// Only the lines from the first to the last label are handed over: files may be large.
+/// Hands over only the lines from the first to the last label: files may be large.
 fn snippet<'a>(
     diagnostics: &'a Diagnostics,
     source: super::SourceId,

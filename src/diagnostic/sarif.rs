@@ -7,7 +7,7 @@ use std::path::{Component, Path, Prefix};
 /// Schema of the format.
 const SCHEMA: &str = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
 
-/// Returns a log of one run over files, each with what was found wrong with it.
+/// Returns a log of one run over files, each with its diagnostics.
 ///
 /// A diagnostic without a place is reported for its file. One that several files share, because they extend the same
 /// file, is reported once. Relative names of files become relative URIs.

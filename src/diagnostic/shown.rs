@@ -1,6 +1,6 @@
 //! Text of the user's in messages.
 
-/// Most characters of the user's text that a message repeats.
+/// Maximum number of characters of the user's text that a message repeats.
 const LONGEST: usize = 80;
 
 /// The text without control characters and of bearable length: it may have come from anywhere and

@@ -2,7 +2,7 @@
 
 use super::shown;
 
-/// The candidate nearest to `word`, if near enough to be what was meant.
+/// The candidate nearest to `word`, if near enough to be the intended one.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // One letter for another is no misspelling of a word of one or two letters.
     let limit = word.chars().count() / 3;

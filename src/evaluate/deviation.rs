@@ -73,7 +73,7 @@ pub enum Frame {
     /// Rotates with the workpiece.
     #[default]
     Workpiece,
-    /// Stands still with the bed.
+    /// Directions of the machine frame, which is fixed to the bed.
     Machine,
     /// Rotates with the tool.
     Tool,

@@ -61,7 +61,7 @@ impl Field for Bare<'_> {
 pub struct CompiledField {
     machine: Machine,
     order: Order,
-    /// By side of approach, each compiled at its first use.
+    /// Models by side of approach, each compiled at its first use.
     models: [OnceLock<CompiledModel>; 3],
 }
 

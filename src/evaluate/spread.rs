@@ -97,7 +97,7 @@ mod tests {
     fn poses_are_more_even_than_random_ones_and_depend_on_the_seed() {
         let coordinate = |base, shift| Coordinate { base, shift, interval: (0.0, 1.0) };
         let of = |shift| Spread { coordinates: vec![coordinate(2, shift), coordinate(3, 0.7)], count: 1000 };
-        // Of 1000 points 10 should be in each of a hundred boxes; random ones miss that by 3.2 (root of 10).
+        // Expected are 10 of 1000 points in each of a hundred boxes; random ones miss that by 3.2 (root of 10).
         let mut boxes = [0_i32; 100];
         for pose in (0..1000).map(|i| of(0.3).get(i)) {
             assert!(pose.iter().all(|x| (0.0..1.0).contains(x)));

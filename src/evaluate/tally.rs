@@ -23,7 +23,7 @@ use std::collections::BinaryHeap;
 #[derive(Debug, Clone)]
 pub struct Tally {
     poses: u64,
-    /// Of positions (mm) and of rotations (rad).
+    /// Statistics of positions (mm) and of rotations (rad).
     lengths: [LengthStatistics; 2],
     blocks: Vec<BlockSums>,
     worst: BinaryHeap<Worst>,
@@ -234,7 +234,7 @@ impl LengthStatistics {
         (max, [block.sum.iter().sum(), block.squares.iter().sum()])
     }
 
-    /// Adds fewer than eight vectors: padded with the first, which changes no extreme, and is left out of the sums.
+    /// Adds fewer than eight vectors: padded with the first, which changes no extreme, and does not enter the sums.
     fn add_rest(&mut self, block: &mut Accumulators, rest: [&[f64]; 3]) {
         let count = rest[0].len();
         if count == 0 {

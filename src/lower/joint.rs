@@ -1,4 +1,4 @@
-//! One joint: nominal motion N, error motion E, location error Loc, composed as the conventions say.
+//! One joint: nominal motion N, error motion E, location error Loc, composed by the conventions.
 //!
 //! With M the located motion, for an axis on the tool side (docs/theory.md, "Joints"):
 //!
@@ -7,8 +7,8 @@
 //! | linear, `after`; rotary, `rotating` | M E | Loc N E |
 //! | linear, `before`; rotary, `stationary` | E M | Loc E N |
 //!
-//! On the workpiece side the matrix is still the motion of the tool relative to the workpiece: the
-//! mirror image, factors in reverse order. The bracket stands between T(origin) and T(-origin).
+//! On the workpiece side the matrix is still the motion of the tool relative to the workpiece: the mirror image,
+//! factors in reverse order. The bracket is between T(origin) and T(-origin).
 
 use crate::algebra::{Algebra, Htm, exp_hat, hat, rotation_about};
 use crate::machine::{
@@ -59,7 +59,7 @@ impl<S: Algebra> Position<S> {
         }
     }
 
-    /// In the sense in which the axis moves the tool relative to the workpiece.
+    /// Returns the motion in the sense in which the axis moves the tool relative to the workpiece.
     fn sensed(&self, axis: &Axis) -> Self {
         match self.clone() {
             Self::Linear(travel) => Self::Linear(travel.scaled(axis.sign())),

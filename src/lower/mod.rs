@@ -2,7 +2,7 @@
 //!
 //! 1. [`values`] looks the errors of every joint up at the pose (mm, rad).
 //! 2. [`ErrorLift`] turns each number into an element: itself over the reals, `value * i` over D_n.
-//! 3. [`joint()`] builds the matrix G of one joint from them, as the conventions say.
+//! 3. [`joint()`] builds the matrix G of one joint from them, by the conventions.
 //! 4. [`Chain`] multiplies the joints on the walk from the workpiece to the tool.
 //!
 //! First-order effects have two kernels: [`twists`] at the nominal machine, with the [`sensitivities`] they yield, and

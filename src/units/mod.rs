@@ -13,7 +13,7 @@ pub use print::{angle, counted, length, significant};
 
 /// The powers of length and angle in a unit: `um` is (1, 0), `urad/mm` is (-1, 1).
 ///
-/// A ratio of lengths (`um/m`, `0.02/500`) is (0, 0) and may stand where an angle belongs.
+/// A ratio of lengths (`um/m`, `0.02/500`) is (0, 0) and may be given in place of an angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Dimension {
     /// Power of length.

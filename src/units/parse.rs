@@ -46,7 +46,7 @@ pub fn quantity(text: &str) -> Result<Quantity, Failure> {
     let trimmed = text.trim();
     let split = number_end(trimmed);
     let value = number(&trimmed[..split]).map_err(|failure| match failure {
-        // `nan um` and `inf` are numbers to the eye: say what is wrong with them.
+        // `nan um` and `inf` look like numbers: the message names the fault.
         Failure::NotANumber(_) => match number(trimmed.split_whitespace().next().unwrap_or_default()) {
             Err(failure @ Failure::NotFinite(_)) => failure,
             _ => Failure::NotANumber(trimmed.to_owned()),

@@ -8,7 +8,7 @@ use std::process::{Child, Command, Stdio};
 use base64::Engine;
 use serde_json::{Value, json};
 
-/// Are Chromium and its driver there?
+/// Checks that Chromium and its driver are there.
 pub fn available() -> Result<(), String> {
     for program in ["chromium", "chromedriver"] {
         let found = Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
@@ -37,7 +37,7 @@ impl Browser {
                 line.unwrap().split("on port ").nth(1)?.trim_end_matches('.').parse().ok().filter(|port| *port > 0)
             })
             .unwrap();
-        // The rest of what it says must not stop it.
+        // Unread output must not stop it.
         let _ = std::thread::spawn(move || lines.for_each(drop));
         let mut browser = Self { driver, port, session: String::new() };
         let arguments = [
@@ -120,7 +120,7 @@ impl Browser {
         self.ask("goog/cdp/execute", &json!({"cmd": command, "params": parameters}))
     }
 
-    /// What the browser's console was told since it was last asked: (level, message).
+    /// Returns the messages of the browser's console since the last call: (level, message).
     pub fn complaints(&self) -> Vec<(String, String)> {
         let log = self.ask("se/log", &json!({"type": "browser"}));
         let word = |v: &Value| v.as_str().unwrap().to_owned();

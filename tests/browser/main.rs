@@ -1,5 +1,5 @@
-//! The report page in a real Chromium, driven over WebDriver: it loads without the network and without
-//! complaint, shows the numbers of its data, and its controls, keys and `--watch` do what they say.
+//! The report page in a real Chromium, driven over WebDriver: it loads without the network and without complaint, shows
+//! the numbers of its data, and its controls, keys and `--watch` do as labelled.
 //!
 //! Without Chromium every check is left out and named; with `ABBE_REQUIRE_BROWSER=1` (as in `tests/run`) that
 //! is a failure. Screenshots are kept in `target/debug/screenshots/`.
@@ -57,7 +57,7 @@ pub fn abbe() -> Command {
     command
 }
 
-/// Where screenshots and the five-axis page are kept: beside the program, under `target`.
+/// Folder of screenshots and of the five-axis page: beside the program, under `target`.
 pub fn kept() -> PathBuf {
     let folder = Path::new(env!("CARGO_BIN_EXE_abbe")).parent().unwrap().join("screenshots");
     std::fs::create_dir_all(&folder).unwrap();

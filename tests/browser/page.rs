@@ -31,7 +31,7 @@ pub fn loads() {
         assert!(strangers.is_empty(), "{strangers:?}");
         let drawn = browser.run("return views.length > 0 && views.every((view) => view.canvas.width > 100 && new Set(view.canvas.getContext('2d').getImageData(0, 0, view.canvas.width, view.canvas.height).data).size > 20);");
         assert_eq!(drawn, true, "{page:?}: an empty picture");
-        // The policy holds: what a script would fetch is refused.
+        // The policy holds: a fetch of a script is refused.
         let fetched = browser.run("return fetch('http://127.0.0.1:1/').then(() => 'reached', () => 'refused');");
         assert_eq!(fetched, "refused");
         assert!(browser.complaints().iter().any(|(_, text)| text.contains("Content Security Policy")));
@@ -64,7 +64,7 @@ pub fn numbers() {
         let half = 0.5 * 10_f64.powi(-(i32::try_from(decimals).unwrap())).max(value.abs() * 1e-3);
         assert!((printed - value).abs() <= half * (1.0 + 1e-9), "{at}: {text} for {value}");
     }
-    // What the view says in words.
+    // Text of the view.
     let said = browser.run("return document.querySelector('.said').textContent;");
     let at = &data["machines"][0]["field"]["layers"][0]["at"][0];
     let number =
@@ -72,7 +72,7 @@ pub fn numbers() {
     assert!((number / at["max_um"].as_f64().unwrap() - 1.0).abs() < 1e-3, "{said}");
 }
 
-/// Changes a control as a reader would, and says how to take it back.
+/// Changes a control as a reader would, and returns the script that reverts it.
 fn set(name: &str, value: &str) -> String {
     format!(
         "const c = document.querySelector('[data-set=\"{name}\"]'); const old = c.type === 'checkbox' ? c.checked : c.value; \

@@ -54,7 +54,7 @@ pub fn refreshes() {
     let turned = browser.run("return camera.pitch;");
     std::fs::write(&file, MACHINE.replace("Watched", "Changed").replace("20 urad", "40 urad")).unwrap();
     wait(&browser, "return document.querySelector('h1').textContent === 'Changed';");
-    // Not loaded anew: what the reader did is still there.
+    // Not loaded anew: the reader's changes are still there.
     assert_eq!(browser.run("return window.mine;"), true);
     assert_eq!(browser.run("return camera.pitch;"), turned);
     let before = browser.run("return document.querySelector('.tile b').textContent;");

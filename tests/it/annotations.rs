@@ -64,7 +64,7 @@ fn every_verb_that_reads_a_file_refuses_in_json() {
     ] {
         let output = abbe_on(2, &[arguments, &["--format", "json"]].concat());
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        // What clap refuses has not been parsed.
+        // Arguments that clap refuses have not been parsed.
         assert_eq!(output.status.code(), Some(1), "{arguments:?}: {said}");
         let refusal: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|f| panic!("{arguments:?}: {f}"));
         assert_eq!(refusal["refused"], true, "{arguments:?}");

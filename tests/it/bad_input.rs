@@ -1,4 +1,4 @@
-//! Hostile and broken input: always a diagnostic that says what to do, soon, and never a panic.
+//! Hostile and broken input: always a diagnostic with a remedy, soon, and never a panic.
 
 use super::language::{Memory, TRUNNION, read};
 use abbe::diagnostic::{Diagnostics, Rendering, render};
@@ -252,7 +252,7 @@ fn survives(machine: &[u8], table: &[u8]) {
     let _ = render(&diagnostics, Rendering { color: true });
 }
 
-/// Changes to a text: (where, how many bytes go, what comes).
+/// Changes to a text: (place, number of removed bytes, inserted text).
 fn changes() -> impl Strategy<Value = Vec<(prop::sample::Index, usize, String)>> {
     let piece = prop_oneof![
         "[\\[\\]{}:,\"'#&*!|>%@` \n\t0-9a-zA-Zµ°é\u{1}-]{0,4}",

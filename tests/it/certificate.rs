@@ -1,4 +1,4 @@
-//! The certificate of `compile` and `verify`: its contract, and whether what it says is true.
+//! The certificate of `compile` and `verify`: its contract, and the truth of its numbers.
 
 use serde_json::Value;
 use std::path::Path;
@@ -55,7 +55,7 @@ fn the_json_of_compile_and_verify_is_the_contract() {
         let json = written.json();
         contract(&json, target, 300);
         assert_eq!(json["errors"].as_object().unwrap().len(), 9 + 4 * 6, "{:?}", keys(&json["errors"]));
-        // The files say it themselves: read back another day they give the same certificate.
+        // The files suffice: read back another day they give the same certificate.
         let mut again = verify(&machine, &folder.path("out"), &more).json();
         again["files"] = json["files"].clone();
         assert_eq!(again, json, "{target}");
@@ -110,7 +110,7 @@ fn own_axis_tables_do_not_claim_what_they_cannot_do() {
         let own = ["EXX", "EYY", "EZZ", "EAA", "ECC"].contains(&name.as_str());
         assert_eq!(error["handled"], if own { "fully" } else { "no" }, "{name}: {error}");
     }
-    // The whole: hardly anything, and it says so.
+    // The whole: hardly anything, and the certificate states it.
     let [before, after] = ["uncompensated", "compensated"].map(|w| number(&json, &format!("/{w}/position_um/p95")));
     assert!(after > 0.85 * before, "from {before} to {after}");
 }
@@ -127,7 +127,7 @@ fn alone(machine: &Sample, lattice: Option<&Lattice>, theirs: usize) -> (f64, f6
     (forward.0.max(reverse.0), forward.1.max(reverse.1))
 }
 
-/// How many poses the figures of single errors rest on.
+/// Number of poses of the figures of single errors.
 const SINGLE_POSES: usize = 2000;
 
 const DIRECTIONS: &str = "XYZABC";
@@ -139,7 +139,7 @@ fn with_only(machine: &Sample, name: &str) -> Sample {
     left::only(machine, |joint, k, at| joint == axis && k == direction && at == location)
 }
 
-/// What own-axis tables cannot touch is left whole: by the model, error by error.
+/// Errors out of reach of own-axis tables remain whole: by the model, error by error.
 #[test]
 fn left_of_single_errors_under_own_axis_tables() {
     let folder = Folder::new();
@@ -159,7 +159,7 @@ fn left_of_single_errors_on_a_lattice() {
         ("EB0C", "EB0C: 24 urad"),
         ("EXC", "EXC: { points: [[0 deg, 0 um], [100 deg, 4 um], [190 deg, -3 um], [360 deg, 0 um]] }"),
         ("EBX", "EBX: { points: [[0 mm, 9 urad], [130 mm, -7 urad], [320 mm, 8 urad], [500 mm, -9 urad]] }"),
-        // Reversal is what a lattice cannot hold: half of it is left in either direction.
+        // A lattice cannot hold reversal: half of it remains in either direction.
         (
             "EXX",
             "EXX: { forward: { points: [[0 mm, 0 um], [500 mm, 0 um]] }, reverse: { points: [[0 mm, 8 um], [500 mm, 8 um]] } }",
@@ -201,7 +201,7 @@ fn left_of_single_errors_on_a_lattice() {
     assert_eq!(together["errors"]["EXX"]["handled"], "partly");
 }
 
-/// Of two directions the certificate is that of the worse, and says which.
+/// Of two directions the certificate is that of the worse, and names it.
 #[test]
 fn the_worse_direction_counts() {
     let folder = Folder::new();
@@ -212,14 +212,14 @@ fn the_worse_direction_counts() {
             let out = folder.path(&format!("{name}{target}{worse}"));
             compile(&trunnion(&folder, &both(name), COARSE), target, &out, &["--poses", "50"]).json()
         };
-        // Straightness is out of reach of own-axis tables: the larger of both is left.
+        // Straightness is out of reach of own-axis tables: the larger of both remains.
         let json = of("EYX", "linuxcnc");
         assert_eq!(json["direction"], worse);
         for state in ["uncompensated", "compensated"] {
             let max = number(&json, &format!("/{state}/position_um/max"));
             assert!((max - f64::max(forward.abs(), reverse.abs())).abs() < 1e-5, "{state}: {json}");
         }
-        // So it says of the error by itself.
+        // The figure of the error alone agrees.
         let left = number(&json, "/errors/EYX/left_um");
         assert!((left - f64::max(forward.abs(), reverse.abs())).abs() < 1e-5, "{left}");
         assert_eq!(json["errors"]["EYX"]["handled"], "no");
@@ -231,7 +231,7 @@ fn the_worse_direction_counts() {
     }
 }
 
-/// The value at the reference position and the step at the first motion are said.
+/// The certificate states the value at the reference position and the step at the first motion.
 #[test]
 fn what_happens_at_the_reference_position_is_said() {
     let folder = Folder::new();
@@ -281,8 +281,8 @@ fn a_shift_of_the_zero_is_compared_with_a_shift_alone() {
     }
 }
 
-/// The tables of the two-axis machine leave a constant and are worse for it: said, with the reason, and what moving the
-/// machine zero makes of it.
+/// The tables of the two-axis machine leave a constant and are worse for it: reported, with the reason, and with the
+/// effect of moving the machine zero.
 #[test]
 fn what_gets_worse_is_said() {
     let folder = Folder::new();
@@ -320,7 +320,7 @@ fn what_acts_on_a_turned_table_only_is_not_nothing() {
     }
 }
 
-/// A module that has nothing to correct adds what rounding leaves, and that is nothing.
+/// A module that has nothing to correct adds only rounding, which counts as nothing.
 #[test]
 fn a_module_without_errors_corrects_nothing() {
     let folder = Folder::new();
@@ -330,7 +330,7 @@ fn a_module_without_errors_corrects_nothing() {
     assert!(!run.out.contains("Then measure"), "{}", run.out);
 }
 
-/// What `compile` says to people.
+/// Text output of `compile`.
 fn compiled_text(machine: &Path, target: &str, out: &Path) -> Run {
     let mut run = abbe();
     run.arg("compile").arg(machine).args(["--target", target, "--poses", "50", "--out"]);
@@ -401,7 +401,8 @@ fn what_has_no_effect_is_no_option() {
     assert_eq!(compile(&machine, "grid-csv", &folder.path("grid"), &["--lattice", "X,X"]).code, Some(2));
 }
 
-/// The number is what the files add, not what the machine would want: the matrix by hand, at the pose that is named.
+/// The number is the sum of the files' corrections, not the correction that the machine needs: the matrix by hand, at
+/// the pose that is named.
 #[test]
 fn the_sign_test_of_a_matrix_is_the_matrix() {
     let folder = Folder::new();
@@ -429,7 +430,8 @@ fn the_sign_test_of_a_matrix_is_the_matrix() {
     assert!((sum - after("the module adds ")).abs() < 1e-3 * sum.abs(), "{sum} {said}");
 }
 
-/// With a tool that the tables were not made for: said, and the corrections of a kinematics module are right all the same.
+/// With a tool that the tables were not made for: reported, and the corrections of a kinematics module are right all
+/// the same.
 #[test]
 fn sets_are_judged_with_another_tool() {
     let (folder, machine) = (Folder::new(), config("ht-b-c.yaml"));
@@ -457,7 +459,7 @@ fn with_table(folder: &Folder, errors: &str) -> std::path::PathBuf {
     folder.write("machine.yaml", &text)
 }
 
-/// Nothing to compensate is no failure: whatever tables stood there go, and `verify`, `diff` and `--installed` take what is left.
+/// Nothing to compensate is no failure: old tables are removed, and `verify`, `diff` and `--installed` accept the rest.
 #[test]
 fn sets_without_tables() {
     for target in abbe::controller::NAMES.into_iter().filter(|name| !name.starts_with("linuxcnc-")) {
@@ -487,8 +489,8 @@ fn sets_without_tables() {
     }
 }
 
-/// ECC of 10 urad everywhere is nothing that tables can hold which vanish at C = 0: all of it is left, as the constant of a linear
-/// axis would be.
+/// Tables that vanish at C = 0 cannot hold ECC of 10 urad everywhere: all of it remains, as the constant of a linear
+/// axis would.
 #[test]
 fn a_constant_is_left_of_a_single_rotary_error_too() {
     let folder = Folder::new();

@@ -12,7 +12,7 @@ fn classify(text: &str, more: &[&str]) -> (String, String, i32) {
     (text(&output.stdout), text(&output.stderr), output.status.code().unwrap())
 }
 
-/// A quarter turn about z after a way of 100 mm, with 12 urad about z and 4 um along y.
+/// A quarter turn about z after a travel of 100 mm, with 12 urad about z and 4 um along y.
 const MOTION: &str = "matrix:\n  - [[0, -12e-6], -1, 0, 100]\n  - [1, [0, -12e-6], 0, [0, 0.0052]]\n  - [0, 0, 1, 0]\n  - [0, 0, 0, 1]\n";
 
 #[test]

@@ -170,7 +170,7 @@ fn two_machines_are_counted_and_subtracted() {
             assert_eq!(number(&second["minus_first"][key][metric]), expected);
         }
     }
-    // The first machine's numbers are those of `eval` where the table of poses says it stands.
+    // The first machine's numbers are those of `eval` at its poses in the table.
     let csv =
         abbe(&["compare", "trunnion.yaml", "variants/trunnion-swivel-head.yaml", "--poses", "400", "--format", "csv"]);
     assert_eq!(csv.lines().count() as u64, 1 + 2 * (400 - missed));
@@ -304,11 +304,11 @@ fn budgets_are_compared_tolerance_by_tolerance() {
     assert!(p90 < sum && sum < p99, "{p90} {sum} {p99}");
     let said = abbe(&["compare", text(&one), text(&two), "--poses", "50", "--samples", "50"]);
     assert!(said.contains("Budgets on the same tool poses: 2 and 2 errors bounded; 50 machines drawn"), "{said}");
-    // One that bounds nothing: said, and the rest is there.
+    // One machine without bounds: reported, and the rest is there.
     let c = of(&[text(&one), text(&three)]);
     assert!(c["budgets"].is_null() && c["warnings"][0]["code"] == "W0607", "{c}");
     assert!(of(&[text(&three), text(&three)])["warnings"].is_null());
-    // With a class both have one.
+    // With a class both have bounds.
     let c = of(&[text(&one), text(&three), "--class", "production"]);
     assert_eq!((&c["budgets"]["class"], c["budgets"]["machines"].as_array().unwrap().len()), (&"production".into(), 2));
 }

@@ -107,7 +107,7 @@ fn correcting_poses_takes_nine_tenths_of_the_position_away() {
     reduction(Grid::pose(), 10.0);
 }
 
-/// Within a cell the certificate has its say; on a node nothing is left but rounding.
+/// Within a cell the certificate counts; on a node only rounding remains.
 #[test]
 fn nodes_are_solved_to_rounding() {
     let mut random = Random::new(SEED);
@@ -220,7 +220,7 @@ fn golden_signs_of_an_eccentric_rotary_axis() {
     corrects(&with_c("w X' C' b Y Z t"), &[("C", 180.0)], [-20.0, 0.0, 0.0]);
 }
 
-/// Where the slides cannot go a rotary axis may: a lathe's C for its missing Y.
+/// A rotary axis replaces slides that cannot reach: a lathe's C for its missing Y.
 #[test]
 fn rotary_axes_reach_where_slides_cannot() {
     let folder = Folder::new();
@@ -250,7 +250,7 @@ fn rotary_axes_reach_where_slides_cannot() {
     assert!(left < 0.6, "{left} um left");
 }
 
-/// A lattice over some axes holds where the others stand at 0, and is as small as it is told to be.
+/// A lattice over some axes holds at position 0 of the others, and is as small as requested.
 #[test]
 fn smaller_lattices() {
     let folder = Folder::new();
@@ -291,8 +291,8 @@ fn a_turn_may_begin_anywhere() {
     }
 }
 
-/// Machines nobody chose: what is written is plain, is read back as it was written, and takes the deviation of
-/// the mean direction away at the nodes as far as the linear axes reach.
+/// Random machines: the written text is plain, is read back as it was written, and removes the deviation of the mean
+/// direction at the nodes as far as the linear axes reach.
 #[test]
 fn lattices_of_random_machines() {
     let mut random = Random::new(11);
@@ -338,7 +338,7 @@ fn nothing_worse(sample: &Sample, lattice: &Lattice, node: usize, scope: &str, t
     }
 }
 
-/// How well the linear axes span space at a pose: the largest volume of three of their unit motions.
+/// Reach of the linear axes at a pose: the largest volume of three of their unit motions.
 fn reach(sample: &Sample, pose: &Pose) -> f64 {
     let tip = |pose: &Pose| sample.evaluate(pose, Travel::Mean, Frame::Workpiece).nominal;
     let here = tip(pose);
@@ -392,7 +392,7 @@ fn same_bytes_on_any_number_of_threads_and_from_anywhere() {
     }
 }
 
-/// The manifest names what was read and written, with hashes of other code than ours.
+/// The manifest names the files read and written, with hashes of other code than ours.
 #[test]
 fn the_manifest_of_a_set_is_right() {
     let folder = Folder::new();

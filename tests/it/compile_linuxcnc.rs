@@ -101,13 +101,13 @@ fn every_config_gives_tables_that_the_controller_takes() {
     }
 }
 
-/// From end to end of the travel; two turns about zero of a continuous axis.
+/// Checks that a table goes from end to end of the travel; two turns about zero of a continuous axis.
 fn covers(extra: &Extra, table: &CorrectionTable) {
     let [low, high] = extra.travel.unwrap_or([-360.0, 360.0]);
     assert_eq!([table.nominal[0], table.nominal[table.nominal.len() - 1]], [low, high]);
 }
 
-/// The lines that load the tables, and limits no wider than what they cover.
+/// Checks the lines that load the tables, and that limits are no wider than the tables.
 fn limits(fragment: &str, set: &Set, machine: &Sample) {
     for (joint, (axis, table)) in set.joints.iter().enumerate() {
         let section = fragment.split(&format!("[JOINT_{joint}]")).nth(1).unwrap().split("[JOINT").next().unwrap();
@@ -240,7 +240,7 @@ fn one_axis(rotary: bool, workpiece: bool, direct: bool, body: bool, own_sense: 
     let mut errors: [Option<Error>; 6] = Default::default();
     errors[k] = Some(Error { forward: Curve::Points(points), reverse: None });
     let direction = if rotary { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] };
-    // The sense may be said of the axis or of the whole machine.
+    // The sense may be given for the axis or for the whole machine.
     let sense = (workpiece && own_sense).then_some(direct);
     let conventions = Conventions { direct: direct && !own_sense, body, ..Conventions::default() };
     let axis = Axis {
@@ -284,7 +284,8 @@ fn arrives(machine: &Sample, table: &CorrectionTable) {
     }
 }
 
-/// Every form of curve, every convention, any direction: at the points of the tables nothing is left of the axis alone.
+/// Every form of curve, every convention, any direction: at the points of the tables the error of the axis alone
+/// vanishes.
 #[test]
 fn trims_of_random_machines() {
     let mut random = Random::new(12);
@@ -326,7 +327,7 @@ fn solved(sample: &Sample, out: &Path, run: &Run, text: &str) -> usize {
     files.len()
 }
 
-/// Does a warning say that this axis is written under this letter?
+/// True if a warning states that this axis is written under this letter.
 fn renamed(run: &Run, axis: &str, letter: &str) -> bool {
     run.err.contains(&format!("W0601]: axis `{axis}` is written as `{letter}`"))
 }

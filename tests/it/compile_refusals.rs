@@ -1,4 +1,4 @@
-//! What `compile` will not do to a folder, and what `verify` will not believe.
+//! Folders that `compile` refuses to touch, and files that `verify` refuses to believe.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -161,7 +161,7 @@ fn folders_that_cannot_be_written_to() {
     refused_unchanged(&folder, &machine_file, &long, "E0810", "xxx");
 }
 
-/// `compile` under a limit of the size of files: the disk is full, as far as the program can tell.
+/// Runs `compile` under a limit of the size of files: to the program, the disk is full.
 fn under_a_limit(machine: &Path, out: &Path, blocks: u32, ignoring: bool) -> Run {
     let trap = if ignoring { "trap '' XFSZ; " } else { "" };
     let script = format!("{trap}ulimit -f {blocks}; exec \"$@\"");
@@ -182,7 +182,7 @@ fn a_full_disk_leaves_the_old_set() {
     );
     under_a_limit(&fine, &out, 20, true).refused("E0810").says("nothing was written");
     assert_eq!(tree(&out), before);
-    // Killed in the middle: the old set stands, whatever lies beside it, and the next run is not in its way.
+    // Killed in the middle: the old set is there, whatever lies beside it, and the next run is not hindered.
     assert_eq!(under_a_limit(&fine, &out, 20, false).code, None);
     let after = tree(&out);
     assert!(before.iter().all(|(path, entry)| after[path] == *entry));
@@ -349,7 +349,7 @@ fn templates_that_would_do_harm() {
         (files.clone(), "{% include 'target.yaml' %}", "E0702"),
         (files.clone(), "{% for", "E0702"),
         (files.clone(), "X [mm],dX [mm]\n", "E0704"),
-        // What is written must be what was meant.
+        // The written text must be the intended one.
         (files.clone(), "X [mm],Y [mm],Z [mm],dX [mm],dY [mm],dZ [mm]\n1,1,1,0,0,0\n", "E0707"),
         // Ten to the twelfth rounds; and as many bytes in few rounds.
         (files.clone(), &loops(""), "E0702"),
@@ -393,7 +393,7 @@ fn templates_that_are_links() {
 /// From the text of a file to the bytes of another.
 type Change<'a> = &'a dyn Fn(&str) -> Vec<u8>;
 
-/// Changes a file of a set, and asks `verify` what it thinks.
+/// Changes a file of a set, and runs `verify` on it.
 fn tampered(set: &(Folder, PathBuf, PathBuf), file: &str, change: impl Fn(&str) -> Vec<u8>) -> Run {
     let (_, machine, out) = set;
     let text = std::fs::read_to_string(out.join(file)).unwrap();
@@ -412,7 +412,7 @@ fn tables_that_the_controller_would_misread() {
     let (_, machine, out) = &set;
     let original = std::fs::read_to_string(out.join("joint_0_X.comp")).unwrap();
     assert_eq!(original.lines().count(), 3);
-    // The line that is replaced or put in front of the one with this number, and what is said.
+    // The line that is replaced or put in front of the one with this number, and the message.
     let cases: [(usize, &str, &str); 15] = [
         (1, "# comment", "stop reading"),
         (1, "", "0 numbers"),
@@ -517,7 +517,7 @@ fn sets_that_are_not_whole() {
     }
 }
 
-/// What does no harm is said and read as it is; what is found on a machine needs no manifest.
+/// Harmless defects are reported and read as they are; files found on a machine need no manifest.
 #[test]
 fn harmless_edits_are_warnings() {
     let set = compiled("linuxcnc");

@@ -1,5 +1,5 @@
-//! `convert`: the oracle finds the same machine before and after, on random machines and every pair of conventions;
-//! what cannot be exact is refused with its number.
+//! `convert`: the oracle finds the same machine before and after, on random machines and every pair of conventions; an
+//! inexact conversion is refused with its number.
 
 use crate::oracle::curves::{Curve, Error, Travel as Direction};
 use crate::oracle::machines::{Pose, Sample, combinations};
@@ -52,7 +52,7 @@ const DIRECTIONS: [(Direction, Approach); 3] = [
     (Direction::Reverse, Approach::Reverse),
 ];
 
-/// The oracle's answer for a file that the program wrote; `over` are the axes that now count the other way.
+/// The oracle's answer for a file that the program wrote; `over` are the axes whose sense is reversed.
 fn answer(machine: &Machine, pose: &Pose, over: &[bool], approach: Approach) -> Answer {
     let state = |(i, q): (usize, &f64)| {
         let position = if over[i] { -q } else { *q };
@@ -110,7 +110,7 @@ fn convert(sample: &Sample, arguments: &[&str]) -> (Run, Option<Machine>, Folder
 /// Rounding of some metres, in matrices multiplied and taken apart again: the program's own bound.
 const BOUND: [f64; 2] = [1e-9, 1e-12];
 
-/// Must be converted exactly: the oracle agrees, and so does what the program says of itself.
+/// Checks an exact conversion: the oracle agrees, and so does the program's own figure.
 fn exact(sample: &Sample, arguments: &[&str], random: &mut Random) -> Machine {
     let (run, machine, folder) = convert(sample, arguments);
     let text = || std::fs::read_to_string(folder.path("machine.yaml")).unwrap();
@@ -309,7 +309,7 @@ fn yaw_becomes_straightness() {
     let out = folder.path("out.yaml");
     assert_eq!(Run::of(abbe().arg("convert").arg(path).args(["--to", "before", "--out"]).arg(&out)).code, Some(0));
     let six = crate::loaded::machine(&out).component_values(0, 400.0, Approach::Mean);
-    // E N: the error turns the way already gone, so 10 urad x 400 mm = 4 um must be taken back.
+    // E N: the error turns the travel already made, so 10 urad x 400 mm = 4 um must be taken back.
     assert!((six[1] + 4e-3).abs() < 1e-12 && (six[5] - 1e-5).abs() < 1e-18, "{six:?}");
 }
 
@@ -328,7 +328,7 @@ fn squareness_between_carried_bodies() {
     let machine = crate::loaded::machine(&out);
     let c0 = |i: usize| machine.axis_errors(i).location_values()[5];
     assert!((c0(0) - 5e-6).abs() < 1e-18 && (c0(1) - 7e-6).abs() < 1e-18);
-    // The tool stands on Y as before: what turned it on the way is taken back at the spindle.
+    // The tool is on Y as before: its rotation along the chain is taken back at the spindle.
     assert!((machine.spindle_errors().unwrap().location_values()[5] + 12e-6).abs() < 1e-18);
     assert_eq!(machine.chain().to_string(), "w b X Y (S) t");
 }

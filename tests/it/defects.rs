@@ -1,6 +1,6 @@
-//! Files with defects that nobody wrote by hand: every kind of damage to every file of every target. Each is refused with
-//! its place and a remedy, or read; what is read otherwise than before is what the controller would make of it, by the readers
-//! of `support::controllers` where they take the file.
+//! Files with defects that nobody wrote by hand: every kind of damage to every file of every target. Each is refused
+//! with its place and a remedy, or read; a changed reading is that of the controller, by the readers of
+//! `support::controllers` where they take the file.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use crate::replays;
 use crate::support::controllers::{Files, loaded as controller};
 use crate::support::{compile, verify};
 
-/// A damage: what the file is after it, if it can be done to it.
+/// A damage: its name, and the damaged bytes of a file, if it applies to it.
 type Damage = (&'static str, fn(&[u8], &mut Random) -> Option<Vec<u8>>);
 
 fn lines(bytes: &[u8]) -> Vec<Vec<u8>> {
@@ -105,13 +105,13 @@ const DAMAGES: [Damage; 19] = [
     ("empty", |_, _| Some(Vec::new())),
 ];
 
-/// What became of damaged files.
+/// Counts of the outcomes of damaged files.
 #[derive(Debug, Default, Clone, Copy)]
 struct Count {
     refused: usize,
     same: usize,
     other: usize,
-    /// Of those read otherwise: confirmed by the controller's own reader.
+    /// Number of those read differently that are confirmed by the controller's own reader.
     confirmed: usize,
 }
 
@@ -168,7 +168,7 @@ impl Case<'_> {
     }
 }
 
-/// In the library: many of each kind.
+/// In the library: a large number of each kind.
 #[test]
 fn damaged_files_are_refused_or_read_as_the_controller_would() {
     const ROUNDS: usize = 12;
@@ -194,7 +194,7 @@ fn damaged_files_are_refused_or_read_as_the_controller_would() {
             for (what, damage) in DAMAGES {
                 for _ in 0..ROUNDS {
                     let Some(bytes) = damage(case.files[file].as_bytes(), &mut random) else { continue };
-                    // What is no text does not come so far.
+                    // Bytes that are no text do not come so far.
                     if let Ok(text) = String::from_utf8(bytes) {
                         case.judge(file, what, &text, &mut count);
                     }

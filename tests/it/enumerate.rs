@@ -176,7 +176,7 @@ fn what_cannot_turn_the_tool_is_listed_apart() {
     let result = json(&["enumerate", "trunnion.yaml", "--poses", "20", "--format", "json"]);
     let apart: Vec<&str> =
         result["cannot_turn_the_tool"].as_array().unwrap().iter().map(|chain| chain.as_str().unwrap()).collect();
-    // C turns about the tool axis wherever it stands after A on the walk: half of all walks.
+    // C turns about the tool axis at any place after A on the walk: half of all walks.
     assert_eq!(apart.len(), 360);
     assert!(apart.iter().all(|chain| chain.find('A') < chain.find('C')), "{apart:?}");
     assert!(apart.contains(&"w A' Y' b X Z C t"));
@@ -349,7 +349,7 @@ fn machines_are_rearranged_as_a_file_would_say() {
     assert!(machine.rearranged(&[side("X", t), side("X", t)]).is_none());
     assert!(machine.rearranged(&[side("X", t), side("Y", w)]).is_none());
     assert!(machine.rearranged(&[side("Q", t)]).is_none() && machine.rearranged(&[]).is_none());
-    // Left out with its errors.
+    // Removed with its errors.
     let fewer = machine.rearranged(&[side("Z", t), side("Y", t), side("X", t)]).unwrap();
     assert!(fewer.axes().iter().all(|axis| axis.kind == AxisKind::Linear));
     assert!(fewer.errors().all(|(error, _)| error.axis.as_str().len() == 1 && !"AC".contains(error.axis.as_str())));

@@ -34,13 +34,13 @@ fn symbols_at(machine: &Machine, found: &Equations, pose: &[f64]) -> Vec<f64> {
     found.symbols.iter().map(|s| value(s.meaning)).collect()
 }
 
-/// How far position (mm), rotation and E_VE may be apart.
+/// Largest differences of position (mm), rotation and E_VE.
 type Tolerance = [f64; 3];
 
 /// Terms of a metre times 100 urad are 0.1 mm: their rounding, some hundred times.
 const ROUNDING: Tolerance = [1e-13, 1e-17, 1e-12];
 
-/// The polynomials at numbers are what `eval` says at the same order, to rounding.
+/// The polynomials at numbers agree with `eval` at the same order, to rounding.
 fn agrees(machine: &Machine, order: u8, options: Options, tolerance: Tolerance) {
     let name = machine.name();
     let found = of_order(machine, order, options);
@@ -87,7 +87,7 @@ fn second_order_is_eval() {
     }
 }
 
-/// Products of terms are counted: the limit comes before the memory is full. The program says so with exit code 1.
+/// Products of terms are counted: the limit comes before the memory is full. The program refuses with exit code 1.
 #[test]
 #[ignore = "half a minute: by hand"]
 fn equations_without_end_are_refused() {
@@ -121,7 +121,7 @@ fn same(ours: &Terms, theirs: &Terms, what: &str) {
     }
 }
 
-/// What SymPy says (tests/oracles/equations.py).
+/// Output of SymPy (tests/oracles/equations.py).
 fn sympy() -> Value {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/oracles/equations.json");
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()

@@ -102,7 +102,7 @@ fn exact_is_exact_for_enormous_errors() {
     assert!(seen > 60.0, "only {seen} of 64 machines tell order 6 from exact");
 }
 
-/// Whether the highest order of the program is far enough from the exact model to be noticed.
+/// True if the highest order of the program is far enough from the exact model to be noticed.
 fn order_six_shows(sample: &Sample, random: &mut Random) -> bool {
     let folder = Folder::new();
     yaml::write(sample, &folder);
@@ -164,7 +164,7 @@ fn presets() {
     }
 }
 
-/// The columns of the poses come in any order, some with a unit; axes without one stand at zero.
+/// The columns of the poses come in any order, some with a unit; axes without one are at zero.
 #[test]
 fn columns_of_the_poses() {
     let mut random = Random::new(7);
@@ -188,7 +188,7 @@ fn columns_of_the_poses() {
     }
 }
 
-/// A comparison of conventions says nothing where they do not differ: each key changes the model's answers.
+/// Conventions that do not differ make a comparison empty: each key changes the model's answers.
 #[test]
 fn every_convention_matters() {
     let mut random = Random::new(8);

@@ -1,5 +1,5 @@
-//! `eval --order n` against the exact model: what it leaves falls with the (n+1)-th power of the errors,
-//! and it is a polynomial of degree n in them.
+//! `eval --order n` against the exact model: its truncation error falls with the (n+1)-th power of the errors, and it
+//! is a polynomial of degree n in them.
 
 use crate::oracle::curves::Travel;
 use crate::oracle::machines::{Pose, Sample, combinations};
@@ -59,7 +59,7 @@ impl Subject {
         numbers(&answers)
     }
 
-    /// What each order leaves at each of the machines: [machine][order][lengths, angles].
+    /// Truncation error of each order at each of the machines: [machine][order][lengths, angles].
     fn left(&self, machines: &[Sample], orders: &[&str]) -> Vec<Vec<[f64; 2]>> {
         let gap = |theirs: &Numbers, ours: &Numbers| [0, 1].map(|kind| distance(&theirs[kind], &ours[kind]));
         let of_machine = |sample: &Sample| {

@@ -1,5 +1,5 @@
-//! Every target for every machine of configs/: files that read back and that `verify` and `diff` take, or words why not and what
-//! to do. Nothing gets worse without a warning.
+//! Every target for every machine of configs/: files that read back and that `verify` and `diff` take, or a refusal
+//! with reason and remedy. Nothing gets worse without a warning.
 
 use std::sync::Mutex;
 
@@ -61,7 +61,7 @@ fn judged(work: Vec<(String, &'static str)>) -> Vec<&'static str> {
     written.into_inner().unwrap()
 }
 
-/// Is a set written?
+/// Compiles and judges a set; true if it is written.
 fn judge(name: &str, target: &str) -> bool {
     let (folder, machine) = (Folder::new(), config(name));
     let out = folder.path("out");
@@ -83,7 +83,7 @@ fn judge(name: &str, target: &str) -> bool {
     true
 }
 
-/// A figure that is larger with the files than without stands in the warning, and only such a one.
+/// The warning names the figures that are larger with the files than without, and only such.
 fn said_if_worse(run: &Run, json: &serde_json::Value, of: &str) {
     for (key, word) in [("p95", "95 %"), ("rms", "rms"), ("max", "max")] {
         let [before, after] =

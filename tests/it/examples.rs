@@ -1,4 +1,4 @@
-//! The programs in examples/ run, and do what their heads say.
+//! The programs in examples/ run, and do as their heads state.
 
 #[path = "../../examples/compile.rs"]
 mod compile;

@@ -1,8 +1,8 @@
-//! Tables with a fault of what filled them: their certificates must show it. Single errors rest on as many poses as
-//! they say.
+//! Tables with a fault in their filling: their certificates must show it. Single errors rest on the number of poses
+//! that they state.
 
 use abbe::compensation::{CorrectionTable, CorrectionTables, LatticeRequest, Scope};
-use abbe::controller::{Certificate, ControllerTarget, JudgedTables, certify};
+use abbe::controller::{Certificate, ControllerTarget, TablesUnderTest, certify};
 use abbe::machine::{Approach, Machine};
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ fn filled(machine: &Machine, target: &ControllerTarget) -> CorrectionTables {
 }
 
 fn certified(machine: &Machine, target: &ControllerTarget, tables: &CorrectionTables) -> Certificate {
-    certify(machine, JudgedTables { target, tables, installed: None }, Scope::POSITION, 300, 1)
+    certify(machine, TablesUnderTest { target, tables, installed: None }, Scope::POSITION, 300, 1)
 }
 
 /// Three linear axes and an endless table.

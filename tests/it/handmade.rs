@@ -1,5 +1,6 @@
-//! Files with the defects that hands and programs make, one by one for every target: each is refused with its place, or read as
-//! the controller would read it, and then said where that is not what was meant. What random damage finds is in `defects`.
+//! Files with the defects that hands and programs make, one by one for every target: each is refused with its place, or
+//! read as the controller would read it, with a warning where that is not the intended meaning. Random damage is in
+//! `defects`.
 
 use std::path::Path;
 
@@ -12,7 +13,7 @@ use crate::replays;
 use crate::support::controllers::Files;
 use crate::support::{compile, config, names, verify};
 
-/// What becomes of a file.
+/// Outcome of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Outcome {
     Refused,
@@ -44,7 +45,7 @@ fn with_middle(text: &str, change: impl Fn(&str) -> String) -> String {
     lines(text).iter().enumerate().map(changed).collect()
 }
 
-/// The last run of letters, digits and points of a line, and what stands before it.
+/// The last run of letters, digits and points of a line, and the text before it.
 fn last_cell(line: &str) -> (&str, &str) {
     let line = line.trim_end_matches(['\n', ',', ']', ';', '}']);
     let start = line.rfind(|c: char| !(c.is_ascii_alphanumeric() || c == '.')).map_or(0, |i| i + 1);
@@ -77,9 +78,9 @@ const DEFECTS: [Defect; 11] = [
     ("twice over", |text| text.repeat(2)),
 ];
 
-/// What is not refused. CRLF is a line's end to every controller here. A line of a key again, with the same value, changes
-/// nothing (RepRapFirmware and Marlin set it twice; Klipper's parser takes the last one). A file cut at a line's end is whole
-/// to LinuxCNC and to ISG's reader, which have no end mark.
+/// Defects that are not refused. CRLF is a line's end to every controller here. A line of a key again, with the same
+/// value, changes nothing (RepRapFirmware and Marlin set it twice; Klipper's parser takes the last one). A file cut at
+/// a line's end is whole to LinuxCNC and to ISG's reader, which have no end mark.
 const READ: [(&str, &str, Outcome); 10] = [
     ("linuxcnc", "half of the lines", Short),
     ("linuxcnc", "end gone", Short),
@@ -261,7 +262,7 @@ fn isg_lines_of_turns_are_those_of_the_machine_file() {
     }
 }
 
-/// The table of an axis that the machine does not have is said to be left alone.
+/// The table of an axis that the machine does not have is reported as ignored.
 #[test]
 fn a_table_without_an_axis_is_said() {
     let folder = Folder::new();

@@ -214,8 +214,8 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
     assert!((0.93..0.97).contains(&share), "{share}");
 }
 
-/// Four combinations of the eighteen curves show only in products of errors: what six knots cannot follow of the measured
-/// curves would draw them out by millimetres.
+/// Four combinations of the eighteen curves show only in products of errors: the part of the measured curves that six
+/// knots cannot follow would draw them out by millimetres.
 #[test]
 fn what_shows_only_in_products_of_errors_is_not_followed() {
     let machine = crate::loaded::machine(std::path::Path::new("configs/vmc-cframe-754.yaml"));
@@ -303,7 +303,7 @@ fn a_fitted_file_of_any_machine_says_the_same_as_the_machine() {
 fn what_cannot_be_separated_is_said_in_words() {
     let blank = five("");
     let parameters = wanted(&blank, &["EX0C", "EZ0C", "tool", "workpiece"]);
-    // Only C moves: the tool's offset along Z and the workpiece's cannot be told apart.
+    // Only C moves: the tool's offset along Z and the workpiece's cannot be distinguished.
     let data: Vec<Measurement> =
         (0..24).map(|i| measured(&[f64::from(i) * 15.0, 0.0, 200.0, 250.0, -100.0], [1e-3, 0.0, 2e-3])).collect();
     let (_, solution) = solve(&blank, &parameters, &data);
@@ -522,7 +522,7 @@ fn planned_poses_tell_more_than_random_ones_and_their_uncertainty_is_met() {
         .map(|_| information(&five_poses(&mut random, 16).iter().map(|p| measured(p, [0.0; 3])).collect::<Vec<_>>()));
     let best = best.fold(f64::NEG_INFINITY, f64::max);
     assert!(information(&planned.poses) > best + 1.0, "{} {best}", information(&planned.poses));
-    // Measured with that noise, the fit scatters as was said.
+    // Measured with that noise, the fit scatters as predicted.
     let (mut squares, draws) = (0.0, 200);
     for _ in 0..draws {
         let data: Vec<Measurement> =

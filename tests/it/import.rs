@@ -1,4 +1,4 @@
-//! `abbe import`: exports of lasers in the forms that are met, with what is wrong in them said row by row.
+//! `abbe import`: exports of lasers in the usual forms, with their faults reported row by row.
 
 use super::identify::{json, run};
 use super::oracle::program::Folder;
@@ -12,7 +12,7 @@ fn value(target: usize, way: usize, run: usize) -> f64 {
 
 const TABLE: &str = "X [mm], EXX+ [um], EXX- [um]\n0, 0, 1\n100, 2, 3\n200, 4, 5\n";
 
-/// What comes out of a file: the report and the table.
+/// Returns the report and the table of a file.
 fn imported(text: &[u8], options: &[&str]) -> (serde_json::Value, String) {
     let folder = Folder::new();
     let (file, out) = (folder.path("laser.csv"), folder.path("x.csv"));
@@ -88,7 +88,7 @@ fn there_and_back_in_one_column() {
     assert_eq!((without_comments(&table).as_str(), &report["directions_inferred"]), (TABLE, &serde_json::json!(true)));
 }
 
-/// Actual minus nominal of what instruments list as reached; in rows of their own unit, and modulo a turn.
+/// Actual minus nominal of positions that instruments list as reached; in rows of their own unit, and modulo a turn.
 #[test]
 fn positions_that_were_reached() {
     let reached = |i: usize, k: usize| format!("{:.4}", i as f64 * 100.0 + value(i, k % 2, k / 2) * 1e-3);
@@ -101,7 +101,7 @@ fn positions_that_were_reached() {
         check(&report, 2);
         assert_eq!(without_comments(&table), TABLE);
     }
-    // Beside deviations they say nothing new; what is neither is left alone.
+    // Beside deviations they add nothing; columns that are neither are ignored.
     let table = |text: &str, options: &[&str]| without_comments(&imported(text.as_bytes(), options).1);
     let both = "nominal [mm], actual [mm], deviation [um]\n0, 0, 1\n100, 100.0021, 2\n";
     assert_eq!(table(both, &["--axis", "X"]), "X [mm], EXX [um]\n0, 1\n100, 2\n");
@@ -243,7 +243,7 @@ fn hostile_exports_are_refused_in_words() {
     assert!(said(b"X [mm],1\n0,1\n", &["--error", "EXX", "--unit", "furlong"]).contains("E0509"));
     assert!(said(b"X [mm],1\n0,1\n", &["--error", "EC0Y", "--unit", "um"]).contains("E0509"));
     assert!(said(&[0xff, 0xfe, 0x00], &[]).contains("E0104"));
-    // What is not text stays refused: a control character, and a byte that Windows-1252 does not have.
+    // Bytes that are no text stay refused: a control character, and a byte that Windows-1252 does not have.
     assert!(said(b"X,\xb5\x01\n", &[]).contains("E0104"));
     assert!(said(b"X,\x81\n", &[]).contains("E0104"));
 }
@@ -315,7 +315,7 @@ fn a_jump_back_begins_a_run_and_is_no_approach() {
             "{name}: {report}"
         );
     }
-    // Two runs that each go one way: their directions are those within each.
+    // Two runs that each go in one direction: their directions are those within each.
     let (_, table) = imported(b"run,X [mm],EXX [um]\n1,0,1\n1,100,2\n1,200,3\n2,200,6\n2,100,5\n2,0,4\n", &[]);
     assert_eq!(table, "X [mm], EXX+ [um], EXX- [um]\n0, 1, 4\n100, 2, 5\n200, 3, 6\n");
 }
@@ -367,7 +367,7 @@ fn positions_that_scatter_about_a_target_are_one_target() {
     let (report, table) = imported(format!("X [mm],EXX [um]\n{rows}").as_bytes(), &[]);
     check(&report, 2);
     assert_eq!(table, TABLE);
-    // Targets a micrometre apart are targets: nothing tells scatter from steps.
+    // Targets a micrometre apart are targets: nothing distinguishes scatter from steps.
     let rows: String = (0..5).map(|i| format!("0.00{i},{i}\n")).collect();
     let (report, _) = imported(format!("X [mm],EXX [um]\n{rows}").as_bytes(), &[]);
     assert_eq!(report["errors"][0]["targets"], 5, "{report}");

@@ -34,7 +34,7 @@ fn a_ball_bar_reads_squareness_and_scale_with_their_signs() {
     for (i, truth) in [40.0, 0.0, -40.0].into_iter().enumerate() {
         near(&plane(i)["scale_mismatch_um_per_m"], truth);
     }
-    // YZ: -e R / 2 sin 2 angle, a range of e R, both ways alike.
+    // YZ: -e R / 2 sin 2 angle, a range of e R, the same in both senses.
     near(&plane(1)["bidirectional_um"], 20e-6 * 150e3);
     let readings = numbers(&plane(1)["counter_clockwise_um"]);
     for (i, reading) in readings.iter().enumerate() {
@@ -84,7 +84,7 @@ fn an_r_test_sees_an_eccentric_table_twice() {
     assert!((range[0] - 20.0).abs() < 1e-6 && (range[1] - 20.0).abs() < 1e-6);
     // The ball stays where it is in the workpiece frame: the linear axes follow it round.
     assert!((number(&readings[1]["axes"]["X"]).abs() - number(&readings[0]["axes"]["Y"]).abs()).abs() < 1e-9);
-    // Too far out, the linear axes cannot follow all the way.
+    // Too far out, the linear axes cannot follow the whole path.
     let far = json(&["instrument", text(&path), "r-test", "--at", "X=290,Y=290", "--points", "37", "--format", "json"]);
     assert!(far["axes"][0]["skipped"].as_u64().unwrap() > 10);
 }
@@ -111,7 +111,7 @@ fn diagonals_tell_squareness_by_their_differences() {
         let end = *numbers(&diagonal["there_um"]).last().unwrap();
         assert!((by_axis[1] - end).abs() < 1e-6 && by_axis[0].abs() < 1e-6 && by_axis[2].abs() < 1e-6, "{diagonal}");
     }
-    // With reversal, the way back differs.
+    // With reversal, the return run differs.
     let path = three(&folder, "EXX: { forward: 1 um, reverse: -1 um }");
     let d = json(&["instrument", text(&path), "diagonals", "--format", "json"]);
     assert!((number(&d["diagonals"][0]["b_d_um"]) - 2.0 / 3.0_f64.sqrt()).abs() < 1e-9, "{d}");

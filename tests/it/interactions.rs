@@ -1,5 +1,5 @@
-//! Sensitivities and interactions: read off the algebra, they are the structured form's numbers, the
-//! derivatives of the exact model, and a bound on what order 1 neglects.
+//! Sensitivities and interactions: read off the algebra, they are the structured form's numbers, the derivatives of the
+//! exact model, and a bound on the terms that order 1 neglects.
 
 use crate::configs;
 use abbe::algebra::Dual;

@@ -12,7 +12,7 @@ use crate::oracle::program::Folder;
 use crate::oracle::random::Random;
 use crate::support::{Entry, Run, abbe, tree, verify};
 
-/// Ends the process by SIGKILL at the n-th call that changes what stands in a folder.
+/// Ends the process by SIGKILL at the n-th call that changes the files of a folder.
 const SHIM: &str = r#"
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -86,7 +86,7 @@ fn relative(out: &Path) -> Files {
     tree(out).into_iter().map(|(path, entry)| (path.strip_prefix(out).unwrap().to_owned(), entry)).collect()
 }
 
-/// What `verify` made of a folder in which a run was killed: it holds one whole set, and it said which.
+/// Result of `verify` on a folder in which a run was killed: it holds one whole set, and the message names which.
 fn settled(out: &Path, old: (&Path, &Files), new: (&Path, &Files)) -> &'static str {
     let before = relative(out);
     let run = verify(old.0, out, &["--poses", "1"]);
@@ -178,7 +178,7 @@ fn a_run_killed_at_any_time_leaves_one_whole_set() {
     }
 }
 
-/// What cannot be finished is refused, and compiling again mends it.
+/// A set that cannot be finished is refused, and compiling again mends it.
 #[test]
 fn what_cannot_be_finished_is_refused() {
     let folder = Folder::new();
@@ -220,7 +220,7 @@ fn greedy(path: &str, template: &str) -> Run {
     run
 }
 
-/// Fuel does not bound what doubles: a text, a list, what a filter makes of them.
+/// Fuel does not bound memory that doubles: a text, a list, the output of a filter.
 #[test]
 fn templates_that_take_all_memory_are_refused() {
     for step in ["ns.s ~ ns.s", "ns.s | replace('x', ns.s)", "[ns.s, ns.s] | join(ns.s)"] {
@@ -234,7 +234,7 @@ fn templates_that_take_all_memory_are_refused() {
     assert_eq!(run.code, Some(2));
 }
 
-/// Nor does it bound what one step costs: much in few steps. A file's name has no such steps.
+/// Nor does it bound the cost of one step: much in few steps. A file's name has no such steps.
 #[test]
 fn templates_that_take_all_day_are_refused() {
     let large = "{% set ns = namespace(s='xy', n=0) %}{% for i in range(23) %}{% set ns.s = ns.s ~ ns.s %}{% endfor %}";

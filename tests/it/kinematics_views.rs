@@ -1,4 +1,4 @@
-//! What `map` and `report` show of targets that replace the kinematics.
+//! Output of `map` and `report` for targets that replace the kinematics.
 
 use crate::program::{Folder, abbe, json, text};
 use serde_json::Value;
@@ -7,7 +7,7 @@ fn max(value: &Value) -> f64 {
     value["position_um"]["max"].as_f64().unwrap()
 }
 
-/// The module leaves nothing of the tip but what its files round; from one side it leaves what the certificate says.
+/// The module holds the tip up to the rounding of its files; from one side the residual is that of the certificate.
 #[test]
 fn maps_show_what_a_module_leaves() {
     let map = |direction: &str, seed: &str| {

@@ -431,7 +431,7 @@ fn what_repeats_a_location_error_is_told_and_what_does_not_is_not() {
     assert_eq!(warnings(&straightness("[0, 0 um], [250, 5 um], [500, 0 um]")), [""; 0]);
     assert_eq!(warnings(&errors("EB0Z: 3 urad, EZX: { polynomial: [0 um, 0 um/m, 40 um/m^2] }")), [""; 0]);
     assert_eq!(warnings(&straightness("[0, 0 um], [500, 0.9 um]")), [""; 0]);
-    // Large ones are told even if no location error is given.
+    // Large ones are reported even if no location error is given.
     assert_eq!(warnings(&errors("EZX: { polynomial: [0 um, 500 um/m] }")), ["W0403"]);
     // A constant; the datum of a scale is none.
     assert_eq!(warnings(&errors("EA0Z: 3 urad, EAX: 20 urad")), ["W0403"]);

@@ -1,5 +1,5 @@
-//! Targets that set constants of LinuxCNC's own kinematics modules: the numbers by hand, what they leave,
-//! and for which machines they are.
+//! Targets that set constants of LinuxCNC's own kinematics modules: the numbers by hand, their residual, and the
+//! machines that they are for.
 
 use std::path::{Path, PathBuf};
 
@@ -75,7 +75,7 @@ fn trt(folder: &Folder, tilt: &str, errors: &str, sense: &str) -> PathBuf {
 #[test]
 fn centres_of_a_tilting_table() {
     for (tilt, errors, offset) in [
-        // The tilting line stands 2 + 0.007 in Y, the centre of C 5 - 0.004; and -350 + 0.009 in Z.
+        // The tilting line is at 2 + 0.007 in Y, the centre of C at 5 - 0.004; and -350 + 0.009 in Z.
         ("A", "  EX0C: 6 um\n  EY0C: -4 um\n  EY0A: 7 um\n  EZ0A: 9 um\n", [0.0, 2.007 - 4.996, 30.009]),
         ("B", "  EX0C: 6 um\n  EY0C: -4 um\n  EX0B: 7 um\n  EZ0B: 9 um\n", [1.007 - 3.006, 0.0, 30.009]),
     ] {

@@ -5,7 +5,7 @@ use abbe::machine::Machine;
 use abbe::syntax::Disk;
 use std::path::Path;
 
-/// The machine in a file; what is said against it otherwise.
+/// Returns the machine of a file; panics with its diagnostics.
 pub fn machine(path: &Path) -> Machine {
     let mut diagnostics = Diagnostics::default();
     let document = abbe::syntax::load(path, &Disk, &mut diagnostics);

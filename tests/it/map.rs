@@ -1,4 +1,4 @@
-//! Statistics against sums of our own over the poses that `eval` gives, pictures, and what is refused.
+//! Statistics against sums of our own over the poses that `eval` gives, pictures, and refusals.
 
 use crate::program::{Folder, abbe, abbe_on, json, refused, text, well_formed};
 use serde_json::Value;

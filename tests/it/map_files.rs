@@ -1,4 +1,4 @@
-//! What `map` writes for other programs, and maps of a compensated machine.
+//! Files of `map` for other programs, and maps of a compensated machine.
 
 use crate::program::{Folder, abbe, json, refused, text};
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -196,7 +196,7 @@ fn body_diagonals_are_the_closed_form() {
     for (name, sign) in [("ppp", 1.0), ("npp", -1.0), ("pnp", 1.0), ("nnp", -1.0)] {
         let d = map["diagonals"].as_array().unwrap().iter().find(|d| d["name"] == name).unwrap();
         let sy = if name == "pnp" || name == "nnp" { -1.0 } else { 1.0 };
-        // Displacement error in X: 40 um/m of its way, and minus 50 urad of Y's way.
+        // Displacement error in X: 40 um/m of its travel, and minus 50 urad of Y's travel.
         let dx = 0.04 * sign * x - 0.05 * sy * y;
         let expected = dx * sign * x / length;
         let got = d["deviations_um"].as_array().unwrap().last().unwrap().as_f64().unwrap();

@@ -14,7 +14,7 @@ use abbe::machine::Machine;
 use abbe::syntax::Disk;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
-/// Where the functional point nominally is, and where it really is, by the independent model.
+/// Nominal and actual place of the functional point, by the independent model.
 fn points(sample: &Sample, pose: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
     let answer = sample.evaluate(&pose.to_vec(), Way::Mean, OracleFrame::Workpiece);
     let nominal = Vector3::from(answer.nominal);
@@ -162,7 +162,7 @@ fn a_ball_that_is_found_again_in_many_orientations_tells_the_rotary_axes() {
     let worst = left.iter().map(|r| r.norm()).fold(0.0, f64::max);
     // The axes stop where Newton's iteration with differences of 0.5 mm has come to.
     assert!(worst < 1e-7 && found.settled, "{worst:e}");
-    // Without errors the ball would be found off by what they amount to.
+    // Without errors the ball would be found off by their effect.
     let model = Model::new(&machine, &unknowns);
     let start: Vec<f64> = unknowns.iter().map(|p| p.start).collect();
     let before = model.residuals(&data.rows, &start).iter().map(|r| r.norm()).fold(0.0, f64::max);
@@ -295,7 +295,7 @@ fn hostile_files_of_other_kinds_are_refused_in_words() {
         ("E0501", "X,dx [um],u [um]\n1,2,0\n".to_owned()),
         ("E0501", "X,dx [um],u [um],weight\n1,2,1,1\n".to_owned()),
         ("E0501", "X,rel.dx [um]\n1,\n".to_owned()),
-        // Which X the readings belong to, nobody says.
+        // The file does not name the X of the readings.
         ("E0501", "Y,EXX [um]\n0,1\n100,2\n".to_owned()),
         ("E0501", "X,EXX [um],EYY [um]\n0,1,2\n".to_owned()),
         ("E0501", "X,length [mm],station\n1,0,S\n".to_owned()),
@@ -420,7 +420,7 @@ fn one_report_of_several_kinds_names_what_belongs_to_the_instruments() {
         found.unwrap_or_else(|| panic!("{name}: {report}"))["value"].as_f64().unwrap()
     };
     assert!((value("parameters", "EC0Y") - 12.0).abs() < 1e-4 && (value("parameters", "EXX:x^1") - 20.0).abs() < 1e-4);
-    // What was subtracted is the deviation at the first reading: -4 um here.
+    // The subtracted reading is the deviation at the first one: -4 um here.
     assert!((value("instruments", "rtest/first am.x") + 4e-3).abs() < 1e-6, "{report}");
     assert_eq!(report["kinds"].as_array().unwrap().len(), 2);
     assert!(report["valuation"].as_f64().unwrap() > 0.5);

@@ -1,4 +1,4 @@
-//! What controllers have besides one table for each axis: products of tables, planes, tables for both directions,
+//! Mechanisms of controllers besides one table for each axis: products of tables, planes, tables for both directions,
 //! tables beside kinematics. Vectors by hand from the manuals, and readers of the test's own.
 
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ const TABLE: &str = "w C' b X Y Z t";
 const BOTH: &str = "EXX: { forward: { points: [[-200 mm, 5 um], [-100 mm, 2 um], [0 mm, 0 um], [100 mm, -3 um], [200 mm, -4 um]] }, \
      reverse: { points: [[-200 mm, 8 um], [-100 mm, 4 um], [0 mm, 3 um], [100 mm, -1 um], [200 mm, -3 um]] } }";
 
-/// A set of one file of somebody's, and what the controller makes of it: joint, direction, position.
+/// A set of one foreign file, and the corrections of the controller from it: joint, direction, position.
 fn replayed(target: &str, machine: &Path, file: (&str, &str), at: &[(usize, &str, f64)]) -> Vec<f64> {
     let folder = Folder::new();
     let set = set_of(&folder, file);
@@ -112,7 +112,7 @@ fn fanuc_turn() {
     run.refused("E0704").says("60 and 68");
 }
 
-/// Whose own values a controller may add where tables are multiplied: those of all, of the second factors, of none.
+/// Tables whose own values a controller may add where tables are multiplied: of all, of the second factors, of none.
 const READINGS: [[bool; 2]; 3] = [[true, true], [false, true], [false, false]];
 
 /// Siemens, Extended Functions 03/2013 p. 252: dX = Z sin(tilt(X)). Here the tilt rises along X and Z is the lever, and the
@@ -171,7 +171,7 @@ fn products_are_read_where_their_factors_cancel() {
     refused(&all.replace("MULT_BY_TABLE[0]=2", "MULT_BY_TABLE[0]=3"), "one and the same axis");
 }
 
-/// What products gain on a whole machine, and that they find room: at most 62 tables.
+/// Gain of products on a whole machine, and their room: at most 62 tables.
 #[test]
 fn products_on_a_whole_machine() {
     let (name, factor) = ("vmc-cframe-754.yaml", 4.0);
@@ -260,7 +260,7 @@ fn pmac_backlash_by_hand() {
     assert!(number(&json, "/compensated/position_um/max") < 0.02, "{json}");
 }
 
-/// A module holds the mean, tables beside it half of what the directions differ; without them that half is left.
+/// A module holds the mean, tables beside it half of the difference of the directions; without them that half remains.
 #[test]
 fn reversal_beside_kinematics() {
     let folder = Folder::new();
@@ -294,7 +294,7 @@ fn reversal_beside_kinematics() {
     assert!((1.2..1.51).contains(&number(&alone, "/compensated/position_um/max")), "{alone}");
 }
 
-/// Old tables with points where the new ones have none: taken over where points are free, else said.
+/// Old tables with points where the new ones have none: taken over where points are free, else reported.
 #[test]
 fn what_resampling_loses_is_said() {
     let folder = Folder::new();
@@ -337,8 +337,8 @@ fn own_axis_tables_for_the_functional_point() {
     .says("--without");
 }
 
-/// Random machines: no file breaks a limit of its controller, as readers of the test's own count it. Compile itself insists that
-/// what it wrote reads back.
+/// Random machines: no file breaks a limit of its controller, as readers of the test's own count it. Compile itself
+/// insists that its files read back.
 #[test]
 fn limits_hold_on_random_machines() {
     let mut random = Random::new(77);

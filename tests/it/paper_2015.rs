@@ -249,7 +249,7 @@ fn as_printed_second_order_has_the_three_coefficients_quoted_in_part() {
     }
 }
 
-/// Which products of two coefficients the i^2-part of Dx holds: 4 fg, 4 fh, 4 gh, and cg, cf, bf.
+/// Products of two coefficients in the i^2-part of Dx: 4 fg, 4 fh, 4 gh, and cg, cf, bf.
 #[test]
 fn as_printed_second_order_has_fifteen_products() {
     let mut random = Random::new(34);
@@ -376,7 +376,7 @@ fn its_linear_parametrisation_is_found_again_from_noisy_data() {
     assert_eq!(solution.null_space, ["ECZ:slope has no effect on these data"]);
     assert!((solution.sigma - 3e-4).abs() < 3e-5, "{}", solution.sigma);
     let Coefficients { abc, f, g, h, .. } = truth;
-    // Of each axis: positioning, then the slopes of its angles A, B, C.
+    // Coefficients of each axis: positioning, then the slopes of its angles A, B, C.
     let expected = [[abc[0], f[2], f[0], f[1]], [abc[1], g[0], g[2], g[1]], [abc[2], h[0], h[2], h[1]]].concat();
     for ((estimate, parameter), expected) in solution.estimates.iter().zip(&parameters).zip(expected) {
         let Some(sigma) = estimate.sigma else { continue };

@@ -1,4 +1,4 @@
-//! What can be fitted beside plain curves: blocks, knots, both directions, tied errors, own parameters, bounded slopes.
+//! Parameters beside plain curves: blocks, knots, both directions, tied errors, own parameters, bounded slopes.
 
 use super::identify::{FIVE, deviation, fitted_text, five, five_poses, json, measured, normal, run};
 use super::language::{read, silent};
@@ -304,7 +304,7 @@ fn the_section_is_read_and_fits() {
     assert_eq!(again["unknowns"], 5);
 }
 
-/// What `linear` and a parameter of one's own have written is where they start again.
+/// `linear` and a parameter of one's own start again from the values that they have written.
 #[test]
 fn sums_of_powers_start_where_the_file_is() {
     let truth = five(

@@ -111,7 +111,7 @@ fn the_bits_depend_on_no_width_and_no_batch() {
     for (index, conventions) in combinations().enumerate() {
         let conventions = Conventions { linearised: index % 2 == 0, ..conventions };
         let (machine, poses) = random_machine(&mut random, conventions, 1e-3);
-        // More than two chunks of what is found out ahead.
+        // More than two chunks of the look-up ahead.
         let poses: Vec<Vec<f64>> = poses.iter().cycle().take(77).cloned().collect();
         for order in [Order::Degree(1), Order::Degree(2), Order::Exact] {
             let plan = CompiledModel::new(&machine, order, Approach::Mean);
@@ -164,7 +164,7 @@ fn the_last_piece_of_a_large_batch_may_be_small() {
     let mut small = Columns::new(29);
     plan.deviations(&few.batch(), small.output(29));
     for (tail, skipped) in (1..=17).zip([0, 1, 2, 3, 4, 5, 6, 7].into_iter().cycle()) {
-        // Four blocks, and what is left.
+        // Four blocks, and a rest.
         let count = (1 << 14) + tail;
         let many: Vec<Vec<f64>> =
             few.axes.iter().map(|column| column.iter().copied().cycle().take(count).collect()).collect();
@@ -347,7 +347,7 @@ fn grids_are_the_nodes_one_by_one() {
     let mut random = Random::new(86);
     for (index, conventions) in combinations().enumerate() {
         let conventions = Conventions { linearised: index % 2 == 0, ..conventions };
-        // Of 10 mrad too, so that products of errors count.
+        // With 10 mrad too, so that products of errors count.
         for size in [1e-4, 1e-2] {
             let (machine, _) = random_machine(&mut random, conventions, size);
             for order in [Order::Degree(1), Order::Degree(2), Order::Exact] {
@@ -357,7 +357,7 @@ fn grids_are_the_nodes_one_by_one() {
     }
 }
 
-/// Grids ask for points a metre away; what is asked must not depend on the size of the machine, nor on where its zero point is.
+/// Grids have points a metre apart; the points must not depend on the size of the machine, nor on its zero point.
 #[test]
 fn grids_of_any_size_and_place() {
     for (size, away) in [(1e-3, 0.0), (1e-3, 700.0), (1.0, 20_000.0), (1.0, 300_000.0), (60.0, 0.0)] {
@@ -438,7 +438,7 @@ fn corrections_in_batches_are_those_one_by_one() {
                 let gaps = one.correction.0.iter().zip(&found.correction.0).map(|(a, b)| (a - b).abs());
                 // mm and deg; the rounding of positions, and the last step of an iteration that contracts by 1e-4.
                 assert!(gaps.fold(0.0, f64::max) < 1e-9, "{name} {scope:?} {pose:?}: {one:?} {found:?}");
-                assert!((one.left.position - found.left.position).amax() < 1e-10, "{name} {scope:?}");
+                assert!((one.residual.position - found.residual.position).amax() < 1e-10, "{name} {scope:?}");
             }
         }
         let first = CompiledModel::new(&machine, Order::Degree(1), Approach::Mean);

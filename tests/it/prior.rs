@@ -1,4 +1,4 @@
-//! What is known before the data does not bend what the data know, and keeps what they do not.
+//! Prior knowledge does not bend the parameters that the data determine, and keeps the others.
 
 use super::identify::{deviation, five, five_poses, measured, normal, solve, wanted};
 use super::oracle::random::Random;

@@ -31,14 +31,14 @@ impl Drop for Folder {
     }
 }
 
-/// Runs `abbe` in configs/ on so many threads.
+/// Runs `abbe` in configs/ on this number of threads.
 pub fn abbe_on(threads: usize, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_abbe"));
     command.args(arguments).current_dir(crate::configs::folder()).env("RAYON_NUM_THREADS", threads.to_string());
     command.output().unwrap()
 }
 
-/// Standard output of a run that must succeed and say nothing else.
+/// Standard output of a run that must succeed and print nothing else.
 pub fn abbe(arguments: &[&str]) -> String {
     let output = abbe_on(2, arguments);
     let complaint = String::from_utf8_lossy(&output.stderr);
@@ -62,7 +62,7 @@ pub fn text(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
-/// Is the program there? Says so if not, so that nobody takes what was left out for what passed.
+/// True if the program is there. Reports a missing one, so that nobody takes an omitted test for a passed one.
 pub fn available(program: &str, what: &str) -> bool {
     let there =
         Command::new(program).arg("--version").output().or_else(|_| Command::new(program).arg("-V").output()).is_ok();
@@ -72,8 +72,8 @@ pub fn available(program: &str, what: &str) -> bool {
     there
 }
 
-/// Is the text well-formed XML? A small reader of its own: tags nest, attributes are quoted, there is
-/// one root, and the only entities are the five of XML.
+/// Checks that the text is well-formed XML. A small reader of its own: tags nest, attributes are quoted, there is one
+/// root, and the only entities are the five of XML.
 pub fn well_formed(xml: &str) -> Result<(), String> {
     let mut open: Vec<&str> = Vec::new();
     let mut roots = 0;

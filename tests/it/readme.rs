@@ -1,7 +1,8 @@
 //! README.md and docs/*.md are true: their commands run, their output is the program's, their links lead somewhere.
 //!
-//! In a block fenced as `console`, lines after `$ ` are commands and run in order in a copy of `configs` and `docs`, one copy for each
-//! document. The other lines must stand in the output of the command above them, in that order; `[...]` stands for what is left out.
+//! In a block fenced as `console`, lines after `$ ` are commands and run in order in a copy of `configs` and `docs`,
+//! one copy for each document. The other lines must be in the output of the command above them, in that order; `[...]`
+//! marks omitted lines.
 
 use crate::oracle::program::Folder;
 use std::collections::BTreeSet;
@@ -14,7 +15,7 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_abbe");
 /// Commands that a block may show but that are not run here: they install, or run this test.
 const NOT_RUN: [&str; 6] = ["git clone ", "cd ", "tests/run", ".ci/run", "cargo install ", "cargo build --release"];
 
-/// A fenced block: what stands behind the fence, and its lines.
+/// A fenced block: the text behind the fence, and its lines.
 struct Block {
     kind: String,
     lines: Vec<String>,
@@ -80,14 +81,14 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// A folder with what the documents' commands read.
+/// A folder with the files that the documents' commands read.
 fn workshop() -> Folder {
     let folder = Folder::new();
     ["configs", "docs"].iter().for_each(|name| copy(&root().join(name), &folder.path(name)));
     folder
 }
 
-/// What a line's command is for a shell; `None` if it is not run here.
+/// Returns the shell command of a line; `None` if it is not run here.
 fn runnable(command: &str, document: &Path) -> Option<String> {
     if NOT_RUN.iter().any(|start| command.starts_with(start)) {
         return None;
@@ -118,7 +119,7 @@ fn both(output: &Output) -> String {
     format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
 }
 
-/// Runs the commands of a block and compares what is said to be their output.
+/// Runs the commands of a block and compares the output in the text with theirs.
 fn run(folder: &Folder, block: &Block, document: &Path) -> usize {
     let mut count = 0;
     // Nothing was run yet, or the last command is not run here.

@@ -1,5 +1,5 @@
-//! Formats told apart by content: every target's files under other names and without a manifest, alone, in `diff`
-//! and as what is installed; and whatever content leaves open, refused with the candidates.
+//! Formats distinguished by content: every target's files under other names and without a manifest, alone, in `diff`
+//! and as the installed set; ambiguous content is refused with the candidates.
 
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,7 @@ fn three_axes(folder: &Folder, name: &str, y: u32) -> PathBuf {
     )
 }
 
-/// A tilting table that turns right-handed: what linuxcnc-trt is for.
+/// A tilting table that turns right-handed, the machine of linuxcnc-trt.
 fn tilting_table(folder: &Folder) -> PathBuf {
     folder.write(
         "tilting.yaml",
@@ -39,7 +39,7 @@ fn strip(mut json: Value) -> Value {
     json
 }
 
-/// The same files under names that say nothing, in another order, without the manifest.
+/// The same files under meaningless names, in another order, without the manifest.
 fn renamed(out: &Path, into: &Path) {
     std::fs::create_dir_all(into).unwrap();
     for (i, name) in names(out).iter().rev().filter(|name| *name != "abbe.lock.json").enumerate() {
@@ -72,7 +72,7 @@ fn every_target_is_told_by_its_content() {
     }
 }
 
-/// A table of three columns does not say its axis: the machine's configuration does, then its travel, or nothing.
+/// A table of three columns does not name its axis: the machine's configuration does, then its travel, or nothing.
 #[test]
 fn tables_that_do_not_say_their_axis() {
     let folder = Folder::new();
@@ -98,12 +98,12 @@ fn tables_that_do_not_say_their_axis() {
         std::fs::write(found.join("mill.ini"), ini(kind)).unwrap();
         verify(&alike, &found, &[]).refused("E0704").says("mill.ini:").says("COMP_FILE_TYPE = 1");
     }
-    // So it is in our own file of that kind.
+    // The same holds in our own file of that kind.
     let path = out.join("compensation.inc");
     let text = std::fs::read_to_string(&path).unwrap();
     std::fs::write(&path, text.replacen("COMP_FILE_TYPE = 1", "COMP_FILE_TYPE = 0", 1)).unwrap();
     verify(&alike, &out, &[]).refused("E0704").says("compensation.inc:");
-    // Different travels tell the axes, and that is said.
+    // Different travels distinguish the axes, with a warning.
     let three = three_axes(&folder, "three.yaml", 400);
     let set = folder.path("three");
     compile(&three, "linuxcnc", &set, &FEW).json();
@@ -114,7 +114,7 @@ fn tables_that_do_not_say_their_axis() {
     std::fs::remove_file(set.join("compensation.inc")).unwrap();
     let run = verify(&three, &set, &["--poses", "40"]);
     assert_eq!(run.code, Some(0), "{}", run.err);
-    run.says("W0710").says("`y.txt` does not say its axis: read as the table of `Y`");
+    run.says("W0710").says("`y.txt` does not name its axis: read as the table of `Y`");
     // A set is only whole with all of its tables.
     std::fs::remove_file(set.join("y.txt")).unwrap();
     verify(&three, &set, &[]).refused("E0705").says("joint_1_Y.comp");
@@ -136,7 +136,7 @@ fn columns_are_assigned_by_the_configuration() {
     std::fs::copy(out.join("Y_AXIS.COM"), found.join("TWO.COM")).unwrap();
     std::fs::copy(out.join("Z_AXIS.COM"), found.join("THREE.COM")).unwrap();
     assert_eq!(strip(verify(&machine, &found, &["--poses", "40"]).json()), before);
-    // What assigns files counts before it: X and Y exchanged.
+    // A file that assigns files comes first: X and Y exchanged.
     std::fs::write(
         found.join("OTHER.CMA"),
         "BEGIN OTHER .CMA MM\nNR ACTIVE X Y Z\n0 * TWO.COM ONE.COM THREE.COM\n[END]\n",
@@ -181,7 +181,7 @@ fn what_content_leaves_open_is_refused() {
     let more = ["--templates", templates.to_str().unwrap(), "--poses", "40"];
     verify(&machine, &skew, &more).refused("E0730").says("`copy` (`printer.cfg`)").says("`klipper` (`printer.cfg`)");
     assert_eq!(verify(&machine, &skew, &[&more[..], &["--target", "copy"]].concat()).json()["target"], "copy");
-    // Of one's own alone it is recognised too.
+    // In a set of one's own target alone it is recognised too.
     let manifest = std::fs::read_to_string(own.join("target.yaml")).unwrap();
     std::fs::write(own.join("target.yaml"), manifest.replace("xy_skew = ", "own_xy ")).unwrap();
     let template = std::fs::read_to_string(own.join("skew.j2")).unwrap();
@@ -215,7 +215,7 @@ fn what_is_not_read_is_said() {
     std::fs::write(found.join("image.png"), [0x89, 0x50, 0xff, 0xfe]).unwrap();
     let run = verify(&machine, &found, &["--poses", "40"]);
     assert_eq!(run.code, Some(0), "{}", run.err);
-    run.says("W0711").says(&format!("`{name}` is left alone")).says("`image.png` is left alone").says(": line ");
+    run.says("W0711").says(&format!("`{name}` is ignored")).says("`image.png` is ignored").says(": line ");
     // With the set's manifest a missing table is missing.
     std::fs::remove_file(out.join("_N_AX2_EEC_INI")).unwrap();
     verify(&machine, &out, &[]).refused("E0705").says("_N_AX2_EEC_INI");

@@ -1,4 +1,4 @@
-//! What a release hands out besides the program: the commit in its version, manual pages, completions.
+//! Parts of a release besides the program: the commit in its version, manual pages, completions.
 
 use crate::oracle::program::Folder;
 use std::path::Path;

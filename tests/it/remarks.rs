@@ -1,4 +1,4 @@
-//! What `identify` says beside its numbers, and what the fitted file says of where they come from.
+//! Remarks of `identify` beside its numbers, and the origin of these in the fitted file.
 
 use super::identify::{FIVE, deviation, five, five_poses, json, normal, run};
 use super::measurements::identified;
@@ -92,7 +92,7 @@ fn poses_whose_readings_contradict_each_other_are_named() {
         identified(format!("{steady}{}\n", again(rows[9], 0.0, -20.0)).as_bytes(), &["--fit", "EC0Y,EX0C"]);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("W0507") && said.contains("data.csv:10 and ") && said.contains("data.csv:46"), "{said}");
-    // Everything twice with opposite signs: nothing is left to fit.
+    // Everything twice with opposite signs: nothing remains to fit.
     let opposed: Vec<String> = rows[1..].iter().map(|row| again(row, 0.0, -1.0)).collect();
     let both = format!("{good}{}\n", opposed.join("\n"));
     let (output, _) = identified(both.as_bytes(), &["--fit", "EC0Y,EX0C"]);
@@ -191,7 +191,7 @@ fn the_fitted_file_says_how_sure_it_is_where_it_comes_from_and_what_was_fitted()
         (report, std::fs::read_to_string(out).unwrap())
     };
     let (report, text) = fit(&machine, "once.yaml");
-    // Of a constant twice its standard uncertainty, to three digits.
+    // Twice the standard uncertainty of a constant, to three digits.
     let sigma = report["parameters"][0]["sigma"].as_f64().unwrap();
     let line = text.lines().find(|line| line.trim().starts_with("EC0Y:")).unwrap();
     let half: f64 = line.split("uncertainty: ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
@@ -209,7 +209,7 @@ fn the_fitted_file_says_how_sure_it_is_where_it_comes_from_and_what_was_fitted()
     ] {
         assert!(text.contains(&wanted), "{wanted}\n{text}");
     }
-    // The section is kept: the file is fitted again as it stands, and both fits are told.
+    // The section is kept: the file is fitted again as it is, and both fits are reported.
     let (_, again) = fit(&folder.path("once.yaml"), "twice.yaml");
     assert!(again.contains("\"identified-by\"") && again.contains("\"identified-from-2\""), "{again}");
     assert_eq!(again.lines().filter(|line| line.starts_with("identify:")).count(), 1);

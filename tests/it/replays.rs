@@ -24,7 +24,7 @@ pub fn files(out: &Path) -> Files {
     tree(out).into_iter().map(text).collect()
 }
 
-/// What the program reads of a set.
+/// Returns the content of a set as the program reads it.
 pub fn read(
     target: &ControllerTarget,
     machine: &Machine,
@@ -133,7 +133,8 @@ pub fn geometry(table: bool) -> Sample {
     Sample { rigid, axes, branches: false }
 }
 
-/// Formats whose files another interpreter reads, and what sets the tolerance: the last place of a double in the sums.
+/// Formats whose files another interpreter reads, and the source of the tolerance: the last place of a double in the
+/// sums.
 fn targets() -> impl Iterator<Item = &'static str> {
     abbe::controller::NAMES.into_iter().filter(|name| !name.starts_with("linuxcnc-") && *name != "grid-csv")
 }

@@ -1,5 +1,5 @@
-//! The report page as text: it holds what the other verbs say, nothing else is loaded, and what is refused leaves
-//! nothing. What a browser makes of it is in `tests/browser`.
+//! The report page as text: it holds the numbers of the other verbs, loads nothing else, and a refusal leaves no file.
+//! The page in a browser is in `tests/browser`.
 
 use crate::program::{Folder, abbe, abbe_on, json, refused, text};
 use crate::support::sha256;
@@ -14,7 +14,7 @@ fn page(folder: &Folder, arguments: &[&str]) -> String {
     std::fs::read_to_string(out).unwrap()
 }
 
-/// What stands between two marks.
+/// Returns the text between two marks.
 fn between<'a>(page: &'a str, from: &str, to: &str) -> &'a str {
     page.split_once(from).unwrap().1.split_once(to).unwrap().0
 }

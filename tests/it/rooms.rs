@@ -11,12 +11,12 @@ const STAGES: [&str; 5] = ["controller", "evaluate", "analysis", "compensation",
 /// The rooms of `controller`: each may import those before it.
 const ROOMS: [&str; 7] = ["manifest", "replay", "emit", "read", "kinematics", "certificate", "single_errors"];
 
-/// A module: its path below `crate` and what its file imports.
+/// A module: its path below `crate` and the imports of its file.
 struct Module {
     path: Vec<String>,
     /// Paths of `use` declarations and paths within the code, as they are written.
     used: Vec<Vec<String>>,
-    /// Has it items of its own, or only modules and imports?
+    /// True if it has items of its own, false if only modules and imports.
     has_items: bool,
 }
 
@@ -99,7 +99,7 @@ fn file_of<'a>(modules: &'a Modules, path: &[String]) -> Option<&'a PathBuf> {
     modules.iter().find(|(_, module)| module.path == path).map(|(file, _)| file)
 }
 
-/// A path from the root of the crate; none for what belongs to another crate.
+/// Returns a path from the root of the crate; none for a path in another crate.
 fn absolute(modules: &Modules, module: &Module, path: &[String]) -> Option<Vec<String>> {
     let ups = path.iter().take_while(|part| *part == "super").count();
     match path.first()?.as_str() {
@@ -124,7 +124,7 @@ fn defined(modules: &Modules, path: &[String]) -> Option<PathBuf> {
     handed_on.map_or_else(|| Some(file.clone()), |onward| defined(modules, &onward))
 }
 
-/// Which file of a stage imports which others of it.
+/// Returns for each file of a stage the others of it that it imports.
 fn edges(modules: &Modules, stage: &str) -> BTreeMap<PathBuf, BTreeSet<PathBuf>> {
     let of_stage = |file: &Path| file.starts_with(Path::new("src").join(stage));
     let imports = |module: &Module| -> BTreeSet<PathBuf> {
@@ -180,7 +180,7 @@ fn rooms_of_the_controller_import_earlier_rooms_and_not_the_door() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What a module names of the library's stages.
+/// Returns the names of the library's stages that a module uses.
 fn behind_the_facade(module: &Module) -> Vec<String> {
     let stage = |name: &str| Path::new("src").join(name).is_dir();
     let hidden = |path: &&Vec<String>| path[0] == "abbe" && path.len() > 2 && stage(&path[1]);

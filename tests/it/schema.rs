@@ -68,7 +68,7 @@ fn python(task: &Value) {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
 }
 
-/// What must be accepted and what must be refused, by name.
+/// Documents to be accepted and documents to be refused, by name.
 fn cases() -> (BTreeMap<String, Value>, BTreeMap<String, Value>) {
     let mut accept = BTreeMap::new();
     machines(&root().join("configs"), &mut accept);

@@ -1,4 +1,4 @@
-//! The minimal set of location errors, and what `show` prints.
+//! The minimal set of location errors, and the output of `show`.
 
 use crate::configs::{all, machine};
 use crate::program::{Folder, abbe, abbe_on, available, json, refused, text, well_formed};

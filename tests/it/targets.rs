@@ -28,7 +28,7 @@ fn machine(folder: &Folder, errors: &str) -> PathBuf {
     )
 }
 
-/// With a rotary table.
+/// A machine with a rotary table.
 fn with_table(folder: &Folder, errors: &str) -> PathBuf {
     folder.write(
         "table.yaml",
@@ -62,7 +62,7 @@ fn close(found: &[f64], expected: &[f64], tolerance: f64) {
     assert!(near, "{found:?}, not {expected:?}");
 }
 
-/// A file of somebody's, and what the controller makes of it at positions of one joint.
+/// A foreign file, and the corrections of the controller from it at positions of one joint.
 fn replayed(target: &str, machine: &Path, file: (&str, &str), at: &[(usize, &str, f64)]) -> Vec<f64> {
     let folder = Folder::new();
     let set = folder.path("set");
@@ -251,7 +251,7 @@ fn volumetric_files_name_the_errors() {
     compile(&machine, "etalon-exchange", &folder.path("etalon"), &FEW).json();
     let text = std::fs::read_to_string(folder.path("etalon/etalon.txt")).unwrap();
     assert!(text.contains("[C0Y]\nVALUE = 0.000012000\n[EXX]\nGridpoints = {\n-200.000000 0.005000000\n"), "{text}");
-    // Exact but for second order and the spindle: nothing else is left.
+    // Exact but for second order and the spindle: nothing else remains.
     for target in ["isg-volcomp", "etalon-exchange"] {
         let json = compile(&machine, target, &folder.path(target), &FEW).json();
         assert!(number(&json, "/compensated/position_um/max") < 0.01, "{json}");
@@ -291,8 +291,8 @@ fn what_rests_on_memory_is_not_written_by_accident() {
     }
 }
 
-/// Machines nobody chose, small errors and absurd ones: what is written reads back (compile insists on it), and
-/// nothing worse than a refusal in words happens.
+/// Random machines, small errors and absurd ones: the files read back (compile insists on it), and the worst outcome is
+/// a refusal with a message.
 #[test]
 fn random_machines_for_every_target() {
     let mut random = Random::new(44);
@@ -312,7 +312,7 @@ fn random_machines_for_every_target() {
     }
 }
 
-/// Files with defects: each refused, with its place and what the controller would have done.
+/// Files with defects: each refused, with its place and the controller's reaction.
 #[test]
 fn defects_are_said() {
     type Case = (&'static str, &'static str, fn(&str) -> String, &'static str);
@@ -335,9 +335,9 @@ fn defects_are_said() {
             "twincat-axis",
             "achskw_X.lis",
             |t| t.replacen("kw.ssfk.kw_nr_max 5", "kw.ssfk.kw_nr_max 4", 1),
-            "the file says 4",
+            "the file states 4",
         ),
-        ("pmac", "compensation.pmc", |t| t.replacen("\nI51=1", "\n7\nI51=1", 1), "the file says"),
+        ("pmac", "compensation.pmc", |t| t.replacen("\nI51=1", "\n7\nI51=1", 1), "the file states"),
         ("kmotion-geo", "geo.txt", |t| format!("; a comment\n{t}"), "would not understand"),
         ("isg-volcomp", "volcomp.csv", |t| t.replacen("EYX", "EYQ", 1), "70468"),
         ("klipper", "skew_correction.cfg", |t| t.replacen("xy_skew = ", "xy_skew = 1", 1), "refuse this factor"),
@@ -369,7 +369,7 @@ fn without(text: &str, begin: &str) -> String {
     text.split_inclusive('\n').filter(|line| !line.starts_with(begin)).collect()
 }
 
-/// Without names and without a manifest, by what is in them.
+/// Without names and without a manifest, by their content.
 #[test]
 fn formats_are_told_apart_by_content() {
     let folder = Folder::new();
@@ -397,7 +397,7 @@ fn formats_are_told_apart_by_content() {
     verify(&machine, &nothing, &[]).refused("E0705");
 }
 
-/// Measured with tables in force: what is written is old plus new, and is judged against what was measured.
+/// Measured with tables in force: the new files hold old plus new, and are judged against the measured machine.
 #[test]
 fn old_plus_new() {
     let folder = Folder::new();
@@ -475,7 +475,7 @@ fn rounding_stays_within_its_bound() {
     }
 }
 
-/// Points as the rules have them: free where lines leave least, in steps of a power of two, in a limited number.
+/// Points as the rules have them: free with the smallest residual, in steps of a power of two, in a limited number.
 #[test]
 fn points_obey_the_rules() {
     let folder = Folder::new();
@@ -524,7 +524,7 @@ fn nothing_is_compensated_twice() {
             "{target}: {json}"
         );
     }
-    // Angles act through lever arms: where a sum of tables is all there is, something is left and is said.
+    // Angles act through lever arms: a sum of tables leaves a residual, and it is reported.
     let angle = machine_with_angle(&folder);
     let json = compile(&angle, "heidenhain-com", &folder.path("angle"), &FEW).json();
     assert_eq!(json["errors"]["ECX"]["handled"], "partly", "{json}");

@@ -342,7 +342,7 @@ fn real(value: f64) -> Dual<2> {
     Dual([value, 0.0])
 }
 
-/// Which entries of two matrices differ, as (row, column) from 1.
+/// Entries in which two matrices differ, as (row, column) from 1.
 fn unlike(a: &DMatrix<Dual<2>>, b: &DMatrix<Dual<2>>) -> Vec<(usize, usize)> {
     let far = |(k, l): &(usize, usize)| (0..2).any(|d| (a[(*k, *l)].0[d] - b[(*k, *l)].0[d]).abs() > 1e-9);
     let all = (0..4).flat_map(|k| (0..4).map(move |l| (k, l)));
@@ -380,7 +380,7 @@ fn the_product_5_of_2014_as_printed_and_corrected() {
     });
 }
 
-/// (36) is the product of the factors of (35), T_1 with its way y.
+/// (36) is the product of the factors of (35), T_1 with its travel y.
 #[test]
 fn the_product_36_of_2014_as_printed_and_corrected() {
     each(|random| {

@@ -4,8 +4,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// What each module may import besides itself; `units`, `diagnostic` and `algebra` are open to all. The program has
-/// the library as a package: `rooms.rs` holds it to the façade.
+/// Imports of each module besides itself; `units`, `diagnostic` and `algebra` are open to all. The program has the
+/// library as a package: `rooms.rs` holds it to the façade.
 const MAY_IMPORT: [(&str, &[&str]); 15] = [
     ("units", &[]),
     ("diagnostic", &[]),
@@ -58,7 +58,7 @@ fn module(path: &Path) -> String {
     path.components().nth(1).unwrap().as_os_str().to_string_lossy().trim_end_matches(".rs").to_owned()
 }
 
-/// Code without comments and attributes' strings: what follows `//` on a line goes.
+/// Code without comments and attributes' strings: the part after `//` on a line is dropped.
 pub fn code_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.lines().enumerate().map(|(n, line)| (n + 1, line.split("//").next().unwrap_or("")))
 }
@@ -148,7 +148,7 @@ fn functions(text: &str) -> Vec<(usize, usize)> {
     found
 }
 
-/// What belongs to the program and not to the library. Rayon's threads are its own.
+/// Names that belong to the program and not to the library. Rayon's threads are its own.
 const OF_THE_PROGRAM: [&str; 13] = [
     "println!",
     "eprintln!",
@@ -194,7 +194,7 @@ fn the_library_has_no_clock_thread_or_file_but_what_it_is_handed() {
     assert!(wrong.is_empty(), "outside cli:\n{}", wrong.join("\n"));
 }
 
-/// The one file whose head says why its unsafe code is sound.
+/// The one file whose head states why its unsafe code is sound.
 const UNSAFE: &str = "src/evaluate/compiled/lanes.rs";
 
 #[test]
@@ -232,13 +232,13 @@ fn codes_are_constants_of_one_table_and_explained() {
     assert!(abbe::diagnostic::CODES.iter().all(|code| code.explanation.len() > 40));
 }
 
-/// Where files are replayed and judged. Fields of the controller do so too, wherever they stand.
+/// Folders in which files are replayed and judged. Fields of the controller do so too, wherever they are.
 const JUDGES: [&str; 2] = ["src/controller/replay", "src/controller/certificate"];
 
-/// Where tables are filled, and what they are filled with.
+/// Folders in which tables are filled, with their means of filling.
 const FILLERS: [&str; 3] = ["src/compensation", "src/evaluate/compiled", "src/controller/emit"];
 
-/// What judges may use of modules that fillers use too: the general algebra, statistics, and types of tables.
+/// Names that judges may use of modules that fillers use too: the general algebra, statistics, and types of tables.
 const JUDGES_MAY_IMPORT: [(&str, &[&str]); 3] = [
     (
         "evaluate",
@@ -295,7 +295,7 @@ const JUDGES_MAY_CALL: [&str; 16] = [
     "turned",
 ];
 
-/// Functions that make what is judged and are called by a path.
+/// Functions that make the judged objects and are called by a path.
 const MAKERS: [&str; 2] = ["KinematicsModule::of(", "reversal_tables("];
 
 /// Names that follow a pattern in a piece of code.
@@ -304,7 +304,7 @@ fn words_after<'a>(code: &'a str, pattern: &str) -> Vec<&'a str> {
     code.split(pattern).skip(1).map(name).collect()
 }
 
-/// What is named of a module, one by one or in braces.
+/// Names of a module, one by one or in braces.
 fn named_of<'a>(code: &'a str, module: &str) -> Vec<&'a str> {
     let of = |rest: &'a str| match rest.strip_prefix('{') {
         Some(list) => list.split('}').next().unwrap().split(',').map(str::trim).filter(|n| !n.is_empty()).collect(),
@@ -316,7 +316,7 @@ fn named_of<'a>(code: &'a str, module: &str) -> Vec<&'a str> {
         .collect()
 }
 
-/// What a judge must not use, given the methods of the fillers.
+/// Returns the names that a judge must not use, given the methods of the fillers.
 fn shared_with_fillers(code: &str, fillers: &[String]) -> Vec<String> {
     let mut wrong: Vec<String> = Vec::new();
     for (module, allowed) in JUDGES_MAY_IMPORT {
@@ -355,7 +355,7 @@ fn certificates_share_nothing_with_the_tables() {
         })
         .collect();
     assert!(wrong.is_empty(), "certificates share code with the tables:\n{}", wrong.join("\n"));
-    // What nobody uses any more is no longer allowed.
+    // An unused name is no longer allowed.
     for (module, allowed) in JUDGES_MAY_IMPORT {
         let used: Vec<&str> = judges.iter().flat_map(|(_, code)| named_of(code, module)).collect();
         allowed.iter().for_each(|name| assert!(used.contains(name), "no judge uses {module}::{name}"));

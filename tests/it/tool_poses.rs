@@ -76,7 +76,7 @@ fn rotary_columns_are_where_the_rotary_axes_go() {
         let cells = |pose: &Vec<f64>| pose.iter().map(f64::to_string).collect::<Vec<_>>().join(",") + "\n";
         let asked: String = poses.iter().map(cells).collect();
         let file = folder.with("poses.csv", &format!("{}\n{asked}", names[..axes].join(",")));
-        // Where the ideal tool is, as `eval` says.
+        // Place of the nominal tool, by `eval`.
         let answers = json(&["eval", machine, "--poses", text(&file), "--format", "json"]);
         let row = |(answer, pose): (&Value, &Vec<f64>)| {
             let tip: Vec<String> = (0..3).map(|k| number(&answer["nominal"][k]).to_string()).collect();

@@ -1,5 +1,6 @@
-//! Files written by hand from the manuals, and what the controller adds, worked out by hand: the vectors that `targets`, `compile_linuxcnc`,
-//! `linuxcnc_constants` and the live tests do not have already. Every number below was found with a pencil, not by the program.
+//! Files written by hand from the manuals, and the corrections of the controller, worked out by hand: the vectors that
+//! `targets`, `compile_linuxcnc`, `linuxcnc_constants` and the live tests do not have already. Every number below was
+//! found with a pencil, not by the program.
 
 use std::path::PathBuf;
 
@@ -12,7 +13,7 @@ use crate::replays;
 use crate::support::compile;
 use crate::support::controllers::Files;
 
-/// Where a target's vectors are: the file's text, and what is added.
+/// Tests with a target's vectors: of the file's text, and of the corrections.
 const VECTORS: [(&str, &str, &str); 19] = [
     ("linuxcnc", "compile_linuxcnc", "compile_linuxcnc, tests/live"),
     ("linuxcnc-kins", "linuxcnc_kins/mod", "tests/live"),
@@ -53,7 +54,7 @@ fn every_target_has_a_vector_by_hand() {
     }
 }
 
-/// Files, the place (X, Y, Z), and what is added there.
+/// Checks the corrections of files at a place (X, Y, Z).
 fn added(target: &str, files: &[(&str, &str)], place: [f64; 3], expected: [f64; 3]) {
     let folder = Folder::new();
     let machine = loaded::machine(&replays::machine(&folder, false));
@@ -66,8 +67,8 @@ fn added(target: &str, files: &[(&str, &str)], place: [f64; 3], expected: [f64; 
     assert!(near, "{target} at {place:?}: {found:?}, not {expected:?}");
 }
 
-/// A-79351E p. 3/13: eight corners weighed by shares between 0 and 1. Z: 0.75 of 8 um, and 8 um more at one corner, whose weight is
-/// 0.25 x 0.5 x 0.75.
+/// A-79351E p. 3/13: eight corners weighted by fractions between 0 and 1. Z: 0.75 of 8 um, and 8 um more at one corner,
+/// whose weight is 0.25 x 0.5 x 0.75.
 #[test]
 fn fanuc_lattice() {
     let list = "POINTS 2 2 2\nSTART 0.000 0.000 0.000\nINTERVAL 100.000 100.000 100.000\n0 0 0 0 0 0\n0 0 1 0 0 8\n0 1 0 0 4 0\n0 1 1 0 4 8\n\
@@ -75,12 +76,12 @@ fn fanuc_lattice() {
     let files = [("lattice.txt", list)];
     added("fanuc-3d", &files, [25.0, 50.0, 75.0], [0.0025, 0.002, 0.00675]);
     added("fanuc-3d", &files, [300.0, -50.0, 0.0], [0.010, 0.0, 0.0]);
-    // 10809 multiplies what is stored.
+    // 10809 multiplies the stored number.
     let thrice = list.replacen("0 0 0 0 0 0\n", "MAGNIFICATION 3\n0 0 0 0 0 0\n", 1);
     added("fanuc-3d", &[("lattice.txt", &thrice)], [25.0, 50.0, 75.0], [0.0075, 0.006, 0.02025]);
 }
 
-/// EXX from 300 to -300 um, which no number from -127 to 127 says: hundreds of three um.
+/// EXX from 300 to -300 um, beyond the numbers from -127 to 127: hundreds of three um.
 #[test]
 fn fanuc_lattice_magnified() {
     let folder = Folder::new();
@@ -169,7 +170,7 @@ fn fanuc_increments_are_summed_up() {
     ] {
         added("fanuc-pitch", &files, [x, 0.0, 0.0], [um / 1000.0, 0.0, 0.0]);
     }
-    // The magnification multiplies what is summed.
+    // The magnification multiplies the sum.
     let twice = text.replace("N03623Q1A1P1", "N03623Q1A1P2");
     added("fanuc-pitch", &[("PITCH_X.TXT", &twice)], [50.0, 0.0, 0.0], [0.003, 0.0, 0.0]);
 }
@@ -222,9 +223,9 @@ fn heidenhain_table() {
     added("heidenhain-com", &files, [-500.0, 0.0, 0.0], [-0.005, -0.002, 0.0]);
 }
 
-/// TF5280: at X = 100 the curves stand at EXX = -1 um, EYX = -0.25 um, ECX = -5 urad. The tool is 100 mm from the carriage's reference point
-/// in Y (gauge point 60, Y = 40), none in X: ECX moves it by +0.5 um in X. EC0Y = 40 urad moves it by -1.6 um in X at Y = 40.
-/// Together -2.1 and -0.25 um, which the axes take back.
+/// TF5280: at X = 100 the curves are EXX = -1 um, EYX = -0.25 um, ECX = -5 urad. The tool is 100 mm from the carriage's
+/// reference point in Y (gauge point 60, Y = 40), none in X: ECX moves it by +0.5 um in X. EC0Y = 40 urad moves it by
+/// -1.6 um in X at Y = 40. Together -2.1 and -0.25 um, which the axes take back.
 #[test]
 fn volumetric_curves() {
     let isg = "C0Y\n0.000040\n#\nX EXX EYX ECX\n-200 0.005 0.002 0.000010\n200 -0.003 -0.001 -0.000010\n#\nN0X N0Y N0Z\n0 0 -1\n";

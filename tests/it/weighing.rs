@@ -7,7 +7,7 @@ use abbe::identify::{Fit, Measurement, Model, Parameter, Reading, ReadingKind, S
 use abbe::lower::{ErrorSite, Source};
 use abbe::machine::{Approach, Direction, Machine};
 
-/// How often intervals of so many standard uncertainties hold the truth.
+/// Coverage of intervals of a number of standard uncertainties: the frequency with which they hold the truth.
 #[derive(Default)]
 struct Coverage {
     inside: usize,
@@ -15,7 +15,7 @@ struct Coverage {
 }
 
 impl Coverage {
-    /// Intervals of `reach` standard uncertainties; of as many as are said, without.
+    /// Counts intervals of `reach` standard uncertainties; of the stated number without `reach`.
     fn count(&mut self, parameters: &[Parameter], solution: &Solution, known: &[f64], reach: Option<f64>) {
         for ((estimate, parameter), known) in solution.estimates.iter().zip(parameters).zip(known) {
             let (value, sigma) = (parameter.shown(estimate.value), parameter.shown(estimate.sigma.unwrap()));
@@ -113,7 +113,7 @@ fn unlike_quantities_have_variances_of_their_own() {
     assert!((0.93..0.97).contains(&coverage.share()), "{}", coverage.share());
 }
 
-/// Six readings of an angle have four to spare: intervals of what hangs on them are wider than those of the rest.
+/// Six readings of an angle have four to spare: intervals of parameters that hang on them are wider than the others.
 #[test]
 fn what_hangs_on_few_readings_has_the_students_factor_of_those() {
     let mut random = Random::new(605);

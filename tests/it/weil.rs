@@ -49,7 +49,7 @@ fn many_generators_sum_to_order_n() {
     }
 }
 
-/// What vanishes is what the difference of orders is made of.
+/// The vanishing products are the difference of the orders.
 #[test]
 fn an_ideal_of_all_products_is_order_one() {
     let machine = configs::machine("trunnion.yaml");
@@ -73,7 +73,7 @@ fn an_ideal_of_all_products_is_order_one() {
     }
 }
 
-/// Errors a thousand times as large: every degree can then be told from rounding.
+/// Errors a thousand times as large: every degree can then be distinguished from rounding.
 struct Large<L>(L);
 
 impl<S: Algebra, L: ErrorLift<S>> ErrorLift<S> for Large<L> {
@@ -82,7 +82,7 @@ impl<S: Algebra, L: ErrorLift<S>> ErrorLift<S> for Large<L> {
     }
 }
 
-/// The largest coefficient of each degree of what is left of the conditions.
+/// Returns the largest coefficient of each degree of the residual of the conditions.
 fn left<const M: usize>(problem: &Inverse<'_>, steps: usize) -> [f64; M] {
     let lift = Large(abbe::lower::OrderN);
     let by = problem.after::<Dual<M>, _>(&lift, steps).unwrap();
@@ -97,7 +97,7 @@ fn doubles<const M: usize>(problem: &Inverse<'_>) {
     for steps in 0..=newton_steps(M - 1) {
         let exact = if linear && steps > 0 { M } else { 1_usize << steps };
         for (degree, rest) in left::<M>(problem, steps).into_iter().enumerate() {
-            // The rounding of arms of 500 mm; what is not solved is at least the fifth power of 1 %.
+            // The rounding of arms of 500 mm; an unsolved part is at least the fifth power of 1 %.
             assert!(degree >= exact || rest < 1e-11, "degree {degree} after {steps} steps: {rest:e}");
             assert!(degree != exact || rest > 1e-9, "degree {degree} after {steps} steps is exact too soon: {rest:e}");
         }
@@ -205,7 +205,7 @@ fn the_inverse_undoes_the_errors() {
         loaded.axes().iter().zip(&pose).map(|(a, q)| q + by[a.name.as_str()].as_f64().unwrap()).collect();
     let before = evaluate(&loaded, &pose, Order::Exact, Approach::Mean, Frame::Workpiece).deviation.position.norm();
     let left = abbe::evaluate::commanded_deviation(&loaded, &pose, &moved, Approach::Mean).position.norm();
-    // What is left is the change of the error curves along the displacement.
+    // The residual is the change of the error curves along the displacement.
     assert!(before > 1e-3 && left < 2e-3 * before, "{before} {left}");
 }
 

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 
 const POSES: usize = 200;
-/// Of them, this many are driven without correction too.
+/// Number of the poses that are driven without correction too.
 const BARE: usize = 20;
 /// Tip and tool axis after correction: 0.05 um and 0.1 urad.
 pub const TIP: f64 = 0.05e-3;
@@ -112,7 +112,7 @@ pub struct Bench {
     pub sample: Sample,
     /// Axes in the order of the controller's joints, by their place in the walk.
     pub joints: Vec<usize>,
-    /// The axis whose angle says how far the pose is from a singular one.
+    /// The axis whose angle gives the distance of the pose from a singular one.
     tilting: Option<usize>,
 }
 
@@ -146,8 +146,8 @@ impl Bench {
         command
     }
 
-    /// How far the tip and the direction of the tool are from where the program wanted them, and how far
-    /// the tool is turned about its axis.
+    /// Returns the distances of the tip and of the direction of the tool from those of the program, and the rotation of
+    /// the tool about its axis.
     fn missed(&self, pose: &[f64], command: &[f64]) -> [f64; 3] {
         let [_, wanted] = self.sample.holds(&pose.to_vec(), Travel::Mean);
         let [real, _] = self.sample.holds(&command.to_vec(), Travel::Mean);

@@ -1,7 +1,7 @@
-//! Tests against a real LinuxCNC (tests/linuxcnc/): what `compile` emits is loaded and run.
+//! Tests against a real LinuxCNC (tests/linuxcnc/): the files of `compile` are loaded and run.
 //!
-//! Without the controller every check is left out and named; with `ABBE_REQUIRE_LIVE=1` (as in
-//! `tests/run`) a missing controller is a failure. Nothing left out counts as passed.
+//! Without the controller every check is omitted and named; with `ABBE_REQUIRE_LIVE=1` (as in `tests/run`) a missing
+//! controller is a failure. An omitted check does not count as passed.
 
 // A test that panics is a test that fails: nothing to be careful about.
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
@@ -40,11 +40,11 @@ const CHECKS: [checks::Check; 13] = [
 ];
 
 fn main() -> ExitCode {
-    // Each has a controller in a sandbox of its own, and waits for it most of its time.
+    // Each has a controller in a sandbox of its own, and waits for it nearly all its time.
     checks::run(&CHECKS, controller, "ABBE_REQUIRE_LIVE", 3)
 }
 
-/// Is there a controller, and may we start it?
+/// Checks that there is a controller that we may start.
 fn controller() -> Result<(), String> {
     let modules = Command::new("/usr/bin/python3").args(["-c", "import linuxcnc, hal"]).output();
     if !modules.is_ok_and(|output| output.status.success()) {
@@ -86,7 +86,7 @@ pub fn script(name: &str, arguments: &[&str]) -> Output {
     Command::new("/usr/bin/python3").arg(format!("tests/linuxcnc/{name}")).args(arguments).output().unwrap()
 }
 
-/// Its JSON, if it says that everything holds.
+/// Returns its JSON, if it reports that everything holds.
 pub fn script_json(name: &str, arguments: &[&str]) -> serde_json::Value {
     let output = script(name, arguments);
     let text = String::from_utf8_lossy(&output.stdout);

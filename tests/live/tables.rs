@@ -10,8 +10,8 @@ pub fn five_axis() {
     in_the_controller("configs/trunnion.yaml", 5);
 }
 
-/// Compiles, moves all joints both ways over their tables and beyond, and compares the controller's
-/// correction at every recorded position with our replay (1e-9) and the motor with it (1e-6, at rest 5e-5).
+/// Compiles, moves all joints in both directions over their tables and beyond, and compares the controller's correction
+/// at every recorded position with our replay (1e-9) and the motor with it (1e-6, at rest 5e-5).
 fn in_the_controller(machine: &str, joints: usize) {
     let folder = Folder::new(&joints.to_string());
     let out = folder.0.join("out").display().to_string();

@@ -39,7 +39,7 @@ fn main() {
     }
 }
 
-/// What a peer's dual number has to do.
+/// Operations of a peer's dual number.
 trait Peer: Copy + DualNum + nalgebra::Scalar + num_traits_like::Ring {}
 impl<T: Copy + DualNum + nalgebra::Scalar + num_traits_like::Ring> Peer for T {}
 
@@ -69,7 +69,7 @@ fn duals<const M: usize, P: Peer>(name: &str, peer: impl Fn([f64; M]) -> P) {
 }
 
 /// Sines of angles between -pi and pi. Ours is the portable libm's, the same everywhere; num-dual's is the platform's.
-/// With the platform's in ours too, what differs is the algebra.
+/// With the platform's in ours too, only the algebra differs.
 fn sines<const M: usize, P: Peer>(name: &str, raw: &[[f64; M]], peer: &impl Fn([f64; M]) -> P) {
     let turned = raw.iter().map(|x| std::array::from_fn(|k| x[k] * if k == 0 { std::f64::consts::TAU } else { 1.0 }));
     let (ours, theirs): (Vec<Dual<M>>, Vec<P>) = turned.map(|x| (Dual(x), peer(x))).unzip();
@@ -236,7 +236,7 @@ mod gtpsa {
         }
 
         pub fn triple(&self, variables: u16, order: u8, a: &[f64], b: &[f64]) -> Triple<'_> {
-            // SAFETY: descriptor and elements live as long as the process; lists are as long as said.
+            // SAFETY: descriptor and elements live as long as the process; lists have the lengths given.
             unsafe {
                 let descriptor = (self.newv)(i32::from(variables), order);
                 let elements = [a, b, a].map(|list| {
@@ -260,7 +260,7 @@ mod gtpsa {
         /// the order of the monomials. (Coefficients were dealt out by position; up to degree 1 the orders agree.)
         pub fn check(&self, ours: &[f64]) {
             let mut theirs = vec![0.0; ours.len()];
-            // SAFETY: as long as said.
+            // SAFETY: as long as the length given.
             unsafe { (self.library.getv)(self.elements[2], 0, theirs.len() as i32, theirs.as_mut_ptr()) };
             assert!((ours[0] - theirs[0]).abs() < 1e-15, "{} {}", ours[0], theirs[0]);
             assert!(ours[1..7].iter().zip(&theirs[1..7]).all(|(a, b)| (a - b).abs() < 1e-15));

@@ -1,9 +1,9 @@
 //! Polynomials in symbols: errors (nilpotent), positions of axes, sines and cosines of angles. The
 //! same lowering over them yields the closed forms.
 //!
-//! Squares of sines are written by cosines, so that equal polynomials look alike; monomials that
-//! vanish in the chosen Weil algebra are dropped. Only what is a polynomial can be lifted: functions
-//! are expanded at a real part that must be a number.
+//! Squares of sines are written by cosines, so that equal polynomials look alike; monomials that vanish in the chosen
+//! Weil algebra are dropped. Only polynomials can be lifted: functions are expanded at a real part that must be a
+//! number.
 
 mod rules;
 #[cfg(test)]

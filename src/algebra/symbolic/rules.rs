@@ -39,7 +39,7 @@ impl Rules {
         Self { symbols, ideal, products: AtomicU64::new(0), max_products: MAX_PRODUCTS }
     }
 
-    /// With another limit.
+    /// Returns the rules with another limit.
     #[cfg(test)]
     pub(super) fn within(self, max_products: u64) -> Self {
         Self { max_products, ..self }
@@ -117,7 +117,7 @@ impl Rules {
     }
 }
 
-/// A sum of monomials, with the sum of the sizes of what made each of them.
+/// A sum of monomials, each with the sum of the sizes of its contributions.
 #[derive(Default)]
 pub(super) struct Sum(BTreeMap<Monomial, (f64, f64)>);
 

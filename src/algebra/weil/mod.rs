@@ -1,5 +1,5 @@
-//! Weil algebras: polynomials in nilpotent generators, one for each error or group of errors, modulo
-//! a monomial ideal. The ideal says which interferences of errors are kept.
+//! Weil algebras: polynomials in nilpotent generators, one for each error or group of errors, modulo a monomial ideal.
+//! The ideal determines the interferences of errors that are kept.
 //!
 //! The basis is chosen at run time, so an element is a plain constant or carries its basis.
 

@@ -1,4 +1,4 @@
-//! Monomials in nilpotent generators, and the monomial ideal that says which of them vanish.
+//! Monomials in nilpotent generators, and the monomial ideal of those that vanish.
 
 /// A product of powers of generators: (generator, power) with rising generators and powers above 0.
 /// The empty list is 1.
@@ -147,7 +147,7 @@ pub struct Size {
 }
 
 impl Size {
-    /// All monomials up to the degree: what no ideal makes larger.
+    /// All monomials up to the degree: a bound for any ideal.
     fn bound(generators: f64, degree: u8) -> Self {
         let choose = |n: f64| (1..=degree).map(f64::from).map(|i| (n + i) / i).product();
         Self { monomials: choose(generators), products: choose(2.0 * generators) }

@@ -1,4 +1,4 @@
-//! The product of two elements: which coefficients are multiplied for which monomial.
+//! The product of two elements: the pairs of coefficients that are multiplied for each monomial.
 //!
 //! Each kernel adds the products of a monomial in one fixed order, each in the arithmetic of one double: the result is
 //! the same to the last bit for any vector width and processor. With one generator, the order is that of the dual
@@ -7,7 +7,7 @@
 /// The table by which elements are multiplied.
 #[derive(Debug, PartialEq)]
 pub enum ProductTable {
-    /// All monomials to degree 2 in so many generators: nothing to look up.
+    /// All monomials to degree 2 in this number of generators: nothing to look up.
     Quadratic(usize),
     /// At most 256 monomials: an index is a byte, and cannot miss.
     Small(Pairs),
@@ -95,7 +95,7 @@ impl Pairs {
         let half: Vec<Vec<[u8; 2]>> = rows.iter().map(halves).collect();
         let root = |k: usize| rows[k].iter().find(|[i, j]| i == j).map(|[i, _]| *i as u8);
         let kind = |k: usize| (half[k].len(), root(k).is_some());
-        // 1, and what only 1 divides, is made without a table.
+        // 1, and the monomials that only 1 divides, are made without a table.
         let mut order: Vec<usize> = (1..rows.len()).filter(|k| rows[*k].len() > 2).collect();
         order.sort_by_key(|k| kind(*k));
         let run = |alike: &[usize]| Run {
@@ -221,8 +221,8 @@ fn triangle<const K: usize>([a0, b0]: [f64; 2], [x, y, left, right]: [&[f64]; 4]
 mod tests {
     use crate::algebra::weil::{Basis, Ideal, Monomial};
 
-    /// The definition: every pair of monomials by rising left index; if `mirrored`, what 1 divides alone, then the
-    /// pairs with rising factors and their mirror images, each summed, then the squares.
+    /// The definition: every pair of monomials by rising left index; if `mirrored`, first the pairs with a factor 1,
+    /// then the pairs with rising factors and their mirror images, each summed, then the squares.
     fn plainly(basis: &Basis, a: &[f64], b: &[f64], mirrored: bool) -> Vec<f64> {
         let mut out = vec![0.0; a.len()];
         if mirrored {

@@ -35,9 +35,9 @@ pub struct Equations {
     pub symbols: Vec<Symbol>,
     /// The matrix G of every axis, and of the spindle if it has errors, with their names.
     pub joints: Vec<(String, Htm<Symbolic>)>,
-    /// From the bed to the tool.
+    /// Matrix from the bed to the tool.
     pub t_tool: Htm<Symbolic>,
-    /// From the bed to the workpiece.
+    /// Matrix from the bed to the workpiece.
     pub t_work: Htm<Symbolic>,
     /// (T_tool^-1 T_work) actual minus nominal, between workpiece frame and tool frame.
     pub e_ve: Matrix4<Symbolic>,

@@ -32,8 +32,8 @@ pub struct Interactions {
 }
 
 impl Interactions {
-    /// Returns a bound of what order 1 neglects at second degree, position (mm) and rotation (rad): all interactions
-    /// with one sign.
+    /// Returns a bound of the second-degree terms that order 1 neglects, position (mm) and rotation (rad): all
+    /// interactions with one sign.
     pub fn neglected(&self) -> (f64, f64) {
         let length = |v: &Vector3<f64>, effect: &Effect| v.norm() * effect.value.abs();
         let sum = |(position, rotation): (f64, f64), e: &Effect| {
@@ -57,7 +57,7 @@ pub fn interactions(machine: &Machine, degree: u8) -> Result<Calculation<'_>, Di
     let lift = DeclaredAlgebra::new(machine, &AlgebraChoice::per_error(degree))?.build()?;
     let mut units = unit_values(machine);
     if machine.conventions().location_order == LocationOrder::Real {
-        // These are no generators: they stand in the real part as they are.
+        // These are no generators: they are in the real part as they are.
         let actual = values(machine, &vec![0.0; machine.axes().len()], Approach::Mean);
         units.axes.iter_mut().zip(&actual.axes).for_each(|(unit, actual)| unit.0 = actual.0);
         units.spindle = actual.spindle;

@@ -22,7 +22,7 @@ const RANK_TOLERANCE: f64 = 1e-8;
 /// The minimal set, and its state in the machine file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocationSet {
-    /// In ISO order: squareness, then each rotary axis, then the spindle.
+    /// Members in ISO order: squareness, then each rotary axis, then the spindle.
     pub members: Vec<(ErrorId, Status)>,
     /// Location errors that the file gives besides: the members can express them.
     pub besides: Vec<ErrorId>,

@@ -32,16 +32,16 @@ pub enum Meaning {
 /// A symbol with its names.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Symbol {
-    /// In text.
+    /// Symbol as text.
     pub text: String,
-    /// In LaTeX.
+    /// Symbol as LaTeX.
     pub latex: String,
     /// Its meaning.
     pub meaning: Meaning,
 }
 
 impl Symbol {
-    /// Returns the sign of the symbol relative to the error for which it stands.
+    /// Returns the sign of the symbol relative to its error.
     pub fn sign(&self) -> f64 {
         if let Meaning::Error(_, sign) = self.meaning { f64::from(sign) } else { 1.0 }
     }

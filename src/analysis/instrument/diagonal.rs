@@ -22,7 +22,7 @@ pub struct Diagonal {
     pub systematic: f64,
     /// B_d: largest difference of both runs, um.
     pub reversal: f64,
-    /// With steps: sum of the changes of the reading by each axis's motions on the forward run, um.
+    /// Sum of the changes of the reading by each axis's motions on the forward run, um; with steps only.
     pub by_axis: Option<Vec<f64>>,
 }
 

@@ -14,12 +14,12 @@ pub struct Path {
     pub closed: bool,
 }
 
-/// Motion below this (mm, deg) is rounding: the axis stands.
+/// A motion below this (mm, deg) is rounding: the axis does not move.
 const MIN_MOTION: f64 = 1e-9;
 
 impl Path {
-    /// Returns the side from which every axis comes at every pose. An axis that stands keeps the side it came from
-    /// last; before it has ever moved, it is at the mean of both.
+    /// Returns the side from which every axis comes at every pose. An axis that does not move keeps its last side;
+    /// before it has ever moved, it is at the mean of both.
     fn approaches(&self) -> Vec<Vec<Approach>> {
         let axes = self.poses.first().map_or(0, Vec::len);
         let mut sides = vec![Approach::Mean; axes];

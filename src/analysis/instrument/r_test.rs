@@ -26,7 +26,7 @@ pub struct RTest {
 }
 
 /// Returns the readings of an axis at `points` positions over its interval in the volume. The ball is at the nominal
-/// functional point of the pose `at` (mm, deg). Positions that the linear axes cannot follow are left out; with fewer
+/// functional point of the pose `at` (mm, deg). Positions that the linear axes cannot follow are omitted; with fewer
 /// than three others the test fails with the reason.
 pub fn r_test(machine: &Machine, at: &[f64], axis: usize, points: usize) -> Result<RTest, Unreachable> {
     let ball = tool_pose(machine, at).tip;

@@ -98,7 +98,7 @@ fn motions(mut slides: Vec<Slide>, wanted: &Vector3<f64>) -> Result<Vec<f64>, Un
     }
 }
 
-/// Returns the least-squares solution of least length over the axes that are not at an end; `None` if it misses the
+/// Returns the least-squares solution of minimum length over the axes that are not at an end; `None` if it misses the
 /// place.
 fn smallest(slides: &[Slide], wanted: &Vector3<f64>) -> Option<Vec<f64>> {
     let free = |s: &&Slide| s.end.is_none();

@@ -32,7 +32,7 @@ pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Resul
 }
 
 /// Returns the pose (mm, deg) within the travel that brings the functional point to a place of the workpiece (from its
-/// origin, mm) by the least motion of the linear axes; the rotary axes stay as in `pose`. Fails with the reason if
+/// origin, mm) by the smallest motion of the linear axes; the rotary axes stay as in `pose`. Fails with the reason if
 /// there is none.
 pub fn place(machine: &Machine, tip: &Vector3<f64>, pose: &[f64]) -> Result<Pose, Unreachable> {
     let placed = linear::complete(machine, tip, pose.to_vec(), pose)?;

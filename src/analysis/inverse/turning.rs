@@ -48,8 +48,8 @@ impl Turning<'_> {
         Some(normal.dot(&(self.tip - tool_pose(self.machine, &pose).tip)))
     }
 
-    /// Returns the poses whose place lies in the plane. The distance is c + a cos + b sin of the turn wherever the
-    /// linear axes stand on one side of this axis, or along it: two turns, or none.
+    /// Returns the poses whose place lies in the plane. The distance is c + a cos + b sin of the turn if the linear
+    /// axes are on one side of this axis, or along it: two turns, or none.
     fn poses(&self, reference: f64) -> Vec<Pose> {
         let direction = |degrees: f64| tool_pose(self.machine, &self.at(degrees)).direction;
         let turns = (direction(reference + 120.0) - direction(reference)).norm() > SAME_DIRECTION_RAD;

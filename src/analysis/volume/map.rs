@@ -74,7 +74,7 @@ pub(crate) fn into_frame(frames: Option<&CompiledModel>, frame: Frame, poses: &B
     }
 }
 
-/// Returns the deviation at a pose (mm, deg), approached and in the frame as the view says.
+/// Returns the deviation at a pose (mm, deg), with the approach and in the frame of the view.
 pub fn deviation_in(field: &dyn Field, pose: &[f64], view: View) -> Deviation {
     let deviation = field.deviation(pose, view.approach);
     match frame_rotation(field.machine(), pose, view.frame) {

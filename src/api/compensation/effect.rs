@@ -1,4 +1,4 @@
-//! What a set of files does to a machine: one that `compile` would write, or one found in a folder.
+//! Effect of a set of files on a machine: of one that `compile` would write, or of one found in a folder.
 
 use super::found_set::found_set;
 use super::options::CompensationOptions;
@@ -6,13 +6,13 @@ use super::table_set::{self, FoundTables, TableRequest};
 use super::{module_set, verdict};
 use crate::api::run::{Call, Refused};
 use crate::controller::{
-    Certificate, ControllerTarget, Depth, Effect, JudgedTables, Limits, certify, certify_kinematics,
+    Certificate, ControllerTarget, Depth, Effect, Limits, TablesUnderTest, certify, certify_kinematics,
 };
 use crate::machine::Machine;
 use std::path::Path;
 
-/// Returns what a target does to a machine by the files that `compile` would write, and their certificate. Nothing is
-/// written.
+/// Returns the effect of a target on a machine by the files that `compile` would write, and their certificate. Nothing
+/// is written.
 pub(crate) fn compiled_effect(
     call: &mut Call,
     machine: &Machine,
@@ -28,7 +28,7 @@ pub(crate) fn compiled_effect(
     } else {
         let request = TableRequest::plain(options.scope());
         let tables = table_set::rendered(call, machine, target, &request, None)?.tables;
-        let judged = JudgedTables { target, tables: &tables, installed: None };
+        let judged = TablesUnderTest { target, tables: &tables, installed: None };
         let certificate = certify(machine, judged, options.scope(), depth.poses, depth.seed);
         (Effect::CorrectionTables(tables), certificate)
     };
@@ -37,7 +37,7 @@ pub(crate) fn compiled_effect(
     Ok((effect, certificate))
 }
 
-/// Returns what the set in a folder does, of whatever target it is.
+/// Returns the effect of the set in a folder, of whatever target it is.
 pub(crate) fn found_effect(
     call: &mut Call,
     machine: &Machine,

@@ -12,7 +12,7 @@ pub(crate) const SET_LIMIT: u64 = MAX_FILE_BYTES as u64;
 const MAX_FILES: usize = 200;
 const MAX_BYTES: u64 = 4 * SET_LIMIT;
 
-/// A folder and what is in it.
+/// A folder with its files.
 pub(crate) struct Folder<'a> {
     pub path: &'a Path,
     files: &'a dyn Files,
@@ -60,7 +60,7 @@ impl<'a> Folder<'a> {
         found
     }
 
-    /// Reads every text in the folder, up to a limit; warns of what is left alone.
+    /// Reads every text in the folder, up to a limit; warns of the files that are ignored.
     pub fn texts(&self, diagnostics: &mut Diagnostics) -> Vec<(String, String)> {
         let candidate = |entry: &&FolderEntry| {
             entry.kind == EntryKind::File && entry.name != LOCK_NAME && !entry.name.starts_with('.')
@@ -68,13 +68,13 @@ impl<'a> Folder<'a> {
         let (mut texts, mut bytes) = (Vec::new(), 0);
         for (number, entry) in self.entries.iter().filter(candidate).enumerate() {
             if number >= MAX_FILES || bytes + entry.size > MAX_BYTES {
-                diagnostics.push(left_alone(&entry.name, "the files before it are more than any set has"));
+                diagnostics.push(ignored(&entry.name, "the files before it are more than any set has"));
                 break;
             }
             bytes += entry.size;
             match self.bytes(&entry.name).and_then(|bytes| String::from_utf8(bytes).ok()) {
                 Some(text) => texts.push((entry.name.clone(), text)),
-                None => diagnostics.push(left_alone(&entry.name, "it is no text that can be read")),
+                None => diagnostics.push(ignored(&entry.name, "it is no text that can be read")),
             }
         }
         texts
@@ -82,9 +82,9 @@ impl<'a> Folder<'a> {
 }
 
 /// Warns of a file that is not judged.
-pub(crate) fn left_alone(name: &str, why: &str) -> Diagnostic {
-    let message = format!("`{}` is left alone: {why}", shown(name));
-    Diagnostic::new(codes::W0711, message).help("what is certified is the set without this file")
+pub(crate) fn ignored(name: &str, why: &str) -> Diagnostic {
+    let message = format!("`{}` is ignored: {why}", shown(name));
+    Diagnostic::new(codes::W0711, message).help("the certificate is of the set without this file")
 }
 
 fn unreadable(failure: &ReadFailure) -> String {

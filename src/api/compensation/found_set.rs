@@ -1,7 +1,7 @@
-//! Which target's files a folder holds: the one that is named, or that the set's manifest names; else the one whose
-//! files are there by name; else the one that their content tells.
+//! The target of the files in a folder: the one that is named, or that the set's manifest names; else the one whose
+//! files are there by name; else the one that their content identifies.
 
-use super::folder::{Folder, left_alone};
+use super::folder::{Folder, ignored};
 use super::options::{CompensationOptions, stored_of};
 use crate::api::run::{Call, Refused};
 use crate::controller::{ControllerTarget, LOCK_NAME, Lock, NAMES, ReadBack, RecognisedSet, recognise};
@@ -48,7 +48,7 @@ pub(crate) fn found_set(
         let wanted = [target.table_files(machine), target.index_files()].concat();
         let files = folder.read(&wanted, &mut call.diagnostics);
         for name in target.foreign_files(machine).into_iter().filter(|name| folder.has(name)) {
-            call.warn(left_alone(&name, "the machine has no axis for it"));
+            call.warn(ignored(&name, "the machine has no axis for it"));
         }
         return Ok(FoundSet { target: target.clone(), files });
     }

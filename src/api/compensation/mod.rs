@@ -1,9 +1,9 @@
-//! How a machine is compensated: options, the sets of files that come of them, and the sets that folders hold.
+//! Compensation of a machine: options, rendered sets of files, and the sets in folders.
 //!
-//! - [`options`]: what is corrected, with which axes, for which target;
+//! - [`options`]: goal, axes and target of the correction;
 //! - [`table_set`], [`module_set`]: sets of tables and kinematics modules, rendered and read back;
 //! - [`folder`], [`found_set`]: sets found in a folder, of whatever target;
-//! - [`effect`]: what either does to a machine; [`verdict`]: what its certificate warns of.
+//! - [`effect`]: the effect of either on a machine; [`verdict`]: the warnings of its certificate.
 
 pub(crate) mod effect;
 pub(crate) mod folder;
@@ -16,9 +16,9 @@ pub(crate) mod verdict;
 use crate::controller::ControllerTarget;
 use crate::diagnostic::{Diagnostic, codes};
 
-/// Refuses rendered files that do not read back as what was meant.
+/// Refuses rendered files that do not read back as the intended set.
 fn misread(target: &ControllerTarget) -> Diagnostic {
     let name = &target.manifest.target;
-    Diagnostic::new(codes::E0707, format!("the files of target `{name}` do not read back as what was to be written"))
-        .help("its templates do not write what its manifest says; nothing was written")
+    Diagnostic::new(codes::E0707, format!("the files of target `{name}` do not read back as the intended set"))
+        .help("its templates and its manifest disagree; nothing was written")
 }

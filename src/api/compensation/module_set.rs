@@ -10,10 +10,10 @@ use crate::machine::Machine;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The files of a module, and what the controller reads from them.
+/// The files of a module, and the numbers that the controller reads from them.
 pub(crate) struct ModuleFiles {
     pub(crate) rendered: Vec<RenderedFile>,
-    /// What the module carries.
+    /// Data of the module.
     pub(crate) module: KinematicsModule,
     /// The tables beside it.
     pub(crate) beside: CorrectionTables,
@@ -91,7 +91,7 @@ fn beside(
     Ok(tables)
 }
 
-/// Reads the rendered bytes back as `verify` would, and insists that they are what was meant.
+/// Reads the rendered bytes back as `verify` would, and refuses any difference from the intended module.
 fn read_back(
     call: &mut Call,
     machine: &Machine,

@@ -1,4 +1,4 @@
-//! How a machine is compensated: the options that `compile`, `verify`, `diff`, `map` and `report` share.
+//! Options of the compensation of a machine: `compile`, `verify`, `diff`, `map` and `report` share them.
 
 use crate::api::run::{Call, Refused};
 use crate::compensation::{Fit, Goal, Scope, Stored};
@@ -7,11 +7,11 @@ use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::syntax::{EntryKind, Files};
 use std::path::{Path, PathBuf};
 
-/// How a machine is compensated.
+/// Options of the compensation of a machine.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct CompensationOptions {
-    /// What is corrected. By default tables correct the position, a kinematics module the pose.
+    /// Goal of the correction; by default the position for tables, the pose for a kinematics module.
     pub correct: Option<Goal>,
     /// Axes that correct. By default the linear ones for the position, all for the pose.
     pub with: Option<CorrectingAxes>,
@@ -22,7 +22,7 @@ pub struct CompensationOptions {
     pub stored: Option<Stored>,
     /// Kinds of tables to leave out although the controller has them: product, plane, cross_axis, own_axis.
     pub without: Vec<String>,
-    /// What own-axis tables are made for; by default the manifest's.
+    /// Content of own-axis tables; by default the manifest's.
     pub fit: Option<Fit>,
 }
 
@@ -36,8 +36,8 @@ pub enum CorrectingAxes {
     All,
 }
 
-/// Below this sine of the angle from a singular pose the rotary axes' correction is bounded: lattice
-/// cells are about 15 deg wide, and what changes faster than that cannot be interpolated.
+/// Sine of the angle from a singular pose below which the rotary axes' correction is bounded: lattice cells are about
+/// 15 deg wide, and faster changes cannot be interpolated.
 const LATTICE_DAMPING: f64 = 0.15;
 
 /// The word for a meaning of stored numbers in the manifest of a set.
@@ -67,7 +67,7 @@ impl CompensationOptions {
         self.correct != Some(Goal::Position) && self.with != Some(CorrectingAxes::Linear)
     }
 
-    /// Returns what the manifest of a set states of them.
+    /// Returns the options as the manifest of a set states them.
     pub(crate) fn words(&self) -> Vec<String> {
         let scope = self.scope();
         let goal = if scope.goal == Goal::Pose { "pose" } else { "position" };
@@ -111,7 +111,7 @@ impl CompensationOptions {
         for kind in &self.without {
             if !target.manifest.mechanism.leave_out(kind) {
                 let kind = kind.escape_debug();
-                return call.usage(format!("--without: the target `{name}` has no tables `{kind}`, or none besides"));
+                return call.usage(format!("--without: the target `{name}` has no tables `{kind}`, or no others"));
             }
         }
         if let Some(fit) = self.fit {

@@ -79,7 +79,7 @@ fn lattice_axes(call: &mut Call, machine: &Machine, named: &[String]) -> Result<
     Ok(all.filter(wanted).collect())
 }
 
-/// A lattice has two nodes on every axis at the least, and something to correct.
+/// Refuses a lattice with fewer than two nodes on an axis, or with nothing to correct.
 fn refuse_impossible_lattice(
     call: &mut Call,
     machine: &Machine,
@@ -88,10 +88,11 @@ fn refuse_impossible_lattice(
 ) -> Result<(), Refused> {
     let free = target.manifest.mechanism.lattice.as_ref().filter(|rules| rules.inputs.is_empty());
     let Some(rules) = free else { return Ok(()) };
-    let most = request.max_nodes.min(rules.table.max_points);
-    let least = 2_usize.checked_pow(u32::try_from(request.axes.len()).unwrap_or(u32::MAX)).unwrap_or(usize::MAX);
-    if least > most {
-        let message = format!("a lattice over {} axes has more than {most} nodes at the least", request.axes.len());
+    let max = request.max_nodes.min(rules.table.max_points);
+    let min = 2_usize.checked_pow(u32::try_from(request.axes.len()).unwrap_or(u32::MAX)).unwrap_or(usize::MAX);
+    if min > max {
+        let message =
+            format!("a lattice over {} axes has {min} nodes or more, above the limit of {max}", request.axes.len());
         let help = "span it over fewer axes with --lattice X,Y,Z, or allow more with --nodes";
         return call.refuse(Diagnostic::new(codes::E0603, message).help(help));
     }
@@ -105,14 +106,14 @@ fn refuse_impossible_lattice(
     Ok(())
 }
 
-/// What does not go into the tables: points beyond the format's limit, travel beyond the volume.
+/// Warns of points beyond the format's limit, and of travel beyond the volume.
 fn warn_left_out(call: &mut Call, machine: &Machine, target: &ControllerTarget, tables: &CorrectionTables) {
     let own = target.manifest.mechanism.own_axis.as_ref().map(|own| &own.table);
     if let Some(rules) = own.filter(|rules| rules.fit == Fit::Axis) {
         for (axis, points) in resampled(machine, rules) {
-            let (name, most) = (&machine.axes()[axis].name, rules.max_points);
+            let (name, max) = (&machine.axes()[axis].name, rules.max_points);
             let message =
-                format!("the curves of `{name}` have {points} points, the format holds {most}: they were resampled");
+                format!("the curves of `{name}` have {points} points, the format holds {max}: they were resampled");
             let help = "thin the curve out yourself if certain points matter";
             call.warn(Diagnostic::new(codes::W0604, message).help(help));
         }

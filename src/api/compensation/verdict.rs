@@ -1,4 +1,4 @@
-//! What a certificate warns of.
+//! Warnings of a certificate.
 
 use crate::controller::{Certificate, ROUNDING_UM, RaisedFigure};
 use crate::diagnostic::{Diagnostic, codes};
@@ -35,12 +35,12 @@ pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
         lessened(&before.all.position_um, &after.all.position_um) || lessened(&before.tool_axis, &after.tool_axis);
     if certificate.strongest.is_none() && !lessens {
         let help = "no error of this machine is within the target's reach, or the files hold nothing: a target with \
-         a lattice, such as grid-csv, takes away what depends on several axes";
+         a lattice, such as grid-csv, corrects errors that depend on several axes";
         found.push(Diagnostic::new(codes::W0602, "the tables correct nothing").help(help));
     } else if let Some(words) = raised(certificate) {
         found.push(Diagnostic::new(codes::W0602, format!("the tables raise {words}")).help(why_raised(certificate)));
     }
-    // A twentieth more is within what any table of angles changes here and there.
+    // An increase by a twentieth is within the local changes of any table of angles.
     let turned = |b: &Summary, a: &Summary| a.p95 > b.p95 * 1.05 + ROUNDING_UM;
     if turned(&before.tool_axis, &after.tool_axis) || turned(&before.all.rotation_urad, &after.all.rotation_urad) {
         let message = format!(
@@ -52,13 +52,13 @@ pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
         );
         found.push(Diagnostic::new(codes::W0603, message).help(
             "rotation about the tool axis matters to tools that \
-         do not turn; `--correct position` leaves the rotary axes alone",
+         do not turn; `--correct position` does not move the rotary axes",
         ));
     }
     found
 }
 
-/// Why tables can make it worse, and what to do.
+/// Returns the reason why tables can make it worse, and the remedy.
 fn why_raised(certificate: &Certificate) -> &'static str {
     match &certificate.shifted {
         Some(shifted) if shifted.is_better() => {

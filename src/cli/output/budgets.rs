@@ -5,7 +5,7 @@ use crate::cli::verbs::budget::{TOTALS, TOTALS_NOTE, totals_row};
 use abbe::results::{BudgetPart as Part, ComparedBudgets};
 use abbe::text::significant;
 
-/// Two tables: totals, and what each tolerance has of the 95 % value.
+/// Two tables: totals, and the part of each tolerance in the 95 % value.
 pub(crate) fn text(of: &ComparedBudgets, top: usize) -> String {
     let mut rows = table(&TOTALS);
     for (i, budget) in of.budgets.iter().enumerate() {

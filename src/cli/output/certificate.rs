@@ -3,7 +3,9 @@
 use super::session::Session;
 use crate::cli::Format;
 use abbe::options::Approach;
-use abbe::results::{Axis, CertificateReport, ControllerTarget, ErrorLeft, Handled, Machine, ROUNDING_UM, Summary};
+use abbe::results::{
+    Axis, CertificateReport, CompensationDegree, ControllerTarget, Machine, ROUNDING_UM, SingleErrorResidual, Summary,
+};
 use abbe::text::{micro, significant};
 use serde_json::json;
 use std::path::Path;
@@ -23,7 +25,7 @@ impl CertificateView<'_> {
         }
     }
 
-    /// What a new reference position does where tables must vanish at it.
+    /// Returns the effect of a new reference position where tables must vanish at it.
     fn shifted(&self) -> String {
         let Some(shifted) = &self.report.certificate.shifted else { return String::new() };
         let one = |(axis, shift): (&Axis, &f64)| {
@@ -32,8 +34,8 @@ impl CertificateView<'_> {
         };
         let list: Vec<String> = self.report.machine.axes().iter().zip(&shifted.shift).map(one).collect();
         format!(
-            "The tables vanish at the reference position. With the machine zero moved besides by {} the position is \
-             at most {} um off, 95 % {}; without tables and with the zero where it is best for that, {} and {}.\n",
+            "The tables vanish at the reference position. With the machine zero also moved by {} the position is \
+             at most {} um off, 95 % {}; without tables and with the best zero for that, {} and {}.\n",
             list.join(", "),
             significant(shifted.position_um.max, 4),
             significant(shifted.position_um.p95, 4),
@@ -48,7 +50,7 @@ impl CertificateView<'_> {
             .certificate
             .errors
             .iter()
-            .map(|e| format!("{},{},{},{}", e.error, word(e.handled), e.alone, e.left));
+            .map(|e| format!("{},{},{},{}", e.error, word(e.degree), e.alone_um, e.residual_um));
         let header = "error,handled,alone [um],left [um]".to_owned();
         std::iter::once(header).chain(rows).collect::<Vec<_>>().join("\n")
     }
@@ -99,32 +101,37 @@ impl CertificateView<'_> {
         format!("{table}\n{}{raised}{}", ratio(&before.all.position_um, &after.all.position_um), self.shifted())
     }
 
-    /// Only what is left: a list of forty errors that are gone helps nobody.
+    /// Returns the errors that are not compensated fully: a list of forty others helps nobody.
     fn by_error(&self) -> String {
-        let list = |keep: &dyn Fn(&ErrorLeft) -> bool| {
+        let list = |keep: &dyn Fn(&SingleErrorResidual) -> bool| {
             let names: Vec<String> =
                 self.report.certificate.errors.iter().filter(|e| keep(e)).map(|e| e.error.to_string()).collect();
             if names.is_empty() { "none".to_owned() } else { names.join(" ") }
         };
-        let idle = |e: &ErrorLeft| e.alone < NO_EFFECT;
-        let gone = list(&|e| e.handled == Handled::Fully && !idle(e));
+        let idle = |e: &SingleErrorResidual| e.alone_um < NO_EFFECT;
+        let gone = list(&|e| e.degree == CompensationDegree::Fully && !idle(e));
         let poses = self.report.certificate.single_error_poses;
         let mut text = format!(
-            "What this target can do against each error alone, laid out as here, over {poses} of the poses:\n  fully \
+            "Each error alone, with tables of its own laid out as here, over {poses} of the poses:\n  fully \
              compensated: {gone}\n"
         );
         if self.report.certificate.errors.iter().any(idle) {
             text.push_str(&format!("  without effect here: {}\n", list(&idle)));
         }
-        let mut left: Vec<_> =
-            self.report.certificate.errors.iter().filter(|e| e.handled != Handled::Fully && !idle(e)).collect();
-        left.sort_by(|a, b| b.left.total_cmp(&a.left));
+        let mut left: Vec<_> = self
+            .report
+            .certificate
+            .errors
+            .iter()
+            .filter(|e| e.degree != CompensationDegree::Fully && !idle(e))
+            .collect();
+        left.sort_by(|a, b| b.residual_um.total_cmp(&a.residual_um));
         if !left.is_empty() {
-            text.push_str("  left of it (95 %, um; in brackets without compensation):\n");
+            text.push_str("  residual (95 %, um; in brackets without compensation):\n");
         }
         for e in left {
-            let (left, alone) = (significant(e.left, 3), significant(e.alone, 3));
-            text.push_str(&format!("  {:6} {:6} {left:>8} ({alone})\n", e.error.to_string(), word(e.handled)));
+            let (left, alone) = (significant(e.residual_um, 3), significant(e.alone_um, 3));
+            text.push_str(&format!("  {:6} {:6} {left:>8} ({alone})\n", e.error.to_string(), word(e.degree)));
         }
         text
     }
@@ -153,8 +160,8 @@ impl CertificateView<'_> {
             ("the files add", "they")
         };
         format!(
-            "Then measure: at {}{coming}, {what} {added} to {name}. Switched on, {they} must change what an \
-             instrument along {name} reads by {added}; by {other} means a wrong sign.\n",
+            "Then measure: at {}{coming}, {what} {added} to {name}. Switched on, {they} must change the reading of an \
+             instrument along {name} by {added}; by {other} means a wrong sign.\n",
             place.join(", "),
         )
     }
@@ -208,10 +215,10 @@ fn tool(machine: &Machine, target: &ControllerTarget) -> String {
     format!("{name}{length} mm from the gauge point to the functional point{only}")
 }
 
-fn word(handled: Handled) -> &'static str {
-    match handled {
-        Handled::Fully => "fully",
-        Handled::Partly => "partly",
-        Handled::No => "no",
+fn word(degree: CompensationDegree) -> &'static str {
+    match degree {
+        CompensationDegree::Fully => "fully",
+        CompensationDegree::Partly => "partly",
+        CompensationDegree::No => "no",
     }
 }

@@ -9,7 +9,7 @@ use abbe::results::Picture;
 use std::io::BufWriter;
 use std::path::PathBuf;
 
-/// Where every pose with its deviation is written.
+/// Files for every pose with its deviation.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct OutputArgs {
     /// Write every pose with its deviation to a CSV file.
@@ -37,7 +37,7 @@ impl OutputArgs {
         all.into_iter().filter_map(|(form, path)| Some((form, path.as_ref()?)))
     }
 
-    /// Where they go.
+    /// Returns the paths of the files.
     pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
         self.wanted().map(|(_, path)| path)
     }
@@ -68,7 +68,7 @@ impl StagedTables {
     }
 }
 
-/// What to draw.
+/// Options of the pictures.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct PictureArgs {
     /// Draw the error over a plane of two linear axes.
@@ -77,17 +77,17 @@ pub(crate) struct PictureArgs {
     /// The same as PNG.
     #[arg(long, value_name = "FILE")]
     png: Option<PathBuf>,
-    /// How: a map of colours with arrows, or the deformed grid; `before-after` is a map of both states and of
-    /// what is left (with `--target`).
+    /// Form of the picture: a map of colours with arrows, or the deformed grid; `before-after` maps the error without
+    /// compensation and the residual (with `--target`).
     #[arg(long, value_enum, default_value = "colours")]
     drawing: DrawingArg,
     /// The two linear axes of the picture, such as XY or X,Z [default: the first two].
     #[arg(long, value_name = "AXES")]
     plane: Option<String>,
-    /// Where the other axes are for the picture [default: 0, or the end of the travel nearest to it].
+    /// Positions of the other axes for the picture [default: 0, or the end of the travel nearest to it].
     #[arg(long, value_name = "Z=-100,A=30", allow_hyphen_values = true)]
     at: Option<String>,
-    /// What the colours of the picture show.
+    /// Quantity that the colours show.
     #[arg(long, value_enum, default_value = "length")]
     component: ComponentArg,
 }
@@ -108,7 +108,7 @@ enum ComponentArg {
 }
 
 impl PictureArgs {
-    /// Where they go.
+    /// Returns the paths of the pictures.
     pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
         self.svg.iter().chain(&self.png)
     }

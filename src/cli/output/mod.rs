@@ -1,4 +1,4 @@
-//! What the program prints and draws, and the run with its diagnostics.
+//! Output of the program: text, files and pictures, and the run with its diagnostics.
 
 pub(super) mod budgets;
 pub(super) mod certificate;

@@ -1,4 +1,4 @@
-//! Progress on standard error: only on a terminal, and only for what lasts over a second.
+//! Progress on standard error: only on a terminal, and only for work that lasts over a second.
 
 use crate::cli::confined;
 use abbe::Monitor;
@@ -12,7 +12,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between two words.
 const PACE: Duration = Duration::from_millis(100);
 
-/// How far a long computation has come.
+/// Progress of a long computation.
 pub(crate) struct Progress {
     total: usize,
     visible: bool,
@@ -27,14 +27,14 @@ struct State {
 }
 
 impl Progress {
-    /// Of so many steps; `quiet` says nothing whatever happens.
+    /// Starts at 0 of `total` steps; `quiet` prints nothing.
     pub(crate) fn new(total: usize, quiet: bool) -> Self {
         let begun = Instant::now();
         let state = State { done: 0, next: begun + PATIENCE, shown: false };
         Self { total, begun, visible: !quiet && std::io::stderr().is_terminal(), state: Mutex::new(state) }
     }
 
-    /// So many more are done.
+    /// Adds `count` finished steps.
     pub(crate) fn add(&self, count: usize) {
         if !self.visible {
             return;
@@ -47,12 +47,12 @@ impl Progress {
             state.shown = true;
             let percent = 100 * state.done / self.total.max(1);
             let left = remaining(now - self.begun, state.done, self.total);
-            let _ = write!(std::io::stderr(), "\r{percent:3} % of {}, {left} left\x1b[K", self.total);
+            let _ = write!(std::io::stderr(), "\r{percent:3} % of {}, {left} remaining\x1b[K", self.total);
         }
     }
 }
 
-/// How long the rest will take at the pace so far: `45 s`, `12 min`, `3.5 h`.
+/// Estimate of the remaining time at the pace so far: `45 s`, `12 min`, `3.5 h`.
 fn remaining(elapsed: Duration, done: usize, total: usize) -> String {
     let seconds = elapsed.as_secs_f64() * (total.saturating_sub(done)) as f64 / done.max(1) as f64;
     match seconds {
@@ -62,7 +62,7 @@ fn remaining(elapsed: Duration, done: usize, total: usize) -> String {
     }
 }
 
-/// The line is taken back: what follows on the terminal begins on a clean one.
+/// Clears the line: further output begins on an empty one.
 impl Drop for Progress {
     fn drop(&mut self) {
         if self.state.get_mut().is_ok_and(|state| state.shown) {
@@ -80,7 +80,7 @@ pub(crate) struct ProgressBar {
 }
 
 impl ProgressBar {
-    /// `quiet` says nothing whatever happens.
+    /// Starts the display; `quiet` prints nothing.
     pub(crate) fn new(quiet: bool, confined: bool) -> Self {
         Self { quiet, confined, stage: Mutex::new(None) }
     }

@@ -1,4 +1,4 @@
-//! One run of the program: its options, what it found wrong, and its two output streams.
+//! One run of the program: its options, its diagnostics, and its two output streams.
 
 use super::progress::ProgressBar;
 use crate::cli::{Color, Exit, Format, FormatArg, Global, Outcome};
@@ -19,9 +19,9 @@ pub(crate) struct Session {
     pub diagnostics: Diagnostics,
     /// The JSON document of the run, printed when it ends.
     document: RefCell<Option<Value>>,
-    /// Why the command line makes no sense.
+    /// Diagnostic of an invalid command line.
     unfit: RefCell<Option<Diagnostic>>,
-    /// Why standard output did not take everything.
+    /// Reason why standard output did not take everything.
     output_lost: Cell<Option<ErrorKind>>,
 }
 
@@ -42,7 +42,7 @@ impl Session {
         Run { files: &Disk, monitor: &self.bar, deny_warnings: self.global.deny.is_some() }
     }
 
-    /// Keeps what a call of the library found, and returns its value if it has one.
+    /// Keeps the diagnostics of a call of the library, and returns its value if it has one.
     pub(crate) fn take<T>(&mut self, answer: Result<Answer<T>, Diagnostics>) -> Result<T, Exit> {
         match answer {
             Ok(answer) => {
@@ -102,7 +102,7 @@ impl Session {
         }
     }
 
-    /// Says something to the person, on standard error, unless `--quiet`.
+    /// Prints a text to the person, on standard error, unless `--quiet`.
     pub(crate) fn say(&self, text: &str) {
         if !self.global.quiet {
             let _ = writeln!(std::io::stderr().lock(), "{text}");

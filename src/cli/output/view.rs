@@ -1,4 +1,4 @@
-//! Options that the verbs about whole volumes share, and how their numbers are printed.
+//! Options that the verbs about whole volumes share, and the format of their numbers.
 
 use abbe::options::{Approach, Frame, Order};
 use abbe::results::{ReachedToolPoses, Statistics, Summary};
@@ -6,7 +6,7 @@ use abbe::text::{UnknownOrder, shown, significant};
 
 pub(crate) use abbe::text::axes_text;
 
-/// How errors are followed and looked at.
+/// Options of the evaluation and of its tool.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct ViewArgs {
     /// 1 to 6, or `exact` (the default, unless the conventions' preset names an order).
@@ -15,7 +15,7 @@ pub(crate) struct ViewArgs {
     /// Direction of approach where forward and reverse curves were given.
     #[arg(long, value_enum, default_value = "mean")]
     direction: ApproachArg,
-    /// Which of the machine's tools.
+    /// Tool of the machine, by name [default: the first].
     #[arg(long)]
     pub(crate) tool: Option<String>,
 }
@@ -67,7 +67,7 @@ pub(crate) fn order(text: &str) -> Result<Order, UnknownOrder> {
     text.parse()
 }
 
-/// As printed.
+/// Name of the frame as printed.
 pub(crate) fn frame_text(frame: Frame) -> &'static str {
     match frame {
         Frame::Workpiece => "workpiece",

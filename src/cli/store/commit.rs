@@ -1,8 +1,8 @@
-//! Several files replaced as one: whatever kills the run, the folder holds the old set or can be brought to the new
+//! Several files replaced as one: after a kill at any moment, the folder holds the old set or can be brought to the new
 //! one.
 //!
 //! 1. Every file is written under a temporary name beside its place, and synced.
-//! 2. A list of what replaces what is put in place by one rename: from here on the new set is decided.
+//! 2. One rename puts in place a list of the replacements: from here on the new set is decided.
 //! 3. The files are renamed, those that the new set no longer has are removed, and last the list.
 //!
 //! A run killed before 2 has changed nothing. One killed after it is finished by [`settle`] as soon as the folder
@@ -22,7 +22,7 @@ const LIST_NAME: &str = ".abbe-set.json";
 /// A replacement that is decided.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Decided {
-    /// Of the run that decided it: part of its temporary names.
+    /// Number of the run that decided it: part of its temporary names.
     run: u32,
     files: Vec<Replaced>,
     /// Files that the new set does not have, with their bytes.
@@ -33,7 +33,7 @@ pub(crate) struct Decided {
 struct Replaced {
     name: String,
     sha256: String,
-    /// What stood there before, if anything did.
+    /// Hash of the file that was there before, if there was one.
     before: Option<String>,
 }
 
@@ -70,8 +70,8 @@ pub(crate) fn replace(folder: &Path, files: &[&RenderedFile], removed: &[Hashed]
     Ok(())
 }
 
-/// Finishes what a killed run had decided (W0712), or says that it had decided nothing (W0713). Refused: what cannot
-/// be finished (E0733).
+/// Finishes a set that a killed run had decided (W0712), or reports that the run had decided nothing (W0713). Refuses a
+/// set that cannot be finished (E0733).
 pub(crate) fn settle(folder: &Path, diagnostics: &mut Diagnostics) -> Result<(), Diagnostic> {
     let list = folder.join(LIST_NAME);
     if list.symlink_metadata().is_err() && left_over(folder).is_empty() {
@@ -107,7 +107,7 @@ fn unfinished(folder: &Path, why: &str) -> Diagnostic {
 }
 
 impl Decided {
-    /// What is decided in a folder, if something is.
+    /// Returns the decided set of a folder, if there is one.
     pub(crate) fn of(folder: &Path) -> Option<Self> {
         let bytes = read_at_most(&folder.join(LIST_NAME), SET_LIMIT).ok()?;
         let decided: Self = serde_json::from_slice(&bytes).ok()?;
@@ -115,12 +115,12 @@ impl Decided {
         names.into_iter().all(|name| is_plain_name(name)).then_some(decided)
     }
 
-    /// Files of the new set: ours, wherever they stand already.
+    /// Files of the new set: ours, under their temporary or final name.
     pub(crate) fn files(&self) -> impl Iterator<Item = Hashed> {
         self.files.iter().map(|file| Hashed { name: file.name.clone(), sha256: file.sha256.clone() })
     }
 
-    /// Is everything there to finish it, and nothing touched since?
+    /// Checks that every file needed to finish is there, and that nothing was touched since.
     fn possible(&self, folder: &Path) -> Result<(), Diagnostic> {
         for file in &self.files {
             let there = hash(&folder.join(&file.name));
@@ -141,7 +141,7 @@ impl Decided {
         folder.join(temporary_name(name, self.run))
     }
 
-    /// Brings the folder to the new set, from wherever it stands.
+    /// Brings the folder to the new set, from any state in between.
     fn carry_out(&self, folder: &Path) -> Result<(), (String, std::io::Error)> {
         for file in &self.files {
             match fs::rename(self.temporary(folder, &file.name), folder.join(&file.name)) {

@@ -1,7 +1,7 @@
-//! A set of compensation files on disk: which of its files may be replaced. How they are, [`commit`] knows.
+//! A set of compensation files on disk: the files that may be replaced. [`commit`] replaces them.
 //!
 //! Files that the manifest in the folder lists with their present bytes are ours and are replaced;
-//! a file of the same name that is not is foreign or hand-edited and is refused; others are left alone.
+//! a file of the same name that is not is foreign or hand-edited and is refused; others are not touched.
 
 use super::commit::{self, Decided};
 use super::files::{SET_LIMIT, read_at_most};
@@ -19,7 +19,7 @@ pub(crate) fn write(folder: &Path, files: &[RenderedFile], lock: &Lock) -> Resul
     write::make_folder(folder)?;
     let _guard = commit::exclusive(folder).map_err(|failure| write::unwritable_folder(folder, &failure.to_string()))?;
     let readable = existing_lock(folder);
-    // What a killed run had decided is ours too.
+    // Files that a killed run had decided are ours too.
     let half_written: Vec<Hashed> = Decided::of(folder).iter().flat_map(Decided::files).collect();
     refuse_odd_manifest(folder, readable.is_some())?;
     let ours = [readable.map_or_else(Vec::new, |lock| lock.files), half_written].concat();
@@ -81,7 +81,7 @@ fn foreign(path: &Path, why: &str) -> Diagnostic {
         .help("move it away, or give another folder to --out; nothing was written")
 }
 
-/// Finishes what a killed run left in a folder.
+/// Finishes the set that a killed run began in a folder.
 pub(crate) fn settle(session: &mut Session, folder: &Path) -> Outcome {
     match commit::settle(folder, &mut session.diagnostics) {
         Ok(()) => Ok(()),

@@ -1,4 +1,4 @@
-//! What a run has read from the disk.
+//! Files that a run has read from the disk.
 
 use abbe::results::ReadFailure;
 use abbe::sets::{MAX_FILE_BYTES, sha256};
@@ -26,15 +26,15 @@ impl Files for Recorded {
 }
 
 impl Recorded {
-    /// Has any of the files another content by now? By content: times of modification are coarse on some
-    /// file systems, and an editor may write the same again.
+    /// True if any of the files has another content by now. Compares the content: times of modification are coarse on
+    /// some file systems, and an editor may write the same again.
     pub fn changed(&self) -> bool {
         let now = |path: &PathBuf| Disk.read(path).ok().map(|bytes| sha256(&bytes));
         self.seen.borrow().iter().any(|(path, before)| now(path) != *before)
     }
 }
 
-/// The bytes of a regular file that has no more than so many.
+/// Returns the bytes of a regular file that has at most `limit` of them.
 pub(crate) fn read_at_most(path: &Path, limit: u64) -> Result<Vec<u8>, ReadFailure> {
     Disk.read_at_most(path, limit)
 }

@@ -1,4 +1,5 @@
-//! State files of `enumerate`. A state file is always whole: it is written beside and renamed, at most once a second.
+//! State files of `enumerate`. A state file is always whole: it is written beside and renamed, once a second or less
+//! often.
 
 use super::write::write_whole;
 use abbe::Diagnostic;

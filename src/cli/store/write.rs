@@ -6,7 +6,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes a file so that a reader sees either what was there before or all of `bytes`.
+/// Writes a file so that a reader sees either the old content or all of `bytes`.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
     let staged = Staged::new(path)?;
     staged.file()?.write_all(bytes).map_err(|failure| staged.failed(&failure))?;
@@ -14,13 +14,13 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
 }
 
 /// A file in the making, beside the one it becomes; gone if it is not finished. Where the system has files without a
-/// name it is one until then: nothing is left of a program that was killed.
+/// name it is one until then: a program that was killed leaves nothing.
 pub(crate) struct Staged {
     path: PathBuf,
     target: PathBuf,
     temporary: PathBuf,
     file: File,
-    /// Has it no name yet?
+    /// True while the file has no name.
     unnamed: bool,
 }
 
@@ -37,12 +37,12 @@ impl Staged {
         Ok(Self { path: path.to_owned(), target, temporary, file, unnamed })
     }
 
-    /// For writing.
+    /// Returns a handle for writing.
     pub(crate) fn file(&self) -> Result<File, Diagnostic> {
         self.file.try_clone().map_err(|failure| self.failed(&failure))
     }
 
-    /// What is said when it cannot be written.
+    /// Returns the diagnostic of a file that cannot be written.
     pub(crate) fn failed(&self, failure: &io::Error) -> Diagnostic {
         unwritable(&self.path, &failure.to_string())
     }
@@ -65,8 +65,8 @@ impl Staged {
 
 impl Drop for Staged {
     fn drop(&mut self) {
-        // What is left of a failed attempt is ours alone; if it cannot go either, there is no more to say.
-        // After a commit there is nothing of this name.
+        // A failed attempt leaves a file that is ours alone; if it cannot be removed either, there is no more to
+        // report. After a commit there is nothing of this name.
         let _ = fs::remove_file(&self.temporary);
     }
 }
@@ -79,7 +79,7 @@ mod unnamed {
     use std::path::{Path, PathBuf};
     use std::{fs::File, io};
 
-    /// How the system calls it.
+    /// Path by which the system names the open file.
     fn own(file: &File) -> PathBuf {
         PathBuf::from(format!("/proc/self/fd/{}", file.as_raw_fd()))
     }
@@ -117,7 +117,7 @@ pub(crate) enum PictureKind {
 }
 
 impl PictureKind {
-    /// By the ending of a name.
+    /// Kind of picture by the ending of a name.
     pub(crate) fn of(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "svg" => Some(Self::Svg),
@@ -199,7 +199,7 @@ pub(crate) fn unwritable_folder(folder: &Path, why: &str) -> Diagnostic {
         .help("name a folder that you may write to; nothing was written")
 }
 
-/// What makes two paths the same file.
+/// Returns device and inode, by which two paths are the same file.
 #[cfg(unix)]
 fn identity(path: &Path) -> Option<(u64, u64)> {
     use std::os::unix::fs::MetadataExt;
@@ -294,7 +294,7 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"new");
     }
 
-    /// As after a kill: with nameless files there is nothing to see before the end.
+    /// After a kill: with nameless files there is nothing to see before the end.
     #[test]
     fn a_file_in_the_making_has_no_name_where_the_system_can() {
         let folder = Folder::new("unfinished");

@@ -16,7 +16,7 @@ pub(crate) struct Args {
     /// Two or more machine files; differences are to the first, and tool poses are drawn from its volume.
     #[arg(required = true, num_args = 2..)]
     machines: Vec<PathBuf>,
-    /// How many tool poses.
+    /// Number of tool poses.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     poses: u32,
     /// The tool poses themselves, in the workpiece frame: a CSV file with columns X, Y, Z and I, J, K, or rotary
@@ -26,12 +26,12 @@ pub(crate) struct Args {
     /// Seed of the tool poses, and of the errors that are drawn.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// How many errors to list one by one as text.
+    /// Number of errors to list one by one as text.
     #[arg(long, value_name = "K", default_value_t = 10)]
     top: usize,
     #[command(flatten)]
     tolerances: ToleranceArgs,
-    /// How many machines are drawn for the budgets, which are compared where every machine bounds errors.
+    /// Number of machines to draw for the budgets, which are compared where every machine bounds errors.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     samples: u32,
     #[command(flatten)]
@@ -109,7 +109,7 @@ fn text(args: &Args, result: &CompareResult) -> String {
     format!("{text}{rows}\n{errors}{budgets}Negative differences: less error than machine 1.\n")
 }
 
-/// The errors that do most in any of the machines.
+/// Errors with the largest effect in any of the machines.
 fn one_by_one(result: &CompareResult, top: usize) -> String {
     let errors = &result.contributions;
     if errors.is_empty() || top == 0 {

@@ -24,13 +24,13 @@ pub(crate) struct Args {
     accept_unverified: bool,
     #[command(flatten)]
     set: SetArgs,
-    /// The compensation files that were in force when the machine was measured: what is written is old plus new.
+    /// The compensation files that were in force when the machine was measured: the new files hold old plus new.
     #[arg(long, value_name = "DIR")]
     installed: Option<PathBuf>,
     /// Raise the limits on corrections: length, angle, slope.
     #[arg(long, value_name = "1 mm, 5 mrad, 0.01", value_parser = Limits::parse)]
     max_correction: Option<Limits>,
-    /// Axes that span a lattice; all by default. The others stand at 0 in its nodes.
+    /// Axes that span a lattice [default: all]. The others are at 0 in its nodes.
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
     lattice: Vec<String>,
     /// Maximum number of lattice nodes.
@@ -56,7 +56,7 @@ impl Args {
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, args.set.tool.as_deref())?;
-    // What can be refused is refused before the work.
+    // Refusals come before the work.
     write::refuse_no_folder(&args.out).or_else(|refusal| session.refuse(refusal))?;
     if let Some(installed) = &args.installed {
         file_set::settle(session, installed)?;

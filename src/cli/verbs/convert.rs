@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
-    /// The new conventions: a preset, words such as `carried_body`, or `linear: before, rotary: rotating`; what is not
-    /// named stays as it is.
+    /// The new conventions: a preset, words such as `carried_body`, or `linear: before, rotary: rotating`; others stay
+    /// as they are.
     #[arg(long, value_name = "CONVENTIONS", required_unless_present = "datum")]
     to: Option<String>,
     /// Let location errors count from the actual line of this axis instead of the machine frame (`axis_only`).
@@ -69,7 +69,8 @@ fn text(old: &MachineFile, result: &ConvertResult, out: Option<&Path>) -> String
     }
     let chain = result.machine.chain();
     if let Some(name) = chain.spindle().filter(|_| old.chain().spindle().is_none()) {
-        text += &format!("  chain        {chain} (spindle {name} holds how the tool stands on the last axis)\n");
+        text +=
+            &format!("  chain        {chain} (spindle {name} holds the orientation of the tool on the last axis)\n");
     }
     let (bound, angle) = (result.proof.bound_mm, result.proof.bound_rad);
     text += &format!("proof          {}; bound {bound:.1e} mm and {angle:.1e} rad\n", result.proved);

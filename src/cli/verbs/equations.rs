@@ -27,12 +27,12 @@ pub(crate) struct Args {
     /// A LaTeX document instead of text.
     #[arg(long)]
     latex: bool,
-    /// Which of the machine's tools.
+    /// Tool of the machine, by name [default: the first].
     #[arg(long)]
     tool: Option<String>,
 }
 
-/// Whose names.
+/// Naming of the symbols.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 enum Symbols {
     /// EBX, EC0Y.

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
-    /// One pose, mm and deg; axes left out are at 0.
+    /// One pose, mm and deg; omitted axes are at 0.
     #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true)]
     at: Vec<String>,
     /// A CSV file: header of axis names, one pose a line, mm and deg.
@@ -26,13 +26,13 @@ pub(crate) struct Args {
     /// `algebra`, such as `degree: 3, generators: per-axis, vanish: [x1^2, x3*x4]`.
     #[arg(long, value_name = "ALGEBRA", num_args = 0..=1, default_missing_value = "", conflicts_with = "order")]
     algebra: Option<String>,
-    /// Besides: how far the axes have to move to undo the errors, by Newton over the algebra.
+    /// Add the motions of the axes that undo the errors, by Newton over the algebra.
     #[arg(long, requires = "algebra")]
     inverse: bool,
-    /// Besides: what 1 um or 1 urad of every error does (workpiece frame).
+    /// Add the effect of 1 um or 1 urad of every error (workpiece frame).
     #[arg(long)]
     sensitivity: bool,
-    /// Besides: what pairs of errors do, and how far order 1 can be trusted.
+    /// Add the effect of pairs of errors, and the error of order 1.
     #[arg(long, requires = "sensitivity")]
     interactions: bool,
     /// Frame of the vectors.
@@ -120,11 +120,11 @@ fn effects(result: &EvalResult) -> String {
     let mut text = String::new();
     for (number, pose) in result.poses.iter().enumerate() {
         let Some(first) = &pose.sensitivity else { continue };
-        text.push_str(&format!("Pose {}: what 1 um or 1 urad of an error does\n", number + 1));
+        text.push_str(&format!("Pose {}: effect of 1 um or 1 urad of each error\n", number + 1));
         text.push_str(&format!("{}\n", first_table(first)));
         if let Some(second) = &pose.interactions {
             let table = second_table(second);
-            text.push_str(&format!("Interactions that do most, with the errors as they are\n{table}\n"));
+            text.push_str(&format!("Largest interactions, with the errors as they are\n{table}\n"));
         }
     }
     result.neglected.map_or(text.clone(), |neglected| format!("{text}{}\n", sentence(&neglected)))
@@ -154,7 +154,7 @@ fn first_table(effects: &[ErrorEffect]) -> comfy_table::Table {
     table
 }
 
-/// How many interactions a person reads.
+/// Number of interactions that text output lists.
 const SHOWN: usize = 12;
 
 fn second_table(effects: &[ErrorEffect]) -> comfy_table::Table {

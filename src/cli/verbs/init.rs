@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The file to write; one that is there is left alone.
+    /// The file to write; an existing file is not replaced.
     file: PathBuf,
     /// The kind of machine to begin with.
     #[arg(long, value_enum, default_value = "trunnion")]

@@ -1,4 +1,4 @@
-//! `abbe instrument`: what measuring instruments would read of the machine.
+//! `abbe instrument`: readings of measuring instruments on the machine.
 
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{cell, table};
@@ -34,7 +34,7 @@ pub(crate) struct Args {
     /// Readings on a circle or turn, points on a diagonal, steps of every axis [default: 360, 37, 11].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=100_000))]
     points: Option<u32>,
-    /// Which of the machine's tools.
+    /// Tool of the machine, by name [default: the first].
     #[arg(long)]
     tool: Option<String>,
     /// Draw the readings (SVG, or PNG by the file's ending).
@@ -44,7 +44,7 @@ pub(crate) struct Args {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum InstrumentArg {
-    /// Circles about a ball, both ways round (ISO 230-4).
+    /// Circles about a ball, in both senses of rotation (ISO 230-4).
     BallBar,
     /// Rotary axes turning about a ball on the table (R-test, probing).
     RTest,
@@ -154,7 +154,7 @@ fn circles_text(file: &MachineFile, result: &InstrumentResult, radius: f64, list
         ]);
     }
     format!(
-        "{}{rows}\nG: circular deviation about the least-squares centre, G(b): of both ways; D: mean radial \
+        "{}{rows}\nG: circular deviation about the least-squares centre, G(b): of both senses; D: mean radial \
          deviation; F: largest and smallest.\nSquareness above 0: the angle between the plane's directions is above \
          90 deg. Scale: of the first direction minus the second.\n",
         head(file, &format!("ball bar of {} mm about", significant(radius, 6)), result)
@@ -222,7 +222,7 @@ fn lines_text(file: &MachineFile, result: &InstrumentResult, list: &[Diagonal]) 
     )
 }
 
-/// The heading, with the axes that stand.
+/// The heading, with the axes that do not move.
 fn others(file: &MachineFile, result: &InstrumentResult) -> String {
     format!("{}: laser along the diagonals{}; exact model\n", file.name(), result.standing())
 }

@@ -20,10 +20,10 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// The machine file; its `volume` is the grid.
     machine: PathBuf,
-    /// So many random poses over the volume instead of the grid.
+    /// Evaluate N random poses instead of the grid.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MapPoses::MAX as i64))]
     random: Option<u32>,
-    /// So many low-discrepancy poses over the volume: spread more evenly than random ones.
+    /// Evaluate N low-discrepancy poses instead of the grid: spread more evenly than random ones.
     #[arg(long, value_name = "N", conflicts_with = "random",
         value_parser = clap::value_parser!(u32).range(1..=MapPoses::MAX as i64))]
     low_discrepancy: Option<u32>,
@@ -34,7 +34,7 @@ pub(crate) struct Args {
     /// Seed of the random or low-discrepancy poses.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Map what the compensation of a controller leaves, beside what is there without it.
+    /// Map the residual after the compensation of a controller, beside the uncompensated error.
     #[arg(long, value_name = "NAME")]
     target: Option<String>,
     #[command(flatten)]
@@ -44,7 +44,7 @@ pub(crate) struct Args {
     /// Frame of the vectors.
     #[arg(long, value_enum, default_value = "workpiece")]
     frame: FrameArg,
-    /// How many of the worst poses to name.
+    /// Number of the worst poses to name.
     #[arg(long, value_name = "K", default_value_t = 5, value_parser = clap::value_parser!(u32).range(..=100_000))]
     worst: u32,
     #[command(flatten)]
@@ -77,7 +77,7 @@ impl Args {
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, args.view.tool.as_deref())?;
-    // What can be refused is refused before the work, not after it.
+    // Refusals come before the work.
     let outputs = args.outputs.paths().chain(args.pictures.paths());
     refuse_outputs(outputs, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
     args.pictures.refuse_idle().or_else(|message| session.usage(message))?;
@@ -145,7 +145,7 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
     text
 }
 
-/// Where the poses are from.
+/// Source of the poses.
 fn sampling(args: &Args, result: &MapResult) -> String {
     match (&result.tool_poses, &result.grid) {
         (Some(reached), _) => tool_poses_text(reached),

@@ -37,7 +37,7 @@ pub(crate) struct Args {
     direction: ApproachArg,
     #[command(flatten)]
     tolerances: ToleranceArgs,
-    /// How many machines are drawn for a budget, which is shown where errors are bounded.
+    /// Number of machines to draw for a budget, which is shown where errors are bounded.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     samples: u32,
     #[command(flatten)]
@@ -82,7 +82,7 @@ pub(crate) fn write(session: &mut Session, args: &Args, page: &RenderedPage) -> 
     write_whole(out, page.text.as_bytes()).or_else(|d| session.refuse(d))
 }
 
-/// Reads the machines through `files` and computes what the page shows.
+/// Reads the machines through `files` and computes the content of the page.
 pub(crate) fn compute(session: &mut Session, args: &Args, files: &dyn Files) -> Result<Report, Exit> {
     let mut machines = Vec::new();
     for path in &args.machines {

@@ -1,4 +1,4 @@
-//! `abbe targets`: what each controller can express, its limits, and how sure its facts are.
+//! `abbe targets`: mechanism and limits of each controller, and how sure its facts are.
 
 use crate::cli::output::session::Session;
 use crate::cli::{Format, Outcome};

@@ -1,4 +1,4 @@
-//! `abbe verify`: replay files as the controller would and certify what they leave.
+//! `abbe verify`: replay files as the controller would and certify the residual.
 
 use crate::cli::Outcome;
 use crate::cli::how::SetArgs;
@@ -16,16 +16,16 @@ pub(crate) struct Args {
     machine: PathBuf,
     /// The folder with the compensation files.
     folder: PathBuf,
-    /// The controller, if the folder has no manifest that says it.
+    /// The controller, if no manifest in the folder names it.
     #[arg(long)]
     target: Option<String>,
-    /// Instead of a certificate: what the controller adds at positions from a CSV file with the
-    /// columns joint, direction, position (further columns are left alone), as CSV.
+    /// Print what the controller adds at positions, as CSV, instead of a certificate. The CSV file has the columns
+    /// joint, direction, position; further columns are ignored.
     #[arg(long, value_name = "FILE")]
     replay: Option<PathBuf>,
     #[command(flatten)]
     set: SetArgs,
-    /// The compensation files that were in force when the machine was measured: what is judged here replaces them.
+    /// The compensation files that were in force when the machine was measured: the folder replaces them.
     #[arg(long, value_name = "DIR")]
     installed: Option<PathBuf>,
 }

@@ -1,8 +1,8 @@
-//! What a certificate states.
+//! Content of a certificate.
 
 use super::figures::{Figures, RaisedFigure};
 use super::sign_test::Strongest;
-use super::single_error::ErrorLeft;
+use super::single_error::SingleErrorResidual;
 use super::zero_shift::ZeroShift;
 use crate::machine::Approach;
 
@@ -18,7 +18,7 @@ pub struct Certificate {
     /// Figures with the files.
     pub compensated: Figures,
     /// Every error alone.
-    pub errors: Vec<ErrorLeft>,
+    pub errors: Vec<SingleErrorResidual>,
     /// The number of poses that the figures of single errors rest on.
     pub single_error_poses: usize,
     /// The motions that are added with all axes at 0, approached forward and in reverse (mm, deg).

@@ -1,11 +1,11 @@
-//! How many poses a certificate and its single errors rest on.
+//! Number of poses of a certificate and of its single errors.
 
 use crate::controller::replay::Replay;
 use crate::evaluate::random_poses;
 use crate::machine::{Machine, Pose};
 use std::collections::BTreeSet;
 
-/// How many poses, from which seed.
+/// Number of poses, and the seed.
 #[derive(Debug, Clone, Copy)]
 pub struct Depth {
     /// Poses of the certificate.
@@ -34,14 +34,14 @@ pub(in crate::controller) fn single_error_poses(poses: &[Pose]) -> &[Pose] {
 
 /// The part of a lattice that single errors are judged by: its cells around the first poses.
 #[derive(Debug, Clone)]
-pub(in crate::controller) struct LatticeShare {
-    /// How many poses.
+pub(in crate::controller) struct LatticeSubset {
+    /// Number of poses.
     pub poses: usize,
     /// Numbers of the nodes around them, rising.
     pub nodes: Vec<usize>,
 }
 
-impl LatticeShare {
+impl LatticeSubset {
     /// Returns the cells around as many of the poses as the bound on nodes lets be filled.
     pub fn of(replay: &Replay, poses: &[Pose]) -> Self {
         let mut nodes = BTreeSet::new();

@@ -1,14 +1,13 @@
-//! The certificate: what is left after the controller has applied the files just written.
+//! The certificate: the residual after the controller has applied the files just written.
 //!
-//! The poses are spread over the volume from a seed and are no table points. Where forward and reverse
-//! curves were given the worse of the two directions counts, for single errors too. What is left of one is the
-//! 95 % deviation of a machine with that error alone and with tables made for it alone, replayed like
-//! the real ones.
+//! The poses are spread over the volume from a seed and are no table points. Where forward and reverse curves were
+//! given the worse of the two directions counts, for single errors too. The residual of a single error is the 95 %
+//! deviation of a machine with that error alone and with tables made for it alone, replayed like the real ones.
 //!
-//! Nothing here or in [`super::replay`] shares code with what filled the tables: machines are evaluated one pose at a
-//! time by the general algebra, controllers in their own arithmetic, derivatives are differences, and tables, also
-//! those of single errors, are values that are handed in. Of `compensation` only types are used, and a test holds
-//! both folders to that.
+//! Nothing here or in [`super::replay`] shares code with the filling of the tables: machines are evaluated one pose at
+//! a time by the general algebra, controllers in their own arithmetic, derivatives are differences, and tables, also
+//! those of single errors, are values that are handed in. Of `compensation` only types are used, and a test holds both
+//! folders to that.
 
 mod content;
 mod depth;
@@ -22,11 +21,11 @@ mod zero_shift;
 
 pub use content::Certificate;
 pub use depth::Depth;
-pub(super) use depth::{LatticeShare, single_error_poses};
+pub(super) use depth::{LatticeSubset, single_error_poses};
 pub use effect::Effect;
 pub use figures::{Figures, ROUNDING_UM, RaisedFigure, micro};
 pub(super) use module::{ModuleSet, SingleErrorModule, judge_module};
-pub use single_error::{ErrorLeft, Handled};
-pub use tables::JudgedTables;
+pub use single_error::{CompensationDegree, SingleErrorResidual};
+pub use tables::TablesUnderTest;
 pub(super) use tables::judge_tables;
 pub use zero_shift::ZeroShift;

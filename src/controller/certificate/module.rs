@@ -4,7 +4,7 @@ use super::Certificate;
 use super::depth::{Depth, single_error_poses};
 use super::figures::{Judgement, judge};
 use super::sign_test::strongest_at;
-use super::single_error::{ErrorLeft, NominalAt, judge_one, nominal};
+use super::single_error::{NominalAt, SingleErrorResidual, judge_one, nominal};
 use crate::compensation::CorrectionTables;
 use crate::controller::kinematics::{KinematicsModule, ModuleField};
 use crate::controller::manifest::ControllerTarget;
@@ -21,7 +21,7 @@ pub(in crate::controller) struct ModuleSet<'a> {
     pub beside: &'a CorrectionTables,
 }
 
-/// What a target makes of one error alone; no module if it cannot be made.
+/// A target's module for one error alone; no module if it cannot be made.
 #[derive(Debug, Clone)]
 pub(in crate::controller) struct SingleErrorModule {
     pub error: ErrorId,
@@ -65,7 +65,7 @@ fn judge_single(
     target: &ControllerTarget,
     single: &SingleErrorModule,
     poses: &[NominalAt],
-) -> ErrorLeft {
+) -> SingleErrorResidual {
     let alone = machine.filtered(|id| *id == single.error);
     let field = single
         .module

@@ -17,31 +17,32 @@ pub struct Strongest {
     pub value: f64,
 }
 
-/// Below this (mm, deg) what is added is rounding: a kinematics module computes where a table has zeros.
+/// A motion below this (mm, deg) is rounding: a kinematics module computes where a table has zeros.
 const ROUNDING: f64 = 1e-10;
 
 /// Returns the largest motion over poses and directions of approach.
 fn strongest_of(
     machine: &Machine,
-    (poses, ways): (&[Pose], &[Approach]),
+    (poses, approaches): (&[Pose], &[Approach]),
     added: impl Fn(&Pose, Approach) -> Vec<f64>,
 ) -> Option<Strongest> {
     let linear = |axis: usize| machine.axes()[axis].kind == AxisKind::Linear;
     // Of equal ones the last is taken: one that is approached forward.
-    let ways = ways.iter().rev();
-    let entries = ways.flat_map(|approach| poses.iter().map(|pose| (*approach, pose))).flat_map(|(approach, at)| {
-        let values = added(at, approach).into_iter().enumerate().filter(|(_, value)| value.abs() > ROUNDING);
-        values.map(|(axis, value)| Strongest { axis, at: at.clone(), approach, value }).collect::<Vec<_>>()
-    });
+    let approaches = approaches.iter().rev();
+    let entries =
+        approaches.flat_map(|approach| poses.iter().map(|pose| (*approach, pose))).flat_map(|(approach, at)| {
+            let values = added(at, approach).into_iter().enumerate().filter(|(_, value)| value.abs() > ROUNDING);
+            values.map(|(axis, value)| Strongest { axis, at: at.clone(), approach, value }).collect::<Vec<_>>()
+        });
     let order = |s: &Strongest| (linear(s.axis), s.value.abs());
     entries.max_by(|a, b| order(a).0.cmp(&order(b).0).then(order(a).1.total_cmp(&order(b).1)))
 }
 
-/// Of what is not in tables: with the rotary axes at 0, where an instrument along a linear axis reads it, or
-/// elsewhere if there is none.
+/// Returns the largest motion that is not in tables: with the rotary axes at 0, where an instrument along a linear axis
+/// reads it, or elsewhere if there is none.
 pub(crate) fn strongest_at(
     machine: &Machine,
-    (poses, ways): (&[Pose], &[Approach]),
+    (poses, approaches): (&[Pose], &[Approach]),
     added: impl Fn(&Pose, Approach) -> Vec<f64>,
 ) -> Option<Strongest> {
     let linear = |axis: usize| machine.axes()[axis].kind == AxisKind::Linear;
@@ -51,8 +52,8 @@ pub(crate) fn strongest_at(
     let within = |pose: &Pose| machine.beyond_travel(pose).next().is_none();
     let with_linear = |found: &Strongest| linear(found.axis);
     let leveled: Vec<Pose> = poses.iter().map(level).filter(within).collect();
-    let found = strongest_of(machine, (&leveled, ways), &added).filter(with_linear);
-    found.or_else(|| strongest_of(machine, (poses, ways), &added))
+    let found = strongest_of(machine, (&leveled, approaches), &added).filter(with_linear);
+    found.or_else(|| strongest_of(machine, (poses, approaches), &added))
 }
 
 /// Some axes at positions, the others at 0, or as near to them as they come: tables may reach beyond the travel.

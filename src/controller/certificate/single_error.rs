@@ -1,9 +1,9 @@
-//! What a target leaves of every error alone.
+//! The residual of every error alone with a target's tables.
 //!
 //! Tables for single errors are handed in. They are replayed like those of the set, on a machine with the one error,
 //! and judged by the general algebra.
 
-use super::depth::LatticeShare;
+use super::depth::LatticeSubset;
 use super::figures::approaches;
 use crate::algebra::Htm;
 use crate::compensation::{CorrectionTable, CorrectionTables, LatticeCells, SingleErrorTables, SingleErrors};
@@ -14,29 +14,29 @@ use crate::lower::NominalPose;
 use crate::machine::{Approach, ErrorId, Machine, Pose};
 use rayon::prelude::*;
 
-/// The part of one error that a target takes away.
+/// Degree to which a target compensates one error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Handled {
-    /// At most a twentieth of it, or 0.05 um, is left.
+pub enum CompensationDegree {
+    /// The residual is at most a twentieth of the error's effect, or 0.05 um.
     Fully,
-    /// More than that is left, and less than nineteen twentieths.
+    /// The residual is above that, and below nineteen twentieths.
     Partly,
-    /// At least nineteen twentieths of it are left.
+    /// The residual is at least nineteen twentieths.
     No,
 }
 
 /// One error in the certificate.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ErrorLeft {
+pub struct SingleErrorResidual {
     /// The error.
     pub error: ErrorId,
-    /// The part that is taken away.
-    pub handled: Handled,
+    /// Degree of its compensation.
+    pub degree: CompensationDegree,
     /// 95 % position deviation with this error alone, uncompensated, um.
-    pub alone: f64,
+    pub alone_um: f64,
     /// 95 % position deviation after compensation, um.
-    pub left: f64,
+    pub residual_um: f64,
 }
 
 /// A pose with the place of the nominal tool at it, which is the same for every single error.
@@ -51,15 +51,15 @@ pub(super) fn nominal<'a>(machine: &Machine, poses: &'a [Pose]) -> Vec<NominalAt
     poses.par_iter().map(at).collect()
 }
 
-/// Judges one error: `machine` has no other one, and `added` is what its controller adds to the command of a pose,
-/// given with its number.
+/// Judges one error: `machine` has no other one, and `added` returns the correction of its controller at a pose, given
+/// with its number.
 pub(super) fn judge_one(
     error: ErrorId,
     machine: &Machine,
     poses: &[NominalAt],
     added: impl Fn(usize, &Pose, Approach) -> Vec<f64>,
-) -> ErrorLeft {
-    let (mut alone, mut left) = (0.0_f64, 0.0_f64);
+) -> SingleErrorResidual {
+    let (mut alone_um, mut residual_um) = (0.0_f64, 0.0_f64);
     for approach in approaches(machine) {
         let at = |(number, place): (usize, &NominalAt)| {
             let sent = |command: &[f64]| command_deviation(machine, &place.nominal, command, *approach);
@@ -72,10 +72,10 @@ pub(super) fn judge_one(
             (before, sent(&command))
         };
         let (before, after): (Vec<Deviation>, Vec<Deviation>) = poses.iter().enumerate().map(at).unzip();
-        alone = alone.max(Statistics::of(&before).position_um.p95);
-        left = left.max(Statistics::of(&after).position_um.p95);
+        alone_um = alone_um.max(Statistics::of(&before).position_um.p95);
+        residual_um = residual_um.max(Statistics::of(&after).position_um.p95);
     }
-    verdict(error, alone, left)
+    verdict(error, alone_um, residual_um)
 }
 
 /// A set of tables whose single errors are judged.
@@ -88,12 +88,12 @@ pub(super) struct SetOfTables<'a> {
 }
 
 impl SetOfTables<'_> {
-    /// Returns what is left of every error, and on how many of the poses that rests.
-    pub fn judge(&self, poses: &[Pose]) -> (Vec<ErrorLeft>, usize) {
+    /// Returns the residual of every error, and the number of poses it is computed on.
+    pub fn judge(&self, poses: &[Pose]) -> (Vec<SingleErrorResidual>, usize) {
         match (self.single_errors, &self.tables.tables[..]) {
             (SingleErrors::Lattice(cells), [lattice]) => {
                 let replay = Replay::new(self.machine, self.target, self.tables);
-                let poses = &poses[..LatticeShare::of(&replay, poses).poses];
+                let poses = &poses[..LatticeSubset::of(&replay, poses).poses];
                 let cells = Cells { lattice, replay: &replay, cells };
                 (cells.judge(self.machine, &nominal(self.machine, poses)), poses.len())
             }
@@ -106,9 +106,9 @@ impl SetOfTables<'_> {
         }
     }
 
-    fn judge_set(&self, set: &SingleErrorTables, poses: &[NominalAt]) -> ErrorLeft {
+    fn judge_set(&self, set: &SingleErrorTables, poses: &[NominalAt]) -> SingleErrorResidual {
         let alone = self.machine.filtered(|id| *id == set.error);
-        // Most tables of a single error are zero, and add nothing.
+        // Nearly all tables of a single error are zero, and add nothing.
         let tables = set.tables.tables.iter().filter(|table| !is_zero(table)).cloned().collect();
         let tables = CorrectionTables { tables, errors: set.tables.errors.clone() };
         let replay = Replay::new(&alone, self.target, &tables);
@@ -131,7 +131,7 @@ struct Cells<'a> {
 type Corners = Vec<(usize, f64)>;
 
 impl Cells<'_> {
-    fn judge(&self, machine: &Machine, poses: &[NominalAt]) -> Vec<ErrorLeft> {
+    fn judge(&self, machine: &Machine, poses: &[NominalAt]) -> Vec<SingleErrorResidual> {
         let axes = machine.axes().len();
         let corners: Vec<Corners> = poses.iter().map(|place| self.corners(place.pose)).collect();
         let one = |(error, values): &(ErrorId, Vec<f64>)| {
@@ -141,7 +141,7 @@ impl Cells<'_> {
         self.cells.errors.par_iter().map(one).collect()
     }
 
-    /// Nodes that nobody filled add nothing: what they lack is then left.
+    /// Nodes that nobody filled add nothing: the residual shows it.
     fn corners(&self, pose: &[f64]) -> Corners {
         let place = |(node, weight)| Some((self.cells.nodes.binary_search(&node).ok()?, weight));
         self.replay.lattice_corners(pose).into_iter().filter_map(place).collect()
@@ -157,14 +157,14 @@ impl Cells<'_> {
     }
 }
 
-fn verdict(error: ErrorId, alone: f64, left: f64) -> ErrorLeft {
+fn verdict(error: ErrorId, alone_um: f64, residual_um: f64) -> SingleErrorResidual {
     const NOTHING: f64 = 0.05;
-    let handled = if left <= (0.05 * alone).max(NOTHING) {
-        Handled::Fully
-    } else if left >= 0.95 * alone {
-        Handled::No
+    let degree = if residual_um <= (0.05 * alone_um).max(NOTHING) {
+        CompensationDegree::Fully
+    } else if residual_um >= 0.95 * alone_um {
+        CompensationDegree::No
     } else {
-        Handled::Partly
+        CompensationDegree::Partly
     };
-    ErrorLeft { error, handled, alone, left }
+    SingleErrorResidual { error, degree, alone_um, residual_um }
 }

@@ -14,7 +14,7 @@ use crate::machine::{Approach, Machine, Pose};
 
 /// The tables that a certificate is about.
 #[derive(Debug, Clone, Copy)]
-pub struct JudgedTables<'a> {
+pub struct TablesUnderTest<'a> {
     /// The controller.
     pub target: &'a ControllerTarget,
     /// Its tables.
@@ -26,11 +26,11 @@ pub struct JudgedTables<'a> {
 /// Compares the machine with and without tables on seeded poses. The tables of single errors are filled already.
 pub(in crate::controller) fn judge_tables(
     machine: &Machine,
-    judged: JudgedTables,
+    judged: TablesUnderTest,
     single_errors: &SingleErrors,
     depth: Depth,
 ) -> Certificate {
-    let JudgedTables { target, tables, installed } = judged;
+    let TablesUnderTest { target, tables, installed } = judged;
     let poses = depth.poses(machine);
     let bare = Bare { machine, order: Order::Exact };
     let load = |tables| Replay::new(machine, target, tables);

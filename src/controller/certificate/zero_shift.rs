@@ -36,9 +36,8 @@ pub(super) struct Shiftable<'a> {
 }
 
 impl Shiftable<'_> {
-    /// Returns the best shift of the axes' zeros (mm, deg) and the position deviation (um) that it leaves. A rotary
-    /// axis is moved against the mean of its own error; the linear axes then leave the least mean square of the
-    /// position.
+    /// Returns the best shift of the axes' zeros (mm, deg) and the residual position deviation (um). A rotary axis is
+    /// moved against the mean of its own error; the linear axes then minimise the mean square of the position.
     pub fn best_shift(&self, poses: &[Pose], approach: Approach) -> (Vec<f64>, Summary) {
         let machine = self.field.machine();
         let motions: Vec<Vec<AxisMotion>> = poses.par_iter().map(|pose| axis_motions(machine, pose)).collect();
@@ -65,7 +64,7 @@ impl Shiftable<'_> {
         (shift, Summary::of(&after))
     }
 
-    /// Returns the mean (deg) of what an axis turns too far by its own component errors, corrected as it is.
+    /// Returns the mean (deg) by which an axis turns too far by its own component errors, corrected as it is.
     fn mean_turn(&self, axis: usize, poses: &[Pose], motions: &[Vec<AxisMotion>], approach: Approach) -> f64 {
         let machine = self.field.machine();
         let name = &machine.axes()[axis].name;
@@ -83,7 +82,7 @@ impl Shiftable<'_> {
 
 /// Motion of the nominal tool by one axis, workpiece frame.
 struct AxisMotion {
-    /// Of the functional point, mm for each mm or deg.
+    /// Displacement of the functional point, mm for each mm or deg.
     displacement: Vector3<f64>,
     /// The direction that the axis turns about; zero of a linear axis.
     direction: Vector3<f64>,
@@ -91,7 +90,7 @@ struct AxisMotion {
 
 /// Returns the motions by all axes at a pose, by central differences.
 fn axis_motions(machine: &Machine, pose: &[f64]) -> Vec<AxisMotion> {
-    // A linear axis loses nothing by a long step; of a turn the third power of a milliradian is left out.
+    // A linear axis loses nothing by a long step; for a turn, the third power of a milliradian is neglected.
     const STEPS: (f64, f64) = (1.0, 0.05);
     let motion = |axis: usize| {
         let step = if machine.axes()[axis].kind == AxisKind::Linear { STEPS.0 } else { STEPS.1 };
@@ -110,7 +109,7 @@ fn axis_motions(machine: &Machine, pose: &[f64]) -> Vec<AxisMotion> {
     (0..pose.len()).map(motion).collect()
 }
 
-/// Returns the steps of axes (mm), the same at all poses, that leave the least mean square of positions (mm).
+/// Returns the steps of axes (mm), the same at all poses, that minimise the mean square of positions (mm).
 fn least_squares(axes: &[usize], motions: &[Vec<AxisMotion>], positions: &[Vector3<f64>]) -> Vec<f64> {
     // Axes that move the tool alike share a step.
     const RIDGE: f64 = 1e-12;

@@ -28,7 +28,7 @@ pub(crate) struct TableWords<'a> {
     pub letters: &'a [(usize, String)],
 }
 
-/// A table with the directions in which the controller is told of it, and their numbers.
+/// A table with its directions in the controller, and their numbers.
 struct DirectedTable {
     /// 0 for both directions at once, else 1 and -1.
     direction: i32,
@@ -98,18 +98,18 @@ impl TableWords<'_> {
         let mut seen = Vec::new();
         for table in &self.tables.tables {
             let apart = self.rules(table).is_some_and(|rules| rules.directions == Directions::TwoTables);
-            let ways = ways(table, number, apart);
+            let directed = directed(table, number, apart);
             number += table.count(apart);
             if keep(table)
                 && let Some(rules) = self.rules(table)
             {
-                seen.push(self.table(table, rules, &ways));
+                seen.push(self.table(table, rules, &directed));
             }
         }
         seen.into()
     }
 
-    fn table(&self, table: &CorrectionTable, rules: &TableRules, ways: &[DirectedTable]) -> Value {
+    fn table(&self, table: &CorrectionTable, rules: &TableRules, tables: &[DirectedTable]) -> Value {
         let (input, output) = (table.axes[0], table.corrected[0]);
         let kind = match (table.axes.len(), table.is_own_axis()) {
             (1, true) => "own",
@@ -122,16 +122,16 @@ impl TableWords<'_> {
         let first = inputs[0].clone();
         let outputs: Vec<Value> = table.corrected.iter().map(|axis| self.axis(*axis)).collect();
         let points = if table.axes.len() == 1 { self.points(table, rules, 0) } else { Value::UNDEFINED };
-        let directed: Vec<Value> = ways
+        let directed: Vec<Value> = tables
             .iter()
-            .map(|way| {
-                let points = self.points(table, rules, way.direction);
-                context! { direction => way.direction, number => way.number, points }
+            .map(|one| {
+                let points = self.points(table, rules, one.direction);
+                context! { direction => one.direction, number => one.number, points }
             })
             .collect();
         context! {
             kind, inputs, outputs, points, ways => directed,
-            number => ways[0].number,
+            number => tables[0].number,
             bidirectional => table.reverse.is_some(),
             input => self.letter(input), output => self.letter(output),
             input_number => self.joint(input) + 1, output_number => self.joint(output) + 1,
@@ -140,7 +140,7 @@ impl TableWords<'_> {
             slope => self.slope(table, rules),
             magnification => fixed(rules.magnification_of(self.machine, table), 0),
             rolled => if self.rolls(rules) { self.rolled(table, rules) } else { Value::UNDEFINED },
-            factors => self.factors(table, rules, ways[0].number),
+            factors => self.factors(table, rules, tables[0].number),
             ..first
         }
     }
@@ -235,7 +235,7 @@ impl TableWords<'_> {
     }
 
     /// The factors of products, with numbers from one on and the number (from 1) of the table by which each is
-    /// multiplied, 0 for none: f times g, then -f times -g. The sense of what is stored goes with the first.
+    /// multiplied, 0 for none: f times g, then -f times -g. The sense of the stored number goes with the first.
     fn factors(&self, table: &CorrectionTable, rules: &TableRules, number: usize) -> Value {
         let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
         let factor = |k: usize, place: usize, sign: f64| {
@@ -262,9 +262,9 @@ impl TableWords<'_> {
         rules.spacing == Spacing::Anchored || self.target.manifest.controller.outside == OutsideTable::RollOver
     }
 
-    /// Values from position 0 on, those of negative positions after the last, and again that of 0; of a plane line
-    /// by line. The entries begin one step behind 0, so that the first value is left out. A table over whole turns
-    /// does without its last node.
+    /// Values from position 0 on, those of negative positions after the last, and again that of 0; of a plane line by
+    /// line. The entries begin one step behind 0, so that the first value is omitted. A table over whole turns does
+    /// without its last node.
     fn rolled(&self, table: &CorrectionTable, rules: &TableRules) -> Value {
         let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
         let number = |x: f64| fixed(x, column.decimals());
@@ -286,7 +286,7 @@ impl TableWords<'_> {
                 fixed(step * (around[place].len() - 1) as f64, cell.decimals())
             })
             .collect();
-        // What is taken away approaching in reverse: a constant at 0, and what it differs elsewhere.
+        // Correction removed when approaching in reverse: a constant at 0, and the difference from it elsewhere.
         let lost = |node: usize| {
             table.reverse.as_ref().map_or(0.0, |reverse| stored(node) - column.stored(reverse[node], None))
         };
@@ -365,7 +365,7 @@ impl TableWords<'_> {
         Some((columns, self.rows()))
     }
 
-    /// Rows of a lattice, formatted as they are asked for: a lattice never stands in memory as text twice.
+    /// Rows of a lattice, formatted on demand: a lattice is never in memory as text twice.
     fn rows(&self) -> Value {
         let Some(rules) = self.tables.tables.first().and_then(|table| self.rules(table)) else {
             return Value::UNDEFINED;
@@ -378,8 +378,8 @@ impl TableWords<'_> {
     }
 }
 
-/// One way for both directions, or one for each: with a number of its own if they stand apart.
-fn ways(table: &CorrectionTable, number: usize, apart: bool) -> Vec<DirectedTable> {
+/// One entry for both directions, or one for each: with a number of its own if they have separate tables.
+fn directed(table: &CorrectionTable, number: usize, apart: bool) -> Vec<DirectedTable> {
     if table.reverse.is_none() {
         return vec![DirectedTable { direction: 0, number }];
     }

@@ -1,4 +1,4 @@
-//! From a machine to a target's rounded tables, and the numbers in them that its manifest forbids.
+//! The rounded tables of a target, filled from a machine, and the numbers in them that its manifest forbids.
 
 use super::limits::steepest_along;
 use super::stored::{StoredColumn, differences};
@@ -19,7 +19,7 @@ impl ControllerTarget {
     pub fn refusal(&self, machine: &Machine) -> Option<Diagnostic> {
         let why = lacking(machine, &self.manifest.mechanism)?;
         let message = format!("the target `{}` cannot be used: {why}", self.manifest.target);
-        Some(Diagnostic::new(codes::E0708, message).help("`abbe targets` says what each controller can hold"))
+        Some(Diagnostic::new(codes::E0708, message).help("`abbe targets` lists what each controller can hold"))
     }
 
     /// Returns a refusal of everything in the tables that the controller does not take: E0709.
@@ -36,8 +36,8 @@ impl ControllerTarget {
             }
         }
         let count = tables.tables.iter().map(|table| self.manifest.mechanism.count(table)).sum::<usize>();
-        if let Some(most) = self.manifest.mechanism.tables.filter(|most| count > *most) {
-            all.push(refusal(format!("{count} tables in all, the controller has {most}")));
+        if let Some(max) = self.manifest.mechanism.tables.filter(|max| count > *max) {
+            all.push(refusal(format!("{count} tables in all, the controller has {max}")));
         }
         all
     }
@@ -55,8 +55,8 @@ fn forbidden(machine: &Machine, table: &CorrectionTable, rules: &TableRules) -> 
     let mut all = Vec::new();
     let longest = table.nodes.iter().map(Vec::len).max().unwrap_or(0);
     if table.len() > rules.max_points || longest > rules.max_points_per_axis {
-        let most = rules.max_points.min(rules.max_points_per_axis);
-        all.push(refusal(format!("a table over {over} has {} points, the controller takes {most}", table.len())));
+        let max = rules.max_points.min(rules.max_points_per_axis);
+        all.push(refusal(format!("a table over {over} has {} points, the controller takes {max}", table.len())));
     }
     let times = rules.magnification_of(machine, table);
     let columns = std::iter::once(&table.values).chain(&table.reverse);
@@ -66,18 +66,18 @@ fn forbidden(machine: &Machine, table: &CorrectionTable, rules: &TableRules) -> 
         let stored =
             stored_column(table, rules, values, column, StoredColumn { times, ..StoredColumn::new(rules, kind) });
         let largest = stored.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        if rules.largest.is_some_and(|most| largest > most) {
-            let most = rules.largest.unwrap_or_default();
+        if rules.largest.is_some_and(|max| largest > max) {
+            let max = rules.largest.unwrap_or_default();
             all.push(refusal(format!(
-                "`{name}` over {over}: the number {} is beyond the controller's {most}",
+                "`{name}` over {over}: the number {} is beyond the controller's {max}",
                 significant(largest, 6)
             )));
         }
         let slope = (0..table.axes.len()).map(|place| steepest_along(table, values, place, column)).fold(0.0, f64::max);
-        if rules.max_slope.is_some_and(|most| slope > most) {
-            let most = rules.max_slope.unwrap_or_default();
+        if rules.max_slope.is_some_and(|max| slope > max) {
+            let max = rules.max_slope.unwrap_or_default();
             all.push(refusal(format!(
-                "`{name}` over {over}: a slope of {} is beyond the controller's {most}",
+                "`{name}` over {over}: a slope of {} is beyond the controller's {max}",
                 significant(slope, 4)
             )));
         }

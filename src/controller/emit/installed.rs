@@ -23,14 +23,15 @@ impl ControllerTarget {
             at_nodes(machine, (&replay, old), new, if reverse { Approach::Reverse } else { Approach::Forward })
         };
         let mut fresh = self.tables(machine, request);
-        self.share_points(&mut fresh, installed);
+        self.add_installed_points(&mut fresh, installed);
         let mut sum = fresh.plus(installed, &at);
         mechanisms.round(machine, &mut sum);
         sum.merged()
     }
 
-    /// Where points are free, the new tables get the points of the old ones besides their own, as far as there is room.
-    fn share_points(&self, fresh: &mut CorrectionTables, installed: &CorrectionTables) {
+    /// Where points are free, gives the new tables the points of the old ones besides their own, as far as there is
+    /// room.
+    fn add_installed_points(&self, fresh: &mut CorrectionTables, installed: &CorrectionTables) {
         let mechanisms = &self.manifest.mechanism;
         for table in fresh.tables.iter_mut().filter(|table| table.axes.len() == 1) {
             let rules = mechanisms.rules(table).filter(|rules| rules.spacing == Spacing::Free);
@@ -97,25 +98,25 @@ impl ControllerTarget {
         for row in places.map(|place| gap(&place)) {
             row.iter().enumerate().for_each(|(i, x)| lost[i % columns] = f64::max(lost[i % columns], *x));
         }
-        let (axis, most) = old.corrected.iter().zip(lost).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (axis, max) = old.corrected.iter().zip(lost).max_by(|a, b| a.1.total_cmp(&b.1))?;
         let kind = machine.axes()[*axis].kind;
-        if most <= 2.0 * rules.increment.half_correction(kind).max(SMALL) {
+        if max <= 2.0 * rules.increment.half_correction(kind).max(SMALL) {
             return None;
         }
         let name = |axis: &usize| machine.axes()[*axis].name.as_str();
         let over: Vec<&str> = old.axes.iter().map(name).collect();
         let unit = if kind == AxisKind::Linear { "um" } else { "mdeg" };
-        Some(loss(&format!("`{}` over {}", name(axis), over.join(" and ")), most * 1e3, unit))
+        Some(loss(&format!("`{}` over {}", name(axis), over.join(" and ")), max * 1e3, unit))
     }
 }
 
 /// A loss (mm, deg) below which nothing is reported.
 const SMALL: f64 = 5e-6;
 
-fn loss(what: &str, most: f64, unit: &str) -> Diagnostic {
+fn loss(what: &str, max: f64, unit: &str) -> Diagnostic {
     let message = format!(
         "{what}: the installed table has points where the new one has none, up to {} {unit} of it are lost",
-        significant(most, 3)
+        significant(max, 3)
     );
     Diagnostic::new(codes::W0704, message)
         .help("measure without the old tables, or give the curves points where the old tables have them")
@@ -126,10 +127,10 @@ fn curve_loss(new: &ErrorCurve, old: &ErrorCurve) -> Option<Diagnostic> {
     let resampled = ErrorCurve { values, ..new.clone() };
     let range = new.positions[0]..=new.positions[new.positions.len() - 1];
     let within = old.positions.iter().filter(|q| range.contains(q));
-    let most = within.map(|q| (old.value(*q, false) - resampled.value(*q, false)).abs()).fold(0.0, f64::max);
-    let (scale, unit, least) =
+    let max = within.map(|q| (old.value(*q, false) - resampled.value(*q, false)).abs()).fold(0.0, f64::max);
+    let (scale, unit, threshold) =
         if old.error.direction.is_rotation() { (1e6, "urad", 1e-7) } else { (1e3, "um", 2.0 * SMALL) };
-    (most > least).then(|| loss(&format!("`{}`", old.error), most * scale, unit))
+    (max > threshold).then(|| loss(&format!("`{}`", old.error), max * scale, unit))
 }
 
 fn alone(table: &CorrectionTable) -> CorrectionTables {

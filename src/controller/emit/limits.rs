@@ -9,10 +9,12 @@ use crate::units::{self, Dimension, significant};
 /// Largest corrections that are not refused.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Limits {
-    /// Of a linear axis, mm.
-    pub length: f64,
-    /// Of a rotary axis, rad.
-    pub angle: f64,
+    /// Limit for a linear axis, mm.
+    #[serde(rename = "length")]
+    pub length_mm: f64,
+    /// Limit for a rotary axis, rad.
+    #[serde(rename = "angle")]
+    pub angle_rad: f64,
     /// Change of a correction per change of its own axis's position (mm/mm, deg/deg).
     pub slope: f64,
 }
@@ -37,19 +39,19 @@ impl From<units::Failure> for NoLimit {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { length: 1.0, angle: 5e-3, slope: 0.01 }
+        Self { length_mm: 1.0, angle_rad: 5e-3, slope: 0.01 }
     }
 }
 
 impl Limits {
-    /// Parses text such as `2 mm, 10 mrad, 0.05`; a limit that is left out keeps its default.
+    /// Parses text such as `2 mm, 10 mrad, 0.05`; an omitted limit keeps its default.
     pub fn parse(text: &str) -> Result<Self, NoLimit> {
         let mut limits = Self::default();
         let mut seen = [false; 3];
         for part in text.split(',').map(str::trim) {
             let (kind, value, slot, largest) = match units::quantity(part) {
-                Ok(q) if q.dimension == Dimension::LENGTH => (0, q.value, &mut limits.length, 100.0),
-                Ok(q) if q.dimension == Dimension::ANGLE => (1, q.value, &mut limits.angle, 0.1),
+                Ok(q) if q.dimension == Dimension::LENGTH => (0, q.value, &mut limits.length_mm, 100.0),
+                Ok(q) if q.dimension == Dimension::ANGLE => (1, q.value, &mut limits.angle_rad, 0.1),
                 Ok(_) => return Err(NoLimit(format!("`{part}` is neither a length nor an angle"))),
                 Err(units::Failure::NoUnit(_)) => {
                     (2, units::number(part).map_err(NoLimit::from)?, &mut limits.slope, 1.0)
@@ -71,26 +73,26 @@ impl Limits {
     pub fn exceeded(&self, machine: &Machine, tables: &CorrectionTables) -> Vec<Diagnostic> {
         let [linear, rotary] = tables.largest(machine);
         let name = |axis: usize| machine.axes()[axis].name.as_str();
-        let length = linear.filter(|(_, c)| c.abs() > self.length).map(|(axis, c)| {
+        let length = linear.filter(|(_, c)| c.abs() > self.length_mm).map(|(axis, c)| {
             refusal(format!(
                 "a correction of {} mm for `{}` is above the limit of {} mm",
                 significant(c, 4),
                 name(axis),
-                self.length
+                self.length_mm
             ))
         });
-        let angle = rotary.filter(|(_, c)| c.to_radians().abs() > self.angle).map(|(axis, c)| {
+        let angle = rotary.filter(|(_, c)| c.to_radians().abs() > self.angle_rad).map(|(axis, c)| {
             let mrad = |rad: f64| significant(rad * 1e3, 4);
             refusal(format!(
                 "a correction of {} mrad for `{}` is above the limit of {} mrad",
                 mrad(c.to_radians()),
                 name(axis),
-                mrad(self.angle)
+                mrad(self.angle_rad)
             ))
         });
         let slope = steepest(machine, tables).filter(|(_, slope)| *slope > self.slope).map(|(axis, slope)| {
             refusal(format!(
-                "the corrections of `{}` change by {} per unit of its way, above the limit of {}",
+                "the corrections of `{}` change by {} per unit of its travel, above the limit of {}",
                 name(axis),
                 significant(slope, 3),
                 self.slope

@@ -1,5 +1,5 @@
-//! `abbe.lock.json`: which files belong to a set, from which inputs, and their hashes. By it our own
-//! earlier files are told from foreign and hand-edited ones.
+//! `abbe.lock.json`: the files that belong to a set, the inputs it was made from, and their hashes. By it our own
+//! earlier files are distinguished from foreign and hand-edited ones.
 
 use crate::machine::Machine;
 use sha2::{Digest, Sha256};

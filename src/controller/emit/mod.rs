@@ -1,8 +1,8 @@
-//! The way from a machine to files:
+//! From a machine to files:
 //!
 //! 1. tables are filled and rounded ([`fill`]), over those that are [`installed`];
 //! 2. they are checked against [`Limits`];
-//! 3. templates write them ([`render`]), from what they see of a set ([`context`]) and as its numbers are [`stored`];
+//! 3. templates write them ([`render`]), from the values of a set ([`context`]) and its numbers as they are [`stored`];
 //! 4. a [`Lock`] lists the files of a set.
 
 mod context;

@@ -1,6 +1,6 @@
 //! Numbers as templates see them.
 
-/// A number with so many decimals, never `-0`. Callers have rounded it already, so nothing is lost.
+/// Formats a number with `decimals` decimals, never `-0`. Callers have rounded it already, so nothing is lost.
 pub fn fixed(value: f64, decimals: u8) -> String {
     let mut text = String::new();
     push_fixed(&mut text, value, decimals);

@@ -1,8 +1,8 @@
 //! Tables to files, through the target's minijinja templates.
 //!
-//! Numbers reach a template rounded and as text: [`fixed`] is the only formatter, and it knows
-//! neither `-0` nor NaN nor a locale. Templates run with fuel and cannot read files. Fuel bounds their steps, not
-//! what a step costs: a program that renders templates of others bounds their time and memory itself, as `abbe` does.
+//! Numbers reach a template rounded and as text: [`fixed`] is the only formatter, and it knows neither `-0` nor NaN nor
+//! a locale. Templates run with fuel and cannot read files. Fuel bounds their steps, not the cost of a step: a program
+//! that renders templates of others bounds their time and memory itself, as `abbe` does.
 
 use super::context::TableWords;
 use super::number::fixed;
@@ -72,7 +72,7 @@ impl std::io::Write for Bounded {
     }
 }
 
-/// A file as it will stand on disk.
+/// A file with its bytes as on disk.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderedFile {
     /// Its plain name.
@@ -132,9 +132,8 @@ impl ControllerTarget {
     }
 
     fn failed(&self, failure: &TemplateFailure) -> Diagnostic {
-        Diagnostic::new(codes::E0702, format!("target `{}`: {failure}", self.manifest.target)).help(
-            "docs/adding-a-target.md says what templates are given and how long they may run; nothing was written",
-        )
+        Diagnostic::new(codes::E0702, format!("target `{}`: {failure}", self.manifest.target))
+            .help("docs/adding-a-target.md states the variables and the limits of templates; nothing was written")
     }
 
     /// Names of the files that hold a table of their own for each axis, in the order of the joints:
@@ -244,7 +243,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Decimals of positions where they stand outside a table.
+    /// Formats a position outside a table.
     fn position(&self, value: f64) -> String {
         let rules = self.words.target.manifest.mechanism.iter().next();
         fixed(value, rules.map_or(6, |(_, rules)| rules.increment.position_decimals))
@@ -286,7 +285,7 @@ impl Writer<'_> {
         let axes =
             (0..self.words.letters.len()).map(|joint| self.axis_context(joint, None)).collect::<Result<Vec<_>, _>>()?;
         let (columns, rows) = self.words.lattice().unzip();
-        // A lattice is written row by row; as a list of tables it would stand in memory as text.
+        // A lattice is written row by row; as a list of tables it would be in memory as text.
         let tables = columns.is_none().then(|| self.words.tables(|table| self.words.is_of(table, spec.of.as_deref())));
         Ok(context! {
             axes,

@@ -1,5 +1,5 @@
-//! Converts corrections (mm, deg) to the numbers that a controller stores, and back: unit, sign, meaning.
-//! The same function rounds on both ways, so that what is read is what was written.
+//! Converts corrections (mm, deg) to the numbers that a controller stores, and back: unit, sign, meaning. The same
+//! function rounds in both directions, so that the numbers read are those written.
 
 use crate::compensation::{Stored, TableRules};
 use crate::machine::AxisKind;

@@ -20,7 +20,7 @@ pub enum KinematicsModule {
 }
 
 impl KinematicsModule {
-    /// Takes from a machine what the target's module carries. Refusals: E0601, E0750, E0751, E0752.
+    /// Takes the module's errors from a machine. Refusals: E0601, E0750, E0751, E0752.
     pub fn of(machine: &Machine, target: &ControllerTarget, orientation: bool) -> Result<Self, Diagnostic> {
         let Some(mechanism) = target.manifest.kinematics() else {
             return Err(Diagnostic::new(codes::E0703, "this target does not replace the kinematics"));
@@ -65,7 +65,7 @@ impl KinematicsModule {
         }
     }
 
-    /// As the files can hold it.
+    /// Rounds the numbers to those that the files can hold.
     fn quantised(self, mechanism: &KinematicsMechanism) -> Self {
         let decimals = mechanism.increment.correction_decimals;
         match self {
@@ -76,7 +76,7 @@ impl KinematicsModule {
     }
 }
 
-/// For each axis of the walk its coordinate in [`WORLD`] and its joint.
+/// Returns for each axis of the walk its coordinate in [`WORLD`] and its joint.
 fn letters(machine: &Machine, target: &ControllerTarget) -> Result<Vec<(usize, usize)>, Diagnostic> {
     let assigned = assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).ok_or_else(|| {
         Diagnostic::new(codes::E0601, "the controller has not letters enough for the axes of this machine")

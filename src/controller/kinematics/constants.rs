@@ -22,7 +22,7 @@ pub struct LinearMap {
 }
 
 impl LinearMap {
-    /// The matrix that leaves least of the deviation of the functional point (least squares).
+    /// Fits the matrix with the smallest residual deviation of the functional point (least squares).
     pub fn fitted(machine: &Machine, letters: &[(usize, usize)]) -> Result<Self, Diagnostic> {
         let axes = xyz(machine, letters).filter(|_| letters.len() == 3).ok_or_else(|| {
             Diagnostic::new(
@@ -70,7 +70,7 @@ fn xyz(machine: &Machine, letters: &[(usize, usize)]) -> Option<[usize; 3]> {
 pub struct Centres {
     /// 0 if the table tilts about X (A), 1 if about Y (B).
     pub tilt: usize,
-    /// A point of C's line, the way from it to the tilting line, the length of the tool.
+    /// A point of C's line, the vector from it to the tilting line, the length of the tool.
     pub lines: [f64; 7],
     /// Index in the walk of X, Y and Z.
     axes: [usize; 3],
@@ -79,7 +79,7 @@ pub struct Centres {
 }
 
 impl Centres {
-    /// The nominal lines, moved so that they leave least of the deviation (least squares).
+    /// Fits the nominal lines, moved for the smallest residual deviation (least squares).
     pub fn fitted(machine: &Machine, letters: &[(usize, usize)]) -> Result<Self, Diagnostic> {
         let nominal = Self::nominal(machine, letters).ok_or_else(|| {
             Diagnostic::new(
@@ -137,7 +137,7 @@ impl Centres {
         Some(Self { tilt, lines, axes, rotary })
     }
 
-    /// The centre of C and the way from it to the tilting axis, tool included.
+    /// The centre of C and the vector from it to the tilting axis, tool included.
     fn centre_and_offset(&self) -> (Vector3<f64>, Vector3<f64>) {
         let [x, y, z, dx, dy, dz, tool] = self.lines;
         (Vector3::new(x, y, z), Vector3::new(dx, dy, dz + tool))
@@ -171,7 +171,7 @@ impl Centres {
         let across = 1 - self.tilt;
         self.lines[0] += shift[0];
         self.lines[1] += shift[1];
-        // The tilting line is said from the centre of C.
+        // The tilting line is given from the centre of C.
         self.lines[3 + across] += shift[2] - shift[across];
         self.lines[5] += shift[3];
         self

@@ -67,12 +67,12 @@ fn full_model(machine: &Machine, model: &Model, mechanism: &KinematicsMechanism)
         damping => exact(model.damping),
         arm => exact(model.arm),
         orientation => u8::from(model.orientation),
-        // Where the program's zero must be for programs to count from the workpiece origin.
+        // Position of the program's zero for programs to count from the workpiece origin.
         program_zero => (0..3).map(|k| decimals(&program_zero(model, k))).collect::<Vec<_>>(),
     }
 }
 
-/// The letters of the program's words, with what each of them moves.
+/// The letters of the program's words, with the joint that each of them moves.
 fn coordinates(machine: &Machine, model: &Model) -> Vec<Value> {
     let held = match model.words {
         ModuleWords::Tip => "XYZ",
@@ -114,7 +114,7 @@ fn joint_context(
 ) -> Value {
     let (min, max) = match axis.travel {
         Travel::Range(min, max) => (min, max),
-        // As far as a controller's position stays exact enough.
+        // The range in which a controller's position stays exact enough.
         Travel::Continuous => (-36_000.0, 36_000.0),
     };
     let curves = joint.curves.map(|pair| pair.map(|curve| curve.map_or(-1, |i| i as i64)).to_vec());

@@ -52,7 +52,7 @@ pub struct Model {
     pub clamping: [f64; 6],
     /// Sine of the angle from a singular pose below which rotary corrections are bounded.
     pub damping: f64,
-    /// The length (mm) at which turns and ways are weighed against each other.
+    /// The length (mm) at which rotations and translations are weighed against each other.
     pub arm: f64,
     /// True if the direction of the tool is corrected, not only the position of its tip.
     pub orientation: bool,
@@ -61,7 +61,7 @@ pub struct Model {
 /// A joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// Index in [`WORLD`] of the coordinate that is its position; none if the tip's place says where it is.
+    /// Index in [`WORLD`] of the coordinate that is its position; none if the tip's place determines it.
     pub letter: Option<usize>,
     /// Number of the controller's joint.
     pub number: usize,
@@ -69,9 +69,9 @@ pub struct Joint {
     pub rotary: bool,
     /// One of the axes that hold the tip: found from it or, where words are axes, corrected for it.
     pub solved: bool,
-    /// On the workpiece side of the bed.
+    /// True if it is on the workpiece side of the bed.
     pub workpiece_side: bool,
-    /// The component error stands to the left of the motion.
+    /// True if the component error is to the left of the motion.
     pub outside: bool,
     /// The component error enters inverted.
     pub inverted: bool,
@@ -121,12 +121,12 @@ pub struct CurveData {
     pub form: Form,
     /// Length of the period; 0 if the ends are held.
     pub period: f64,
-    /// As [`Form`] says.
+    /// Numbers in the order of [`Form`].
     pub numbers: Vec<f64>,
 }
 
 impl Model {
-    /// Everything but what the axes can do, which is found in it.
+    /// Everything but the roles of the axes, which follow from it.
     pub(super) fn geometry(machine: &Machine, damping: f64, orientation: bool) -> Self {
         let mut curves = Vec::new();
         let conventions = machine.conventions();
@@ -174,7 +174,7 @@ pub(super) fn tool(machine: &Machine) -> [f64; 3] {
     std::array::from_fn(|i| plain(tool.gauge[i] - tool.tip[i]))
 }
 
-/// Without a negative zero.
+/// Turns a negative zero into zero.
 fn plain(x: f64) -> f64 {
     x + 0.0
 }
@@ -203,7 +203,7 @@ fn keep(curve: &Curve, all: &mut Vec<CurveData>) -> Option<usize> {
         Curve::Polynomial(coefficients) => (Form::Polynomial, coefficients.clone()),
         Curve::Harmonics(orders) => (Form::Harmonics, orders.iter().flat_map(|(c, s)| [*c, *s]).collect()),
     };
-    // What is not there is zero: a curve without numbers has no place in a file.
+    // A missing curve is zero: a curve without numbers has no place in a file.
     if numbers.is_empty() {
         return None;
     }

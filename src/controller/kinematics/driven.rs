@@ -18,12 +18,12 @@ pub struct ModuleField<'a> {
 }
 
 impl<'a> ModuleField<'a> {
-    /// Loads what a module carries.
+    /// Loads the data of a module.
     pub fn new(machine: &'a Machine, carried: &'a KinematicsModule) -> Self {
         Self { machine, carried, beside: None }
     }
 
-    /// With tables that the controller adds to the joints behind the module.
+    /// Adds tables that the controller applies to the joints behind the module.
     pub fn beside(self, tables: Replay<'a>) -> Self {
         Self { beside: Some(tables), ..self }
     }
@@ -62,7 +62,7 @@ fn ideal_tip(machine: &Machine, pose: &[f64]) -> Vector3<f64> {
     nominal + Vector3::from(machine.workpiece()) - Vector3::from(machine.tool().tip)
 }
 
-/// A pose as a program says it.
+/// Returns a pose in the coordinates of a program.
 fn world(machine: &Machine, model: &Model, tip: &Vector3<f64>, pose: &[f64]) -> World {
     let mut world = [0.0; 9];
     if model.words != ModuleWords::Axes {
@@ -92,7 +92,7 @@ impl Field for ModuleField<'_> {
         self.machine
     }
 
-    /// Where the module stops, the machine is as bad as without it.
+    /// A pose where the module stops has the deviation without it.
     fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation {
         match self.sent(pose, approach) {
             Some(command) => commanded_deviation(self.machine, pose, &command, approach),

@@ -10,7 +10,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
 use std::sync::Arc;
 
-/// The controller has so many joints at the most.
+/// Maximum number of joints of the controller.
 const MAX_AXES: usize = 16;
 
 impl ControllerTarget {
@@ -30,13 +30,13 @@ impl ControllerTarget {
         self.render_once(machine, &context, reversal, diagnostics)
     }
 
-    /// The tables beside a module: what its joints need added when they are approached from one side.
+    /// The tables beside a module: additions to its joints when they are approached from one side.
     pub fn reversal_tables(&self, machine: &Machine) -> CorrectionTables {
         self.manifest.reversal().map_or_else(CorrectionTables::default, |rules| reversal_tables(machine, rules))
     }
 
-    /// Reads the numbers of a module back. `meant` says which axes of the machine they are for.
-    /// Diagnostics: E0704, E0705.
+    /// Reads the numbers of a module back. `meant` holds the axes of the machine that they are for. Diagnostics: E0704,
+    /// E0705.
     pub fn read_kinematics(
         &self,
         machine: &Machine,

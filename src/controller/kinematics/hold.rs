@@ -1,5 +1,5 @@
-//! How the axes hold the tool at a place: from what is missing of tip and orientation to corrections of
-//! the joints, linear in both.
+//! Holding the tool at a place by the axes: corrections of the joints from the missing motion of tip and orientation,
+//! linear in both.
 //!
 //! Gram matrices are inverted by `g(s) = 1 / (s + l^2(s))`, which is the inverse above a threshold and
 //! bounded and smooth below it: nothing jumps at a singular pose.
@@ -16,7 +16,7 @@ pub struct Hold {
 }
 
 impl Hold {
-    /// Corrections from what they come to and what is still missing.
+    /// Returns the total corrections from the motion they make and the one still missing.
     pub fn total(&self, made: &DVector<f64>, missing: &Vector6<f64>, setting: &Setting) -> DVector<f64> {
         let mut goal = &self.motion * made + missing;
         if !setting.orientation {
@@ -39,8 +39,8 @@ impl Model {
         (0..self.joints.len()).filter(|i| which(*i)).collect()
     }
 
-    /// Linear axes hold the tip. Rotary axes, if they are to correct at all, hold what of the tip these cannot,
-    /// then the tool axis with what is free for it.
+    /// Linear axes hold the tip. Rotary axes, if they are to correct at all, hold the rest of the tip, then the tool
+    /// axis with the freedom that remains.
     fn by_turns(&self, place: &BodyPlace, setting: &Setting) -> Option<Hold> {
         let linear = self.chosen(|i| self.joints[i].solved && !self.joints[i].rotary);
         let rotary = self.chosen(|i| setting.orientation && self.joints[i].rotary);
@@ -93,7 +93,7 @@ impl Model {
     /// Six axes hold all of the tool.
     fn whole(&self, place: &BodyPlace) -> Hold {
         let solved = self.chosen(|i| self.joints[i].solved);
-        // In arms and rad.
+        // Scale to arms and rad.
         let unit = |i: usize| if self.joints[i].rotary { 1.0 } else { self.arm };
         let column = |i: &usize| {
             let (p, t) = (place.lever[*i] * (unit(*i) / self.arm), place.turn[*i]);

@@ -1,17 +1,17 @@
-//! Targets that replace the controller's kinematics: instead of tables beside the motion, the way from
-//! the programmed pose to the joints itself.
+//! Targets that replace the controller's kinematics: instead of tables beside the motion, the path from the programmed
+//! pose to the joints itself.
 //!
-//! 1. [`KinematicsModule::of`] takes from the machine what such a module can carry, as plain numbers;
+//! 1. [`KinematicsModule::of`] takes the data of such a module from the machine, as plain numbers;
 //! 2. [`render_kinematics`](super::ControllerTarget::render_kinematics) writes the files,
 //!    [`read_kinematics`](super::ControllerTarget::read_kinematics) reads the numbers back;
-//! 3. [`ModuleField`] does what the module does with them, in own arithmetic: nothing here uses the lowering
-//!    of the machine, and only numbers that were read from the files count;
-//! 4. [`certify_kinematics`](crate::controller::certify_kinematics) states what is left.
+//! 3. [`ModuleField`] computes with them as the module does, in own arithmetic: nothing here uses the lowering of the
+//!    machine, and only numbers that were read from the files count;
+//! 4. [`certify_kinematics`](crate::controller::certify_kinematics) states the residual.
 //!
-//! Two frames are in use. The controller's *world* holds the tip of the tool relative to where the gauge
-//! point is with all axes at 0, plus the tool's length (so that world and joints agree while no rotary
-//! axis is turned, and a tool length offset is the controller's own), and the programmed positions of
-//! the other axes. A *command* is the position of every axis in the order of the walk (mm, deg).
+//! Two frames are in use. The controller's *world* holds the position of the tip of the tool relative to the gauge
+//! point with all axes at 0, plus the tool's length (so that world and joints agree while no rotary axis is turned, and
+//! a tool length offset is the controller's own), and the programmed positions of the other axes. A *command* is the
+//! position of every axis in the order of the walk (mm, deg).
 
 mod carry;
 mod constants;

@@ -70,7 +70,7 @@ pub fn motion(joint: &Joint, q: f64) -> Htm<f64> {
     }
 }
 
-/// Roll, pitch and yaw (deg) to a rotation: about X, then about the standing Y, then about the standing Z.
+/// Returns the rotation of extrinsic X-Y-Z angles (fixed-axis roll, pitch and yaw, deg).
 pub fn from_roll_pitch_yaw(angles: &[f64; 3]) -> Matrix3<f64> {
     let about = |k: usize| {
         let unit = std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 });
@@ -79,7 +79,7 @@ pub fn from_roll_pitch_yaw(angles: &[f64; 3]) -> Matrix3<f64> {
     about(2) * about(1) * about(0)
 }
 
-/// The opposite way; at a pitch of 90 deg all of the turn is taken for yaw.
+/// The inverse function; at a pitch of 90 deg all of the turn is taken for yaw.
 pub fn to_roll_pitch_yaw(r: &Matrix3<f64>) -> [f64; 3] {
     let level = libm::hypot(r[(0, 0)], r[(1, 0)]);
     let pitch = libm::atan2(-r[(2, 0)], level);
@@ -94,7 +94,7 @@ pub fn to_roll_pitch_yaw(r: &Matrix3<f64>) -> [f64; 3] {
 /// Cosine of a pitch below which roll and yaw are one.
 const GIMBAL: f64 = 1e-6;
 
-/// The rotation vector of a rotation, or of the skew part of what is next to none.
+/// The rotation vector of a rotation, or the skew part of one near none.
 pub fn rotation_vector(m: &Matrix3<f64>) -> Vector3<f64> {
     let skew = Vector3::new(m[(2, 1)] - m[(1, 2)], m[(0, 2)] - m[(2, 0)], m[(1, 0)] - m[(0, 1)]) * 0.5;
     let sine = skew.norm();

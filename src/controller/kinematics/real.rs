@@ -85,7 +85,7 @@ impl CurveData {
         if self.form == Form::Linear {
             return straight;
         }
-        let bend = |share: f64| share * (share * share - 1.0);
+        let bend = |fraction: f64| fraction * (fraction * fraction - 1.0);
         straight + (bend(left) * second[i] + bend(right) * second[i + 1]) * width * width / 6.0
     }
 }

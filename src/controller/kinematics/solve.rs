@@ -19,7 +19,7 @@ const MAX_STEPS: usize = 16;
 /// A linear step (mm) and a rotary step (rad) that are rounding.
 const SMALL: (f64, f64) = (1e-9, 1e-12);
 
-/// Steps, and the longest of them (arms, rad), of the way to a pose of the tool.
+/// Steps, and the longest of them (arms, rad), of the path to a pose of the tool.
 const MAX_STEP: (usize, f64) = (48, 0.3);
 
 /// Distances within which the nominal tool has reached its pose, mm and rad.
@@ -60,8 +60,7 @@ impl Model {
         None
     }
 
-    /// From where the real tool is to where the nominal one is: the tip, and the rotation that this machine
-    /// can make.
+    /// Difference from the actual tool to the nominal one: the tip, and the rotation that this machine can make.
     fn missing(&self, place: &BodyPlace, real: &Htm<f64>) -> Vector6<f64> {
         let p = place.tip - real.translation;
         let t = match self.words {

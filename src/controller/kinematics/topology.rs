@@ -1,7 +1,7 @@
-//! What a program's words mean on a machine, by what its axes can do, and which joint and letter each has.
+//! Meaning of a program's words on a machine, by the abilities of its axes, with the joint and the letter of each.
 //!
 //! - Three linear axes that span the room hold the **tip**: X Y Z of the program are its place.
-//! - Otherwise, where six axes move the tool in all six ways (robots), X Y Z and A B C are its **pose**.
+//! - Otherwise, where six axes move the tool in all six degrees of freedom (robots), X Y Z and A B C are its **pose**.
 //! - Otherwise (lathes, two-axis machines, SCARA) every word is the position of its **axis**.
 //!
 //! Further axes have words of their own.
@@ -12,7 +12,7 @@ use crate::evaluate::random_poses;
 use crate::machine::{Axis, AxisKind, Machine, Pose};
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3, Vector6};
 
-/// Poses over the volume at which it is asked what the axes can do.
+/// Poses over the volume at which the abilities of the axes are tested.
 const POSES: usize = 32;
 
 /// The seed of these poses.
@@ -38,14 +38,14 @@ impl Model {
 pub struct Topology {
     /// Their meaning.
     pub words: ModuleWords,
-    /// For each axis of the walk whether it is found (or, where words are axes, corrected) to hold the tip.
+    /// For each axis of the walk, true if it is solved (or, where words are axes, corrected) to hold the tip.
     pub solved: Vec<bool>,
     /// The coordinate of its own, if it has one.
     pub letters: Vec<Option<usize>>,
     /// The controller's joint.
     pub numbers: Vec<usize>,
-    /// The root mean square distance (mm) of the tip from the rotary axes: the length at which turns and ways
-    /// are weighed against each other.
+    /// The root mean square distance (mm) of the tip from the rotary axes: the length at which rotations and
+    /// translations are weighed against each other.
     pub arm: f64,
 }
 
@@ -87,7 +87,7 @@ pub fn warnings(machine: &Machine, model: &Model) -> Vec<Diagnostic> {
             "the axes cannot bring the tool everywhere: words of the program are positions of axes, not of the tip";
         all.push(
             Diagnostic::new(codes::W0760, message)
-                .help("what the axes that are there can move is corrected; the certificate says what is left"),
+                .help("the axes that are there correct what they can move; the certificate states the residual"),
         );
     }
     for (axis, joint) in machine.axes().iter().zip(&model.joints) {
@@ -147,8 +147,8 @@ fn across<const N: usize>(vector: SVector<f64, N>, base: &[SVector<f64, N>]) -> 
     base.iter().fold(vector, |rest, unit| rest - unit * unit.dot(&rest))
 }
 
-/// Six axes that move the tool in all ways at some pose of the volume, those next to the tool first; in the
-/// order of the walk.
+/// Six axes that move the tool in all degrees of freedom at some pose of the volume, those next to the tool first; in
+/// the order of the walk.
 fn six(model: &Model, poses: &[Pose], arm: f64, flat: f64) -> Option<Vec<usize>> {
     if model.joints.len() < 6 {
         return None;
@@ -165,8 +165,8 @@ fn six(model: &Model, poses: &[Pose], arm: f64, flat: f64) -> Option<Vec<usize>>
         }
         chosen.reverse();
         let six: [usize; 6] = chosen.try_into().ok()?;
-        let least = Matrix6::from_columns(&six.map(|i| columns[i])).try_inverse()?.norm().recip();
-        (least > flat).then_some((least, six))
+        let weakest = Matrix6::from_columns(&six.map(|i| columns[i])).try_inverse()?.norm().recip();
+        (weakest > flat).then_some((weakest, six))
     };
     let best = poses.iter().filter_map(choice).max_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(best.1.to_vec())
@@ -182,7 +182,7 @@ fn columns(model: &Model, pose: &Pose, arm: f64) -> Vec<Vector6<f64>> {
     model.joints.iter().zip(&place.lever).zip(&place.turn).map(column).collect()
 }
 
-/// Least of what an arm can be, mm.
+/// Smallest arm, mm.
 const SHORTEST: f64 = 1.0;
 
 fn arm(model: &Model, poses: &[Pose]) -> f64 {
@@ -237,7 +237,7 @@ fn no_letter(axis: &Axis, words: ModuleWords) -> Diagnostic {
         ModuleWords::Pose => "X, Y, Z, A, B and C are the pose of the tool; ",
         ModuleWords::Axes => "",
     };
-    let message = format!("the controller has no letter left for axis `{}`", axis.name);
+    let message = format!("the controller has no free letter for axis `{}`", axis.name);
     Diagnostic::new(codes::E0752, message).help(format!(
         "{taken}linear axes have the letters X Y Z U V W, rotary ones A B C, then U V W; take an axis out of the chain"
     ))

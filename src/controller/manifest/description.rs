@@ -1,4 +1,4 @@
-//! The manifest of a target (`target.yaml`): what the controller can hold and what it does with it.
+//! The manifest of a target (`target.yaml`): mechanisms of the controller, and its use of them.
 
 use crate::compensation::{Holds, KinematicsMechanism, Mechanisms, TableRules};
 use serde::Deserialize;
@@ -63,7 +63,7 @@ pub enum Level {
     /// The format is ours.
     #[serde(rename = "own format")]
     OwnFormat,
-    /// Follows from what is documented, or seen in other programs' files; the documentation does not say it.
+    /// Follows from documented facts, or seen in other programs' files; not stated in the documentation.
     #[serde(rename = "inferred")]
     Inferred,
     /// Written from memory alone.
@@ -72,7 +72,7 @@ pub enum Level {
 }
 
 impl Level {
-    /// As the manifest writes it.
+    /// Returns the word in the manifest.
     pub fn word(self) -> &'static str {
         match self {
             Self::Measured => "measured",
@@ -92,7 +92,7 @@ pub enum Lookup {
     Command,
     /// At the position that the tables before have corrected; the axes are corrected from the last to the first.
     Corrected,
-    /// Tables over one axis at the commanded position, those over several at what the former have made of it.
+    /// Tables over one axis at the commanded position, those over several at the position corrected by the former.
     LinesThenPlanes,
 }
 
@@ -112,7 +112,7 @@ pub enum OutsideTable {
     Hold,
     /// The straight line of the outermost cell goes on.
     Extrapolate,
-    /// Nothing is added.
+    /// No correction is added.
     Nothing,
     /// The table begins again.
     RollOver,
@@ -146,9 +146,9 @@ pub struct Controller {
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisLetters {
-    /// For linear axes.
+    /// Unit or name for linear axes.
     pub linear: String,
-    /// For rotary axes.
+    /// Unit or name for rotary axes.
     pub rotary: String,
     /// The order in which the controller counts them.
     pub order: String,
@@ -214,7 +214,7 @@ pub struct Frame {
     pub comment: String,
     /// The first line: one of these patterns.
     pub begin: Vec<String>,
-    /// The last line; nothing stands behind it.
+    /// The last line; nothing comes after it.
     pub end: String,
 }
 
@@ -224,7 +224,7 @@ pub struct Frame {
 pub struct LineSpec {
     /// The pattern, such as `$AN_CEC[<table>,<index>]=<value>`.
     pub line: String,
-    /// Only on the line with this number, from 1.
+    /// Number of the only line that it may be on, from 1.
     #[serde(default)]
     pub at: Option<usize>,
     /// True if a file without such a line is refused.
@@ -291,7 +291,7 @@ pub enum Index {
         prefix: String,
         /// The key of the line that names the file.
         key: String,
-        /// Settings of the section without which the controller reads the file in another way.
+        /// Settings of the section without which the controller reads the file differently.
         #[serde(default)]
         with: BTreeMap<String, String>,
     },

@@ -36,7 +36,7 @@ pub fn assigned_letters(
 }
 
 fn no_letter(axis: &Axis) -> Diagnostic {
-    Diagnostic::new(codes::E0601, format!("the controller has no letter left for axis `{}`", axis.name))
+    Diagnostic::new(codes::E0601, format!("the controller has no free letter for axis `{}`", axis.name))
         .help("compile for a target without fixed axis letters, such as grid-csv")
 }
 

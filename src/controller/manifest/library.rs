@@ -127,7 +127,7 @@ impl ControllerTarget {
             Ok(manifest) => manifest,
             Err(fault) => {
                 let message = format!("`{}`: {fault}", folder.join("target.yaml").display());
-                let help = "docs/adding-a-target.md lists the keys of a manifest; a template stands in the target's \
+                let help = "docs/adding-a-target.md lists the keys of a manifest; a template is in the target's \
                  own folder";
                 diagnostics.push(Diagnostic::new(codes::E0703, message).help(help));
                 return None;
@@ -144,7 +144,7 @@ enum ManifestFault {
     Syntax(serde_yaml::Error),
     /// Its keys do not fit together.
     Unsound(String),
-    /// A template stands outside the target's folder.
+    /// A template is outside the target's folder.
     Template(String),
 }
 

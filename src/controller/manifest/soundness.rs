@@ -18,7 +18,7 @@ impl Manifest {
             }
             Some(_) => {
                 return Some(
-                    "mechanism: kinematics stand alone, or beside own_axis tables with both directions that hold the \
+                    "mechanism: kinematics come alone, or with own_axis tables with both directions that hold the \
                      reversal"
                         .to_owned(),
                 );
@@ -56,8 +56,8 @@ fn encoding_fault(name: &str, rules: &TableRules) -> Option<String> {
         Encoding::Difference if rules.increment.correction_decimals > 0 => Some(
             "encoding: differences are whole numbers of the correction_scale's unit, correction_decimals: 0".to_owned(),
         ),
-        Encoding::Magnified(most)
-            if name != "lattice" || rules.stored == Stored::Command || !(1..=1000).contains(&most) =>
+        Encoding::Magnified(max)
+            if name != "lattice" || rules.stored == Stored::Command || !(1..=1000).contains(&max) =>
         {
             Some("encoding: magnified, of a lattice of corrections or errors, from 1 to 1000".to_owned())
         }
@@ -69,13 +69,13 @@ fn fault(name: &str, rules: &TableRules) -> Option<String> {
     let increment = rules.increment;
     let scales = [increment.position_scale, increment.correction_scale].map(|s| [s.mm, s.deg]).concat();
     let points = rules.max_points.min(rules.max_points_per_axis);
-    let most = if name == "lattice" { MAX_NODES } else { MAX_POINTS };
+    let max = if name == "lattice" { MAX_NODES } else { MAX_POINTS };
     if let Some(fault) = decimals_fault(increment) {
         Some(fault)
     } else if !scales.iter().all(|s| (1e-9..=1e9).contains(s)) {
         Some("increment: a scale is stored units in one mm or deg, from 1e-9 to 1e9".to_owned())
-    } else if points < 2 || rules.max_points > most {
-        Some(format!("{name}: max_points: a table has from 2 to {most} points"))
+    } else if points < 2 || rules.max_points > max {
+        Some(format!("{name}: max_points: a table has from 2 to {max} points"))
     } else if !(rules.continuous.1 > rules.continuous.0 && rules.continuous.1 - rules.continuous.0 <= 36_000.0) {
         Some("continuous: write [from, to] in deg, rising, at most a hundred turns".to_owned())
     } else if matches!(rules.spacing, Spacing::PowerOfTwo(unit) if !(1e-6..=1e3).contains(&unit)) {
@@ -118,7 +118,7 @@ const MAX_DECIMALS: u8 = 12;
 /// More points than any controller's table.
 const MAX_POINTS: usize = 100_000;
 
-/// A lattice of so many nodes of six axes is half a gigabyte of text.
+/// Maximum number of nodes: a lattice of this size of six axes is half a gigabyte of text.
 const MAX_NODES: usize = 5_000_000;
 
 impl Layout {

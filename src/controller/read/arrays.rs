@@ -24,7 +24,7 @@ impl Arrays {
         Ok(arrays)
     }
 
-    /// One array from the start of the tokens; gives what follows it.
+    /// Reads one array from the start of the tokens; returns the tokens after it.
     fn statement<'a>(&mut self, tokens: &'a [Token<'a>]) -> Result<&'a [Token<'a>], Fault> {
         let line = tokens[0].0;
         let fault = |message: &str| Fault { line, message: message.to_owned() };
@@ -46,7 +46,7 @@ impl Arrays {
         Ok(&tokens[end + 1..])
     }
 
-    /// The numbers of an array of exactly so many.
+    /// Returns the numbers of an array of exactly `count`.
     pub fn take(&self, name: &str, count: usize) -> Result<&[f64], Fault> {
         let (line, numbers) =
             self.0.get(name).ok_or_else(|| Fault { line: 0, message: format!("the array `{name}` is missing") })?;
@@ -68,7 +68,7 @@ impl Arrays {
         let index = |x: &f64| match *x {
             -1.0 if none => Ok(None),
             x if x >= 0.0 && x < below as f64 && x.fract() == 0.0 => Ok(Some(x as usize)),
-            _ => Err(self.fault(name, &format!("`{name}` holds {x}, which is none of {below}"))),
+            _ => Err(self.fault(name, &format!("`{name}` holds {x} instead of an index below {below}"))),
         };
         numbers.iter().map(index).collect()
     }

@@ -7,7 +7,7 @@ use crate::compensation::{CorrectionTable, CorrectionTables, Encoding, ErrorCurv
 use crate::controller::emit::{StoredColumn, StoredPosition};
 use crate::machine::{AxisKind, Direction, parse_error_name};
 
-/// Tables and error curves of all records. What is said before the first named record holds for all.
+/// Tables and error curves of all records. Fields before the first named record hold for all.
 pub(super) fn tables(reading: &Reading, records: &[Record]) -> Result<CorrectionTables, Fault> {
     let named = records.iter().any(|record| !record.name.is_empty());
     let common = records.iter().find(|record| named && record.name.is_empty());
@@ -49,7 +49,7 @@ impl Assembly<'_> {
         Fault::new(self.record.line, message)
     }
 
-    /// A number that is said once.
+    /// Returns a number of the record; none if it has no such field.
     pub fn number(&self, name: &str) -> Result<Option<f64>, Fault> {
         let Some((text, line)) = self.field(name) else { return Ok(None) };
         number(text).map(Some).map_err(|message| Fault::new(*line, message))
@@ -59,7 +59,7 @@ impl Assembly<'_> {
         self.number(name)?.ok_or_else(|| self.fault(format!("there is no `{name}` for this table")))
     }
 
-    /// A whole number that is said once.
+    /// Returns a whole number of the record; none if it has no such field.
     pub fn whole(&self, name: &str) -> Result<Option<usize>, Fault> {
         let Some(value) = self.number(name)? else { return Ok(None) };
         let (_, line) = self.field(name).map_or((String::new(), 0), Clone::clone);
@@ -91,7 +91,7 @@ impl Assembly<'_> {
         if axes.is_empty() { Err(self.fault(format!("there is no {role} axis for this table"))) } else { Ok(axes) }
     }
 
-    /// The axis to which the file belongs, by what it says or by its name.
+    /// Returns the axis to which the file belongs, by its content or by its name.
     pub fn own(&self) -> Result<Option<usize>, Fault> {
         let said = self.field("axis_number").map(|(word, line)| (self.reading.by_number(word), word, *line));
         match (said, self.reading.axis) {
@@ -139,7 +139,7 @@ impl Assembly<'_> {
     fn line(&self, mut table: CorrectionTable, rules: &TableRules, line: usize) -> Result<CorrectionTable, Fault> {
         let kind = self.kind(table.corrected[0]);
         let slope = self.needed("slope")?;
-        if rules.largest.is_some_and(|most| slope.abs() > most) {
+        if rules.largest.is_some_and(|max| slope.abs() > max) {
             return Err(Fault::new(line, "the controller would refuse this factor"));
         }
         let far = StoredColumn::new(rules, kind).correction(slope, None);
@@ -179,10 +179,10 @@ impl Assembly<'_> {
         let nodes: Vec<f64> = (0..count).map(|i| place_of.position(min + i as f64 * step)).collect();
         if let (Some(max), Some(last)) = (self.number(&format!("max{suffix}"))?, nodes.last()) {
             let line = self.field(&format!("max{suffix}")).map_or(0, |(_, line)| *line);
-            if (place_of.position(max) - last).abs() > rules.increment.least_position(place_of.kind) {
+            if (place_of.position(max) - last).abs() > rules.increment.min_position(place_of.kind) {
                 return Err(Fault::new(
                     line,
-                    format!("the last point stands at {last}, not at {max}: values and step do not fit together"),
+                    format!("the last point is at {last}, not at {max}: values and step do not fit together"),
                 ));
             }
         }
@@ -202,7 +202,7 @@ impl Assembly<'_> {
             _ => self.record.points.keys().map(|index| index[place] + 1).max().unwrap_or(0),
         };
         match said {
-            Some(count) if found > count => Err(self.fault(format!("{found} points, and the file says {count}"))),
+            Some(count) if found > count => Err(self.fault(format!("{found} points, and the file states {count}"))),
             Some(count) => Ok(count),
             None => Ok(found),
         }
@@ -218,8 +218,8 @@ impl Assembly<'_> {
         }
         let points = table.nodes.iter().fold(1, |product: usize, nodes| product.saturating_mul(nodes.len()));
         if points > rules.max_points || table.nodes.iter().any(|nodes| nodes.len() > rules.max_points_per_axis) {
-            let most = rules.max_points.min(rules.max_points_per_axis);
-            return Err(self.fault(format!("{points} points are more than the controller has room for ({most})")));
+            let max = rules.max_points.min(rules.max_points_per_axis);
+            return Err(self.fault(format!("{points} points are more than the controller has room for ({max})")));
         }
         Ok(())
     }
@@ -276,7 +276,7 @@ impl Assembly<'_> {
         stored: f64,
         line: usize,
     ) -> Result<f64, Fault> {
-        if rules.largest.is_some_and(|most| stored.abs() > most) {
+        if rules.largest.is_some_and(|max| stored.abs() > max) {
             return Err(Fault::new(line, format!("`{stored}` is beyond what the controller stores")));
         }
         let axis = table.corrected[output];
@@ -285,18 +285,18 @@ impl Assembly<'_> {
         Ok(StoredColumn { times, ..StoredColumn::new(rules, self.kind(axis)) }.correction(stored, own))
     }
 
-    /// By how much the controller multiplies the numbers of a lattice.
+    /// Factor by which the controller multiplies the numbers of a lattice.
     fn magnification(&self, rules: &TableRules) -> Result<f64, Fault> {
         let times = self.whole("magnification")?.unwrap_or(1);
-        let most = match rules.encoding {
-            Encoding::Magnified(most) => usize::try_from(most).unwrap_or(usize::MAX),
+        let max = match rules.encoding {
+            Encoding::Magnified(max) => usize::try_from(max).unwrap_or(usize::MAX),
             Encoding::Plain | Encoding::Difference => 1,
         };
-        if (1..=most).contains(&times) {
+        if (1..=max).contains(&times) {
             Ok(times as f64)
         } else {
             let line = self.field("magnification").map_or(0, |(_, line)| *line);
-            Err(Fault::new(line, format!("the magnification is a whole number from 1 to {most}")))
+            Err(Fault::new(line, format!("the magnification is a whole number from 1 to {max}")))
         }
     }
 

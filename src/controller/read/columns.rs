@@ -12,7 +12,7 @@ const MAX_LINE: usize = 254;
 /// Reads the table of the file's axis.
 pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Result<CorrectionTable, Fault> {
     let axis = reading.axis.unwrap_or(0);
-    let most = reading.target.manifest.mechanism.own_axis.as_ref().map_or(usize::MAX, |own| own.table.max_points);
+    let max = reading.target.manifest.mechanism.own_axis.as_ref().map_or(usize::MAX, |own| own.table.max_points);
     let mut table = CorrectionTable::curve(axis, Vec::new(), axis, Vec::new());
     let mut reverse = Vec::new();
     for (line, cells) in text.lines().enumerate() {
@@ -24,8 +24,8 @@ pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Res
                 Column::Reverse => reverse.push(value),
             }
         }
-        if line >= most {
-            return Err(at(format!("more than {most} points: the controller would drop this one")));
+        if line >= max {
+            return Err(at(format!("more than {max} points: the controller would drop this one")));
         }
         if let [.., before, last] = table.nodes[0][..]
             && last <= before
@@ -54,7 +54,7 @@ fn in_millimetres(reading: &Reading, mut table: CorrectionTable, kind: AxisKind)
     table
 }
 
-/// The numbers on a line, or what is wrong with it.
+/// Returns the numbers on a line, or its fault.
 fn point(columns: &[Column], number_of_line: usize, line: &str) -> Result<Vec<f64>, Fault> {
     let fault = |message: String| Fault::new(number_of_line, message);
     if line.len() > MAX_LINE {

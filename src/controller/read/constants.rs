@@ -27,7 +27,7 @@ pub struct Pins<'a> {
 }
 
 impl Pins<'_> {
-    /// `setp MODULE.NAME VALUE` lines, each name once; comments and blank lines are left alone.
+    /// Reads `setp MODULE.NAME VALUE` lines, each name once; comments and blank lines are skipped.
     pub fn set<const N: usize>(&self, text: &str) -> Result<[f64; N], Fault> {
         let mut found = [None; N];
         for (line, words) in text.lines().enumerate().map(|(n, line)| (n, line.split('#').next().unwrap_or(""))) {

@@ -1,4 +1,4 @@
-//! A file of a set: its text, its numbers, and what is wrong with one of its lines.
+//! A file of a set: its text, its numbers, and the fault of one of its lines.
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes};
 use crate::units;

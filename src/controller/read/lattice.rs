@@ -94,7 +94,7 @@ fn lattice_columns(machine: &Machine, header: &str) -> Result<(Vec<usize>, Vec<u
         }
         list.push(axis);
         if position.is_some() && !corrected.is_empty() {
-            return Err(fault(format!("column `{name}`: all positions stand before all corrections")));
+            return Err(fault(format!("column `{name}`: all positions come before all corrections")));
         }
     }
     if axes.is_empty() || corrected.is_empty() {

@@ -7,10 +7,7 @@ use crate::controller::manifest::Layout;
 impl Reading<'_> {
     pub fn file(&self, layout: &Layout, text: &str) -> Result<CorrectionTables, Fault> {
         if text.trim().is_empty() {
-            return Err(Fault::new(
-                0,
-                "the file is empty: it was cut off, and the controller would have nothing of it",
-            ));
+            return Err(Fault::new(0, "the file is empty: it was cut off, and the controller would read no values"));
         }
         let one = |table| CorrectionTables { tables: vec![table], errors: Vec::new() };
         match layout {

@@ -1,10 +1,9 @@
 //! Lines of known patterns: text with fields in angle brackets, such as
 //! `$AN_CEC[<table>,<index>]=<value>`.
 //!
-//! A blank in a pattern stands for any blanks, at its ends for none too; letters are as written.
-//! `<row>` takes the rest of the line as numbers, `<any>` and what is said of it is left alone. Fields
-//! `table`, `error` and `reversal` begin a record, or go on with the one of that name; lines without go to the one
-//! spoken of last.
+//! A blank in a pattern matches any blanks, at its ends none too; letters are as written. `<row>` takes the rest of the
+//! line as numbers; `<any>` and its text are ignored. Fields `table`, `error` and `reversal` begin a record, or go on
+//! with the one of that name; lines without go to the last record.
 
 use super::{Fault, number};
 use crate::controller::manifest::{Edge, LineSpec};
@@ -77,7 +76,7 @@ pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> 
     Ok(records)
 }
 
-/// Puts what a line says where it belongs: to the record that it names, else to the one that was spoken of last.
+/// Puts the fields of a line where they belong: to the record that the line names, else to the last one.
 fn take(
     records: &mut Vec<Record>,
     current: &mut usize,
@@ -109,7 +108,7 @@ fn take(
     for (name, value) in said {
         let fields =
             if OF_POINTS.contains(&&*name) { record.points.entry(index).or_default() } else { &mut record.fields };
-        // What is always the same may be said again: an axis by its letter and its number.
+        // A constant field may be repeated: an axis by its letter and its number.
         if let Some((before, _)) = fields.insert(name.clone(), (value.clone(), line))
             && (before != value || OF_POINTS.contains(&&*name))
         {
@@ -119,7 +118,7 @@ fn take(
     Ok(())
 }
 
-/// The index of the point that a line speaks of; the next one if it says none.
+/// Returns the index of the point of a line; the next one if it names none.
 fn index(said: &mut BTreeMap<String, String>, next: usize, line: usize) -> Result<[usize; 3], Fault> {
     let mut index = [0; 3];
     let mut given = false;
@@ -140,7 +139,7 @@ pub(super) fn fits(pattern: &str, line: &str) -> bool {
 /// A piece of a pattern.
 #[derive(Debug, Clone, PartialEq)]
 enum Piece {
-    /// Letters as they stand.
+    /// Literal letters.
     Text(String),
     /// Any blanks.
     Blank,

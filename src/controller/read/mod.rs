@@ -1,10 +1,9 @@
-//! Files of a target read back into tables. Whatever the controller would swallow in silence or
-//! misread (comments, blank lines, commas, unsorted lines, NaN, too many points) is refused here
-//! with its place.
+//! Files of a target read back into tables. Whatever the controller would accept in silence or misread (comments, blank
+//! lines, commas, unsorted lines, NaN, too many points) is refused here with its place.
 //!
-//! A manifest says how a file is laid out: lines of known patterns ([`lines`]), columns, or one of the
-//! formats that have a reader of their own ([`named`], [`lattice`]). What is read becomes tables in
-//! [`assemble`]. Files without a known name are told apart by their content ([`recognise()`]), their axes in [`place`].
+//! A manifest describes the layout of a file: lines of known patterns ([`lines`]), columns, or one of the formats that
+//! have a reader of their own ([`named`], [`lattice`]). The content becomes tables in [`assemble`]. Files without a
+//! known name are distinguished by their content ([`recognise()`]), their axes in [`place`].
 
 mod arrays;
 mod assemble;

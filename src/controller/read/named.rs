@@ -8,8 +8,8 @@ use crate::controller::manifest::Frame;
 use crate::machine::{AxisKind, parse_error_name};
 use nalgebra::Vector3;
 
-/// Names under which the machine's geometry stands in the same files. What is certified is the machine file's, so
-/// that of the turns must be the same; what `P0` and `N0` are is inferred, and not compared.
+/// True for names of the machine's geometry in the same files. The certificate is of the machine file's geometry, so
+/// that of the turns must be the same; the meaning of `P0` and `N0` is inferred, and not compared.
 fn is_geometry(name: &str) -> bool {
     let letters: Vec<char> = name.chars().collect();
     matches!(
@@ -18,7 +18,7 @@ fn is_geometry(name: &str) -> bool {
     ) && !(letters[0] == 'V' && letters[1] == '0')
 }
 
-/// Farthest (mm, and of unit vectors) that a turn may be from the machine file's: ten times what is written.
+/// Largest difference (mm, and of unit vectors) of a turn from the machine file's: ten times the written resolution.
 const SAME: f64 = 1e-5;
 
 /// Refuses lines of rotary axes (`PXC PYC PZC`, a point; `VXC VYC VZC`, the direction) that are not the machine file's.
@@ -90,9 +90,8 @@ fn block(
     if names.iter().filter(|name| is_argument(reading, name)).count() > 1 {
         return Err(Fault::new(
             line,
-            "a block over two axes: the machine language has no errors that depend on two, and what this block does \
-             would not be in \
-             the certificate. Give the curves over their own axis alone, at one position of the other",
+            "a block over two axes: the machine language has no errors that depend on two, so its effect would not be \
+             in the certificate. Give the curves over their own axis alone, at one position of the other",
         ));
     }
     if argument.is_none() && is_argument(reading, names[0]) {
@@ -140,7 +139,7 @@ pub(super) struct Header<'a> {
     pub frame: &'a Frame,
 }
 
-/// The lines between the first and the last one of a frame, comments and blank lines left out.
+/// The lines between the first and the last one of a frame, without comments and blank lines.
 fn framed<'a>(frame: &Frame, text: &'a str) -> Result<Vec<(usize, &'a str)>, Fault> {
     let said = text.lines().map(str::trim).enumerate();
     let mut said = said.filter(|(_, line)| !line.is_empty() && !line.starts_with(&*frame.comment));
@@ -162,8 +161,8 @@ fn framed<'a>(frame: &Frame, text: &'a str) -> Result<Vec<(usize, &'a str)>, Fau
     Err(Fault::new(end, format!("the file does not end with `{}`: it was cut off", frame.end)))
 }
 
-/// A line of names, then rows: number, position, and a column for every corrected axis. The file's axis is
-/// the input. A column for the negative direction is accepted as long as it says nothing.
+/// A line of names, then rows: number, position, and a column for every corrected axis. The file's axis is the input. A
+/// column for the negative direction is accepted as long as it holds no other values.
 pub(super) fn axis_columns(reading: &Reading, header: &Header, text: &str) -> Result<CorrectionTables, Fault> {
     let input = reading.axis.unwrap_or(0);
     let mut names: Option<Vec<&str>> = None;
@@ -189,7 +188,7 @@ pub(super) fn axis_columns(reading: &Reading, header: &Header, text: &str) -> Re
     let reversing =
         |(_, row): &&(usize, Vec<Option<f64>>)| reversal.and_then(|at| row[at]).is_some_and(|value| value != 0.0);
     if let Some((line, _)) = rows.iter().find(reversing) {
-        let message = format!("a value under `{}`: what the controller makes of it is not public", header.reversal);
+        let message = format!("a value under `{}`: its use by the controller is not public", header.reversal);
         return Err(Fault::new(*line, message));
     }
     let mut all = CorrectionTables::default();

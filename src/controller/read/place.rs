@@ -1,12 +1,12 @@
-//! Which axis a file belongs to, where its table does not say it: from files that assign it, from its own
-//! first lines, from its positions.
+//! The axis of a file whose table does not name it: from files that assign it, from its own first lines, from its
+//! positions.
 
 use super::{Fault, ReadBack};
 use crate::controller::manifest::ControllerTarget;
 use crate::controller::manifest::{Index, Layout};
 use crate::machine::Machine;
 
-/// An axis, told by a file that assigns files to axes.
+/// An axis, assigned to a file by another file.
 pub(super) struct AxisFile {
     /// The file's name as it is written there, without folders.
     pub file: String,
@@ -14,7 +14,7 @@ pub(super) struct AxisFile {
     pub axis: usize,
 }
 
-/// Returns the assignments of a file. A fault: its settings make the controller read the files in another way.
+/// Returns the assignments of a file. A fault: its settings make the controller read the files differently.
 pub(super) fn assigned(index: &Index, letters: &[(usize, String)], text: &str) -> Result<Vec<AxisFile>, Fault> {
     match index {
         Index::Sections { prefix, key, with } => sections((prefix, key), with, letters, text),

@@ -13,8 +13,8 @@ pub(super) struct TableEntry<'a> {
     pub record: &'a Record,
 }
 
-/// What the tables of a file come to: those that stand alone, and the products. Whether the controller adds the values
-/// of factors besides their product is documented nowhere, so they are only read where they cancel out.
+/// Sums up the tables of a file: the plain ones, and the products. Whether the controller also adds the factor tables
+/// themselves is documented nowhere, so they are only read where their contributions cancel.
 pub(super) fn multiplied(reading: &Reading, read: Vec<TableEntry>) -> Result<Vec<CorrectionTable>, Fault> {
     let mut products: Vec<CorrectionTable> = Vec::new();
     let mut factors: Vec<usize> = Vec::new();

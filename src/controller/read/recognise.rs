@@ -1,11 +1,11 @@
-//! Formats told apart by content: which target reads a folder's files, whatever their names.
+//! Formats distinguished by content: the target that reads a folder's files, whatever their names.
 //!
 //! 1. Every file is tried against every place that a target's set has ([`TargetFit`]);
 //! 2. the target that reads all that any target reads is the one; if there are several, nothing is guessed (E0730);
 //! 3. a file whose content does not name its axis gets it from files that assign it, from its first lines, or
 //!    from its positions (W0710), or is refused (E0731); no place is filled twice (E0732).
 //!
-//! A file that fits no place is left alone, with a warning (W0711).
+//! A file that fits no place is ignored, with a warning (W0711).
 
 use super::place::{assigned, by_frame, spans};
 use super::{Fault, ReadBack, Reading};
@@ -43,8 +43,8 @@ struct TargetFit {
     failed: Vec<(usize, Fault)>,
 }
 
-/// The target among these that reads the files. None if the files are nothing that any target knows; if one came past
-/// the first line of a file, what is wrong there is said (E0704).
+/// Returns the target among these that reads the files. None if no target knows any of the files; if one came past the
+/// first line of a file, its fault there is reported (E0704).
 pub fn recognise(
     machine: &Machine,
     targets: Vec<ControllerTarget>,
@@ -69,7 +69,7 @@ pub fn recognise(
     best.settled(machine, files, diagnostics)
 }
 
-/// Reports the fault that stands furthest down in a file.
+/// Reports the fault that is furthest down in a file.
 fn report_furthest(failed: impl Iterator<Item = (usize, Fault)>, files: &[NamedText], diagnostics: &mut Diagnostics) {
     // Past the first line a reader has met something that it knows.
     let past = failed.filter(|(_, fault)| fault.line > 0);
@@ -87,7 +87,7 @@ fn ambiguous(best: &TargetFit, rivals: &[&TargetFit], files: &[NamedText]) -> Di
     };
     let all: Vec<String> = std::iter::once(best).chain(rivals.iter().copied()).map(said).collect();
     Diagnostic::new(codes::E0730, format!("by their content the files are of several targets: {}", all.join(", ")))
-        .help("say which with --target, or put each set into a folder of its own")
+        .help("name the target with --target, or put each set into a folder of its own")
 }
 
 impl TargetFit {
@@ -102,7 +102,7 @@ impl TargetFit {
                 None => failed.extend(trial.furthest.map(|fault| (file, fault))),
             }
         }
-        // Tables that may stand beside a kinematics module are none of it without the module.
+        // Tables beside a kinematics module do not count without the module.
         let of_module = |placed: &FilePlace| {
             let layout = target.manifest.files[placed.spec].layout.as_ref();
             matches!(layout, Some(Layout::CArrays | Layout::HalConstants))
@@ -140,7 +140,7 @@ impl TargetFit {
             }
             found.push(ReadBack { name, found: own.clone(), text: text.clone() });
         }
-        self.left_alone(files, diagnostics);
+        self.report_ignored(files, diagnostics);
         Some(RecognisedSet { target: target.clone(), files: found })
     }
 
@@ -176,7 +176,7 @@ impl TargetFit {
             known[i] = Some(axis);
             let (name, axis) = (&files[self.placed[i].file].0, &machine.axes()[axis]);
             let message =
-                format!("`{name}` does not say its axis: read as the table of `{}`, whose travel it spans", axis.name);
+                format!("`{name}` does not name its axis: read as the table of `{}`, whose travel it spans", axis.name);
             let help = "name it as `compile` does, or put the controller's configuration that assigns it beside it";
             diagnostics.push(Diagnostic::new(codes::W0710, message).help(help));
         }
@@ -188,7 +188,8 @@ impl TargetFit {
         Some(known)
     }
 
-    /// The axis of a file by a file that assigns it, or by its own first lines. The outer none: a refusal was said.
+    /// Returns the axis of a file by a file that assigns it, or by its own first lines. The outer none: a refusal was
+    /// reported.
     fn assigned_axis(
         &self,
         placed: &FilePlace,
@@ -233,7 +234,7 @@ impl TargetFit {
             .map(|(axis, name)| format!("{} (`{name}`)", machine.axes()[axis].name))
             .collect();
         let message = format!(
-            "`{}` is a table of target `{}` and does not say for which axis: {}",
+            "`{}` is a table of target `{}` and does not name its axis: {}",
             files[placed.file].0,
             self.target.manifest.target,
             candidates.join(", ")
@@ -242,8 +243,8 @@ impl TargetFit {
             .help("give it the name in brackets, or put the controller's configuration that assigns it into the folder")
     }
 
-    /// Says what was not read.
-    fn left_alone(&self, files: &[NamedText], diagnostics: &mut Diagnostics) {
+    /// Reports the files that were not read.
+    fn report_ignored(&self, files: &[NamedText], diagnostics: &mut Diagnostics) {
         let known = |name: &str| {
             let plain = |spec: &FileSpec| spec.layout.is_none() && spec.path == name;
             self.target.manifest.files.iter().any(plain)
@@ -255,8 +256,8 @@ impl TargetFit {
             let fault = self.failed.iter().find(|(failed, _)| *failed == file).map(|(_, fault)| fault);
             let why = fault.map_or_else(String::new, |f| format!(": line {}: {}", f.line + 1, f.message));
             let message =
-                format!("`{name}` is left alone: it is no table of target `{}`{why}", self.target.manifest.target);
-            let help = "what is certified is the set without this file";
+                format!("`{name}` is ignored: it is no table of target `{}`{why}", self.target.manifest.target);
+            let help = "the certificate is of the set without this file";
             diagnostics.push(Diagnostic::new(codes::W0711, message).help(help));
         }
     }
@@ -296,7 +297,7 @@ impl Trial<'_> {
         {
             return Some((vec![axis], positions));
         }
-        // The first axis tells as much as any: what differs between axes is the unit.
+        // The first axis serves as well as any: axes differ in their unit.
         let first = self.letters.first()?.0;
         let (_, positions) = of(spec.per, self.read(layout, Some(first))?);
         let axes: Vec<usize> = self.letters.iter().map(|(axis, _)| *axis).collect();

@@ -17,11 +17,11 @@ impl Assembly<'_> {
         let (kind, turns) = (self.kind(table.corrected[0]), self.reading.machine.is_continuous(axis));
         let (reference, first, last) =
             (self.required("reference")?, self.required("first")?, self.required("last_number")?);
-        // Over a turn the farthest point in - is the reference point itself, and says once more what the last one says.
+        // Over a turn the farthest point in - is the reference point itself, and repeats the value of the last one.
         let repeated = turns && first == reference;
         let lowest = if repeated { first } else { first.wrapping_sub(1) };
         if first > last || last - first + 2 > rules.max_points || (first == 0 && !repeated) {
-            return Err(self.fault(format!("the points {first} to {last} are none that the controller has")));
+            return Err(self.fault(format!("the controller has no points {first} to {last}")));
         }
         if !(lowest..=last).contains(&reference) {
             return Err(self.fault("the reference point is none of the points"));
@@ -71,13 +71,15 @@ impl Assembly<'_> {
             let (text, line) =
                 self.record.points.get(&[n, 0, 0]).and_then(|fields| fields.get("increment")).ok_or_else(missing)?;
             let stored = number(text).map_err(|message| Fault::new(*line, message))?;
-            if libm::trunc(stored) != stored || rules.largest.is_some_and(|most| stored.abs() > most) {
+            if libm::trunc(stored) != stored || rules.largest.is_some_and(|max| stored.abs() > max) {
                 return Err(Fault::new(*line, format!("`{stored}` is no increment that the controller stores")));
             }
             Ok(stored * times)
         };
         if repeated && increment(first)? != increment(last)? {
-            return Err(self.fault(format!("the points {first} and {last} are the same and differ")));
+            return Err(
+                self.fault(format!("points {first} and {last} are the same position but hold different values"))
+            );
         }
         let mut sums = vec![0.0];
         for n in first + usize::from(repeated)..=last {
@@ -92,8 +94,7 @@ impl Assembly<'_> {
         Ok(sums)
     }
 
-    /// Entries from one step behind 0 on, of a plane line by line; what lies beyond the travel stands for negative
-    /// positions.
+    /// Entries from one step behind 0 on, of a plane line by line; entries beyond the travel hold negative positions.
     pub fn rolled(&self, mut table: CorrectionTable, rules: &TableRules) -> Result<CorrectionTable, Fault> {
         let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
         let counts = self.counts(table.axes.len())?;
@@ -112,14 +113,14 @@ impl Assembly<'_> {
                 table.values = line.iter().flat_map(|(_, i)| column.iter().map(move |(_, j)| cell(*i, *j))).collect();
                 table.nodes = [line, column].map(|nodes| nodes.into_iter().map(|(q, _)| q).collect()).to_vec();
             }
-            _ => return Err(self.fault("the controller has no table over so many axes")),
+            _ => return Err(self.fault(format!("the controller has no table over {} axes", counts.len()))),
         }
         self.check(&table, rules)?;
         Ok(table)
     }
 
-    /// What is taken away besides when an axis is approached in reverse: a constant, and a table of what it differs
-    /// from that. None if there is nothing.
+    /// Correction removed when an axis is approached in reverse: a constant, and a table of the differences from it.
+    /// None if there is nothing.
     pub fn reversal(&self) -> Result<Option<CorrectionTable>, Fault> {
         let Some((word, line)) = self.field("reversal") else { return Ok(None) };
         let axis = self.reading.by_number(word);
@@ -156,9 +157,9 @@ impl Assembly<'_> {
         let counts: Vec<usize> = counts.into_iter().map(|count| count.unwrap_or(found)).collect();
         let wanted = counts.iter().fold(1, |product: usize, count| product.saturating_mul(count + 1)) - 1;
         let wanted = if axes == 1 { counts[0] } else { wanted };
-        let most = self.reading.target.manifest.mechanism.iter().map(|(_, rules)| rules.max_points).max();
-        if found != wanted || counts.iter().any(|count| *count < 2) || most.is_some_and(|most| wanted > 2 * most) {
-            return Err(self.fault(format!("{found} entries, and the file says {wanted}")));
+        let max = self.reading.target.manifest.mechanism.iter().map(|(_, rules)| rules.max_points).max();
+        if found != wanted || counts.iter().any(|count| *count < 2) || max.is_some_and(|max| wanted > 2 * max) {
+            return Err(self.fault(format!("{found} entries, and the file states {wanted}")));
         }
         Ok(counts)
     }

@@ -23,7 +23,7 @@ impl ControllerTarget {
         names
     }
 
-    /// Names of the files that say which table belongs to which axis.
+    /// Names of the files that assign tables to axes.
     pub fn index_files(&self) -> Vec<String> {
         self.manifest.files.iter().filter(|spec| spec.index.is_some()).map(|spec| spec.path.clone()).collect()
     }
@@ -48,7 +48,7 @@ impl ControllerTarget {
         self.read_of(machine, files, |_| true, diagnostics)
     }
 
-    /// Reads the tables that stand beside a kinematics module: those of files that are there.
+    /// Reads the tables beside a kinematics module: those of files that are there.
     pub fn read_beside(
         &self,
         machine: &Machine,
@@ -77,7 +77,7 @@ impl ControllerTarget {
             let names = self.names(machine, spec);
             for (axis, name) in names.iter().cloned() {
                 let Some(file) = files.iter().find(|file| file.name == name) else {
-                    // Which axes have tables is for a set to say, if it has files of some only.
+                    // A set with files of some axes only determines the axes that have tables.
                     if matches!(spec.per, Per::Axis | Per::Machine) && spec.of.is_none() {
                         diagnostics.push(missing(&name));
                     }

@@ -1,4 +1,4 @@
-//! Look-up in tables over one axis: cells, straight lines, what lies outside, single precision.
+//! Look-up in tables over one axis: cells, straight lines, positions outside, single precision.
 
 use crate::controller::manifest::OutsideTable;
 
@@ -20,8 +20,8 @@ pub(super) fn cell(nodes: &[f64], position: f64, outside: OutsideTable) -> Optio
         OutsideTable::Nothing if beyond => return None,
         OutsideTable::Extrapolate => {}
         OutsideTable::RollOver if position > nodes[last] => {
-            let way = nodes[0] + period(nodes) - nodes[last];
-            return Some((last, 0, (position - nodes[last]) / way));
+            let span = nodes[0] + period(nodes) - nodes[last];
+            return Some((last, 0, (position - nodes[last]) / span));
         }
         _ if position <= nodes[0] => return Some((0, 0, 0.0)),
         _ if position >= nodes[last] => return Some((last, last, 0.0)),
@@ -36,7 +36,7 @@ pub(super) fn between(positions: &[f64], values: &[f64], position: f64, outside:
     match cell(positions, position, outside) {
         None => 0.0,
         Some((low, _, 0.0)) => values[low],
-        Some((low, high, share)) => values[low] * (1.0 - share) + values[high] * share,
+        Some((low, high, fraction)) => values[low] * (1.0 - fraction) + values[high] * fraction,
     }
 }
 

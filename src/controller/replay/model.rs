@@ -11,13 +11,13 @@ use crate::lower::{NominalPose, sensitivities_to};
 use crate::machine::{AxisKind, Direction, ErrorId, Machine};
 use nalgebra::{Matrix3, Vector3};
 
-/// Returns what such a controller adds to the linear axes at a command (mm, deg; order of the walk).
+/// Returns the motions of the linear axes that such a controller adds to a command (mm, deg; order of the walk).
 pub(super) fn motion(machine: &Machine, command: &[f64], curves: &[ErrorCurve]) -> Vec<f64> {
     let mut added = vec![0.0; command.len()];
     let linear: Vec<usize> = (0..command.len()).filter(|axis| machine.axes()[*axis].kind == AxisKind::Linear).collect();
     let [x, y, z] = linear[..] else { return added };
     let columns = [x, y, z].map(|axis| linear_motion(machine, command, axis));
-    // Without three directions the model has no answer.
+    // No three independent directions: the model has no answer.
     let Some(inverse) = Matrix3::from_columns(&columns).try_inverse() else { return added };
     let steps = inverse * displacement(machine, command, curves);
     // The controller subtracts.
@@ -39,8 +39,8 @@ struct Term {
     value: f64,
 }
 
-/// Returns what a curve comes to at a command: its own error and, of a turn about the machine's zero, the translation
-/// of the axis's origin.
+/// Returns the terms of a curve at a command: its own error and, of a turn about the machine's zero, the translation of
+/// the axis's origin.
 fn terms(machine: &Machine, command: &[f64], curve: &ErrorCurve) -> Vec<Term> {
     let Some(index) = machine.axis_index(curve.error.axis.as_str()) else { return Vec::new() };
     let axis = &machine.axes()[index];

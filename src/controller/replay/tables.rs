@@ -15,11 +15,11 @@ pub struct Replay<'a> {
     machine: &'a Machine,
     tables: &'a CorrectionTables,
     controller: Controller,
-    /// Which tables are looked up modulo 360 deg on continuous axes.
+    /// True for each table that is looked up modulo 360 deg on continuous axes.
     modulo: Vec<bool>,
-    /// Which tables are a factor: a line has no end.
+    /// True for each table that is a factor: a line has no end.
     factors: Vec<bool>,
-    /// The tables in force when the machine was measured: its errors are those that these left.
+    /// The tables in force when the machine was measured: its errors are their residual.
     installed: Option<Box<Replay<'a>>>,
 }
 
@@ -118,12 +118,12 @@ impl<'a> Replay<'a> {
         let mut corners = vec![(0, 1.0)];
         for (place, (axis, nodes)) in lattice.axes.iter().zip(&lattice.nodes).enumerate() {
             let position = self.turned(lattice, place, *axis, command[*axis], modulo);
-            let Some((low, high, share)) = cell(nodes, position, self.controller.outside) else { return Vec::new() };
+            let Some((low, high, fraction)) = cell(nodes, position, self.controller.outside) else { return Vec::new() };
             corners = corners
                 .iter()
                 .flat_map(|(node, weight)| {
                     let base = node * nodes.len();
-                    [(base + low, weight * (1.0 - share)), (base + high, weight * share)]
+                    [(base + low, weight * (1.0 - fraction)), (base + high, weight * fraction)]
                 })
                 .filter(|(_, weight)| *weight != 0.0)
                 .collect();

@@ -10,7 +10,7 @@ use crate::machine::{ErrorId, ErrorTerm, Machine};
 use crate::units::significant;
 use rayon::prelude::*;
 
-/// What a module and the tables beside it leave, over the volume and error by error.
+/// Certifies a module and the tables beside it, over the volume and error by error.
 pub fn certify_kinematics(
     machine: &Machine,
     target: &ControllerTarget,
@@ -34,23 +34,24 @@ fn single_error_modules(machine: &Machine, target: &ControllerTarget, orientatio
 }
 
 impl Limits {
-    /// Limits on what a module corrects: the deviation of the functional point and of the tool axis.
+    /// Returns a refusal for every limit that a module's correction exceeds: of the functional point and of the tool
+    /// axis.
     pub fn exceeded_by(&self, certificate: &Certificate) -> Vec<Diagnostic> {
         let (position, axis) = (certificate.uncompensated.all.position_um.max, certificate.uncompensated.tool_axis.max);
         let refusal = |what: String| Diagnostic::new(codes::E0602, what).help(RAISE_LIMIT);
-        let length = (position > self.length * 1e3).then(|| {
+        let length = (position > self.length_mm * 1e3).then(|| {
             refusal(format!(
                 "a deviation of {} mm is above the limit of {} mm",
                 significant(position * 1e-3, 4),
-                self.length
+                self.length_mm
             ))
         });
-        let angle = (axis > self.angle * 1e6).then(|| {
+        let angle = (axis > self.angle_rad * 1e6).then(|| {
             let mrad = |urad: f64| significant(urad * 1e-3, 4);
             refusal(format!(
                 "a tilt of the tool by {} mrad is above the limit of {} mrad",
                 mrad(axis),
-                mrad(self.angle * 1e6)
+                mrad(self.angle_rad * 1e6)
             ))
         });
         length.into_iter().chain(angle).collect()

@@ -1,7 +1,7 @@
 //! Joints as maps of points: nominally a rigid motion, and beside it a displacement. Both are affine in the point, at
 //! every order.
 //!
-//! So a section of a chain is known when the displacements of four points are; they are computed by the walk of the
+//! A section of a chain is therefore known by the displacements of four points; they are computed by the walk of the
 //! order itself. Maps of sections are multiplied from the workpiece on. With the displacement D(x) = G x + h of a point
 //! x, the nominal motion A x + t, and a dash for the inner of two sections,
 //!

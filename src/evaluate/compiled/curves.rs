@@ -65,7 +65,7 @@ impl<const N: usize> TablePositions<N> {
 }
 
 impl Curves {
-    /// Compiles the component errors of an axis. Returns `None` if periodic tables stand beside others, or if a
+    /// Compiles the component errors of an axis. Returns `None` if periodic tables are combined with others, or if a
     /// B-spline is not piecewise cubic.
     pub fn new(errors: &JointErrors, approach: Approach) -> Option<Self> {
         let (mut curves, mut parts, mut tables) = (Self::default(), Vec::new(), Vec::new());
@@ -469,7 +469,7 @@ fn union_of_knots(all: &[&Knots], period: Option<f64>, columns: &[CurveColumn<'_
     };
     knots.sort_by(f64::total_cmp);
     let largest = knots.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
-    // Knots that rounding alone tells apart are one; a step between two is none.
+    // Knots that differ by rounding alone are one; a step between two is none.
     let near = |a: f64, b: f64| b - a <= 4.0 * f64::EPSILON * largest;
     knots.dedup_by(|b, a| a == b || near(*a, *b) && columns.iter().all(|column| column.same(*a, *b)));
     if let [single] = knots[..] {

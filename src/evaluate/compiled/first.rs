@@ -18,9 +18,9 @@ use super::vector::{Vector, minus, plus, plus_cross, splat};
 /// The compiled model of order 1.
 #[derive(Debug, Clone)]
 pub struct FirstOrder {
-    /// From the workpiece to the tool.
+    /// Joints from the workpiece to the tool.
     joints: Vec<TwistJoint>,
-    /// From the tool to the workpiece; joints by their index.
+    /// Steps from the tool to the workpiece; joints by their index.
     steps: Vec<Step>,
     /// The functional point at the zero pose minus the first point of reference, mm.
     point: [f64; 3],

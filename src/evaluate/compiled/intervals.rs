@@ -155,7 +155,7 @@ pub fn find_by_search(
 mod tests {
     use super::*;
 
-    /// Interval and share of a position by looking through all knots.
+    /// Returns interval and fraction of a position by looking through all knots.
     fn looked_through(knots: &[f64], x: f64) -> (usize, f64) {
         let i = (0..knots.len() - 1).rev().find(|i| knots[*i] <= x).unwrap_or(0);
         (i, (x - knots[i]) / (knots[i + 1] - knots[i]))

@@ -1,12 +1,12 @@
 //! The vectors of each processor, and the choice among them at run time. The only file with `unsafe`.
 //!
 //! A [`Kernel`] is written once over [`Lanes`], and [`run`] compiles it for every width. All operations are those of
-//! IEEE 754 on doubles with one rounding each. Products are fused with sums where the kernel says so and nowhere else,
-//! so a number does not depend on the width in which it was computed, to the bit. Processors that cannot fuse (of
+//! IEEE 754 on doubles with one rounding each. Products are fused with sums where the kernel calls for it and nowhere
+//! else, so a number does not depend on the width in which it was computed, to the bit. Processors that cannot fuse (of
 //! before 2013) run the scalar width with the C library's `fma`: slowly, and with the same bits.
 //!
 //! Why the unsafe code is sound:
-//! - `F64x4`, `F64x8` and `F64x2` vectors exist only within a kernel, and [`run`] is the one way into it: it enters a
+//! - `F64x4`, `F64x8` and `F64x2` vectors exist only within a kernel, and [`run`] is the only entry to it: it enters a
 //!   function compiled for a feature only with a [`Width`] that [`Width::is_supported`] admits on this processor.
 //!   The operations below are inlined there; without the feature no code of theirs is reached.
 //! - Loads and stores go through references to arrays of the vector's size: checked by slices, any alignment. Stores
@@ -22,7 +22,7 @@ use super::width::Width;
 #[derive(Debug, Clone, PartialEq)]
 #[repr(C, align(64))]
 pub struct RowOffsets<const N: usize> {
-    /// In doubles from the beginning: the processor scales an index by 8 at most.
+    /// Offset in doubles from the beginning: the processor scales an index by 8 at most.
     at: [u32; N],
     /// Upper bound of the offsets.
     last: u32,
@@ -168,7 +168,8 @@ macro_rules! fused {
     };
 }
 
-/// What differs between vector types by the intrinsic alone: how many lanes, splat, load, store and quotient.
+/// Implements the operations in which vector types differ by the intrinsic alone: number of lanes, splat, load, store
+/// and quotient.
 macro_rules! common {
     ($count:literal, $splat:ident, $load:ident, $store:ident, $over:ident) => {
         const COUNT: usize = $count;

@@ -1,4 +1,4 @@
-//! Everything that is computed for a chunk of poses before their walk: positions in the tables, sines, cosines, and
+//! Quantities that are computed for a chunk of poses before their walk: positions in the tables, sines, cosines, and
 //! errors.
 //!
 //! A walk that looked this up itself would wait for it joint by joint, and compilers would keep the lanes of an index
@@ -6,7 +6,7 @@
 //! a chunk ahead they lie in memory: an index is there when its row is due, and a fraction is an operand of its
 //! product. Measured with AVX-512, order 1, in the cache: 26 ns per pose without, 17 with. The errors of order 2 and of
 //! the exact model are looked up ahead too (6 % less time); order 1 sums rows instead: its walk is short, and the
-//! stores would cost what is won.
+//! stores would cost as much as they gain.
 
 use super::batch::Slices;
 use super::curves::{Curves, TablePositions, TableVector};
@@ -133,7 +133,7 @@ impl Lookup {
         let _ = self.fill_sines_of::<V, 1>(positions, i);
     }
 
-    /// Computes N vectors at a time from position i on while as many are left; returns the first position not done.
+    /// Computes N vectors at a time from position i on while N remain; returns the first position not done.
     #[inline(always)]
     fn fill_sines_of<V: Lanes, const N: usize>(&mut self, positions: &[f64], mut i: usize) -> usize {
         while i + N * V::COUNT <= positions.len() {

@@ -10,17 +10,18 @@
 //!
 //! A run (`model`, `pass`) is a walk from the tool to the workpiece with a pose in every lane of a vector:
 //!
-//! 4. `simd` says what kernels may do with vectors (`vector`: three of them), `lanes` and `scalar` implement it for
-//!    every `width`, and `trigonometry` adds sines and cosines;
-//! 5. `lookup` computes for a chunk of poses what does not depend on the walk, such as their positions in the tables;
+//! 4. `simd` defines the operations of kernels on vectors (`vector`: three of them), `lanes` and `scalar` implement it
+//!    for every `width`, and `trigonometry` adds sines and cosines;
+//! 5. `lookup` computes for a chunk of poses the quantities that do not depend on the walk, such as positions in
+//!    tables;
 //! 6. `grid`, `grid_lines`, `affine`: on a tensor grid the outer joints are multiplied once per line;
 //! 7. `frame` rotates deviations into other frames.
 //!
 //! Numbers do not depend on the vector width nor on the number of threads, to the bit. They agree with
 //! [`evaluate`](super::evaluate()) up to rounding: order 1 to 1e-12 of the batch's largest deviation; the others to
 //! 1e-12 of it plus the rounding of positions in the general algebra (about 1e-12 mm), which a compiled model avoids.
-//! Nothing is approximated: what no kernel covers (orders above 2, location errors in the real part at order 1 or 2,
-//! rotations beyond 0.3 rad) goes pose by pose through the general algebra, behind the same interface.
+//! Nothing is approximated: cases that no kernel covers (orders above 2, location errors in the real part at order 1 or
+//! 2, rotations beyond 0.3 rad) go pose by pose through the general algebra, behind the same interface.
 
 #![allow(
     clippy::needless_range_loop,

@@ -48,7 +48,8 @@ pub enum OrderKernel {
 }
 
 impl CompiledModel {
-    /// Compiles a machine, which is copied. What cannot be compiled runs through the general algebra: this never fails.
+    /// Compiles a machine, which is copied. A machine that cannot be compiled runs through the general algebra: this
+    /// never fails.
     pub fn new(machine: &Machine, order: Order, approach: Approach) -> Self {
         let chain = CompiledChain::new(machine, approach).filter(|chain| chain.joints.len() <= MAX_AXES);
         let kernel = chain.as_ref().and_then(|chain| match order {
@@ -111,9 +112,9 @@ impl CompiledModel {
         rayon::join(|| self.parallel(&low, low_out, task, whole), || self.parallel(&high, high_out, task, whole));
     }
 
-    /// Computes what a correction leaves: the position of the actual machine at the commands `poses + added` (mm, deg)
-    /// minus that of the nominal machine at `poses`. Returns `None` unless the order is exact and `added` has the shape
-    /// of `poses`.
+    /// Computes the residual of a correction: the position of the actual machine at the commands `poses + added` (mm,
+    /// deg) minus that of the nominal machine at `poses`. Returns `None` unless the order is exact and `added` has the
+    /// shape of `poses`.
     pub fn commanded(&self, poses: &Batch<'_>, added: &Batch<'_>, out: Output<'_>) -> Option<()> {
         let fits = self.order == Order::Exact && added.len() == poses.len() && added.axes().len() == poses.axes().len();
         fits.then(|| self.block(Slices { axes: poses.axes(), added: added.axes(), whole: out.len() }, out))

@@ -1,4 +1,4 @@
-//! One pass over a batch: chunk by chunk what can be looked up ahead, then vector by vector the walk of the order.
+//! One pass over a batch: chunk by chunk the look-up ahead, then vector by vector the walk of the order.
 
 use super::batch::{Output, Slices};
 use super::lanes::{prefetch, store_fence};
@@ -68,7 +68,7 @@ struct ChunkData<W> {
     workspace: W,
 }
 
-/// How the pass treats the memory of the batch.
+/// Use of the batch's memory by the pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum MemoryAccess {
     /// Everything fits into the caches: no prefetch.

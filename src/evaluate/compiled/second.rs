@@ -2,7 +2,7 @@
 //!
 //! Beside the sums of order 1 the walk carries a displacement and a rotation of second degree. A joint adds to them its
 //! own square and its product with the sums so far, which are the joints on its tool side: all pairs, in one walk. With
-//! E^-1 in place of E (`errors_are: body`) the signs and the squares change as the series of the inverse says.
+//! E^-1 in place of E (`errors_are: body`) the signs and the squares change as in the series of the inverse.
 
 use super::affine::{Section, Sections};
 use super::chain::{CompiledChain, CompiledJoint, ErrorsAtPoint, LocationEffect, Motion, RotationAxis, slid};

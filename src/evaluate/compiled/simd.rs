@@ -1,4 +1,5 @@
-//! The interface of the processor's vectors: what a kernel may do with [`Lanes`], and the rows of tables that it reads.
+//! The interface of the processor's vectors: the operations of [`Lanes`] for kernels, and the rows of tables that they
+//! read.
 //!
 //! A [`Kernel`] is written once over [`Lanes`]; `lanes` implements them for the vectors of each processor, `scalar` for
 //! one double, and compiles the kernel for every width.

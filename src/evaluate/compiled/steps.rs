@@ -2,8 +2,7 @@
 //!
 //! Twists that act at one point add up: the table rows of such axes are summed, transposed once, and share one lever.
 //! One slide along a machine axis may lie between some of them and that point. A twist moved past the slide is the same
-//! with its displacement reduced by `eps x u` times the position: two numbers, which stand in the spare columns of the
-//! rows.
+//! with its displacement reduced by `eps x u` times the position: two numbers, in the spare columns of the rows.
 //!
 //! The sum so far is a rotation and the displacement of a point of reference, so that another twist is added component
 //! by component. The point of reference lies on the axis of the next rotary joint, which leaves it where it is; twists

@@ -1,4 +1,4 @@
-//! Errors as twists about the machine's zero point: what order 1 sums.
+//! Errors as twists about the machine's zero point: the terms that order 1 sums.
 //!
 //! The errors (delta, eps) about a point o displace r by `delta + eps x (r - o)`. That is a displacement of the
 //! machine's zero point and a rotation: constants are added up and curves of tables mapped, before any pose is known.
@@ -49,7 +49,7 @@ fn add(a: Option<Six>, b: Option<Six>) -> Option<Six> {
 /// The joints of a chain with their twists.
 #[derive(Debug, Clone)]
 pub struct TwistChain {
-    /// From the workpiece to the tool.
+    /// Joints from the workpiece to the tool.
     pub joints: Vec<TwistJoint>,
     /// A constant twist on the tool's side of all joints.
     pub end: Option<Six>,

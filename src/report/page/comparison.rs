@@ -17,7 +17,7 @@ pub struct ComparisonData {
     /// The largest of the largest position deviations: the full width of the bars.
     largest_um: f64,
     machines: Vec<Value>,
-    /// The errors that do most in any of the machines, one by one.
+    /// The errors with the largest effect in any of the machines, one by one.
     errors: Vec<Value>,
     /// The budgets on the same work, as `compare` has them.
     budgets: Value,
@@ -26,7 +26,7 @@ pub struct ComparisonData {
 /// Machines with their poses at the tool poses that all of them reach.
 pub type Sides<'a> = Vec<(&'a Machine, Vec<Pose>)>;
 
-/// How many of them.
+/// Number of these errors.
 const ERRORS: usize = 20;
 
 impl ComparisonData {
@@ -41,7 +41,7 @@ impl ComparisonData {
         Some((comparison, sides))
     }
 
-    /// What the page shows of them; `budgets` is null if there are none.
+    /// Content of the page for them; `budgets` is null if there are none.
     pub fn new(given: &[MachineInput<'_>], (comparison, sides): &(Comparison, Sides<'_>), budgets: Value) -> Self {
         let side = |(g, c): (&MachineInput<'_>, &MachineResult)| {
             json!({"name": g.machine.name(), "file": g.file, "chain": g.machine.chain().to_string(),

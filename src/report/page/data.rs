@@ -1,12 +1,12 @@
-//! What the page shows of a machine, as it is embedded: units stand in the keys, lengths are mm or um,
-//! angles deg or urad.
+//! Content of the page for a machine, as it is embedded: units are in the keys, lengths are mm or um, angles deg or
+//! urad.
 
 use super::comparison::ComparisonData;
 use super::field::FieldData;
 use super::given::{MachineInput, TargetResult};
 use crate::analysis::error_statistics;
 use crate::analysis::{ErrorStatistics, LocationSet, Map, Status, body_diagonals, levers, rest};
-use crate::controller::Handled;
+use crate::controller::CompensationDegree;
 use crate::evaluate::{Bare, Order, Summary, worst};
 use crate::machine::{Approach, Axis, ErrorTerm, Machine, Travel};
 use crate::report::pictures::{Bar, ParetoPicture, Picture};
@@ -48,7 +48,7 @@ pub struct MachineData {
     locations: Vec<Value>,
     statistics: Value,
     worst: Vec<Value>,
-    /// The first so many poses are those of `error_statistics`.
+    /// Number of the first poses that `error_statistics` uses.
     source_poses: usize,
     sources: Vec<Value>,
     diagonals: Vec<Value>,
@@ -58,10 +58,10 @@ pub struct MachineData {
     field: FieldData,
 }
 
-/// How many of the worst poses are named.
+/// Number of the worst poses that are named.
 const WORST: usize = 5;
 
-/// Poses for what each error does alone, at most: all errors at all poses are held at once.
+/// Maximum number of poses for the effect of each error alone: all errors at all poses are held at once.
 const SOURCE_POSES: usize = 10_000;
 
 /// Intervals of a body diagonal.
@@ -113,7 +113,7 @@ impl MachineData {
 }
 
 impl MachineData {
-    /// The errors that do most alone, and how they add up; `None` without errors.
+    /// Returns the errors with the largest effect alone, and their sum; `None` without errors.
     pub fn pareto(&self, top: usize) -> Option<Picture> {
         let bar = |s: &Value| Some(Bar { label: s["error"].as_str()?.to_owned(), value: s["p95_um"].as_f64()? });
         let bars: Vec<Bar> = self.sources.iter().filter_map(bar).collect();
@@ -218,10 +218,10 @@ fn certificate(machine: &Machine, written: &TargetResult) -> Value {
         "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis})
     };
     let mut errors: Vec<_> = certificate.errors.iter().collect();
-    errors.sort_by(|a, b| b.left.total_cmp(&a.left));
-    let error = |e: &&crate::controller::ErrorLeft| {
-        json!({"error": e.error, "handled": handled(e.handled),
-        "alone_um": e.alone, "left_um": e.left})
+    errors.sort_by(|a, b| b.residual_um.total_cmp(&a.residual_um));
+    let error = |e: &&crate::controller::SingleErrorResidual| {
+        json!({"error": e.error, "handled": degree(e.degree),
+        "alone_um": e.alone_um, "left_um": e.residual_um})
     };
     let by_axis = |values: &[f64]| {
         let entry =
@@ -240,10 +240,10 @@ fn certificate(machine: &Machine, written: &TargetResult) -> Value {
     })
 }
 
-fn handled(handled: Handled) -> &'static str {
-    match handled {
-        Handled::Fully => "fully",
-        Handled::Partly => "partly",
-        Handled::No => "no",
+fn degree(degree: CompensationDegree) -> &'static str {
+    match degree {
+        CompensationDegree::Fully => "fully",
+        CompensationDegree::Partly => "partly",
+        CompensationDegree::No => "no",
     }
 }

@@ -1,8 +1,8 @@
 //! The field of the 3D view: deviations on a coarse grid over three axes, at a few stations of the others,
 //! of all errors together, of groups and single errors (first order), and after compensation.
 //!
-//! Positions and vectors are in directions of the machine frame, positions relative to the workpiece origin:
-//! so the volume stands still while a table turns.
+//! Positions and vectors are in directions of the machine frame, positions relative to the workpiece origin: so the
+//! volume does not move while a table turns.
 
 use super::given::MachineInput;
 use crate::analysis::{View, deviation_in, frame_rotation, rest, space_axes};
@@ -15,12 +15,12 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// The grid, and what is known on it.
+/// The grid, and the deviations at its nodes.
 #[derive(Debug, Clone, Serialize)]
 pub struct FieldData {
     /// Axes of the grid, the first running fastest.
     grid: Vec<GridAxis>,
-    /// Where the other axes are.
+    /// Positions of the other axes.
     stations: Vec<Station>,
     /// Fields on it.
     layers: Vec<Layer>,
@@ -72,13 +72,13 @@ struct LayerAt {
     worst_at: Value,
 }
 
-/// Numbers in all layers together, about: what keeps a page small.
+/// Approximate limit of the numbers in all layers together, for a small page.
 const MAX_NUMBERS: usize = 340_000;
 
-/// Nodes of a grid axis, most and least. Odd, so that there is a middle.
+/// Numbers of nodes of a grid axis, from the largest to the smallest. Odd, so that there is a middle.
 const NODES: [usize; 5] = [11, 9, 7, 5, 3];
 
-/// Stations at most.
+/// Maximum number of stations.
 const MAX_STATIONS: usize = 8;
 
 impl FieldData {
@@ -144,7 +144,7 @@ struct Group {
     members: Vec<ErrorId>,
 }
 
-/// By kind, by axis, and one by one.
+/// Groups of errors by kind, by axis, and one by one.
 fn groups(machine: &Machine) -> Vec<Group> {
     let known: Vec<ErrorId> =
         machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).map(|(id, _)| id).collect();
@@ -257,7 +257,7 @@ impl Lattice<'_> {
         for written in self.given.written {
             let name = &written.target.manifest.target;
             heads.push((format!("after-{name}"), format!("after {name}"), "after"));
-            heads.push((format!("removed-{name}"), format!("what {name} takes away"), "removed"));
+            heads.push((format!("removed-{name}"), format!("removed by {name}"), "removed"));
         }
         heads.into_iter().enumerate().map(|(k, head)| self.layer(k, head, stations)).collect()
     }

@@ -13,15 +13,15 @@ pub struct MachineInput<'a> {
     pub machine: &'a Machine,
     /// Its file as it was named.
     pub file: &'a str,
-    /// How far errors are followed.
+    /// Order of the errors.
     pub order: Order,
-    /// From which side poses are approached.
+    /// Side of approach.
     pub approach: Approach,
-    /// How many random poses statistics are taken over, and their seed.
+    /// Number of random poses of the statistics, and their seed.
     pub poses: (usize, u64),
-    /// What was written for it.
+    /// Results of the targets that were written for it.
     pub written: &'a [TargetResult],
-    /// What instruments read of it.
+    /// Readings of instruments on it.
     pub instruments: &'a Instruments,
     /// Its budget, if errors are bounded.
     pub budget: Option<BudgetReport<'a>>,
@@ -29,14 +29,14 @@ pub struct MachineInput<'a> {
     pub warnings: &'a [String],
 }
 
-/// Compensation for one target: what it does as the controller reads it, and what that leaves.
+/// Compensation for one target: its effect as the controller reads it, and the residual.
 #[derive(Debug, Clone)]
 pub struct TargetResult {
     /// The controller.
     pub target: ControllerTarget,
     /// Its tables, or its kinematics.
     pub effect: Effect,
-    /// What is left.
+    /// Certificate of the residual.
     pub certificate: Certificate,
 }
 

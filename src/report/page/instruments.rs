@@ -1,4 +1,4 @@
-//! What virtual instruments would read of a machine, on the page: ball bar, R-tests, a laser along the diagonals.
+//! Readings of virtual instruments on a machine, on the page: ball bar, R-tests, a laser along the diagonals.
 
 use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest, ball_bar, diagonals, r_test, within};
 use crate::machine::{AxisKind, Machine, Pose};
@@ -9,33 +9,33 @@ use serde_json::{Value, json};
 /// Radii that ball bars have, mm, the one tried first in front.
 const RADII: [f64; 5] = [150.0, 100.0, 50.0, 25.0, 10.0];
 
-/// Shares of the volume at which a ball is tried, the usual one in front.
+/// Fractions of the volume at which a ball is tried, the usual one in front.
 const PLACES: [f64; 4] = [0.75, 0.6, 0.5, 0.25];
 
 /// Readings on a circle, on a turn and on a diagonal: those of `instrument`.
 const POINTS: [usize; 3] = [360, 37, 11];
 
-/// Readings of one machine; what cannot be driven is not there.
+/// Readings of one machine, without tests that cannot be driven.
 #[derive(Debug, Clone)]
 pub struct Instruments {
     centre: Pose,
     radius: f64,
     circles: Vec<BallBar>,
-    /// With the place of the ball for each.
+    /// R-tests with the place of the ball for each.
     turns: Vec<(Pose, RTest)>,
     lines: Vec<Diagonal>,
 }
 
 impl Instruments {
-    /// Circles about the middle of the volume, as large as all planes (else any) allow; every rotary axis about a ball
-    /// where most of its positions can be read; the diagonals.
+    /// Computes circles about the middle of the volume, as large as all planes (else any) allow; every rotary axis
+    /// about a ball at the place with the largest number of readable positions; the diagonals.
     pub fn new(machine: &Machine) -> Self {
         let centre = within(machine, 0.5);
         let circles = |radius: &f64| -> (f64, Vec<BallBar>) {
             let planes = CirclePlane::ALL.into_iter();
             (*radius, planes.filter_map(|plane| ball_bar(machine, &centre, plane, *radius, POINTS[0]).ok()).collect())
         };
-        // Of equally many planes the first, which is the largest.
+        // Among equal numbers of planes the first, which has the largest radius.
         let (radius, circles) = RADII
             .iter()
             .map(circles)
@@ -47,7 +47,7 @@ impl Instruments {
         Self { radius, circles, turns, lines, centre }
     }
 
-    /// As `instrument --format json` has them.
+    /// Returns the JSON of `instrument --format json`.
     pub fn json(&self, machine: &Machine) -> Value {
         let circles = json!({
             "centre": positions(machine, &self.centre), "radius_mm": self.radius,
@@ -91,8 +91,8 @@ impl Instruments {
 
 /// The test of an axis with the ball where fewest positions are out of reach; of equals the first place.
 fn turn(machine: &Machine, axis: usize) -> Option<(Pose, RTest)> {
-    let at = |share: &f64| {
-        let ball = within(machine, *share);
+    let at = |fraction: &f64| {
+        let ball = within(machine, *fraction);
         let test = r_test(machine, &ball, axis, POINTS[1]).ok()?;
         Some((ball, test))
     };

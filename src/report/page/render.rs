@@ -16,12 +16,12 @@ const STYLE: &str = include_str!("style.css");
 const VIEW: &str = include_str!("view.js");
 const SCRIPT: &str = include_str!("page.js");
 
-/// How the page is delivered.
+/// Delivery of the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Delivery {
-    /// As a file: it may reach nothing.
+    /// A file: it may reach nothing.
     Alone,
-    /// By `report --watch`: it may ask its own server for a newer page.
+    /// Served by `report --watch`: it may ask its own server for a newer page.
     Watched,
 }
 
@@ -34,7 +34,7 @@ pub struct Pictures {
     pub curves: Vec<(String, String)>,
     /// Planes: a heading, and pictures side by side.
     pub planes: Vec<(String, Vec<String>)>,
-    /// The errors that do most, largest first; empty without errors.
+    /// The errors with the largest effect, largest first; empty without errors.
     pub pareto: String,
     /// Ball bar, R-test and diagonals; empty where there are none.
     pub instruments: [String; 3],
@@ -42,14 +42,14 @@ pub struct Pictures {
     pub budget: Vec<String>,
 }
 
-/// What is rendered.
+/// Content to be rendered.
 #[derive(Debug, Clone)]
 pub struct Page<'a> {
     /// All numbers.
     pub data: &'a PageData,
     /// The same for each machine.
     pub pictures: &'a [Pictures],
-    /// How it gets to the reader.
+    /// Delivery to the reader.
     pub served: Delivery,
     /// Diagnostics of the machine file as it is now, if the page shows an earlier state.
     pub problem: Option<&'a str>,
@@ -76,7 +76,7 @@ impl Page<'_> {
     }
 }
 
-/// Why a page cannot be rendered.
+/// Reason why a page cannot be rendered.
 #[derive(Debug)]
 pub enum PageFailure {
     /// The data have no JSON.
@@ -109,7 +109,7 @@ fn hash(text: &str) -> String {
     BASE64.encode(Sha256::digest(text.as_bytes()))
 }
 
-/// Nothing may be loaded, only our own style and script run.
+/// Returns the policy: nothing may be loaded, only our own style and script run.
 fn policy(script: &str, served: Delivery) -> String {
     let own = |text: &str| format!("'sha256-{}'", hash(text));
     let connect = if served == Delivery::Watched { "'self'" } else { "'none'" };
@@ -121,7 +121,7 @@ fn policy(script: &str, served: Delivery) -> String {
     )
 }
 
-/// JSON that can stand in a `script` element: no `<` can end it or open a comment, no line separator of
+/// Returns JSON that is safe in a `script` element: no `<` can end it or open a comment, no line separator of
 /// JavaScript is in it.
 fn embedded(data: &impl Serialize) -> serde_json::Result<String> {
     let json = serde_json::to_string(data)?;
@@ -144,9 +144,9 @@ fn environment() -> Result<Environment<'static>, minijinja::Error> {
     Ok(environment)
 }
 
-/// A number of the data with the JSON pointer to it: `number(data, "/machines/0/poses", digits=4)`; with
-/// two decimals if no digits are asked for. The pointer stays in the page, so that what is shown can be held
-/// against the data. Nothing there: a dash.
+/// A number of the data with the JSON pointer to it: `number(data, "/machines/0/poses", digits=4)`; with two decimals
+/// by default. The pointer stays in the page, so that the shown number can be compared with the data. A dash if there
+/// is nothing.
 fn number(data: Value, pointer: String, options: Kwargs) -> Result<Value, minijinja::Error> {
     let digits: Option<usize> = options.get("digits")?;
     let sign: Option<bool> = options.get("sign")?;
@@ -169,8 +169,8 @@ fn number(data: Value, pointer: String, options: Kwargs) -> Result<Value, miniji
     Ok(Value::from_safe_string(format!(r#"<span class="n" data-at="{}"{kept}>{plus}{text}</span>"#, escaped(&pointer))))
 }
 
-/// With so many significant digits, or two decimals; with a real minus, and without noise far below what
-/// anybody measures.
+/// Formats a value with `digits` significant digits, or two decimals; with a real minus, and without noise far below
+/// any measurement.
 fn shown(value: f64, digits: Option<usize>) -> String {
     let value = if value.abs() < 5e-10 { 0.0 } else { value };
     let text = digits.map_or_else(|| format!("{value:.2}"), |digits| significant(value, digits));

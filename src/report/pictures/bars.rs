@@ -1,4 +1,4 @@
-//! Bars of a budget: the Pareto chart of contributions, and the waterfall of what uses the budget up.
+//! Bars of a budget: the Pareto chart of contributions, and the waterfall of the parts of the budget.
 
 use super::frame::{Axis, PlotFrame};
 use super::svg::{Anchor, FAINT, FIRST, Font, INK, Picture, SECOND, Svg, fitted, number, polyline};
@@ -20,7 +20,7 @@ pub struct ParetoPicture {
     pub title: String,
     /// The second line.
     pub subtitle: String,
-    /// What the values are, with their unit.
+    /// Quantity of the values, with its unit.
     pub quantity: String,
     /// Largest first.
     pub bars: Vec<Bar>,
@@ -35,11 +35,11 @@ pub struct WaterfallPicture {
     pub title: String,
     /// The second line.
     pub subtitle: String,
-    /// What the values are, with their unit.
+    /// Quantity of the values, with its unit.
     pub quantity: String,
-    /// In the order they are stacked.
+    /// Bars in the order they are stacked.
     pub bars: Vec<Bar>,
-    /// Totals, from the left.
+    /// Totals, in the order of the picture.
     pub marks: Vec<(String, f64)>,
 }
 
@@ -48,7 +48,7 @@ const HEIGHT: f64 = 460.0;
 const FRAME: PlotFrame = PlotFrame { left: 78.0, top: 84.0, width: 740.0, height: 270.0 };
 const GREY: &str = "#8a94a0";
 
-/// Where column `i` of `count` begins, and how wide its bar is.
+/// Returns the start of column `i` of `count`, and the width of its bar.
 fn column(i: usize, count: usize) -> (f64, f64) {
     let pitch = FRAME.width / count.max(1) as f64;
     let width = (pitch * 0.72).min(60.0);
@@ -72,7 +72,7 @@ fn bar(svg: &mut Svg, axis: &Axis, place: (f64, f64), (from, to): (f64, f64), la
     (low, high)
 }
 
-/// The number of a bar: above it or, `inside`, at its foot, out of the way of a curve.
+/// Draws the number of a bar: above it or, `inside`, at its foot, where no curve crosses it.
 fn value(svg: &mut Svg, place: (f64, f64), (low, high): (f64, f64), value: f64, inside: bool) {
     let middle = place.0 + 0.5 * place.1;
     let (y, font) = if inside && low - high > 18.0 {
@@ -90,7 +90,7 @@ impl ParetoPicture {
         let highest = self.bars.iter().map(|b| b.value).fold(0.0, f64::max);
         let axis = Axis::new(0.0, highest * 1.08);
         FRAME.vertical(&mut svg, &axis, &self.quantity);
-        let shares = Axis::new(0.0, 100.0);
+        let fractions = Axis::new(0.0, 100.0);
         let mut sum = 0.0;
         let mut line = vec![];
         for (i, b) in self.bars.iter().enumerate() {
@@ -98,12 +98,12 @@ impl ParetoPicture {
             let edges = bar(&mut svg, &axis, place, (0.0, b.value), &b.label, FIRST);
             value(&mut svg, place, edges, b.value, true);
             sum += b.value * b.value;
-            let share = if self.total > 0.0 { 100.0 * sum / self.total } else { 0.0 };
-            line.push((place.0 + 0.5 * place.1, FRAME.y(&shares, share)));
+            let fraction = if self.total > 0.0 { 100.0 * sum / self.total } else { 0.0 };
+            line.push((place.0 + 0.5 * place.1, FRAME.y(&fractions, fraction)));
         }
         svg.path(&polyline(&line), &format!(r#"fill="none" stroke="{SECOND}" stroke-width="1.6""#));
         line.iter().for_each(|at| svg.circle(*at, 2.6, &format!(r#"fill="{SECOND}""#)));
-        FRAME.right(&mut svg, &shares, "share of the sum of squares in %", SECOND);
+        FRAME.right(&mut svg, &fractions, "fraction of the sum of squares in %", SECOND);
         svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
 }

@@ -1,5 +1,5 @@
-//! The kinematic chain as a picture: bed in the middle, what carries the workpiece to the left, what
-//! carries the tool to the right.
+//! The kinematic chain as a picture: bed in the middle, the axes that carry the workpiece to the left, those that carry
+//! the tool to the right.
 
 use super::svg::{Anchor, FAINT, Font, INK, Picture, Svg, fitted, polyline, wrapped};
 use crate::analysis::{Lever, levers};
@@ -17,7 +17,7 @@ const MOTION: &str = "#1d5fa8";
 /// A body with its place in the row.
 enum Station<'a> {
     Axis(&'a Axis, Lever),
-    /// Name, what it is, and a line about it.
+    /// End of the chain: its name, its kind, and a line about it.
     End(String, &'static str, String),
 }
 

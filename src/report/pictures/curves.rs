@@ -40,7 +40,7 @@ pub fn all_curves(machine: &Machine) -> Option<Picture> {
 }
 
 fn notes() -> Vec<String> {
-    let note = "Dots: points as given; line: what is evaluated between them. Where two directions of approach were \
+    let note = "Dots: points as given; line: the curve evaluated between them. Where two directions of approach were \
      given, \
         blue is forward and brown, dashed, reverse. Band, U: expanded uncertainty (k = 2) where the file states it. \
         Sign: actual minus nominal. Panels of a row have one scale.";
@@ -53,7 +53,7 @@ fn footer(svg: &mut Svg, top: f64, notes: &[String]) {
     }
 }
 
-/// What ISO 230-1 calls a component error, in a word or two.
+/// Returns the name of a component error in ISO 230-1, in a word or two.
 fn word(axis: &Axis, direction: Direction) -> String {
     let letters = ["X", "Y", "Z"];
     let along = (0..3).find(|i| axis.direction[*i].abs() > 0.999);
@@ -76,7 +76,7 @@ struct Panel {
     curves: Vec<PanelKind>,
     /// Expanded uncertainty of the values, if it is known.
     band: Option<f64>,
-    /// Said where there is no curve.
+    /// Text in place of a missing curve.
     instead: String,
 }
 
@@ -169,11 +169,11 @@ fn scale(panels: &[Panel]) -> (f64, f64, f64) {
     (libm::floor(min / step + 1e-9) * step, libm::ceil(max / step - 1e-9) * step, step)
 }
 
-/// Where a panel is, and what its sides mean.
+/// Place of a panel, and its scales.
 struct PanelFrame {
     corner: (f64, f64),
     x: (f64, f64),
-    /// Least, largest, step.
+    /// Smallest value, largest value, step.
     y: (f64, f64, f64),
     unit: &'static str,
 }
@@ -181,8 +181,8 @@ struct PanelFrame {
 impl PanelFrame {
     fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
         let (low, high, _) = self.y;
-        let share = (x - self.x.0) / (self.x.1 - self.x.0).max(1e-9);
-        (self.corner.0 + PANEL.0 * share, self.corner.1 + PANEL.1 * (high - y) / (high - low).max(1e-9))
+        let fraction = (x - self.x.0) / (self.x.1 - self.x.0).max(1e-9);
+        (self.corner.0 + PANEL.0 * fraction, self.corner.1 + PANEL.1 * (high - y) / (high - low).max(1e-9))
     }
 
     fn draw(&self, svg: &mut Svg, panel: &Panel) {

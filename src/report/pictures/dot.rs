@@ -16,7 +16,7 @@ pub fn chain_dot(machine: &Machine) -> String {
         let _ = writeln!(dot, "  n{} [label={}{style}];", index.index(), quoted(&label));
     }
     for edge in graph.edge_references() {
-        // Drawn from left to right the workpiece comes first, as on the walk.
+        // In a drawing from left to right the workpiece comes first, as on the walk.
         let (from, to, back) = match edge.weight() {
             Branch::Workpiece => (edge.target(), edge.source(), " [dir=back]"),
             Branch::Tool => (edge.source(), edge.target(), ""),

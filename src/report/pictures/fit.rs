@@ -8,7 +8,7 @@ use crate::units::significant;
 /// One pose: nominal position (mm), and the in-plane deviations (mm).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitPoint {
-    /// Where the axes were sent.
+    /// Commanded positions of the axes.
     pub nominal: (f64, f64),
     /// Measured, actual minus nominal.
     pub measured: (f64, f64),
@@ -23,7 +23,7 @@ pub struct FitPicture<'a> {
     pub machine: &'a str,
     /// The axis to the right, and the one upwards.
     pub axes: [&'a str; 2],
-    /// Where the other axes are.
+    /// Positions of the other axes.
     pub slice: String,
     /// The poses.
     pub points: Vec<FitPoint>,
@@ -86,21 +86,25 @@ impl FitPicture<'_> {
             significant(libm::sqrt(sum / self.points.len().max(1) as f64) * 1e3, 3)
         };
         let data = rms(&|p| p.measured);
-        let left = rms(&|p| (p.measured.0 - p.predicted.0, p.measured.1 - p.predicted.1));
+        let residual = rms(&|p| (p.measured.0 - p.predicted.0, p.measured.1 - p.predicted.1));
         let count = self.points.len();
-        format!("{count} points, root mean square in the plane: {data} µm measured, {left} µm left by the prediction")
+        format!(
+            "{count} points, root mean square in the plane: {data} µm measured, {residual} µm residual after the \
+             prediction"
+        )
     }
 
-    /// So that the largest displacement is as long as the margin allows, rounded down to 1, 2 or 5.
+    /// Returns the magnification at which the largest displacement is as long as the margin allows, rounded down to 1,
+    /// 2 or 5.
     fn magnification(&self, scale: f64) -> f64 {
         let sizes = self.points.iter().flat_map(|p| [p.measured, p.predicted]).map(|(x, y)| libm::hypot(x, y));
         let largest = sizes.fold(0.0, f64::max);
         if !(largest > 0.0 && largest.is_finite()) {
             return 1.0;
         }
-        let most = MARGIN / (largest * scale);
+        let max = MARGIN / (largest * scale);
         // The step above a tenth of it is between it and a tenth.
-        [10.0, 5.0, 2.0, 1.0].into_iter().map(|f| round_step(most / 10.0, 1) * f).find(|m| *m <= most).unwrap_or(1.0)
+        [10.0, 5.0, 2.0, 1.0].into_iter().map(|f| round_step(max / 10.0, 1) * f).find(|m| *m <= max).unwrap_or(1.0)
     }
 
     fn grid(

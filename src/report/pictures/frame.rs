@@ -1,4 +1,4 @@
-//! The rectangle a diagram is drawn in, and its axes: what pictures of curves and bars share.
+//! The rectangle a diagram is drawn in, and its axes, for pictures of curves and bars.
 
 use super::scale::{round_step, tick_text, ticks};
 use super::svg::{Anchor, FAINT, Font, INK, LINE, Svg};
@@ -26,7 +26,7 @@ pub struct PlotFrame {
 }
 
 impl Axis {
-    /// From a least to a largest value; an interval of no width is widened.
+    /// Axis from a smallest to a largest value; an interval of no width is widened.
     pub fn new(min: f64, max: f64) -> Self {
         Self { min, max: if max > min { max } else { min + 1.0 }, turns: false }
     }
@@ -36,27 +36,27 @@ impl Axis {
         Self { turns: true, ..Self::new(min, max) }
     }
 
-    fn share(&self, value: f64) -> f64 {
+    fn fraction(&self, value: f64) -> f64 {
         (value - self.min) / (self.max - self.min)
     }
 
     fn ticks(&self, length: f64, pitch: f64) -> (Vec<f64>, f64) {
-        let (range, most) = (self.max - self.min, ((length / pitch) as usize).clamp(1, 10));
-        let round = [5.0, 10.0, 15.0, 30.0, 45.0, 90.0].into_iter().find(|step| range <= step * most as f64);
-        let step = round.filter(|_| self.turns && range > 20.0).unwrap_or_else(|| round_step(range, most));
+        let (range, max_steps) = (self.max - self.min, ((length / pitch) as usize).clamp(1, 10));
+        let round = [5.0, 10.0, 15.0, 30.0, 45.0, 90.0].into_iter().find(|step| range <= step * max_steps as f64);
+        let step = round.filter(|_| self.turns && range > 20.0).unwrap_or_else(|| round_step(range, max_steps));
         (ticks((self.min, self.max), step), step)
     }
 }
 
 impl PlotFrame {
-    /// Where a value is, from above.
+    /// Returns the y coordinate of a value, px.
     pub fn y(&self, axis: &Axis, value: f64) -> f64 {
-        self.top + self.height * (1.0 - axis.share(value))
+        self.top + self.height * (1.0 - axis.fraction(value))
     }
 
-    /// Where a value is, from the left.
+    /// Returns the x coordinate of a value, px.
     pub fn x(&self, axis: &Axis, value: f64) -> f64 {
-        self.left + self.width * axis.share(value)
+        self.left + self.width * axis.fraction(value)
     }
 
     /// The axis at the lower edge.

@@ -1,6 +1,6 @@
 //! Text and numbers in pictures: fonts, colours, anchors.
 
-/// Where a text hangs.
+/// Anchor of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
     /// It begins at the point.
@@ -11,12 +11,12 @@ pub enum Anchor {
     End,
 }
 
-/// How a text looks: size in px, weight, colour.
+/// Font of a text: size in px, weight, colour.
 #[derive(Debug, Clone, Copy)]
 pub struct Font {
     /// Height in px.
     pub size: f64,
-    /// Bold?
+    /// True for bold text.
     pub bold: bool,
     /// Any CSS colour.
     pub colour: &'static str,
@@ -25,7 +25,7 @@ pub struct Font {
 /// Colour of lines and text.
 pub const INK: &str = "#1f2933";
 
-/// Colour of what stands back.
+/// Colour of text in the background.
 pub const FAINT: &str = "#5f6b76";
 
 /// Colour of lines across a diagram.
@@ -33,9 +33,9 @@ pub const LINE: &str = "#c3cad1";
 
 /// Colours of curves and bars: of the first, of the second, of the third kind. A page maps them to its own.
 pub const FIRST: &str = "#1d5fa8";
-/// Of the second.
+/// Colour of the second kind.
 pub const SECOND: &str = "#b8590f";
-/// Of the third.
+/// Colour of the third kind.
 pub const THIRD: &str = "#1c7a3d";
 
 impl Font {
@@ -49,7 +49,7 @@ impl Font {
         Self { size, bold: true, colour: INK }
     }
 
-    /// Plain text that stands back.
+    /// Plain text in the background.
     pub const fn faint(size: f64) -> Self {
         Self { size, bold: false, colour: FAINT }
     }
@@ -65,7 +65,7 @@ pub(crate) struct Text {
     pub turned: f64,
 }
 
-/// With two decimals at most; what is not finite has no place in a picture and becomes 0.
+/// Formats a value with two decimals at most; a value that is not finite has no place in a picture and becomes 0.
 pub fn number(value: f64) -> String {
     if !value.is_finite() {
         return "0".to_owned();

@@ -7,7 +7,7 @@ use std::fmt;
 #[cfg(feature = "png")]
 const SCALE: f32 = 2.0;
 
-/// Why a picture has no PNG.
+/// Reason why a picture has no PNG.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum PictureFailure {
     /// The drawing cannot be read back.

@@ -25,14 +25,14 @@ const TOP: f64 = 84.0;
 const NOMINAL: f64 = 96.0;
 /// Rings on either side of it.
 const RINGS: i32 = 2;
-/// From ring to ring, px.
+/// Distance from ring to ring, px.
 const PITCH: f64 = 19.0;
 const WAYS: [(&str, Stroke); 2] = [
     ("counter-clockwise", Stroke { colour: FIRST, dashes: "" }),
     ("clockwise", Stroke { colour: SECOND, dashes: "5 3" }),
 ];
 
-/// How a curve is drawn.
+/// Style of a curve.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stroke {
     pub colour: &'static str,
@@ -56,7 +56,7 @@ impl Stroke {
     }
 }
 
-/// The rings of a diagram about a centre, and what one of them is (um).
+/// The rings of a diagram about a centre, and the value of one of them (um).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Dial {
     centre: (f64, f64),
@@ -104,14 +104,14 @@ impl Dial {
         svg.path(&path, &stroke.style(1.5));
     }
 
-    /// What stands below it, in bold and faint.
+    /// Draws the text below it, in bold and faint.
     fn below(&self, svg: &mut Svg, title: &str, line: &str) {
         let y = self.centre.1 + Self::outer() + 22.0;
         svg.text((self.centre.0, y), title, Font::bold(13.0), Anchor::Middle, 0.0);
         svg.text((self.centre.0, y + 18.0), line, Font::faint(12.0), Anchor::Middle, 0.0);
     }
 
-    /// What one ring is, in words.
+    /// Returns the value of one ring, in words.
     pub(crate) fn ring_words(&self) -> String {
         format!("{} µm", significant(self.ring, 4))
     }

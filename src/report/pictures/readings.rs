@@ -1,4 +1,4 @@
-//! Diagrams of what instruments read along a path: an R-test over the turn of a rotary axis, a laser along the
+//! Diagrams of instruments' readings along a path: an R-test over the turn of a rotary axis, a laser along the
 //! diagonals there and back. All panels of a picture have one scale.
 
 use super::frame::{Axis, PlotFrame};
@@ -32,7 +32,7 @@ pub struct DiagonalPicture<'a> {
 const WIDTH: f64 = 920.0;
 const LEFT: f64 = 24.0;
 const TOP: f64 = 92.0;
-/// Left of a frame, for its axis.
+/// Width beside a frame for its axis.
 const MARGIN: f64 = 66.0;
 const COMPONENTS: [(&str, Stroke); 3] = [
     ("dx", Stroke { colour: FIRST, dashes: "" }),
@@ -118,7 +118,7 @@ fn row(svg: &mut Svg, name: &str, test: &RTest, (frame, axis): (PlotFrame, &Axis
 }
 
 impl DiagonalPicture<'_> {
-    /// The picture: the displacement over the way along each diagonal.
+    /// The picture: the displacement over the travel along each diagonal.
     pub fn picture(&self) -> Picture {
         const PANEL: (f64, f64) = (360.0, 190.0);
         const STEP: (f64, f64) = (444.0, 286.0);
@@ -135,7 +135,7 @@ impl DiagonalPicture<'_> {
         let below = height - 18.0;
         let end = WAYS.iter().fold(LEFT + MARGIN, |x, (name, stroke)| stroke.key(&mut svg, (x, below), name));
         let note =
-            "Way really made along the diagonal minus nominal. p: the axis rises, n: it falls, in the order X, Y, Z.";
+            "Actual minus nominal travel along the diagonal. p: the axis rises, n: it falls, in the order X, Y, Z.";
         svg.text((end + 20.0, below), note, Font::faint(12.0), Anchor::Start, 0.0);
         svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
@@ -147,7 +147,7 @@ fn panel(svg: &mut Svg, d: &Diagonal, frame: PlotFrame, axis: &Axis) {
     let title = format!("{}: E_d {e} µm, B_d {b} µm", d.name);
     svg.text((frame.left, frame.top - 10.0), &title, Font::bold(13.0), Anchor::Start, 0.0);
     frame.vertical(svg, axis, "µm");
-    frame.horizontal(svg, &across, "way along the diagonal in mm");
+    frame.horizontal(svg, &across, "travel along the diagonal in mm");
     for (way, (_, stroke)) in [&d.there, &d.back].into_iter().zip(WAYS) {
         let points: Vec<(f64, f64)> =
             d.ways.iter().zip(way).map(|(x, y)| (frame.x(&across, *x), frame.y(axis, *y))).collect();

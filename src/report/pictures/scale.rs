@@ -1,11 +1,11 @@
-//! Ticks at round numbers, and colours whose differences look like the differences they stand for.
+//! Ticks at round numbers, and colours whose differences look like the differences they show.
 
-/// The 1, 2 or 5 times a power of ten that divides `range` into at most `most` steps.
-pub fn round_step(range: f64, most: usize) -> f64 {
+/// Returns the 1, 2 or 5 times a power of ten that divides `range` into at most `max_steps` steps.
+pub fn round_step(range: f64, max_steps: usize) -> f64 {
     if !(range > 0.0 && range.is_finite()) {
         return 1.0;
     }
-    let raw = range / most.max(1) as f64;
+    let raw = range / max_steps.max(1) as f64;
     let power = libm::pow(10.0, libm::floor(libm::log10(raw)));
     let factor = [1.0, 2.0, 5.0].into_iter().find(|f| f * power >= raw * (1.0 - 1e-9)).unwrap_or(10.0);
     factor * power
@@ -40,18 +40,18 @@ const RISING: [Lch; 4] = [(0.97, 0.035, 105.0), (0.87, 0.09, 140.0), (0.73, 0.10
 const SIGNED: [Lch; 5] =
     [(0.56, 0.14, 255.0), (0.78, 0.075, 250.0), (0.975, 0.0, 0.0), (0.80, 0.085, 40.0), (0.60, 0.165, 28.0)];
 
-/// Colour of a share of the largest value, 0 to 1.
-pub fn rising(share: f64) -> String {
-    blended(&RISING, share)
+/// Colour of a fraction of the largest value, 0 to 1.
+pub fn rising(fraction: f64) -> String {
+    blended(&RISING, fraction)
 }
 
-/// Colour of a share of the largest absolute value, -1 to 1.
-pub fn signed(share: f64) -> String {
-    blended(&SIGNED, 0.5 + 0.5 * share)
+/// Colour of a fraction of the largest absolute value, -1 to 1.
+pub fn signed(fraction: f64) -> String {
+    blended(&SIGNED, 0.5 + 0.5 * fraction)
 }
 
-fn blended(stops: &[Lch], share: f64) -> String {
-    let place = share.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
+fn blended(stops: &[Lch], fraction: f64) -> String {
+    let place = fraction.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
     let i = (place as usize).min(stops.len() - 2);
     let (a, b, t) = (lab(stops[i]), lab(stops[i + 1]), place - i as f64);
     hex([0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * t))

@@ -13,7 +13,7 @@ pub struct Svg {
     body: Vec<Piece>,
 }
 
-/// A piece of the body: text is kept apart, for it is written in two ways.
+/// A piece of the body: text is kept apart, for it has two written forms.
 #[derive(Debug, Clone)]
 enum Piece {
     Markup(String),
@@ -38,14 +38,14 @@ impl Svg {
         }
     }
 
-    /// What `draw` draws becomes a group with these attributes (ours, like those of [`Self::element`]).
+    /// Puts the drawing of `draw` into a group with these attributes (ours, like those of [`Self::element`]).
     pub fn group(&mut self, attributes: &str, draw: impl FnOnce(&mut Self)) {
         self.markup(format!("<g {attributes}>\n"));
         draw(self);
         self.markup("</g>\n".to_owned());
     }
 
-    /// Puts another picture here, so many times as large.
+    /// Puts another picture here, enlarged by `times`.
     pub fn place(&mut self, corner: (f64, f64), times: f64, other: Self) {
         let transform = format!(r#"transform="translate({} {}) scale({times})""#, number(corner.0), number(corner.1));
         self.group(&transform, |svg| {
@@ -109,13 +109,13 @@ impl Svg {
         self.body.push(Piece::Text(Text { at, text: text.to_owned(), font, anchor, turned }));
     }
 
-    /// The lines at the top, what is shown and how, each cut to so many characters.
+    /// Draws the lines at the top, a title and a subtitle, each cut to its number of characters.
     pub fn heading(&mut self, left: f64, (title, room): (&str, usize), (subtitle, more): (&str, usize)) {
         self.text((left, 32.0), &fitted(title, room), Font::bold(18.0), Anchor::Start, 0.0);
         self.text((left, 54.0), &fitted(subtitle, more), Font::faint(13.0), Anchor::Start, 0.0);
     }
 
-    /// The finished picture. `title` is what a screen reader says.
+    /// Returns the finished picture. `title` is the text for screen readers.
     pub fn picture(self, title: &str) -> Picture {
         Picture { drawing: self, title: title.to_owned() }
     }
@@ -172,7 +172,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// As an SVG file.
+    /// Returns the bytes of an SVG file.
     pub fn svg(&self) -> String {
         self.drawing.file(&self.title, text_element)
     }
@@ -216,7 +216,7 @@ pub fn escaped(text: &str) -> String {
     out
 }
 
-/// Lines of at most so many characters, broken at blanks; a longer word is cut.
+/// Lines of at most `longest` characters, broken at blanks; a longer word is cut.
 pub fn wrapped(text: &str, longest: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -232,7 +232,7 @@ pub fn wrapped(text: &str, longest: usize) -> Vec<String> {
     lines
 }
 
-/// At most so many characters, cut with an ellipsis.
+/// Returns at most `longest` characters, cut with an ellipsis.
 pub fn fitted(text: &str, longest: usize) -> String {
     if text.chars().count() <= longest {
         return text.to_owned();

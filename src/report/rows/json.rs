@@ -9,7 +9,7 @@ pub(super) struct Json<W> {
 }
 
 impl Rows<'_> {
-    /// The object of a row, with what stands before it: a comma, but for the first of all.
+    /// Writes the object of a row, after a comma for all rows but the first.
     pub(super) fn json_line(&self, row: &[f64], text: &mut String) {
         let (axes, six) = row.split_at(self.machine.axes().len());
         let names = self.machine.axes().iter().map(|axis| axis.name.to_string());

@@ -1,8 +1,8 @@
 //! A mapped field pose by pose, for other programs: CSV, JSON, Parquet and VTK.
 //!
-//! [`Rows`] says what the table is of. Blocks of consecutive poses are [`RowBlock`], on any thread, and put into a
-//! [`Stream`] one after the other; so a table is never held as a whole, whatever its form. Positions are in mm and
-//! deg as programmed, deviations in um and urad, actual minus nominal.
+//! [`Rows`] holds the machine, poses and view of the table. Blocks of consecutive poses are [`RowBlock`], on any
+//! thread, and put into a [`Stream`] one after the other; so a table is never held as a whole, whatever its form.
+//! Positions are in mm and deg as programmed, deviations in um and urad, actual minus nominal.
 
 mod csv;
 mod json;

@@ -11,7 +11,7 @@ use parquet::schema::types::Type;
 use std::io::{self, Write};
 use std::sync::Arc;
 
-/// Rows of a row group: what writer and reader hold at once. However rows come, groups are the same.
+/// Rows of a row group: the number that writer and reader hold at once. Groups are the same for any blocks of rows.
 const GROUP: usize = 1 << 16;
 
 pub(super) struct Parquet<W: Write + Send> {

@@ -5,16 +5,16 @@ use crate::evaluate::{Frame, Order, Poses};
 use crate::machine::{Approach, Machine};
 use std::io::{self, Seek, Write};
 
-/// What a table is of.
+/// Subject of a table.
 #[derive(Debug, Clone, Copy)]
 pub struct Rows<'a> {
     /// The machine.
     pub machine: &'a Machine,
     /// The poses.
     pub poses: &'a Poses,
-    /// How the deviations were computed.
+    /// View in which the deviations were computed.
     pub view: View,
-    /// To which order.
+    /// Order of the errors.
     pub order: Order,
     /// The target after whose compensation; empty without.
     pub target: &'a str,
@@ -46,7 +46,7 @@ pub struct RowBlock {
     pub(super) tips: Vec<[f64; 3]>,
 }
 
-/// Where the rows of one table go, in their order.
+/// Destination of the rows of one table, in their order.
 pub trait Stream {
     /// The next rows.
     fn put(&mut self, rows: &RowBlock) -> io::Result<()>;
@@ -79,7 +79,7 @@ impl Rows<'_> {
         }
     }
 
-    /// What a reader has to know, as names and words.
+    /// Facts for a reader, as names and words.
     pub(super) fn facts(&self) -> [(&'static str, String); 6] {
         let frame = match self.view.frame {
             Frame::Workpiece => "workpiece",

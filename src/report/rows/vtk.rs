@@ -3,8 +3,8 @@
 //!
 //! Nodes of a grid are joined along the linear axes to hexahedra (quads, lines), a block for each position of
 //! the other axes: a threshold on these picks one. Other poses are single vertices. Arrays are appended raw,
-//! little-endian, as the format's specification calls it (VTK XML file format, version 1.0). They stand one after
-//! the other and their sizes are known beforehand, so rows are written in their places in each of them as they come.
+//! little-endian, as the format's specification calls it (VTK XML file format, version 1.0). They follow one another
+//! and their sizes are known beforehand, so rows are written in their places in each of them as they come.
 
 use super::table::{RowBlock, Rows, Sink, Stream};
 use crate::analysis::space_axes;
@@ -25,14 +25,14 @@ const VALUES: usize = 4;
 struct Array {
     /// Attributes of its element.
     attributes: String,
-    /// Of an item.
+    /// Bytes of an item.
     width: u64,
     items: u64,
 }
 
 pub(super) struct Vtk<W> {
     out: W,
-    /// Where the numbers of each array begin, and the bytes of an item.
+    /// Offsets of the numbers of each array, and the bytes of an item.
     places: Vec<(u64, u64)>,
     end: u64,
 }
@@ -160,7 +160,7 @@ fn head(arrays: &[Array], points: usize, cells: usize) -> String {
 struct Cells {
     points: usize,
     count: usize,
-    /// Of the axes that are joined: nodes from one to the next along it, and how many it has.
+    /// For each joined axis, the distance from a node to the next along it, and the number of its nodes.
     strides: Vec<(usize, usize)>,
 }
 

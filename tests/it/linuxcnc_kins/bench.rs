@@ -1,4 +1,4 @@
-//! A compiled module and what it promises.
+//! A compiled module and its promises.
 
 use std::io::Write;
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::oracle::matrix::{M4, V3, cross, minus, mul, norm, transposed};
 use crate::oracle::program::Folder;
 use crate::oracle::random::Random;
 
-/// What the module says about a pose.
+/// Answer of the module about a pose.
 pub struct Answer {
     pub joints: [f64; 9],
     pub back: [f64; 9],
@@ -24,19 +24,19 @@ pub struct Module {
     folder: Folder,
 }
 
-/// What its pins hold, and a pose of the world.
+/// Values of its pins, and a pose of the world.
 #[derive(Clone, Copy)]
 pub struct Ask {
     pub share: f64,
     pub orientation: bool,
     pub tool: V3,
     pub world: [f64; 9],
-    /// Where the joints are before.
+    /// Positions of the joints before.
     pub start: [f64; 9],
 }
 
 impl Module {
-    /// Builds what a compiled set holds, any warning being an error.
+    /// Builds the module of a compiled set, any warning being an error.
     pub fn build(set: &Path) -> Self {
         let folder = Folder::new();
         let component = std::fs::read_to_string(set.join("abbekins.comp")).unwrap();
@@ -79,7 +79,7 @@ impl Module {
     }
 }
 
-/// What words of the program are, by their number in the files.
+/// Kinds of the program's words, by their number in the files.
 const TIP: f64 = 0.0;
 const POSE: f64 = 1.0;
 const AXES: f64 = 2.0;
@@ -91,8 +91,8 @@ fn array(set: &Path, name: &str) -> Vec<f64> {
     values.split_once('}').unwrap().0.split(',').map(|x| x.trim().parse().unwrap()).collect()
 }
 
-/// A machine and its module. Which joint and which word belongs to an axis stands in the files; where the
-/// tool is, and what the axes could still do about it, is asked of the oracle.
+/// A machine and its module. The files give the joint and the word of an axis; the oracle gives the place of the tool
+/// and the possible corrections of the axes.
 pub struct Bench<'a> {
     sample: &'a Sample,
     words: f64,
@@ -103,7 +103,7 @@ pub struct Bench<'a> {
     solved: Vec<bool>,
 }
 
-/// The tool at a pose, and what each axis does to it: displacement of the tip and rotation, per mm or rad.
+/// The tool at a pose, and its motion by each axis: displacement of the tip and rotation, per mm or rad.
 struct Motions {
     tip: Vec<Vector3<f64>>,
     turn: Vec<Vector3<f64>>,
@@ -123,13 +123,13 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// What words of the program are: `tip`, `pose` or `axes`.
+    /// Returns the kind of the program's words: `tip`, `pose` or `axes`.
     pub fn words(&self) -> &'static str {
         ["tip", "pose", "axes"][self.words as usize]
     }
 
-    /// By how much (mm, deg) two ways to the same command may differ: the pose of a robot is found to 1e-12 rad,
-    /// its joints to that over the damping.
+    /// Returns the largest difference (mm, deg) between two solutions for the same command: the pose of a robot is
+    /// found to 1e-12 rad, its joints to that over the damping.
     pub fn rounded(&self) -> f64 {
         if self.words == POSE { 1e-8 } else { 1e-9 }
     }
@@ -154,12 +154,12 @@ impl<'a> Bench<'a> {
         Ask { share, orientation: true, tool: rigid.offset.map(|x| -x), world, start }
     }
 
-    /// In the order of the walk.
+    /// Returns the command in the order of the walk.
     pub fn command(&self, answer: &Answer) -> Pose {
         self.joints.iter().map(|joint| answer.joints[*joint]).collect()
     }
 
-    /// By central differences of the ideal machine.
+    /// Returns the motions by central differences of the nominal machine.
     fn motions(&self, pose: &Pose) -> Motions {
         const STEP: f64 = 1e-2;
         let held = |axis: usize, by: f64| {
@@ -179,7 +179,7 @@ impl<'a> Bench<'a> {
         Motions { tip, turn, axis: Vector3::from(axis) }
     }
 
-    /// The weakest of the six ways in which the solved axes move the tool (arms, rad).
+    /// Returns the weakest of the six motions that the solved axes give the tool (arms, rad).
     fn whole(&self, motions: &Motions) -> f64 {
         let solved = (0..self.solved.len()).filter(|i| self.solved[*i]);
         let column = |i: usize| {
@@ -191,7 +191,7 @@ impl<'a> Bench<'a> {
         Matrix6::from_columns(&columns).try_inverse().map_or(0.0, |inverse| inverse.norm().recip())
     }
 
-    /// What a turn of each rotary axis does to the tool axis, per rad. By differences of the oracle.
+    /// Returns the tilt of the tool axis by each rotary axis, per rad. By differences of the oracle.
     fn tilts(&self, pose: &Pose) -> Vec<V3> {
         const STEP: f64 = 1e-3;
         let axis_at = |axis: usize, by: f64| {
@@ -232,8 +232,9 @@ impl<'a> Bench<'a> {
         Some(at(from))
     }
 
-    /// At poses beside a singular one: how far the tip is off and how well the way back is found (mm, deg), how many ways
-    /// back are refused, and the corrected commands with what a rotary axis moves at most of what the damping allows.
+    /// At poses beside a singular one: error of the tip and of the inverse solution (mm, deg), number of refused
+    /// inverse solutions, and the corrected commands with the largest motion of a rotary axis as a fraction of the
+    /// damping's bound.
     pub fn beside_singular(&self, module: &Module, poses: &[Pose]) -> ([f64; 2], usize, Vec<(Pose, f64)>) {
         let asked: Vec<Ask> = poses.iter().map(|pose| self.ask(pose, 1.0)).collect();
         let (mut worst, mut refused, mut commands) = ([0.0_f64; 2], 0, Vec::new());
@@ -269,8 +270,8 @@ impl<'a> Bench<'a> {
         (determinant / (0.5 * trace + spread).max(1e-12)).sqrt()
     }
 
-    /// What the axes could still take away of a deviation of tip and tool axis: linear axes first, then rotary
-    /// ones of the tip, then of the tool axis. `None` where a direction is so weak that corrections are bounded.
+    /// The residual that the axes can reach of a deviation of tip and tool axis: linear axes first, then rotary ones of
+    /// the tip, then of the tool axis. `None` where a direction is so weak that corrections are bounded.
     fn reachable(&self, motions: &Motions, tip: Vector3<f64>, tilt: Vector3<f64>) -> Option<[f64; 2]> {
         let walk = &self.sample.rigid.walk;
         let chosen = |rotary: bool| (0..walk.len()).filter(move |i| walk[*i].rotary == rotary);
@@ -281,7 +282,7 @@ impl<'a> Bench<'a> {
         let levers: Vec<_> = rotary.iter().map(|i| across(motions.tip[*i], &base) / self.arm).collect();
         let more = span(&levers, DAMPED)?;
         let whole = [base, more.clone()].concat();
-        // Turns that leave the tip where it is: what is across the rows of the levers.
+        // Turns that leave the tip in place: the null space of the rows of the levers.
         let rows = DMatrix::from_fn(more.len(), levers.len(), |r, c| more[r].dot(&levers[c]));
         let gram = &rows * rows.transpose();
         let inverse = gram.try_inverse().unwrap_or_else(|| DMatrix::zeros(0, 0));
@@ -295,8 +296,8 @@ impl<'a> Bench<'a> {
         Some([within(tip, &whole), within(tilt, &ways)])
     }
 
-    /// How far tip (mm) and tool (rad) are from where the machine could have them; `None` where corrections
-    /// are bounded.
+    /// Distance of tip (mm) and tool (rad) from the best that the machine could do; `None` where corrections are
+    /// bounded.
     fn missed(&self, pose: &Pose, command: &Pose) -> [Option<f64>; 2] {
         let [real, _] = self.sample.holds(command, Travel::Mean);
         let [_, wanted] = self.sample.holds(pose, Travel::Mean);
@@ -319,8 +320,9 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Everything a module promises at poses: the tip, the tool, the way back, the switch. Where corrections
-    /// are bounded a robot may refuse a pose. Gives the largest of each, and at how many poses the tip was held.
+    /// Checks all promises of a module at poses: the tip, the tool, the inverse, the switch. Where corrections are
+    /// bounded a robot may refuse a pose. Returns the largest of each, and the number of poses at which the tip was
+    /// held.
     pub fn promises(&self, module: &Module, poses: &[Pose]) -> ([f64; 3], usize) {
         let asked = |share: f64| poses.iter().map(move |pose| self.ask(pose, share));
         let all = module.answers(&asked(1.0).chain(asked(0.0)).chain(asked(0.5)).collect::<Vec<_>>());

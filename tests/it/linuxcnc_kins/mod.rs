@@ -18,7 +18,7 @@ use crate::support::{Run, abbe, compile, config, names, verify};
 
 use bench::{Ask, Bench, Module, poses};
 
-/// Roundings of some metres over a dozen matrices, and the steps left out by the stop of the iteration.
+/// Roundings of some metres over a dozen matrices, and the steps omitted by the stop of the iteration.
 const TIP: f64 = 1e-9;
 const AXIS: f64 = 1e-12;
 const BACK: f64 = 1e-9;
@@ -140,7 +140,7 @@ fn a_name_cannot_break_out_of_the_text() {
     }
 }
 
-/// The number that signs are tested with: what the compiled module does to the joint, position alone.
+/// The number that signs are tested with: the correction of the joint by the compiled module, position alone.
 #[test]
 fn the_sign_test_is_what_the_module_does() {
     for name in ["trunnion.yaml", "vmc-cframe-754.yaml", "ht-b-c.yaml"] {
@@ -167,7 +167,7 @@ fn the_sign_test_is_what_the_module_does() {
     }
 }
 
-/// What is no pose is refused, and the controller stops with a message; the next pose is taken again.
+/// A text that is no pose is refused, and the controller stops with a message; the next pose is taken again.
 #[test]
 fn absurd_poses_are_failures() {
     let folder = Folder::new();
@@ -238,7 +238,7 @@ fn an_edited_number_is_replayed_as_it_is() {
     let data = out.join("abbekins_data.h");
     let good = std::fs::read_to_string(&data).unwrap();
     let left = |run: &Run| run.json()["compensated"]["position_um"]["max"].as_f64().unwrap();
-    // What is left is reversal.
+    // The residual is reversal.
     let before = left(&verify(&machine, &out, &["--poses", "200"]));
     assert!(before < 10.0, "{before}");
     let wrong = good.replacen("abbe_tool_clamping[3] = { 0.0,", "abbe_tool_clamping[3] = { 0.5,", 1);

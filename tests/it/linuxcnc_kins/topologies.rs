@@ -42,7 +42,7 @@ fn kept(sample: &Sample, out: &Path, random: &mut Random, (words, count): (&str,
     let bench = Bench::new(sample, out);
     assert_eq!(bench.words(), words, "{what}");
     let (worst, held) = bench.promises(&Module::build(out), &poses(sample, random, count));
-    // What is left, tenths of a mm, is seen along directions found by differences, good to 1e-8.
+    // The residual, tenths of a mm, is seen along directions found by differences, good to 1e-8.
     let tip = if words == "axes" { 0.1 * worst[0] } else { worst[0] };
     small(([tip, worst[1], worst[2]], held), what);
     held
@@ -62,7 +62,7 @@ fn a_lathe_without_y_is_corrected_as_far_as_its_axes_go() {
     assert!(ini.contains("COORDINATES = X Z C\n"), "{ini}");
 }
 
-/// Without C the errors across X and Z stay, and the certificate says so.
+/// Without C the errors across X and Z stay, and the certificate states them.
 #[test]
 fn what_two_axes_cannot_move_is_left() {
     let folder = Folder::new();
@@ -107,7 +107,7 @@ fn whatever_the_language_can_say() {
     let (mut seen, mut held) = ([0; 3], 0);
     for conventions in combinations().step_by(2) {
         // Errors of machine tools, 20 um and 20 urad: with larger ones corrections next to a singular pose change
-        // faster than the axes they correct, and forward kinematics find no way back.
+        // faster than the axes they correct, and forward kinematics find no inverse solution.
         let sample = Sample::random(&mut random, conventions, 2e-5);
         let folder = Folder::new();
         let _ = yaml::write(&sample, &folder);
@@ -125,8 +125,8 @@ fn whatever_the_language_can_say() {
     assert!(seen[2] >= 4 && held > 60, "{seen:?} {held}");
 }
 
-/// Chains in random directions with two rotary axes, where these tilt the tool in one direction only, and from 1e-9 to 2 deg beside
-/// it: the tip is held, corrections are bounded and do not jump, and the way back is found or refused.
+/// Chains in random directions with two rotary axes, where these tilt the tool in one direction only, and from 1e-9 to
+/// 2 deg beside it: the tip is held, corrections are bounded and do not jump, and the inverse is found or refused.
 #[test]
 fn random_chains_at_and_beside_their_singular_poses() {
     const BESIDE: [f64; 15] =

@@ -2,7 +2,7 @@
 //!
 //! Positions are in mm or deg as in the file, values in mm or rad.
 
-/// Which of the two curves of a reversing axis is asked for.
+/// Choice between the two curves of a reversing axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Travel {
     /// The mean of both.
@@ -13,7 +13,7 @@ pub enum Travel {
     Reverse,
 }
 
-/// How one column of values depends on the position.
+/// Dependence of one column of values on the position.
 #[derive(Clone, Debug)]
 pub enum Curve {
     /// The same everywhere.

@@ -16,7 +16,7 @@ pub struct Sample {
     pub branches: bool,
 }
 
-/// What an axis has beside its place in the rigid machine.
+/// Data of an axis beside its place in the rigid machine.
 #[derive(Clone, Debug)]
 pub struct Extra {
     /// Both ends, or a continuous axis.
@@ -29,7 +29,7 @@ pub struct Extra {
 pub type Pose = Vec<f64>;
 
 impl Sample {
-    /// A random machine whose errors are about `size` rad, and `size` times a metre (at most some mm).
+    /// Returns a random machine whose errors are about `size` rad, and `size` times a metre (at most some mm).
     pub fn random(random: &mut Random, conventions: Conventions, size: f64) -> Self {
         let count = 3 + random.below(4);
         let mut names = names(random, count);
@@ -70,7 +70,7 @@ impl Sample {
     /// Random poses within the travels; a tenth of the positions are zero.
     pub fn poses(&self, random: &mut Random, count: usize) -> Vec<Pose> {
         let mut position = |extra: &Extra| {
-            // Continuous axes are asked for beyond a turn both ways.
+            // Continuous axes are tested beyond a turn in both directions.
             let [low, high] = extra.travel.unwrap_or([-500.0, 800.0]);
             if random.chance(0.1) { 0.0 } else { random.between(low, high) }
         };
@@ -82,7 +82,7 @@ impl Sample {
         self.rigid.evaluate(&self.states(pose, travel), frame)
     }
 
-    /// Where the tool is at a command, with and without errors.
+    /// Returns the place of the tool at a command, with and without errors.
     pub fn holds(&self, command: &Pose, travel: Travel) -> [Held; 2] {
         self.rigid.holds(&self.states(command, travel))
     }
@@ -108,7 +108,7 @@ pub fn combinations() -> impl Iterator<Item = Conventions> {
     })
 }
 
-/// Names that say what they are (X, A, ...) and free ones.
+/// Names that are conventional (X, A, ...) and free ones.
 fn names(random: &mut Random, count: usize) -> Vec<String> {
     let mut letters: Vec<String> = "XYZUVWABC".chars().map(String::from).collect();
     random.shuffle(&mut letters);

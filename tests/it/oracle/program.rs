@@ -22,7 +22,7 @@ impl Folder {
         Self(path)
     }
 
-    /// Where a file of this name is or would be.
+    /// Returns the path of a file of this name, existing or not.
     pub fn path(&self, name: &str) -> PathBuf {
         self.0.join(name)
     }
@@ -40,10 +40,10 @@ impl Drop for Folder {
     }
 }
 
-/// What to ask `eval`.
+/// Request to `eval`.
 #[derive(Clone, Copy)]
 pub struct Ask<'a> {
-    /// `exact` or a number, if said at all.
+    /// `exact` or a number; the default if none.
     pub order: Option<&'a str>,
     /// The frame of the answer.
     pub frame: Frame,
@@ -53,7 +53,7 @@ pub struct Ask<'a> {
     pub tool: Option<&'a str>,
 }
 
-/// What `eval` does when nothing is said.
+/// Request without options.
 pub const DEFAULT: Ask<'static> = Ask { order: None, frame: Frame::Workpiece, travel: Travel::Mean, tool: None };
 
 /// Asks `eval` for the answers at poses, given as axis names and rows.
@@ -65,7 +65,7 @@ pub fn eval<N: AsRef<str>>(machine: &Path, names: &[N], poses: &[Vec<f64>], ask:
     let csv = folder.write("poses.csv", &format!("{header}\n{rows}"));
     let mut command = Command::new(env!("CARGO_BIN_EXE_abbe"));
     command.arg("eval").arg(machine).arg("--poses").arg(csv).args(["--format", "json"]);
-    // Defaults are left out, so that they are tested too.
+    // Defaults are omitted, so that they are tested too.
     ask.order.map(|order| command.args(["--order", order]));
     match ask.frame {
         Frame::Workpiece => {}
@@ -88,7 +88,7 @@ pub fn eval<N: AsRef<str>>(machine: &Path, names: &[N], poses: &[Vec<f64>], ask:
 
 fn parse(stdout: &[u8], ask: Ask) -> Vec<Answer> {
     let json: Value = serde_json::from_slice(stdout).unwrap();
-    // An order is said as a number or as its digits.
+    // An order is printed as a number or as its digits.
     assert_eq!(json["order"].to_string().trim_matches('"'), ask.order.unwrap_or("exact"));
     assert_eq!(json["frame"], format!("{:?}", ask.frame).to_lowercase());
     assert_eq!(json["units"]["position"], "mm");

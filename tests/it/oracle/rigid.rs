@@ -34,7 +34,7 @@ pub struct Axis {
     pub name: String,
     /// Rotary or linear.
     pub rotary: bool,
-    /// On the workpiece side of the bed.
+    /// True on the workpiece side of the bed.
     pub workpiece: bool,
     /// `sense` of this axis, where it differs from the convention of the machine.
     pub direct: Option<bool>,
@@ -49,7 +49,7 @@ pub struct Axis {
 /// A machine.
 #[derive(Clone, Debug, Default)]
 pub struct Machine {
-    /// How its errors are meant.
+    /// Conventions of its errors.
     pub conventions: Conventions,
     /// Its axes from workpiece to tool.
     pub walk: Vec<Axis>,
@@ -87,7 +87,7 @@ pub struct State {
     pub errors: V6,
 }
 
-/// What the program is asked for at a pose.
+/// Answer of the program at a pose.
 #[derive(Clone, Copy, Debug)]
 pub struct Answer {
     /// Ideal position of the tip from the workpiece origin.
@@ -100,12 +100,12 @@ pub struct Answer {
     pub e_ve: M4,
 }
 
-/// Where the tool is, in the workpiece frame.
+/// Place of the tool, in the workpiece frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Held {
     /// Its tip from the workpiece origin.
     pub tip: V3,
-    /// How it is turned; with linearised joints no rotation.
+    /// Rotation; with linearised joints no rotation matrix.
     pub rotation: M4,
 }
 
@@ -117,7 +117,7 @@ impl Held {
 }
 
 impl Machine {
-    /// Where the tool of the real machine is, then of the ideal one.
+    /// Returns the place of the tool of the actual machine, then of the nominal one.
     pub fn holds(&self, states: &[State]) -> [Held; 2] {
         let tip = plus(self.gauge, self.offset);
         let held = |walk: M4, tip: V3| Held {
@@ -154,7 +154,7 @@ impl Machine {
 
     /// The real walk, from the clamped workpiece to the tool.
     fn real(&self, states: &[State]) -> M4 {
-        // A clamped workpiece lies displaced about its origin, so the tool is seen displaced the other way.
+        // A clamped workpiece lies displaced about its origin, so the tool is seen displaced in the opposite direction.
         let clamped = about(self.workpiece_origin, &self.displacement(self.workpiece_setup));
         let walk = self
             .walk
@@ -180,7 +180,7 @@ impl Machine {
             }
         }
         let moves_along = if axis.rotary { rotating } else { !before };
-        // Written from the bed outwards; the workpiece half of the walk is read the other way round.
+        // Written from the bed outwards; the workpiece half of the walk is read in reverse.
         let mut outwards = Vec::new();
         if carried_body {
             outwards.push(location);

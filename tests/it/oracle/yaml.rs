@@ -52,7 +52,7 @@ fn conventions(sample: &Sample) -> String {
         ("location_order", c.real, "real"),
         ("joints", c.linearised, "linearised"),
     ];
-    // Defaults are left out, so that they are tested too.
+    // Defaults are omitted, so that they are tested too.
     let changed: Vec<_> = keys.iter().filter(|k| k.1).map(|(key, _, value)| format!("{key}: {value}")).collect();
     if changed.is_empty() { String::new() } else { format!("conventions: {{ {} }}\n", changed.join(", ")) }
 }

@@ -1,6 +1,7 @@
-//! SINUMERIK's `$AN_CEC` tables, read as Siemens K3 describes them: tables on one output add up (p. 245), one with a direction
-//! acts in that direction (p. 249), one that names another by its number and one is multiplied by it (p. 252). Whether the
-//! factors of a product count by themselves besides is not said: that is for the caller to choose. Values are as stored.
+//! SINUMERIK's `$AN_CEC` tables, read as Siemens K3 describes them: tables on one output add up (p. 245), one with a
+//! direction acts in that direction (p. 249), one that names another by its number and one is multiplied by it (p.
+//! 252). The manual does not state whether the factors of a product also count by themselves: that is for the caller to
+//! choose. Values are as stored.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! A test program of its own harness: checks by name, and none that is left out counts as passed.
+//! A test program of its own harness: checks by name; an omitted one does not count as passed.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Name and body of a check.
 pub type Check = (&'static str, fn());
 
-/// Runs the checks that the arguments name a part of (none: all). If what they need is not available they are left
-/// out and named, which is a failure if this variable of the environment is set. So many run at once, in their order.
+/// Runs the checks that the arguments name a part of (none: all). If their equipment is not available they are omitted
+/// and named, which is a failure if this variable of the environment is set. `at_once` run together, in their order.
 pub fn run(
     checks: &[Check],
     available: impl FnOnce() -> Result<(), String>,

@@ -1,5 +1,5 @@
-//! LinuxCNC's COMP_FILE of type 1, as measured on the controller: what its loader would swallow in
-//! silence, and what it adds.
+//! LinuxCNC's COMP_FILE of type 1, as measured on the controller: lines that its loader would accept in silence, and
+//! its corrections.
 
 /// A table.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,7 +11,7 @@ pub struct CorrectionTable {
 }
 
 impl CorrectionTable {
-    /// Reads a table that the loader would take line by line as it stands; says what it would not.
+    /// Reads a table whose every line the loader would take as it is; fails with the reason at any other line.
     pub fn read(text: &str) -> Result<Self, String> {
         if !text.is_ascii() || text.contains('\r') || !text.ends_with('\n') {
             return Err("not plain lines of ASCII, each with its end".into());
@@ -46,8 +46,8 @@ impl CorrectionTable {
         Ok(())
     }
 
-    /// What is added at a position: trim and slope are kept in single precision, the rest is double; the
-    /// end values are held.
+    /// Returns the correction at a position: trim and slope are kept in single precision, the rest is double; the end
+    /// values are held.
     pub fn added(&self, position: f64, reverse: bool) -> f64 {
         let trims = &self.trims[usize::from(reverse)];
         let at_or_below = self.nominal.iter().filter(|nominal| **nominal <= position).count();
@@ -101,6 +101,6 @@ fn the_replay_holds_its_ends_and_rounds_to_single_precision() {
         [single(0.1), single(0.3), single(0.7)]
     );
     assert!((table.added(5.0, false) - 0.2).abs() < 1e-8);
-    // Not what doubles would give: single precision shows in the ninth digit.
+    // Doubles would give another value: single precision shows in the ninth digit.
     assert!((table.added(5.0, false) - 0.2).abs() > 1e-10);
 }

@@ -1,5 +1,5 @@
-//! Own reader of the files in `configs/`, as far as they use the language: chains, geometry, constants
-//! and tables. What it does not know it refuses, so that no part of a machine is overlooked.
+//! Own reader of the files in `configs/`, as far as they use the language: chains, geometry, constants and tables.
+//! Unknown content is refused, so that no part of a machine is overlooked.
 
 use std::path::Path;
 
@@ -30,12 +30,12 @@ pub fn sample(path: &Path) -> Sample {
     sample
 }
 
-/// A file merged over what it extends.
+/// A file merged over the one it extends.
 fn load(path: &Path) -> Mapping {
     let mut file: Mapping = serde_yaml::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
     let Some(base) = file.remove("extends") else { return file };
     let base = path.parent().unwrap().join(text(&base));
-    // Lists of files are relative to the file that names them; all variants stand one folder below.
+    // Lists of files are relative to the file that names them; all variants are one folder below.
     assert!(!file.contains_key("measured"));
     let mut merged = load(&base);
     if let Some(Value::Sequence(list)) = merged.get_mut("measured") {

@@ -1,6 +1,6 @@
-//! What controllers do with their tables, written again from their manuals and sources: own readers, which take only
-//! files as `compile` writes them, and own arithmetic, in the units that the controller counts in. Nothing here knows
-//! how the program reads or interpolates. Sources are those of docs/formats.md, line by line below.
+//! Corrections of controllers by their tables, written again from their manuals and sources: own readers, which take
+//! only files as `compile` writes them, and own arithmetic, in the units that the controller counts in. Nothing here
+//! knows how the program reads or interpolates. Sources are those of docs/formats.md, line by line below.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use crate::oracle::machines::Sample;
 /// Files of a set by name.
 pub type Files = BTreeMap<String, String>;
 
-/// What is added to the axes, in the controller's order, at a position of theirs (mm, deg); `true`: falling positions.
+/// Corrections of the axes, in the controller's order, at their positions (mm, deg); `true`: falling positions.
 pub type Controller = Box<dyn Fn(&[f64], bool) -> Vec<f64>>;
 
 /// The controller's axes: letter, and whether it turns without end.
@@ -95,7 +95,7 @@ fn linuxcnc(files: &Files, axes: Axes) -> Option<Controller> {
 }
 
 /// Siemens K3: points from MIN in steps of STEP (p. 240), straight between them, held outside; a positive value moves
-/// the axis in its negative direction (p. 238); modulo 360 deg if said (p. 242).
+/// the axis in its negative direction (p. 238); modulo 360 deg if set (p. 242).
 fn encoder_error(files: &Files, axes: Axes) -> Option<Controller> {
     let mut tables: BTreeMap<usize, Points> = BTreeMap::new();
     for text in files.iter().filter(|(name, _)| name.ends_with("_EEC_INI")).map(|(_, text)| text) {
@@ -221,7 +221,7 @@ fn pitch(files: &Files, axes: Axes) -> Option<Controller> {
     }))
 }
 
-/// FANUC A-79351E p. 3/13: shares of the cell between 0 and 1, eight corners. Whole um.
+/// FANUC A-79351E p. 3/13: fractions of the cell between 0 and 1, eight corners. Whole um.
 fn lattice_of_points(files: &Files, axes: Axes) -> Option<Controller> {
     let text = files.get("lattice.txt")?;
     let row = |begin: &str| {

@@ -60,7 +60,7 @@ impl Lattice {
         lattice
     }
 
-    /// How many nodes.
+    /// Number of nodes.
     pub fn len(&self) -> usize {
         self.nodes.iter().map(Vec::len).product()
     }

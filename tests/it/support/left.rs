@@ -1,4 +1,4 @@
-//! What is left when a controller commands another pose than it was asked for, by the rigid-body model.
+//! The residual when a controller commands another pose than the requested one, by the rigid-body model.
 
 use crate::oracle::curves::Travel;
 use crate::oracle::machines::{Pose, Sample};
@@ -65,8 +65,9 @@ pub fn only(sample: &Sample, keep: impl Fn(&str, usize, bool) -> bool) -> Sample
     machine
 }
 
-/// How far an axis alone is from a position along (mm) or about (rad) its own direction, when it is commanded
-/// `position + trim`. Its angular errors turn about its origin, which stays where it is; its location does not count.
+/// Returns the distance of an axis alone from a position along (mm) or about (rad) its own direction, when it is
+/// commanded `position + trim`. Its angular errors turn about its origin, which stays where it is; its location does
+/// not count.
 pub fn along(sample: &Sample, index: usize, position: f64, trim: f64, travel: Travel) -> f64 {
     let axis = &sample.rigid.walk[index];
     let u = axis.direction.map(|c| c / norm(axis.direction));

@@ -1,5 +1,5 @@
-//! What the tests of compensation share: running the program, comparing whole folders, and readers of
-//! the files it writes. Nothing here uses the library.
+//! Common parts of the tests of compensation: running the program, comparing whole folders, and readers of its files.
+//! Nothing here uses the library.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Of a command.
+    /// Runs a command.
     pub fn of(command: &mut Command) -> Self {
         let Output { status, stdout, stderr } = command.output().unwrap();
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
@@ -88,12 +88,12 @@ pub fn number(json: &Value, path: &str) -> f64 {
     json.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number at {path} in {json}"))
 }
 
-/// What stands in a folder.
+/// Content of a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Entry {
     /// A folder.
     Folder,
-    /// A link and what it names.
+    /// A link and its target.
     Link(PathBuf),
     /// A file and its bytes.
     File(Vec<u8>),

@@ -1,9 +1,9 @@
-//! The volumetric compensation of controllers that know the ISO 230-1 errors (TF5280, 296386187: serial machines, up to three
-//! linear and three rotary axes, only the position of the tool). Their manual prints no equation; what it names is the plain
-//! sum of ISO/TR 16907: every axis displaces the tool by its translations, and by its rotations times the lever arm from the
-//! axis to the tool, delta = sum (e_k + eps_k x lever_k), each seen through the axes between it and the workpiece; location errors
-//! displace the axis' line and act by the difference that its motion makes. Vectors only: no matrix of a joint, no derivative, no
-//! algebra, and nothing of `rigid`.
+//! The volumetric compensation of controllers that know the ISO 230-1 errors (TF5280, 296386187: serial machines, up to
+//! three linear and three rotary axes, only the position of the tool). Their manual prints no equation; it names the
+//! plain sum of ISO/TR 16907: every axis displaces the tool by its translations, and by its rotations times the lever
+//! arm from the axis to the tool, delta = sum (e_k + eps_k x lever_k), each seen through the axes between it and the
+//! workpiece; location errors displace the axis' line and act by the difference that its motion makes. Vectors only: no
+//! matrix of a joint, no derivative, no algebra, and nothing of `rigid`.
 
 use std::collections::BTreeMap;
 
@@ -120,7 +120,7 @@ pub fn controller(errors: Errors, axes: Axes, machine: &Sample) -> Option<Contro
         }
         let mut added = vec![0.0; count];
         let [(i, a), (j, b), (k, c)] = seen.ways[..] else { return added };
-        // Cramer: the three ways that together undo the displacement.
+        // Cramer: the three motions that together undo the displacement.
         let volume = dot(a, cross(b, c));
         let wanted = scaled(seen.delta, -1.0 / volume);
         added[order[i]] = dot(wanted, cross(b, c));

@@ -4,7 +4,7 @@ use super::picture::PlaneQuantity;
 use crate::report::pictures::scale::{rising, round_step, signed, tick_text};
 use crate::report::pictures::svg::{Anchor, FAINT, Font, INK, Svg, number};
 
-/// Bands of colour, at most.
+/// Maximum number of bands of colour.
 const BANDS: usize = 14;
 
 /// Bands of colour between round levels.

@@ -33,7 +33,7 @@ impl PlanePicture<'_> {
     }
 }
 
-/// Every so many nodes, the last one always.
+/// Returns every `stride`-th node, the last one always.
 fn lines(count: usize, stride: usize) -> Vec<usize> {
     let mut lines: Vec<usize> = (0..count).step_by(stride).collect();
     if lines.last() != Some(&(count - 1)) {

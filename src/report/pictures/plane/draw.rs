@@ -10,7 +10,7 @@ use crate::report::pictures::svg::{Anchor, Font, INK, Picture, Svg, fitted, poly
 use crate::units::significant;
 
 const WIDTH: f64 = 880.0;
-/// Least height of the colour bar.
+/// Smallest height of the colour bar.
 const BAR: f64 = 150.0;
 /// Arrows along the longer side, about.
 const ARROWS: f64 = 13.0;
@@ -35,8 +35,8 @@ impl PlanePicture<'_> {
         let exaggeration = self.exaggeration(scale);
         let notes: Vec<String> = self.notes(&values, exaggeration).iter().flat_map(|note| wrapped(note, 106)).collect();
         let area = self.area(scale);
-        let least = if self.drawn == PlaneStyle::Colours { BAR } else { 0.0 };
-        let below = TOP + (area.1 + 2.0 * self.margin()).max(least) + 66.0;
+        let min_height = if self.drawn == PlaneStyle::Colours { BAR } else { 0.0 };
+        let below = TOP + (area.1 + 2.0 * self.margin()).max(min_height) + 66.0;
         let mut svg = Svg::new(WIDTH, below + 18.5 * notes.len() as f64 + 8.0);
         svg.text((LEFT, 32.0), &fitted(&self.title(), 70), Font::bold(18.0), Anchor::Start, 0.0);
         svg.text((LEFT, 54.0), &fitted(&self.subtitle(), 100), Font::faint(14.0), Anchor::Start, 0.0);
@@ -55,7 +55,7 @@ impl PlanePicture<'_> {
         svg
     }
 
-    /// In um, node by node.
+    /// Returns the shown quantity in um, node by node.
     fn values(&self, plane: &Plane) -> Vec<f64> {
         let value = |d: &crate::evaluate::Deviation| match self.shown {
             PlaneQuantity::Length => d.position.norm(),
@@ -159,7 +159,7 @@ impl PlanePicture<'_> {
         }
     }
 
-    /// Where the value is at least the level.
+    /// Region in which the value is at least the level.
     fn region(&self, values: &[f64], level: f64, scale: f64) -> String {
         let [columns, rows] = self.plane.counts;
         let mut data = String::new();
@@ -298,7 +298,7 @@ impl PlanePicture<'_> {
     }
 }
 
-/// Ticks at least so many px apart: those of a side that is hardly there would cover each other.
+/// Thins ticks to those at least `apart` px apart: those of a very short side would cover each other.
 fn spread(ticks: Vec<f64>, at: impl Fn(&f64) -> f64, apart: f64) -> Vec<f64> {
     let mut kept: Vec<f64> = Vec::new();
     for tick in ticks {

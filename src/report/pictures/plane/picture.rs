@@ -4,7 +4,7 @@ use crate::analysis::{Plane, View};
 use crate::evaluate::Order;
 use crate::machine::Machine;
 
-/// What the colours show.
+/// Quantity that the colours show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlaneQuantity {
     /// Length of the position deviation.
@@ -13,7 +13,7 @@ pub enum PlaneQuantity {
     Component(usize),
 }
 
-/// How the plane is drawn.
+/// Style of the drawing of the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PlaneStyle {
     /// A colour map, with arrows.
@@ -34,11 +34,11 @@ pub struct PlanePicture<'a> {
     pub view: View,
     /// Order they were computed to.
     pub order: Order,
-    /// What the colours show.
+    /// Quantity that the colours show.
     pub shown: PlaneQuantity,
-    /// How it is drawn.
+    /// Style of the drawing.
     pub drawn: PlaneStyle,
-    /// What is said of the machine's state, such as `after compensation by linuxcnc`; may be empty.
+    /// State of the machine, such as `after compensation by linuxcnc`; may be empty.
     pub state: &'a str,
     /// The plane (perhaps this one) whose colours, from zero, and exaggeration are shared by pictures that are
     /// to be compared; `None` for a scale of its own.
@@ -49,7 +49,7 @@ pub(super) const LEFT: f64 = 78.0;
 pub(super) const TOP: f64 = 74.0;
 const WIDEST: f64 = 640.0;
 const HIGHEST: f64 = 560.0;
-/// Room around a grid for what is displaced beyond its edges.
+/// Room around a grid for nodes that are displaced beyond its edges.
 pub(super) const MARGIN: f64 = 42.0;
 
 impl PlanePicture<'_> {

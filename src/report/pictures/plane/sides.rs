@@ -3,11 +3,11 @@
 use super::picture::PlanePicture;
 use crate::report::pictures::svg::{Picture, Svg};
 
-/// Size of a panel of three, as a share of a plane's own.
+/// Size of a panel of three, as a fraction of a plane's own.
 const SHARE: f64 = 0.62;
 
-/// Three panels: before; after, with the colours and the exaggeration of before; and what is left with
-/// colours and exaggeration of its own. Both pictures show the same plane of the same machine.
+/// Three panels: before; after, with the colours and the exaggeration of before; and the residual with colours and
+/// exaggeration of its own. Both pictures show the same plane of the same machine.
 pub fn before_after(before: &PlanePicture<'_>, after: &PlanePicture<'_>) -> Picture {
     let compared = PlanePicture { like: Some(before.plane), ..*after };
     let first = PlanePicture { like: Some(before.plane), ..*before };
