@@ -2,7 +2,7 @@
 
 use super::machine_file::MachineFile;
 use crate::analysis::{Lever, LocationSet, Status, levers};
-use crate::machine::{Axis, AxisKind, Branch, Conventions, ErrorId, Sense, Travel};
+use crate::machine::{Axis, AxisKind, Branch, Conventions, ErrorId, Machine, Sense, Travel};
 use crate::report::{self, Picture};
 
 /// The kinematic chain of a machine.
@@ -47,6 +47,25 @@ pub struct ChainAxis {
     pub unit: String,
     /// Arms from the point about which angular errors turn to the functional point.
     pub arm_mm: Arm,
+    /// True if the file states the geometry for the side on which the axis stands.
+    pub geometry_stated: bool,
+    /// What the file states for the other side.
+    pub other_side: Option<OtherSide>,
+}
+
+/// What a file states of an axis for the side on which it does not stand, the other axes staying where they are.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct OtherSide {
+    /// The other branch.
+    pub side: Branch,
+    /// Unit vector.
+    pub direction: [f64; 3],
+    /// Point about which angular errors turn, mm.
+    pub origin_mm: [f64; 3],
+    /// Limits in the unit of the axis; 0 and 360 for a continuous axis.
+    pub travel: [f64; 2],
+    /// True if the axis turns without end.
+    pub continuous: bool,
 }
 
 /// A lever arm, mm.
@@ -104,7 +123,7 @@ pub fn show(file: &MachineFile) -> ChainResult {
     ChainResult {
         machine: file.name().to_owned(),
         chain: file.chain().to_string(),
-        axes: file.axes().iter().zip(&levers(file)).map(axis).collect(),
+        axes: file.axes().iter().zip(&levers(file)).map(|(of, lever)| axis(file, of, lever)).collect(),
         tools: file.tools().iter().map(tool).collect(),
         workpiece_origin_mm: file.workpiece(),
         conventions: *file.conventions(),
@@ -112,7 +131,7 @@ pub fn show(file: &MachineFile) -> ChainResult {
     }
 }
 
-fn axis((axis, lever): (&Axis, &Lever)) -> ChainAxis {
+fn axis(machine: &Machine, axis: &Axis, lever: &Lever) -> ChainAxis {
     let (min, max) = axis.travel.interval();
     ChainAxis {
         name: axis.name.to_string(),
@@ -125,7 +144,27 @@ fn axis((axis, lever): (&Axis, &Lever)) -> ChainAxis {
         continuous: axis.travel == Travel::Continuous,
         unit: axis.unit().to_owned(),
         arm_mm: Arm { at_zero: lever.at_zero, longest: lever.longest },
+        geometry_stated: machine.geometry().unstated(&axis.name, &machine.sides()).is_none(),
+        other_side: other_side(machine, axis),
     }
+}
+
+fn other_side(machine: &Machine, axis: &Axis) -> Option<OtherSide> {
+    let (geometry, mut sides) = (machine.geometry(), machine.sides());
+    let side = axis.branch.opposite();
+    let _ = sides.insert(axis.name.clone(), side);
+    if geometry.unstated(&axis.name, &sides).is_some() {
+        return None;
+    }
+    let there = geometry.axes.get(&axis.name)?.on(side);
+    let (min, max) = there.travel.interval();
+    Some(OtherSide {
+        side,
+        direction: there.direction,
+        origin_mm: geometry.origin(&axis.name, &sides),
+        travel: [min, max],
+        continuous: there.travel == Travel::Continuous,
+    })
 }
 
 impl MachineFile {

@@ -5,12 +5,14 @@
 //! [`Machine::axes`], the walk from workpiece to tool.
 
 mod algebra;
+mod arrangement;
 mod axis;
 mod bspline;
 mod chain;
 mod conventions;
 mod curve;
 mod errors;
+mod geometry;
 mod joint;
 mod model;
 mod name;
@@ -24,6 +26,7 @@ pub use chain::{Body, Branch, KinematicChain};
 pub use conventions::{Conventions, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, RotaryOrder, Sense};
 pub use curve::{Curve, Knots, KnotsFailure, sin_cos_degrees};
 pub use errors::{Approach, ComponentError, ErrorTerm, JointErrors};
+pub use geometry::{Anchor, AxisGeometry, Geometry, Position, SideGeometry, Sides, Unstated};
 pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};
 pub use model::{Grid, Machine, MachineParts, Pose, Provenance, SetUp, Tool};
 pub use name::{AxisName, Direction, ErrorFamily, ErrorId};

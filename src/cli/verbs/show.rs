@@ -117,13 +117,40 @@ fn text(of: &ChainResult) -> String {
     }
     format!(
         "{}\n  {}\n\n{axes}\nArm: from the point about which the axis's angular errors turn to the functional point, \
-         over the volume.\n\n{}\n{}\n{}",
+         over the volume.\n\n{}\n{}\n{}\n{}",
         of.machine,
         of.chain,
+        other_sides(of),
         frames(of),
         locations(of),
         conventions(of)
     )
+}
+
+/// What the file states for the sides on which the axes do not stand.
+fn other_sides(of: &ChainResult) -> String {
+    let mut text = String::from("On the other side of the bed, if a variant or `enumerate` puts an axis there:\n");
+    for axis in &of.axes {
+        let Some(there) = &axis.other_side else { continue };
+        let side = if there.side == Branch::Workpiece { "workpiece" } else { "tool" };
+        let [min, max] = there.travel.map(|q| significant(q, 7));
+        let travel = if there.continuous { "continuous".to_owned() } else { format!("{min} .. {max} {}", axis.unit) };
+        text.push_str(&format!(
+            "  {} with the {side}: origin {} mm, direction {}, travel {travel}\n",
+            axis.name,
+            point(&there.origin_mm),
+            there.direction.map(|x| significant(x, 6)).join(", ")
+        ));
+    }
+    let silent: Vec<&str> = of.axes.iter().filter(|a| a.other_side.is_none()).map(|a| a.name.as_str()).collect();
+    if !silent.is_empty() {
+        text.push_str(&format!("  not stated: {}\n", silent.join(", ")));
+    }
+    let here: Vec<&str> = of.axes.iter().filter(|a| !a.geometry_stated).map(|a| a.name.as_str()).collect();
+    if !here.is_empty() {
+        text.push_str(&format!("  not stated for the side on which it stands: {}\n", here.join(", ")));
+    }
+    text
 }
 
 fn frames(of: &ChainResult) -> String {
