@@ -236,6 +236,9 @@ fn studied(
     }
     let rows = journal.rows();
     let poses = rows.iter().map(|row| row.reached + row.unreachable.total).max().unwrap_or(0);
+    if poses == 0 {
+        return call.refuse(nothing_reached(machine));
+    }
     Ok(EnumerateResult::Ranked(Box::new(RankedArrangements {
         machine: machine.name().to_owned(),
         chain: machine.chain().to_string(),
@@ -251,6 +254,14 @@ fn studied(
         ranking: ranked(rows, poses, options.reach_percent / 100.0),
         tool_poses,
     })))
+}
+
+fn nothing_reached(machine: &Machine) -> Diagnostic {
+    let message =
+        format!("`{}` reaches no tool pose of the work, so there is nothing to rank on", shown(machine.name()));
+    let help = "the inverse kinematics places the tip by linear axes; give tool poses that the machine reaches with \
+                `--tool-poses`, or a `volume` within its travels";
+    Diagnostic::new(codes::E0613, message).help(help)
 }
 
 /// Refuses options that make no sense, for this machine or together.

@@ -294,6 +294,8 @@ fn what_makes_no_study_is_refused() {
     says(&["trunnion.yaml", "--require", "Q before A"], &["E0608", "`Q` is no axis"]);
     says(&["trunnion.yaml", "--require", "C on table", "--max-table", "0"], &["E0609"]);
     says(&["trunnion.yaml", "--by", "budget"], &["E0604"]);
+    // Six rotary axes: nothing places the tip.
+    says(&["robots/ur5.yaml", "--class", "production", "--rotary", "2", "--poses", "5", "--samples", "4"], &["E0613"]);
     says(&["trunnion.yaml", "--poses", "100000", "--samples", "10000"], &["E0606", "1000000000"]);
     for usage in [
         &["--shard", "4/3", "--state", "x"][..],
@@ -321,7 +323,7 @@ fn what_makes_no_study_is_refused() {
     assert_eq!(walks(&machine, None, &[]), Err(TooMany::Before(3_628_800)));
     let still = folder.with(
         "still.yaml",
-        "abbe: 1\nmachine: M\nchain: w b X t\naxes: { X: { travel: [0, 50] } }\nvolume: { X: [7, 7] }\nerrors: { EXX: 1 um }\n",
+        "abbe: 1\nmachine: M\nchain: w b X t\naxes: { X: { travel: [0, 50], origin: [0, 0, 0] } }\nvolume: { X: [7, 7] }\nerrors: { EXX: 1 um }\n",
     );
     says(&[text(&still)], &["E0403"]);
 }
