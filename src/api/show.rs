@@ -1,7 +1,7 @@
 //! The kinematic chain: frames, lever arms, and the location errors it needs.
 
 use super::machine_file::MachineFile;
-use crate::analysis::{Lever, LocationSet, Status, levers};
+use crate::analysis::{Lever, LocationSet, Status, arm_shares, levers};
 use crate::machine::{Axis, AxisKind, Branch, Conventions, ErrorId, Machine, Sense, Travel};
 use crate::report::{self, Picture};
 
@@ -75,6 +75,9 @@ pub struct Arm {
     pub at_zero: f64,
     /// The longest over the volume.
     pub longest: f64,
+    /// What hangs on it: the fraction of the sum of squares of all errors, each by itself, that the angular errors of
+    /// the axis make over the volume, at their values or bounds. None without errors.
+    pub share: Option<f64>,
 }
 
 /// A tool, in machine coordinates at the zero pose.
@@ -123,7 +126,7 @@ pub fn show(file: &MachineFile) -> ChainResult {
     ChainResult {
         machine: file.name().to_owned(),
         chain: file.chain().to_string(),
-        axes: file.axes().iter().zip(&levers(file)).map(|(of, lever)| axis(file, of, lever)).collect(),
+        axes: axes(file),
         tools: file.tools().iter().map(tool).collect(),
         workpiece_origin_mm: file.workpiece(),
         conventions: *file.conventions(),
@@ -131,7 +134,22 @@ pub fn show(file: &MachineFile) -> ChainResult {
     }
 }
 
-fn axis(machine: &Machine, axis: &Axis, lever: &Lever) -> ChainAxis {
+fn axes(machine: &Machine) -> Vec<ChainAxis> {
+    let of = machine.axes().iter().zip(arms(machine));
+    of.map(|(of, arm)| axis(machine, of, arm)).collect()
+}
+
+/// Returns the lever arms of all axes of a machine, with what hangs on them.
+pub(crate) fn arms(machine: &Machine) -> Vec<Arm> {
+    let shares = arm_shares(machine);
+    let arm = |(i, lever): (usize, Lever)| {
+        let share = shares.as_ref().map(|shares| shares[i]);
+        Arm { at_zero: lever.at_zero, longest: lever.longest, share }
+    };
+    levers(machine).into_iter().enumerate().map(arm).collect()
+}
+
+fn axis(machine: &Machine, axis: &Axis, arm_mm: Arm) -> ChainAxis {
     let (min, max) = axis.travel.interval();
     ChainAxis {
         name: axis.name.to_string(),
@@ -143,7 +161,7 @@ fn axis(machine: &Machine, axis: &Axis, lever: &Lever) -> ChainAxis {
         travel: [min, max],
         continuous: axis.travel == Travel::Continuous,
         unit: axis.unit().to_owned(),
-        arm_mm: Arm { at_zero: lever.at_zero, longest: lever.longest },
+        arm_mm,
         geometry_stated: machine.geometry().unstated(&axis.name, &machine.sides()).is_none(),
         other_side: other_side(machine, axis),
     }

@@ -205,6 +205,7 @@ codes! {
     W0402 "a location error cannot act",
     W0403 "a curve repeats a location error",
     W0404 "the geometry of an axis is not stated",
+    W0405 "a linear axis without an origin",
     W0601 "an axis is written under another letter",
     W0602 "tables increase the error or have no effect",
     W0603 "the orientation gets worse",

@@ -26,6 +26,19 @@ impl Machine {
         axes.filter_map(|(index, axis)| Some((index, self.geometry().unstated(&axis.name, &sides)?))).collect()
     }
 
+    /// Indices of the linear axes without an origin of which angular errors turn the carriage, or are bounded. Those
+    /// whose geometry is not stated at all are left out.
+    pub fn without_origin(&self, bounded: impl Fn(&AxisName) -> bool) -> Vec<usize> {
+        let unstated = self.unstated(&bounded);
+        let written =
+            |axis: &Axis| self.geometry().axes.get(&axis.name).is_none_or(|both| both.on(axis.branch).origin_written);
+        let silent = |index: usize, axis: &Axis| {
+            let turned = self.turns_about_its_origin(index) || bounded(&axis.name);
+            axis.kind == AxisKind::Linear && turned && !written(axis) && unstated.iter().all(|(i, _)| *i != index)
+        };
+        self.axes().iter().enumerate().filter(|(index, axis)| silent(*index, axis)).map(|(index, _)| index).collect()
+    }
+
     /// The axis from which the workpiece's origin is given, if that axis does not carry the workpiece.
     pub fn unstated_workpiece(&self) -> Option<AxisName> {
         self.geometry().unstated_workpiece(&self.sides()).cloned()

@@ -42,6 +42,8 @@ pub struct SideGeometry {
     pub travel: Travel,
     /// True if the file states the geometry for this side.
     pub stated: bool,
+    /// True if an origin is written; machine zero, or the origin of the other side, is taken otherwise.
+    pub origin_written: bool,
     /// Errors that hold on this side only; of the side on which the axis stands they are those of the machine.
     pub errors: Option<JointErrors>,
 }

@@ -30,5 +30,5 @@ pub use geometry::{Anchor, AxisGeometry, Geometry, Position, SideGeometry, Sides
 pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};
 pub use model::{Grid, Machine, MachineParts, Pose, Provenance, SetUp, Tool};
 pub use name::{AxisName, Direction, ErrorFamily, ErrorId};
-pub use resolve::{largest, parse_error_name, resolve};
+pub use resolve::{largest, no_origin, parse_error_name, resolve};
 pub use written::machine_file;

@@ -405,3 +405,53 @@ fn show_says_what_holds_on_the_other_side() {
     assert!(shown.contains("on which it stands: C") && said.contains("W0404"), "{shown}{said}");
     assert!(AxisName::new("C").is_some());
 }
+
+#[test]
+fn a_linear_axis_without_origin_is_a_warning_if_something_turns_it() {
+    let with = |x: &str, errors: &str| {
+        let axes =
+            format!("  X: {{ travel: [0, 500]{x} }}\n  Z: {{ travel: [-400, 0] }}\n  C: {{ travel: continuous }}\n");
+        let text = five("w C' b X Z t", &axes, &format!("tool: {{ length: 120 }}\nerrors: {{ {errors} }}\n"));
+        let (_, diagnostics) = read(&[("m.yaml", &text)]);
+        diagnostics.iter().map(|d| format!("{} {}", d.code, d.message)).collect::<Vec<_>>()
+    };
+    let silent = Vec::<String>::new();
+    assert_eq!(with("", "EXX: 1 um, ECC: 3 urad, EB0Z: 3 urad"), silent);
+    for errors in ["EBX: { polynomial: [0 urad, 9 urad/m] }", "EBX: { tolerance: 9 urad }"] {
+        let said = with("", errors);
+        assert!(said.len() == 1 && said[0].starts_with("W0405") && said[0].contains("120 mm from the tip"), "{said:?}");
+        assert_eq!(with(", origin: [0, 0, 0]", errors), silent);
+        assert_eq!(with(", on_tool: { origin: { from: tip } }", errors), silent);
+    }
+    let said = with(", on_workpiece: { origin: [0, 0, 0] }", "EBX: { tolerance: 9 urad }");
+    assert!(said.len() == 1 && said[0].starts_with("W0404"), "{said:?}");
+}
+
+#[test]
+fn a_class_that_bounds_the_angles_of_an_axis_without_origin_says_so() {
+    let folder = Folder::new("sides-class");
+    let text_of = "abbe: 1\nmachine: M\nchain: w b X Y Z t\naxes: { X: { travel: [0, 9], origin: [0, 0, 0] }, Y: { travel: [0, \
+                   9] }, Z: { travel: [0, 9] } }\n";
+    let path = folder.with("m.yaml", text_of);
+    let output = abbe_on(2, &["budget", text(&path), "--class", "production", "--samples", "4", "--poses", "4"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && said.matches("W0405").count() == 2 && !said.contains("axis `X`"), "{said}");
+    assert_eq!(abbe_on(2, &["check", text(&path)]).stderr, b"");
+}
+
+#[test]
+fn arms_bear_the_share_that_hangs_on_them() {
+    let folder = Folder::new("sides-share");
+    // One squareness of 20 urad at Y = 0..300 (mean of squares 300^2 / 3) and a pitch of 10 urad at an arm of 200 mm.
+    let text_of = "abbe: 1\nmachine: M\nchain: w b X Y Z t\naxes: { X: { travel: [0, 9], origin: [0, 0, 200] }, Y: { travel: [0, \
+                   300] }, Z: { travel: [0, 0.001] } }\nerrors: { EC0Y: { tolerance: 20 urad }, EBX: { tolerance: 10 urad } }\n";
+    let path = folder.with("m.yaml", text_of);
+    let chain = json(&["show", text(&path), "--format", "json"]);
+    let share = |i: usize| chain["axes"][i]["arm_mm"]["share"].as_f64().unwrap();
+    let (square, pitch) = (20.0_f64.powi(2) * 300.0_f64.powi(2) / 3.0, 10.0_f64.powi(2) * 200.0_f64.powi(2));
+    // 500 random poses.
+    assert!((share(0) - pitch / (pitch + square)).abs() < 0.03, "{}", share(0));
+    assert_eq!((share(1), share(2)), (0.0, 0.0));
+    let shown = abbe(&["check", text(&path)]);
+    assert!(shown.contains("  arms    X ") && shown.contains(" %)"), "{shown}");
+}

@@ -19,6 +19,7 @@ mod volume;
 
 pub use errors::largest;
 pub use names::parse_error_name;
+pub use sides::no_origin;
 
 use super::{Axis, Branch, Conventions, Geometry, KinematicChain, Machine, MachineParts, Sides};
 use crate::diagnostic::{Diagnostics, codes};

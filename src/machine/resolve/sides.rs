@@ -32,6 +32,7 @@ pub fn geometry(
                 origin: settled(of.origin.as_ref()),
                 travel: of.travel?,
                 stated: stated(context, draft, branch),
+                origin_written: of.origin.is_some(),
                 errors: other_side.take_if(|(side, _)| *side == branch).map(|(_, errors)| errors),
             })
         };
@@ -41,14 +42,13 @@ pub fn geometry(
     Geometry { axes: declared.iter().filter_map(both).collect(), workpiece: settled(workpiece) }
 }
 
-/// True if the file states the geometry for the side: in the block of the side, or by the plain keys if the file that
-/// wrote them has the axis on this side.
+/// True if the file states the geometry for the side: in the block of the side; by the plain keys beside the block of
+/// the other side; or by the plain keys alone, if the file that wrote them has the axis on this side.
 fn stated(context: &Context<'_>, draft: &AxisDraft, branch: Branch) -> bool {
-    let in_a_block = draft.on_tool.origin.is_some() || draft.on_workpiece.origin.is_some();
-    let by_plain_keys = draft.plain.origin.is_some() || !in_a_block;
-    let name = draft.name.as_str();
+    let [here, there] = [branch, branch.opposite()].map(|side| draft.block(side).origin.is_some());
+    let (plain, name) = (draft.plain.origin.is_some(), draft.name.as_str());
     let home = || context.document.chains.of(name).find_map(|chain| side_in(chain, name));
-    draft.block(branch).origin.is_some() || (by_plain_keys && home() == Some(branch))
+    here || (plain && there) || (!there && home() == Some(branch))
 }
 
 /// Warns of axes that stand on a side for which the file states no geometry, and of a workpiece that an axis on the
@@ -80,6 +80,11 @@ pub fn warn(context: &mut Context<'_>, machine: &Machine) {
         let warning = Diagnostic::new(codes::W0404, message).at(own, "").at(chain, "the chain");
         context.diagnostics.push(warning.help(help));
     }
+    for index in machine.without_origin(|_| false) {
+        let warning = no_origin(machine, index, "has angular errors");
+        let place = context.document.places.key(&keys(["axes", machine.axes()[index].name.as_str()]));
+        context.diagnostics.push(warning.at(place, ""));
+    }
     if let Some(axis) = machine.unstated_workpiece() {
         let message = format!("the workpiece lies at axis `{axis}`, which does not carry it");
         let place = context.document.places.value(&keys(["workpiece", "origin"]));
@@ -88,6 +93,19 @@ pub fn warn(context: &mut Context<'_>, machine: &Machine) {
             .diagnostics
             .push(warning.help("give the workpiece an origin from an axis that carries it, or from bed"));
     }
+}
+
+/// The warning of a linear axis whose angular errors turn about machine zero for want of an origin.
+pub fn no_origin(machine: &Machine, index: usize, why: &str) -> Diagnostic {
+    let name = &machine.axes()[index].name;
+    let arm = significant(distance(machine.axes()[index].origin, machine.tool().tip), 4);
+    let message = format!(
+        "axis `{name}` {why} and no `origin`: they turn about machine zero, {arm} mm from the tip at the zero pose"
+    );
+    let line = format!("{name}: {{ origin: {{ from: gauge, at: [0, 0, 250] }} }}");
+    Diagnostic::new(codes::W0405, message).help(format!(
+        "write the point about which the carriage turns, such as `{line}`; `origin: [0, 0, 0]` keeps machine zero"
+    ))
 }
 
 fn chain_place(context: &Context<'_>) -> Option<crate::diagnostic::Place> {
