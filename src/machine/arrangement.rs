@@ -73,11 +73,11 @@ impl Machine {
             let mut errors = self.axis_errors(i).clone();
             let mut axis = Axis { branch: *branch, ..old.clone() };
             if let Some(geometry) = parts.geometry.axes.get_mut(name) {
-                if *branch != old.branch {
-                    if let Some(here) = geometry.on_mut(*branch).errors.take() {
-                        geometry.on_mut(old.branch).errors = Some(std::mem::replace(&mut errors, here));
-                        parts.uncertainty.retain(|error, _| error.axis != *name);
-                    }
+                if *branch != old.branch
+                    && let Some(here) = geometry.on_mut(*branch).errors.take()
+                {
+                    geometry.on_mut(old.branch).errors = Some(std::mem::replace(&mut errors, here));
+                    parts.uncertainty.retain(|error, _| error.axis != *name);
                 }
                 let here = geometry.on(*branch);
                 (axis.direction, axis.travel) = (here.direction, here.travel);

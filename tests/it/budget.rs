@@ -329,7 +329,7 @@ fn a_part_of_the_volume_is_no_worse_than_the_whole() {
             let inside = pose.iter().zip(whole_machine.volume()).all(|(q, grid)| (grid.min..=grid.max).contains(q));
             assert!(inside && *value > 0.0, "{name}: {pose:?}");
         }
-        for round in 0..3 {
+        for round in 0..2 {
             let part = |(axis, grid): (&abbe::machine::Axis, &abbe::machine::Grid)| {
                 let (a, b) = (random.between(0.0, 1.0), random.between(0.0, 1.0));
                 let (a, b) = if round == 0 { (0.0, if axis.unit() == "deg" { 0.5 } else { 1.0 }) } else { (a, b) };
