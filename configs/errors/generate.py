@@ -110,7 +110,7 @@ class Machine:
         self.chain = self._scalar("chain").strip('"')
         found = re.search(r"class:\s*([\w-]+)", self._scalar("provenance") or "")
         self.kind = found.group(1) if found else ""
-        block = self._block("axes")
+        block = joined(self._block("axes"))
         self.axes = [Axis(m.group(1), m.group(2), i) for i, line in enumerate(block)
                      if (m := re.match(r"\s+(\w+):\s*\{(.*)\}\s*$", line))]
         self.measured = re.findall(r"[\w./-]+\.csv", self._scalar("measured") + " ".join(self._block("measured")))
@@ -130,6 +130,18 @@ class Machine:
             elif inside and line.strip():
                 out.append(line)
         return out
+
+
+def joined(lines):
+    """Lines of a block, a mapping in braces that goes over several of them as one."""
+    out, depth = [], 0
+    for line in lines:
+        if depth > 0:
+            out[-1] += " " + line.strip()
+        else:
+            out.append(line)
+        depth += line.count("{") - line.count("}")
+    return out
 
 
 def strip_comment(line):

@@ -28,5 +28,5 @@ pub use design::{
 pub use inverse::{Inverse, ToolPose, Unreachable, inverse, place, rest, tool_pose};
 pub use volume::{
     Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, Survey, SurveyTask, TooManyPoses, View, Work,
-    body_diagonals, deviation_in, frame_rotation, levers, map, space_axes, survey, survey_with_rows,
+    arm_shares, body_diagonals, deviation_in, frame_rotation, levers, map, space_axes, survey, survey_with_rows,
 };

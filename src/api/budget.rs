@@ -133,8 +133,16 @@ fn budgeted(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> 
         None => budget_poses(machine, options.poses, options.seed),
     };
     let (samples, statistic) = (options.samples, options.tolerances.statistic);
-    let request =
-        Request { machine, bounds: &bounds, poses: &poses, at: at.as_deref(), draws: &draws, samples, statistic };
+    let request = Request {
+        machine,
+        bounds: &bounds,
+        poses: &poses,
+        searched: tool_poses.is_none(),
+        at: at.as_deref(),
+        draws: &draws,
+        samples,
+        statistic,
+    };
     let budget = call.stage(2 * samples, |advance| computed(request, advance));
     let drawing = options.tolerances.drawing(source, samples, options.seed);
     let (machine, poses) = (machine.clone(), poses.len());

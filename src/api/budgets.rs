@@ -98,7 +98,10 @@ fn budgeted(
     let (draws, statistic, samples) = (drawn.tolerances.draws(drawn.seed), drawn.tolerances.statistic, drawn.samples);
     call.stage(2 * samples * sides.len(), |advance| {
         let one = |((machine, poses), bounds): (&(&Machine, Vec<Pose>), &Vec<Bound>)| {
-            budget(Request { machine, bounds, poses, at: None, draws: &draws, samples, statistic }, advance)
+            budget(
+                Request { machine, bounds, poses, searched: false, at: None, draws: &draws, samples, statistic },
+                advance,
+            )
         };
         sides.iter().zip(bounds).map(one).collect()
     })

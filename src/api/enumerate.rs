@@ -127,7 +127,7 @@ pub struct RankedArrangements {
     pub statistic: Statistic,
     /// Fraction of the tool poses that a ranked arrangement reaches, in percent.
     pub reach_percent: f64,
-    /// The arrangements in three groups.
+    /// The arrangements in four groups.
     pub ranking: Ranking,
     /// What the machine as its file has it reaches of the tool poses of a file.
     pub tool_poses: Option<ReachedToolPoses>,
@@ -136,7 +136,8 @@ pub struct RankedArrangements {
 impl RankedArrangements {
     /// Returns the number of arrangements.
     pub fn arrangements(&self) -> usize {
-        self.ranking.ranked.len() + self.ranking.short.len() + self.ranking.cannot_turn.len()
+        let Ranking { ranked, short, not_stated, cannot_turn } = &self.ranking;
+        ranked.len() + short.len() + not_stated.len() + cannot_turn.len()
     }
 
     fn contract(&self) -> Value {
@@ -156,6 +157,7 @@ impl RankedArrangements {
             "arrangements": self.arrangements(),
             "ranked": self.ranking.ranked.iter().enumerate().map(number).collect::<Vec<_>>(),
             "reach_less": self.ranking.short.iter().map(row_json).collect::<Vec<_>>(),
+            "geometry_not_stated": self.ranking.not_stated.iter().map(row_json).collect::<Vec<_>>(),
             "cannot_turn_the_tool": self.ranking.cannot_turn.iter().map(|row| row.chain.clone()).collect::<Vec<_>>(),
         });
         if let (Some(object), Some(reached)) = (json.as_object_mut(), &self.tool_poses) {
@@ -173,12 +175,16 @@ impl Serialize for RankedArrangements {
 
 fn row_json(row: &Row) -> Value {
     let judged = row.standing == Standing::Judged;
-    json!({
+    let mut json = json!({
         "chain": row.chain, "on_table": row.table, "reached": row.reached, "unreachable": row.unreachable,
         "um": row.result.filter(|_| judged).map(|r| r.um), "low": row.result.and_then(|r| r.low),
         "high": row.result.and_then(|r| r.high), "mean": row.result.and_then(|r| r.mean),
         "minus_file": row.result.map(|r| r.minus_file),
-    })
+    });
+    if let (Some(object), false) = (json.as_object_mut(), row.not_stated.is_empty()) {
+        let _ = object.insert("not_stated".to_owned(), json!(row.not_stated));
+    }
+    json
 }
 
 /// Poses times samples: as many figures are kept of the arrangement of the file.
@@ -230,6 +236,9 @@ fn studied(
     }
     let rows = journal.rows();
     let poses = rows.iter().map(|row| row.reached + row.unreachable.total).max().unwrap_or(0);
+    if poses == 0 {
+        return call.refuse(nothing_reached(machine));
+    }
     Ok(EnumerateResult::Ranked(Box::new(RankedArrangements {
         machine: machine.name().to_owned(),
         chain: machine.chain().to_string(),
@@ -245,6 +254,14 @@ fn studied(
         ranking: ranked(rows, poses, options.reach_percent / 100.0),
         tool_poses,
     })))
+}
+
+fn nothing_reached(machine: &Machine) -> Diagnostic {
+    let message =
+        format!("`{}` reaches no tool pose of the work, so there is nothing to rank on", shown(machine.name()));
+    let help = "the inverse kinematics places the tip by linear axes; give tool poses that the machine reaches with \
+                `--tool-poses`, or a `volume` within its travels";
+    Diagnostic::new(codes::E0613, message).help(help)
 }
 
 /// Refuses options that make no sense, for this machine or together.

@@ -192,7 +192,16 @@ impl OwnBudget {
         }
         let (poses, draws) = (budget_poses(machine, BUDGET_POSES, *seed), tolerances.draws(*seed));
         let (samples, statistic) = (*samples, tolerances.statistic);
-        let request = Request { machine, bounds: &bounds, poses: &poses, at: None, draws: &draws, samples, statistic };
+        let request = Request {
+            machine,
+            bounds: &bounds,
+            poses: &poses,
+            searched: true,
+            at: None,
+            draws: &draws,
+            samples,
+            statistic,
+        };
         let budget = call.stage(2 * samples, |advance| budget(request, advance));
         let drawing = tolerances.drawing(source, samples, *seed);
         Ok(Some(Self { budget, poses: poses.len(), drawing, bounds }))

@@ -25,7 +25,7 @@ pub use super::instrument::{InstrumentResult, Readings};
 pub use super::map::{BodyDiagonal, MapResult, Uncompensated, WorstPose};
 pub use super::poses::AxisPositions;
 pub use super::report::Report;
-pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors};
+pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, OtherSide};
 pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::tool_poses::{MissedToolPose, ReachedToolPoses};

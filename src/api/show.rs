@@ -1,8 +1,8 @@
 //! The kinematic chain: frames, lever arms, and the location errors it needs.
 
 use super::machine_file::MachineFile;
-use crate::analysis::{Lever, LocationSet, Status, levers};
-use crate::machine::{Axis, AxisKind, Branch, Conventions, ErrorId, Sense, Travel};
+use crate::analysis::{Lever, LocationSet, Status, arm_shares, levers};
+use crate::machine::{Axis, AxisKind, Branch, Conventions, ErrorId, Machine, Sense, Travel};
 use crate::report::{self, Picture};
 
 /// The kinematic chain of a machine.
@@ -47,6 +47,25 @@ pub struct ChainAxis {
     pub unit: String,
     /// Arms from the point about which angular errors turn to the functional point.
     pub arm_mm: Arm,
+    /// True if the file states the geometry for the side on which the axis stands.
+    pub geometry_stated: bool,
+    /// What the file states for the other side.
+    pub other_side: Option<OtherSide>,
+}
+
+/// What a file states of an axis for the side on which it does not stand, the other axes staying where they are.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct OtherSide {
+    /// The other branch.
+    pub side: Branch,
+    /// Unit vector.
+    pub direction: [f64; 3],
+    /// Point about which angular errors turn, mm.
+    pub origin_mm: [f64; 3],
+    /// Limits in the unit of the axis; 0 and 360 for a continuous axis.
+    pub travel: [f64; 2],
+    /// True if the axis turns without end.
+    pub continuous: bool,
 }
 
 /// A lever arm, mm.
@@ -56,6 +75,9 @@ pub struct Arm {
     pub at_zero: f64,
     /// The longest over the volume.
     pub longest: f64,
+    /// What hangs on it: the fraction of the sum of squares of all errors, each by itself, that the angular errors of
+    /// the axis make over the volume, at their values or bounds. None without errors.
+    pub share: Option<f64>,
 }
 
 /// A tool, in machine coordinates at the zero pose.
@@ -104,7 +126,7 @@ pub fn show(file: &MachineFile) -> ChainResult {
     ChainResult {
         machine: file.name().to_owned(),
         chain: file.chain().to_string(),
-        axes: file.axes().iter().zip(&levers(file)).map(axis).collect(),
+        axes: axes(file),
         tools: file.tools().iter().map(tool).collect(),
         workpiece_origin_mm: file.workpiece(),
         conventions: *file.conventions(),
@@ -112,7 +134,22 @@ pub fn show(file: &MachineFile) -> ChainResult {
     }
 }
 
-fn axis((axis, lever): (&Axis, &Lever)) -> ChainAxis {
+fn axes(machine: &Machine) -> Vec<ChainAxis> {
+    let of = machine.axes().iter().zip(arms(machine));
+    of.map(|(of, arm)| axis(machine, of, arm)).collect()
+}
+
+/// Returns the lever arms of all axes of a machine, with what hangs on them.
+pub(crate) fn arms(machine: &Machine) -> Vec<Arm> {
+    let shares = arm_shares(machine);
+    let arm = |(i, lever): (usize, Lever)| {
+        let share = shares.as_ref().map(|shares| shares[i]);
+        Arm { at_zero: lever.at_zero, longest: lever.longest, share }
+    };
+    levers(machine).into_iter().enumerate().map(arm).collect()
+}
+
+fn axis(machine: &Machine, axis: &Axis, arm_mm: Arm) -> ChainAxis {
     let (min, max) = axis.travel.interval();
     ChainAxis {
         name: axis.name.to_string(),
@@ -124,8 +161,28 @@ fn axis((axis, lever): (&Axis, &Lever)) -> ChainAxis {
         travel: [min, max],
         continuous: axis.travel == Travel::Continuous,
         unit: axis.unit().to_owned(),
-        arm_mm: Arm { at_zero: lever.at_zero, longest: lever.longest },
+        arm_mm,
+        geometry_stated: machine.geometry().unstated(&axis.name, &machine.sides()).is_none(),
+        other_side: other_side(machine, axis),
     }
+}
+
+fn other_side(machine: &Machine, axis: &Axis) -> Option<OtherSide> {
+    let (geometry, mut sides) = (machine.geometry(), machine.sides());
+    let side = axis.branch.opposite();
+    let _ = sides.insert(axis.name.clone(), side);
+    if geometry.unstated(&axis.name, &sides).is_some() {
+        return None;
+    }
+    let there = geometry.axes.get(&axis.name)?.on(side);
+    let (min, max) = there.travel.interval();
+    Some(OtherSide {
+        side,
+        direction: there.direction,
+        origin_mm: geometry.origin(&axis.name, &sides),
+        travel: [min, max],
+        continuous: there.travel == Travel::Continuous,
+    })
 }
 
 impl MachineFile {

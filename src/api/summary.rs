@@ -1,6 +1,7 @@
 //! The machine in short: axes, tools, conventions and how many errors it has.
 
 use super::machine_file::MachineFile;
+use super::show::{Arm, arms};
 use crate::machine::{AxisKind, Branch, Conventions, ErrorTerm, Travel};
 
 /// A machine in short, as `check` prints it.
@@ -39,6 +40,8 @@ pub struct AxisSummary {
     pub travel: [f64; 2],
     /// `mm` or `deg`.
     pub unit: String,
+    /// Arms from the point about which angular errors turn to the functional point, and what hangs on them.
+    pub arm_mm: Arm,
 }
 
 /// Counts of the errors of a machine.
@@ -54,7 +57,7 @@ pub struct ErrorCounts {
 
 /// Returns a machine in short.
 pub fn summary(file: &MachineFile) -> MachineSummary {
-    let axis = |axis: &crate::machine::Axis| {
+    let axis = |(axis, arm_mm): (&crate::machine::Axis, Arm)| {
         let (min, max) = axis.travel.interval();
         AxisSummary {
             name: axis.name.to_string(),
@@ -65,12 +68,13 @@ pub fn summary(file: &MachineFile) -> MachineSummary {
             continuous: axis.travel == Travel::Continuous,
             travel: [min, max],
             unit: axis.unit().to_owned(),
+            arm_mm,
         }
     };
     MachineSummary {
         machine: file.name().to_owned(),
         chain: file.chain().to_string(),
-        axes: file.axes().iter().map(axis).collect(),
+        axes: file.axes().iter().zip(arms(file)).map(axis).collect(),
         tools: file.tools().iter().map(|tool| tool.name.clone()).collect(),
         conventions: *file.conventions(),
         errors: counts(file),

@@ -3,7 +3,7 @@
 use super::run::{Call, Refused};
 use crate::analysis::budget::{Bound, Class, Distribution, Draws, Statistic, bounds, classes, known, lacks_rotary};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
-use crate::machine::Machine;
+use crate::machine::{AxisName, Machine, no_origin};
 use crate::report::DrawSettings;
 
 /// Draws of errors between their bounds, and the statistic of their effect.
@@ -49,7 +49,23 @@ impl ToleranceOptions {
             Some(name) => Some(find(machine, name).or_else(|refusal| call.refuse(refusal))?),
             None => None,
         };
-        Ok((bounds(machine, class.as_ref()), class.map(|class| class.source)))
+        let list = bounds(machine, class.as_ref());
+        warn_of_arms(call, machine, &list);
+        Ok((list, class.map(|class| class.source)))
+    }
+}
+
+/// Warns of linear axes without an origin whose angles the class bounds; those that the file bounds are known from its
+/// reading.
+fn warn_of_arms(call: &mut Call<'_>, machine: &Machine, bounds: &[Bound]) {
+    let turns = |bound: &Bound| bound.of_class && bound.error.direction.is_rotation() && !bound.error.is_location();
+    let bounded = |axis: &AxisName| bounds.iter().any(|bound| bound.error.axis == *axis && turns(bound));
+    let known = machine.without_origin(|_| false);
+    for index in machine.without_origin(bounded).into_iter().filter(|index| !known.contains(index)) {
+        let warning = no_origin(machine, index, "has angles bounded by the class");
+        if !call.diagnostics.iter().any(|other| *other == warning) {
+            call.diagnostics.push(warning);
+        }
     }
 }
 

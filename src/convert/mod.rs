@@ -71,6 +71,8 @@ pub fn convert(machine: &Machine, request: &ConversionRequest) -> Result<Convers
     parts.conventions = request.conventions;
     // Values are regrouped: the uncertainty of one of them is not that of the sums.
     parts.uncertainty.clear();
+    // The proof is of the arrangement at hand.
+    parts.geometry.forget_other_sides(&machine.sides());
     let turned = |axis: &Axis| turns_over(machine, axis, request);
     for (axis, grid) in parts.axes.iter_mut().zip(&mut parts.volume).filter(|(axis, _)| turned(axis)) {
         *axis = mirrored(axis);

@@ -183,6 +183,20 @@ impl Diagnostics {
         self.list.iter()
     }
 
+    /// The number of those found so far.
+    pub fn count(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Drops those found after the first `count` that repeat an earlier one.
+    pub fn forget_repeats(&mut self, count: usize) {
+        for i in (count..self.list.len()).rev() {
+            if self.list[..i].contains(&self.list[i]) {
+                self.list.remove(i);
+            }
+        }
+    }
+
     /// True if the input is refused.
     pub fn refused(&self) -> bool {
         self.list.iter().any(|d| d.severity == Severity::Refusal)

@@ -36,6 +36,9 @@ pub fn fitted_file(
         let half = expanded(machine, parameters, solution, Source { place, direction });
         state(&mut parts, place, direction, half);
     }
+    for (i, axis) in machine.axes().iter().enumerate() {
+        parts.geometry.follow(&axis.name, machine.axis_errors(i), &parts.errors[i]);
+    }
     machine_file(&parts, provenance) + &section(request)
 }
 

@@ -15,6 +15,19 @@ pub enum Branch {
     Tool,
 }
 
+impl Branch {
+    /// Both, the tool's first.
+    pub const BOTH: [Self; 2] = [Self::Tool, Self::Workpiece];
+
+    /// The other one.
+    pub fn opposite(self) -> Self {
+        match self {
+            Self::Workpiece => Self::Tool,
+            Self::Tool => Self::Workpiece,
+        }
+    }
+}
+
 /// A body of the machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Body {

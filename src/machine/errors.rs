@@ -1,6 +1,6 @@
 //! The errors of one joint: six location and six component errors, any of them absent.
 
-use super::{Curve, Direction, ErrorFamily};
+use super::{AxisName, Curve, Direction, ErrorFamily, ErrorId};
 
 /// The side from which a position is approached; curves may differ (reversal).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -108,6 +108,22 @@ impl JointErrors {
     /// The six component errors at a position (mm, rad).
     pub fn component_values(&self, position: f64, approach: Approach) -> [f64; 6] {
         std::array::from_fn(|i| self.component[i].as_ref().map_or(0.0, |t| t.value(position, approach)))
+    }
+
+    /// Keeps the errors of the joint of this name that `keep` accepts.
+    pub(in crate::machine) fn retain(&mut self, joint: &AxisName, keep: &impl Fn(&ErrorId) -> bool) {
+        for family in ErrorFamily::ALL {
+            for direction in Direction::ALL {
+                let id = ErrorId { axis: joint.clone(), family, direction };
+                let slot = &mut self.six_mut(family)[direction.index()];
+                *slot = slot.take().filter(|_| keep(&id));
+            }
+        }
+    }
+
+    /// True if an angular component error is given.
+    pub fn tilts(&self) -> bool {
+        self.component[3..].iter().any(Option::is_some)
     }
 
     /// The terms that are given, with family and direction.

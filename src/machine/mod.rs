@@ -5,12 +5,14 @@
 //! [`Machine::axes`], the walk from workpiece to tool.
 
 mod algebra;
+mod arrangement;
 mod axis;
 mod bspline;
 mod chain;
 mod conventions;
 mod curve;
 mod errors;
+mod geometry;
 mod joint;
 mod model;
 mod name;
@@ -24,8 +26,9 @@ pub use chain::{Body, Branch, KinematicChain};
 pub use conventions::{Conventions, ErrorsAre, Joints, LinearOrder, Location, LocationOrder, RotaryOrder, Sense};
 pub use curve::{Curve, Knots, KnotsFailure, sin_cos_degrees};
 pub use errors::{Approach, ComponentError, ErrorTerm, JointErrors};
+pub use geometry::{Anchor, AxisGeometry, Geometry, Position, SideGeometry, Sides, Unstated};
 pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};
 pub use model::{Grid, Machine, MachineParts, Pose, Provenance, SetUp, Tool};
 pub use name::{AxisName, Direction, ErrorFamily, ErrorId};
-pub use resolve::{largest, parse_error_name, resolve};
+pub use resolve::{largest, no_origin, parse_error_name, resolve};
 pub use written::machine_file;

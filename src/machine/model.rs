@@ -1,8 +1,8 @@
 //! [`Machine`] and what it is made of.
 
 use super::{
-    AlgebraChoice, Approach, Axis, AxisKind, AxisName, Branch, Conventions, Direction, ErrorFamily, ErrorId, ErrorTerm,
-    JointErrors, KinematicChain, Travel,
+    AlgebraChoice, Approach, Axis, AxisKind, AxisName, Conventions, ErrorId, ErrorTerm, Geometry, JointErrors,
+    KinematicChain, Travel,
 };
 use std::collections::BTreeMap;
 
@@ -75,6 +75,9 @@ pub struct MachineParts {
     pub uncertainty: BTreeMap<ErrorId, f64>,
     /// The algebra it names, if any.
     pub algebra: Option<AlgebraChoice>,
+    /// What holds of the axes on either side of the bed; `axes`, `errors` and `workpiece` are of the sides on which
+    /// the axes stand.
+    pub geometry: Geometry,
 }
 
 /// A position that cannot be evaluated: an error curve is not defined there.
@@ -100,6 +103,16 @@ impl Machine {
     /// Only [`super::resolve()`] makes machines, after its checks.
     pub(in crate::machine) fn new(parts: MachineParts) -> Self {
         Self { parts, tool: 0 }
+    }
+
+    /// Its fields.
+    pub(in crate::machine) fn parts(&self) -> &MachineParts {
+        &self.parts
+    }
+
+    /// The same tool in use with other fields.
+    pub(in crate::machine) fn with_parts(&self, parts: MachineParts) -> Self {
+        Self { parts, tool: self.tool }
     }
 
     /// Its fields, the tool in use first: with [`super::machine_file()`] the file of another machine.
@@ -210,41 +223,13 @@ impl Machine {
         let names: Vec<AxisName> = self.joint_names().cloned().collect();
         parts.setup = SetUp::default();
         for (axis, errors) in names.into_iter().zip(&mut parts.errors) {
-            for family in ErrorFamily::ALL {
-                for direction in Direction::ALL {
-                    let id = ErrorId { axis: axis.clone(), family, direction };
-                    let slot = &mut errors.six_mut(family)[direction.index()];
-                    *slot = slot.take().filter(|_| keep(&id));
-                }
-            }
+            errors.retain(&axis, &keep);
+        }
+        for (axis, geometry) in &mut parts.geometry.axes {
+            let sides = [&mut geometry.tool.errors, &mut geometry.workpiece.errors];
+            sides.into_iter().flatten().for_each(|errors| errors.retain(axis, &keep));
         }
         Self { parts, tool: self.tool }
-    }
-
-    /// The same axes in another order or on another side, listed on the walk from workpiece to tool; an
-    /// axis left out goes with its errors. Origins, directions and curves keep their values in machine
-    /// coordinates at the zero pose. `None` if an axis is not there, or twice, or none is left.
-    pub fn rearranged(&self, walk: &[(AxisName, Branch)]) -> Option<Self> {
-        let index: Vec<usize> = walk.iter().map(|(name, _)| self.axis_index(name.as_str())).collect::<Option<_>>()?;
-        let twice = index.iter().enumerate().any(|(i, axis)| index[..i].contains(axis));
-        let mixed = walk.windows(2).any(|two| two[0].1 == Branch::Tool && two[1].1 == Branch::Workpiece);
-        if walk.is_empty() || twice || mixed {
-            return None;
-        }
-        let side = |branch| walk.iter().filter(move |(_, side)| *side == branch).map(|(name, _)| name.clone());
-        let outwards: Vec<AxisName> = side(Branch::Workpiece).collect::<Vec<_>>().into_iter().rev().collect();
-        let mut parts = self.parts.clone();
-        parts.chain =
-            KinematicChain::new(&outwards, &side(Branch::Tool).collect::<Vec<_>>(), self.chain().spindle().cloned());
-        let of =
-            |(i, (_, branch)): (&usize, &(AxisName, Branch))| Axis { branch: *branch, ..self.parts.axes[*i].clone() };
-        parts.axes = index.iter().zip(walk).map(of).collect();
-        parts.errors =
-            index.iter().map(|i| self.parts.errors[*i].clone()).chain(self.spindle_errors().cloned()).collect();
-        parts.volume = index.iter().map(|i| self.parts.volume[*i]).collect();
-        // It may name errors that are gone.
-        parts.algebra = None;
-        Some(Self { parts, tool: self.tool })
     }
 
     /// The first error curve that is not defined at the pose. Within the travel there is none.

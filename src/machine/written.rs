@@ -1,15 +1,15 @@
 //! A machine as a machine file: self-contained, no `extends`, no tables outside. The inverse of [`super::resolve()`].
 
 use super::{
-    AlgebraChoice, Axis, AxisKind, AxisName, Branch, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm,
-    Generators, Grid, JointErrors, MachineParts, Sense, SetUp, Tool, Travel,
+    AlgebraChoice, Anchor, Axis, AxisKind, AxisName, Branch, ComponentError, Curve, Direction, ErrorFamily, ErrorId,
+    ErrorTerm, Generators, Grid, JointErrors, MachineParts, Sense, SetUp, Tool, Travel,
 };
 
 /// The text of a machine file that says what `parts` say; `provenance` are further entries of that section
 /// (single lines).
 pub fn machine_file(parts: &MachineParts, provenance: &[(String, String)]) -> String {
     let mut text = format!("abbe: 1\nmachine: {}\nchain: \"{}\"\naxes:\n", quoted(&parts.name), parts.chain);
-    parts.axes.iter().for_each(|axis| text += &axis_line(axis));
+    parts.axes.iter().zip(&parts.errors).for_each(|(axis, errors)| text += &axis_line(axis, errors, parts));
     text += &tools(&parts.tools);
     text += &format!("workpiece: {{ origin: {} }}\n", point(&parts.workpiece));
     text += &conventions(parts);
@@ -38,20 +38,65 @@ fn point(p: &[f64; 3]) -> String {
     format!("[{}, {}, {}]", number(p[0]), number(p[1]), number(p[2]))
 }
 
-fn axis_line(axis: &Axis) -> String {
+fn axis_line(axis: &Axis, errors: &JointErrors, parts: &MachineParts) -> String {
     let kind = if axis.kind == AxisKind::Linear { "linear" } else { "rotary" };
-    let unit = axis.unit();
-    let travel = match axis.travel {
-        Travel::Range(min, max) => format!("[{} {unit}, {} {unit}]", number(min), number(max)),
-        Travel::Continuous => "continuous".to_owned(),
-    };
+    let travel = travel(axis.travel, axis.unit());
     let sense = match (axis.branch, axis.sense) {
         (Branch::Workpiece, Sense::Direct) => ", sense: direct",
         (Branch::Workpiece, Sense::Iso841) => ", sense: iso841",
         (Branch::Tool, _) => "",
     };
     let (direction, origin) = (point(&axis.direction), point(&axis.origin));
-    format!("  {}: {{ kind: {kind}, direction: {direction}, origin: {origin}, travel: {travel}{sense} }}\n", axis.name)
+    let other = other_side(axis, errors, parts).unwrap_or_default();
+    let name = &axis.name;
+    format!("  {name}: {{ kind: {kind}, direction: {direction}, origin: {origin}, travel: {travel}{sense}{other} }}\n")
+}
+
+fn travel(travel: Travel, unit: &str) -> String {
+    match travel {
+        Travel::Range(min, max) => format!("[{} {unit}, {} {unit}]", number(min), number(max)),
+        Travel::Continuous => "continuous".to_owned(),
+    }
+}
+
+/// The block of the other side, if its geometry is stated.
+fn other_side(axis: &Axis, own: &JointErrors, parts: &MachineParts) -> Option<String> {
+    let branch = axis.branch.opposite();
+    let side = parts.geometry.axes.get(&axis.name)?.on(branch);
+    if !side.stated {
+        return None;
+    }
+    let key = if branch == Branch::Tool { "on_tool" } else { "on_workpiece" };
+    let at = point(&side.origin.at);
+    let origin = match &side.origin.from {
+        Anchor::Bed => at,
+        Anchor::Workpiece => format!("{{ from: workpiece, at: {at} }}"),
+        Anchor::Axis(name) if parts.axes.iter().any(|axis| axis.name == *name) => {
+            format!("{{ from: {name}, at: {at} }}")
+        }
+        // The file written does not declare axes outside the chain.
+        Anchor::Axis(_) => return None,
+    };
+    let (direction, travel) = (point(&side.direction), travel(side.travel, axis.unit()));
+    let errors: Vec<String> = side.errors.iter().flat_map(|errors| differing(axis, own, errors)).collect();
+    let errors = if errors.is_empty() { String::new() } else { format!(", errors: {{ {} }}", errors.join(", ")) };
+    Some(format!(", {key}: {{ direction: {direction}, origin: {origin}, travel: {travel}{errors} }}"))
+}
+
+/// The errors of an axis that are not the same on the other side; zero where there is none.
+fn differing(axis: &Axis, own: &JointErrors, other: &JointErrors) -> Vec<String> {
+    let mut lines = Vec::new();
+    for family in ErrorFamily::ALL {
+        for direction in Direction::ALL {
+            let [own, other] = [own, other].map(|errors| errors.six(family)[direction.index()].as_ref());
+            if own != other {
+                let id = ErrorId { axis: axis.name.clone(), family, direction };
+                let value = other.map_or_else(|| amount(0.0, direction), |of| term(of, direction, Some(axis)));
+                lines.push(format!("{id}: {value}"));
+            }
+        }
+    }
+    lines
 }
 
 fn tools(tools: &[Tool]) -> String {

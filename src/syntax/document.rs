@@ -3,6 +3,7 @@
 use super::entry::entry;
 use super::extends::Layer;
 use super::forms::{Forms, forms};
+use super::geometry::{PositionEntry, SideEntry, WrittenChains};
 use super::places::{Keys, Places, below, keys};
 use super::scalar::Scalar;
 use super::term::TermEntry;
@@ -53,6 +54,8 @@ pub struct Document {
     pub identify: Option<IdentifyEntry>,
     /// The places of all entries.
     pub places: Places,
+    /// The chains under which the geometry of axes was written.
+    pub chains: WrittenChains,
 }
 
 /// The chain as two lists from the bed outwards.
@@ -76,14 +79,18 @@ pub struct AxisEntry {
     #[schemars(schema_with = "super::schema::direction")]
     pub direction: Option<Vec<Scalar>>,
     /// A point of the axis (mm).
-    #[schemars(schema_with = "super::schema::point")]
-    pub origin: Option<Vec<Scalar>>,
+    #[schemars(schema_with = "super::schema::position_entry")]
+    pub origin: Option<PositionEntry>,
     /// Its travel.
     #[schemars(schema_with = "super::schema::travel")]
     pub travel: Option<TravelEntry>,
     /// `iso841` or `direct`.
     #[schemars(schema_with = "super::schema::sense")]
     pub sense: Option<String>,
+    /// What holds when it carries the tool, over the plain keys.
+    pub on_tool: Option<SideEntry>,
+    /// What holds when it carries the workpiece, over the plain keys.
+    pub on_workpiece: Option<SideEntry>,
 }
 
 /// `[min, max]` or `continuous`.
@@ -115,8 +122,8 @@ pub struct ToolEntry {
 #[serde(deny_unknown_fields, default)]
 pub struct WorkpieceEntry {
     /// Its origin in machine coordinates at the zero pose.
-    #[schemars(schema_with = "super::schema::point")]
-    pub origin: Option<Vec<Scalar>>,
+    #[schemars(schema_with = "super::schema::position_entry")]
+    pub origin: Option<PositionEntry>,
 }
 
 /// Conventions: the name of a preset, single choices, or both.
@@ -321,6 +328,7 @@ impl Document {
             algebra: reader.section("algebra"),
             identify: reader.section("identify"),
             places: Places::default(),
+            chains: layer.chains,
         };
         reader.unknown();
         Self { places: reader.places, ..document }

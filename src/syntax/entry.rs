@@ -108,6 +108,8 @@ fn sample(key: &str) -> Option<&'static str> {
         "travel" => "[0 mm, 500 mm]",
         "direction" => "[0, 1, 1]",
         "origin" | "gauge" | "offset" => "[250, 225, 0]",
+        "from" => "gauge",
+        "at" => "[0, 0, 180]",
         "length" => "120 mm",
         "table" => "errors/x.csv",
         "points" => "[[0 mm, 0 um], [500 mm, 3 um]]",

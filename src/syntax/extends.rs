@@ -1,10 +1,11 @@
 //! A file and the files it extends become one tree.
 //!
-//! Mappings merge key by key, so an axis merges by field. An error term and every list are replaced
-//! whole, `chain` and `branches` (and the other pairs that exclude each other) replace each other,
-//! and `null` removes.
+//! Mappings merge key by key, so an axis merges by field. An error term, a position and every list are
+//! replaced whole, `chain` and `branches` (and the other pairs that exclude each other) replace each
+//! other, a plain key displaces that of its name in the blocks of a side, and `null` removes.
 
 use super::files::Files;
+use super::geometry::{self, WrittenChains};
 use super::index::index;
 use super::places::{Keys, Places, below, keys};
 use super::read::read_text;
@@ -20,6 +21,7 @@ const DEPTH: usize = 8;
 pub struct Layer {
     pub map: Mapping,
     pub places: Places,
+    pub chains: WrittenChains,
 }
 
 /// Reads the file and, below it, what it extends.
@@ -91,7 +93,7 @@ fn read_layer(path: &Path, named: Option<Place>, files: &dyn Files, diagnostics:
     index(&text, source, &mut places, diagnostics)?;
     let start = || Some(Place { source, range: 0..0 });
     match tree::parse(&text) {
-        Ok(Value::Mapping(map)) => Some(Layer { map, places }),
+        Ok(Value::Mapping(map)) => Some(Layer { map, places, chains: WrittenChains::default() }),
         Ok(_) => {
             let help = "start with `abbe: 1`, then `machine:`, `chain:`, `axes:`; `abbe init` writes an example";
             diagnostics.push(Diagnostic::new(codes::E0109, "the file holds no machine").at(start(), "").help(help));
@@ -125,9 +127,9 @@ fn rivals(parents: &[String], key: &str) -> &'static [&'static str] {
     }
 }
 
-/// An error term and the branches are replaced whole.
+/// An error term, a position and the branches are replaced whole.
 fn replaced_whole(keys: &[String]) -> bool {
-    keys.first().is_some_and(|k| k == "branches" || k == "errors" && keys.len() == 2)
+    keys.first().is_some_and(|k| k == "branches" || k == "errors" && keys.len() == 2) || geometry::replaced_whole(keys)
 }
 
 fn merge(mut base: Layer, over: Layer) -> Layer {
@@ -138,8 +140,29 @@ fn merge(mut base: Layer, over: Layer) -> Layer {
             base.places.adopt(&keys([top]), &over.places);
         }
     }
+    for entry in geometry::displaced(&base.map, &over.map) {
+        remove(&mut base.map, &entry);
+        base.places.remove(&entry);
+    }
+    let moved = geometry::with_origin(&over.map);
     merge_map(&mut base.map, over.map, &mut base.places, &over.places, &Vec::new());
+    base.chains.note(&moved, &base.map);
     base
+}
+
+/// Removes an entry of nested mappings.
+fn remove(map: &mut Mapping, entry: &[String]) {
+    match entry {
+        [] => {}
+        [last] => {
+            map.remove(last.as_str());
+        }
+        [first, rest @ ..] => {
+            if let Some(Value::Mapping(inner)) = map.get_mut(first.as_str()) {
+                remove(inner, rest);
+            }
+        }
+    }
 }
 
 fn merge_map(base: &mut Mapping, over: Mapping, places: &mut Places, over_places: &Places, parents: &Keys) {
@@ -181,6 +204,7 @@ fn spell_out(old: &mut Value, here: &[String]) {
 
 fn without_nulls(mut layer: Layer) -> Layer {
     layer.map = strip(layer.map);
+    layer.chains.note(&[], &layer.map);
     layer
 }
 

@@ -9,6 +9,7 @@ mod entry;
 mod extends;
 mod files;
 mod forms;
+mod geometry;
 mod index;
 mod places;
 mod read;
@@ -25,6 +26,7 @@ pub use document::{
     VolumeAxis,
 };
 pub use files::{EntryKind, Files, FolderEntry, MemoryFiles, ReadFailure};
+pub use geometry::{PositionEntry, RelativeEntry, SideEntry, WrittenChain, WrittenChains};
 pub use places::{Keys, below, keys};
 pub use read::read_text;
 pub use scalar::Scalar;

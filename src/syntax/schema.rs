@@ -196,6 +196,29 @@ pub fn point(_: &mut SchemaGenerator) -> Schema {
     })
 }
 
+/// Three lengths, or the same from a named point.
+pub fn position_entry(generator: &mut SchemaGenerator) -> Schema {
+    let point = point(generator).to_value();
+    json_schema!({
+        "description": "[x, y, z] in machine coordinates at the zero pose, mm; or from a named point.",
+        "anyOf": [point, {
+            "type": "object", "required": ["from"], "additionalProperties": false,
+            "properties": {
+                "from": {
+                    "description": "gauge, tip, workpiece, bed, or the name of an axis.",
+                    "type": "string", "pattern": format!("^(gauge|tip|workpiece|bed|{AXIS})$")
+                },
+                "at": point
+            }
+        }]
+    })
+}
+
+/// Errors of an axis that hold on one side of the bed.
+pub fn side_errors(generator: &mut SchemaGenerator) -> Schema {
+    Schema::try_from(errors(generator)).unwrap_or_default()
+}
+
 /// Three plain numbers.
 pub fn direction(_: &mut SchemaGenerator) -> Schema {
     json_schema!({

@@ -56,7 +56,9 @@ fn codes(text: &str) -> Vec<&'static str> {
 
 /// A small machine with one more line.
 fn small(line: &str) -> String {
-    format!("abbe: 1\nmachine: Small\nchain: w b X t\naxes: {{ X: {{ travel: [0, 500] }} }}\n{line}\n")
+    format!(
+        "abbe: 1\nmachine: Small\nchain: w b X t\naxes: {{ X: {{ travel: [0, 500], origin: [0, 0, 0] }} }}\n{line}\n"
+    )
 }
 
 #[test]

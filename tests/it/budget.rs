@@ -20,7 +20,7 @@ fn with_errors(folder: &Folder, errors: &str) -> std::path::PathBuf {
         "abbe: 1",
         "machine: M",
         "chain: w b X Y Z t",
-        "axes: { X: { travel: [0, 400] }, Y: { travel: [0, 500] }, Z: { travel: [0, 400] } }",
+        "axes: { X: { travel: [0, 400], origin: [0, 0, 0] }, Y: { travel: [0, 500], origin: [0, 0, 0] }, Z: { travel: [0, 400], origin: [0, 0, 0] } }",
         &format!("errors: {{ {errors} }}"),
     ];
     folder.with("m.yaml", &lines.join("\n"))
@@ -105,7 +105,7 @@ fn a_curve_of_position_errors_reaches_further_than_any_of_its_points_but_not_its
     // At one pose it is a rectangle again.
     let one = folder.with(
         "one.yaml",
-        "abbe: 1\nmachine: M\nchain: w b X Y t\naxes: { X: { travel: [0, 400] }, Y: { travel: [0, 1] } }\n\
+        "abbe: 1\nmachine: M\nchain: w b X Y t\naxes: { X: { travel: [0, 400], origin: [0, 0, 0] }, Y: { travel: [0, 1], origin: [0, 0, 0] } }\n\
          errors: { EXX: { tolerance: 10 um } }\nvolume: { X: [123, 123.000001] }\n",
     );
     let b = json(&["budget", text(&one), "--samples", "4000", "--poses", "1", "--format", "json"]);
@@ -120,7 +120,7 @@ fn three_equal_errors_at_one_place_have_the_moments_of_their_sum() {
     let path = folder.with(
         "m.yaml",
         "abbe: 1\nmachine: M\nchain: w b X Y Z t\n\
-         axes: { X: { travel: [0, 400] }, Y: { travel: [0, 400] }, Z: { travel: [0, 400] } }\n\
+         axes: { X: { travel: [0, 400], origin: [0, 0, 0] }, Y: { travel: [0, 400], origin: [0, 0, 0] }, Z: { travel: [0, 400], origin: [0, 0, 0] } }\n\
          errors: { EXX: { tolerance: 10 um }, EYY: { tolerance: 10 um }, EZZ: { tolerance: 10 um } }\n\
          volume: { step: 50 mm }\n",
     );
@@ -133,6 +133,7 @@ fn three_equal_errors_at_one_place_have_the_moments_of_their_sum() {
             machine: &machine,
             bounds: &bounds,
             poses: &poses,
+            searched: false,
             at: None,
             draws: &draws,
             samples: 8000,
@@ -249,7 +250,7 @@ fn what_cannot_be_budgeted_is_refused() {
     says(&["budget", "trunnion.yaml", "--class", "commodity"], "E0605");
     let still = folder.with(
         "still.yaml",
-        "abbe: 1\nmachine: M\nchain: w b X t\naxes: { X: { travel: [0, 50] } }\nvolume: { X: [7, 7] }\nerrors: { EXX: { tolerance: 1 um } }\n",
+        "abbe: 1\nmachine: M\nchain: w b X t\naxes: { X: { travel: [0, 50], origin: [0, 0, 0] } }\nvolume: { X: [7, 7] }\nerrors: { EXX: { tolerance: 1 um } }\n",
     );
     says(&["budget", text(&still)], "E0403");
     let negative = with_errors(&folder, "EXX: { tolerance: -3 um }");
@@ -289,4 +290,68 @@ fn pictures_and_tables_are_written() {
         assert_eq!(well_formed(&svg), Ok(()));
         assert!(svg.contains("µm") && !svg.contains("NaN"));
     }
+}
+
+/// Worst case and RSS of a machine file by class, um, with the poses where they are.
+fn extremes_of(machine: &Machine) -> [(f64, Vec<f64>); 2] {
+    let class = abbe::analysis::budget::classes().remove("production").unwrap();
+    let (bounds, draws) = (bounds(machine, Some(&class)), Draws::new(1, Distribution::Uniform));
+    let poses = abbe::analysis::budget::budget_poses(machine, 20, 1);
+    let (statistic, samples) = (Statistic::Max, 2);
+    let request = Request {
+        machine,
+        bounds: &bounds,
+        poses: &poses,
+        searched: true,
+        at: None,
+        draws: &draws,
+        samples,
+        statistic,
+    };
+    let p = budget(request, &|_| {}).position;
+    [(p.worst_case, p.worst_pose), (p.rss, p.rss_pose)]
+}
+
+#[test]
+fn a_part_of_the_volume_is_no_worse_than_the_whole() {
+    let folder = Folder::new("budget-parts");
+    let mut random = Random::new(5);
+    let mut largest = 0.0_f64;
+    for name in ["trunnion.yaml", "tt-bc.yaml", "ht-b-c.yaml", "tt-nut45.yaml"] {
+        let base = crate::configs::folder().join(name);
+        let with = |volume: &str| {
+            let text = format!("abbe: 1\nextends: {}\nvolume: {{ {volume} }}\n", base.display());
+            crate::loaded::machine(&folder.with("part.yaml", &text))
+        };
+        let whole_machine = with("step: 25 mm");
+        let whole = extremes_of(&whole_machine);
+        for (value, pose) in &whole {
+            let inside = pose.iter().zip(whole_machine.volume()).all(|(q, grid)| (grid.min..=grid.max).contains(q));
+            assert!(inside && *value > 0.0, "{name}: {pose:?}");
+        }
+        for round in 0..2 {
+            let part = |(axis, grid): (&abbe::machine::Axis, &abbe::machine::Grid)| {
+                let (a, b) = (random.between(0.0, 1.0), random.between(0.0, 1.0));
+                let (a, b) = if round == 0 { (0.0, if axis.unit() == "deg" { 0.5 } else { 1.0 }) } else { (a, b) };
+                let at = |x: f64| grid.min + x * (grid.max - grid.min);
+                format!("{}: {{ range: [{}, {}] }}", axis.name, at(a.min(b)), at(a.max(b)))
+            };
+            let ranges: Vec<String> = whole_machine.axes().iter().zip(whole_machine.volume()).map(part).collect();
+            let of_part = extremes_of(&with(&ranges.join(", ")));
+            for ((whole, _), (part, pose)) in whole.iter().zip(&of_part) {
+                largest = largest.max(part / whole);
+                assert!(*part <= whole * 1.001, "{name} {ranges:?}: {part} at {pose:?}, the whole {whole}");
+            }
+        }
+        // The RSS by the sensitivities of the model, at many poses.
+        let class = abbe::analysis::budget::classes().remove("production").unwrap();
+        let limits = bounds(&whole_machine, Some(&class));
+        let ids: Vec<ErrorId> = limits.iter().map(|bound| bound.error.clone()).collect();
+        for pose in random_poses(&whole_machine, 400, 3) {
+            let effects = sensitivities_to(&whole_machine, &pose, &ids);
+            let squares = effects.iter().zip(&limits).map(|(s, b)| (s.deviation.norm() * b.tolerance * 1e3).powi(2));
+            assert!(squares.sum::<f64>().sqrt() <= whole[1].0 * (1.0 + 1e-9), "{name} {pose:?}");
+        }
+    }
+    println!("largest ratio of a part to the whole: {largest}");
 }

@@ -214,7 +214,7 @@ fn lathes_are_compared() {
     assert_eq!(number(&result["machines"][1]["minus_first"]["position_um"]["max"]), 0.0);
     let folder = Folder::new("compare-lathes");
     let lathe = |name: &str, error: &str| {
-        let axes = "{ Z: { travel: [0, 500] }, X: { travel: [0, 200] }, C: { travel: continuous } }";
+        let axes = "{ Z: { travel: [0, 500], origin: [0, 0, 0] }, X: { travel: [0, 200], origin: [0, 0, 0] }, C: { travel: continuous } }";
         let text = "abbe: 1\nmachine: m\nchain: \"w C' b Z X t\"\naxes: ";
         folder.with(
             name,
@@ -261,7 +261,7 @@ fn errors_are_compared_one_by_one() {
 fn budgets_are_compared_tolerance_by_tolerance() {
     let folder = Folder::new("compare-budgets");
     let machine = |name: &str, errors: &str| {
-        let axes = "{ X: { travel: [0, 400] }, Y: { travel: [0, 500] }, Z: { travel: [0, 400] } }";
+        let axes = "{ X: { travel: [0, 400], origin: [0, 0, 0] }, Y: { travel: [0, 500], origin: [0, 0, 0] }, Z: { travel: [0, 400], origin: [0, 0, 0] } }";
         folder.with(
             name,
             &format!("abbe: 1\nmachine: {name}\nchain: w b X Y Z t\naxes: {axes}\nerrors: {{ {errors} }}\n"),

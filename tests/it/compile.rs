@@ -163,8 +163,8 @@ fn grid_of(yaml: &str) -> Lattice {
 
 fn signs(chain: &str, error: &str) -> String {
     format!(
-        "abbe: 1\nmachine: signs\nchain: \"{chain}\"\naxes:\n  X: {{ travel: [0 mm, 600 mm] }}\n  Y: {{ travel: [0 mm, 600 mm] }}\n  \
-         Z: {{ travel: [0 mm, 600 mm] }}\ntool: {{ gauge: [250, 225, 0], length: 120 mm }}\nworkpiece: {{ origin: [30, 20, -380] }}\n\
+        "abbe: 1\nmachine: signs\nchain: \"{chain}\"\naxes:\n  X: {{ travel: [0 mm, 600 mm], origin: [0, 0, 0] }}\n  Y: {{ travel: [0 mm, 600 mm], origin: [0, 0, 0] }}\n  \
+         Z: {{ travel: [0 mm, 600 mm], origin: [0, 0, 0] }}\ntool: {{ gauge: [250, 225, 0], length: 120 mm }}\nworkpiece: {{ origin: [30, 20, -380] }}\n\
          errors:\n  {error}\nvolume: {{ step: 150 mm }}\n"
     )
 }
@@ -226,7 +226,7 @@ fn rotary_axes_reach_where_slides_cannot() {
     let folder = Folder::new();
     let machine = folder.write(
         "machine.yaml",
-        "abbe: 1\nmachine: lathe\nchain: \"w C' b Z X t\"\naxes: { X: { travel: [100 mm, 300 mm] }, Z: { travel: [0 mm, 200 mm] }, \
+        "abbe: 1\nmachine: lathe\nchain: \"w C' b Z X t\"\naxes: { X: { travel: [100 mm, 300 mm], origin: [0, 0, 0] }, Z: { travel: [0 mm, 200 mm], origin: [0, 0, 0] }, \
          C: { travel: [-10 deg, 10 deg] } }\nerrors: { EYX: { points: [[100 mm, 10 um], [300 mm, 10 um]] } }\n\
          volume: { step: 50 mm, C: { step: 10 deg } }\n",
     );

@@ -338,7 +338,7 @@ fn knots_that_the_file_cannot_tell_apart() {
     let folder = Folder::new();
     let machine = folder.write(
         "machine.yaml",
-        "abbe: 1\nmachine: close\nchain: w b X t\naxes: { X: { travel: [0 mm, 600 mm] } }\n\
+        "abbe: 1\nmachine: close\nchain: w b X t\naxes: { X: { travel: [0 mm, 600 mm], origin: [0, 0, 0] } }\n\
          errors: { EXX: { points: [[0 mm, 0 um], [100 mm, 1 um], [100.0000004 mm, 1 um], [600 mm, 0 um]] } }\n",
     );
     compile(&machine, "linuxcnc", &folder.path("out"), &[]).json();

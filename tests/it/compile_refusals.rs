@@ -13,8 +13,8 @@ fn machine(folder: &Folder, name: &str, errors: &str, more: &str) -> PathBuf {
     folder.write(
         name,
         &format!(
-            "abbe: 1\nmachine: small\nchain: w b X Y Z t\naxes: {{ X: {{ travel: [0 mm, 600 mm] }}, Y: {{ travel: [0 mm, 600 mm] }}, \
-             Z: {{ travel: [0 mm, 600 mm] }} }}\nerrors: {{ {errors} }}\nvolume: {{ step: 300 mm }}\n{more}"
+            "abbe: 1\nmachine: small\nchain: w b X Y Z t\naxes: {{ X: {{ travel: [0 mm, 600 mm], origin: [0, 0, 0] }}, Y: {{ travel: [0 mm, 600 mm], origin: [0, 0, 0] }}, \
+             Z: {{ travel: [0 mm, 600 mm], origin: [0, 0, 0] }} }}\nerrors: {{ {errors} }}\nvolume: {{ step: 300 mm }}\n{more}"
         ),
     )
 }

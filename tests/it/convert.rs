@@ -277,7 +277,7 @@ fn what_bends_between_points_is_refused_with_its_size() {
 #[test]
 fn the_new_file_is_not_written_over_the_old() {
     let folder = Folder::new();
-    let text = "abbe: 1\nmachine: M\nchain: \"w b X t\"\naxes: { X: { travel: [0, 500] } }\nerrors: { EXX: 3 um }\n";
+    let text = "abbe: 1\nmachine: M\nchain: \"w b X t\"\naxes: { X: { travel: [0, 500], origin: [0, 0, 0] } }\nerrors: { EXX: 3 um }\n";
     let path = folder.write("machine.yaml", text);
     Run::of(abbe().arg("convert").arg(&path).args(["--to", "linearised", "--out"]).arg(&path)).refused("E0630");
     assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
@@ -287,7 +287,7 @@ fn the_new_file_is_not_written_over_the_old() {
 #[test]
 fn linearised_joints_cannot_be_made_orthogonal() {
     let folder = Folder::new();
-    let text = "abbe: 1\nmachine: M\nchain: \"w b X t\"\naxes: { X: { travel: [0, 500] } }\n\
+    let text = "abbe: 1\nmachine: M\nchain: \"w b X t\"\naxes: { X: { travel: [0, 500], origin: [0, 0, 0] } }\n\
                 tool: { offset: [0, 0, -400] }\nerrors: { EBX: 100 urad, EXX: 3 um }\n";
     let path = folder.write("machine.yaml", text);
     let run = |more: &[&str]| Run::of(abbe().arg("convert").arg(&path).args(["--to", "linearised"]).args(more));
@@ -304,7 +304,7 @@ fn yaw_becomes_straightness() {
     let folder = Folder::new();
     let path = folder.write(
         "machine.yaml",
-        "abbe: 1\nmachine: M\nchain: \"w b X t\"\naxes: { X: { travel: [0, 500] } }\nerrors: { ECX: 10 urad }\n",
+        "abbe: 1\nmachine: M\nchain: \"w b X t\"\naxes: { X: { travel: [0, 500], origin: [0, 0, 0] } }\nerrors: { ECX: 10 urad }\n",
     );
     let out = folder.path("out.yaml");
     assert_eq!(Run::of(abbe().arg("convert").arg(path).args(["--to", "before", "--out"]).arg(&out)).code, Some(0));
@@ -319,7 +319,7 @@ fn squareness_between_carried_bodies() {
     let folder = Folder::new();
     let path = folder.write(
         "machine.yaml",
-        "abbe: 1\nmachine: M\nchain: \"w b X Y t\"\naxes: { X: { travel: [0, 500] }, Y: { travel: [0, 500] } }\n\
+        "abbe: 1\nmachine: M\nchain: \"w b X Y t\"\naxes: { X: { travel: [0, 500], origin: [0, 0, 0] }, Y: { travel: [0, 500], origin: [0, 0, 0] } }\n\
          errors: { EC0X: 5 urad, EC0Y: 12 urad }\n",
     );
     let out = folder.path("out.yaml");
@@ -339,7 +339,7 @@ fn the_mean_of_two_directions_is_said_to_be_the_reason() {
     let folder = Folder::new();
     let path = folder.write(
         "machine.yaml",
-        "abbe: 1\nmachine: M\nchain: \"w b X t\"\naxes: { X: { travel: [0, 500] } }\n\
+        "abbe: 1\nmachine: M\nchain: \"w b X t\"\naxes: { X: { travel: [0, 500], origin: [0, 0, 0] } }\n\
          errors: { ECX: { forward: 90 urad, reverse: -90 urad } }\n",
     );
     // q (cos 90e-6 - 1) = 2.025 nm along X from both sides, nothing from their mean.
@@ -351,7 +351,7 @@ fn the_mean_of_two_directions_is_said_to_be_the_reason() {
 #[test]
 fn what_makes_no_sense_is_refused() {
     let folder = Folder::new();
-    let text = "abbe: 1\nmachine: M\nchain: \"w C' b X t\"\naxes: { X: { travel: [0, 500] }, C: { travel: continuous } }\n\
+    let text = "abbe: 1\nmachine: M\nchain: \"w C' b X t\"\naxes: { X: { travel: [0, 500], origin: [0, 0, 0] }, C: { travel: continuous } }\n\
                 errors: { EBX: { tolerance: 3 urad }, EA0C: 4 urad }\n";
     let path = folder.write("machine.yaml", text);
     let run = |arguments: &[&str]| Run::of(abbe().arg("convert").arg(&path).args(arguments));
@@ -371,7 +371,7 @@ fn what_makes_no_sense_is_refused() {
     run(&["--to", "carried_body"]).refused("E0527").says("EA0C");
     folder.write(
         "machine.yaml",
-        "abbe: 1\nmachine: M\nchain: \"w b X C t\"\naxes: { X: { travel: [0, 500] }, C: { travel: continuous } }\n\
+        "abbe: 1\nmachine: M\nchain: \"w b X C t\"\naxes: { X: { travel: [0, 500], origin: [0, 0, 0] }, C: { travel: continuous } }\n\
          tools: { short: { gauge: [0, 0, 0], length: 50 }, long: { gauge: [0, 0, -80], length: 90 } }\n\
          errors: { EA0C: 4 urad }\n",
     );
@@ -383,7 +383,7 @@ fn what_makes_no_sense_is_refused() {
 fn the_file_is_whole() {
     let folder = Folder::new();
     let text = "abbe: 1\nmachine: M\nchain: \"w C' b X (S) t\"\n\
-                axes: { X: { travel: [0, 500] }, C: { travel: [-90, 270] } }\n\
+                axes: { X: { travel: [0, 500], origin: [0, 0, 0] }, C: { travel: [-90, 270] } }\n\
                 tools: { short: { length: 50 }, long: { length: 90 } }\n\
                 volume: { C: { range: [0, 180], step: 5 deg } }\n\
                 algebra: { degree: 3, generators: { slow: [EXX, EX0C], \"fast one\": [EYX] }, vanish: [slow^2] }\n\

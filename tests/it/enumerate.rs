@@ -163,7 +163,10 @@ fn the_arrangement_of_the_file_is_there_and_compares_with_itself() {
         let result = json(&arguments);
         let rows = |key: &str| result[key].as_array().unwrap().clone();
         assert_eq!(result["arrangements"], 24);
-        assert_eq!(rows("ranked").len() + rows("reach_less").len() + rows("cannot_turn_the_tool").len(), 24);
+        // The file states one side only: all others are apart.
+        let groups = ["ranked", "reach_less", "geometry_not_stated", "cannot_turn_the_tool"];
+        assert_eq!(groups.iter().map(|group| rows(group).len()).sum::<usize>(), 24);
+        assert_eq!((rows("ranked").len(), rows("geometry_not_stated").len()), (6, 18));
         let own = rows("ranked").into_iter().find(|row| row["chain"] == result["chain"]).unwrap();
         assert_eq!((&own["minus_file"], &own["reached"]), (&Value::from(0.0), &Value::from(60)));
         let um: Vec<f64> = rows("ranked").iter().map(|row| row["um"].as_f64().unwrap()).collect();
@@ -294,6 +297,8 @@ fn what_makes_no_study_is_refused() {
     says(&["trunnion.yaml", "--require", "Q before A"], &["E0608", "`Q` is no axis"]);
     says(&["trunnion.yaml", "--require", "C on table", "--max-table", "0"], &["E0609"]);
     says(&["trunnion.yaml", "--by", "budget"], &["E0604"]);
+    // Six rotary axes: nothing places the tip.
+    says(&["robots/ur5.yaml", "--class", "production", "--rotary", "2", "--poses", "5", "--samples", "4"], &["E0613"]);
     says(&["trunnion.yaml", "--poses", "100000", "--samples", "10000"], &["E0606", "1000000000"]);
     for usage in [
         &["--shard", "4/3", "--state", "x"][..],
@@ -321,7 +326,7 @@ fn what_makes_no_study_is_refused() {
     assert_eq!(walks(&machine, None, &[]), Err(TooMany::Before(3_628_800)));
     let still = folder.with(
         "still.yaml",
-        "abbe: 1\nmachine: M\nchain: w b X t\naxes: { X: { travel: [0, 50] } }\nvolume: { X: [7, 7] }\nerrors: { EXX: 1 um }\n",
+        "abbe: 1\nmachine: M\nchain: w b X t\naxes: { X: { travel: [0, 50], origin: [0, 0, 0] } }\nvolume: { X: [7, 7] }\nerrors: { EXX: 1 um }\n",
     );
     says(&[text(&still)], &["E0403"]);
 }

@@ -455,7 +455,7 @@ fn latex_compiles() {
 fn what_is_no_polynomial_is_refused() {
     let folder = Folder::new();
     let yaml = "abbe: 1\nmachine: M\nchain: \"w C' b X t\"\nconventions: { location_order: real }\n\
-                axes: { X: { travel: [0, 1] }, C: { travel: continuous } }\nerrors: { EA0C: 3 urad }\n";
+                axes: { X: { travel: [0, 1], origin: [0, 0, 0] }, C: { travel: continuous } }\nerrors: { EA0C: 3 urad }\n";
     let path = folder.write("machine.yaml", yaml);
     let (_, complaint, exit) = abbe(&[path.to_str().unwrap()]);
     assert!(exit == 1 && complaint.contains("E0525") && complaint.contains("EA0C"), "{complaint}");

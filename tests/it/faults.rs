@@ -87,7 +87,7 @@ fn a_fault_in_each_kind_of_table_shows() {
 /// Three axes whose slides turn about points of their own.
 fn with_points(folder: &Folder) -> PathBuf {
     let text = "abbe: 1\nmachine: example\nchain: \"w X' b Y Z t\"\naxes:\n  X: { travel: [0 mm, 500 mm], origin: [100, 0, 200] }\n  \
-         Y: { travel: [0 mm, 400 mm], origin: [0, 300, -500] }\n  Z: { travel: [-300 mm, 0 mm] }\nerrors:\n  \
+         Y: { travel: [0 mm, 400 mm], origin: [0, 300, -500] }\n  Z: { travel: [-300 mm, 0 mm], origin: [0, 0, 0] }\nerrors:\n  \
          EAX: { points: [[0 mm, 10 urad], [500 mm, 30 urad]] }\n  ECX: { points: [[0 mm, -20 urad], [500 mm, 20 urad]] }\n  \
          EBY: { points: [[0 mm, 0 urad], [400 mm, 40 urad]] }\n";
     folder.write("machine.yaml", text)

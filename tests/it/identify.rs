@@ -165,7 +165,7 @@ fn the_rank_is_that_of_the_independent_model() {
     }
 }
 
-pub const FIVE: &str = "abbe: 1\nmachine: Five\nchain: \"w C' A' Y' b X Z t\"\naxes:\n  X: { travel: [0 mm, 500 mm] }\n  Y: { travel: [0 mm, 450 mm] }\n  Z: { travel: [-400 mm, 0 mm] }\n  A: { travel: [-120 deg, 30 deg], origin: [250, 225, -350] }\n  C: { travel: continuous, origin: [250, 225, -380] }\ntool: { gauge: [250, 225, 0], length: 120 mm }\nworkpiece: { origin: [250, 225, -380] }\n";
+pub const FIVE: &str = "abbe: 1\nmachine: Five\nchain: \"w C' A' Y' b X Z t\"\naxes:\n  X: { travel: [0 mm, 500 mm], origin: [0, 0, 0] }\n  Y: { travel: [0 mm, 450 mm], origin: [0, 0, 0] }\n  Z: { travel: [-400 mm, 0 mm], origin: [0, 0, 0] }\n  A: { travel: [-120 deg, 30 deg], origin: [250, 225, -350] }\n  C: { travel: continuous, origin: [250, 225, -380] }\ntool: { gauge: [250, 225, 0], length: 120 mm }\nworkpiece: { origin: [250, 225, -380] }\n";
 
 pub fn five(errors: &str) -> Machine {
     silent(&[("machine.yaml", &format!("{FIVE}{errors}"))])
@@ -317,7 +317,7 @@ fn what_cannot_be_separated_is_said_in_words() {
 /// Constant parts of EXX, EXY and EXZ are one, and the slope of EXZ is a squareness.
 #[test]
 fn knots_of_a_curve_that_cannot_be_separated_are_one_phrase() {
-    let three = "abbe: 1\nmachine: Three\nchain: \"w b X Y Z t\"\nconventions: { joints: linearised }\naxes:\n  X: { travel: [0 mm, 300 mm] }\n  Y: { travel: [0 mm, 200 mm] }\n  Z: { travel: [-100 mm, 0 mm] }\n";
+    let three = "abbe: 1\nmachine: Three\nchain: \"w b X Y Z t\"\nconventions: { joints: linearised }\naxes:\n  X: { travel: [0 mm, 300 mm], origin: [0, 0, 0] }\n  Y: { travel: [0 mm, 200 mm], origin: [0, 0, 0] }\n  Z: { travel: [-100 mm, 0 mm], origin: [0, 0, 0] }\n";
     let machine = silent(&[("machine.yaml", three)]);
     let parameters = wanted(&machine, &["EB0Z", "EXX:blocks3", "EXY:blocks2", "EXZ:blocks4"]);
     let grid = |i: i32| [f64::from(i % 7) * 50.0, f64::from(i / 7 % 5) * 50.0, f64::from(i / 35 % 5) * -25.0];

@@ -202,7 +202,7 @@ fn a_turning_axis_closes_and_the_table_is_one_that_machines_take() {
     let (_, table) = imported(format!("C [deg],ECC [urad]\n{rows}").as_bytes(), &["--continuous"]);
     let folder = Folder::new();
     folder.write("c.csv", &table);
-    let text = "abbe: 1\nmachine: M\nchain: \"w C' b X Y Z t\"\naxes:\n  X: { travel: [0 mm, 9 mm] }\n  Y: { travel: [0 mm, 9 mm] }\n  Z: { travel: [0 mm, 9 mm] }\n  C: { travel: continuous }\nmeasured: [c.csv]\n";
+    let text = "abbe: 1\nmachine: M\nchain: \"w C' b X Y Z t\"\naxes:\n  X: { travel: [0 mm, 9 mm], origin: [0, 0, 0] }\n  Y: { travel: [0 mm, 9 mm], origin: [0, 0, 0] }\n  Z: { travel: [0 mm, 9 mm], origin: [0, 0, 0] }\n  C: { travel: continuous }\nmeasured: [c.csv]\n";
     let machine = folder.write("machine.yaml", text);
     let output = run(&["check", machine.to_str().unwrap()]);
     assert!(output.status.success(), "{}\n{table}", String::from_utf8_lossy(&output.stderr));

@@ -14,7 +14,7 @@ fn numbers(list: &Value) -> Vec<f64> {
 /// Three linear axes of 400 mm with these errors.
 fn three(folder: &Folder, errors: &str) -> std::path::PathBuf {
     let text = format!(
-        "abbe: 1\nmachine: M\nchain: w Y' b X Z t\naxes: {{ X: {{ travel: [0, 400] }}, Y: {{ travel: [0, 400] }}, Z: {{ travel: [0, 400] }} }}\nerrors: {{ {errors} }}\n"
+        "abbe: 1\nmachine: M\nchain: w Y' b X Z t\naxes: {{ X: {{ travel: [0, 400], origin: [0, 0, 0] }}, Y: {{ travel: [0, 400], origin: [0, 0, 0] }}, Z: {{ travel: [0, 400], origin: [0, 0, 0] }} }}\nerrors: {{ {errors} }}\n"
     );
     folder.with("m.yaml", &text)
 }
@@ -69,7 +69,7 @@ fn an_r_test_sees_an_eccentric_table_twice() {
     let folder = Folder::new("r-test");
     let path = folder.with(
         "m.yaml",
-        "abbe: 1\nmachine: M\nchain: w C' b X Y Z t\naxes: { X: { travel: [-300, 300] }, Y: { travel: [-300, 300] }, Z: { travel: [-300, 300] }, C: { travel: continuous } }\nerrors: { EX0C: 10 um }\n",
+        "abbe: 1\nmachine: M\nchain: w C' b X Y Z t\naxes: { X: { travel: [-300, 300], origin: [0, 0, 0] }, Y: { travel: [-300, 300], origin: [0, 0, 0] }, Z: { travel: [-300, 300], origin: [0, 0, 0] }, C: { travel: continuous } }\nerrors: { EX0C: 10 um }\n",
     );
     let arguments = ["instrument", text(&path), "r-test", "--at", "X=120", "--points", "5", "--format", "json"];
     let r = json(&arguments);

@@ -60,8 +60,8 @@ fn machine(folder: &Folder, name: &str, um: f64, with_c: bool) -> PathBuf {
     folder.write(
         name,
         &format!(
-            "abbe: 1\nmachine: example\nchain: \"{chain}\"\naxes:\n  X: {{ travel: [0 mm, 100 mm] }}\n  \
-             Y: {{ travel: [0 mm, 80 mm] }}{c}\nerrors:\n  EXX: {{ points: [[0 mm, 0 um], [100 mm, {um} um]] }}\n  \
+            "abbe: 1\nmachine: example\nchain: \"{chain}\"\naxes:\n  X: {{ travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n  \
+             Y: {{ travel: [0 mm, 80 mm], origin: [0, 0, 0] }}{c}\nerrors:\n  EXX: {{ points: [[0 mm, 0 um], [100 mm, {um} um]] }}\n  \
              EYY: {{ points: [[0 mm, 1 um], [80 mm, {um} um]] }}{ecc}\nvolume: {{ step: 50 mm }}\n"
         ),
     )

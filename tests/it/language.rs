@@ -38,9 +38,9 @@ abbe: 1
 machine: Trunnion five-axis machining centre
 chain: "w C' A' Y' b X Z (S) t"
 axes:
-  X: { travel: [0 mm, 500 mm] }
-  Y: { travel: [0 mm, 450 mm] }
-  Z: { travel: [-400 mm, 0 mm] }
+  X: { travel: [0 mm, 500 mm], origin: [0, 0, 0] }
+  Y: { travel: [0 mm, 450 mm], origin: [0, 0, 0] }
+  Z: { travel: [-400 mm, 0 mm], origin: [0, 0, 0] }
   A: { travel: [-120 deg, 30 deg], origin: [250, 225, -350] }
   C: { travel: continuous, origin: [250, 225, -380] }
 tool: { gauge: [250, 225, 0], length: 120 mm }
@@ -105,7 +105,7 @@ fn the_machines_of_the_test_data_resolve() {
 /// A machine of X, Z, and C as table, with more lines.
 fn small(lines: &str) -> String {
     format!(
-        "abbe: 1\nmachine: Small\nchain: w C' b X Z t\naxes:\n  X: {{ travel: [0, 500] }}\n  Z: {{ travel: [-400, 0] }}\n  \
+        "abbe: 1\nmachine: Small\nchain: w C' b X Z t\naxes:\n  X: {{ travel: [0, 500], origin: [0, 0, 0] }}\n  Z: {{ travel: [-400, 0], origin: [0, 0, 0] }}\n  \
          C: {{ travel: continuous }}\n{lines}\n"
     )
 }
@@ -163,7 +163,7 @@ fn chains_are_read_in_every_spelling() {
 #[test]
 fn axes_follow_their_letter_or_say_what_they_are() {
     let text = "abbe: 1\nmachine: Free\nchain: w C2' V' b X1 W R D J1 (S) t\naxes:\n  \
-        X1: { travel: [0 in, 20 in] }\n  V: { travel: [0 m, 0.5 m], sense: direct }\n  W: { travel: [-1 cm, 0 mm] }\n  \
+        X1: { travel: [0 in, 20 in], origin: [0, 0, 0] }\n  V: { travel: [0 m, 0.5 m], sense: direct }\n  W: { travel: [-1 cm, 0 mm], origin: [0, 0, 0] }\n  \
         R: { travel: [0, 1] }\n  C2: { travel: [-1 rad, 90 deg], origin: [1 m, 2, 3 mm] }\n  \
         D: { kind: rotary, direction: [0, 1, 1], travel: [-180 deg, 180°] }\n  \
         J1: { kind: linear, direction: [3e200, 0, -4e200], travel: [0, 10] }\n";
@@ -244,7 +244,7 @@ fn errors_are_read_in_every_spelling_and_sign() {
 
 #[test]
 fn an_axis_called_oy_keeps_its_errors() {
-    let text = "abbe: 1\nmachine: M\nchain: w b OY t\naxes: { OY: { kind: linear, direction: [0, 1, 0], travel: [0, 1] } }\nerrors: { ECOY: 1 urad }\n";
+    let text = "abbe: 1\nmachine: M\nchain: w b OY t\naxes: { OY: { kind: linear, direction: [0, 1, 0], travel: [0, 1], origin: [0, 0, 0] } }\nerrors: { ECOY: 1 urad }\n";
     assert!(near(component(&silent(&[("m.yaml", text)]), "OY", 0.5)[5], 1e-6));
 }
 
@@ -362,9 +362,9 @@ fn variants_merge_replace_and_remove() {
         "tool: { gauge: [1, 2, 3], length: 100 mm }\nconventions: bui-kimm\nmeasured: [tables/x.csv]\n\
          errors: { EX0C: 1 um, EXC: { points: [[0, 1 um], [360, 1 um]] }, EYC: 5 um }\nvolume: { X: { step: 10 }, Z: { step: 5 } }\nsetup: { tool: { X: 1 um } }",
     )
-    .replace("C: { travel: continuous }", "C: { travel: continuous, origin: [7, 8, 9] }");
+    .replace("C: { travel: continuous }", "C: { travel: continuous, origin: [7, 8, 9], on_tool: { origin: { from: bed, at: [7, 8, 9] } } }",);
     let variant = "extends: ../base/b.yaml\nmachine: Variant\nchain: null\nbranches: { tool: [X, Z, C] }\n\
-        axes: { X: { travel: [0, 300] }, C: { sense: direct } }\ntool: { offset: [0, 0, -5] }\nconventions: { joints: orthogonal }\n\
+        axes: { X: { travel: [0, 300], origin: [0, 0, 0] }, C: { sense: direct } }\ntool: { offset: [0, 0, -5] }\nconventions: { joints: orthogonal }\n\
         errors: { EX0C: 2 um, EXC: { harmonics: { 1: [0 um, 0.1 um] } }, EYC: null, EZC: { table: c.csv } }\nvolume: { Z: { step: 8 } }\nsetup: { tool: { X: null, Y: 2 um } }\n";
     let x = "X [mm], EXX [um]\n0, 0\n500, 5\n";
     let c = "C [deg], EZC [um]\n0, 1\n360, 1\n";

@@ -27,7 +27,7 @@ fn expect(file: &Path, wanted: &[(&str, f64)], tolerance: f64) {
 }
 
 fn three_axis(folder: &Folder, errors: &str) -> PathBuf {
-    let axes = "X: { travel: [0 mm, 500 mm] }\n  Y: { travel: [-100 mm, 300 mm] }\n  Z: { travel: [-400 mm, 0 mm] }";
+    let axes = "X: { travel: [0 mm, 500 mm], origin: [0, 0, 0] }\n  Y: { travel: [-100 mm, 300 mm], origin: [0, 0, 0] }\n  Z: { travel: [-400 mm, 0 mm], origin: [0, 0, 0] }";
     let text = format!(
         "abbe: 1\nmachine: three\nchain: \"w Y' b X Z t\"\naxes:\n  {axes}\ntool: {{ length: 100 mm }}\nerrors:\n{errors}"
     );
@@ -63,8 +63,8 @@ fn squareness_and_scale_in_the_matrix() {
 /// A table C on a tilting table, turning right-handed.
 fn trt(folder: &Folder, tilt: &str, errors: &str, sense: &str) -> PathBuf {
     let text = format!(
-        "abbe: 1\nmachine: trt\nchain: \"w C' {tilt}' Y' b X Z t\"\naxes:\n  X: {{ travel: [-250 mm, 250 mm] }}\n  \
-         Y: {{ travel: [-200 mm, 200 mm] }}\n  Z: {{ travel: [-400 mm, 0 mm] }}\n  \
+        "abbe: 1\nmachine: trt\nchain: \"w C' {tilt}' Y' b X Z t\"\naxes:\n  X: {{ travel: [-250 mm, 250 mm], origin: [0, 0, 0] }}\n  \
+         Y: {{ travel: [-200 mm, 200 mm], origin: [0, 0, 0] }}\n  Z: {{ travel: [-400 mm, 0 mm], origin: [0, 0, 0] }}\n  \
          {tilt}: {{ travel: [-100 deg, 30 deg], sense: {sense}, origin: [1, 2, -350] }}\n  \
          C: {{ travel: continuous, sense: {sense}, origin: [3, 5, -380] }}\n\
          tool: {{ gauge: [0.5, 0, 10], length: 120 mm }}\nworkpiece: {{ origin: [0, 0, -380] }}\nerrors:\n{errors}"

@@ -98,12 +98,12 @@ fn five_axis_head() {
 /// The signs as they were measured at the controller, apart from any closed form.
 #[test]
 fn measured_signs() {
-    let head = "abbe: 1\nmachine: head\nchain: \"w b X Y Z C B W t\"\naxes:\n  X: { travel: [-9 mm, 9 mm] }\n  Y: { travel: [-9 mm, 9 mm] }\n  \
-                Z: { travel: [-9 mm, 9 mm] }\n  B: { travel: [-99 deg, 99 deg], direction: [0, -1, 0], origin: [0, 0, 100] }\n  \
+    let head = "abbe: 1\nmachine: head\nchain: \"w b X Y Z C B W t\"\naxes:\n  X: { travel: [-9 mm, 9 mm], origin: [0, 0, 0] }\n  Y: { travel: [-9 mm, 9 mm], origin: [0, 0, 0] }\n  \
+                Z: { travel: [-9 mm, 9 mm], origin: [0, 0, 0] }\n  B: { travel: [-99 deg, 99 deg], direction: [0, -1, 0], origin: [0, 0, 100] }\n  \
                 C: { travel: continuous }\n  W: { travel: [-9 mm, 9 mm], direction: [0, 0, -1] }\n";
     agrees(head, &["B"], &[vec![90.0]], |_| [100.0, 0.0, 100.0]);
     let table = "abbe: 1\nmachine: table\nchain: \"w C' A' b X Y Z t\"\nconventions: { workpiece_axes: direct }\naxes:\n  \
-                 X: { travel: [0 mm, 100 mm] }\n  Y: { travel: [0 mm, 100 mm] }\n  Z: { travel: [0 mm, 100 mm] }\n  \
+                 X: { travel: [0 mm, 100 mm], origin: [0, 0, 0] }\n  Y: { travel: [0 mm, 100 mm], origin: [0, 0, 0] }\n  Z: { travel: [0 mm, 100 mm], origin: [0, 0, 0] }\n  \
                  A: { travel: [-99 deg, 99 deg] }\n  C: { travel: continuous }\n";
     agrees(table, &["Y", "A"], &[vec![100.0, 90.0]], |_| [0.0, 0.0, -100.0]);
     agrees(table, &["X", "C"], &[vec![100.0, 90.0]], |_| [0.0, -100.0, 0.0]);

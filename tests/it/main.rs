@@ -63,6 +63,7 @@ mod repository;
 mod rooms;
 mod schema;
 mod show;
+mod sides;
 mod support;
 mod targets;
 mod theorems;

@@ -101,7 +101,7 @@ fn more_than_a_million_poses_are_surveyed_and_streamed() {
     // 101 x 101 x 99 nodes.
     let machine = folder.with(
         "m.yaml",
-        "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500] }\n  Y: { travel: [0, 500] }\n  Z: { travel: [0, 490] }\nerrors:\n  EC0Y: 20 urad\n  EB0Z: -9 urad\n  EXX: { polynomial: [0 um, 5 um/m] }\nvolume: { step: 5 mm }\n",
+        "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500], origin: [0, 0, 0] }\n  Y: { travel: [0, 500], origin: [0, 0, 0] }\n  Z: { travel: [0, 490], origin: [0, 0, 0] }\nerrors:\n  EC0Y: 20 urad\n  EB0Z: -9 urad\n  EXX: { polynomial: [0 um, 5 um/m] }\nvolume: { step: 5 mm }\n",
     );
     let csv = folder.file("map.csv");
     let run = |threads: usize, more: &[&str]| {
@@ -152,7 +152,7 @@ fn a_plane_without_errors_and_a_hostile_name_are_drawn() {
     let folder = Folder::new("hostile");
     let machine = folder.with(
         "m.yaml",
-        "abbe: 1\nmachine: '</script><b>&\"x''y'\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0 mm, 6000 mm] }\n  Y: { travel: [0 mm, 30 mm] }\n  Z: { travel: [0 mm, 100 mm] }\n",
+        "abbe: 1\nmachine: '</script><b>&\"x''y'\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0 mm, 6000 mm], origin: [0, 0, 0] }\n  Y: { travel: [0 mm, 30 mm], origin: [0, 0, 0] }\n  Z: { travel: [0 mm, 100 mm], origin: [0, 0, 0] }\n",
     );
     let svg = folder.file("p.svg");
     abbe(&["map", text(&machine), "--random", "5", "--svg", text(&svg)]);
@@ -171,7 +171,7 @@ fn what_cannot_be_done_is_refused_with_nothing_written() {
     let folder = Folder::new("refused");
     let fine = folder.with(
         "fine.yaml",
-        "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500] }\n  Y: { travel: [0, 500] }\n  Z: { travel: [0, 500] }\nvolume: { step: 0.5 mm }\n",
+        "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500], origin: [0, 0, 0] }\n  Y: { travel: [0, 500], origin: [0, 0, 0] }\n  Z: { travel: [0, 500], origin: [0, 0, 0] }\nvolume: { step: 0.5 mm }\n",
     );
     let (code, message) = refused(&["map", text(&fine)]);
     assert!(

@@ -89,7 +89,7 @@ fn a_grid_is_joined_to_cells_that_fill_the_volume() {
     let folder = Folder::new("cells");
     let file = folder.with(
         "m.yaml",
-        "abbe: 1\nmachine: m\nchain: \"w C' X' b Y Z t\"\naxes:\n  X: { travel: [0, 300] }\n  Y: { travel: [0, 200] }\n  Z: { travel: [-100, 0] }\n  C: { travel: continuous }\nworkpiece: { origin: [10, 20, 30] }\nerrors:\n  EC0Y: 20 urad\nvolume: { step: 100 mm, C: { step: 120 deg } }\n",
+        "abbe: 1\nmachine: m\nchain: \"w C' X' b Y Z t\"\naxes:\n  X: { travel: [0, 300], origin: [0, 0, 0] }\n  Y: { travel: [0, 200], origin: [0, 0, 0] }\n  Z: { travel: [-100, 0], origin: [0, 0, 0] }\n  C: { travel: continuous }\nworkpiece: { origin: [10, 20, 30] }\nerrors:\n  EC0Y: 20 urad\nvolume: { step: 100 mm, C: { step: 120 deg } }\n",
     );
     let out = folder.file("m.vtu");
     abbe(&["map", text(&file), "--vtk", text(&out)]);
@@ -188,7 +188,7 @@ fn body_diagonals_are_the_closed_form() {
     let folder = Folder::new("diagonals");
     let file = folder.with(
         "m.yaml",
-        "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 300] }\n  Y: { travel: [0, 200] }\n  Z: { travel: [0, 100] }\nerrors:\n  EXX: { polynomial: [0 um, 40 um/m] }\n  EC0Y: 50 urad\n",
+        "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 300], origin: [0, 0, 0] }\n  Y: { travel: [0, 200], origin: [0, 0, 0] }\n  Z: { travel: [0, 100], origin: [0, 0, 0] }\nerrors:\n  EXX: { polynomial: [0 um, 40 um/m] }\n  EC0Y: 50 urad\n",
     );
     let map = json(&["map", text(&file), "--random", "1", "--format", "json"]);
     let (x, y, z) = (300.0_f64, 200.0, 100.0);
@@ -212,7 +212,7 @@ fn body_diagonals_are_the_closed_form() {
 #[test]
 fn inputs_are_never_overwritten_and_a_full_disk_leaves_nothing() {
     let folder = Folder::new("whole");
-    let machine = folder.with("m.yaml", "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500] }\n  Y: { travel: [0, 500] }\n  Z: { travel: [0, 500] }\nmeasured: [x.csv]\n");
+    let machine = folder.with("m.yaml", "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500], origin: [0, 0, 0] }\n  Y: { travel: [0, 500], origin: [0, 0, 0] }\n  Z: { travel: [0, 500], origin: [0, 0, 0] }\nmeasured: [x.csv]\n");
     let table = folder.with("x.csv", "X [mm],EXX [um]\n0,0\n500,3\n");
     let link = folder.file("link.csv");
     std::os::unix::fs::symlink(&table, &link).unwrap();
@@ -312,7 +312,7 @@ fn more_poses_than_are_held_are_streamed_in_every_form() {
     // 101 x 100 x 101 nodes, more than a million; C turns the table.
     let machine = folder.with(
         "m.yaml",
-        "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500] }\n  Y: { travel: [0, 495] }\n  Z: { travel: [0, 500] }\nworkpiece: { origin: [1, 2, 3] }\nerrors:\n  EC0Y: 20 urad\n  EB0Z: -9 urad\nvolume: { step: 5 mm }\n",
+        "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500], origin: [0, 0, 0] }\n  Y: { travel: [0, 495], origin: [0, 0, 0] }\n  Z: { travel: [0, 500], origin: [0, 0, 0] }\nworkpiece: { origin: [1, 2, 3] }\nerrors:\n  EC0Y: 20 urad\n  EB0Z: -9 urad\nvolume: { step: 5 mm }\n",
     );
     let [j, p, v] = ["m.json", "m.parquet", "m.vtu"].map(|name| folder.file(name));
     let run = |threads: usize, more: &[&str]| {

@@ -16,8 +16,8 @@ fn machine(folder: &Folder, chain: &str, errors: &str) -> PathBuf {
     folder.write(
         "machine.yaml",
         &format!(
-            "abbe: 1\nmachine: example\nchain: \"{chain}\"\naxes:\n  X: {{ travel: [-200 mm, 200 mm] }}\n  Y: {{ travel: [0 mm, 100 mm] }}\n  \
-             Z: {{ travel: [0 mm, 100 mm] }}\n{rotary}errors:\n  {errors}\nvolume: {{ step: 100 mm }}\n"
+            "abbe: 1\nmachine: example\nchain: \"{chain}\"\naxes:\n  X: {{ travel: [-200 mm, 200 mm], origin: [0, 0, 0] }}\n  Y: {{ travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n  \
+             Z: {{ travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n{rotary}errors:\n  {errors}\nvolume: {{ step: 100 mm }}\n"
         ),
     )
 }

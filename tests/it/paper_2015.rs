@@ -80,8 +80,8 @@ impl Coefficients {
         );
         let tool = if printed { [1.0, 1.0, self.l] } else { [0.0, 0.0, self.l] };
         format!(
-            "abbe: 1\nmachine: MCV 754\nchain: \"w b X Y Z t\"\nconventions: holub-2015\naxes:\n  X: {{ travel: [-600 mm, 600 mm] }}\n  \
-             Y: {{ travel: [-600 mm, 600 mm] }}\n  Z: {{ travel: [-600 mm, 600 mm] }}\ntool: {{ offset: {tool:?} }}\nerrors:\n{square}{}{}{}",
+            "abbe: 1\nmachine: MCV 754\nchain: \"w b X Y Z t\"\nconventions: holub-2015\naxes:\n  X: {{ travel: [-600 mm, 600 mm], origin: [0, 0, 0] }}\n  \
+             Y: {{ travel: [-600 mm, 600 mm], origin: [0, 0, 0] }}\n  Z: {{ travel: [-600 mm, 600 mm], origin: [0, 0, 0] }}\ntool: {{ offset: {tool:?} }}\nerrors:\n{square}{}{}{}",
             lengths.concat(),
             straightness.concat(),
             angles.concat().concat()

@@ -79,7 +79,7 @@ fn the_papers_way_explains_each_component_of_the_phantom() {
 #[test]
 fn of_many_answers_the_shortest_is_given() {
     let folder = Folder::new();
-    let machine = "abbe: 1\nmachine: One\nchain: \"w b X t\"\naxes:\n  X: { travel: [0 mm, 100 mm] }\nidentify:\n  fit: [a, b]\n  parameters: { a: { EXX: [0, 1] }, b: { EXX: [0, 2] } }\n";
+    let machine = "abbe: 1\nmachine: One\nchain: \"w b X t\"\naxes:\n  X: { travel: [0 mm, 100 mm], origin: [0, 0, 0] }\nidentify:\n  fit: [a, b]\n  parameters: { a: { EXX: [0, 1] }, b: { EXX: [0, 2] } }\n";
     let machine = folder.write("machine.yaml", machine);
     let data = folder.write("data.csv", "X [mm],dx [um]\n0,0\n50,25\n100,50\n");
     let found = json(&run(&[

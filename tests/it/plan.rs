@@ -196,7 +196,7 @@ fn what_no_kernel_covers_goes_through_the_general_algebra() {
     let errors: String =
         ["EAX", "EBX", "ECX", "EAY", "EBY", "ECY", "EAZ", "EBZ"].map(|e| format!("{e}: 0.09 rad, ")).concat();
     let text = format!(
-        "abbe: 1\nmachine: m\nchain: \"w C' b X Y Z t\"\naxes:\n  X: {{ travel: [0, 500] }}\n  Y: {{ travel: [0, 500] }}\n  Z: {{ travel: [0, 500] }}\n  C: {{ travel: continuous }}\nerrors: {{ {errors} ECZ: {{ polynomial: [0 rad, 0.0001 rad/mm] }} }}\n"
+        "abbe: 1\nmachine: m\nchain: \"w C' b X Y Z t\"\naxes:\n  X: {{ travel: [0, 500], origin: [0, 0, 0] }}\n  Y: {{ travel: [0, 500], origin: [0, 0, 0] }}\n  Z: {{ travel: [0, 500], origin: [0, 0, 0] }}\n  C: {{ travel: continuous }}\nerrors: {{ {errors} ECZ: {{ polynomial: [0 rad, 0.0001 rad/mm] }} }}\n"
     );
     let machine = crate::loaded::machine(&folder.write("machine.yaml", &text));
     let poses = abbe::evaluate::random_poses(&machine, 29, 1);
@@ -364,7 +364,7 @@ fn grids_of_any_size_and_place() {
         let at = |[x, y, z]: [f64; 3]| format!("[{}, {}, {}]", away + size * x, away + size * y, size * z - away);
         let way = |low: f64, high: f64| format!("[{} mm, {} mm]", size * low, size * high);
         let text = format!(
-            "abbe: 1\nmachine: m\nchain: \"w C' A' Y' b X Z t\"\naxes:\n  X: {{ travel: {} }}\n  Y: {{ travel: {} }}\n  Z: {{ travel: {} }}\n  A: {{ travel: [-120 deg, 30 deg], origin: {} }}\n  C: {{ travel: continuous, origin: {} }}\ntool: {{ gauge: {}, length: {} mm }}\nworkpiece: {{ origin: {} }}\nerrors:\n  EC0Y: 21 urad\n  EB0A: 24 urad\n  EX0C: 6 um\n  EAX: {{ points: [[{} mm, 3 urad], [{} mm, -8 urad]] }}\n  ECZ: {{ polynomial: [3 urad, 0.1 urad/mm] }}\n  EBC: {{ harmonics: {{ 1: [5 urad, 9 urad] }} }}\n  EZA: {{ harmonics: {{ 2: [4 um, 1 um] }} }}\n",
+            "abbe: 1\nmachine: m\nchain: \"w C' A' Y' b X Z t\"\naxes:\n  X: {{ travel: {}, origin: [0, 0, 0] }}\n  Y: {{ travel: {}, origin: [0, 0, 0] }}\n  Z: {{ travel: {}, origin: [0, 0, 0] }}\n  A: {{ travel: [-120 deg, 30 deg], origin: {} }}\n  C: {{ travel: continuous, origin: {} }}\ntool: {{ gauge: {}, length: {} mm }}\nworkpiece: {{ origin: {} }}\nerrors:\n  EC0Y: 21 urad\n  EB0A: 24 urad\n  EX0C: 6 um\n  EAX: {{ points: [[{} mm, 3 urad], [{} mm, -8 urad]] }}\n  ECZ: {{ polynomial: [3 urad, 0.1 urad/mm] }}\n  EBC: {{ harmonics: {{ 1: [5 urad, 9 urad] }} }}\n  EZA: {{ harmonics: {{ 2: [4 um, 1 um] }} }}\n",
             way(0.0, 500.0),
             way(0.0, 450.0),
             way(-400.0, 0.0),

@@ -234,9 +234,9 @@ abbe: 1
 machine: Base
 chain: \"w C' A' Y' b X Z t\"
 axes:
-  X: { travel: [0 mm, 500 mm] }
-  Y: { travel: [0 mm, 450 mm] }
-  Z: { travel: [-400 mm, 0 mm] }
+  X: { travel: [0 mm, 500 mm], origin: [0, 0, 0] }
+  Y: { travel: [0 mm, 450 mm], origin: [0, 0, 0] }
+  Z: { travel: [-400 mm, 0 mm], origin: [0, 0, 0] }
   A: { travel: [-120 deg, 30 deg] }
   C: { travel: continuous }
 ";
@@ -265,7 +265,7 @@ fn examples_of_the_machine_language_are_accepted() {
     folder.write("configs/table.csv", &table.lines.join("\n"));
     folder.write(
         "configs/example.yaml",
-        "abbe: 1\nmachine: M\nchain: w b X t\naxes: { X: { travel: [0, 50] } }\nmeasured: [table.csv]\n",
+        "abbe: 1\nmachine: M\nchain: w b X t\naxes: { X: { travel: [0, 50], origin: [0, 0, 0] } }\nmeasured: [table.csv]\n",
     );
     let output = shell(&folder, "\"$ABBE\" check configs/example.yaml");
     assert!(output.status.success(), "{}", both(&output));

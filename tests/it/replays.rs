@@ -102,8 +102,8 @@ pub fn machine(folder: &Folder, table: bool) -> PathBuf {
     folder.write(
         if table { "table.yaml" } else { "three.yaml" },
         &format!(
-            "abbe: 1\nmachine: example\nchain: \"{chain}\"\naxes:\n  X: {{ travel: [-200 mm, 200 mm] }}\n  \
-             Y: {{ travel: [0 mm, 120 mm] }}\n  Z: {{ travel: [0 mm, 100 mm] }}{axis}\ntool: {{ gauge: [0, 60, 50], length: 80 mm }}\n\
+            "abbe: 1\nmachine: example\nchain: \"{chain}\"\naxes:\n  X: {{ travel: [-200 mm, 200 mm], origin: [0, 0, 0] }}\n  \
+             Y: {{ travel: [0 mm, 120 mm], origin: [0, 0, 0] }}\n  Z: {{ travel: [0 mm, 100 mm], origin: [0, 0, 0] }}{axis}\ntool: {{ gauge: [0, 60, 50], length: 80 mm }}\n\
              errors:\n  {errors}\nvolume: {{ step: 50 mm{turn} }}\n"
         ),
     )

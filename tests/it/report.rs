@@ -302,7 +302,7 @@ fn the_watched_page_follows_its_file_and_answers_this_computer_only() {
     let folder = Folder::new("report-watch");
     let machine = |name: &str, error: &str| {
         format!(
-            "abbe: 1\nmachine: {name}\nchain: \"w b X Y Z t\"\naxes:\n  X: {{ travel: [0, 500] }}\n  Y: {{ travel: [0, 400] }}\n  Z: {{ travel: [0, 300] }}\nextends: base.yaml\nerrors:\n  EC0Y: {error}\n"
+            "abbe: 1\nmachine: {name}\nchain: \"w b X Y Z t\"\naxes:\n  X: {{ travel: [0, 500], origin: [0, 0, 0] }}\n  Y: {{ travel: [0, 400], origin: [0, 0, 0] }}\n  Z: {{ travel: [0, 300], origin: [0, 0, 0] }}\nextends: base.yaml\nerrors:\n  EC0Y: {error}\n"
         )
     };
     folder.with("base.yaml", "provenance: { source: one }\n");

@@ -137,7 +137,7 @@ fn a_stated_uncertainty_is_a_band_about_the_curve_and_changes_no_result() {
         folder.with(
             name,
             &format!(
-                "abbe: 1\nmachine: m\nchain: w b X Y Z t\naxes: {{ X: {{ travel: [0, 400] }}, Y: {{ travel: [0, 400] }}, Z: {{ travel: [0, 400] }} }}\nerrors:\n  EXX: {{ points: [[0 mm, 1 um], [400 mm, 1 um]]{more} }}\n  EC0Y: {location}\n"
+                "abbe: 1\nmachine: m\nchain: w b X Y Z t\naxes: {{ X: {{ travel: [0, 400], origin: [0, 0, 0] }}, Y: {{ travel: [0, 400], origin: [0, 0, 0] }}, Z: {{ travel: [0, 400], origin: [0, 0, 0] }} }}\nerrors:\n  EXX: {{ points: [[0 mm, 1 um], [400 mm, 1 um]]{more} }}\n  EC0Y: {location}\n"
             ),
         )
     };

@@ -11,7 +11,7 @@ fn number(value: &Value) -> f64 {
 
 /// Three linear axes of 400 mm, the workpiece at (10, 20, 30), and one squareness.
 fn three(folder: &Folder, squareness: &str) -> PathBuf {
-    let axes = "{ X: { travel: [0, 400] }, Y: { travel: [0, 400] }, Z: { travel: [0, 400] } }";
+    let axes = "{ X: { travel: [0, 400], origin: [0, 0, 0] }, Y: { travel: [0, 400], origin: [0, 0, 0] }, Z: { travel: [0, 400], origin: [0, 0, 0] } }";
     folder.with(
         "three.yaml",
         &format!(

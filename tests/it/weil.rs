@@ -212,7 +212,7 @@ fn the_inverse_undoes_the_errors() {
 #[test]
 fn groups_and_the_file_s_own_algebra_are_taken() {
     let folder = Folder::new();
-    let yaml = "abbe: 1\nmachine: M\nchain: \"w b X Y t\"\naxes: { X: { travel: [0, 1] }, Y: { travel: [0, 1] } }\nerrors:\n  \
+    let yaml = "abbe: 1\nmachine: M\nchain: \"w b X Y t\"\naxes: { X: { travel: [0, 1], origin: [0, 0, 0] }, Y: { travel: [0, 1], origin: [0, 0, 0] } }\nerrors:\n  \
                 EXX: { polynomial: [1 um] }\n  EAX: { polynomial: [1 urad] }\n  EYY: { polynomial: [1 um] }\n\
                 algebra: { degree: 3, generators: { tilt: [EAX] }, vanish: [tilt^2, x2*x3] }\n";
     let path = folder.write("machine.yaml", yaml);

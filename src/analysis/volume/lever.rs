@@ -2,7 +2,7 @@
 
 use crate::evaluate::{Poses, Random};
 use crate::lower::sensitivities_to;
-use crate::machine::{AxisName, Direction, ErrorFamily, ErrorId, Machine, Pose};
+use crate::machine::{Approach, AxisName, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine, Pose};
 
 /// Distance of the functional point from the point about which an axis's angular errors rotate, mm.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -30,6 +30,31 @@ pub fn levers(machine: &Machine) -> Vec<Lever> {
         }
     }
     levers
+}
+
+/// Returns for every axis what hangs on its arm: the fraction of the sum of squares, over all errors each by itself and
+/// poses of the volume, that its angular component errors make. Errors that are only bounded count at their bounds.
+/// `None` for a machine without errors.
+pub fn arm_shares(machine: &Machine) -> Option<Vec<f64>> {
+    let terms: Vec<(ErrorId, &ErrorTerm)> = machine.errors().collect();
+    let ids: Vec<ErrorId> = terms.iter().map(|(id, _)| id.clone()).collect();
+    let mut squares = vec![0.0; machine.axes().len()];
+    let mut total = 0.0;
+    for pose in Poses::Random(Random::of(machine, RANDOM_POSES, 0)).iter() {
+        for (s, (id, term)) in sensitivities_to(machine, &pose, &ids).iter().zip(&terms) {
+            let axis = machine.axis_index(id.axis.as_str());
+            let size = match term {
+                ErrorTerm::Tolerance(bound) => *bound,
+                term => term.value(axis.map_or(0.0, |axis| pose[axis]), Approach::Mean),
+            };
+            let square = s.deviation.norm_squared() * size * size;
+            total += square;
+            if let Some(axis) = axis.filter(|_| id.direction.is_rotation() && !id.is_location()) {
+                squares[axis] += square;
+            }
+        }
+    }
+    (total > 0.0).then(|| squares.into_iter().map(|square| square / total).collect())
 }
 
 /// Returns the arms at a pose, mm. With r the arm, unit rotations about three perpendicular directions displace by

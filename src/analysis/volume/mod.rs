@@ -13,7 +13,7 @@ mod survey;
 mod work;
 
 pub use diagonals::{Diagonal, body_diagonals, space_axes};
-pub use lever::{Lever, levers};
+pub use lever::{Lever, arm_shares, levers};
 pub use map::{MAX_POSES, Map, TooManyPoses, View, deviation_in, frame_rotation, map};
 pub use plane::Plane;
 pub use survey::{Block, MAX_SURVEYED, Survey, SurveyTask, survey, survey_with_rows};

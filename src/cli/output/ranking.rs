@@ -7,9 +7,14 @@ use abbe::text::significant;
 
 /// One line for each arrangement.
 pub(crate) fn csv(of: &RankedArrangements) -> String {
-    let mut csv = "rank,group,chain,on table,reached,um,low,high,mean,minus file [um]\n".to_owned();
+    let mut csv = "rank,group,chain,on table,reached,um,low,high,mean,minus file [um],not stated\n".to_owned();
     let r = &of.ranking;
-    for (group, rows) in [("ranked", &r.ranked), ("reaches less", &r.short), ("cannot turn", &r.cannot_turn)] {
+    for (group, rows) in [
+        ("ranked", &r.ranked),
+        ("reaches less", &r.short),
+        ("geometry not stated", &r.not_stated),
+        ("cannot turn", &r.cannot_turn),
+    ] {
         for (i, row) in rows.iter().enumerate() {
             let rank = if group == "ranked" { (i + 1).to_string() } else { String::new() };
             let text = |x: Option<f64>| x.map_or(String::new(), |x| (x + 0.0).to_string());
@@ -22,7 +27,7 @@ pub(crate) fn csv(of: &RankedArrangements) -> String {
                 text(result.map(|r| r.minus_file)),
             ];
             let head = format!("{rank},{group},{},{},{}", cell(&row.chain), row.table, row.reached);
-            csv += &format!("{head},{}\n", numbers.join(","));
+            csv += &format!("{head},{},{}\n", numbers.join(","), cell(&row.not_stated.join(" ")));
         }
     }
     csv
@@ -67,6 +72,13 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
             &format!("\n{} reach less than {} % of the tool poses:\n", r.short.len(), significant(of.reach_percent, 4));
         text += &arrangements(of, &r.short, (false, top));
     }
+    if !r.not_stated.is_empty() {
+        text += &format!(
+            "\n{} have axes whose geometry is not stated for the side where they stand; they are not ranked:\n",
+            r.not_stated.len()
+        );
+        text += &arrangements(of, &r.not_stated, (false, top));
+    }
     if !r.cannot_turn.is_empty() {
         let few: Vec<&str> = r.cannot_turn.iter().take(3).map(|row| row.chain.as_str()).collect();
         let dots = if r.cannot_turn.len() > 3 { ", ..." } else { "" };
@@ -82,6 +94,10 @@ fn arrangements(of: &RankedArrangements, rows: &[ArrangementRow], (numbered, top
         header.push("95 % confidence");
     }
     header.push("minus file's, um");
+    let apart = rows.iter().any(|row| !row.not_stated.is_empty());
+    if apart {
+        header.push("not stated");
+    }
     let mut list = table(&header);
     let shown = if numbered { top } else { top.div_ceil(4) };
     for (i, row) in rows.iter().take(shown).enumerate() {
@@ -98,6 +114,9 @@ fn arrangements(of: &RankedArrangements, rows: &[ArrangementRow], (numbered, top
             cells.push(result.map_or("-".to_owned(), |r| format!("{}..{}", end(r.low), end(r.high))));
         }
         cells.push(short(result.map(|r| r.minus_file)));
+        if apart {
+            cells.push(row.not_stated.join(", "));
+        }
         let _ = list.add_row(cells);
     }
     format!("{list}\n")

@@ -2,10 +2,10 @@
 
 use crate::cli::output::session::Session;
 use crate::cli::{Exit, Format, Outcome};
-use abbe::results::{CheckedFile, ErrorCounts};
+use abbe::results::{AxisSummary, CheckedFile, ErrorCounts};
 use abbe::results::{ErrorId, ErrorTerm, Travel};
 use abbe::text::annotations;
-use abbe::text::{angle, counts, length};
+use abbe::text::{angle, counts, length, significant};
 use abbe::{MachineFile, check, summary};
 use serde_json::json;
 use std::path::PathBuf;
@@ -50,11 +50,21 @@ fn travel(travel: Travel, unit: &str) -> String {
 
 fn text(CheckedFile { file, machine, diagnostics }: &CheckedFile) -> String {
     let Some(machine) = machine else { return format!("{file}\n  refused: {}\n", counts(diagnostics)) };
-    let ErrorCounts { location, component, tolerance } = summary(machine).errors;
+    let short = summary(machine);
+    let ErrorCounts { location, component, tolerance } = short.errors;
     let axes: Vec<String> =
         machine.axes().iter().map(|axis| format!("{} {}", axis.name, travel(axis.travel, axis.unit()))).collect();
     let mut text = format!("{}\n  chain   {}\n  axes    {}\n", machine.name(), machine.chain(), axes.join(", "));
     text.push_str(&format!("  errors  {location} location, {component} component, {tolerance} only bounded\n"));
+    let arms = short.axes.iter().filter(|axis| axis.arm_mm.share.is_some_and(|share| share > 0.0));
+    let arm = |axis: &AxisSummary| {
+        let share = axis.arm_mm.share.unwrap_or(0.0) * 100.0;
+        format!("{} {} mm ({} %)", axis.name, significant(axis.arm_mm.longest, 4), significant(share, 2))
+    };
+    let arms: Vec<String> = arms.map(arm).collect();
+    if !arms.is_empty() {
+        text.push_str(&format!("  arms    {}\n", arms.join(", ")));
+    }
     let tools: Vec<&str> = machine.tools().iter().map(|t| t.name.as_str()).filter(|name| !name.is_empty()).collect();
     if !tools.is_empty() {
         text.push_str(&format!("  tools   {}\n", tools.join(", ")));

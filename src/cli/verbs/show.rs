@@ -100,8 +100,17 @@ fn word(value: impl serde::Serialize) -> String {
 }
 
 fn text(of: &ChainResult) -> String {
-    let mut axes =
-        table(&["axis", "kind", "side", "direction", "origin, mm", "travel", "arm at 0, mm", "longest arm, mm"]);
+    let mut axes = table(&[
+        "axis",
+        "kind",
+        "side",
+        "direction",
+        "origin, mm",
+        "travel",
+        "arm at 0, mm",
+        "longest arm, mm",
+        "share",
+    ]);
     for axis in &of.axes {
         let prime = if axis.side == Branch::Workpiece { "'" } else { "" };
         let _ = axes.add_row([
@@ -113,17 +122,46 @@ fn text(of: &ChainResult) -> String {
             travel(axis),
             significant(axis.arm_mm.at_zero, 5),
             significant(axis.arm_mm.longest, 5),
+            axis.arm_mm.share.map_or("-".to_owned(), |share| format!("{} %", significant(share * 100.0, 2))),
         ]);
     }
     format!(
         "{}\n  {}\n\n{axes}\nArm: from the point about which the axis's angular errors turn to the functional point, \
-         over the volume.\n\n{}\n{}\n{}",
+         over the volume.\nShare: of the sum of squares of all errors, what hangs on the arm: the angular errors \
+         of the axis.\n\n{}\n{}\n{}\n{}",
         of.machine,
         of.chain,
+        other_sides(of),
         frames(of),
         locations(of),
         conventions(of)
     )
+}
+
+/// What the file states for the sides on which the axes do not stand.
+fn other_sides(of: &ChainResult) -> String {
+    let mut text = String::from("On the other side of the bed, if a variant or `enumerate` puts an axis there:\n");
+    for axis in &of.axes {
+        let Some(there) = &axis.other_side else { continue };
+        let side = if there.side == Branch::Workpiece { "workpiece" } else { "tool" };
+        let [min, max] = there.travel.map(|q| significant(q, 7));
+        let travel = if there.continuous { "continuous".to_owned() } else { format!("{min} .. {max} {}", axis.unit) };
+        text.push_str(&format!(
+            "  {} with the {side}: origin {} mm, direction {}, travel {travel}\n",
+            axis.name,
+            point(&there.origin_mm),
+            there.direction.map(|x| significant(x, 6)).join(", ")
+        ));
+    }
+    let silent: Vec<&str> = of.axes.iter().filter(|a| a.other_side.is_none()).map(|a| a.name.as_str()).collect();
+    if !silent.is_empty() {
+        text.push_str(&format!("  not stated: {}\n", silent.join(", ")));
+    }
+    let here: Vec<&str> = of.axes.iter().filter(|a| !a.geometry_stated).map(|a| a.name.as_str()).collect();
+    if !here.is_empty() {
+        text.push_str(&format!("  not stated for the side on which it stands: {}\n", here.join(", ")));
+    }
+    text
 }
 
 fn frames(of: &ChainResult) -> String {
@@ -188,7 +226,7 @@ fn conventions(of: &ChainResult) -> String {
 /// The table of the axes.
 fn csv(of: &ChainResult) -> String {
     let mut csv =
-        "axis,kind,side,ux,uy,uz,x [mm],y [mm],z [mm],min,max,unit,arm at 0 [mm],longest arm [mm]\n".to_owned();
+        "axis,kind,side,ux,uy,uz,x [mm],y [mm],z [mm],min,max,unit,arm at 0 [mm],longest arm [mm],share\n".to_owned();
     for axis in &of.axes {
         let ends = if axis.continuous { ",".to_owned() } else { numbers(axis.travel) };
         let fields = [
@@ -200,6 +238,7 @@ fn csv(of: &ChainResult) -> String {
             ends,
             axis.unit.clone(),
             numbers([axis.arm_mm.at_zero, axis.arm_mm.longest]),
+            axis.arm_mm.share.map_or_else(String::new, |share| share.to_string()),
         ];
         csv.push_str(&fields.join(","));
         csv.push('\n');

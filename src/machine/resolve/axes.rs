@@ -1,19 +1,81 @@
-//! Axes: kind, direction, origin, travel.
+//! Axes: kind, direction, origin, travel, and what holds of them on one side of the bed.
 
 use super::context::{Context, dotted};
+use super::positions::{PositionDraft, position};
 use crate::diagnostic::{codes, did_you_mean, shown};
-use crate::machine::{AxisKind, AxisName, Sense, Travel};
-use crate::syntax::{AxisEntry, Keys, Scalar, TravelEntry, below, keys};
+use crate::machine::{AxisKind, AxisName, Branch, Sense, Travel};
+use crate::syntax::{AxisEntry, Keys, Scalar, SideEntry, TravelEntry, below, keys};
 
 /// An axis as far as its entry could be understood; it may be outside the chain.
 #[derive(Debug, Clone)]
 pub struct AxisDraft {
     pub name: AxisName,
     pub kind: Option<AxisKind>,
-    pub direction: Option<[f64; 3]>,
-    pub origin: Option<[f64; 3]>,
-    pub travel: Option<Travel>,
     pub sense: Option<Sense>,
+    /// The plain keys.
+    pub plain: SideDraft,
+    /// The blocks `on_tool` and `on_workpiece`.
+    pub on_tool: SideDraft,
+    pub on_workpiece: SideDraft,
+    /// The side on which the axis stands.
+    pub side: Branch,
+    /// The travel there.
+    pub travel: Option<Travel>,
+}
+
+/// What an entry gives of the geometry of an axis.
+#[derive(Debug, Clone, Default)]
+pub struct SideDraft {
+    pub direction: Option<[f64; 3]>,
+    pub origin: Option<PositionDraft>,
+    pub travel: Option<Travel>,
+}
+
+impl AxisDraft {
+    /// What holds on a side: its block, else the plain keys, else what the block of the other side says.
+    pub fn on(&self, branch: Branch) -> SideDraft {
+        let (own, other) = match branch {
+            Branch::Tool => (&self.on_tool, &self.on_workpiece),
+            Branch::Workpiece => (&self.on_workpiece, &self.on_tool),
+        };
+        SideDraft {
+            direction: own.direction.or(self.plain.direction).or(other.direction),
+            origin: own.origin.clone().or(self.plain.origin.clone()).or(other.origin.clone()),
+            travel: own.travel.or(self.plain.travel).or(other.travel),
+        }
+    }
+
+    /// The block of a side.
+    pub fn block(&self, branch: Branch) -> &SideDraft {
+        if branch == Branch::Tool { &self.on_tool } else { &self.on_workpiece }
+    }
+
+    /// The same axis as it is on a side.
+    pub fn standing_on(&self, branch: Branch) -> Self {
+        Self { side: branch, travel: self.on(branch).travel, ..self.clone() }
+    }
+
+    /// The entry of its travel.
+    pub fn travel_entry(&self) -> Keys {
+        let axis = keys(["axes", self.name.as_str()]);
+        let sides = [self.side, self.side.opposite()];
+        match sides.into_iter().find(|side| self.block(*side).travel.is_some()) {
+            Some(side) if side == self.side || self.plain.travel.is_none() => {
+                below(&below(&axis, block_key(side)), "travel")
+            }
+            _ => below(&axis, "travel"),
+        }
+    }
+}
+
+/// The key of the block of a side.
+pub fn block_key(branch: Branch) -> &'static str {
+    if branch == Branch::Tool { "on_tool" } else { "on_workpiece" }
+}
+
+/// The block of a side as written.
+pub fn block_entry(entry: &AxisEntry, branch: Branch) -> Option<&SideEntry> {
+    if branch == Branch::Tool { entry.on_tool.as_ref() } else { entry.on_workpiece.as_ref() }
 }
 
 /// All axes that are declared.
@@ -29,21 +91,35 @@ fn axis(context: &mut Context<'_>, name: &str, entry: Option<&AxisEntry>) -> Opt
         context.at_key(codes::E0306, &at, format!("`{}` is not the name of an axis", shown(name)), help);
         return None;
     };
-    let unknown =
-        AxisDraft { name: name.clone(), kind: None, direction: None, origin: None, travel: None, sense: None };
+    let none = SideDraft::default;
+    let (plain, on_tool, on_workpiece) = (none(), none(), none());
+    let (side, travel) = (Branch::Workpiece, None);
+    let unknown = AxisDraft { name: name.clone(), kind: None, sense: None, plain, on_tool, on_workpiece, side, travel };
     let Some(entry) = entry else { return Some(unknown) };
     let kind = kind(context, &name, entry, &at);
-    let travel = kind.and_then(|kind| travel(context, &name, kind, entry, &at));
+    let travel = kind.and_then(|kind| plain_travel(context, &name, kind, entry, &at));
     let sense = match &entry.sense {
         Some(word) => context.choice::<Sense>(word, &below(&at, "sense"), &["iso841", "direct"]),
         None => None,
     };
-    let origin = match &entry.origin {
-        Some(list) => context.vector(list, &below(&at, "origin")),
-        None => Some([0.0; 3]),
-    };
-    let direction = direction(context, &name, entry, &at);
-    Some(AxisDraft { kind, direction, origin, travel, sense, ..unknown })
+    let origin = entry.origin.as_ref().and_then(|written| position(context, written, &below(&at, "origin")));
+    let direction = plain_direction(context, &name, entry, &at);
+    let plain = SideDraft { direction, origin, travel };
+    let [on_tool, on_workpiece] = [Branch::Tool, Branch::Workpiece].map(|branch| {
+        let side = block_entry(entry, branch).zip(kind);
+        side.map(|(side, kind)| block(context, &name, kind, side, &below(&at, block_key(branch)))).unwrap_or_default()
+    });
+    Some(AxisDraft { kind, sense, plain, on_tool, on_workpiece, ..unknown })
+}
+
+/// What the block of a side gives.
+fn block(context: &mut Context<'_>, name: &AxisName, kind: AxisKind, side: &SideEntry, at: &Keys) -> SideDraft {
+    let written = side.direction.as_ref();
+    SideDraft {
+        direction: written.and_then(|list| direction(context, name, list, &below(at, "direction"))),
+        origin: side.origin.as_ref().and_then(|written| position(context, written, &below(at, "origin"))),
+        travel: side.travel.as_ref().and_then(|entry| travel(context, name, kind, entry, &below(at, "travel"))),
+    }
 }
 
 /// The meaning of a letter (with digits after it): X, Y, Z, U, V, W, P, Q, R are linear, A, B, C rotary.
@@ -80,33 +156,41 @@ fn kind(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys
     kind
 }
 
-fn direction(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys) -> Option<[f64; 3]> {
+/// True if the block of a side gives it.
+fn in_a_block(entry: &AxisEntry, given: impl Fn(&SideEntry) -> bool) -> bool {
+    [Branch::Tool, Branch::Workpiece].into_iter().filter_map(|branch| block_entry(entry, branch)).any(given)
+}
+
+/// The plain direction, or that of the letter; a name without either needs one in a block.
+fn plain_direction(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys) -> Option<[f64; 3]> {
     let here = below(at, "direction");
-    let Some(list) = &entry.direction else {
-        let default = by_letter(name);
-        let word = entry.kind.as_deref().unwrap_or("");
-        let agrees = default.filter(|(kind, _)| word.is_empty() || (*kind == AxisKind::Linear) == (word == "linear"));
-        if agrees.is_none() && entry.kind.is_some() && !context.document.places.is_marred(&here) {
-            let help = "add its unit vector in machine coordinates, such as `direction: [0, 0, 1]`";
-            context.at_key(codes::E0401, at, format!("axis `{name}` has no `direction`"), help);
-        }
-        return agrees.map(|d| d.1);
-    };
+    if let Some(list) = &entry.direction {
+        return direction(context, name, list, &here);
+    }
+    let word = entry.kind.as_deref().unwrap_or("");
+    let agrees = |kind: AxisKind| word.is_empty() || (kind == AxisKind::Linear) == (word == "linear");
+    let default = by_letter(name).filter(|(kind, _)| agrees(*kind)).map(|d| d.1);
+    let elsewhere = in_a_block(entry, |side| side.direction.is_some()) || context.document.places.is_marred(&here);
+    if default.is_none() && entry.kind.is_some() && !elsewhere {
+        let help = "add its unit vector in machine coordinates, such as `direction: [0, 0, 1]`";
+        context.at_key(codes::E0401, at, format!("axis `{name}` has no `direction`"), help);
+    }
+    default
+}
+
+/// Three plain numbers as a unit vector.
+fn direction(context: &mut Context<'_>, name: &AxisName, list: &[Scalar], here: &Keys) -> Option<[f64; 3]> {
     let numbers: Vec<f64> =
         list.iter().filter_map(|s| if let Scalar::Number(n) = s { Some(*n) } else { None }).collect();
     let help = "write three plain numbers, not all zero: [0, 1, 1] is 45 deg between Y and Z";
     if list.len() != 3 || numbers.len() != 3 || !numbers.iter().all(|n| n.is_finite()) {
-        context.at_value(
-            codes::E0402,
-            &here,
-            format!("the direction of axis `{name}` is not three plain numbers"),
-            help,
-        );
+        let message = format!("the direction of axis `{name}` is not three plain numbers");
+        context.at_value(codes::E0402, here, message, help);
         return None;
     }
     let largest = numbers.iter().fold(0.0_f64, |m, n| m.max(n.abs()));
     if largest == 0.0 {
-        context.at_value(codes::E0402, &here, format!("the direction of axis `{name}` is zero"), help);
+        context.at_value(codes::E0402, here, format!("the direction of axis `{name}` is zero"), help);
         return None;
     }
     // Scaled first: squares of 1e200 overflow, of 1e-200 vanish.
@@ -115,32 +199,47 @@ fn direction(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: 
     Some(scaled.map(|n| n / norm))
 }
 
-fn travel(context: &mut Context<'_>, name: &AxisName, kind: AxisKind, entry: &AxisEntry, at: &Keys) -> Option<Travel> {
-    let here = below(at, "travel");
-    match &entry.travel {
-        None => {
-            if !context.document.places.is_marred(at) {
-                let help = match kind {
-                    AxisKind::Linear => "add `travel: [0 mm, 500 mm]`",
-                    AxisKind::Rotary => "add `travel: [-120 deg, 30 deg]` or `travel: continuous`",
-                };
-                context.at_key(codes::E0203, at, format!("axis `{name}` has no `travel`"), help);
-            }
-            None
-        }
-        Some(TravelEntry::Word(word)) if word == "continuous" && kind == AxisKind::Rotary => Some(Travel::Continuous),
-        Some(TravelEntry::Word(word)) => {
+fn plain_travel(
+    context: &mut Context<'_>,
+    name: &AxisName,
+    kind: AxisKind,
+    entry: &AxisEntry,
+    at: &Keys,
+) -> Option<Travel> {
+    if let Some(written) = &entry.travel {
+        return travel(context, name, kind, written, &below(at, "travel"));
+    }
+    if !context.document.places.is_marred(at) && !in_a_block(entry, |side| side.travel.is_some()) {
+        let help = match kind {
+            AxisKind::Linear => "add `travel: [0 mm, 500 mm]`",
+            AxisKind::Rotary => "add `travel: [-120 deg, 30 deg]` or `travel: continuous`",
+        };
+        context.at_key(codes::E0203, at, format!("axis `{name}` has no `travel`"), help);
+    }
+    None
+}
+
+fn travel(
+    context: &mut Context<'_>,
+    name: &AxisName,
+    kind: AxisKind,
+    entry: &TravelEntry,
+    here: &Keys,
+) -> Option<Travel> {
+    match entry {
+        TravelEntry::Word(word) if word == "continuous" && kind == AxisKind::Rotary => Some(Travel::Continuous),
+        TravelEntry::Word(word) => {
             let help = if word == "continuous" {
                 "a linear axis has two ends: [0 mm, 500 mm]"
             } else {
                 "write [min, max] or continuous"
             };
             let message = format!("`{}` is not a travel of axis `{name}`", shown(word));
-            context.at_value(codes::E0403, &here, message, help);
+            context.at_value(codes::E0403, here, message, help);
             None
         }
-        Some(TravelEntry::Range(list)) => {
-            let (min, max) = context.interval(list, kind, &here)?;
+        TravelEntry::Range(list) => {
+            let (min, max) = context.interval(list, kind, here)?;
             Some(Travel::Range(min, max))
         }
     }

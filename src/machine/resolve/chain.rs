@@ -3,7 +3,7 @@
 use super::context::Context;
 use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
 use crate::machine::{AxisName, Branch, KinematicChain};
-use crate::syntax::{Keys, below, keys};
+use crate::syntax::{Keys, WrittenChain, below, keys};
 
 /// An axis in the chain and where it stands there.
 struct Link {
@@ -201,6 +201,25 @@ fn tokens(context: &Context<'_>, text: &str) -> Vec<Token> {
         start += piece.len();
     }
     tokens
+}
+
+/// The side on which a chain as some file writes it has an axis; nothing is reported.
+pub fn side_in(chain: &WrittenChain, axis: &str) -> Option<Branch> {
+    let bare = |word: &str| word.trim().trim_end_matches(['\'', '’', '′']) == axis;
+    match chain {
+        WrittenChain::Walk(text) => {
+            let separates = |c: char| c.is_whitespace() || matches!(c, '-' | '–' | ',' | '[' | ']');
+            let words: Vec<&str> = text.split(separates).filter(|word| !word.is_empty()).collect();
+            let bed = words.iter().position(|word| *word == "b")?;
+            let place = words.iter().position(|word| bare(word))?;
+            Some(if place < bed { Branch::Workpiece } else { Branch::Tool })
+        }
+        WrittenChain::Branches(lists) => {
+            let on = |list: &[String]| list.iter().any(|word| bare(word));
+            let tool = || on(&lists.tool).then_some(Branch::Tool);
+            on(&lists.workpiece).then_some(Branch::Workpiece).or_else(tool)
+        }
+    }
 }
 
 /// The place of a piece of a text value, if the value stands in the file as it is.

@@ -5,7 +5,7 @@ use super::context::Context;
 use super::names::{in_other_letters, readings};
 use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
 use crate::machine::{AxisKind, BSpline, BSplineFailure, ComponentError, Curve, ErrorId, Knots, KnotsFailure, Travel};
-use crate::syntax::{BSplineEntry, ColumnDirection, CsvColumn, CsvTable, CurveEntry, Keys, Scalar, below, keys};
+use crate::syntax::{BSplineEntry, ColumnDirection, CsvColumn, CsvTable, CurveEntry, Keys, Scalar, below};
 use crate::units::Dimension;
 use std::rc::Rc;
 
@@ -451,7 +451,7 @@ fn covers(context: &mut Context<'_>, of: &CurveOf<'_>, knots: &Knots, place: Opt
         "`{}` is given from {first} to {last} {unit}, but axis `{}` travels from {min} to {max} {unit}",
         of.error, of.error.axis
     );
-    let travel = context.document.places.value(&keys(["axes", of.error.axis.as_str(), "travel"]));
+    let travel = context.document.places.value(&of.axis.travel_entry());
     let refusal = Diagnostic::new(codes::E0409, message).at(place, "").at(travel, "the travel");
     context.diagnostics.push(refusal.help("measure the rest or shorten the travel; nothing is extrapolated"));
     None

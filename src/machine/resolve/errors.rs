@@ -6,10 +6,10 @@ use super::names::{Spelling, readings};
 use super::uses::JointNames;
 use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
 use crate::machine::{
-    AxisKind, AxisName, ComponentError, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, KinematicChain,
+    AxisKind, AxisName, Branch, ComponentError, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, KinematicChain,
 };
 use crate::syntax::{ColumnDirection, CurveEntry, Keys, TermEntry, below, keys};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Errors above these are mistakes of unit (mm, rad).
 const MAX_TRANSLATION: f64 = 10.0;
@@ -22,10 +22,26 @@ pub struct Errors {
     pub places: BTreeMap<ErrorId, Option<Place>>,
     /// Expanded uncertainties (mm, rad).
     pub uncertainty: BTreeMap<ErrorId, f64>,
+    /// All errors of axes on the side where the axis does not stand, if they may differ there.
+    pub other_side: BTreeMap<AxisName, (Branch, JointErrors)>,
+}
+
+/// The errors to read.
+pub struct Scope<'a> {
+    /// Those that the block of a side replaces.
+    pub replaced: &'a BTreeSet<ErrorId>,
+    /// The axes to read errors of; all of them by default.
+    pub axes: Option<&'a BTreeSet<AxisName>>,
+}
+
+impl Scope<'_> {
+    fn skips(&self, error: &ErrorId) -> bool {
+        self.replaced.contains(error) || self.axes.is_some_and(|axes| !axes.contains(&error.axis))
+    }
 }
 
 impl Errors {
-    fn put(&mut self, error: &ErrorId, term: Option<ErrorTerm>) {
+    pub fn put(&mut self, error: &ErrorId, term: Option<ErrorTerm>) {
         let joint = self.joints.entry(error.axis.clone()).or_default();
         joint.six_mut(error.family)[error.direction.index()] = term;
     }
@@ -37,29 +53,40 @@ impl Errors {
     }
 }
 
-/// All error terms of the file and its tables.
-pub fn errors(context: &mut Context<'_>, known: &JointNames<'_>) -> Errors {
+/// All error terms under `errors` and in tables that are in scope.
+pub fn plain(context: &mut Context<'_>, known: &JointNames<'_>, scope: &Scope<'_>) -> Errors {
     let document = context.document;
     let mut errors = Errors::default();
     for (name, entry) in &document.errors {
         let at = keys(["errors", name]);
         let place = document.places.key(&at);
         let Some(spelling) = named(context, name, known, place.clone()) else { continue };
-        if !once(context, &mut errors, &spelling.error, place) {
+        if !once(context, &mut errors, &spelling.error, place) || scope.skips(&spelling.error) {
             continue;
         }
         if let Some(entry) = entry {
-            let term = term(context, &spelling, entry, known, &at);
-            errors.put(&spelling.error, term);
-            if let Some(value) = uncertainty(context, &spelling.error, entry, &at) {
-                let _ = errors.uncertainty.insert(spelling.error, value);
-            }
+            given(context, &mut errors, &spelling, entry, (known, &at));
         }
     }
     for (i, path) in document.measured.iter().enumerate() {
-        measured(context, &mut errors, &below(&keys(["measured"]), i), path, known);
+        measured(context, &mut errors, &below(&keys(["measured"]), i), path, (known, scope));
     }
     errors
+}
+
+/// Puts a term and its uncertainty.
+pub fn given(
+    context: &mut Context<'_>,
+    errors: &mut Errors,
+    spelling: &Spelling,
+    entry: &TermEntry,
+    (known, at): (&JointNames<'_>, &Keys),
+) {
+    let term = term(context, spelling, entry, known, at);
+    errors.put(&spelling.error, term);
+    if let Some(value) = uncertainty(context, &spelling.error, entry, at) {
+        let _ = errors.uncertainty.insert(spelling.error.clone(), value);
+    }
 }
 
 /// The error that a name means, if its axis (or spindle) is there.
@@ -94,7 +121,7 @@ pub fn named(context: &mut Context<'_>, name: &str, known: &JointNames<'_>, plac
 }
 
 /// True if the error has not been given elsewhere.
-fn once(context: &mut Context<'_>, errors: &mut Errors, error: &ErrorId, place: Option<Place>) -> bool {
+pub fn once(context: &mut Context<'_>, errors: &mut Errors, error: &ErrorId, place: Option<Place>) -> bool {
     if let Some(first) = errors.places.get(error) {
         let refusal = Diagnostic::new(codes::E0407, format!("`{error}` is given twice"))
             .at(place, "again here")
@@ -252,7 +279,13 @@ fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at:
 }
 
 /// Every error column of a table.
-fn measured(context: &mut Context<'_>, errors: &mut Errors, at: &Keys, path: &str, known: &JointNames<'_>) {
+fn measured(
+    context: &mut Context<'_>,
+    errors: &mut Errors,
+    at: &Keys,
+    path: &str,
+    (known, scope): (&JointNames<'_>, &Scope<'_>),
+) {
     let Some(table) = context.table(at, path) else { return };
     if table.columns.len() < 2 {
         let refusal = Diagnostic::new(codes::E0114, "the table has no column of errors")
@@ -267,7 +300,7 @@ fn measured(context: &mut Context<'_>, errors: &mut Errors, at: &Keys, path: &st
         if table.columns[1..i].iter().any(|c| c.name == column.name) {
             continue;
         }
-        if !once(context, errors, error, place) {
+        if !once(context, errors, error, place) || scope.skips(error) {
             continue;
         }
         let axis = known.axis(&error.axis);

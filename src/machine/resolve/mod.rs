@@ -10,14 +10,18 @@ mod doubles;
 mod errors;
 mod names;
 mod parts;
+mod positions;
 mod quantities;
+mod side_errors;
+mod sides;
 mod uses;
 mod volume;
 
 pub use errors::largest;
 pub use names::parse_error_name;
+pub use sides::no_origin;
 
-use super::{Axis, Conventions, KinematicChain, Machine, MachineParts};
+use super::{Axis, Branch, Conventions, Geometry, KinematicChain, Machine, MachineParts, Sides};
 use crate::diagnostic::{Diagnostics, codes};
 use crate::syntax::{Document, Files, keys};
 use axes::AxisDraft;
@@ -28,7 +32,11 @@ use uses::JointNames;
 /// Resolves a document; tables are read through `files`. `None` if anything at all was refused,
 /// by this stage or before.
 pub fn resolve(document: &Document, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Machine> {
-    let machine = parts(&mut Context::new(document, files, diagnostics)).map(Machine::new);
+    let context = &mut Context::new(document, files, diagnostics);
+    let machine = parts(context).map(Machine::new);
+    if let Some(machine) = &machine {
+        sides::warn(context, machine);
+    }
     machine.filter(|_| !diagnostics.refused())
 }
 
@@ -38,30 +46,39 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
     let conventions = conventions::conventions(context);
     let declared = axes::axes(context);
     let chain = chain::chain(context);
-    let axes = chain.as_ref().and_then(|chain| in_chain(chain, &declared, &conventions));
+    let walk = chain.as_ref().map(|chain| sides::sides(&chain.walk())).unwrap_or_default();
+    let side = |axis: &AxisDraft| walk.get(&axis.name).copied().unwrap_or(Branch::Workpiece);
+    let declared: Vec<AxisDraft> = declared.iter().map(|axis| axis.standing_on(side(axis))).collect();
     let tools = parts::tools(context);
     let workpiece = parts::workpiece(context);
+    positions::circles(context, &declared, workpiece.as_ref());
     let setup = parts::setup(context);
     let provenance = parts::provenance(context);
     let known = JointNames { declared: &declared, spindle: chain.as_ref().and_then(|c| c.spindle()) };
-    let mut errors = errors::errors(context, &known);
+    let mut errors = side_errors::errors(context, &known, &walk);
     let algebra = uses::algebra(context, &known);
     uses::identify(context, &known);
+    let tool = tools.as_ref().and_then(|tools| tools.first());
+    let geometry = tool.map(|tool| sides::geometry(context, &declared, &mut errors, tool, workpiece.as_ref()));
+    let placed = chain.as_ref().zip(geometry.as_ref());
+    let axes = placed.and_then(|(chain, geometry)| in_chain(chain, &walk, geometry, &declared, &conventions));
     let volume = axes.as_ref().and_then(|axes| volume::volume(context, axes, &declared));
     let chain = chain?;
     left_out(context, &declared, &chain, &errors);
+    let geometry = geometry?;
     let parts = MachineParts {
         name: name?,
         axes: axes?,
         errors: errors.in_order(&chain),
         tools: tools?,
-        workpiece: workpiece?,
+        workpiece: geometry.point(&geometry.workpiece, &walk),
         conventions,
         setup,
         volume: volume?,
         provenance,
         uncertainty: std::mem::take(&mut errors.uncertainty),
         algebra,
+        geometry,
         chain,
     };
     doubles::warn(context, &parts, &errors);
@@ -88,17 +105,24 @@ fn left_out(context: &mut Context<'_>, declared: &[AxisDraft], chain: &Kinematic
 }
 
 /// The chain's axes on the walk, if all of them could be understood.
-fn in_chain(chain: &KinematicChain, declared: &[AxisDraft], conventions: &Conventions) -> Option<Vec<Axis>> {
+fn in_chain(
+    chain: &KinematicChain,
+    sides: &Sides,
+    geometry: &Geometry,
+    declared: &[AxisDraft],
+    conventions: &Conventions,
+) -> Option<Vec<Axis>> {
     let walk = chain.walk().into_iter().map(|(name, branch)| {
-        let d = declared.iter().find(|d| d.name == *name)?;
+        let draft = declared.iter().find(|d| d.name == *name)?;
+        let side = geometry.axes.get(name)?.on(branch);
         Some(Axis {
             name: name.clone(),
-            kind: d.kind?,
-            direction: d.direction?,
-            origin: d.origin?,
-            travel: d.travel?,
+            kind: draft.kind?,
+            direction: side.direction,
+            origin: geometry.origin(name, sides),
+            travel: side.travel,
             branch,
-            sense: d.sense.unwrap_or(conventions.workpiece_axes),
+            sense: draft.sense.unwrap_or(conventions.workpiece_axes),
         })
     });
     walk.collect()

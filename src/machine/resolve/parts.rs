@@ -1,6 +1,7 @@
 //! Names, tools, workpiece, set-up, provenance.
 
 use super::context::{Context, dotted};
+use super::positions::{PositionDraft, position};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, is_layout, shown};
 use crate::machine::{Direction, Provenance, SetUp, Tool};
 use crate::syntax::{Keys, Scalar, ToolEntry, below, keys};
@@ -142,12 +143,10 @@ fn length_below(context: &mut Context<'_>, scalar: &Scalar, at: &Keys) -> Option
     Some(length)
 }
 
-/// The workpiece origin.
-pub fn workpiece(context: &mut Context<'_>) -> Option<[f64; 3]> {
-    match context.document.workpiece.as_ref().and_then(|w| w.origin.as_ref()) {
-        Some(list) => context.vector(list, &keys(["workpiece", "origin"])),
-        None => Some([0.0; 3]),
-    }
+/// The workpiece origin, if one is given.
+pub fn workpiece(context: &mut Context<'_>) -> Option<PositionDraft> {
+    let written = context.document.workpiece.as_ref().and_then(|w| w.origin.as_ref())?;
+    position(context, written, &keys(["workpiece", "origin"]))
 }
 
 /// Errors of clamping.

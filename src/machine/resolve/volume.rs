@@ -30,7 +30,9 @@ pub fn volume(context: &mut Context<'_>, axes: &[Axis], declared: &[AxisDraft]) 
         let message = format!("`volume` names the axis `{}`, which is not declared", shown(name));
         context.at_key(codes::E0214, &keys(["volume", name]), message, help);
     }
-    let grids: Vec<Option<Grid>> = axes.iter().map(|axis| grid(context, axis, &steps)).collect();
+    let travel = |axis: &Axis| declared.iter().find(|d| d.name == axis.name).map(AxisDraft::travel_entry);
+    let grids: Vec<Option<Grid>> =
+        axes.iter().map(|axis| grid(context, axis, &travel(axis).unwrap_or_default(), &steps)).collect();
     grids.into_iter().collect()
 }
 
@@ -58,7 +60,7 @@ fn step(context: &mut Context<'_>, scalar: &Scalar, kind: AxisKind, at: &Keys) -
     Some(step)
 }
 
-fn grid(context: &mut Context<'_>, axis: &Axis, steps: &Steps) -> Option<Grid> {
+fn grid(context: &mut Context<'_>, axis: &Axis, travel: &Keys, steps: &Steps) -> Option<Grid> {
     let document = context.document;
     let at = keys(["volume", axis.name.as_str()]);
     let (range, own) = match document.volume.get(axis.name.as_str()) {
@@ -68,7 +70,9 @@ fn grid(context: &mut Context<'_>, axis: &Axis, steps: &Steps) -> Option<Grid> {
     let long = below(&at, "range");
     let range_at = if document.places.has(&long) { long } else { at.clone() };
     let interval = match range {
-        Some(list) => context.interval(list, axis.kind, &range_at).and_then(|i| within(context, axis, i, &range_at)),
+        Some(list) => {
+            context.interval(list, axis.kind, &range_at).and_then(|i| within(context, (axis, travel), i, &range_at))
+        }
         None => Some(axis.travel.interval()),
     };
     let default = if axis.kind == AxisKind::Linear { steps.linear } else { steps.rotary };
@@ -86,7 +90,12 @@ fn grid(context: &mut Context<'_>, axis: &Axis, steps: &Steps) -> Option<Grid> {
 }
 
 /// Beyond the travel no error is known.
-fn within(context: &mut Context<'_>, axis: &Axis, interval: (f64, f64), at: &Keys) -> Option<(f64, f64)> {
+fn within(
+    context: &mut Context<'_>,
+    (axis, travel): (&Axis, &Keys),
+    interval: (f64, f64),
+    at: &Keys,
+) -> Option<(f64, f64)> {
     if axis.travel.contains(interval.0) && axis.travel.contains(interval.1) {
         return Some(interval);
     }
@@ -94,7 +103,7 @@ fn within(context: &mut Context<'_>, axis: &Axis, interval: (f64, f64), at: &Key
     let message =
         format!("the volume of axis `{}` goes beyond its travel from {min} to {max} {}", axis.name, axis.unit());
     let places = &context.document.places;
-    let travel = places.value(&keys(["axes", axis.name.as_str(), "travel"]));
+    let travel = places.value(travel);
     let refusal = Diagnostic::new(codes::E0214, message).at(places.value(at), "").at(travel, "the travel");
     context.diagnostics.push(refusal.help("keep the volume within the travel"));
     None

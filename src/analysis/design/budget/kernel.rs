@@ -13,7 +13,7 @@ pub const SAMPLE_LANES: usize = 40;
 pub type SampleLanes = [f64; SAMPLE_LANES];
 
 /// The bounds of one joint's errors by direction (mm, rad), with the index of each in the list of bounds.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct JointBounds {
     location: [Option<usize>; 6],
     component: [Option<usize>; 6],
@@ -23,10 +23,10 @@ pub struct JointBounds {
 
 /// Returns the bounds joint by joint: of every axis in the order of the machine, then of the spindle.
 pub fn by_joint(machine: &Machine, bounds: &[Bound]) -> Vec<JointBounds> {
-    let joint = |axis: Option<&Axis>| JointBounds {
-        interval: axis.map_or((0.0, 0.0), |axis| axis.travel.interval()),
-        closed: axis.is_some_and(|axis| axis.travel == Travel::Continuous),
-        ..JointBounds::default()
+    let joint = |axis: Option<&Axis>| {
+        let mut joint = JointBounds::default();
+        axis.into_iter().for_each(|axis| joint.travel(axis.travel));
+        joint
     };
     let mut joints: Vec<JointBounds> = machine.axes().iter().map(Some).chain([None]).map(joint).collect();
     for (i, bound) in bounds.iter().enumerate() {
@@ -38,6 +38,11 @@ pub fn by_joint(machine: &Machine, bounds: &[Bound]) -> Vec<JointBounds> {
 }
 
 impl JointBounds {
+    /// Takes the travel over which the curves of the joint run.
+    pub fn travel(&mut self, travel: Travel) {
+        (self.interval, self.closed) = (travel.interval(), travel == Travel::Continuous);
+    }
+
     /// Returns the point of a curve at a position (mm or deg); beyond the travel the curve keeps its end value.
     pub fn curve_point(&self, position: f64) -> CurvePoint {
         let (min, max) = self.interval;

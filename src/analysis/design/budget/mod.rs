@@ -2,7 +2,8 @@
 //!
 //! 1. [`bounds()`]: which errors are bounded, by the machine file or by a [`Class`] of machines.
 //! 2. At every pose, the effect of each error at its bound. Their sum with the worst signs is the worst case, the root
-//!    of the sum of their squares the RSS; each by itself is a bar of the Pareto chart.
+//!    of the sum of their squares the RSS; each by itself is a bar of the Pareto chart. The worst pose of a volume is
+//!    searched, not taken from its corners alone.
 //! 3. [`Draws`]: random machines whose errors respect the tolerances. Every deviation goes through the
 //!    model, so errors that act together, and poses, are correlated as in the machine. The error of a
 //!    machine is a [`Statistic`] over the poses; percentiles are over machines.
@@ -19,6 +20,7 @@ mod draw;
 mod kernel;
 mod monte_carlo;
 mod quantile;
+mod search;
 mod side_by_side;
 mod totals;
 mod worst;

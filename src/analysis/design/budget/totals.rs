@@ -5,6 +5,7 @@ use super::draw::Draws;
 use super::kernel::{BudgetPose, JointBounds, by_joint};
 use super::monte_carlo::{self, Sample, Statistic};
 use super::quantile::{Percentile, mean};
+use super::search::{Objective, Search, closed};
 use super::worst::longest;
 use crate::evaluate::{Poses, Random};
 use crate::lower::Quantity;
@@ -20,6 +21,8 @@ pub struct Request<'a> {
     pub bounds: &'a [Bound],
     /// The poses (mm, deg).
     pub poses: &'a [Pose],
+    /// True if the worst pose is searched in the volume, beyond the poses.
+    pub searched: bool,
     /// Another pose (mm, deg) for the Pareto chart.
     pub at: Option<&'a [f64]>,
     /// The generator of drawn machines.
@@ -94,13 +97,18 @@ const WINDOW: (f64, f64) = (0.925, 0.975);
 /// Maximum number of axes with which all corners of the volume are among the poses.
 const MAX_CORNER_AXES: usize = 10;
 
-/// Returns the corners of the volume, and `count` random poses within it (mm, deg).
+/// Returns the corners of the volume, and `count` random poses within it (mm, deg). Where the ends of a rotary axis are
+/// one place, the corner opposite to it takes the place of one of them.
 pub fn budget_poses(machine: &Machine, count: usize, seed: u64) -> Vec<Pose> {
     let volume = machine.volume();
     let moving: Vec<usize> = (0..volume.len()).filter(|i| volume[*i].max > volume[*i].min).collect();
     let corner = |k: usize| {
         let mut pose: Pose = volume.iter().map(|grid| grid.min).collect();
-        moving.iter().enumerate().filter(|(bit, _)| k >> bit & 1 == 1).for_each(|(_, i)| pose[*i] = volume[*i].max);
+        let far = |i: usize| {
+            let opposite = closed(&machine.axes()[i], &volume[i]);
+            if opposite { volume[i].min + 180.0 } else { volume[i].max }
+        };
+        moving.iter().enumerate().filter(|(bit, _)| k >> bit & 1 == 1).for_each(|(_, i)| pose[*i] = far(*i));
         pose
     };
     let corners = if moving.len() > MAX_CORNER_AXES { 0 } else { 1 << moving.len() };
@@ -112,18 +120,16 @@ pub fn budget_poses(machine: &Machine, count: usize, seed: u64) -> Vec<Pose> {
 /// machines drawn since its last call: in all twice the samples.
 pub fn budget(request: Request<'_>, progress: &(dyn Fn(usize) + Sync)) -> Budget {
     let joints = by_joint(request.machine, request.bounds);
-    let (position, extremes) = totals(&request, &joints, Quantity::Position, progress);
-    let (rotation, _) = totals(&request, &joints, Quantity::Rotation, progress);
+    let (position, extremes, worst) = totals(&request, &joints, Quantity::Position, progress);
+    let (rotation, ..) = totals(&request, &joints, Quantity::Rotation, progress);
     let at = request.at.map(|pose| {
         let budget_pose = BudgetPose::new(request.machine, &joints, pose, Quantity::Position);
         contributions(&lengths(&budget_pose.extremes(&joints, request.bounds)))
     });
-    let rss = |list: &Vec<[f64; 3]>| lengths(list).iter().map(|x| x * x).sum::<f64>();
-    let worst = largest(&extremes.iter().map(rss).collect::<Vec<_>>());
     Budget {
         position,
         rotation,
-        worst: contributions(&lengths(&extremes[worst])),
+        worst: contributions(&lengths(&worst)),
         average: contributions(&root_mean_square(&extremes)),
         at,
     }
@@ -137,29 +143,43 @@ fn totals(
     joints: &[JointBounds],
     quantity: Quantity,
     progress: &(dyn Fn(usize) + Sync),
-) -> (Totals, Extremes) {
-    let Request { machine, bounds, poses, draws, samples, statistic, .. } = *request;
+) -> (Totals, Extremes, Vec<[f64; 3]>) {
+    let Request { machine, bounds, poses, draws, samples, statistic, searched, .. } = *request;
     let scale = if quantity == Quantity::Position { 1e3 } else { 1e6 };
     let budget_poses: Vec<BudgetPose> =
         poses.par_iter().map(|pose| BudgetPose::new(machine, joints, pose, quantity)).collect();
     let extremes: Extremes = budget_poses.par_iter().map(|budget_pose| budget_pose.extremes(joints, bounds)).collect();
-    let (worst, worst_case) = worst_of(&extremes);
-    let rss: Vec<f64> = extremes.iter().map(|list| lengths(list).iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
+    let (worst, mut worst_case) = worst_of(&extremes);
+    let sums: Vec<f64> = extremes.iter().map(|list| rss(list)).collect();
+    let largest_rss = largest(&sums);
+    let (mut worst_pose, mut rss_pose) = (poses[worst].clone(), poses[largest_rss].clone());
+    let (mut at_rss, mut largest_sum) = (extremes[largest_rss].clone(), sums[largest_rss]);
+    if searched {
+        let at = |pose: &[f64]| BudgetPose::new(machine, joints, pose, quantity).extremes(joints, bounds);
+        let sum = |list: &[[f64; 3]]| lengths(list).iter().sum::<f64>();
+        let search = |objective: Objective<'_>, known: &Pose| Search::new(machine, &at, objective).worst(known);
+        (worst_pose, _, worst_case) = search(Objective { value: &longest, bound: &sum }, &worst_pose);
+        (rss_pose, at_rss, largest_sum) = search(Objective { value: &rss, bound: &rss }, &rss_pose);
+    }
     let mut drawn = monte_carlo::draw(&budget_poses, joints, bounds, draws, statistic, samples, progress);
     // A stable order of equal values keeps the window the same on every run.
     drawn.sort_by(|a, b| a.value.total_cmp(&b.value));
     let sorted: Vec<f64> = drawn.iter().map(|sample| sample.value * scale).collect();
-    let largest_rss = largest(&rss);
     let totals = Totals {
         worst_case: worst_case * scale,
-        worst_pose: poses[worst].clone(),
-        rss: rss[largest_rss] * scale,
-        rss_pose: poses[largest_rss].clone(),
+        worst_pose,
+        rss: largest_sum * scale,
+        rss_pose,
         mean: mean(&sorted),
         tighten: tighten(&drawn, bounds.len(), scale),
         sorted,
     };
-    (totals, extremes)
+    (totals, extremes, at_rss)
+}
+
+/// Returns the root of the sum of squares.
+fn rss(list: &[[f64; 3]]) -> f64 {
+    lengths(list).iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 impl Totals {

@@ -41,7 +41,7 @@ struct Step {
 }
 
 /// Version of the text's form.
-const FORM: &str = "1";
+const FORM: &str = "2";
 
 impl Journal {
     /// Returns a journal without results.

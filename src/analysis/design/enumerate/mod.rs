@@ -5,15 +5,17 @@
 //!    the machine as its file has it, or given. Every walk reaches them by its nominal inverse kinematics, or does not.
 //! 3. A walk that cannot turn the tool as the work requires is set apart.
 //! 4. The others are judged by a budget (the same drawn errors for all) or by the errors given.
-//! 5. [`ranked`] puts them in order; [`Journal`] keeps results walk by walk, so that a run can be
-//!    interrupted, cut into parts and put together again. A walk's result depends on nothing else.
+//! 5. [`ranked`] puts them in order, and apart those whose geometry the file does not state; [`Journal`] keeps results
+//!    walk by walk, so that a run can be interrupted, cut into parts and put together again. A walk's result depends on
+//!    nothing else.
 //!
-//! Origins, directions and curves keep their values in machine coordinates at the zero pose.
+//! Every axis has the geometry, travel and errors that the file states for the side on which it stands.
 
 mod arrangement;
 mod journal;
 mod ranking;
 mod rule;
+mod side_draws;
 mod study;
 mod walk_budget;
 

@@ -30,6 +30,8 @@ pub struct Row {
     pub unreachable: UnreachableCount,
     /// Over the tool poses it reaches, um.
     pub result: Option<Outcome>,
+    /// Names of the axes, or `workpiece`, whose geometry the file does not state for the side where they stand.
+    pub not_stated: Vec<String>,
 }
 
 /// The position error of an arrangement over the tool poses it reaches, um.
@@ -47,13 +49,15 @@ pub struct Outcome {
     pub minus_file: f64,
 }
 
-/// Arrangements in three groups, each in order.
+/// Arrangements in four groups, each in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranking {
     /// Best first; of equal ones the one listed first.
     pub ranked: Vec<Row>,
     /// Judged, but they reach a smaller fraction of the work than required; those that reach more come first.
     pub short: Vec<Row>,
+    /// The file does not state their geometry; first those that reach enough of the work, best first.
+    pub not_stated: Vec<Row>,
     /// They cannot turn the tool as the work requires.
     pub cannot_turn: Vec<Row>,
 }
@@ -62,10 +66,19 @@ pub struct Ranking {
 /// poses.
 pub fn ranked(rows: Vec<Row>, work: usize, reach: f64) -> Ranking {
     let (cannot_turn, able): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(|r| r.standing == Standing::CannotTurn);
+    let (not_stated, able): (Vec<Row>, Vec<Row>) = able.into_iter().partition(|row| !row.not_stated.is_empty());
+    let (ranked, short) = in_order(able, work, reach);
+    let (mut apart, rest) = in_order(not_stated, work, reach);
+    apart.extend(rest);
+    Ranking { ranked, short, not_stated: apart, cannot_turn }
+}
+
+/// Returns those that reach enough, best first, and the others, of which those that reach more come first.
+fn in_order(rows: Vec<Row>, work: usize, reach: f64) -> (Vec<Row>, Vec<Row>) {
     let enough = |row: &Row| row.result.is_some() && row.reached as f64 >= reach * work as f64;
-    let (mut ranked, mut short): (Vec<Row>, Vec<Row>) = able.into_iter().partition(enough);
+    let (mut ranked, mut short): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(enough);
     let um = |row: &Row| row.result.map_or(f64::INFINITY, |result| result.um);
     ranked.sort_by(|a, b| um(a).total_cmp(&um(b)));
     short.sort_by(|a, b| b.reached.cmp(&a.reached).then(um(a).total_cmp(&um(b))));
-    Ranking { ranked, short, cannot_turn }
+    (ranked, short)
 }

@@ -2,16 +2,15 @@
 
 use super::arrangement::Walk;
 use super::ranking::{Outcome, Row, Standing};
+use super::side_draws::SideDraws;
 use super::walk_budget;
-use crate::analysis::design::budget::{
-    Bound, Draws, JointBounds, Percentile, SAMPLE_LANES, SampleChunk, SampleLanes, Statistic, by_joint, mean,
-};
+use crate::analysis::design::budget::{Bound, Draws, Percentile, SampleLanes, Statistic, mean};
 use crate::analysis::design::compare::UnreachableCount;
 use crate::analysis::inverse::{ToolPose, Unreachable, inverse, rest, tool_pose};
 use crate::analysis::volume::Work;
 use crate::evaluate::{Bare, Field, Order, Poses, Random};
 use crate::lower::{Quantity, Twist, twists};
-use crate::machine::{Approach, Axis, AxisKind, Branch, Machine, Pose};
+use crate::machine::{Approach, Axis, AxisKind, AxisName, Branch, ErrorId, Machine, Pose};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
@@ -40,8 +39,7 @@ pub struct Study<'a> {
     judge: Judge,
     work: Vec<ToolPose>,
     reference: Reference,
-    joints: Vec<JointBounds>,
-    chunks: Vec<SampleChunk>,
+    drawn: SideDraws,
     freedom: usize,
 }
 
@@ -63,18 +61,13 @@ impl<'a> Study<'a> {
         };
         let own: Vec<(ToolPose, Pose)> = (0..work.len()).into_par_iter().filter_map(own).collect();
         let (work, poses): (Vec<ToolPose>, Vec<Pose>) = own.into_iter().unzip();
-        let (joints, chunks) = match &judge {
-            Judge::Errors => (Vec::new(), Vec::new()),
-            Judge::Budget { bounds, draws, samples } => {
-                let joints = by_joint(machine, bounds);
-                let chunk = |i: usize| SampleChunk::new(&joints, bounds, draws, i * SAMPLE_LANES);
-                let chunks = (0..samples.div_ceil(SAMPLE_LANES)).into_par_iter().map(chunk).collect();
-                (joints, chunks)
-            }
+        let drawn = match &judge {
+            Judge::Errors => SideDraws::default(),
+            Judge::Budget { bounds, draws, samples } => SideDraws::new(machine, bounds, draws, *samples),
         };
         let freedom = freedom(machine);
         let reference = Reference::Values(Vec::new());
-        let mut study = Self { machine, walks, statistic, judge, work, reference, joints, chunks, freedom };
+        let mut study = Self { machine, walks, statistic, judge, work, reference, drawn, freedom };
         study.reference = study.own(&poses);
         study
     }
@@ -86,7 +79,7 @@ impl<'a> Study<'a> {
         }
         let axes: Vec<usize> = (0..self.machine.axes().len()).collect();
         let table = self.machine.axes().iter().filter(|a| a.branch == Branch::Workpiece).count();
-        Reference::Drawn(walk_budget::squared_lengths(self.machine, &axes, table, poses, &self.joints, &self.chunks))
+        Reference::Drawn(walk_budget::squared_lengths(self.machine, &axes, table, poses, &self.drawn))
     }
 
     /// Returns the tool poses of the work.
@@ -100,11 +93,9 @@ impl<'a> Study<'a> {
         let mut rows = Vec::new();
         let machines: Vec<Machine> =
             walk.tables.iter().filter_map(|table| self.machine.rearranged(&walk.sides(self.machine, *table))).collect();
-        // Axes whose sense depends on their side (`direct`) make another nominal machine of each arrangement.
-        let sense = |machine: &Machine| machine.axes().iter().map(|axis| axis.sign() > 0.0).collect::<Vec<_>>();
         let mut from = 0;
         while from < machines.len() {
-            let alike = machines[from..].iter().take_while(|m| sense(m) == sense(&machines[from])).count();
+            let alike = machines[from..].iter().take_while(|m| same_nominal(m, &machines[from])).count();
             rows.extend(self.alike(walk, &machines[from..from + alike], &walk.tables[from..from + alike]));
             from += alike;
         }
@@ -121,6 +112,7 @@ impl<'a> Study<'a> {
             reached: self.work.len() - missed.total,
             unreachable: missed,
             result: None,
+            not_stated: self.not_stated(machine),
         };
         let each = || machines.iter().zip(tables);
         if freedom(nominal) < self.freedom {
@@ -143,6 +135,16 @@ impl<'a> Study<'a> {
         judged.collect()
     }
 
+    /// Returns the names of what has no geometry stated for its side.
+    fn not_stated(&self, machine: &Machine) -> Vec<String> {
+        let bounded = |axis: &AxisName| match &self.judge {
+            Judge::Budget { bounds, .. } => bounds.iter().any(|bound| turns(&bound.error, axis)),
+            Judge::Errors => false,
+        };
+        let axes = machine.unstated(bounded).into_iter().map(|(index, _)| machine.axes()[index].name.to_string());
+        axes.chain(machine.unstated_workpiece().map(|_| "workpiece".to_owned())).collect()
+    }
+
     fn results(
         &self,
         walk: &Walk,
@@ -158,15 +160,8 @@ impl<'a> Study<'a> {
                     walk_budget::over_poses(self.statistic, &same)
                 });
                 let file = percentile(file.take(*samples).collect()).value;
-                let rows = walk_budget::statistics(
-                    &machines[0],
-                    &walk.axes,
-                    tables,
-                    poses,
-                    &self.joints,
-                    &self.chunks,
-                    self.statistic,
-                );
+                let rows =
+                    walk_budget::statistics(&machines[0], &walk.axes, tables, poses, &self.drawn, self.statistic);
                 let outcome = |mut row: Vec<f64>| {
                     row.truncate(*samples);
                     let (mean, _) = mean(&row);
@@ -189,6 +184,20 @@ impl<'a> Study<'a> {
             (Judge::Errors, Reference::Drawn(_)) => Vec::new(),
         }
     }
+}
+
+/// True for machines that differ at most in the side of axes on which nothing nominal depends. Axes whose sense or
+/// geometry depends on their side make another nominal machine.
+fn same_nominal(a: &Machine, b: &Machine) -> bool {
+    let nominal = |(a, b): (&Axis, &Axis)| {
+        (a.sign(), a.direction, a.origin, a.travel) == (b.sign(), b.direction, b.origin, b.travel)
+    };
+    a.workpiece() == b.workpiece() && a.axes().iter().zip(b.axes()).all(nominal)
+}
+
+/// True for an error that turns the body that the axis carries about a point.
+fn turns(error: &ErrorId, axis: &AxisName) -> bool {
+    error.axis == *axis && error.direction.is_rotation() && !error.is_location()
 }
 
 fn percentile(mut values: Vec<f64>) -> Percentile {

@@ -3,9 +3,8 @@
 //! for either side, and an arrangement is a sum of table-side joints before the bed and tool-side ones
 //! after it, always added up in the same order.
 
-use crate::analysis::design::budget::{
-    CurvePoint, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, Statistic, add, squares,
-};
+use super::side_draws::SideDraws;
+use crate::analysis::design::budget::{CurvePoint, SAMPLE_LANES, SampleLanes, Statistic, add, squares};
 use crate::lower::{Quantity, SideWeights, TwistMap, twists};
 use crate::machine::{Axis, Branch, Machine, Pose};
 
@@ -13,7 +12,7 @@ use crate::machine::{Axis, Branch, Machine, Pose};
 struct JointMaps {
     /// Index among the drawn joints.
     drawn: usize,
-    point: CurvePoint,
+    point: [CurvePoint; 2],
     location: [TwistMap; 2],
     component: [TwistMap; 2],
     /// True if a location error acts the same on either side.
@@ -33,17 +32,16 @@ pub fn statistics(
     axes: &[usize],
     tables: &[usize],
     poses: &[Pose],
-    bounds: &[JointBounds],
-    chunks: &[SampleChunk],
+    drawn: &SideDraws,
     statistic: Statistic,
 ) -> Vec<Vec<f64>> {
-    let pose_maps: Vec<PoseMaps> = poses.iter().map(|pose| maps(machine, axes, pose, bounds)).collect();
-    let mut rows = vec![Vec::with_capacity(chunks.len() * SAMPLE_LANES); tables.len()];
+    let pose_maps: Vec<PoseMaps> = poses.iter().map(|pose| maps(machine, axes, pose, drawn)).collect();
+    let mut rows = vec![Vec::with_capacity(drawn.chunks() * SAMPLE_LANES); tables.len()];
     let mut lengths: Vec<Vec<SampleLanes>> = vec![Vec::with_capacity(poses.len()); tables.len()];
-    for chunk in chunks {
+    for chunk in 0..drawn.chunks() {
         lengths.iter_mut().for_each(Vec::clear);
         for maps in &pose_maps {
-            let deviations = maps.deviations(chunk, bounds.len() - 1);
+            let deviations = maps.deviations(chunk, drawn);
             lengths.iter_mut().zip(tables).for_each(|(list, table)| list.push(squares(&deviations[*table])));
         }
         rows.iter_mut().zip(&lengths).for_each(|(row, lanes)| row.extend(over_poses(statistic, lanes)));
@@ -57,12 +55,11 @@ pub fn squared_lengths(
     axes: &[usize],
     table: usize,
     poses: &[Pose],
-    bounds: &[JointBounds],
-    chunks: &[SampleChunk],
+    drawn: &SideDraws,
 ) -> Vec<Vec<SampleLanes>> {
-    let pose_maps: Vec<PoseMaps> = poses.iter().map(|pose| maps(machine, axes, pose, bounds)).collect();
-    let at = |maps: &PoseMaps, chunk: &SampleChunk| squares(&maps.deviations(chunk, bounds.len() - 1)[table]);
-    chunks.iter().map(|chunk| pose_maps.iter().map(|maps| at(maps, chunk)).collect()).collect()
+    let pose_maps: Vec<PoseMaps> = poses.iter().map(|pose| maps(machine, axes, pose, drawn)).collect();
+    let at = |maps: &PoseMaps, chunk: usize| squares(&maps.deviations(chunk, drawn)[table]);
+    (0..drawn.chunks()).map(|chunk| pose_maps.iter().map(|maps| at(maps, chunk)).collect()).collect()
 }
 
 /// Returns the statistic of lengths over the poses, for every lane.
@@ -74,7 +71,7 @@ pub fn over_poses(statistic: Statistic, squares: &[SampleLanes]) -> SampleLanes 
     })
 }
 
-fn maps(machine: &Machine, axes: &[usize], pose: &[f64], bounds: &[JointBounds]) -> PoseMaps {
+fn maps(machine: &Machine, axes: &[usize], pose: &[f64], drawn: &SideDraws) -> PoseMaps {
     let twists = twists(machine, pose, Quantity::Position);
     let conventions = machine.conventions();
     let joint = |(i, axis): (usize, &Axis)| {
@@ -83,8 +80,8 @@ fn maps(machine: &Machine, axes: &[usize], pose: &[f64], bounds: &[JointBounds])
         let location = sides.each_ref().map(|axis| SideWeights::location(axis, conventions));
         JointMaps {
             drawn: axes[i],
-            point: bounds[axes[i]].curve_point(pose[i]),
-            alike: location[0] == location[1],
+            point: Branch::BOTH.map(|branch| drawn.bounds(axes[i], branch).curve_point(pose[i])),
+            alike: location[0] == location[1] && !drawn.differs(),
             location: location.map(|weights| weights.map(&twists[i])),
             component: sides.map(|axis| SideWeights::component(&axis, conventions).map(&twists[i])),
         }
@@ -99,10 +96,11 @@ const NONE: Deviations = [[0.0; SAMPLE_LANES]; 3];
 
 impl PoseMaps {
     /// Returns the deviations with 0, 1, ... all axes on the table.
-    fn deviations(&self, chunk: &SampleChunk, spindle: usize) -> Vec<Deviations> {
-        let sides: Vec<[Deviations; 2]> = self.joints.iter().map(|joint| joint.deviations(chunk)).collect();
+    fn deviations(&self, chunk: usize, drawn: &SideDraws) -> Vec<Deviations> {
+        let sides: Vec<[Deviations; 2]> = self.joints.iter().map(|joint| joint.deviations(chunk, drawn)).collect();
         let mut last = NONE;
-        if let Some(errors) = chunk.location(spindle) {
+        let spindle = drawn.spindle();
+        if let Some(errors) = drawn.chunk(chunk, spindle, Branch::Tool).location(spindle) {
             add(&self.spindle, errors, &mut last);
         }
         // Tool-side joints are added up from the tool, table-side ones from the workpiece.
@@ -123,19 +121,21 @@ impl PoseMaps {
 
 impl JointMaps {
     /// Returns the deviations on the tool side, and on the table side.
-    fn deviations(&self, chunk: &SampleChunk) -> [Deviations; 2] {
+    fn deviations(&self, chunk: usize, drawn: &SideDraws) -> [Deviations; 2] {
         let mut sides = [NONE; 2];
-        if let Some(errors) = chunk.location(self.drawn) {
+        let of = Branch::BOTH.map(|branch| drawn.chunk(chunk, self.drawn, branch));
+        if let Some(errors) = of[0].location(self.drawn) {
             add(&self.location[0], errors, &mut sides[0]);
-            if self.alike {
-                sides[1] = sides[0];
-            } else {
-                add(&self.location[1], errors, &mut sides[1]);
-            }
         }
-        if let Some(errors) = chunk.component(self.drawn, self.point) {
-            add(&self.component[0], &errors, &mut sides[0]);
-            add(&self.component[1], &errors, &mut sides[1]);
+        if self.alike {
+            sides[1] = sides[0];
+        } else if let Some(errors) = of[1].location(self.drawn) {
+            add(&self.location[1], errors, &mut sides[1]);
+        }
+        for i in 0..2 {
+            if let Some(errors) = of[i].component(self.drawn, self.point[i]) {
+                add(&self.component[i], &errors, &mut sides[i]);
+            }
         }
         sides
     }

@@ -1,0 +1,108 @@
+//! The axes of a machine placed anew, and the axes whose geometry is not stated where they stand.
+
+use super::{
+    Axis, AxisKind, AxisName, Branch, Geometry, Grid, KinematicChain, Location, Machine, Sides, Travel, Unstated,
+};
+
+impl Machine {
+    /// What holds of the axes on either side of the bed.
+    pub fn geometry(&self) -> &Geometry {
+        &self.parts().geometry
+    }
+
+    /// The side of each axis.
+    pub fn sides(&self) -> Sides {
+        self.axes().iter().map(|axis| (axis.name.clone(), axis.branch)).collect()
+    }
+
+    /// Indices of the axes whose geometry is not stated where they stand, with the reason. Where a linear axis lies
+    /// matters only if it has angular errors, or if `bounded` says that they are bounded.
+    pub fn unstated(&self, bounded: impl Fn(&AxisName) -> bool) -> Vec<(usize, Unstated)> {
+        let sides = self.sides();
+        let matters = |index: usize, axis: &Axis| {
+            axis.kind == AxisKind::Rotary || self.turns_about_its_origin(index) || bounded(&axis.name)
+        };
+        let axes = self.axes().iter().enumerate().filter(|(index, axis)| matters(*index, axis));
+        axes.filter_map(|(index, axis)| Some((index, self.geometry().unstated(&axis.name, &sides)?))).collect()
+    }
+
+    /// Indices of the linear axes without an origin of which angular errors turn the carriage, or are bounded. Those
+    /// whose geometry is not stated at all are left out.
+    pub fn without_origin(&self, bounded: impl Fn(&AxisName) -> bool) -> Vec<usize> {
+        let unstated = self.unstated(&bounded);
+        let written =
+            |axis: &Axis| self.geometry().axes.get(&axis.name).is_none_or(|both| both.on(axis.branch).origin_written);
+        let silent = |index: usize, axis: &Axis| {
+            let turned = self.turns_about_its_origin(index) || bounded(&axis.name);
+            axis.kind == AxisKind::Linear && turned && !written(axis) && unstated.iter().all(|(i, _)| *i != index)
+        };
+        self.axes().iter().enumerate().filter(|(index, axis)| silent(*index, axis)).map(|(index, _)| index).collect()
+    }
+
+    /// The axis from which the workpiece's origin is given, if that axis does not carry the workpiece.
+    pub fn unstated_workpiece(&self) -> Option<AxisName> {
+        self.geometry().unstated_workpiece(&self.sides()).cloned()
+    }
+
+    /// True if errors of an axis turn the carried body about its origin.
+    pub fn turns_about_its_origin(&self, axis: usize) -> bool {
+        let errors = self.axis_errors(axis);
+        let carried = self.conventions().location == Location::CarriedBody;
+        errors.tilts() || (carried && errors.location[3..].iter().any(Option::is_some))
+    }
+
+    /// The same axes in another order or on another side, listed on the walk from workpiece to tool; an axis left out
+    /// goes with its errors. Each axis has the geometry, travel and errors that the file states for its side; where it
+    /// states none, it keeps what it has. `None` if an axis is not there, or twice, or none is left.
+    pub fn rearranged(&self, walk: &[(AxisName, Branch)]) -> Option<Self> {
+        let index: Vec<usize> = walk.iter().map(|(name, _)| self.axis_index(name.as_str())).collect::<Option<_>>()?;
+        let twice = index.iter().enumerate().any(|(i, axis)| index[..i].contains(axis));
+        let mixed = walk.windows(2).any(|two| two[0].1 == Branch::Tool && two[1].1 == Branch::Workpiece);
+        if walk.is_empty() || twice || mixed {
+            return None;
+        }
+        let side = |branch| walk.iter().filter(move |(_, side)| *side == branch).map(|(name, _)| name.clone());
+        let outwards: Vec<AxisName> = side(Branch::Workpiece).collect::<Vec<_>>().into_iter().rev().collect();
+        let mut parts = self.parts().clone();
+        parts.chain =
+            KinematicChain::new(&outwards, &side(Branch::Tool).collect::<Vec<_>>(), self.chain().spindle().cloned());
+        let sides: Sides = walk.iter().cloned().collect();
+        (parts.axes, parts.errors, parts.volume) = (Vec::new(), Vec::new(), Vec::new());
+        for (i, (name, branch)) in index.into_iter().zip(walk) {
+            let old = &self.axes()[i];
+            let mut errors = self.axis_errors(i).clone();
+            let mut axis = Axis { branch: *branch, ..old.clone() };
+            if let Some(geometry) = parts.geometry.axes.get_mut(name) {
+                if *branch != old.branch
+                    && let Some(here) = geometry.on_mut(*branch).errors.take()
+                {
+                    geometry.on_mut(old.branch).errors = Some(std::mem::replace(&mut errors, here));
+                    parts.uncertainty.retain(|error, _| error.axis != *name);
+                }
+                let here = geometry.on(*branch);
+                (axis.direction, axis.travel) = (here.direction, here.travel);
+            }
+            axis.origin = parts.geometry.origin(name, &sides);
+            parts.volume.push(within(self.volume()[i], old.travel, axis.travel));
+            parts.errors.push(errors);
+            parts.axes.push(axis);
+        }
+        parts.errors.extend(self.spindle_errors().cloned());
+        parts.workpiece = parts.geometry.point(&parts.geometry.workpiece, &sides);
+        // It may name errors that are gone.
+        parts.algebra = None;
+        Some(self.with_parts(parts))
+    }
+}
+
+/// The grid of an axis on a side with another travel: what of it lies within, or the whole travel.
+fn within(grid: Grid, old: Travel, new: Travel) -> Grid {
+    let (min, max) = new.interval();
+    if old == new {
+        return grid;
+    }
+    let (low, high) = (grid.min.max(min), grid.max.min(max));
+    let whole = (grid.min, grid.max) == old.interval() || low >= high;
+    let (min, max) = if whole { (min, max) } else { (low, high) };
+    Grid { min, max, ..grid }
+}

@@ -1,0 +1,175 @@
+//! The geometry of the axes on either side of the bed. Which of it holds, and where relative positions lie, follows
+//! from the side on which each axis stands.
+
+use super::{AxisName, Branch, ErrorFamily, JointErrors, Travel};
+use std::collections::BTreeMap;
+
+/// The point that a position is relative to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Anchor {
+    /// Machine zero.
+    Bed,
+    /// The origin of the workpiece.
+    Workpiece,
+    /// The origin of an axis.
+    Axis(AxisName),
+}
+
+/// A position at the zero pose (mm), absolute or relative.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Position {
+    /// The point it is relative to.
+    pub from: Anchor,
+    /// Coordinates from there.
+    pub at: [f64; 3],
+}
+
+impl Position {
+    /// A position in machine coordinates.
+    pub fn absolute(at: [f64; 3]) -> Self {
+        Self { from: Anchor::Bed, at }
+    }
+}
+
+/// The geometry of an axis on one side of the bed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SideGeometry {
+    /// Unit vector.
+    pub direction: [f64; 3],
+    /// A point of the axis.
+    pub origin: Position,
+    /// Its travel.
+    pub travel: Travel,
+    /// True if the file states the geometry for this side.
+    pub stated: bool,
+    /// True if an origin is written; machine zero, or the origin of the other side, is taken otherwise.
+    pub origin_written: bool,
+    /// Errors that hold on this side only; of the side on which the axis stands they are those of the machine.
+    pub errors: Option<JointErrors>,
+}
+
+/// The geometry of an axis on both sides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxisGeometry {
+    /// When it carries the tool.
+    pub tool: SideGeometry,
+    /// When it carries the workpiece.
+    pub workpiece: SideGeometry,
+}
+
+impl AxisGeometry {
+    /// The geometry on a side.
+    pub fn on(&self, branch: Branch) -> &SideGeometry {
+        match branch {
+            Branch::Tool => &self.tool,
+            Branch::Workpiece => &self.workpiece,
+        }
+    }
+
+    /// The geometry on a side, to change it.
+    pub fn on_mut(&mut self, branch: Branch) -> &mut SideGeometry {
+        match branch {
+            Branch::Tool => &mut self.tool,
+            Branch::Workpiece => &mut self.workpiece,
+        }
+    }
+}
+
+/// The geometry of all axes that a file declares, and the workpiece.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Geometry {
+    /// Every axis that is declared, in the chain or not. No reference leads back to where it began.
+    pub axes: BTreeMap<AxisName, AxisGeometry>,
+    /// Origin of the workpiece.
+    pub workpiece: Position,
+}
+
+/// The side of each axis of a chain.
+pub type Sides = BTreeMap<AxisName, Branch>;
+
+impl Geometry {
+    /// Returns a position in machine coordinates (mm) with the axes on these sides.
+    pub fn point(&self, position: &Position, sides: &Sides) -> [f64; 3] {
+        // A reference leads over each axis once, and over the workpiece.
+        self.resolved(position, sides, self.axes.len() + 2)
+    }
+
+    fn resolved(&self, position: &Position, sides: &Sides, depth: usize) -> [f64; 3] {
+        let from = match &position.from {
+            Anchor::Bed => return position.at,
+            Anchor::Workpiece => Some(&self.workpiece),
+            Anchor::Axis(name) => self.axes.get(name).map(|axis| &axis.on(side(sides, name)).origin),
+        };
+        match from.filter(|_| depth > 0) {
+            Some(from) => {
+                let base = self.resolved(from, sides, depth - 1);
+                std::array::from_fn(|i| base[i] + position.at[i])
+            }
+            None => position.at,
+        }
+    }
+
+    /// Returns the origin of an axis (mm) with the axes on these sides.
+    pub fn origin(&self, axis: &AxisName, sides: &Sides) -> [f64; 3] {
+        let geometry = self.axes.get(axis).map(|geometry| &geometry.on(side(sides, axis)).origin);
+        geometry.map_or([0.0; 3], |position| self.point(position, sides))
+    }
+
+    /// Returns why the geometry of an axis is not stated for the side on which it stands; `None` if it is.
+    pub fn unstated(&self, axis: &AxisName, sides: &Sides) -> Option<Unstated> {
+        let branch = *sides.get(axis)?;
+        let geometry = self.axes.get(axis)?.on(branch);
+        if !geometry.stated {
+            return Some(Unstated::Side(branch));
+        }
+        match &geometry.origin.from {
+            Anchor::Axis(other) if sides.get(other) != Some(&branch) => Some(Unstated::Reference(other.clone())),
+            _ => None,
+        }
+    }
+
+    /// Returns the axis that the workpiece's origin is relative to, if that axis does not carry the workpiece.
+    pub fn unstated_workpiece(&self, sides: &Sides) -> Option<&AxisName> {
+        match &self.workpiece.from {
+            Anchor::Axis(axis) if sides.get(axis) != Some(&Branch::Workpiece) => Some(axis),
+            _ => None,
+        }
+    }
+
+    /// Forgets what the file states for the sides on which the axes do not stand.
+    pub fn forget_other_sides(&mut self, sides: &Sides) {
+        for (name, axis) in &mut self.axes {
+            for branch in Branch::BOTH.into_iter().filter(|branch| sides.get(name) != Some(branch)) {
+                let side = axis.on_mut(branch);
+                (side.stated, side.errors) = (false, None);
+            }
+        }
+    }
+
+    /// Gives the other side of an axis the errors that it had in common with this one before they were changed.
+    pub fn follow(&mut self, axis: &AxisName, before: &JointErrors, now: &JointErrors) {
+        let Some(geometry) = self.axes.get_mut(axis) else { return };
+        for errors in [&mut geometry.tool.errors, &mut geometry.workpiece.errors].into_iter().flatten() {
+            for family in ErrorFamily::ALL {
+                let sixes = errors.six_mut(family).iter_mut().zip(before.six(family)).zip(now.six(family));
+                sixes.filter(|((other, before), _)| *other == *before).for_each(|((other, _), now)| {
+                    other.clone_from(now);
+                });
+            }
+        }
+    }
+}
+
+/// The side of an axis; one outside the chain has the geometry of the workpiece's side.
+fn side(sides: &Sides, axis: &AxisName) -> Branch {
+    sides.get(axis).copied().unwrap_or(Branch::Workpiece)
+}
+
+/// The reason why the geometry of an axis is not stated.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Unstated {
+    /// The file says nothing of this side.
+    Side(Branch),
+    /// Its origin is relative to this axis, which stands on the other side or is not in the chain.
+    Reference(AxisName),
+}

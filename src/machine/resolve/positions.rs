@@ -1,0 +1,156 @@
+//! Positions: three coordinates, or the same from a named point; their references form no circle.
+
+use super::axes::{AxisDraft, block_key};
+use super::context::{Context, dotted};
+use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
+use crate::machine::{Anchor, AxisName, Branch, Position, Tool};
+use crate::syntax::{Keys, PositionEntry, RelativeEntry, below, keys};
+
+/// A position as written, with the keys of its entry.
+#[derive(Debug, Clone)]
+pub struct PositionDraft {
+    from: From,
+    at: [f64; 3],
+    entry: Keys,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum From {
+    Bed,
+    Gauge,
+    Tip,
+    Workpiece,
+    Axis(AxisName),
+}
+
+/// The points that are no axis.
+const POINTS: [&str; 4] = ["gauge", "tip", "workpiece", "bed"];
+
+/// Reads a position.
+pub fn position(context: &mut Context<'_>, written: &PositionEntry, entry: &Keys) -> Option<PositionDraft> {
+    let (from, at) = match written {
+        PositionEntry::Point(list) => (Some(From::Bed), context.vector(list, entry)),
+        PositionEntry::Relative(RelativeEntry { from, at }) => {
+            let from = match from {
+                Some(word) => named(context, word, &below(entry, "from")),
+                None => {
+                    if !context.document.places.is_marred(entry) {
+                        let message = format!("`{}` does not say from where", dotted(entry));
+                        let help = "add `from:` with gauge, tip, workpiece, bed or the name of an axis";
+                        context.at_key(codes::E0203, entry, message, help);
+                    }
+                    None
+                }
+            };
+            let at = match at {
+                Some(list) => context.vector(list, &below(entry, "at")),
+                None => Some([0.0; 3]),
+            };
+            (from, at)
+        }
+    };
+    Some(PositionDraft { from: from?, at: at?, entry: entry.clone() })
+}
+
+fn named(context: &mut Context<'_>, word: &str, at: &Keys) -> Option<From> {
+    let document = context.document;
+    match word {
+        "bed" => return Some(From::Bed),
+        "gauge" => return Some(From::Gauge),
+        "tip" => return Some(From::Tip),
+        "workpiece" => return Some(From::Workpiece),
+        _ => {}
+    }
+    if let Some(axis) = AxisName::new(word).filter(|_| document.axes.contains_key(word)) {
+        return Some(From::Axis(axis));
+    }
+    if !document.places.is_lost(&keys(["axes"])) {
+        let known: Vec<&str> = POINTS.into_iter().chain(document.axes.keys().map(String::as_str)).collect();
+        let message = format!("`{}` is not a point that a position can be relative to", shown(word));
+        context.at_value(codes::E0414, at, message, did_you_mean(word, &known));
+    }
+    None
+}
+
+impl PositionDraft {
+    /// The position; gauge point and tip are those of the default tool, whichever tool is in use.
+    pub fn settled(&self, tool: &Tool) -> Position {
+        let from = |base: [f64; 3]| Position::absolute(std::array::from_fn(|i| base[i] + self.at[i]));
+        let relative = |from: Anchor| Position { from, at: self.at };
+        match &self.from {
+            From::Bed => Position::absolute(self.at),
+            From::Gauge => from(tool.gauge),
+            From::Tip => from(tool.tip),
+            From::Workpiece => relative(Anchor::Workpiece),
+            From::Axis(axis) => relative(Anchor::Axis(axis.clone())),
+        }
+    }
+
+    /// The node of the graph of references that it leads to.
+    fn target(&self) -> Option<&str> {
+        match &self.from {
+            From::Workpiece => Some("workpiece"),
+            From::Axis(axis) => Some(axis.as_str()),
+            From::Bed | From::Gauge | From::Tip => None,
+        }
+    }
+}
+
+/// Refuses references that lead back to where they began, in any arrangement of the axes: each axis takes the side
+/// that the reference stands on.
+pub fn circles(context: &mut Context<'_>, axes: &[AxisDraft], workpiece: Option<&PositionDraft>) {
+    let mut references: Vec<(&str, &PositionDraft)> = Vec::new();
+    for axis in axes {
+        let blocks = [Branch::Tool, Branch::Workpiece].map(|branch| axis.block(branch).origin.as_ref());
+        // Plain keys without effect on either side refer to nothing.
+        let plain = axis.plain.origin.as_ref().filter(|_| blocks.iter().any(Option::is_none));
+        references.extend(blocks.into_iter().chain([plain]).flatten().map(|position| (axis.name.as_str(), position)));
+    }
+    references.extend(workpiece.map(|position| ("workpiece", position)));
+    let mut reported: Vec<&str> = Vec::new();
+    for (start, _) in &references {
+        let Some(circle) = path(&references, start, start, &mut Vec::new()) else { continue };
+        if circle.iter().any(|(node, _)| reported.contains(node)) {
+            continue;
+        }
+        reported.extend(circle.iter().map(|(node, _)| *node));
+        let names: Vec<String> = circle.iter().map(|(node, _)| format!("`{node}`")).collect();
+        let message = format!("positions refer to each other in a circle: {}, `{start}`", names.join(", "));
+        let places = &context.document.places;
+        let refusal = circle.iter().enumerate().fold(Diagnostic::new(codes::E0413, message), |refusal, (i, (_, p))| {
+            refusal.at(places.value(&p.entry), if i == 0 { "" } else { "and here" })
+        });
+        context.diagnostics.push(refusal.help("give one of them from gauge, tip or bed"));
+    }
+}
+
+/// The references from a node to `end`, each node once.
+fn path<'a>(
+    references: &[(&'a str, &'a PositionDraft)],
+    node: &str,
+    end: &str,
+    seen: &mut Vec<&'a str>,
+) -> Option<Vec<(&'a str, &'a PositionDraft)>> {
+    for (from, position) in references.iter().filter(|(from, _)| *from == node) {
+        let Some(target) = position.target() else { continue };
+        if target == end {
+            return Some(vec![(from, position)]);
+        }
+        if seen.contains(&target) {
+            continue;
+        }
+        seen.push(target);
+        if let Some(mut rest) = path(references, target, end, seen) {
+            rest.insert(0, (from, position));
+            return Some(rest);
+        }
+    }
+    None
+}
+
+/// The line to write for an axis whose geometry is not stated, with the position that it has now.
+pub fn line_to_write(axis: &AxisName, branch: Branch, origin: [f64; 3], from: (&str, [f64; 3])) -> String {
+    let at: Vec<String> = (0..3).map(|i| crate::units::significant(origin[i] - from.1[i], 7)).collect();
+    let (key, name) = (block_key(branch), from.0);
+    format!("{axis}: {{ {key}: {{ origin: {{ from: {name}, at: [{}] }} }} }}", at.join(", "))
+}

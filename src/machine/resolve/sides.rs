@@ -1,0 +1,136 @@
+//! What holds of each axis on either side of the bed, and for which side the file states it.
+
+use super::axes::AxisDraft;
+use super::chain::side_in;
+use super::context::Context;
+use super::errors::Errors;
+use super::positions::{PositionDraft, line_to_write};
+use crate::diagnostic::{Diagnostic, codes};
+use crate::machine::{
+    Anchor, AxisGeometry, AxisName, Branch, Geometry, Machine, Position, SideGeometry, Sides, Tool, Unstated,
+};
+use crate::syntax::keys;
+use crate::units::significant;
+
+/// The geometry of every axis that could be understood.
+pub fn geometry(
+    context: &Context<'_>,
+    declared: &[AxisDraft],
+    errors: &mut Errors,
+    tool: &Tool,
+    workpiece: Option<&PositionDraft>,
+) -> Geometry {
+    let settled = |position: Option<&PositionDraft>| {
+        position.map_or_else(|| Position::absolute([0.0; 3]), |position| position.settled(tool))
+    };
+    let both = |draft: &AxisDraft| {
+        let mut other_side = errors.other_side.remove(&draft.name);
+        let mut side = |branch: Branch| {
+            let of = draft.on(branch);
+            Some(SideGeometry {
+                direction: of.direction?,
+                origin: settled(of.origin.as_ref()),
+                travel: of.travel?,
+                stated: stated(context, draft, branch),
+                origin_written: of.origin.is_some(),
+                errors: other_side.take_if(|(side, _)| *side == branch).map(|(_, errors)| errors),
+            })
+        };
+        let (tool, workpiece) = (side(Branch::Tool)?, side(Branch::Workpiece)?);
+        Some((draft.name.clone(), AxisGeometry { tool, workpiece }))
+    };
+    Geometry { axes: declared.iter().filter_map(both).collect(), workpiece: settled(workpiece) }
+}
+
+/// True if the file states the geometry for the side: in the block of the side; by the plain keys beside the block of
+/// the other side; or by the plain keys alone, if the file that wrote them has the axis on this side.
+fn stated(context: &Context<'_>, draft: &AxisDraft, branch: Branch) -> bool {
+    let [here, there] = [branch, branch.opposite()].map(|side| draft.block(side).origin.is_some());
+    let (plain, name) = (draft.plain.origin.is_some(), draft.name.as_str());
+    let home = || context.document.chains.of(name).find_map(|chain| side_in(chain, name));
+    here || (plain && there) || (!there && home() == Some(branch))
+}
+
+/// Warns of axes that stand on a side for which the file states no geometry, and of a workpiece that an axis on the
+/// other side would have to carry.
+pub fn warn(context: &mut Context<'_>, machine: &Machine) {
+    let (tip, gauge) = (machine.tool().tip, machine.tool().gauge);
+    for (index, why) in machine.unstated(|_| false) {
+        let axis = &machine.axes()[index];
+        let arm = significant(distance(axis.origin, tip), 4);
+        let origin = axis.origin.map(|x| significant(x, 7)).join(", ");
+        let message = format!(
+            "the geometry of axis `{}` is not stated where it carries the {}: {}; its origin [{origin}] is {arm} mm \
+             from the tip",
+            axis.name,
+            body(axis.branch),
+            reason(&why)
+        );
+        let from = match axis.branch {
+            Branch::Tool => ("gauge", gauge),
+            Branch::Workpiece if matches!(machine.geometry().workpiece.from, Anchor::Bed) => {
+                ("workpiece", machine.workpiece())
+            }
+            Branch::Workpiece => ("bed", [0.0; 3]),
+        };
+        let line = line_to_write(&axis.name, axis.branch, axis.origin, from);
+        let help = format!("write under `axes` where it lies on this side; `{line}` is where it lies now");
+        let places = &context.document.places;
+        let (own, chain) = (places.key(&keys(["axes", axis.name.as_str()])), chain_place(context));
+        let warning = Diagnostic::new(codes::W0404, message).at(own, "").at(chain, "the chain");
+        context.diagnostics.push(warning.help(help));
+    }
+    for index in machine.without_origin(|_| false) {
+        let warning = no_origin(machine, index, "has angular errors");
+        let place = context.document.places.key(&keys(["axes", machine.axes()[index].name.as_str()]));
+        context.diagnostics.push(warning.at(place, ""));
+    }
+    if let Some(axis) = machine.unstated_workpiece() {
+        let message = format!("the workpiece lies at axis `{axis}`, which does not carry it");
+        let place = context.document.places.value(&keys(["workpiece", "origin"]));
+        let warning = Diagnostic::new(codes::W0404, message).at(place, "").at(chain_place(context), "the chain");
+        context
+            .diagnostics
+            .push(warning.help("give the workpiece an origin from an axis that carries it, or from bed"));
+    }
+}
+
+/// The warning of a linear axis whose angular errors turn about machine zero for want of an origin.
+pub fn no_origin(machine: &Machine, index: usize, why: &str) -> Diagnostic {
+    let name = &machine.axes()[index].name;
+    let arm = significant(distance(machine.axes()[index].origin, machine.tool().tip), 4);
+    let message = format!(
+        "axis `{name}` {why} and no `origin`: they turn about machine zero, {arm} mm from the tip at the zero pose"
+    );
+    let line = format!("{name}: {{ origin: {{ from: gauge, at: [0, 0, 250] }} }}");
+    Diagnostic::new(codes::W0405, message).help(format!(
+        "write the point about which the carriage turns, such as `{line}`; `origin: [0, 0, 0]` keeps machine zero"
+    ))
+}
+
+fn chain_place(context: &Context<'_>) -> Option<crate::diagnostic::Place> {
+    let places = &context.document.places;
+    let written = if context.document.chain.is_some() { "chain" } else { "branches" };
+    places.value(&keys([written]))
+}
+
+fn body(branch: Branch) -> &'static str {
+    if branch == Branch::Tool { "tool" } else { "workpiece" }
+}
+
+fn reason(why: &Unstated) -> String {
+    match why {
+        Unstated::Side(Branch::Tool) => "the file gives it for the workpiece side alone".to_owned(),
+        Unstated::Side(Branch::Workpiece) => "the file gives it for the tool side alone".to_owned(),
+        Unstated::Reference(other) => format!("it is relative to axis `{other}`, which is not on this side"),
+    }
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>().sqrt()
+}
+
+/// The side of each axis of a chain.
+pub fn sides(walk: &[(&AxisName, Branch)]) -> Sides {
+    walk.iter().map(|(name, branch)| ((*name).clone(), *branch)).collect()
+}
