@@ -30,6 +30,7 @@ mod golden_signs;
 mod handmade;
 mod identify;
 mod import;
+mod import_layouts;
 mod instrument;
 mod interactions;
 #[cfg(target_os = "linux")]

@@ -4,6 +4,7 @@ use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
+use abbe::options::{FileContents, RunApproach};
 use abbe::results::Sources;
 use abbe::results::{ImportResult, ImportedError};
 use abbe::text::{counted, significant};
@@ -24,9 +25,27 @@ pub(crate) struct Args {
     /// Unit of readings that have none in the file.
     #[arg(long, value_name = "UNIT")]
     unit: Option<String>,
-    /// The file holds corrections, not errors: change the sign.
-    #[arg(long)]
+    /// Whether the values are errors (actual minus target) or corrections; errors where the layout does not leave it open.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    holds: Option<Holds>,
+    /// The file holds corrections, not errors: short for `--holds corrections`.
+    #[arg(long, conflicts_with = "holds")]
     correction: bool,
+    /// How runs without a direction were approached.
+    #[arg(long, value_enum, value_name = "HOW")]
+    runs: Option<Runs>,
+    /// Direction of the beam of a six-degree instrument, from the launch to the receiver, such as `+X`.
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, requires = "vertical")]
+    beam: Option<String>,
+    /// The machine's direction in which the vertical of that instrument points, such as `+Z`.
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, requires = "beam")]
+    vertical: Option<String>,
+    /// Change the sign of a channel of that instrument, by its title; may be repeated.
+    #[arg(long, value_name = "TITLE", requires = "beam")]
+    flip: Vec<String>,
+    /// Map the columns by this file (YAML), instead of by their titles.
+    #[arg(long, value_name = "FILE")]
+    columns: Option<PathBuf>,
     /// The axis turns without end: positions modulo 360 deg, first row again at the end.
     #[arg(long)]
     continuous: bool,
@@ -35,17 +54,51 @@ pub(crate) struct Args {
     out: Option<PathBuf>,
 }
 
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Holds {
+    /// Actual minus target.
+    Errors,
+    /// Target minus actual.
+    Corrections,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Runs {
+    /// All from the same side.
+    OneWay,
+    /// The first forward, the second in reverse, and so on.
+    Alternating,
+}
+
+fn contents(args: &Args) -> Option<FileContents> {
+    match args.holds {
+        Some(Holds::Errors) => Some(FileContents::Errors),
+        Some(Holds::Corrections) => Some(FileContents::Corrections),
+        None => args.correction.then_some(FileContents::Corrections),
+    }
+}
+
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let options = ImportOptions {
         axis: args.axis.clone(),
         error: args.error.clone(),
         unit: args.unit.clone(),
-        correction: args.correction,
+        contents: contents(args),
+        runs: args.runs.map(|runs| match runs {
+            Runs::OneWay => RunApproach::OneWay,
+            Runs::Alternating => RunApproach::Alternating,
+        }),
+        beam: args.beam.clone(),
+        vertical: args.vertical.clone(),
+        flip: args.flip.clone(),
+        columns: args.columns.clone(),
         continuous: args.continuous,
         needs_table: args.out.is_some() || session.format() == Format::Csv,
     };
     let mut inputs = Sources::default();
-    let _ = inputs.add(args.file.display().to_string(), "");
+    for input in [Some(&args.file), args.columns.as_ref()].into_iter().flatten() {
+        let _ = inputs.add(input.display().to_string(), "");
+    }
     write::refuse_outputs(&args.out, &inputs).or_else(|refusal| session.refuse(refusal))?;
     let answer = import(&args.file, &options, session.run());
     let result = session.take(answer)?;
@@ -65,6 +118,12 @@ fn text(result: &ImportResult) -> String {
     text += if result.directions_inferred { "; directions from the order of the rows\n" } else { "\n" };
     for (key, value) in &result.metadata {
         text += &format!("{key}: {value}\n");
+    }
+    for channel in &result.channels {
+        text += &format!("{} = {}{}\n", channel.error, channel.sign, channel.column);
+    }
+    for column in &result.columns_left_out {
+        text += &format!("left out: {} ({})\n", column.column, column.reason);
     }
     let mut rows = table(&["error", "unit", "targets", "runs", "E", "M", "B", "mean B", "R", "A", "slope"]);
     for error in &result.errors {
