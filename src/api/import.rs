@@ -2,13 +2,13 @@
 
 use super::run::{Answer, Call, Refused, Run};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
-use crate::identify::import::{self, AccuracyFigures, Import, ImportRequest};
+use crate::identify::import::{self, AccuracyFigures, Import, ImportRequest, ReferenceLine};
 use crate::machine::ErrorId;
 use crate::units::counted;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-pub use crate::identify::import::{FileContents, RunApproach};
+pub use crate::identify::import::{FileContents, RunApproach, StraightnessLine};
 
 /// Options of [`import`]: facts that the file leaves open.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -33,6 +33,10 @@ pub struct ImportOptions {
     pub flip: Vec<String>,
     /// A file that maps the columns.
     pub columns: Option<PathBuf>,
+    /// The line that is taken off a straightness.
+    pub line: StraightnessLine,
+    /// Keeps it: the straightness was read against an artefact of the machine.
+    pub keep_line: bool,
     /// The axis turns without end: positions modulo 360 deg, first row again at the end.
     pub continuous: bool,
     /// Refuses a file whose table would have no row.
@@ -103,10 +107,44 @@ pub struct ImportedError {
     pub slope: f64,
     /// Unit of the slope, such as `um/m`.
     pub slope_unit: String,
+    /// Of a straightness of a linear axis: the line of its reference.
+    pub line: Option<StraightnessReference>,
+}
+
+/// The straight line in a straightness, before it was taken off.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StraightnessReference {
+    /// Its slope.
+    pub slope_um_per_m: f64,
+    /// Its rise over the targets.
+    pub rise_um: f64,
+    /// The distance between the outermost targets.
+    pub length_mm: f64,
+    /// True if it was taken off: all figures and the table are without it.
+    pub taken_off: bool,
+    /// The squareness that it would be if the reference was an artefact of the machine.
+    pub squareness: Option<String>,
+    /// The value of that squareness in urad.
+    pub squareness_urad: Option<f64>,
+}
+
+impl StraightnessReference {
+    fn of(error: &ErrorId, line: &ReferenceLine) -> Self {
+        let squareness = error.squareness();
+        let slope_um_per_m = line.slope * 1e6;
+        Self {
+            slope_um_per_m,
+            rise_um: line.rise * 1e3,
+            length_mm: line.length,
+            taken_off: line.taken_off,
+            squareness_urad: squareness.as_ref().map(|(_, sign)| sign * slope_um_per_m + 0.0),
+            squareness: squareness.map(|(error, _)| error.to_string()),
+        }
+    }
 }
 
 impl ImportedError {
-    fn of(error: &ErrorId, f: &AccuracyFigures, rotary: bool) -> Self {
+    fn of(error: &ErrorId, f: &AccuracyFigures, rotary: bool, line: Option<&ReferenceLine>) -> Self {
         let (factor, unit) = if error.direction.is_rotation() { (1e6, "urad") } else { (1e3, "um") };
         let (per, length) = if rotary { (1.0, "deg") } else { (1e3, "m") };
         let value = |x: Option<f64>| x.map(|x| x * factor + 0.0);
@@ -124,6 +162,7 @@ impl ImportedError {
             accuracy: value(f.accuracy),
             slope: f.slope * factor * per,
             slope_unit: format!("{unit}/{length}"),
+            line: line.map(|line| StraightnessReference::of(error, line)),
         }
     }
 }
@@ -190,6 +229,8 @@ fn request(call: &mut Call<'_>, options: &ImportOptions) -> Result<ImportRequest
         unit: options.unit.clone(),
         contents: options.contents,
         approach: options.runs,
+        line: options.line,
+        keep_line: options.keep_line,
         continuous: options.continuous,
         flipped: options.flip.clone(),
         ..ImportRequest::default()
@@ -210,7 +251,10 @@ fn request(call: &mut Call<'_>, options: &ImportOptions) -> Result<ImportRequest
 }
 
 fn figures(found: &Import, sources: &Sources) -> ImportResult {
-    let one = |(k, error): (usize, &ErrorId)| Some(ImportedError::of(error, &found.figures(k)?, found.rotary));
+    let one = |(k, error): (usize, &ErrorId)| {
+        let line = found.lines.iter().find(|line| line.error == k);
+        Some(ImportedError::of(error, &found.figures(k)?, found.rotary, line))
+    };
     let left = found
         .left_out
         .iter()

@@ -159,7 +159,7 @@ fn one_error_of_several_is_taken_and_options_are_understood_or_refused() {
     let wide = "X [mm], EXX [um], EYX [um]\n0, 0, 1\n10, 2, 3\n";
     let tidy = "error,value,unit,X [mm]\nEXX,0,um,0\nEYX,1,um,0\nEXX,2,um,10\nEYX,3,um,10\n";
     for text in [wide, tidy] {
-        let table = imported(text.as_bytes(), &["--error", "EYX"]).1;
+        let table = imported(text.as_bytes(), &["--error", "EYX", "--keep-line"]).1;
         assert_eq!(without_comments(&table), "X [mm], EYX [um]\n0, 1\n10, 3\n", "{text}");
         assert!(refused(text, &["--error", "EZX"]).contains("EZX"), "{text}");
         assert!(refused(text, &["--error", "nope"]).contains("`nope` is not a component error"));
@@ -188,7 +188,7 @@ fn one_reading_a_row() {
 #[test]
 fn six_errors_in_one_run_with_a_row_of_units_and_vdi_names() {
     let text = "X;xtx;EYX;xrz\nmm;µm;nm;arcsec\n0;1;2000;1\n10;2;3000;2\n";
-    let (report, table) = imported(text.as_bytes(), &["--correction"]);
+    let (report, table) = imported(text.as_bytes(), &["--correction", "--keep-line"]);
     assert_eq!(report["errors"].as_array().unwrap().len(), 3);
     let arcsec = 1e6 * std::f64::consts::PI / 648_000.0;
     assert!(table.starts_with("X [mm], EXX [um], EYX [um], ECX [urad]\n0, -1, -2, -"), "{table}");

@@ -304,7 +304,7 @@ fn six_channels_become_iso_errors() {
     refused("six.csv", text, &["--axis", "Y"], &["--beam", "--vertical"]);
     let arcsec = 1e6 * std::f64::consts::PI / 648_000.0;
     // Beam +Y, vertical +Z: h is -X.
-    let (report, table) = taken("six.csv", text, &["--beam", "+Y", "--vertical", "+Z"]);
+    let (report, table) = taken("six.csv", text, &["--beam", "+Y", "--vertical", "+Z", "--keep-line"]);
     let signs: Vec<String> = report["channels"]
         .as_array()
         .unwrap()

@@ -64,6 +64,7 @@ mod repository;
 mod rooms;
 mod schema;
 mod show;
+mod straightness;
 mod support;
 mod targets;
 mod theorems;

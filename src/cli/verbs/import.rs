@@ -4,7 +4,7 @@ use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
-use abbe::options::{FileContents, RunApproach};
+use abbe::options::{FileContents, RunApproach, StraightnessLine};
 use abbe::results::Sources;
 use abbe::results::{ImportResult, ImportedError};
 use abbe::text::{counted, significant};
@@ -49,6 +49,12 @@ pub(crate) struct Args {
     /// The axis turns without end: positions modulo 360 deg, first row again at the end.
     #[arg(long)]
     continuous: bool,
+    /// The line that is taken off a straightness.
+    #[arg(long, value_enum, value_name = "RULE", default_value = "least-squares")]
+    line: Line,
+    /// Keep the line of a straightness: it was read against an artefact of the machine.
+    #[arg(long, conflicts_with = "line")]
+    keep_line: bool,
     /// Write the table to this file.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -68,6 +74,14 @@ enum Runs {
     OneWay,
     /// The first forward, the second in reverse, and so on.
     Alternating,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Line {
+    /// Of least squares over the targets.
+    LeastSquares,
+    /// Through the first and the last target.
+    EndPoints,
 }
 
 fn contents(args: &Args) -> Option<FileContents> {
@@ -92,6 +106,11 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         vertical: args.vertical.clone(),
         flip: args.flip.clone(),
         columns: args.columns.clone(),
+        line: match args.line {
+            Line::LeastSquares => StraightnessLine::LeastSquares,
+            Line::EndPoints => StraightnessLine::EndPoints,
+        },
+        keep_line: args.keep_line,
         continuous: args.continuous,
         needs_table: args.out.is_some() || session.format() == Format::Csv,
     };
@@ -125,6 +144,7 @@ fn text(result: &ImportResult) -> String {
     for column in &result.columns_left_out {
         text += &format!("left out: {} ({})\n", column.column, column.reason);
     }
+    text.extend(result.errors.iter().filter_map(line));
     let mut rows = table(&["error", "unit", "targets", "runs", "E", "M", "B", "mean B", "R", "A", "slope"]);
     for error in &result.errors {
         let _ = rows.add_row(cells(error));
@@ -132,6 +152,25 @@ fn text(result: &ImportResult) -> String {
     text += &format!("{rows}\n");
     text + "E systematic deviation, M mean deviation, B reversal, R repeatability, A accuracy: formed after ISO \
      230-2:2014\n"
+}
+
+/// A sentence on the line of a straightness.
+fn line(error: &ImportedError) -> Option<String> {
+    let line = error.line.as_ref()?;
+    let n = |x: f64| significant(x, 3);
+    let size = format!("{} um/m, {} um over {} mm", n(line.slope_um_per_m), n(line.rise_um), n(line.length_mm));
+    let squareness = line.squareness.as_ref().zip(line.squareness_urad);
+    let would =
+        squareness.map_or_else(String::new, |(name, value)| format!(" (it would be {name} = {} urad)", n(value)));
+    Some(if line.taken_off {
+        format!(
+            "{}: line of {size} taken off. It is how the optics stood, unless they were set to an artefact of the \
+             machine{would}: --keep-line\n",
+            error.error
+        )
+    } else {
+        format!("{}: line of {size} kept{would}\n", error.error)
+    })
 }
 
 fn cells(f: &ImportedError) -> Vec<String> {

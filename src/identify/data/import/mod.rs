@@ -7,8 +7,9 @@
 //!    the units.
 //! 2. `gather`: rows to samples (error, position, direction, run); what is left out, and why.
 //! 3. `order`: positions to targets, the order of the rows to passes and directions.
-//! 4. `figures`: means by target and direction, reversal, repeatability, accuracy.
-//! 5. `table`: the table that a machine file takes.
+//! 4. `line`: the straight line of a straightness, taken off.
+//! 5. `figures`: means by target and direction, reversal, repeatability, accuracy.
+//! 6. `table`: the table that a machine file takes.
 
 mod blocks;
 mod channels;
@@ -21,6 +22,7 @@ mod gather;
 mod header;
 mod laser_text;
 mod layout;
+mod line;
 mod order;
 mod sample;
 mod table;
@@ -29,6 +31,7 @@ mod unit;
 
 pub use columns::read_columns;
 pub use figures::AccuracyFigures;
+pub use line::{ReferenceLine, StraightnessLine};
 pub use sample::{FileContents, Import, ImportRequest, RunApproach, UnusedColumn};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -49,7 +52,10 @@ pub fn import(path: &Path, wanted: &ImportRequest, files: &dyn Files, diagnostic
         read(&lines, path, wanted)
     };
     match found {
-        Ok(import) => Some(import),
+        Ok(mut import) => {
+            line::straighten(&mut import, wanted.line, wanted.keep_line);
+            Some(import)
+        }
         Err(refused) => {
             diagnostics.push(*refused);
             None

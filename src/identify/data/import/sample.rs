@@ -4,6 +4,7 @@
 use super::channels::Mounting;
 use super::columns::ColumnMap;
 use super::form::TableForm;
+use super::line::{ReferenceLine, StraightnessLine};
 use crate::diagnostic::{Diagnostic, Place, codes, shown};
 use crate::machine::ErrorId;
 use crate::syntax::ColumnDirection;
@@ -21,6 +22,10 @@ pub struct ImportRequest {
     pub contents: Option<FileContents>,
     /// How runs without a direction were approached.
     pub approach: Option<RunApproach>,
+    /// Which line is taken off a straightness.
+    pub line: StraightnessLine,
+    /// True if it is kept.
+    pub keep_line: bool,
     /// The mounting of an instrument of six channels.
     pub mounting: Option<Mounting>,
     /// Titles of channels whose sign changes.
@@ -130,6 +135,8 @@ pub struct Import {
     pub unused_columns: Vec<UnusedColumn>,
     /// Channels of a six-degree instrument.
     pub channels: Vec<NamedChannel>,
+    /// Lines of straightness errors.
+    pub lines: Vec<ReferenceLine>,
     /// Were directions read off the order of the rows?
     pub inferred: bool,
 }
@@ -147,6 +154,7 @@ impl Import {
             left_out: Vec::new(),
             unused_columns: Vec::new(),
             channels: Vec::new(),
+            lines: Vec::new(),
             inferred: false,
         }
     }
