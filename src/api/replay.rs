@@ -66,7 +66,8 @@ fn listed(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Vec<Rep
 
 /// Returns what the controller adds to the joint at each position, mm or deg.
 ///
-/// Fails like [`verify`](super::verify()), and for a kinematics module, which has no tables that hold for a joint alone.
+/// Fails like [`verify`](super::verify()), and for a kinematics module, which has no tables that hold for a joint
+/// alone.
 pub fn replay(
     file: &MachineFile,
     folder: &Path,

@@ -25,7 +25,8 @@ pub(crate) struct Args {
     /// Unit of readings that have none in the file.
     #[arg(long, value_name = "UNIT")]
     unit: Option<String>,
-    /// Whether the values are errors (actual minus target) or corrections; errors where the layout does not leave it open.
+    /// Whether the values are errors (actual minus target) or corrections [default: errors, where the layout does not
+    /// leave it open].
     #[arg(long, value_enum, value_name = "WHAT")]
     holds: Option<Holds>,
     /// The file holds corrections, not errors: short for `--holds corrections`.

@@ -3,7 +3,8 @@
 
 use super::form::TableForm;
 use super::gather;
-use super::sample::{Import, ImportRequest, Sample, UnusedColumn, refusal};
+use super::request::ImportRequest;
+use super::sample::{Import, Sample, UnusedColumn, refusal};
 use super::unit::component_error;
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{ErrorId, parse_error_name};
@@ -111,6 +112,9 @@ fn blocks(lines: &[Line]) -> Result<Blocks, Box<Diagnostic>> {
         let refuse = |message: String| Box::new(refusal(message, Some(line.place.clone())));
         let text = bare(&line.text);
         let number = |text: &str| units::number(text).map_err(|failure| refuse(failure.to_string()));
+        if points.is_some() && (block(text).is_some() || text.contains('=')) {
+            return Err(refuse("the curve before is not closed by `}`".to_owned()));
+        }
         if let Some(title) = block(text) {
             let error = parse_error_name(title);
             name = Some(error.ok_or_else(|| refuse(format!("`{}` is not the name of an error", shown(title))))?);

@@ -1,7 +1,6 @@
 //! The columns of an instrument's tables by hand: a small file that is kept with the instrument.
 
-use super::channels::Mounting;
-use super::sample::{FileContents, RunApproach};
+use super::options::{FileContents, RunApproach};
 use super::unit::{component_error, position_unit, reading_unit};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, shown};
 use crate::machine::ErrorId;
@@ -200,22 +199,5 @@ impl ColumnMap {
     /// True if a title, with or without its unit, is this column.
     pub(super) fn names(mapped: &str, title: &str, cell: &str) -> bool {
         mapped.trim().eq_ignore_ascii_case(title.trim()) || mapped.trim().eq_ignore_ascii_case(cell.trim())
-    }
-}
-
-impl super::sample::ImportRequest {
-    /// Takes from the mapping what the caller did not say.
-    pub fn with_columns(mut self, map: ColumnMap) -> Self {
-        self.contents = self.contents.or(map.contents);
-        self.approach = self.approach.or(map.approach);
-        self.axis = self.axis.or(map.axis.clone());
-        self.columns = Some(map);
-        self
-    }
-
-    /// Takes the mounting of an instrument; `None` if the two are not directions across each other.
-    pub fn with_mounting(mut self, beam: &str, vertical: &str) -> Option<Self> {
-        self.mounting = Some(Mounting::new(beam, vertical)?);
-        Some(self)
     }
 }

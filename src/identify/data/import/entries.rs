@@ -3,7 +3,9 @@
 
 use super::form::TableForm;
 use super::gather::{self, off_target};
-use super::sample::{Import, ImportRequest, Sample, refusal};
+use super::options::FileContents;
+use super::request::ImportRequest;
+use super::sample::{Import, Sample, refusal};
 use super::unit::{self, position_unit};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::syntax::ColumnDirection::{self, Forward, Reverse};
@@ -46,7 +48,7 @@ pub(super) fn read(lines: &[Line], wanted: &ImportRequest) -> Result<Import, Box
     if wanted.error.as_deref().is_some_and(|error| unit::component_error(error).as_ref() != Ok(&own)) {
         return Err(refuse(&format!("positions that were reached show the positioning error `{own}` and no other")));
     }
-    if wanted.contents.is_some_and(|contents| contents == super::FileContents::Corrections) {
+    if wanted.contents.is_some_and(|contents| contents == FileContents::Corrections) {
         return Err(refuse("positions that were reached are no corrections"));
     }
     let mut import = Import { errors: vec![own], ..Import::empty(TableForm::Entries, axis, false) };

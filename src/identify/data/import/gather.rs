@@ -3,8 +3,10 @@
 use super::failure::RowFailure;
 use super::header::{Header, Role, Series};
 use super::layout::{Layout, Meaning};
+use super::options::RunApproach;
 use super::order;
-use super::sample::{Import, ImportRequest, RunApproach, Sample, UnusedRow, refusal};
+use super::request::ImportRequest;
+use super::sample::{Import, Sample, UnusedRow, refusal};
 use super::unit::{component_error, own_axis, reading_unit};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::identify::data::error_name::parse_component_error;

@@ -5,7 +5,8 @@ use super::columns::{ColumnMap, MappedColumn};
 use super::failure::HeaderFailure;
 use super::form::TableForm;
 use super::layout::{GENERAL, Layout, Meaning, RunLabel};
-use super::sample::{ImportRequest, NamedChannel, UnusedColumn, refusal};
+use super::request::ImportRequest;
+use super::sample::{NamedChannel, UnusedColumn, refusal};
 use super::unit::{Unit, component_error, own_axis, own_error, position_unit, reading_unit};
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::identify::data::error_name::{parse_component_error, split_direction};
@@ -136,12 +137,13 @@ fn begins(layout: &Layout, cells: &[String], axis: Option<&str>, map: Option<&Co
 pub(super) fn find(lines: &[Line], wanted: &ImportRequest) -> Result<Header, Box<Diagnostic>> {
     understood(wanted).map_err(|failure| Box::new(refusal(failure.to_string(), None)))?;
     let layout = &GENERAL;
+    let of_error = wanted.error.as_deref().and_then(parse_component_error).map(|error| error.axis.to_string());
     let mut known: Vec<(String, String)> = Vec::new();
     let mut other = None;
     for (i, line) in lines.iter().enumerate().take(PREAMBLE) {
         let separator = sheet::separator(&line.text);
         let cells = sheet::cells(&line.text, separator);
-        let axis = wanted.axis.as_deref().or(entry(&known, "axis"));
+        let axis = wanted.axis.as_deref().or(entry(&known, "axis")).or(of_error.as_deref());
         let map = wanted.columns.as_ref();
         if begins(layout, &cells, axis, map).is_some() && (map.is_some() || !line.text.contains(": ")) {
             let reader = HeaderReader { layout, lines, wanted, metadata: &known, separator };

@@ -5,7 +5,8 @@
 
 use super::form::TableForm;
 use super::gather;
-use super::sample::{Import, ImportRequest, Sample, UnusedColumn, refusal};
+use super::request::ImportRequest;
+use super::sample::{Import, Sample, UnusedColumn, refusal};
 use super::unit::{self, Unit, component_error, own_axis, reading_unit};
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::machine::{AxisName, ErrorId};

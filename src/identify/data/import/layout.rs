@@ -195,8 +195,8 @@ pub(super) const GENERAL: Layout = Layout {
         direction(Reverse, &["bwd", "rev", "down"]),
         direction(Forward, &["up", "->"]),
         direction(Reverse, &["<-"]),
-        direction(Forward, &["→"]),
-        direction(Reverse, &["←"]),
+        direction(Forward, &["→", "↑"]),
+        direction(Reverse, &["←", "↓"]),
         direction(Forward, &["+"]),
         direction(Reverse, &["-"]),
     ],
@@ -247,8 +247,8 @@ impl Layout {
         RunLabel { direction, run: run.to_owned() }
     }
 
-    /// Splits the title of a run: `Run 1 +`, `2`, `up`, `deviation 3 fwd`, `F1` if `paired`. A title with any other word
-    /// is none.
+    /// Splits the title of a run: `Run 1 +`, `2`, `up`, `deviation 3 fwd`, `F1` if `paired`. A title with any other
+    /// word is none.
     pub fn run(&self, title: &str, paired: bool) -> Option<RunLabel> {
         let lower = title.trim().to_lowercase();
         if let Some((_, number)) = self.letter(&lower).filter(|(_, number)| !paired && !number.is_empty()) {

@@ -1,36 +1,11 @@
-//! The straight line in a straightness: how the instrument's line of reference lay to the axis, which is no error of the
+//! The straight line in a straightness: how the instrument's line of reference lay to the axis. It is no error of the
 //! machine unless that line was an artefact of the machine.
 
 use super::channels::axis_direction;
 use super::figures::AccuracyFigures;
-use super::sample::{Import, Sample};
+use super::options::StraightnessLine;
+use super::sample::{Import, ReferenceLine, Sample};
 use crate::machine::ErrorId;
-
-/// Which line is meant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum StraightnessLine {
-    /// Of least squares.
-    #[default]
-    LeastSquares,
-    /// Through the first and the last target.
-    EndPoints,
-}
-
-/// The line of one straightness.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ReferenceLine {
-    /// Which error, as an index in [`Import::errors`].
-    pub error: usize,
-    /// Its slope (mm per mm).
-    pub slope: f64,
-    /// Its rise over the targets (mm).
-    pub rise: f64,
-    /// The distance between the outermost targets (mm).
-    pub length: f64,
-    /// True if it was taken off the readings.
-    pub taken_off: bool,
-}
 
 /// Looks for the lines in straightness errors of linear axes, and takes them off unless they are kept.
 pub(super) fn straighten(import: &mut Import, rule: StraightnessLine, keep: bool) {

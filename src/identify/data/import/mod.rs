@@ -3,8 +3,8 @@
 //! 0. `laser_text`, `entries`, `blocks`: files that are no tables, each with its own rules; `transposed`: tables with
 //!    their targets in a row, turned.
 //! 1. `header`: where the table begins, the roles of its columns, the metadata before it; `layout` holds the words of
-//!    titles and labels as tables of rules, `channels` those of six-degree instruments, `columns` the user's own, `unit`
-//!    the units.
+//!    titles and labels as tables of rules, `channels` those of six-degree instruments, `columns` the user's own,
+//!    `unit` the units.
 //! 2. `gather`: rows to samples (error, position, direction, run); what is left out, and why.
 //! 3. `order`: positions to targets, the order of the rows to passes and directions.
 //! 4. `line`: the straight line of a straightness, taken off.
@@ -23,7 +23,9 @@ mod header;
 mod laser_text;
 mod layout;
 mod line;
+mod options;
 mod order;
+mod request;
 mod sample;
 mod table;
 mod transposed;
@@ -31,8 +33,9 @@ mod unit;
 
 pub use columns::read_columns;
 pub use figures::AccuracyFigures;
-pub use line::{ReferenceLine, StraightnessLine};
-pub use sample::{FileContents, Import, ImportRequest, RunApproach, UnusedColumn};
+pub use options::{FileContents, RunApproach, StraightnessLine};
+pub use request::ImportRequest;
+pub use sample::{Import, ReferenceLine, UnusedColumn};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::syntax::Files;

@@ -53,7 +53,8 @@ fn target(group: &[f64]) -> f64 {
     if low == high { low } else { round.find(|at| (low..=high).contains(at)).unwrap_or(mean) }
 }
 
-/// True if named runs take turns in the rows, reading by reading: the rows are then sorted, and not in the order of time.
+/// True if named runs take turns in the rows, reading by reading: the rows are then sorted, and not in the order of
+/// time.
 pub(crate) fn take_turns<'s>(samples: impl Iterator<Item = &'s Sample>) -> bool {
     let mut runs: Vec<&str> = samples.map(|sample| sample.run.as_str()).collect();
     runs.dedup();

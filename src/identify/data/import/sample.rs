@@ -1,72 +1,9 @@
-//! An export as it was read: its samples, its unused rows, and the answers that the caller gives for what it leaves
-//! open.
+//! An export as it was read: its samples, its unused rows and columns.
 
-use super::channels::Mounting;
-use super::columns::ColumnMap;
 use super::form::TableForm;
-use super::line::{ReferenceLine, StraightnessLine};
-use crate::diagnostic::{Diagnostic, Place, codes, shown};
+use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::ErrorId;
 use crate::syntax::ColumnDirection;
-
-/// What the file itself may leave open.
-#[derive(Debug, Clone, Default)]
-pub struct ImportRequest {
-    /// The axis that moved.
-    pub axis: Option<String>,
-    /// The error whose runs the columns are.
-    pub error: Option<String>,
-    /// Unit of values that have none in the file.
-    pub unit: Option<String>,
-    /// Whether the file holds errors or corrections, which have the other sign; errors, where the layout says nothing.
-    pub contents: Option<FileContents>,
-    /// How runs without a direction were approached.
-    pub approach: Option<RunApproach>,
-    /// Which line is taken off a straightness.
-    pub line: StraightnessLine,
-    /// True if it is kept.
-    pub keep_line: bool,
-    /// The mounting of an instrument of six channels.
-    pub mounting: Option<Mounting>,
-    /// Titles of channels whose sign changes.
-    pub flipped: Vec<String>,
-    /// The columns by hand.
-    pub columns: Option<ColumnMap>,
-    /// The axis turns without end: positions are taken modulo 360 deg, and the table closes.
-    pub continuous: bool,
-}
-
-/// The sign of the values of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum FileContents {
-    /// Actual minus nominal.
-    Errors,
-    /// Nominal minus actual.
-    Corrections,
-}
-
-/// How runs without a direction were approached.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RunApproach {
-    /// All from the same side.
-    OneWay,
-    /// The first forward, the second in reverse, and so on.
-    Alternating,
-}
-
-impl ImportRequest {
-    /// The factor of values.
-    pub(super) fn sign(&self) -> f64 {
-        if self.contents == Some(FileContents::Corrections) { -1.0 } else { 1.0 }
-    }
-
-    /// ` of EXX`, if one error is asked for.
-    pub(super) fn of(&self) -> String {
-        self.error.as_deref().map(|error| format!(" of `{}`", shown(error))).unwrap_or_default()
-    }
-}
 
 /// One reading (mm or rad) at a position (mm or deg).
 #[derive(Debug, Clone, PartialEq)]
@@ -112,6 +49,21 @@ pub struct NamedChannel {
     pub error: ErrorId,
     /// True if the error is minus what the column shows.
     pub negative: bool,
+}
+
+/// The line of one straightness.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReferenceLine {
+    /// Which error, as an index in [`Import::errors`].
+    pub error: usize,
+    /// Its slope (mm per mm).
+    pub slope: f64,
+    /// Its rise over the targets (mm).
+    pub rise: f64,
+    /// The distance between the outermost targets (mm).
+    pub length: f64,
+    /// True if it was taken off the readings.
+    pub taken_off: bool,
 }
 
 /// What a file holds.

@@ -44,7 +44,7 @@ fn is_head(line: &Line, next: &Line) -> bool {
     let numbers = head.iter().skip(1).all(|cell| cell.is_empty() || is_number(cell));
     let label = below.first().map(|cell| title(cell)).unwrap_or_default();
     let direction = GENERAL.meaning(&label, TableForm::Runs) == Some(Meaning::Direction);
-    let run = label.chars().any(char::is_alphabetic)
+    let run = sheet::number(&label, separator).is_err()
         && GENERAL.run(&label, true).is_some()
         && below.iter().skip(1).all(|cell| cell.is_empty() || is_number(cell));
     head.first().is_some_and(|cell| GENERAL.is_position(&title(cell))) && targets > 1 && numbers && (direction || run)
