@@ -88,11 +88,10 @@ fn only_a_straightness_of_a_linear_axis_has_a_line() {
 fn checked(lines: &str) -> Vec<String> {
     let folder = Folder::new();
     let file = folder.write("m.yaml", &format!("{MACHINE}{lines}"));
-    let output = run(&["check", file.to_str().unwrap(), "--format", "json"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let all = json(&output);
-    let text = |value: &Value| format!("{} {} {}", value["code"], value["message"], value["help"]);
-    all["warnings"].as_array().unwrap().iter().map(text).collect()
+    let output = run(&["check", file.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    said.split("warning[").skip(1).map(str::to_owned).collect()
 }
 
 #[test]

@@ -211,8 +211,15 @@ impl Doubles<'_> {
             return;
         }
         let error = self.id(found.direction);
-        let shown =
+        let amount =
             if found.direction.is_rotation() { units::angle(found.amount) } else { units::length(found.amount) };
+        let shown = match found.slope {
+            Some(slope) => {
+                let over = units::length(2.0 * found.amount);
+                format!("{} um/m, {over} over the travel", units::significant(slope * 1e6, 3))
+            }
+            None => amount,
+        };
         let place = |id: &ErrorId| -> Option<Place> { self.places.places.get(id).cloned().flatten() };
         let message = format!("`{error}` holds {} of {shown}, which location errors describe as well", found.what);
         let warning = Diagnostic::new(codes::W0403, message).at(place(&error), "");
@@ -236,8 +243,8 @@ impl Doubles<'_> {
             |(name, sign)| format!("write it as `{name}: {}`", units::angle(sign * slope)),
         );
         format!(
-            "take the line off (`abbe import` does): it shows how the instrument stood. If its reference was an artefact \
-             of the machine, {value}, or say `identify: {{ datum: {{ squareness: in straightness }} }}`"
+            "take the line off (`abbe import` does): it shows how the instrument stood. If its reference was an \
+             artefact of the machine, {value}, or say `identify: {{ datum: {{ squareness: in straightness }} }}`"
         )
     }
 }
