@@ -135,6 +135,7 @@ codes! {
     E0510 "readings that `--method moore-penrose` cannot use",
     E0511 "no plane to draw",
     E0512 "a mapping of columns cannot be read",
+    E0513 "a fitted value is undetermined",
     E0521 "unknown generator",
     E0522 "the ideal contains 1",
     E0523 "an algebra that is too large",

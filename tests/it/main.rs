@@ -53,6 +53,7 @@ mod plan;
 mod prior;
 mod program;
 mod published;
+mod rank;
 mod readme;
 mod recognise;
 mod reconfigure;
