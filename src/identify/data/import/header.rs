@@ -474,7 +474,7 @@ impl HeaderReader<'_> {
         else {
             return Ok(self.not_a_reading(title));
         };
-        let axis = AxisName::new(&header.axis).ok_or_else(|| HeaderFailure::NoAxis)?;
+        let axis = AxisName::new(&header.axis).ok_or(HeaderFailure::NoAxis)?;
         if channels::axis_direction(&axis) != Some(mounting.along()) {
             let beam = ["X", "Y", "Z"][mounting.along()].to_owned();
             return Err(HeaderFailure::BeamAcross(beam, header.axis.clone()));
