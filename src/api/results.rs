@@ -20,7 +20,9 @@ pub use super::identify::{
     MonomialComponent, MonomialFit, NamedSvg, OrderShares, OutlierPlace, PlannedPose, RepeatedReadings, ResidualTest,
     Rms, RmsBeforeAfter, ScatterOfKind,
 };
-pub use super::import::{ImportResult, ImportedError, LeftOutRow};
+pub use super::import::{
+    ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, StraightnessReference,
+};
 pub use super::instrument::{InstrumentResult, Readings};
 pub use super::map::{BodyDiagonal, MapResult, Uncompensated, WorstPose};
 pub use super::poses::AxisPositions;

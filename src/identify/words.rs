@@ -4,8 +4,11 @@ use super::model::Parameter;
 use crate::units::significant;
 use nalgebra::{DMatrix, DVector};
 
-/// Parameters below this share of the largest in a direction are not named.
+/// Parameters below this share of the largest in a direction that the noise drowns are not named.
 const NAMED: f64 = 0.02;
+/// Parameters below this share of the largest in a direction that changes nothing are not named: amounts are printed to
+/// three digits, so that their rounding changes the readings by more than what is left out.
+const PRINTED: f64 = 2e-4;
 /// Parameters below this share of what a direction does to the readings are not named.
 const HEARD: f64 = 0.1;
 
@@ -39,10 +42,15 @@ fn largest(row: &DVector<f64>) -> usize {
     (0..row.len()).fold(0, |p, j| if row[j].abs() > 1.0001 * row[p].abs() { j } else { p })
 }
 
-/// The parameters that matter in a direction.
+/// The parameters of a direction that changes nothing.
 pub(super) fn named(row: &DVector<f64>) -> Direction {
+    above(row, PRINTED)
+}
+
+/// The parameters above a share of the largest.
+fn above(row: &DVector<f64>, share: f64) -> Direction {
     let largest = row.iter().map(|x| x.abs()).fold(0.0, f64::max);
-    row.iter().copied().enumerate().filter(|(_, x)| x.abs() > NAMED * largest && *x != 0.0).collect()
+    row.iter().copied().enumerate().filter(|(_, x)| x.abs() > share * largest && *x != 0.0).collect()
 }
 
 /// `EX0C, tool.X and workpiece.X`.
@@ -145,7 +153,7 @@ fn without(direction: &DVector<f64>, null: &[DVector<f64>]) -> DVector<f64> {
 fn hidden(spread: &DVector<f64>, scale: &DVector<f64>, parameters: &[Parameter]) -> String {
     let effect = spread.component_mul(scale);
     let heard = effect.norm() * HEARD;
-    let mut direction: Direction = named(spread).into_iter().filter(|(j, _)| effect[*j].abs() > heard).collect();
+    let mut direction: Direction = above(spread, NAMED).into_iter().filter(|(j, _)| effect[*j].abs() > heard).collect();
     direction.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     let most = direction.first().map_or(0.0, |(_, x)| x.abs());
     let share = if most > LARGE { LARGE / most } else { 1.0 };

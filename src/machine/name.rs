@@ -89,7 +89,24 @@ pub struct ErrorId {
     pub direction: Direction,
 }
 
+/// Squareness by the two directions, and the sign with which a slope of either straightness enters it.
+const SQUARENESS: [([Direction; 2], &str, Direction, f64); 3] = [
+    ([Direction::X, Direction::Y], "Y", Direction::C, -1.0),
+    ([Direction::X, Direction::Z], "Z", Direction::B, 1.0),
+    ([Direction::Y, Direction::Z], "Z", Direction::A, -1.0),
+];
+
 impl ErrorId {
+    /// The squareness that a slope in this straightness would be if its reference was an artefact of the machine, and
+    /// the sign with which it enters: -1 for EYX and EC0Y. `None` unless it is a straightness of X, Y or Z.
+    pub fn squareness(&self) -> Option<(Self, f64)> {
+        let along = Direction::ALL.into_iter().find(|d| d.letter().to_string() == self.axis.as_str())?;
+        let of_both = |pair: &[Direction; 2]| pair.contains(&along) && pair.contains(&self.direction);
+        let found = SQUARENESS.iter().find(|(pair, ..)| of_both(pair) && along != self.direction)?;
+        let (_, axis, direction, sign) = found;
+        Some((Self { axis: AxisName::new(axis)?, family: ErrorFamily::Location, direction: *direction }, *sign))
+    }
+
     /// True if it is a location error.
     pub fn is_location(&self) -> bool {
         self.family == ErrorFamily::Location

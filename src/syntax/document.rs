@@ -237,6 +237,29 @@ pub struct IdentifyEntry {
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     #[schemars(schema_with = "super::schema::slopes")]
     pub slopes: IndexMap<String, Scalar>,
+    /// What the errors are referred to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub datum: Option<DatumEntry>,
+}
+
+/// The datum of the errors.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, serde::Serialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DatumEntry {
+    /// Where the squareness of the axes is held.
+    pub squareness: SquarenessSite,
+}
+
+/// Where the squareness of the axes is held.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, serde::Serialize, schemars::JsonSchema)]
+pub enum SquarenessSite {
+    /// In location errors; straightness curves have no slope.
+    #[default]
+    #[serde(rename = "in location")]
+    Location,
+    /// In the slopes of straightness curves, read against an artefact of the machine.
+    #[serde(rename = "in straightness")]
+    Straightness,
 }
 
 /// Top-level keys.

@@ -56,6 +56,8 @@ pub struct IdentifyOptions {
     pub folds: Option<usize>,
     /// Also writes the fitted machine file; fails if it is one that would be refused.
     pub machine_file: bool,
+    /// Writes the machine file although it holds values whose uncertainty is larger than any error of a machine.
+    pub accept_undetermined: bool,
     /// Also draws prediction and data over the planes of the linear axes.
     pub pictures: bool,
 }
@@ -243,7 +245,7 @@ fn solved(
 ) -> Result<IdentifyResult, Refused> {
     let (model, data) = (problem.model(file, options.order()), &problem.rows);
     let fit = solve(&model, data, options.robust);
-    let solution = Solution::of(&fit, &problem.unknowns);
+    let solution = Solution::of(&fit, &problem.unknowns).compared(&model, data, &fit);
     let theta = solution.theta();
     let fitted = Fitted {
         machine: file,
@@ -280,6 +282,9 @@ fn machine_file(
     fitted: &Fitted<'_>,
 ) -> Result<String, Refused> {
     call.extend(remarks::written(fitted));
+    if let Some(refusal) = remarks::undetermined(fitted).filter(|_| !options.accept_undetermined) {
+        return call.refuse(refusal);
+    }
     let provenance = provenance::entries(file, options, problem, fitted);
     let own_parameters = &fitted.unknowns[..fitted.own];
     let text = fitted_file(file, own_parameters, &fitted.solution, &provenance, &problem.request);

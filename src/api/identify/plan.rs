@@ -41,6 +41,8 @@ pub struct MeasurementPlan {
     pub parameters: Vec<ExpectedParameter>,
     /// Numerical rank of the problem.
     pub rank: usize,
+    /// The rank of the model to first order in the errors: what the readings show without products of errors.
+    pub rank_first_order: usize,
     /// Number of unknowns.
     pub unknowns: usize,
     /// Number of independent combinations above the noise.
@@ -105,6 +107,7 @@ pub fn plan_measurements(
             noise_um: s.sigma * 1e3,
             parameters: own.iter().zip(&s.estimates).map(parameter).collect(),
             rank: s.rank,
+            rank_first_order: s.rank_first_order,
             unknowns: own.len(),
             well_determined: s.well_determined,
             null_space: s.null_space.clone(),

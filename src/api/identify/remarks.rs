@@ -15,6 +15,11 @@ const HUGE: f64 = 5.0;
 /// Half of them nearer than this (mm) are finer than instruments read.
 const TINY: f64 = 1e-5;
 
+/// Standard uncertainties (mm, rad) beyond which a value is none: what the machine language takes for mistakes.
+const UNDETERMINED: (f64, f64) = (10.0, 0.1);
+/// Distance (mm) at which a rotation counts as displacement.
+const ROTATED: f64 = 300.0;
+
 /// The warnings about a fit.
 pub(super) fn all(fitted: &Fitted<'_>, sources: &Sources) -> Vec<Diagnostic> {
     let unsettled = || {
@@ -132,6 +137,23 @@ fn contradiction(fitted: &Fitted<'_>, sources: &Sources) -> Option<Diagnostic> {
     let help =
         "one of them may have another sign (actual minus nominal), unit, tool or set-up: correct it, or name a `run`";
     Some(warning(codes::W0507, message, help))
+}
+
+/// Values of the machine whose uncertainty is larger than any error of a machine.
+pub(super) fn undetermined(fitted: &Fitted<'_>) -> Option<Diagnostic> {
+    let own = fitted.unknowns[..fitted.own].iter().zip(&fitted.solution.estimates);
+    let wide = own.filter_map(|(parameter, estimate)| {
+        let rotation = parameter.terms.first()?.source.direction.is_rotation();
+        let limit = if rotation { UNDETERMINED.1 * ROTATED } else { UNDETERMINED.0 };
+        let sigma = estimate.sigma.filter(|sigma| sigma * parameter.size > limit)?;
+        let n = |value: f64| significant(parameter.shown(value), 3);
+        Some(format!("{} = {} \u{b1} {} {}", parameter.name, n(estimate.value), n(sigma), parameter.unit))
+    });
+    let wide: Vec<String> = wide.collect();
+    let message = format!("the data do not determine {}", wide.join(", "));
+    let help = "fix them (`--fixed`), fit less, or measure at poses at which they act; `--accept-undetermined` writes \
+                the file all the same";
+    (!wide.is_empty()).then(|| Diagnostic::new(codes::E0513, message).help(help))
 }
 
 /// Combinations that go to a machine file although noise hides them.

@@ -146,6 +146,8 @@ pub struct IdentifyResult {
     pub instruments: Vec<FittedParameter>,
     /// Numerical rank of the problem.
     pub rank: usize,
+    /// The rank of the model to first order in the errors: what the readings show without products of errors.
+    pub rank_first_order: usize,
     /// Number of unknowns.
     pub unknowns: usize,
     /// Number of independent combinations above the noise.
@@ -222,7 +224,7 @@ pub(super) fn place(fitted: &Fitted<'_>, sources: &Sources, row: usize) -> Strin
 
 /// The fit in a line.
 pub(super) fn in_short(fitted: &Fitted<'_>) -> String {
-    let (rank, unknowns, rows) = (fitted.solution.rank, fitted.unknowns.len(), fitted.rows());
+    let (rank, unknowns, rows) = (fitted.solution.rank_first_order, fitted.unknowns.len(), fitted.rows());
     let [before, after] = [fitted.residuals.before, fitted.residuals.after].map(|rms| significant(um(rms), 5));
     format!("rank {rank} of {unknowns} parameters from {rows} readings; rms {before} um before, {after} um after")
 }
@@ -243,6 +245,7 @@ impl IdentifyResult {
             parameters: parameters.to_vec(),
             instruments: instruments.to_vec(),
             rank: s.rank,
+            rank_first_order: s.rank_first_order,
             unknowns: fitted.unknowns.len(),
             well_determined: s.well_determined,
             null_space: s.null_space.clone(),

@@ -40,6 +40,15 @@ fn um(value: f64) -> String {
     significant(value, 5)
 }
 
+/// The rank to first order; where products of errors show more, that too.
+pub(crate) fn rank(first_order: usize, exact: usize, unknowns: usize) -> String {
+    if exact > first_order {
+        format!("{first_order} of {unknowns} unknowns ({exact} with products of errors)")
+    } else {
+        format!("{exact} of {unknowns} unknowns")
+    }
+}
+
 fn fit(r: &IdentifyResult) -> String {
     let scatter = match &r.scatter[..] {
         [] => format!("; {} per reading", r.reading_scatter),
@@ -49,11 +58,10 @@ fn fit(r: &IdentifyResult) -> String {
         }
     };
     format!(
-        "rank       {} of {} unknowns from {} readings, {} well determined, condition {}, valuation {}\n\
+        "rank       {} from {} readings, {} well determined, condition {}, valuation {}\n\
          rms        {} um before, {} um after{scatter}\n\
          orders     first {} um, second {} um, higher {} um; first alone leaves {} um, with the second {} um\n",
-        r.rank,
-        r.unknowns,
+        rank(r.rank_first_order, r.rank, r.unknowns),
         r.rows,
         r.well_determined,
         significant(r.condition, 3),

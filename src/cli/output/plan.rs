@@ -1,5 +1,6 @@
 //! The result of `abbe identify --plan` as text.
 
+use super::identify_report::rank;
 use super::view::table;
 use abbe::results::MeasurementPlan;
 use abbe::text::significant;
@@ -17,8 +18,8 @@ pub(crate) fn text(plan: &MeasurementPlan) -> String {
         significant(plan.noise_um, 3),
         plan.csv
     );
-    text +=
-        &format!("rank       {} of {} unknowns, {} well determined\n", plan.rank, plan.unknowns, plan.well_determined);
+    let rank = rank(plan.rank_first_order, plan.rank, plan.unknowns);
+    text += &format!("rank       {rank}, {} well determined\n", plan.well_determined);
     plan.free.iter().for_each(|words| text += &format!("free       {words}\n"));
     plan.drowned.iter().for_each(|words| text += &format!("drowned    {words}\n"));
     text

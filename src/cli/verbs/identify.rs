@@ -29,6 +29,9 @@ pub(crate) struct Args {
     /// Write the fitted machine to this file.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Write the fitted machine although the data do not determine values in it.
+    #[arg(long, requires = "out")]
+    accept_undetermined: bool,
     /// Frame in which the deviations were measured.
     #[arg(long, value_enum, default_value = "workpiece")]
     frame: view::FrameArg,
@@ -82,6 +85,7 @@ impl Args {
             robust: self.robust,
             folds: self.folds.map(usize::from),
             machine_file: self.out.is_some(),
+            accept_undetermined: self.accept_undetermined,
             pictures: self.svg.is_some(),
             ..IdentifyOptions::default()
         }

@@ -84,5 +84,5 @@ fn expected(model: &Model<'_>, poses: &[Measurement], theta: &[f64], noise: f64)
     // As if the readings scattered by the noise over as many degrees of freedom as there will be.
     let rest = Solution::of(&fit, model.parameters()).freedom.max(1);
     fit.squares = noise * noise * rest as f64;
-    Solution::of(&fit, model.parameters())
+    Solution::of(&fit, model.parameters()).compared(model, poses, &fit)
 }

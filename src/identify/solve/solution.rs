@@ -2,8 +2,10 @@
 
 use super::fit::Fit;
 use super::student;
-use crate::algebra::linear::Svd;
-use crate::identify::model::Parameter;
+use crate::algebra::linear::{ReducedSystem, Svd};
+use crate::evaluate::Order;
+use crate::identify::data::Measurement;
+use crate::identify::model::{Model, Parameter};
 use crate::identify::words::{drowned, echelon, inseparable, list, named};
 use nalgebra::{DMatrix, DVector};
 
@@ -43,6 +45,8 @@ pub struct Solution {
     pub valuation: f64,
     /// Numerical rank of the column-scaled Jacobian at the solution.
     pub rank: usize,
+    /// The same of the model to first order in the errors: what only products of errors show does not count.
+    pub rank_first_order: usize,
     /// How many independent directions the noise does not drown.
     pub well_determined: usize,
     /// Parameters without any effect.
@@ -73,8 +77,7 @@ impl Solution {
     pub fn of(fit: &Fit, parameters: &[Parameter]) -> Self {
         let sizes = DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size));
         let norms = fit.reduced.column_norms();
-        let strongest = norms.component_div(&sizes).iter().copied().fold(0.0, f64::max);
-        let scale = DVector::from_fn(norms.len(), |j, _| norms[j].max(FAINT * strongest * sizes[j]));
+        let scale = scale(&fit.reduced, &sizes);
         let unit = fit.reduced.scaled(&scale);
         let rank = unit.rank(RANK);
         // In full rank no direction has to be told from the others, and one decomposition will do.
@@ -113,6 +116,7 @@ impl Solution {
             estimates,
             valuation,
             rank,
+            rank_first_order: rank,
             well_determined,
             idle: null.iter().map_while(|row| alone(row).map(|(j, _)| parameters[j].name.clone())).collect(),
             null_space: sentences(usize::MAX),
@@ -126,6 +130,16 @@ impl Solution {
             covariance,
             hidden,
         }
+    }
+
+    /// Counts the rank of the model to first order at the same place, by which the exact one is no larger than what the
+    /// readings show of the errors themselves.
+    pub fn compared(self, model: &Model<'_>, data: &[Measurement], fit: &Fit) -> Self {
+        let parameters = model.parameters();
+        let sizes = DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size));
+        let first = model.clone().to_order(Order::Degree(1)).triangle(data, &fit.weights, &fit.theta);
+        let rank = first.scaled(&scale(&first, &sizes)).rank(RANK);
+        Self { rank_first_order: rank.min(self.rank), ..self }
     }
 
     /// Standard uncertainty of a sum of so much of each parameter; `None` if the data leave it free, or nothing
@@ -157,6 +171,13 @@ impl Solution {
     pub fn theta(&self) -> Vec<f64> {
         self.estimates.iter().map(|estimate| estimate.value).collect()
     }
+}
+
+/// The scales of the columns of a linear problem, given the usual sizes of its unknowns.
+fn scale(reduced: &ReducedSystem, sizes: &DVector<f64>) -> DVector<f64> {
+    let norms = reduced.column_norms();
+    let strongest = norms.component_div(sizes).iter().copied().fold(0.0, f64::max);
+    DVector::from_fn(norms.len(), |j, _| norms[j].max(FAINT * strongest * sizes[j]))
 }
 
 /// Independent directions in which one standard deviation of the estimate moves the points, parameter by

@@ -9,6 +9,7 @@ use crate::machine::{
     Approach, Axis, AxisKind, Branch, Direction, ErrorFamily, ErrorId, ErrorTerm, JointConvention, LocationAction,
     MachineParts, MotionSide, Travel, sin_cos_degrees,
 };
+use crate::syntax::SquarenessSite;
 use crate::units;
 use nalgebra::Vector3;
 
@@ -17,6 +18,8 @@ const NOISE: f64 = 1e-3;
 const NOISE_ANGLE: f64 = 1e-6;
 /// Above so many times the noise they are reported even if no location error is given.
 const LARGE: f64 = 50.0;
+/// Slope of a straightness (rad) from which on it is reported whatever else is given: 10 um/m.
+const STEEP: f64 = 1e-5;
 /// They must also be this part of the curve's peak.
 const MIN_FRACTION: f64 = 0.25;
 /// Nodes over the travel.
@@ -75,6 +78,8 @@ struct DoubledEntry {
     peak: f64,
     direction: Direction,
     what: &'static str,
+    /// The slope, of a straight line.
+    slope: Option<f64>,
 }
 
 impl Doubles<'_> {
@@ -114,7 +119,7 @@ impl Doubles<'_> {
         let rivals = self.location_errors(|axis, d| {
             d == direction && (d.is_rotation() || axis.kind == AxisKind::Rotary) && self.moves(axis)
         });
-        self.report(context, &DoubledEntry { amount, peak, direction, what: "a constant" }, &rivals);
+        self.report(context, &DoubledEntry { amount, peak, direction, what: "a constant", slope: None }, &rivals);
     }
 
     /// The straight line in a straightness error is squareness. Like a constant it counts only if it
@@ -140,7 +145,8 @@ impl Doubles<'_> {
         let amount = common(line, at_home);
         let rotation = largest(&across);
         let rivals = self.location_errors(|axis, d| d.index() == 3 + rotation && axis.kind == AxisKind::Linear);
-        self.report(context, &DoubledEntry { amount, peak, direction, what: "a straight line" }, &rivals);
+        let slope = Some(line.signum() * 2.0 * amount / (max - min));
+        self.report(context, &DoubledEntry { amount, peak, direction, what: "a straight line", slope }, &rivals);
     }
 
     /// Run-out or tilt that turns with the axis is its own displacement or inclination.
@@ -167,7 +173,7 @@ impl Doubles<'_> {
             axis.name == self.axis.name && d.is_rotation() == tilts && u[d.index() % 3].abs() < 0.999
         });
         let what = "a part that turns with the axis";
-        self.report(context, &DoubledEntry { amount: turned.norm(), peak, direction, what }, &rivals);
+        self.report(context, &DoubledEntry { amount: turned.norm(), peak, direction, what, slope: None }, &rivals);
     }
 
     /// True if it is this axis, or one that it carries.
@@ -199,19 +205,47 @@ impl Doubles<'_> {
         let large = found.amount > LARGE * noise;
         // NaN compares as false and stays quiet.
         let counts = found.amount > noise && found.amount > MIN_FRACTION * found.peak;
-        if !counts || (rivals.is_empty() && !large) {
+        let in_straightness = found.slope.is_some() && squareness_in_straightness(context);
+        let steep = found.slope.is_some_and(|slope| slope.abs() > STEEP);
+        if !counts || (rivals.is_empty() && (in_straightness || !(large || steep))) {
             return;
         }
         let error = self.id(found.direction);
-        let shown =
+        let amount =
             if found.direction.is_rotation() { units::angle(found.amount) } else { units::length(found.amount) };
+        let shown = match found.slope {
+            Some(slope) => {
+                let over = units::length(2.0 * found.amount);
+                format!("{} um/m, {over} over the travel", units::significant(slope * 1e6, 3))
+            }
+            None => amount,
+        };
         let place = |id: &ErrorId| -> Option<Place> { self.places.places.get(id).cloned().flatten() };
         let message = format!("`{error}` holds {} of {shown}, which location errors describe as well", found.what);
         let warning = Diagnostic::new(codes::W0403, message).at(place(&error), "");
         let rival = rivals.first();
         let warning = warning.at(rival.and_then(place), "the location error given");
-        let help = "take it out of the curve, or out of the location error: data that carries both is counted twice";
+        let help = match found.slope.filter(|_| rivals.is_empty()) {
+            Some(slope) => self.line_help(&error, slope),
+            None => "take it out of the curve, or out of the location error: data that carries both is counted twice"
+                .to_owned(),
+        };
         context.diagnostics.push(warning.help(help));
+    }
+
+    /// What to do with a straight line: the set-up of the instrument, or a squareness with its sign.
+    fn line_help(&self, error: &ErrorId, slope: f64) -> String {
+        let convention = self.axis.convention(&self.parts.conventions);
+        let usual = convention.motion_sign * convention.component.sign() > 0.0;
+        let squareness = error.squareness().filter(|_| usual);
+        let value = squareness.map_or_else(
+            || "write it as squareness".to_owned(),
+            |(name, sign)| format!("write it as `{name}: {}`", units::angle(sign * slope)),
+        );
+        format!(
+            "take the line off (`abbe import` does): it shows how the instrument stood. If its reference was an \
+             artefact of the machine, {value}, or say `identify: {{ datum: {{ squareness: in straightness }} }}`"
+        )
     }
 }
 
@@ -221,6 +255,12 @@ fn turning(convention: &JointConvention) -> f64 {
         MotionSide::Outer => convention.motion_sign,
         MotionSide::Inner => -convention.motion_sign,
     }
+}
+
+/// True if the file holds squareness in the slopes of straightness.
+fn squareness_in_straightness(context: &Context<'_>) -> bool {
+    let datum = context.document.identify.as_ref().and_then(|identify| identify.datum);
+    datum.is_some_and(|datum| datum.squareness == SquarenessSite::Straightness)
 }
 
 /// The smaller of two numbers of the same sign.

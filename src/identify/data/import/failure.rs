@@ -26,6 +26,18 @@ pub(super) enum HeaderFailure {
     NoError(Option<String>),
     /// The title of the readings.
     NoUnit(String),
+    /// The title of a column between runs.
+    UnknownBetween(String),
+    /// Titles of channels without a mounting.
+    Channels(String),
+    /// The axis along the beam, and the axis that moved.
+    BeamAcross(String, String),
+    /// A title that `--flip` names and the table does not have.
+    NoFlipped(String),
+    /// A title that the mapping names and the table does not have.
+    NoMapped(String),
+    /// A title with its unit, and the unit that the mapping has instead.
+    OtherUnit(String, String, String),
 }
 
 /// Why a row is left out.
@@ -76,7 +88,32 @@ impl fmt::Display for HeaderFailure {
                 write!(f, "the file does not say which error the runs (`{title}`) measure: give `--error EXX`")
             }
             Self::NoUnit(title) => {
-                write!(f, "the column `{}` has no unit: write `{0} [um]`, or give `--unit um`", shown(title))
+                write!(
+                    f,
+                    "the column `{}` has no unit: write it into the title, or give the unit that the instrument was \
+                     set to with `--unit`",
+                    shown(title)
+                )
+            }
+            Self::UnknownBetween(title) => write!(
+                f,
+                "the column `{}` stands between runs and is not understood: delete it, or map the columns with \
+                 `--columns FILE`",
+                shown(title)
+            ),
+            Self::Channels(titles) => write!(
+                f,
+                "{titles} are channels of an instrument: give the direction of the beam and the instrument's vertical \
+                 with `--beam +X --vertical +Z`, or one error with `--error`"
+            ),
+            Self::BeamAcross(beam, axis) => {
+                write!(f, "the beam is along {beam}, but axis {} moved", shown(axis))
+            }
+            Self::NoFlipped(title) => write!(f, "`--flip {}` names no channel of this table", shown(title)),
+            Self::NoMapped(title) => write!(f, "the table has no column `{}`, which the mapping names", shown(title)),
+            Self::OtherUnit(title, own, mapped) => {
+                let (title, own, mapped) = (shown(title), shown(own), shown(mapped));
+                write!(f, "the column `{title}` is in `{own}`; the mapping says `{mapped}`")
             }
         }
     }

@@ -38,6 +38,12 @@ impl TargetReadings {
         [self.forward, self.reverse, self.unknown].into_iter().flatten()
     }
 
+    /// The mean of the means of both directions.
+    fn middle(&self) -> f64 {
+        let all: Vec<f64> = self.all().map(|r| r.mean).collect();
+        all.iter().sum::<f64>() / all.len().max(1) as f64
+    }
+
     /// Reversal value B_i.
     fn reversal(&self) -> Option<f64> {
         Some(self.forward?.mean - self.reverse?.mean)
@@ -79,10 +85,6 @@ impl AccuracyFigures {
     pub(crate) fn of(samples: &[&Sample]) -> Option<Self> {
         let targets = targets(samples);
         let means = || targets.iter().flat_map(TargetReadings::all).map(|r| r.mean);
-        let middle = |t: &TargetReadings| {
-            let all: Vec<f64> = t.all().map(|r| r.mean).collect();
-            all.iter().sum::<f64>() / all.len().max(1) as f64
-        };
         let reversals: Vec<f64> = targets.iter().filter_map(TargetReadings::reversal).collect();
         let largest = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
         let repeated = targets.iter().flat_map(TargetReadings::all).all(|r| r.deviation.is_some());
@@ -90,7 +92,7 @@ impl AccuracyFigures {
             let one = move |r: Repeated| r.mean + sign * 2.0 * r.deviation.unwrap_or(0.0);
             targets.iter().flat_map(TargetReadings::all).map(one).collect::<Vec<f64>>()
         };
-        let points: Vec<(f64, f64)> = targets.iter().map(|t| (t.position, middle(t))).collect();
+        let points: Vec<(f64, f64)> = targets.iter().map(|t| (t.position, t.middle())).collect();
         let spread = range(edge(1.0).into_iter().chain(edge(-1.0)));
         Some(Self {
             runs: targets.iter().flat_map(TargetReadings::all).map(|r| r.count).min()?,
@@ -103,6 +105,11 @@ impl AccuracyFigures {
             slope: slope(&points),
             targets,
         })
+    }
+
+    /// Targets with the means of both directions.
+    pub(super) fn middle(&self) -> Vec<(f64, f64)> {
+        self.targets.iter().map(|t| (t.position, t.middle())).collect()
     }
 
     /// Were both directions measured?

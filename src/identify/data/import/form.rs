@@ -9,6 +9,16 @@ pub enum TableForm {
     Tidy,
     /// A column for each run of one error.
     Runs,
+    /// A column for each channel of a six-degree instrument.
+    Channels,
+    /// The columns that a file of the user's names.
+    Mapped,
+    /// The text file of a laser program, its sections ending in `::`.
+    LaserText,
+    /// Entries `NAME[target,run]=value`.
+    Entries,
+    /// Blocks by error, `[EXX]`, as exchanged with controllers.
+    Blocks,
 }
 
 impl TableForm {
@@ -18,6 +28,11 @@ impl TableForm {
             Self::Wide => "one column for each error",
             Self::Tidy => "one row for each reading",
             Self::Runs => "one column for each run",
+            Self::Channels => "one column for each channel",
+            Self::Mapped => "columns as mapped",
+            Self::LaserText => "text file of a laser program",
+            Self::Entries => "one entry for each reading",
+            Self::Blocks => "one block for each error",
         }
     }
 }

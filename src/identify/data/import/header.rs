@@ -1,10 +1,13 @@
 //! Where the table begins, the roles of its columns, and the metadata before it.
 
+use super::channels::{self, Channel};
+use super::columns::{ColumnMap, MappedColumn};
 use super::failure::HeaderFailure;
 use super::form::TableForm;
 use super::layout::{GENERAL, Layout, Meaning, RunLabel};
-use super::sample::{ImportRequest, refusal};
-use super::unit::{Unit, component_error, own_axis, position_unit, reading_unit};
+use super::request::ImportRequest;
+use super::sample::{NamedChannel, UnusedColumn, refusal};
+use super::unit::{Unit, component_error, own_axis, own_error, position_unit, reading_unit};
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::identify::data::error_name::{parse_component_error, split_direction};
 use crate::identify::lists::index_of;
@@ -33,6 +36,8 @@ pub(super) enum Role {
     Deviation(Series),
     /// Positions that were reached: their differences from the targets are the readings.
     Reached(Series),
+    /// Deviations or positions that were reached: the numbers show which.
+    Open(Series),
     /// Readings in the unit of their row, or in this one.
     Reading(Option<Unit>),
     Other(Meaning),
@@ -42,6 +47,14 @@ impl Role {
     /// True for columns of numbers.
     pub fn is_number(&self) -> bool {
         !matches!(self, Self::Other(_))
+    }
+
+    /// The readings of a column, by the title.
+    pub fn series(&self) -> Option<&Series> {
+        match self {
+            Self::Deviation(series) | Self::Reached(series) | Self::Open(series) => Some(series),
+            _ => None,
+        }
     }
 }
 
@@ -59,14 +72,20 @@ pub(super) struct Header {
     /// Index of the first line after it.
     pub body: usize,
     pub metadata: Vec<(String, String)>,
+    /// Columns that are not used.
+    pub unused: Vec<UnusedColumn>,
+    pub channels: Vec<NamedChannel>,
+    /// The channels that titles name.
+    named: Vec<Channel>,
     /// Factor of positions to mm or deg.
-    factor: f64,
+    pub factor: f64,
     /// True if letters such as `F1` and `R1` are directions.
     paired: bool,
 }
 
 /// The title of a column.
 struct Title {
+    cell: String,
     name: String,
     lower: String,
     unit: Option<String>,
@@ -75,7 +94,7 @@ struct Title {
 impl Title {
     fn new(cell: &str) -> Self {
         let (name, unit) = sheet::title(cell);
-        Self { lower: name.to_lowercase(), name, unit }
+        Self { cell: cell.to_owned(), lower: name.to_lowercase(), name, unit }
     }
 
     /// The error that the title names, and its direction.
@@ -100,8 +119,11 @@ fn entry<'m>(metadata: &'m [(String, String)], key: &str) -> Option<&'m str> {
 }
 
 /// The title of positions in a line that begins a table: a line of two cells or more, one of which is a position.
-fn begins(layout: &Layout, cells: &[String], axis: Option<&str>) -> Option<Title> {
+fn begins(layout: &Layout, cells: &[String], axis: Option<&str>, map: Option<&ColumnMap>) -> Option<Title> {
     let is_position = |title: &Title| {
+        if let Some(map) = map {
+            return ColumnMap::names(&map.position, &title.name, &title.cell);
+        }
         layout.is_position(&title.lower)
             || axis.is_some_and(|axis| title.name.eq_ignore_ascii_case(axis))
             || (axis.is_none() && title.name.len() <= 2 && AxisName::new(&title.name).is_some())
@@ -115,19 +137,21 @@ fn begins(layout: &Layout, cells: &[String], axis: Option<&str>) -> Option<Title
 pub(super) fn find(lines: &[Line], wanted: &ImportRequest) -> Result<Header, Box<Diagnostic>> {
     understood(wanted).map_err(|failure| Box::new(refusal(failure.to_string(), None)))?;
     let layout = &GENERAL;
+    let of_error = wanted.error.as_deref().and_then(parse_component_error).map(|error| error.axis.to_string());
     let mut known: Vec<(String, String)> = Vec::new();
     let mut other = None;
     for (i, line) in lines.iter().enumerate().take(PREAMBLE) {
         let separator = sheet::separator(&line.text);
         let cells = sheet::cells(&line.text, separator);
-        let axis = wanted.axis.as_deref().or(entry(&known, "axis"));
-        if begins(layout, &cells, axis).is_some() && !line.text.contains(": ") {
+        let axis = wanted.axis.as_deref().or(entry(&known, "axis")).or(of_error.as_deref());
+        let map = wanted.columns.as_ref();
+        if begins(layout, &cells, axis, map).is_some() && (map.is_some() || !line.text.contains(": ")) {
             let reader = HeaderReader { layout, lines, wanted, metadata: &known, separator };
             let refuse = |failure: HeaderFailure| Box::new(refusal(failure.to_string(), Some(line.place.clone())));
             return reader.header(i, &cells).map_err(refuse);
         }
         if let (None, Some(axis), Some(Title { name, unit: Some(_), .. })) =
-            (&other, axis, begins(layout, &cells, None))
+            (&other, axis, begins(layout, &cells, None, map))
         {
             other = Some((axis.to_owned(), name, line.place.clone()));
         }
@@ -155,12 +179,7 @@ fn other_axis(axis: &str, title: &str, place: Place) -> Diagnostic {
 
 fn no_header(lines: &[Line]) -> Diagnostic {
     let first = lines.first().map(|line| line.place.clone());
-    if !lines.first().is_some_and(|line| line.text.trim().ends_with("::")) {
-        return refusal("there is no header with a position column".to_owned(), first);
-    }
-    let message = "the file begins like the test files of laser programs, whose layout is not public";
-    let help = "export the test from that program as text or CSV, with a position column and columns of deviations";
-    refusal(message.to_owned(), first).help(help)
+    refusal("there is no header with a position column".to_owned(), first)
 }
 
 /// The columns of runs, where there are positions that were reached.
@@ -200,10 +219,12 @@ impl HeaderReader<'_> {
         let body = at + 1 + usize::from(row_of_units);
         let paired = self.layout.is_paired(titles.iter().map(|title| title.lower.as_str()));
         let axis = self.axis(&titles, body, paired)?;
-        let is_position =
-            |title: &Title| title.name.eq_ignore_ascii_case(&axis) || self.layout.is_position(&title.lower);
+        let is_position = |title: &Title| match &self.wanted.columns {
+            Some(map) => ColumnMap::names(&map.position, &title.name, &title.cell),
+            None => title.name.eq_ignore_ascii_case(&axis) || self.layout.is_position(&title.lower),
+        };
         let position = titles.iter().position(is_position).ok_or(HeaderFailure::NoPositions)?;
-        let (rotary, factor) = match titles[position].unit.as_deref().or(self.entry("position unit")) {
+        let (rotary, factor) = match self.unit_of_positions(&titles[position])? {
             None => (axis.starts_with(['A', 'B', 'C']), 1.0),
             Some(unit) => position_unit(unit)?,
         };
@@ -212,7 +233,7 @@ impl HeaderReader<'_> {
         }
         let mut header = Header {
             layout: self.layout,
-            form: form(&titles),
+            form: self.form(&titles),
             axis,
             rotary,
             factor,
@@ -223,9 +244,33 @@ impl HeaderReader<'_> {
             place: self.lines[at].place.clone(),
             body,
             metadata: self.metadata.to_vec(),
+            unused: Vec::new(),
+            channels: Vec::new(),
+            named: titles.iter().filter_map(|t| Some(channels::channel(&t.name, self.layout)?.0)).collect(),
         };
         self.roles(&mut header, &titles, position)?;
         Ok(header)
+    }
+
+    /// The unit of the targets: of their title, of the mapping or the metadata.
+    fn unit_of_positions<'u>(&'u self, title: &'u Title) -> Result<Option<&'u str>, HeaderFailure> {
+        let mapped = self.wanted.columns.as_ref().and_then(|map| map.position_unit.as_deref());
+        match (title.unit.as_deref(), mapped) {
+            (Some(own), Some(mapped)) if position_unit(own) != position_unit(mapped) => {
+                Err(HeaderFailure::OtherUnit(title.name.clone(), own.to_owned(), mapped.to_owned()))
+            }
+            (own, mapped) => Ok(own.or(mapped).or(self.entry("position unit"))),
+        }
+    }
+
+    /// The form of the table.
+    fn form(&self, titles: &[Title]) -> TableForm {
+        let is_channel = |title: &Title| channels::channel(&title.name, self.layout).is_some();
+        match (&self.wanted.columns, self.wanted.mounting) {
+            (Some(_), _) => TableForm::Mapped,
+            (None, Some(_)) if titles.iter().any(is_channel) => TableForm::Channels,
+            _ => form(titles),
+        }
     }
 
     /// Titles of the columns; true with a row of units below them.
@@ -252,9 +297,43 @@ impl HeaderReader<'_> {
             let role = if k == position { Role::Position(header.factor) } else { self.role(header, title, &runs)? };
             header.roles.push(role);
         }
+        self.nothing_unknown_between(header, titles)?;
+        self.all_named(header, titles)?;
+        header.unused = titles.iter().zip(&header.roles).filter_map(|(title, role)| unused(title, role)).collect();
         let is_reading = |role: &Role| role.is_number() && !matches!(role, Role::Position(_));
         let any = header.roles.iter().any(is_reading);
         if any { Ok(()) } else { Err(HeaderFailure::NoReadings(self.wanted.error.clone())) }
+    }
+
+    /// Refuses a column between runs that no rule has: it could be one of them.
+    fn nothing_unknown_between(&self, header: &Header, titles: &[Title]) -> Result<(), HeaderFailure> {
+        let is_run = |role: &Role| role.series().is_some();
+        let (Some(first), Some(last)) = (header.roles.iter().position(is_run), header.roles.iter().rposition(is_run))
+        else {
+            return Ok(());
+        };
+        let unknown = |k: &usize| header.roles[*k] == Role::Other(Meaning::Unknown);
+        match (first..last).find(unknown).filter(|_| header.form == TableForm::Runs) {
+            Some(k) => Err(HeaderFailure::UnknownBetween(titles[k].cell.clone())),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses a mapping, or a list of flipped channels, that names columns which the table does not have.
+    fn all_named(&self, header: &Header, titles: &[Title]) -> Result<(), HeaderFailure> {
+        let has = |name: &str| titles.iter().any(|title| ColumnMap::names(name, &title.name, &title.cell));
+        let mapped = self.wanted.columns.iter().flat_map(|map| &map.columns);
+        if let Some((name, _)) = mapped.into_iter().find(|(name, _)| !has(name)) {
+            return Err(HeaderFailure::NoMapped(name.clone()));
+        }
+        let is_channel = |name: &str| {
+            let of = |found: &NamedChannel| ColumnMap::names(name, &Title::new(&found.title).name, &found.title);
+            header.channels.iter().any(of)
+        };
+        match self.wanted.flipped.iter().find(|name| !is_channel(name)) {
+            Some(name) => Err(HeaderFailure::NoFlipped(name.clone())),
+            None => Ok(()),
+        }
     }
 
     /// The unit of a column of readings: its own, or that of all that have none.
@@ -272,7 +351,7 @@ impl HeaderReader<'_> {
     /// Looks for positions that were reached. They show the positioning error of the axis and no other one.
     fn runs(&self, header: &Header, titles: &[Title]) -> Result<RunColumns, HeaderFailure> {
         let axis = &header.axis;
-        let own = parse_component_error(&format!("E{}{axis}", axis.chars().next().unwrap_or_default()));
+        let own = own_error(axis);
         let error = self.error()?;
         if !titles.iter().any(|title| self.reached(header, title).is_some()) {
             return Ok(RunColumns::NotReached);
@@ -303,9 +382,8 @@ impl HeaderReader<'_> {
         axes
     }
 
-    /// As asked for, as the metadata or a column say, the only column that is named like one, or that of the error or
-    /// of all
-    /// errors that have columns.
+    /// As asked for, as the metadata or a column say, that of the error asked for, the only column that is named like
+    /// one, or that of all errors that have columns.
     fn axis(&self, titles: &[Title], body: usize, paired: bool) -> Result<String, HeaderFailure> {
         let own = |title: &Title| {
             let run = paired && self.layout.letter(&title.lower).is_some();
@@ -318,15 +396,22 @@ impl HeaderReader<'_> {
             return Err(HeaderFailure::TwoAxes(one.clone(), other.clone()));
         }
         let error = || self.wanted.error.as_deref().or(self.entry("error")).and_then(parse_component_error);
+        let mapped = || self.wanted.columns.as_ref()?.errors().next().map(|error| error.axis.to_string());
+        let beam = || self.wanted.mounting.map(|mounting| ["X", "Y", "Z"][mounting.along()].to_owned());
         let axis = given
             .or_else(|| column.first().cloned())
-            .or_else(|| titles.iter().find_map(own))
             .or_else(|| error().map(|error| error.axis.to_string()))
-            .or_else(|| only_axis(titles));
+            .or_else(mapped)
+            .or_else(|| titles.iter().find_map(own))
+            .or_else(|| only_axis(titles))
+            .or_else(beam);
         axis.map(|name| name.trim().to_uppercase()).ok_or(HeaderFailure::NoAxis)
     }
 
     fn role(&self, header: &mut Header, title: &Title, runs: &RunColumns) -> Result<Role, HeaderFailure> {
+        if let Some(map) = &self.wanted.columns {
+            return self.role_by_map(header, title, map);
+        }
         match self.layout.meaning(&title.lower, header.form) {
             Some(Meaning::Value) => {
                 let unit = title.unit.as_deref().or(self.wanted.unit.as_deref());
@@ -336,16 +421,82 @@ impl HeaderReader<'_> {
             None => {}
         }
         match header.form {
-            TableForm::Tidy => Ok(Role::Other(Meaning::Ignored)),
             TableForm::Wide => self.role_by_error(header, title),
             TableForm::Runs => self.role_by_run(header, title, runs),
+            TableForm::Channels => self.role_by_channel(header, title),
+            _ => Ok(self.not_a_reading(title)),
         }
+    }
+
+    /// A column that is no reading: known by a word of its title, or unknown.
+    fn not_a_reading(&self, title: &Title) -> Role {
+        let known = self.layout.is_other(&title.lower)
+            || self.layout.reached(&title.lower, true).is_some()
+            || self.layout.is_position(&title.lower)
+            || channels::channel(&title.name, self.layout).is_some()
+            || title.error().is_some();
+        Role::Other(if known { Meaning::Ignored } else { Meaning::Unknown })
+    }
+
+    fn role_by_map(&self, header: &mut Header, title: &Title, map: &ColumnMap) -> Result<Role, HeaderFailure> {
+        let of_title = |(name, _): &&(String, MappedColumn)| ColumnMap::names(name, &title.name, &title.cell);
+        let (error, unit, label, flip, reached) = match map.columns.iter().find(of_title).map(|(_, column)| column) {
+            Some(MappedColumn::Run) => return Ok(Role::Other(Meaning::Run)),
+            Some(MappedColumn::Direction) => return Ok(Role::Other(Meaning::Direction)),
+            Some(MappedColumn::Excluded) => return Ok(Role::Other(Meaning::Excluded)),
+            Some(MappedColumn::Ignored) | None => return Ok(Role::Other(Meaning::Ignored)),
+            Some(MappedColumn::Readings { error, unit, label, flip, reached }) => (error, unit, label, flip, reached),
+        };
+        if self.wanted.error.as_deref().and_then(parse_component_error).is_some_and(|wanted| wanted != *error) {
+            return Ok(Role::Other(Meaning::Ignored));
+        }
+        if let (Some(own), Some(mapped)) = (title.unit.as_deref(), unit.as_deref())
+            && reading_unit(own) != reading_unit(mapped)
+        {
+            return Err(HeaderFailure::OtherUnit(title.name.clone(), own.to_owned(), mapped.to_owned()));
+        }
+        let label = RunLabel { direction: label.0, run: label.1.clone() };
+        if *reached {
+            own_axis(error, &header.axis)?;
+            let error = index_of(&mut header.errors, error.clone());
+            return Ok(Role::Reached(Series { error, label, factor: header.factor }));
+        }
+        let known = Title { unit: title.unit.clone().or(unit.clone()), ..Title::new(&title.cell) };
+        let mut role = self.deviation(header, &known, error.clone(), label)?;
+        if let (Role::Deviation(series), true) = (&mut role, *flip) {
+            series.factor = -series.factor;
+        }
+        Ok(role)
+    }
+
+    fn role_by_channel(&self, header: &mut Header, title: &Title) -> Result<Role, HeaderFailure> {
+        let Some((mounting, (channel, label))) = self.wanted.mounting.zip(channels::channel(&title.name, self.layout))
+        else {
+            return Ok(self.not_a_reading(title));
+        };
+        let axis = AxisName::new(&header.axis).ok_or(HeaderFailure::NoAxis)?;
+        if channels::axis_direction(&axis) != Some(mounting.along()) {
+            let beam = ["X", "Y", "Z"][mounting.along()].to_owned();
+            return Err(HeaderFailure::BeamAcross(beam, header.axis.clone()));
+        }
+        let (error, negative) = mounting.error(channel, &axis);
+        if self.wanted.error.as_deref().and_then(parse_component_error).is_some_and(|wanted| wanted != error) {
+            return Ok(Role::Other(Meaning::Ignored));
+        }
+        let flipped = self.wanted.flipped.iter().any(|name| ColumnMap::names(name, &title.name, &title.cell));
+        let negative = negative != flipped;
+        header.channels.push(NamedChannel { title: title.cell.clone(), error: error.clone(), negative });
+        let mut role = self.deviation(header, title, error, label)?;
+        if let (Role::Deviation(series), true) = (&mut role, negative) {
+            series.factor = -series.factor;
+        }
+        Ok(role)
     }
 
     fn role_by_error(&self, header: &mut Header, title: &Title) -> Result<Role, HeaderFailure> {
         let wanted = self.wanted.error.as_deref().and_then(parse_component_error);
         let named = title.error().filter(|(error, _)| wanted.as_ref().is_none_or(|wanted| wanted == error));
-        let Some((error, approach)) = named else { return Ok(Role::Other(Meaning::Ignored)) };
+        let Some((error, approach)) = named else { return Ok(self.not_a_reading(title)) };
         let direction = approach.map(|approach| match approach {
             Approach::Reverse => ColumnDirection::Reverse,
             _ => ColumnDirection::Forward,
@@ -356,17 +507,33 @@ impl HeaderReader<'_> {
     fn role_by_run(&self, header: &mut Header, title: &Title, runs: &RunColumns) -> Result<Role, HeaderFailure> {
         let reached = self.reached(header, title);
         let error = match (runs, reached) {
-            (RunColumns::NotReached, _) | (RunColumns::OtherError, None) => self.error()?,
             (RunColumns::Reached(error), Some(label)) => {
                 let error = index_of(&mut header.errors, error.clone());
                 return Ok(Role::Reached(Series { error, label, factor: header.factor }));
             }
+            (RunColumns::NotReached, _) | (RunColumns::OtherError, None) => self.error()?,
             (RunColumns::Deviations(error), None) if self.layout.is_deviation(&title.lower) => Some(error.clone()),
-            _ => return Ok(Role::Other(Meaning::Ignored)),
+            _ => return Ok(self.not_a_reading(title)),
+        };
+        let by_channel = channels::channel(&title.name, self.layout);
+        let label = match (self.layout.run(&title.name, header.paired), by_channel, &error) {
+            (Some(label), ..) => label,
+            (None, Some((channel, label)), Some(error)) if Self::only_channel(header, channel, error) => label,
+            (None, Some(_), None) => return Err(HeaderFailure::Channels(format!("`{}` ...", shown(&title.name)))),
+            _ => return Ok(self.not_a_reading(title)),
         };
         let error = error.ok_or_else(|| HeaderFailure::NoError(Some(title.name.clone())))?;
-        let label = self.layout.label(&title.name, header.paired);
-        self.deviation(header, title, error, label)
+        let open = self.layout.is_open(&title.lower) && own_error(&header.axis).as_ref() == Some(&error);
+        Ok(match self.deviation(header, title, error, label)? {
+            Role::Deviation(series) if open => Role::Open(series),
+            role => role,
+        })
+    }
+
+    /// True if the channel can show the error, and no other channel of the table can.
+    fn only_channel(header: &Header, channel: Channel, error: &ErrorId) -> bool {
+        let rival = header.named.iter().any(|other| *other != channel && other.can_show(error));
+        channel.can_show(error) && !rival
     }
 
     /// The error that is asked for, or that the file names.
@@ -389,6 +556,17 @@ impl HeaderReader<'_> {
         }
         Ok(Role::Deviation(Series { error: index_of(&mut header.errors, error), label, factor: unit.factor }))
     }
+}
+
+/// A column that is not used, with the reason.
+fn unused(title: &Title, role: &Role) -> Option<UnusedColumn> {
+    let (known, reason) = match role {
+        Role::Other(Meaning::Ignored) => (true, "not a reading of these errors"),
+        Role::Other(Meaning::Unknown) => (false, "not understood"),
+        _ => return None,
+    };
+    let title = title.cell.trim();
+    (!title.is_empty()).then(|| UnusedColumn { title: title.to_owned(), reason: reason.to_owned(), known })
 }
 
 /// The form of a table by its titles.

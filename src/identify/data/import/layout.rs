@@ -19,7 +19,10 @@ pub(super) enum Meaning {
     Value,
     /// Rows with text here are unused.
     Excluded,
+    /// Known to be no reading.
     Ignored,
+    /// No rule has its title.
+    Unknown,
 }
 
 /// Whole titles and their meaning, in tables of one form or of all.
@@ -44,6 +47,13 @@ pub(super) struct Layout {
     reached: &'static [&'static str],
     /// Beginnings of titles of deviations, beside positions that were reached.
     deviations: &'static [&'static str],
+    /// Words of readings whose title leaves open whether they are deviations or positions that were reached.
+    readings: &'static [&'static str],
+    /// Words of numbered runs.
+    runs: &'static [&'static str],
+    /// Words of titles that are no readings of an error: statistics, the environment, notes. One of them in a title is
+    /// enough.
+    others: &'static [&'static str],
     /// Rules of directions; a word stands before its own beginnings and ends.
     directions: &'static [DirectionRule],
     /// Letters of numbered runs, directions where a table has both.
@@ -61,9 +71,13 @@ const fn direction(direction: ColumnDirection, words: &'static [&'static str]) -
 /// The words of English and German exports.
 pub(super) const GENERAL: Layout = Layout {
     titles: &[
-        title(&["run"], None, Meaning::Run),
+        title(&["run", "cycle", "lauf", "zyklus"], None, Meaning::Run),
         title(&["axis"], None, Meaning::Axis),
-        title(&["direction", "dir", "approach"], None, Meaning::Direction),
+        title(
+            &["direction", "dir", "approach", "approach direction", "direction of approach", "richtung"],
+            None,
+            Meaning::Direction,
+        ),
         title(&["exclude", "excluded", "reason", "rejected"], None, Meaning::Excluded),
         title(&["error"], Some(TableForm::Tidy), Meaning::ErrorName),
         title(&["unit"], Some(TableForm::Tidy), Meaning::Unit),
@@ -77,6 +91,9 @@ pub(super) const GENERAL: Layout = Layout {
         "nominal",
         "target position",
         "nominal position",
+        "target position pi",
+        "target pi",
+        "pi",
         "soll",
         "sollposition",
         "soll-position",
@@ -93,6 +110,82 @@ pub(super) const GENERAL: Layout = Layout {
         "ist",
     ],
     deviations: &["deviation", "error", "abweichung", "difference"],
+    readings: &["reading", "readings", "messwert", "measured"],
+    runs: &["run", "lauf", "cycle", "zyklus", "pass", "measurement", "messung", "j"],
+    others: &[
+        "accuracy",
+        "air",
+        "average",
+        "avg",
+        "backlash",
+        "coefficient",
+        "comment",
+        "compensated",
+        "correction",
+        "count",
+        "date",
+        "druck",
+        "environment",
+        "feed",
+        "feedrate",
+        "feuchte",
+        "flag",
+        "genauigkeit",
+        "humid",
+        "humidity",
+        "index",
+        "korrektur",
+        "luft",
+        "luftdruck",
+        "luftfeuchte",
+        "material",
+        "max",
+        "maximum",
+        "mean",
+        "min",
+        "minimum",
+        "mittel",
+        "mittelwert",
+        "no",
+        "note",
+        "nr",
+        "number",
+        "nummer",
+        "offset",
+        "point",
+        "press",
+        "pressure",
+        "punkt",
+        "quality",
+        "range",
+        "repeatability",
+        "reversal",
+        "scatter",
+        "sensor",
+        "sigma",
+        "signal",
+        "slope",
+        "spread",
+        "standard",
+        "status",
+        "std",
+        "stddev",
+        "stdev",
+        "streuung",
+        "strength",
+        "temp",
+        "temperatur",
+        "temperature",
+        "time",
+        "timestamp",
+        "uncertainty",
+        "umkehrspanne",
+        "unsicherheit",
+        "variance",
+        "velocity",
+        "vorschub",
+        "zeit",
+    ],
     directions: &[
         direction(Forward, &["forward"]),
         direction(Reverse, &["reverse", "backward"]),
@@ -102,13 +195,18 @@ pub(super) const GENERAL: Layout = Layout {
         direction(Reverse, &["bwd", "rev", "down"]),
         direction(Forward, &["up", "->"]),
         direction(Reverse, &["<-"]),
-        direction(Forward, &["→"]),
-        direction(Reverse, &["←"]),
+        direction(Forward, &["→", "↑"]),
+        direction(Reverse, &["←", "↓"]),
         direction(Forward, &["+"]),
         direction(Reverse, &["-"]),
     ],
     letters: [(&['f', 'v'], Forward), (&['r'], Reverse)],
 };
+
+/// The words of a title.
+pub(super) fn words(title: &str) -> impl Iterator<Item = &str> {
+    title.split(|c: char| !c.is_alphabetic()).filter(|word| !word.is_empty())
+}
 
 /// Direction and run in a label, as far as it has them.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -147,6 +245,56 @@ impl Layout {
         let (direction, rest) = found.map_or((None, lower.as_str()), |(direction, rest)| (Some(direction), rest));
         let run = rest.strip_prefix("run").unwrap_or(rest).trim_matches(|c: char| c.is_whitespace() || c == '_');
         RunLabel { direction, run: run.to_owned() }
+    }
+
+    /// Splits the title of a run: `Run 1 +`, `2`, `up`, `deviation 3 fwd`, `F1` if `paired`. A title with any other
+    /// word is none.
+    pub fn run(&self, title: &str, paired: bool) -> Option<RunLabel> {
+        let lower = title.trim().to_lowercase();
+        if let Some((_, number)) = self.letter(&lower).filter(|(_, number)| !paired && !number.is_empty()) {
+            return Some(RunLabel { direction: None, run: number.to_owned() });
+        }
+        let label = self.label(title, paired);
+        let plain = label.run.replace(['(', ')', '#', '_', '-', '=', '.', ':'], " ");
+        let mut found = RunLabel { direction: label.direction, run: String::new() };
+        let mut named = found.direction.is_some();
+        for token in plain.split_whitespace() {
+            let word = token.trim_end_matches(|c: char| c.is_ascii_digit());
+            let number = &token[word.len()..];
+            let direction = self.directions.iter().find(|rule| rule.words.contains(&word)).map(|rule| rule.direction);
+            named |= if word.is_empty() || self.runs.contains(&word) || self.is_run_word(word) {
+                true
+            } else if let (Some(_), None) = (direction, found.direction) {
+                found.direction = direction;
+                true
+            } else if ["no", "nr", "number"].contains(&word) && number.is_empty() {
+                false
+            } else {
+                return None;
+            };
+            if !number.is_empty() && !found.run.is_empty() {
+                return None;
+            }
+            found.run.push_str(number);
+        }
+        named.then_some(found)
+    }
+
+    /// True for words of deviations, readings and positions that were reached.
+    fn is_run_word(&self, word: &str) -> bool {
+        let known = [self.deviations, self.readings, self.reached];
+        known.iter().any(|words| words.contains(&word))
+    }
+
+    /// True if the title of a run leaves open whether it shows deviations or positions that were reached.
+    pub fn is_open(&self, title: &str) -> bool {
+        words(title).any(|word| self.readings.contains(&word))
+            && !words(title).any(|word| self.deviations.contains(&word))
+    }
+
+    /// True for titles of columns that are known to be no readings of an error.
+    pub fn is_other(&self, title: &str) -> bool {
+        words(title).any(|word| self.others.contains(&word))
     }
 
     /// Splits a title of positions that were reached, such as `actual`, `actual position 2 -`, `ist_1`. A title with

@@ -1,29 +1,45 @@
 //! Single-axis measurements as instruments export them, to a table of error curves and the figures of ISO 230-2.
 //!
+//! 0. `laser_text`, `entries`, `blocks`: files that are no tables, each with its own rules; `transposed`: tables with
+//!    their targets in a row, turned.
 //! 1. `header`: where the table begins, the roles of its columns, the metadata before it; `layout` holds the words of
-//!    titles and labels as tables of rules, `unit` the units.
+//!    titles and labels as tables of rules, `channels` those of six-degree instruments, `columns` the user's own,
+//!    `unit` the units.
 //! 2. `gather`: rows to samples (error, position, direction, run); what is left out, and why.
 //! 3. `order`: positions to targets, the order of the rows to passes and directions.
-//! 4. `figures`: means by target and direction, reversal, repeatability, accuracy.
-//! 5. `table`: the table that a machine file takes.
+//! 4. `line`: the straight line of a straightness, taken off.
+//! 5. `figures`: means by target and direction, reversal, repeatability, accuracy.
+//! 6. `table`: the table that a machine file takes.
 
+mod blocks;
+mod channels;
+mod columns;
+mod entries;
 mod failure;
 mod figures;
 mod form;
 mod gather;
 mod header;
+mod laser_text;
 mod layout;
+mod line;
+mod options;
 mod order;
+mod request;
 mod sample;
 mod table;
+mod transposed;
 mod unit;
 
+pub use columns::read_columns;
 pub use figures::AccuracyFigures;
-pub use sample::{Import, ImportRequest};
+pub use options::{FileContents, RunApproach, StraightnessLine};
+pub use request::ImportRequest;
+pub use sample::{Import, ReferenceLine, UnusedColumn};
 
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::syntax::Files;
-use crate::syntax::sheet::read_sheet;
+use crate::syntax::sheet::{Line, read_sheet};
 use std::path::Path;
 
 /// Most rows of a file.
@@ -36,13 +52,33 @@ pub fn import(path: &Path, wanted: &ImportRequest, files: &dyn Files, diagnostic
     let found = if lines.len() > ROWS {
         Err(Box::new(sample::refusal(format!("the file has {} rows; the limit is {ROWS}", lines.len()), None)))
     } else {
-        header::find(&lines, wanted).and_then(|header| gather::gather(&lines, &header, wanted))
+        read(&lines, path, wanted)
     };
     match found {
-        Ok(import) => Some(import),
+        Ok(mut import) => {
+            line::straighten(&mut import, wanted.line, wanted.keep_line);
+            Some(import)
+        }
         Err(refused) => {
             diagnostics.push(*refused);
             None
         }
     }
+}
+
+fn read(lines: &[Line], path: &Path, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
+    if wanted.columns.is_none() {
+        if laser_text::is(lines) {
+            return laser_text::read(lines, wanted, path);
+        }
+        if entries::is(lines) {
+            return entries::read(lines, wanted);
+        }
+        if blocks::is(lines) {
+            return blocks::read(lines, wanted);
+        }
+    }
+    let turned = if wanted.columns.is_none() { transposed::turned(lines) } else { None };
+    let lines = turned.as_deref().unwrap_or(lines);
+    header::find(lines, wanted).and_then(|header| gather::gather(lines, &header, wanted))
 }

@@ -53,6 +53,33 @@ fn target(group: &[f64]) -> f64 {
     if low == high { low } else { round.find(|at| (low..=high).contains(at)).unwrap_or(mean) }
 }
 
+/// True if named runs take turns in the rows, reading by reading: the rows are then sorted, and not in the order of
+/// time.
+pub(crate) fn take_turns<'s>(samples: impl Iterator<Item = &'s Sample>) -> bool {
+    let mut runs: Vec<&str> = samples.map(|sample| sample.run.as_str()).collect();
+    runs.dedup();
+    let count = runs.len();
+    runs.sort_unstable();
+    runs.dedup();
+    runs.len() > 1 && runs.len() < count
+}
+
+/// True if the rows of an error show there and back within its runs, which gives the directions.
+pub(crate) fn go_there_and_back(samples: &[Sample], error: usize) -> bool {
+    ways(samples, &passes_of(samples, error)).is_some()
+}
+
+/// Gives the runs of an error directions in turns, forward first: two passes are one run.
+pub(crate) fn alternate(samples: &mut [Sample], error: usize) {
+    let mut runs: IndexMap<String, ()> = IndexMap::new();
+    for sample in samples.iter_mut().filter(|sample| sample.error == error) {
+        let pass = runs.insert_full(sample.run.clone(), ()).0;
+        sample.direction =
+            Some(if pass.is_multiple_of(2) { ColumnDirection::Forward } else { ColumnDirection::Reverse });
+        sample.run = (pass / 2 + 1).to_string();
+    }
+}
+
 /// Finds the passes of every error, numbers those without a name, and infers directions where none is known.
 pub(crate) fn passes(import: &mut Import) {
     for error in 0..import.errors.len() {

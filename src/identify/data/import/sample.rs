@@ -1,32 +1,9 @@
-//! An export as it was read: its samples, its unused rows, and the answers that the caller gives for what it leaves
-//! open.
+//! An export as it was read: its samples, its unused rows and columns.
 
 use super::form::TableForm;
-use crate::diagnostic::{Diagnostic, Place, codes, shown};
+use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::ErrorId;
 use crate::syntax::ColumnDirection;
-
-/// What the file itself may leave open.
-#[derive(Debug, Clone, Default)]
-pub struct ImportRequest {
-    /// The axis that moved.
-    pub axis: Option<String>,
-    /// The error whose runs the columns are.
-    pub error: Option<String>,
-    /// Unit of values that have none in the file.
-    pub unit: Option<String>,
-    /// The file holds corrections: errors with the other sign.
-    pub correction: bool,
-    /// The axis turns without end: positions are taken modulo 360 deg, and the table closes.
-    pub continuous: bool,
-}
-
-impl ImportRequest {
-    /// ` of EXX`, if one error is asked for.
-    pub(super) fn of(&self) -> String {
-        self.error.as_deref().map(|error| format!(" of `{}`", shown(error))).unwrap_or_default()
-    }
-}
 
 /// One reading (mm or rad) at a position (mm or deg).
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +29,43 @@ pub struct UnusedRow {
     pub reason: String,
 }
 
+/// A column that was not used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct UnusedColumn {
+    /// Its title.
+    pub title: String,
+    /// Why.
+    pub reason: String,
+    /// False if no rule has its title.
+    pub known: bool,
+}
+
+/// An error that a column shows by its name and the mounting of the instrument.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedChannel {
+    /// The title of the column.
+    pub title: String,
+    /// The error.
+    pub error: ErrorId,
+    /// True if the error is minus what the column shows.
+    pub negative: bool,
+}
+
+/// The line of one straightness.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReferenceLine {
+    /// Which error, as an index in [`Import::errors`].
+    pub error: usize,
+    /// Its slope (mm per mm).
+    pub slope: f64,
+    /// Its rise over the targets (mm).
+    pub rise: f64,
+    /// The distance between the outermost targets (mm).
+    pub length: f64,
+    /// True if it was taken off the readings.
+    pub taken_off: bool,
+}
+
 /// What a file holds.
 #[derive(Debug, Clone)]
 pub struct Import {
@@ -69,14 +83,39 @@ pub struct Import {
     pub metadata: Vec<(String, String)>,
     /// Rows that were not used.
     pub left_out: Vec<UnusedRow>,
+    /// Columns, sections and entries that were not used.
+    pub unused_columns: Vec<UnusedColumn>,
+    /// Channels of a six-degree instrument.
+    pub channels: Vec<NamedChannel>,
+    /// Lines of straightness errors.
+    pub lines: Vec<ReferenceLine>,
     /// Were directions read off the order of the rows?
     pub inferred: bool,
+}
+
+impl Import {
+    /// Returns an import without readings.
+    pub(super) fn empty(form: TableForm, axis: String, rotary: bool) -> Self {
+        Self {
+            form,
+            axis,
+            rotary,
+            errors: Vec::new(),
+            samples: Vec::new(),
+            metadata: Vec::new(),
+            left_out: Vec::new(),
+            unused_columns: Vec::new(),
+            channels: Vec::new(),
+            lines: Vec::new(),
+            inferred: false,
+        }
+    }
 }
 
 /// A refusal of the file as a whole.
 pub(super) fn refusal(message: String, place: Option<Place>) -> Diagnostic {
     let help = "a table needs a header: a position column (`X [mm]`, `position [mm]`) and columns named by error \
-     (`EXX [um]`), \
-                by run (with `--error EXX --unit um`), or `error`, `value` and `unit`";
+                (`EXX [um]`), by run (`1+ [um]`, `1- [um]` ..., with `--error EXX`), or `error`, `value` and `unit`; \
+                `--columns FILE` maps the columns of any other table";
     Diagnostic::new(codes::E0509, message).at(place, "").help(help)
 }

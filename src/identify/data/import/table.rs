@@ -52,6 +52,10 @@ impl Import {
         for (key, value) in &self.metadata {
             text += &format!("# {}: {}\n", shown(key), shown(value));
         }
+        for line in self.lines.iter().filter(|line| line.taken_off) {
+            let slope = rounded(line.slope * 1e6);
+            text += &format!("# {}: line of {slope} um/m taken off\n", self.errors[line.error]);
+        }
         text += &format!("{}\n", header.join(", "));
         for (position, values) in &rows {
             let cells: Vec<String> = values.iter().map(|v| format!("{}", rounded(*v))).collect();

@@ -49,3 +49,8 @@ pub(super) fn own_axis(error: &ErrorId, axis: &str) -> Result<(), HeaderFailure>
     let own = error.axis.to_string().eq_ignore_ascii_case(axis);
     if own { Ok(()) } else { Err(HeaderFailure::ErrorOfOtherAxis(error.clone(), axis.to_owned())) }
 }
+
+/// The positioning error of an axis, by its letter: EXX of X, ECC of C1.
+pub(super) fn own_error(axis: &str) -> Option<ErrorId> {
+    parse_component_error(&format!("E{}{axis}", axis.chars().next()?))
+}

@@ -1,0 +1,32 @@
+//! Choices that a file leaves open.
+
+/// The sign of the values of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FileContents {
+    /// Actual minus nominal.
+    Errors,
+    /// Nominal minus actual.
+    Corrections,
+}
+
+/// How runs without a direction were approached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RunApproach {
+    /// All from the same side.
+    OneWay,
+    /// The first forward, the second in reverse, and so on.
+    Alternating,
+}
+
+/// Which line is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StraightnessLine {
+    /// Of least squares.
+    #[default]
+    LeastSquares,
+    /// Through the first and the last target.
+    EndPoints,
+}
