@@ -3,7 +3,7 @@
 use super::Fitted;
 use super::result::place;
 use crate::diagnostic::{Diagnostic, Sources, codes};
-use crate::identify::{Measurement, Parameter, Reading, ReadingKind, Repeats, Term};
+use crate::identify::{Basis, Measurement, Parameter, Reading, ReadingKind, Repeats, Term};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, ErrorFamily, ErrorId, Machine};
 use crate::units::{counted, significant};
@@ -139,11 +139,13 @@ fn contradiction(fitted: &Fitted<'_>, sources: &Sources) -> Option<Diagnostic> {
     Some(warning(codes::W0507, message, help))
 }
 
-/// Values of the machine whose uncertainty is larger than any error of a machine.
+/// Constants of the machine whose uncertainty is larger than any error of a machine. Coefficients of a curve say
+/// nothing each by itself.
 pub(super) fn undetermined(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     let own = fitted.unknowns[..fitted.own].iter().zip(&fitted.solution.estimates);
     let wide = own.filter_map(|(parameter, estimate)| {
-        let rotation = parameter.terms.first()?.source.direction.is_rotation();
+        let constant = parameter.terms.first().filter(|term| term.basis == Basis::Constant)?;
+        let rotation = constant.source.direction.is_rotation();
         let limit = if rotation { UNDETERMINED.1 * ROTATED } else { UNDETERMINED.0 };
         let sigma = estimate.sigma.filter(|sigma| sigma * parameter.size > limit)?;
         let n = |value: f64| significant(parameter.shown(value), 3);
