@@ -195,7 +195,7 @@ fn golden_signs_of_corrections() {
         case("EA0Z: 10 urad", ("Z", 300.0), [0.0, 3.0, 0.0]);
     }
     // A table that moves itself in + takes the tool to -: to bring the tool back by 10 um it moves 10 um on.
-    let direct = signs("w X' Y' Z' b t", "EXX: 10 um").replace("mm] }\n  Y", "mm], sense: direct }\n  Y");
+    let direct = signs("w X' Y' Z' b t", "EXX: 10 um").replace("] }\n  Y", "], sense: direct }\n  Y");
     corrects(&direct, &[("X", 100.0)], [10.0, 0.0, 0.0]);
     let body = signs("w X' Y' Z' b t", "EXX: 10 um") + "conventions: { errors_are: body }\n";
     corrects(&body, &[("X", 100.0)], [10.0, 0.0, 0.0]);

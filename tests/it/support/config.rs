@@ -72,7 +72,7 @@ fn geometry(file: &Mapping) -> Sample {
             continue;
         }
         let own = file["axes"][word.trim_end_matches('\'')].as_mapping().unwrap();
-        rigid.walk.push(axis(word, own));
+        rigid.walk.push(axis(word, own, tool(file).0));
         let travel = (own["travel"] != "continuous").then(|| [0, 1].map(|end| quantity(&own["travel"][end])));
         axes.push(Extra { travel, errors: Default::default() });
     }
@@ -80,14 +80,27 @@ fn geometry(file: &Mapping) -> Sample {
     Sample { rigid, axes, branches: false }
 }
 
-fn axis(word: &str, own: &Mapping) -> Axis {
-    known(own, &["travel", "origin", "direction", "kind", "sense"]);
+/// The origin of an axis: of the block of its side, or the plain one. Positions count from the gauge point or from
+/// machine zero.
+fn origin(word: &str, own: &Mapping, gauge: V3) -> V3 {
+    let side = if word.ends_with('\'') { "on_workpiece" } else { "on_tool" };
+    let block = own.get(side).and_then(Value::as_mapping);
+    block.iter().for_each(|block| known(block, &["origin"]));
+    let Some(origin) = block.and_then(|block| block.get("origin")).or(own.get("origin")) else { return [0.0; 3] };
+    let Some(relative) = origin.as_mapping() else { return vector(origin) };
+    assert_eq!(relative["from"], "gauge", "this reader does not know the point");
+    let at = vector(&relative["at"]);
+    std::array::from_fn(|k| gauge[k] + at[k])
+}
+
+fn axis(word: &str, own: &Mapping, gauge: V3) -> Axis {
+    known(own, &["travel", "origin", "direction", "kind", "sense", "on_tool", "on_workpiece"]);
     let name = word.trim_end_matches('\'').to_owned();
     let letter = "XYZUVWABC".find(&name);
     let rotary = own.get("kind").map_or_else(|| letter.unwrap() >= 6, |kind| kind == "rotary");
     let along = |k| f64::from(u8::from(letter.unwrap() % 3 == k));
     let direction = own.get("direction").map_or_else(|| std::array::from_fn(along), vector);
-    let origin = own.get("origin").map_or([0.0; 3], vector);
+    let origin = origin(word, own, gauge);
     Axis {
         name,
         rotary,

@@ -1,5 +1,6 @@
 //! The columns of an instrument's tables by hand: a small file that is kept with the instrument.
 
+use super::failure::Reason;
 use super::options::{FileContents, RunApproach};
 use super::unit::{component_error, position_unit, reading_unit};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, shown};
@@ -125,7 +126,7 @@ pub fn read_columns(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostic
     let entry: Result<MapEntry, serde_yaml::Error> = serde_yaml::from_str(&text);
     let map = entry
         .map_err(|failure| (failure.to_string(), failure.location().map(|at| place(at.line()))))
-        .and_then(|entry| ColumnMap::of(entry).map_err(|why| (why, None)));
+        .and_then(|entry| ColumnMap::of(entry).map_err(|why| (why.to_string(), None)));
     match map {
         Ok(map) => Some(map),
         Err((why, place)) => {
@@ -141,13 +142,13 @@ fn refused(why: &str) -> Diagnostic {
 }
 
 impl ColumnMap {
-    fn of(entry: MapEntry) -> Result<Self, String> {
+    fn of(entry: MapEntry) -> Result<Self, Reason> {
         let (position, position_title_unit) = match entry.position {
             PositionEntry::Title(title) => (title, None),
             PositionEntry::WithUnit(column) => (column.column, column.unit),
         };
         let unit = position_title_unit.as_deref().map(position_unit).transpose();
-        unit.map_err(|failure| failure.to_string())?;
+        unit.map_err(Reason::new)?;
         let mut columns = Vec::new();
         for (title, column) in entry.columns {
             let column = match column {
@@ -169,11 +170,12 @@ impl ColumnMap {
         })
     }
 
-    fn readings(entry: ReadingsEntry) -> Result<MappedColumn, String> {
-        let error = component_error(&entry.error).map_err(|failure| failure.to_string())?;
-        let unit = entry.unit.as_deref().map(reading_unit).transpose().map_err(|failure| failure.to_string())?;
+    fn readings(entry: ReadingsEntry) -> Result<MappedColumn, Reason> {
+        let error = component_error(&entry.error).map_err(Reason::new)?;
+        let unit = entry.unit.as_deref().map(reading_unit).transpose().map_err(Reason::new)?;
         if unit.is_some_and(|unit| !unit.fits(&error)) {
-            return Err(format!("`{}` is not a unit of `{error}`", entry.unit.as_deref().unwrap_or_default()));
+            let unit = entry.unit.as_deref().unwrap_or_default();
+            return Err(Reason::new(format!("`{unit}` is not a unit of `{error}`")));
         }
         let direction = entry.direction.map(|word| match word {
             DirectionWord::Forward => ColumnDirection::Forward,

@@ -3,6 +3,7 @@
 //! No description by the maker is public. The layout is that which independent programs write and read. Neither the
 //! quantity and its unit nor the sign stands in the file: the ending of its name gives the one, the caller the other.
 
+use super::failure::Reason;
 use super::form::TableForm;
 use super::gather;
 use super::request::ImportRequest;
@@ -53,7 +54,7 @@ pub(super) fn read(lines: &[Line], wanted: &ImportRequest, path: &Path) -> Resul
     let first = lines.first().map(|line| line.place.clone());
     let refuse = |message: String| Box::new(refusal(message, first.clone()));
     let contents = contents(lines)?;
-    let (axis, error, unit) = quantity(&contents, wanted, path).map_err(refuse)?;
+    let (axis, error, unit) = quantity(&contents, wanted, path).map_err(|why| refuse(why.to_string()))?;
     if wanted.contents.is_none() {
         let message = "nothing in the file says whether its values are errors or corrections";
         let help =
@@ -62,7 +63,7 @@ pub(super) fn read(lines: &[Line], wanted: &ImportRequest, path: &Path) -> Resul
     }
     let rotary = axis.starts_with(['A', 'B', 'C']);
     let mut import = Import { errors: vec![error], ..Import::empty(TableForm::LaserText, axis, rotary) };
-    let runs = runs(&contents).map_err(refuse)?;
+    let runs = runs(&contents).map_err(|why| refuse(why.to_string()))?;
     let factor = unit.factor * wanted.sign();
     let beside = samples(&mut import, &contents.targets, &runs, factor);
     import.metadata = contents.metadata;
@@ -113,36 +114,37 @@ fn contents(lines: &[Line]) -> Result<Contents, Box<Diagnostic>> {
 }
 
 /// The axis, the error and the unit.
-fn quantity(contents: &Contents, wanted: &ImportRequest, path: &Path) -> Result<(String, ErrorId, Unit), String> {
+fn quantity(contents: &Contents, wanted: &ImportRequest, path: &Path) -> Result<(String, ErrorId, Unit), Reason> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let (known, own) =
         ENDINGS.iter().find(|(known, ..)| *known == ending).map_or((None, false), |(_, unit, own)| (*unit, *own));
-    let named = wanted.error.as_deref().map(component_error).transpose().map_err(|failure| failure.to_string())?;
+    let named = wanted.error.as_deref().map(component_error).transpose().map_err(Reason::new)?;
     let note = contents.metadata.iter().find(|(key, _)| key.eq_ignore_ascii_case("axis"));
     let noted = note.map(|(_, axis)| axis.to_uppercase()).filter(|axis| AxisName::new(axis).is_some());
     let axis = wanted.axis.as_deref().map(str::to_uppercase).or(noted);
     let axis = axis.or_else(|| named.as_ref().map(|error| error.axis.to_string()));
-    let axis = axis.ok_or("the file does not say which axis moved: give `--axis X`")?;
+    let axis = axis.ok_or_else(|| Reason::new("the file does not say which axis moved: give `--axis X`"))?;
     let error = match named {
         Some(error) => error,
-        None if own => unit::own_error(&axis).ok_or("the file does not say which error it holds: give `--error`")?,
-        None => return Err("the file does not say which error it holds: give `--error`".to_owned()),
+        None if own => unit::own_error(&axis)
+            .ok_or_else(|| Reason::new("the file does not say which error it holds: give `--error`"))?,
+        None => return Err(Reason::new("the file does not say which error it holds: give `--error`")),
     };
-    own_axis(&error, &axis).map_err(|failure| failure.to_string())?;
+    own_axis(&error, &axis).map_err(Reason::new)?;
     let unit = match (known, wanted.unit.as_deref()) {
         (Some(known), Some(given)) if reading_unit(known) != reading_unit(given) => {
-            return Err(format!("`.{ending}` files hold {known}, not `{}`", shown(given)));
+            return Err(Reason::new(format!("`.{ending}` files hold {known}, not `{}`", shown(given))));
         }
         (Some(unit), _) | (None, Some(unit)) => unit,
         (None, None) => {
-            return Err("no unit stands in the file, and none is known for its ending: give `--unit`".to_owned());
+            return Err(Reason::new("no unit stands in the file, and none is known for its ending: give `--unit`"));
         }
     };
-    let found = reading_unit(unit).map_err(|failure| failure.to_string())?;
+    let found = reading_unit(unit).map_err(Reason::new)?;
     if found.fits(&error) {
         Ok((axis, error, found))
     } else {
-        Err(format!("`{}` is not a unit of `{error}`", shown(unit)))
+        Err(Reason::new(format!("`{}` is not a unit of `{error}`", shown(unit))))
     }
 }
 
@@ -150,17 +152,18 @@ fn quantity(contents: &Contents, wanted: &ImportRequest, path: &Path) -> Result<
 type Runs = Vec<Vec<(usize, f64)>>;
 
 /// The readings by run; every run has every target once.
-fn runs(contents: &Contents) -> Result<Runs, String> {
+fn runs(contents: &Contents) -> Result<Runs, Reason> {
     let Contents { targets, target_count, run_count, readings, .. } = contents;
     if target_count.is_some_and(|count| count != targets.len() as f64) {
         let count = target_count.unwrap_or_default();
-        return Err(format!("the file announces {count} targets and has {}", targets.len()));
+        return Err(Reason::new(format!("the file announces {count} targets and has {}", targets.len())));
     }
     let mut runs: Runs = Vec::new();
     let mut last = f64::NAN;
     for ([run, target, value], _) in readings {
         let index = (1..=targets.len()).find(|index| *index as f64 == *target);
-        let index = index.ok_or_else(|| format!("{target} is no number of a target (1 to {})", targets.len()))?;
+        let index =
+            index.ok_or_else(|| Reason::new(format!("{target} is no number of a target (1 to {})", targets.len())))?;
         if *run != last {
             runs.push(Vec::new());
             last = *run;
@@ -174,14 +177,14 @@ fn runs(contents: &Contents) -> Result<Runs, String> {
         seen.fill(false);
         pass.iter().for_each(|(index, _)| seen[*index] = true);
         if pass.len() != targets.len() || !seen.iter().all(|seen| *seen) {
-            return Err(format!("run {number} does not have each of the {} targets once", targets.len()));
+            return Err(Reason::new(format!("run {number} does not have each of the {} targets once", targets.len())));
         }
     }
     let announced = run_count.unwrap_or(runs.len() as f64);
     if announced == runs.len() as f64 && !runs.is_empty() {
         Ok(runs)
     } else {
-        Err(format!("the file announces {announced} runs and has {}", runs.len()))
+        Err(Reason::new(format!("the file announces {announced} runs and has {}", runs.len())))
     }
 }
 
