@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 pub use crate::identify::import::{FileContents, RunApproach, StraightnessLine};
 
-/// Options of [`import`]: facts that the file leaves open.
+/// Options of [`import`](import()): facts that the file leaves open.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct ImportOptions {

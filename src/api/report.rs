@@ -84,7 +84,7 @@ impl Report {
 
 /// Computes a page about machines; several are compared on the tool poses of the first.
 ///
-/// Fails for targets and classes that are not there, and where [`compile`](super::compile) fails for a target.
+/// Fails for targets and classes that are not there, and where [`compile`](super::compile()) fails for a target.
 pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> Result<Answer<Report>, Diagnostics> {
     let mut known = Diagnostics::default();
     files.iter().for_each(|file| known.absorb(Diagnostics::about(file.sources().clone())));

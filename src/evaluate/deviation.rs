@@ -101,7 +101,7 @@ pub struct Evaluation {
 }
 
 /// Returns the evaluation at a pose (mm, deg, in the order of the axes), its vectors in `frame`. Order 0 counts as 1,
-/// orders above [`MAX_DUAL_ORDER`] as that.
+/// orders above `MAX_DUAL_ORDER` as that.
 pub fn evaluate(machine: &Machine, pose: &[f64], order: Order, approach: Approach, frame: Frame) -> Evaluation {
     let at = At { machine, pose, approach };
     let evaluation = match order {

@@ -4,8 +4,8 @@
 //! - [`page`]: the report, one self-contained HTML page.
 //! - [`PlanePicture`]: the deviation over a plane of two linear axes; [`before_after`]: in two states.
 //! - [`FitPicture`]: prediction against data over such a plane.
-//! - [`axis_curves`], [`all_curves`]: curves of the component errors as small multiples.
-//! - [`BudgetReport`]: a budget as JSON and as [`ParetoPicture`] and [`WaterfallPicture`]; [`PolarPicture`],
+//! - [`all_curves`]: curves of the component errors as small multiples.
+//! - [`BudgetReport`]: a budget as JSON, as a Pareto chart and as a waterfall; [`PolarPicture`],
 //!   [`RTestPicture`],
 //!   [`DiagonalPicture`]: what instruments read.
 //! - [`chain_picture`], [`chain_dot`]: the kinematic chain.
