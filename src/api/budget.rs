@@ -17,7 +17,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct BudgetOptions {
-    /// How errors are bounded, drawn and judged.
+    /// Bounds, distribution and statistic of the errors.
     #[serde(flatten)]
     pub tolerances: ToleranceOptions,
     /// Seed of poses and errors.
@@ -48,11 +48,11 @@ pub struct BudgetResult {
     at: Option<Pose>,
     /// The bounds in the order that [`Contribution::bound`](crate::analysis::budget::Contribution) counts.
     pub bounds: Vec<Bound>,
-    /// What they come to.
+    /// The budget.
     pub budget: Budget,
     /// Number of poses.
     pub poses: usize,
-    /// What the machine reaches of the tool poses of a file.
+    /// Tool poses of a file that the machine reaches.
     pub tool_poses: Option<ReachedToolPoses>,
 }
 

@@ -16,7 +16,7 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct DiffOptions {
-    /// How the machine was compensated.
+    /// Compensation of the machine.
     pub compensation: CompensationOptions,
     /// Number of poses over the volume, each approached from both sides.
     pub poses: usize,
@@ -40,7 +40,7 @@ pub struct SetDifference {
     pub position_um: Summary,
 }
 
-/// What two sets add to an axis, second less first.
+/// Difference of two sets for an axis, second less first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisDifference {
     /// Name of the axis.

@@ -22,12 +22,12 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct EnumerateOptions {
-    /// How errors are bounded, drawn and judged.
+    /// Bounds, distribution and statistic of the errors.
     #[serde(flatten)]
     pub tolerances: ToleranceOptions,
     /// Seed of poses and errors.
     pub seed: u64,
-    /// What arrangements are judged by; by default by a budget if any error is bounded.
+    /// Criterion of the arrangements; by default a budget if any error is bounded.
     pub by: Option<JudgedBy>,
     /// Rules that arrangements obey, such as `C before A`, `Y carries A`, `at most 2 on table`.
     pub require: Vec<String>,
@@ -71,7 +71,7 @@ impl Default for EnumerateOptions {
     }
 }
 
-/// What arrangements are judged by.
+/// Criterion of the arrangements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum JudgedBy {
@@ -91,7 +91,7 @@ pub enum EnumerateResult {
     Part(StudyProgress),
 }
 
-/// How far a study has come.
+/// Progress of a study.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct StudyProgress {
     /// The file of the results; empty without.
@@ -109,7 +109,7 @@ pub struct RankedArrangements {
     pub machine: String,
     /// The kinematic chain of the machine as its file has it.
     pub chain: String,
-    /// What the arrangements are judged by.
+    /// Criterion of the arrangements.
     pub by: JudgedBy,
     /// The class of machines that bounds errors, if one was asked for.
     pub class: Option<String>,
@@ -129,7 +129,7 @@ pub struct RankedArrangements {
     pub reach_percent: f64,
     /// The arrangements in four groups.
     pub ranking: Ranking,
-    /// What the machine as its file has it reaches of the tool poses of a file.
+    /// Tool poses of a file that the machine reaches, as its file has it.
     pub tool_poses: Option<ReachedToolPoses>,
 }
 
@@ -347,7 +347,7 @@ fn judge(
     Ok((Judge::Budget { bounds, draws: options.tolerances.draws(options.seed), samples: options.samples }, source))
 }
 
-/// What results depend on: everything resolved, and every option that changes a number.
+/// Everything that results depend on: the resolved machine, and every option that changes a number.
 fn fingerprint(options: &EnumerateOptions, machine: &Machine, judge: &Judge, rules: &[Rule], work: &Work) -> String {
     let rules: Vec<String> = rules.iter().map(Rule::to_string).collect();
     let bounds = match judge {

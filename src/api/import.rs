@@ -23,7 +23,7 @@ pub struct ImportOptions {
     /// Whether the file holds errors or corrections, which have the other sign [default: errors]. Must be given where
     /// the layout of the file leaves it open.
     pub contents: Option<FileContents>,
-    /// How runs without a direction were approached.
+    /// Approach of runs without a direction.
     pub runs: Option<RunApproach>,
     /// Direction of the beam of a six-degree instrument, from the launch to the receiver, such as `+X`.
     pub beam: Option<String>,
@@ -107,7 +107,7 @@ pub struct ImportedError {
     pub slope: f64,
     /// Unit of the slope, such as `um/m`.
     pub slope_unit: String,
-    /// Of a straightness of a linear axis: the line of its reference.
+    /// Line of the reference, of a straightness of a linear axis.
     pub line: Option<StraightnessReference>,
 }
 

@@ -195,7 +195,7 @@ pub fn map(file: &MachineFile, options: &MapOptions, run: Run<'_>) -> Result<Ans
     map_tables(file, options, Vec::new(), run)
 }
 
-/// Does the same, and writes every pose with its deviation into tables.
+/// Maps as [`map`] does, and writes every pose with its deviation into tables.
 ///
 /// Fails also if a table cannot be written; then tables may be incomplete.
 pub fn map_tables(

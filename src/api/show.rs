@@ -49,11 +49,11 @@ pub struct ChainAxis {
     pub arm_mm: Arm,
     /// True if the file states the geometry for the side on which the axis stands.
     pub geometry_stated: bool,
-    /// What the file states for the other side.
+    /// Geometry that the file states for the other side.
     pub other_side: Option<OtherSide>,
 }
 
-/// What a file states of an axis for the side on which it does not stand, the other axes staying where they are.
+/// Geometry of an axis for the side on which it does not stand, the other axes staying where they are.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct OtherSide {
     /// The other branch.
@@ -108,7 +108,7 @@ pub struct LocationErrors {
 pub struct LocationError {
     /// Name of the error.
     pub error: ErrorId,
-    /// Whether its value is known.
+    /// Status of its value.
     pub status: Status,
 }
 

@@ -126,7 +126,7 @@ fn signed(value: f64) -> String {
 
 /// Parameters named of a direction that the noise drowns: those with the largest part.
 const MAX_NAMED: usize = 6;
-/// What moves points by more than this (mm) is no error of a machine: less of it is named.
+/// A displacement of points (mm) above which an error is implausible for a machine: smaller parts are named.
 const LARGE: f64 = 1.0;
 
 /// The directions within the rank whose uncertainty is beyond use, each with what it amounts to: one standard deviation

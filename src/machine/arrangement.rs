@@ -5,7 +5,7 @@ use super::{
 };
 
 impl Machine {
-    /// What holds of the axes on either side of the bed.
+    /// Geometry of the axes on either side of the bed.
     pub fn geometry(&self) -> &Geometry {
         &self.parts().geometry
     }

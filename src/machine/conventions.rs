@@ -83,7 +83,7 @@ pub struct Conventions {
     pub rotary: RotaryOrder,
     /// Sense of workpiece-side axes.
     pub workpiece_axes: Sense,
-    /// Whose errors those of workpiece-side axes are.
+    /// Owner of the errors of workpiece-side axes.
     pub errors_are: ErrorsAre,
     /// Order of location errors.
     pub location_order: LocationOrder,

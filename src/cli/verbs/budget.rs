@@ -21,23 +21,23 @@ pub(crate) struct Args {
     /// Seed of poses and errors.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// How many random poses, besides the corners of the volume.
+    /// Number of random poses, besides the corners of the volume.
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     poses: u32,
     /// Instead of these poses, those for tool poses in the workpiece frame: a CSV file with columns X, Y, Z and
     /// I, J, K or rotary axes.
     #[arg(long, value_name = "FILE", conflicts_with = "poses")]
     tool_poses: Option<PathBuf>,
-    /// How many machines are drawn.
+    /// Number of machines drawn.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     samples: u32,
     /// The contributions at this pose too, mm and deg; axes left out are at 0.
     #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true)]
     at: Option<String>,
-    /// How many contributions to list.
+    /// Number of contributions to list.
     #[arg(long, value_name = "K", default_value_t = 12)]
     top: usize,
-    /// Which of the machine's tools.
+    /// Tool of the machine, by name [default: the first].
     #[arg(long)]
     tool: Option<String>,
     /// Draw what each error does at its bound, and what they add up to (SVG, or PNG by the file's ending).
@@ -82,7 +82,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     Ok(())
 }
 
-/// What is printed.
+/// The printed budget.
 struct Report<'a> {
     args: &'a Args,
     file: &'a MachineFile,
@@ -200,7 +200,7 @@ impl Report<'_> {
 pub(crate) const TOTALS: [&str; 9] =
     ["", "worst case", "RSS", "mean of both", "Monte Carlo: mean", "median", "90 %", "95 %", "99 %"];
 
-/// What is said below it.
+/// Note below the totals.
 pub(crate) const TOTALS_NOTE: &str =
     "In brackets: 95 % confidence by the number of machines drawn; - where they are too few.";
 

@@ -20,32 +20,32 @@ pub(crate) struct Args {
     /// Seed of poses and errors.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// What arrangements are judged by [default: budget, if any error is bounded].
+    /// Criterion of the arrangements [default: budget, if any error is bounded].
     #[arg(long, value_enum)]
     by: Option<ByArg>,
     /// Only arrangements for which this holds, such as `C before A`, `Y carries A`, `at most 2 on table`;
     /// may be given again.
     #[arg(long, value_name = "RULE")]
     require: Vec<String>,
-    /// At most so many axes carry the workpiece.
+    /// Maximum number of axes that carry the workpiece.
     #[arg(long, value_name = "N")]
     max_table: Option<usize>,
-    /// So many of the machine's rotary axes at a time, every choice of them [default: all].
+    /// Number of the machine's rotary axes taken at a time, every choice of them [default: all].
     #[arg(long, value_name = "N")]
     rotary: Option<usize>,
-    /// How many tool poses.
+    /// Number of tool poses.
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     poses: u32,
     /// The work: tool poses in the workpiece frame, a CSV file with columns X, Y, Z and I, J, K or rotary axes.
     #[arg(long, value_name = "FILE", conflicts_with = "poses")]
     tool_poses: Option<PathBuf>,
-    /// How many machines are drawn for the budget.
+    /// Number of machines drawn for the budget.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     samples: u32,
     /// Rank what reaches at least this share of the tool poses, in percent.
     #[arg(long, value_name = "PERCENT", default_value_t = 50.0)]
     reach: f64,
-    /// How many to list as text.
+    /// Number of arrangements listed as text.
     #[arg(long, value_name = "K", default_value_t = 20)]
     top: usize,
     /// Keep results here; what is there already is not computed again.
@@ -57,7 +57,7 @@ pub(crate) struct Args {
     /// Put state files together instead of computing.
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["state", "shard"])]
     merge: Vec<PathBuf>,
-    /// Which of the machine's tools.
+    /// Tool of the machine, by name [default: the first].
     #[arg(long)]
     tool: Option<String>,
 }

@@ -32,7 +32,7 @@ pub(crate) struct Args {
     /// The file holds corrections, not errors: short for `--holds corrections`.
     #[arg(long, conflicts_with = "holds")]
     correction: bool,
-    /// How runs without a direction were approached.
+    /// Approach of runs without a direction.
     #[arg(long, value_enum, value_name = "HOW")]
     runs: Option<Runs>,
     /// Direction of the beam of a six-degree instrument, from the launch to the receiver, such as `+X`.
@@ -79,7 +79,7 @@ enum Runs {
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 enum Line {
-    /// Of least squares over the targets.
+    /// Line of least squares over the targets.
     LeastSquares,
     /// Through the first and the last target.
     EndPoints,

@@ -26,7 +26,7 @@ pub(crate) struct Args {
     /// Draw the curves of the component errors, as SVG or PNG by the file's ending.
     #[arg(long, value_name = "FILE.svg|.png")]
     curves: Option<PathBuf>,
-    /// Which of the machine's tools.
+    /// Tool of the machine, by name [default: the first].
     #[arg(long)]
     tool: Option<String>,
 }
@@ -138,7 +138,7 @@ fn text(of: &ChainResult) -> String {
     )
 }
 
-/// What the file states for the sides on which the axes do not stand.
+/// Rows about the sides on which the axes do not stand.
 fn other_sides(of: &ChainResult) -> String {
     let mut text = String::from("On the other side of the bed, if a variant or `enumerate` puts an axis there:\n");
     for axis in &of.axes {

@@ -98,7 +98,7 @@ impl Content {
 enum TitleUnit {
     Missing,
     Length,
-    /// Of a length or of an angle.
+    /// A reading: a length or an angle.
     Reading,
 }
 

@@ -23,15 +23,15 @@ pub struct Measurement {
     pub tool: usize,
     /// From which side the axes came.
     pub approach: Approach,
-    /// What was read.
+    /// The reading.
     pub reading: Reading,
     /// Counts as so many rows.
     pub weight: f64,
-    /// Is that 1/u^2 (um) of a standard uncertainty? Then readings of unlike quantities can be compared by it.
+    /// True if that is 1/u^2 (um) of a standard uncertainty: readings of unlike quantities can then be compared by it.
     pub known: bool,
     /// Its run, if runs were named.
     pub run: Option<String>,
-    /// Where it stands.
+    /// Place in the file.
     pub place: Place,
 }
 
@@ -70,7 +70,7 @@ pub enum Reading {
     Error {
         /// mm; of an angle the displacement that it makes over 300 mm, so that unlike errors can be summed.
         value: f64,
-        /// Which.
+        /// The error.
         source: Source,
     },
 }
@@ -121,12 +121,12 @@ impl ReadingKind {
 }
 
 impl Measurement {
-    /// Of weight 1, with the first tool, from no side in particular.
+    /// A reading of weight 1, with the first tool, from no side in particular.
     pub fn new(pose: Pose, reading: Reading, place: Place) -> Self {
         Self { pose, tool: 0, approach: Approach::Mean, reading, weight: 1.0, known: false, run: None, place }
     }
 
-    /// Which of the (up to three) numbers of a residual were read.
+    /// Those of the (up to three) numbers of a residual that were read.
     pub fn seen(&self) -> [bool; 3] {
         match &self.reading {
             Reading::Deviation { values, .. } => values.map(|value| value.is_some()),
@@ -134,7 +134,7 @@ impl Measurement {
         }
     }
 
-    /// What was read; 0 where nothing was.
+    /// The numbers read; 0 where nothing was.
     pub fn values(&self) -> Vector3<f64> {
         match &self.reading {
             Reading::Deviation { values, .. } => Vector3::from(values.map(|value| value.unwrap_or(0.0))),
@@ -144,12 +144,12 @@ impl Measurement {
         }
     }
 
-    /// How many numbers were read.
+    /// Number of numbers read.
     pub fn readings(&self) -> usize {
         self.seen().into_iter().filter(|seen| *seen).count()
     }
 
-    /// What kind of row it is.
+    /// Kind of the row.
     pub fn kind(&self) -> ReadingKind {
         match &self.reading {
             Reading::Deviation { zero: [None, None, None], .. } => ReadingKind::Deviation,
@@ -179,7 +179,7 @@ pub struct InstrumentUnknown {
 pub struct MeasurementSet {
     /// Row by row.
     pub rows: Vec<Measurement>,
-    /// What has to be fitted beside the machine, and is no error of it.
+    /// Quantities that are fitted beside the machine, and are no error of it.
     pub nuisances: Vec<InstrumentUnknown>,
 }
 
@@ -204,7 +204,7 @@ impl MeasurementSet {
         std::array::from_fn(|k| read[k].then(|| self.unknown(format!("{name}.{}", LETTERS[k]), 0.0)))
     }
 
-    /// How much there is, to go back to.
+    /// Sizes of the lists, to go back to.
     pub(crate) fn extent(&self) -> (usize, usize) {
         (self.rows.len(), self.nuisances.len())
     }

@@ -27,7 +27,7 @@ const MIN_LENGTH_MM: f64 = 1.0;
 struct Draft {
     row: Measurement,
     to: Option<Pose>,
-    /// Which length it is.
+    /// Kind and value of a length.
     length: Option<(LengthKind, f64)>,
     along: f64,
     errors: Vec<(Source, Approach, f64)>,
@@ -373,7 +373,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Where a station is about: as the file says, or by its own distances.
+    /// Approximate place of a station: as the file gives it, or by its own distances.
     fn place(&self, drafts: &[Draft]) -> Result<Vector3<f64>, StationFailure> {
         let Some(first) = drafts.first() else { return Ok(Vector3::zeros()) };
         if let [Some(x), Some(y), Some(z)] = first.at {

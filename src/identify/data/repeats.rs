@@ -12,10 +12,10 @@ const OPPOSED: f64 = -0.8;
 /// Repeated poses that it takes to say so.
 const PAIRS: usize = 6;
 
-/// What was read again.
+/// Repeatability of readings of one kind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Repeats {
-    /// Of which readings.
+    /// Kind of the readings.
     pub of: ReadingKind,
     /// Standard deviation of a reading of weight 1 (mm).
     pub sigma: f64,
@@ -23,9 +23,9 @@ pub struct Repeats {
     pub freedom: usize,
     /// The two rows of one pose whose readings differ most, and by how much (mm).
     pub worst: (usize, usize, f64),
-    /// Is that far beyond what the others differ by?
+    /// True if that is far beyond the differences of the others.
     pub contradict: bool,
-    /// Are first and last readings each other's negative?
+    /// True if first and last readings are each other's negative.
     pub opposed: bool,
 }
 
@@ -63,7 +63,7 @@ fn apart(group: &[One]) -> (One, One, f64) {
     (least, most, (most.1 - least.1) / libm::hypot(1.0 / least.2, 1.0 / most.2))
 }
 
-/// How poses repeat that were measured more than once, deviations and relative ones each for themselves.
+/// Repeatability at poses that were measured more than once, deviations and relative ones each for themselves.
 pub fn repeats(data: &[Measurement]) -> Vec<Repeats> {
     [ReadingKind::Deviation, ReadingKind::Relative].into_iter().filter_map(|kind| repeats_of(data, kind)).collect()
 }
@@ -92,7 +92,7 @@ fn repeats_of(data: &[Measurement], of: ReadingKind) -> Option<Repeats> {
     })
 }
 
-/// Are first and last readings of the groups each other's negative, as those of files with unlike signs are?
+/// True if first and last readings of the groups are each other's negative, as those of files with unlike signs are.
 fn opposed(groups: &[Vec<One>]) -> bool {
     let ends = groups.iter().filter_map(|group| Some((group.first()?.1, group.last()?.1)));
     let (mut product, mut first, mut last) = (0.0, 0.0, 0.0);

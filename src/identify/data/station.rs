@@ -1,4 +1,4 @@
-//! Where a station of distance measurements stands, from the distances alone: the start of the fit.
+//! Place of a station of distance measurements, from the distances alone: the start of the fit.
 //!
 //! |p - s|^2 = (D + c)^2 is linear in s, c and |s|^2 - c^2 (multilateration). Poses in one plane leave both sides of
 //! it possible, so that they are refused here.
@@ -16,7 +16,7 @@ pub struct Sight {
     pub point: Vector3<f64>,
     /// The distance (mm), or what is left of it without the unknown constant of its run.
     pub value: f64,
-    /// Which run's constant is missing.
+    /// Run whose constant is missing.
     pub run: Option<usize>,
 }
 

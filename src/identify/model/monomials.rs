@@ -22,7 +22,7 @@ pub struct Monomial(pub usize, pub Option<usize>);
 /// A monomial's coefficient in one component.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coefficient {
-    /// Which.
+    /// The monomial.
     pub monomial: Monomial,
     /// `EBX:slope * ECY:slope`.
     pub name: String,
@@ -39,7 +39,7 @@ pub struct Coefficient {
 pub struct Component {
     /// 0, 1, 2: dx, dy, dz.
     pub index: usize,
-    /// How many readings.
+    /// Number of readings.
     pub readings: usize,
     /// Every monomial that occurs in it.
     pub coefficients: Vec<Coefficient>,

@@ -1,4 +1,4 @@
-//! What is fitted: each parameter moves one or more error sources, each by a basis function of the axis position.
+//! Fitted parameters: each moves one or more error sources, each by a basis function of the axis position.
 
 use crate::identify::data::{InstrumentUnknown, MeasurementSet, Reading, lever};
 use crate::lower::{ErrorSite, Source};
@@ -20,7 +20,7 @@ pub enum Basis {
 }
 
 impl Basis {
-    /// Where its pieces meet.
+    /// Positions at which its pieces meet.
     pub(crate) fn knots(&self) -> Option<&[f64]> {
         if let Self::Spline(curve) = self { curve.knots().map(Knots::positions) } else { None }
     }
@@ -75,9 +75,9 @@ pub struct Parameter {
     pub unit: String,
     /// Multiplies the kept value to give one in `unit`.
     pub factor: f64,
-    /// What it moves; nothing if it belongs to an instrument or a set-up.
+    /// Terms that it moves; empty if it belongs to an instrument or a set-up.
     pub terms: Vec<Term>,
-    /// Where the fit starts.
+    /// Start of the fit.
     pub start: f64,
     /// Displacement (mm) that a unit of it makes over a usual lever: for comparing unlike parameters.
     pub size: f64,
@@ -119,7 +119,7 @@ impl Parameter {
         Self { name, unit: format!("{unit}{per}{exponent}"), factor, terms, start, size }
     }
 
-    /// Does it belong to an instrument or a set-up?
+    /// True if it belongs to an instrument or a set-up.
     pub fn is_nuisance(&self) -> bool {
         self.terms.is_empty()
     }
@@ -146,7 +146,7 @@ impl From<InstrumentUnknown> for Parameter {
     }
 }
 
-/// Where an error sits. Its axis is one of the chain's, or the spindle.
+/// Site of an error. Its axis is one of the chain's, or the spindle.
 pub(crate) fn source(machine: &Machine, error: &ErrorId) -> Source {
     let joint = machine.axis_index(error.axis.as_str()).unwrap_or(machine.axes().len());
     let place = if error.is_location() { ErrorSite::Location(joint) } else { ErrorSite::Component(joint) };
@@ -164,7 +164,7 @@ pub struct SlopeBound {
     pub slope: f64,
 }
 
-/// Where a slope is taken, evenly over the travel.
+/// Positions at which a slope is taken, evenly over the travel.
 const SLOPES: usize = 25;
 
 impl SlopeBound {

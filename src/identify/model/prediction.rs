@@ -20,7 +20,7 @@ use rayon::prelude::*;
 pub struct Model<'a> {
     machines: Vec<Machine>,
     parameters: &'a [Parameter],
-    /// How many of them are the machine's.
+    /// Number of them that are the machine's.
     own: usize,
     /// Every error that a parameter moves, each once.
     sources: Vec<Source>,
@@ -35,7 +35,7 @@ pub struct Model<'a> {
     real_locations: bool,
 }
 
-/// What a parameter does to a source: factor times function. Indices are those of the model's lists.
+/// Effect of a parameter on a source: factor times function. Indices are those of the model's lists.
 #[derive(Debug, Clone, Copy)]
 struct Link {
     parameter: usize,
@@ -45,7 +45,7 @@ struct Link {
     approach: Approach,
 }
 
-/// What a reading would be, and how it moves; the first [`Measurement::seen`] components count.
+/// A predicted reading and its derivatives; the first [`Measurement::seen`] components count.
 struct Local {
     predicted: Vector3<f64>,
     /// By parameters of the machine.
@@ -129,7 +129,7 @@ impl<'a> Model<'a> {
         self.parameters
     }
 
-    /// How many unknowns are the machine's.
+    /// Number of unknowns that are the machine's.
     pub fn own(&self) -> usize {
         self.own
     }
@@ -144,7 +144,7 @@ impl<'a> Model<'a> {
         &self.machines[measurement.tool]
     }
 
-    /// What a unit of its parameter adds to the source of each link.
+    /// Contribution of a unit of its parameter to the source of each link.
     fn shares(&self, pose: &[f64], approach: Approach) -> Vec<f64> {
         let functions: Vec<f64> = self.functions.iter().map(|(axis, basis)| basis.value(pose[*axis])).collect();
         self.links.iter().map(|l| share(l.approach, approach) * l.factor * functions[l.function]).collect()
@@ -192,7 +192,7 @@ impl<'a> Model<'a> {
         self.observe(m, theta, at).value
     }
 
-    /// What the machine with these unknowns would be read as (mm, in the frame of the reading).
+    /// Reading of the machine with these unknowns (mm, in the frame of the reading).
     pub fn predicted(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
         match self.order {
             Order::Degree(1) => self.reading::<Dual<2>>(m, theta).map(|x| x.total()),

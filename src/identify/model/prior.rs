@@ -1,4 +1,4 @@
-//! What is known before the data.
+//! Knowledge before the data.
 //!
 //! Unknowns are compared as displacements: of an error that is one number its own, of a curve the root mean square over
 //! the travel. So it does not matter in which basis a curve is written: powers about the machine's zero point may be
@@ -39,7 +39,7 @@ pub(crate) struct Prior {
     start: DVector<f64>,
     /// Displacements (mm) from unknowns, the machine's first: an upper triangle.
     metric: DMatrix<f64>,
-    /// How many unknowns are the machine's. Nothing is known of the instruments'.
+    /// Number of unknowns that are the machine's. Nothing is known of the instruments'.
     own: usize,
     /// Combinations that are known to be `values` with standard deviation 1.
     rows: DMatrix<f64>,
@@ -47,7 +47,7 @@ pub(crate) struct Prior {
 }
 
 impl Prior {
-    /// Of a model; `home` is the linear problem at the starts of its unknowns.
+    /// Prior of a model; `home` is the linear problem at the starts of its unknowns.
     pub fn new(model: &Model<'_>, data: &[Measurement], home: &ReducedSystem) -> Self {
         let list = model.parameters();
         let start = DVector::from_iterator(list.len(), list.iter().map(|p| p.start));
@@ -59,7 +59,7 @@ impl Prior {
         prior.holding(&hidden, HELD / many)
     }
 
-    /// With directions (of displacements, columns) that stay at the start within `sigma` (mm).
+    /// Adds directions (of displacements, columns) that stay at the start within `sigma` (mm).
     fn holding(self, directions: &DMatrix<f64>, sigma: f64) -> Self {
         let (known, held) = (self.rows.nrows(), directions.tr_mul(&self.metric) / sigma);
         let mut rows = self.rows.insert_rows(known, held.nrows(), 0.0);
@@ -74,14 +74,14 @@ impl Prior {
         variance / (SIGMA * SIGMA)
     }
 
-    /// How far from home, as displacements.
+    /// Distance from home, as displacements.
     pub fn away(&self, theta: &[f64]) -> DVector<f64> {
         let mut away = &self.metric * (DVector::from_column_slice(theta) - &self.start);
         away.rows_mut(self.own, theta.len() - self.own).fill(0.0);
         away
     }
 
-    /// What is known otherwise, as rows of readings of this variance: coefficients, and what is missing.
+    /// Other knowledge, as rows of readings of this variance: coefficients, and what is missing.
     pub fn rows(&self, theta: &[f64], variance: f64) -> (DMatrix<f64>, DVector<f64>) {
         let missing = &self.values - &self.rows * DVector::from_column_slice(theta);
         (&self.rows * libm::sqrt(variance), missing * libm::sqrt(variance))
@@ -125,7 +125,7 @@ fn metric(model: &Model<'_>) -> DMatrix<f64> {
     triangle.finish().r
 }
 
-/// What a unit of each unknown does to an error: displacements at places of the travel, over the root of their number.
+/// Effect of a unit of each unknown on an error: displacements at places of the travel, over the root of their number.
 fn effects(model: &Model<'_>, (source, approach): (Source, Approach)) -> Vec<Vec<f64>> {
     let mine = |p: &Parameter, q: f64| {
         let terms = p.terms.iter().filter(|t| (t.source, t.approach) == (source, approach));

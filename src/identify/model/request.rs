@@ -1,7 +1,6 @@
-//! What to fit, in words: groups (`location`, `tool`, `workpiece`, `spindle`, `linear`) and error names, component
+//! The request of a fit in words: groups (`location`, `tool`, `workpiece`, `spindle`, `linear`), error names, component
 //! errors with a basis (`EXX:poly3`, `ECC:fourier2`, `EYX:spline8`, `EYX:bspline8`, `EBY:blocks4`), each direction of
-//! approach for
-//! itself if wanted (`EXX+-:poly3`), and parameters of one's own.
+//! approach for itself if wanted (`EXX+-:poly3`), and parameters of one's own.
 
 use super::curves::{self, MAX_POWER};
 use super::parameter::{Basis, Parameter, SlopeBound, Term, source};
@@ -228,7 +227,7 @@ fn tie(
 const SLOPE: u8 = 4;
 const OWN: u8 = 5;
 
-/// Which form of curve a parameter belongs to.
+/// Form of curve to which a parameter belongs.
 fn kind(parameter: &Parameter) -> u8 {
     match parameter.terms.first().map(|t| &t.basis) {
         _ if parameter.name.ends_with(":slope") => SLOPE,

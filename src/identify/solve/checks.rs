@@ -1,4 +1,4 @@
-//! What is left after the fit: residuals, outliers, orders apart, and the prediction of data not used.
+//! Checks after the fit: residuals, outliers, orders apart, and the prediction of data not used.
 
 use super::weighing::{median, solve, standardised};
 use crate::identify::data::{Measurement, ReadingKind};
@@ -20,16 +20,16 @@ pub struct Outlier {
     pub deviations: f64,
 }
 
-/// What is left, before and after. Every RMS is that of vector lengths (mm).
+/// Residuals before and after the fit. Every RMS is that of vector lengths (mm).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Residuals {
-    /// With the machine as the file says.
+    /// RMS with the machine as the file has it.
     pub before: f64,
-    /// With the fitted machine.
+    /// RMS with the fitted machine.
     pub after: f64,
     /// Median of the lengths with the machine as the file says, of readings that it predicts by itself.
     pub typical: f64,
-    /// With the fitted machine, for each kind of rows: how many, and their RMS.
+    /// Number and RMS for each kind of rows, with the fitted machine.
     pub kinds: Vec<(ReadingKind, usize, f64)>,
     /// Measurements that stand out, the worst first.
     pub outliers: Vec<Outlier>,

@@ -32,16 +32,16 @@ const MAX_DAMPING: f64 = 1e6;
 /// Condition up to which the normal equations of the triangle give the step.
 const EASY: f64 = 1e5;
 
-/// How readings of one quantity scatter.
+/// Scatter of the readings of one quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scatter {
-    /// Which; `None`: those whose uncertainty the files give.
+    /// The quantity; `None`: those whose uncertainty the files give.
     pub of: Option<ReadingKind>,
     /// Standard deviation of a reading of weight 1 (mm); in units of 1 um of the uncertainty where that is given.
     pub sigma: f64,
 }
 
-/// Where a fit has come to.
+/// State of a fit.
 #[derive(Debug, Clone)]
 pub struct Fit {
     /// Values of the parameters (mm, rad, degrees of position).
@@ -52,11 +52,11 @@ pub struct Fit {
     pub squares: f64,
     /// Weight of each measurement.
     pub weights: Vec<f64>,
-    /// Where unlike quantities were weighed against each other: how each scatters.
+    /// Scatter of each quantity, if unlike quantities were weighed against each other.
     pub scatter: Vec<Scatter>,
     /// Then also, of each unknown, the degrees of freedom that its uncertainty rests on.
     pub freedom: Vec<f64>,
-    /// Is the unknown held by something else than readings (bounds on slopes)?
+    /// True if the unknown is held by something else than readings (bounds on slopes).
     pub bounded: Vec<bool>,
     /// Accepted steps.
     pub steps: usize,
@@ -81,7 +81,7 @@ pub(crate) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Of what stands in the data.
+    /// Search over the data.
     pub fn new(model: &'a Model<'a>, data: &'a [Measurement]) -> Self {
         Self::weighed(model, data, data.iter().map(|m| m.weight).collect())
     }
@@ -126,7 +126,7 @@ struct Descent<'a> {
     reduced: ReducedSystem,
     damping: f64,
     steps: usize,
-    /// What the step that led here had promised, if it was a whole one.
+    /// Gain that the step that led here had promised, if it was a whole one.
     last: Option<f64>,
 }
 
@@ -259,7 +259,7 @@ impl Problem {
         }
     }
 
-    /// What a step would leave.
+    /// Residual that a step would leave.
     fn cost(&self, step: &DVector<f64>) -> f64 {
         let left = (&self.right - &self.coefficients * step).norm_squared();
         left + self.rest * self.rest + self.pull * (&self.home + step).norm_squared()

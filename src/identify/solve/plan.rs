@@ -1,4 +1,4 @@
-//! Which poses to measure: few, and such that the parameters are known best. Nothing has to be measured for it.
+//! A plan of few poses to measure, such that the parameters are known best. Nothing has to be measured for it.
 
 use super::fit::Fit;
 use super::solution::Solution;
@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, Matrix3};
 
 /// Random poses to choose from, for each tool.
 const CANDIDATES: usize = 500;
-/// What is known of a parameter before, as a displacement (mm).
+/// Knowledge of a parameter before, as a displacement (mm).
 const BEFORE: f64 = 3.0;
 
 /// Poses worth measuring, and what they will tell.

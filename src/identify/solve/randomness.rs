@@ -1,5 +1,5 @@
-//! Are the residuals noise? Three tests that a calibration engineer can act on, per kind of row and component, in the
-//! order in which was measured.
+//! Tests whether residuals are noise: three on which a calibration engineer can act, per kind of row and component, in
+//! the order of measurement.
 
 use crate::identify::data::{Measurement, ReadingKind};
 use nalgebra::Vector3;
@@ -7,14 +7,14 @@ use nalgebra::Vector3;
 /// Fewer residuals than this tell nothing.
 const FEWEST: usize = 20;
 
-/// What the residuals of one component look like. Probabilities are those of noise looking like this or worse.
+/// Residuals of one component. Probabilities are those of noise looking like this or worse.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Randomness {
-    /// Of which rows.
+    /// Kind of the rows.
     pub kind: ReadingKind,
-    /// Which component of a deviation; 0 otherwise.
+    /// Component of a deviation; 0 otherwise.
     pub component: usize,
-    /// How many residuals.
+    /// Number of residuals.
     pub count: usize,
     /// Skewness and kurtosis are those of a normal distribution (Jarque and Bera 1980): low with outliers.
     pub normality: f64,

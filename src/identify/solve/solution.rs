@@ -1,4 +1,4 @@
-//! What a fit is worth: rank, null space in words, uncertainty, and what the noise drowns.
+//! Quality of a fit: rank, null space in words, uncertainty, and combinations that the noise drowns.
 
 use super::fit::Fit;
 use super::student;
@@ -28,7 +28,7 @@ pub struct Estimate {
     /// reading
     /// more than the rank, so that nothing scatters.
     pub sigma: Option<f64>,
-    /// How many standard uncertainties a 95 % interval reaches to either side (Student); `None` without scatter.
+    /// Number of standard uncertainties to either side of a 95 % interval (Student); `None` without scatter.
     pub coverage: Option<f64>,
     /// How many times better its effect on a usual reading is known than one reading is: root mean square of the
     /// effect of one standard uncertainty over the readings, inverted, in standard deviations of a reading. Depends on
@@ -47,15 +47,15 @@ pub struct Solution {
     pub rank: usize,
     /// The same of the model to first order in the errors: what only products of errors show does not count.
     pub rank_first_order: usize,
-    /// How many independent directions the noise does not drown.
+    /// Number of independent directions that the noise does not drown.
     pub well_determined: usize,
     /// Parameters without any effect.
     pub idle: Vec<String>,
-    /// What cannot be told apart, in words: a sentence for each rank that is missing, first those on `idle`.
+    /// Null space in words: a sentence for each rank that is missing, first those on `idle`.
     pub null_space: Vec<String>,
     /// The same, of a few parts each.
     short: Vec<String>,
-    /// What can in principle, but not with this noise, in words.
+    /// Combinations that are determined in principle, but not with this noise, in words.
     pub drowned: Vec<String>,
     /// Singular values of the column-scaled Jacobian, falling.
     pub singular_values: Vec<f64>,

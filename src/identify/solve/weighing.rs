@@ -1,5 +1,4 @@
-//! What readings weigh. Readings of one quantity scatter alike; those of another have a variance of their own, found
-//! with
+//! Weights of readings. Readings of one quantity scatter alike; those of another have a variance of their own, found by
 //! the fit (Helmert's variance components), unless the files give uncertainties. With robust weights (Huber) readings
 //! that stand out count less, and the uncertainty is that of Huber's estimate.
 
@@ -67,10 +66,10 @@ pub fn solve(model: &Model<'_>, data: &[Measurement], robust: bool) -> Fit {
     found
 }
 
-/// Which readings are of one quantity.
+/// Groups of readings of one quantity.
 struct Groups {
     kinds: Vec<Option<ReadingKind>>,
-    /// Of each measurement, index in `kinds`.
+    /// Index in `kinds`, of each measurement.
     of: Vec<usize>,
 }
 
@@ -223,7 +222,7 @@ fn shared(parts: &[(f64, f64)]) -> Vec<f64> {
     sigmas.into_iter().map(|sigma| sigma.max(least)).collect()
 }
 
-/// What counts of each reading.
+/// Fractions by which readings count.
 fn shares(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<f64> {
     let sizes = standardised(data, residuals);
     sizes.into_iter().map(|size| if size > HUBER { HUBER / size } else { 1.0 }).collect()

@@ -23,7 +23,7 @@ pub struct AxisDraft {
     pub travel: Option<Travel>,
 }
 
-/// What an entry gives of the geometry of an axis.
+/// Geometry of an axis that an entry gives.
 #[derive(Debug, Clone, Default)]
 pub struct SideDraft {
     pub direction: Option<[f64; 3]>,
@@ -32,7 +32,7 @@ pub struct SideDraft {
 }
 
 impl AxisDraft {
-    /// What holds on a side: its block, else the plain keys, else what the block of the other side says.
+    /// Geometry on a side: its block, else the plain keys, else the block of the other side.
     pub fn on(&self, branch: Branch) -> SideDraft {
         let (own, other) = match branch {
             Branch::Tool => (&self.on_tool, &self.on_workpiece),
@@ -112,7 +112,7 @@ fn axis(context: &mut Context<'_>, name: &str, entry: Option<&AxisEntry>) -> Opt
     Some(AxisDraft { kind, sense, plain, on_tool, on_workpiece, ..unknown })
 }
 
-/// What the block of a side gives.
+/// Geometry that the block of a side gives.
 fn block(context: &mut Context<'_>, name: &AxisName, kind: AxisKind, side: &SideEntry, at: &Keys) -> SideDraft {
     let written = side.direction.as_ref();
     SideDraft {

@@ -233,7 +233,7 @@ impl Doubles<'_> {
         context.diagnostics.push(warning.help(help));
     }
 
-    /// What to do with a straight line: the set-up of the instrument, or a squareness with its sign.
+    /// Remedy for a straight line: the set-up of the instrument, or a squareness with its sign.
     fn line_help(&self, error: &ErrorId, slope: f64) -> String {
         let convention = self.axis.convention(&self.parts.conventions);
         let usual = convention.motion_sign * convention.component.sign() > 0.0;

@@ -1,4 +1,4 @@
-//! What holds of each axis on either side of the bed, and for which side the file states it.
+//! Geometry of each axis on either side of the bed, and the side for which the file states it.
 
 use super::axes::AxisDraft;
 use super::chain::side_in;

@@ -9,18 +9,18 @@ use crate::report::pictures::{Bar, ParetoPicture, Picture, WaterfallPicture};
 use crate::units::significant;
 use serde_json::{Map, Value, json};
 
-/// How machines were drawn for a budget.
+/// Settings of the machines drawn for a budget.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawSettings {
     /// The class that bounds what the machine file does not, and its source.
     pub class: Option<(String, String)>,
-    /// How many machines.
+    /// Number of machines.
     pub samples: usize,
     /// Seed of poses and errors.
     pub seed: u64,
-    /// How an error is distributed between its bounds.
+    /// Distribution of an error between its bounds.
     pub distribution: Distribution,
-    /// What counts of each machine.
+    /// Statistic of a machine over the poses.
     pub statistic: Statistic,
 }
 
@@ -31,11 +31,11 @@ pub struct BudgetReport<'a> {
     pub machine: &'a Machine,
     /// Its bounds.
     pub bounds: &'a [Bound],
-    /// What they come to.
+    /// The budget.
     pub budget: &'a Budget,
     /// At how many poses.
     pub poses: usize,
-    /// How machines were drawn.
+    /// Settings of the machines drawn.
     pub drawing: &'a DrawSettings,
 }
 
@@ -120,7 +120,7 @@ impl BudgetReport<'_> {
         list.iter().map(one).collect()
     }
 
-    /// Which tolerance to tighten first, and what each does at its bound.
+    /// Indices of the tolerances, first the one to tighten first, and the effect of each at its bound.
     fn tighten(&self) -> Vec<Value> {
         let um = |list: &[Contribution], i: usize| list.iter().find(|c| c.bound == i).map(|c| c.um);
         let one = |i: usize| {
@@ -136,7 +136,7 @@ impl BudgetReport<'_> {
         self.order().into_iter().map(one).collect()
     }
 
-    /// What each error does at its bound, and how they add up.
+    /// Effects of the errors at their bounds, and their sum.
     pub fn pareto(&self, top: usize) -> Picture {
         let bar = |c: &Contribution| Bar { label: self.bounds[c.bound].error.to_string(), value: c.um };
         ParetoPicture {
@@ -156,7 +156,7 @@ impl BudgetReport<'_> {
             + " (mm, deg)"
     }
 
-    /// How the budget is used up, tolerance by tolerance.
+    /// Use of the budget, tolerance by tolerance.
     pub fn waterfall(&self, top: usize) -> Picture {
         let order = self.order();
         let top = top.max(1);

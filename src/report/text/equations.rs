@@ -7,7 +7,7 @@ use crate::analysis::{Equations, Meaning, Symbol};
 use crate::machine::Machine;
 use nalgebra::{Matrix4, Vector3};
 
-/// How polynomials are written.
+/// Script of polynomials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Script {
     Text,
@@ -118,7 +118,7 @@ pub fn text(machine: &Machine, equations: &Equations) -> String {
     text
 }
 
-/// What needs to be said of a symbol.
+/// Explanation of a symbol.
 fn remark(machine: &Machine, symbol: &Symbol) -> Option<String> {
     match symbol.meaning {
         Meaning::ToolLength => {
@@ -186,7 +186,7 @@ pub fn latex(machine: &Machine, equations: &Equations) -> String {
     text
 }
 
-/// Is it narrow enough to be set as a matrix? The text of an entry is about as wide as its print.
+/// True if it is narrow enough to be set as a matrix. The text of an entry is about as wide as its print.
 fn fits(matrix: &Matrix4<Symbolic>, symbols: &[Symbol]) -> bool {
     let width = |j: usize| (0..3).map(|i| polynomial_text(&matrix[(i, j)], symbols).len()).max().unwrap_or(0);
     (0..4).map(width).sum::<usize>() <= PAGE

@@ -1,4 +1,4 @@
-//! What virtual instruments read, as JSON: the same in `instrument` and on the page.
+//! Readings of virtual instruments, as JSON: the same in `instrument` and on the page.
 
 use super::positions::positions;
 use crate::analysis::instrument::{BallBar, Diagonal, RTest};

@@ -25,7 +25,7 @@ const SECTIONS: usize = 14;
 /// Errors at their bounds at a pose.
 pub type Vectors<'a> = &'a (dyn Fn(&[f64]) -> Vec<[f64; 3]> + Sync);
 
-/// What is made largest.
+/// The quantity that is maximised.
 #[derive(Clone, Copy)]
 pub struct Objective<'a> {
     /// The value.

@@ -22,7 +22,7 @@ pub struct Row {
     pub chain: String,
     /// Number of axes that carry the workpiece.
     pub table: usize,
-    /// How it did.
+    /// Result of the arrangement.
     pub standing: Standing,
     /// Tool poses it reaches.
     pub reached: usize,
@@ -37,7 +37,7 @@ pub struct Row {
 /// The position error of an arrangement over the tool poses it reaches, um.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// What it is ranked by: the 95 % value of the drawn machines, or the statistic of the errors given.
+    /// Value of the ranking: the 95 % value of the drawn machines, or the statistic of the errors given.
     pub um: f64,
     /// Interval that holds the 95 % value with 95 % confidence, where there are enough samples.
     pub low: Option<f64>,
@@ -45,7 +45,7 @@ pub struct Outcome {
     pub high: Option<f64>,
     /// Mean of the drawn machines.
     pub mean: Option<f64>,
-    /// What it is ranked by, minus the same of the machine as its file has it, on the same tool poses.
+    /// Value of the ranking minus that of the machine as its file has it, on the same tool poses.
     pub minus_file: f64,
 }
 

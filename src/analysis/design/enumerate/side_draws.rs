@@ -4,7 +4,7 @@ use crate::analysis::design::budget::{Bound, Draws, JointBounds, SAMPLE_LANES, S
 use crate::machine::{Axis, Branch, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, Machine};
 use rayon::prelude::*;
 
-/// What is drawn of the joints on one side.
+/// Draws of the joints on one side.
 #[derive(Debug, Default)]
 struct Drawn {
     joints: Vec<JointBounds>,

@@ -38,7 +38,7 @@ pub(super) fn is(lines: &[Line]) -> bool {
     })
 }
 
-/// What the blocks hold.
+/// Contents of the blocks.
 #[derive(Default)]
 struct Blocks {
     /// Curves, with the readings.

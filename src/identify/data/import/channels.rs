@@ -101,7 +101,7 @@ struct MachineDirection {
     negative: bool,
 }
 
-/// How the instrument stands in the machine.
+/// Mounting of the instrument in the machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Mounting {
     beam: MachineDirection,

@@ -11,11 +11,11 @@ pub struct Repeated {
     pub mean: f64,
     /// The estimate of the standard deviation; `None` of a single reading.
     pub deviation: Option<f64>,
-    /// How many.
+    /// Number of readings.
     pub count: usize,
 }
 
-/// What was read at one target.
+/// Readings at one target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TargetReadings {
     /// mm or deg.
@@ -29,7 +29,7 @@ pub struct TargetReadings {
 }
 
 impl TargetReadings {
-    /// Whatever there is, of one direction.
+    /// Readings of one direction, whichever there is.
     pub fn any(&self) -> Option<Repeated> {
         self.forward.or(self.reverse).or(self.unknown)
     }
@@ -63,7 +63,7 @@ impl TargetReadings {
 pub struct AccuracyFigures {
     /// By rising position.
     pub targets: Vec<TargetReadings>,
-    /// How many runs each target saw in a direction, at least.
+    /// Smallest number of runs that a target has in a direction.
     pub runs: usize,
     /// Largest reversal, with its sign; `None` without two directions.
     pub reversal: Option<f64>,

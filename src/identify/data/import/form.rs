@@ -1,6 +1,6 @@
 //! Layouts of an exported table.
 
-/// How a table is laid out.
+/// Layout of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TableForm {
     /// A column for each error.

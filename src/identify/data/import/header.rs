@@ -1,4 +1,4 @@
-//! Where the table begins, the roles of its columns, and the metadata before it.
+//! The header: beginning of the table, roles of its columns, and the metadata before it.
 
 use super::channels::{self, Channel};
 use super::columns::{ColumnMap, MappedColumn};
@@ -163,7 +163,7 @@ pub(super) fn find(lines: &[Line], wanted: &ImportRequest) -> Result<Header, Box
     }))
 }
 
-/// What is asked for holds whether or not the file says it too.
+/// The request holds whether or not the file states it too.
 fn understood(wanted: &ImportRequest) -> Result<(), HeaderFailure> {
     wanted.error.as_deref().map(component_error).transpose()?;
     wanted.unit.as_deref().map(reading_unit).transpose()?;

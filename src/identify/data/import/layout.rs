@@ -25,7 +25,7 @@ pub(super) enum Meaning {
     Unknown,
 }
 
-/// Whole titles and their meaning, in tables of one form or of all.
+/// Whole titles with their meaning, in tables of one form or of all.
 struct TitleRule {
     titles: &'static [&'static str],
     form: Option<TableForm>,

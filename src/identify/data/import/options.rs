@@ -10,7 +10,7 @@ pub enum FileContents {
     Corrections,
 }
 
-/// How runs without a direction were approached.
+/// Approach of runs without a direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RunApproach {
@@ -20,11 +20,11 @@ pub enum RunApproach {
     Alternating,
 }
 
-/// Which line is meant.
+/// Line of a straightness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StraightnessLine {
-    /// Of least squares.
+    /// Line of least squares.
     #[default]
     LeastSquares,
     /// Through the first and the last target.

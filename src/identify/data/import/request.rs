@@ -5,7 +5,7 @@ use super::columns::ColumnMap;
 use super::options::{FileContents, RunApproach, StraightnessLine};
 use crate::diagnostic::shown;
 
-/// What the file itself may leave open.
+/// Facts that the file itself may leave open.
 #[derive(Debug, Clone, Default)]
 pub struct ImportRequest {
     /// The axis that moved.
@@ -14,11 +14,11 @@ pub struct ImportRequest {
     pub error: Option<String>,
     /// Unit of values that have none in the file.
     pub unit: Option<String>,
-    /// Whether the file holds errors or corrections, which have the other sign; errors, where the layout says nothing.
+    /// Errors or corrections, which have the other sign; errors, where the layout states nothing.
     pub contents: Option<FileContents>,
-    /// How runs without a direction were approached.
+    /// Approach of runs without a direction.
     pub approach: Option<RunApproach>,
-    /// Which line is taken off a straightness.
+    /// Line that is taken off a straightness.
     pub line: StraightnessLine,
     /// True if it is kept.
     pub keep_line: bool,

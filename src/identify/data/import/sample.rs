@@ -8,7 +8,7 @@ use crate::syntax::ColumnDirection;
 /// One reading (mm or rad) at a position (mm or deg).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
-    /// Which error, as an index in [`Import::errors`].
+    /// Error, as an index in [`Import::errors`].
     pub error: usize,
     /// The target; modulo 360 deg on an axis that turns without end.
     pub position: f64,
@@ -23,7 +23,7 @@ pub struct Sample {
 /// A row that was not used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnusedRow {
-    /// Where it stands.
+    /// Place in the file.
     pub place: Place,
     /// Why.
     pub reason: String,
@@ -54,7 +54,7 @@ pub struct NamedChannel {
 /// The line of one straightness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReferenceLine {
-    /// Which error, as an index in [`Import::errors`].
+    /// Error, as an index in [`Import::errors`].
     pub error: usize,
     /// Its slope (mm per mm).
     pub slope: f64,
@@ -66,20 +66,20 @@ pub struct ReferenceLine {
     pub taken_off: bool,
 }
 
-/// What a file holds.
+/// Contents of a file.
 #[derive(Debug, Clone)]
 pub struct Import {
-    /// How its table is laid out.
+    /// Layout of its table.
     pub form: TableForm,
     /// The axis that moved.
     pub axis: String,
-    /// Is it rotary (positions in deg)?
+    /// True if it is rotary (positions in deg).
     pub rotary: bool,
     /// The errors found.
     pub errors: Vec<ErrorId>,
     /// All readings, in the order of the file.
     pub samples: Vec<Sample>,
-    /// What stands before the table, `key: value`.
+    /// Entries before the table, `key: value`.
     pub metadata: Vec<(String, String)>,
     /// Rows that were not used.
     pub left_out: Vec<UnusedRow>,

@@ -9,7 +9,7 @@ use crate::diagnostic::shown;
 pub struct ImportedTable {
     /// As it is written.
     pub text: String,
-    /// How many positions it has.
+    /// Number of positions.
     pub rows: usize,
     /// At which positions it has no row because something is missing there.
     pub missing: Vec<String>,
