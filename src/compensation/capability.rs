@@ -125,7 +125,7 @@ pub enum Fit {
 /// The part of the corrections that tables hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Holds {
+pub enum OwnAxisContent {
     /// All of it.
     #[default]
     All,
@@ -235,7 +235,7 @@ pub struct OwnAxisRules {
     pub every_axis: bool,
     /// The part of the corrections that they hold.
     #[serde(default)]
-    pub holds: Holds,
+    pub holds: OwnAxisContent,
 }
 
 /// The rules of tables that correct an axis as a function of another one's position.

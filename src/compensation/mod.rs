@@ -26,7 +26,7 @@ mod tables;
 
 pub use batch::correct_all;
 pub use capability::{
-    Directions, Encoding, Fit, Holds, KinematicsMechanism, LatticeRules, Mechanisms, ModuleContent, PlaneGrid,
+    Directions, Encoding, Fit, KinematicsMechanism, LatticeRules, Mechanisms, ModuleContent, OwnAxisContent, PlaneGrid,
     PlaneRules, Reference, Spacing, Stored, TableRules,
 };
 pub use correct::{Corrected, correct};

@@ -149,8 +149,8 @@ impl Constants {
         [first, last]: [&Htm<f64>; 2],
     ) -> Result<(), Diagnostic> {
         let joints = request.conventions.joints;
-        let clamping = inverse(&seen_from(&machine.workpiece(), first));
-        parts.setup.workpiece = tidied(&six_of(&clamping, joints), &machine.setup().workpiece);
+        let setup = inverse(&seen_from(&machine.workpiece(), first));
+        parts.setup.workpiece = tidied(&six_of(&setup, joints), &machine.setup().workpiece);
         let all = self.before.last().unwrap_or(&self.bed);
         let rest = inverse(last).compose(all);
         self.at_the_tool(machine, request, parts, &rest)

@@ -4,7 +4,7 @@
 //! between motions X, each the nominal motion of an axis with its error motion beside it.
 //!
 //! 1. [`constants`](Constants) reads the K of a machine and regroups them as the new conventions want them: location
-//!    errors, clamping of the workpiece, spindle.
+//!    errors, set-up of the workpiece, spindle.
 //! 2. [`ComponentErrors`] gives the new six component errors of an axis, as a function of its position.
 //! 3. [`shape()`] looks for a curve of the language that is this function.
 //! 4. [`prove`] compares both machines, exact model, over travels and volume.
@@ -161,7 +161,7 @@ fn regroups(old: &Conventions, request: &ConversionRequest) -> bool {
         || (old.location == Location::CarriedBody && old.errors_are != request.conventions.errors_are)
 }
 
-/// The errors whose terms differ between a machine and its conversion; those of clamping as `tool.X`, `workpiece.A`.
+/// The errors whose terms differ between a machine and its conversion; those of the set-up as `tool.X`, `workpiece.A`.
 pub fn changes(old: &Machine, new: &MachineParts) -> Vec<Change> {
     let constant = |term: &Option<ErrorTerm>| term.as_ref().map_or(0.0, |t| t.value(0.0, Approach::Mean));
     let before = |name: &AxisName| match old.axis_index(name.as_str()) {

@@ -13,8 +13,8 @@ pub struct Chain<S: Algebra> {
     pub joints: Vec<Htm<S>>,
     /// G of the spindle (identity if there is none).
     pub spindle: Htm<S>,
-    /// Motion of the nominal against the clamped workpiece (identity without errors of clamping).
-    pub clamping: Htm<S>,
+    /// Motion of the nominal against the clamped workpiece (identity without set-up errors).
+    pub workpiece_setup: Htm<S>,
     /// The functional point at the zero pose, machine coordinates.
     pub tip: Vector3<S>,
     /// The number of joints on the workpiece side: they come first.
@@ -42,11 +42,12 @@ impl<S: Algebra> Chain<S> {
         let motion = |place, six: &[f64; 6]| elements.six(place, six).map(|six| error_motion(&six, conventions.joints));
         let gauge = machine.tool().gauge;
         let spindle = values.spindle.and_then(|six| motion(ErrorSite::Location(at.len()), &six));
-        let clamping = motion(ErrorSite::Workpiece, &values.workpiece);
+        let workpiece_setup = motion(ErrorSite::Workpiece, &values.workpiece);
         Self {
             joints: (0..at.len()).map(axis).collect(),
             spindle: spindle.map_or_else(Htm::identity, |g| Htm::about(&gauge, g)),
-            clamping: clamping.map_or_else(Htm::identity, |g| Htm::about(&machine.workpiece(), invert_if(true, g))),
+            workpiece_setup: workpiece_setup
+                .map_or_else(Htm::identity, |g| Htm::about(&machine.workpiece(), invert_if(true, g))),
             tip: elements.tip(machine.tool().tip, values.tool),
             workpiece_side: workpiece_side(machine),
         }
@@ -64,7 +65,7 @@ impl<S: Algebra> Chain<S> {
         Self {
             joints: axes.map(|(axis, q)| joint(axis, machine.conventions(), q, &none)).collect(),
             spindle: Htm::identity(),
-            clamping: Htm::identity(),
+            workpiece_setup: Htm::identity(),
             tip: Vector3::from(machine.tool().tip).map(S::from_real),
             workpiece_side: workpiece_side(machine),
         }
@@ -72,12 +73,12 @@ impl<S: Algebra> Chain<S> {
 
     /// The factors of [`Self::t_work_inverse`].
     pub fn workpiece_walk(&self) -> impl DoubleEndedIterator<Item = &Htm<S>> {
-        std::iter::once(&self.clamping).chain(&self.joints[..self.workpiece_side])
+        std::iter::once(&self.workpiece_setup).chain(&self.joints[..self.workpiece_side])
     }
 
     /// The factors of [`Self::t_wt`].
     pub fn walk(&self) -> impl DoubleEndedIterator<Item = &Htm<S>> {
-        std::iter::once(&self.clamping).chain(&self.joints).chain([&self.spindle])
+        std::iter::once(&self.workpiece_setup).chain(&self.joints).chain([&self.spindle])
     }
 
     /// T_work^-1: from the bed to the workpiece.

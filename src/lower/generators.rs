@@ -12,13 +12,13 @@ use std::sync::Arc;
 pub struct NamedSource {
     /// Its place in the chain.
     pub source: Source,
-    /// `EXX`, `EC0Y`; errors of clamping are `tool.X` and `workpiece.A`.
+    /// `EXX`, `EC0Y`; set-up errors are `tool.X` and `workpiece.A`.
     pub name: String,
-    /// The error of a joint; `None` for errors of clamping.
+    /// The error of a joint; `None` for set-up errors.
     pub error: Option<ErrorId>,
 }
 
-/// The errors given for a machine, those of clamping last.
+/// The errors given for a machine, those of the set-up last.
 pub fn named_sources(machine: &Machine) -> Vec<NamedSource> {
     let joint = |(id, _): (ErrorId, _)| {
         let index = machine.axis_index(id.axis.as_str()).unwrap_or(machine.axes().len());

@@ -133,15 +133,15 @@ impl<'a, L> Elements<'a, L> {
     }
 
     /// Returns the displaced tip.
-    pub(super) fn tip<S: Algebra>(&self, tip: [f64; 3], clamping: [f64; 3]) -> Vector3<S>
+    pub(super) fn tip<S: Algebra>(&self, tip: [f64; 3], setup_error: [f64; 3]) -> Vector3<S>
     where
         L: ErrorLift<S>,
     {
         Vector3::from_fn(|i, _| {
-            let displacement = if clamping[i] == 0.0 {
+            let displacement = if setup_error[i] == 0.0 {
                 S::zero()
             } else {
-                self.one(Source { place: ErrorSite::Tool, direction: Direction::ALL[i] }, clamping[i])
+                self.one(Source { place: ErrorSite::Tool, direction: Direction::ALL[i] }, setup_error[i])
             };
             S::from_real(tip[i]) + displacement
         })

@@ -53,7 +53,7 @@ pub fn position_jacobian<S: Algebra>(
     sources: &[Source],
 ) -> PositionJacobian<S> {
     let lowering = Lowering { machine, elements: Elements::new(machine, lift) };
-    let mut walk = vec![lowering.clamping(values)];
+    let mut walk = vec![lowering.workpiece_setup(values)];
     walk.extend((0..pose.len()).map(|i| lowering.joint(i, pose[i], &values.axes[i])));
     walk.push(lowering.spindle(values));
     let mut x = lowering.elements.tip(machine.tool().tip, values.tool);
@@ -207,7 +207,7 @@ impl<L> Lowering<'_, L> {
         Motion { matrix: Htm::identity(), jacobian: None }
     }
 
-    fn clamping<S: Algebra>(&self, values: &ErrorValues) -> Joint<S>
+    fn workpiece_setup<S: Algebra>(&self, values: &ErrorValues) -> Joint<S>
     where
         L: ErrorLift<S>,
     {

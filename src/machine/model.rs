@@ -20,7 +20,7 @@ pub struct Tool {
     pub tip: [f64; 3],
 }
 
-/// Errors of clamping, in the real machine only.
+/// Set-up errors, in the real machine only.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SetUp {
     /// Displacement of the tip from its nominal place (mm).
@@ -64,7 +64,7 @@ pub struct MachineParts {
     pub workpiece: [f64; 3],
     /// Conventions in force.
     pub conventions: Conventions,
-    /// Errors of clamping.
+    /// Set-up errors.
     pub setup: SetUp,
     /// Interval and step of each axis, in the order of `axes`.
     pub volume: Vec<Grid>,
@@ -178,7 +178,7 @@ impl Machine {
         &self.parts.conventions
     }
 
-    /// Errors of clamping.
+    /// Set-up errors.
     pub fn setup(&self) -> &SetUp {
         &self.parts.setup
     }
@@ -217,7 +217,7 @@ impl Machine {
         })
     }
 
-    /// The same machine with only the errors (and no errors of clamping) that `keep` accepts.
+    /// The same machine with only the errors (and no set-up errors) that `keep` accepts.
     pub fn filtered(&self, keep: impl Fn(&ErrorId) -> bool) -> Self {
         let mut parts = self.parts.clone();
         let names: Vec<AxisName> = self.joint_names().cloned().collect();

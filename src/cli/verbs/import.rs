@@ -28,7 +28,7 @@ pub(crate) struct Args {
     /// Whether the values are errors (actual minus target) or corrections [default: errors, where the layout does not
     /// leave it open].
     #[arg(long, value_enum, value_name = "WHAT")]
-    holds: Option<Holds>,
+    holds: Option<ContentsArg>,
     /// The file holds corrections, not errors: short for `--holds corrections`.
     #[arg(long, conflicts_with = "holds")]
     correction: bool,
@@ -62,7 +62,7 @@ pub(crate) struct Args {
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum Holds {
+enum ContentsArg {
     /// Actual minus target.
     Errors,
     /// Target minus actual.
@@ -87,8 +87,8 @@ enum Line {
 
 fn contents(args: &Args) -> Option<FileContents> {
     match args.holds {
-        Some(Holds::Errors) => Some(FileContents::Errors),
-        Some(Holds::Corrections) => Some(FileContents::Corrections),
+        Some(ContentsArg::Errors) => Some(FileContents::Errors),
+        Some(ContentsArg::Corrections) => Some(FileContents::Corrections),
         None => args.correction.then_some(FileContents::Corrections),
     }
 }

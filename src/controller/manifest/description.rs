@@ -1,6 +1,6 @@
 //! The manifest of a target (`target.yaml`): mechanisms of the controller, and its use of them.
 
-use crate::compensation::{Holds, KinematicsMechanism, Mechanisms, TableRules};
+use crate::compensation::{KinematicsMechanism, Mechanisms, OwnAxisContent, TableRules};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -331,7 +331,7 @@ impl Manifest {
 
     /// Own-axis tables beside kinematics.
     pub fn reversal(&self) -> Option<&TableRules> {
-        let own = self.mechanism.own_axis.as_ref().filter(|own| own.holds == Holds::Reversal)?;
+        let own = self.mechanism.own_axis.as_ref().filter(|own| own.holds == OwnAxisContent::Reversal)?;
         (self.mechanism.kinematics.is_some() && own.table.directions.is_bidirectional()).then_some(&own.table)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Column, Layout, Manifest, Per};
 use crate::compensation::{
-    Encoding, Holds, Increment, KinematicsMechanism, ModuleContent, Spacing, Stored, TableRules,
+    Encoding, Increment, KinematicsMechanism, ModuleContent, OwnAxisContent, Spacing, Stored, TableRules,
 };
 
 impl Manifest {
@@ -23,7 +23,7 @@ impl Manifest {
                         .to_owned(),
                 );
             }
-            None if self.mechanism.own_axis.as_ref().is_some_and(|own| own.holds == Holds::Reversal) => {
+            None if self.mechanism.own_axis.as_ref().is_some_and(|own| own.holds == OwnAxisContent::Reversal) => {
                 return Some("holds: reversal is for own_axis tables beside kinematics".to_owned());
             }
             None if tables == 0 => return Some("mechanism: there is none".to_owned()),

@@ -250,13 +250,13 @@ fn fixed(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<String
         return Ok(vec![word.to_owned()]);
     }
     // Of what is not fitted there is nothing to take out.
-    let clamping = setup(machine, ErrorSite::Tool, "tool", &machine.setup().tool).into_iter().chain(setup(
+    let of_setup = setup(machine, ErrorSite::Tool, "tool", &machine.setup().tool).into_iter().chain(setup(
         machine,
         ErrorSite::Workpiece,
         "workpiece",
         &machine.setup().workpiece,
     ));
-    if formed(word).is_some() || clamping.into_iter().any(|p| p.name == word) {
+    if formed(word).is_some() || of_setup.into_iter().any(|p| p.name == word) {
         return Ok(Vec::new());
     }
     let error = error(machine, word)?;

@@ -149,7 +149,7 @@ pub fn workpiece(context: &mut Context<'_>) -> Option<PositionDraft> {
     position(context, written, &keys(["workpiece", "origin"]))
 }
 
-/// Errors of clamping.
+/// Set-up errors.
 pub fn setup(context: &mut Context<'_>) -> SetUp {
     let mut setup = SetUp::default();
     let Some(entry) = &context.document.setup else { return setup };

@@ -104,7 +104,7 @@ pub fn identify(context: &mut Context<'_>, known: &JointNames<'_>) {
             if let Some(form) = form.filter(|_| !fixed) {
                 basis(context, form, knotted(undirected(name)), &at);
             }
-            let own = entry.parameters.contains_key(name) || (fixed && is_clamping(name));
+            let own = entry.parameters.contains_key(name) || (fixed && is_setup(name));
             if !GROUPS.contains(&name) && !own {
                 fit(context, known, undirected(name), &at);
             }
@@ -131,8 +131,8 @@ pub fn identify(context: &mut Context<'_>, known: &JointNames<'_>) {
     }
 }
 
-/// `tool.X`, `workpiece.A`: one error of clamping.
-fn is_clamping(name: &str) -> bool {
+/// `tool.X`, `workpiece.A`: one set-up error.
+fn is_setup(name: &str) -> bool {
     let letters = |word: &str| name.strip_prefix(word).and_then(|rest| rest.strip_prefix('.'));
     letters("tool").is_some_and(|l| ["X", "Y", "Z"].contains(&l))
         || letters("workpiece").is_some_and(|l| ["X", "Y", "Z", "A", "B", "C"].contains(&l))
