@@ -4,10 +4,10 @@
 #![allow(clippy::unwrap_used)]
 
 use abbe::analysis::{SurveyTask, View, survey};
-use abbe::syntax::Disk;
 use abbe::diagnostic::Diagnostics;
-use abbe::evaluate::{Columns, Nodes, Order, CompiledModel, CompiledField, PoseColumns, Poses, Random, Width};
+use abbe::evaluate::{Columns, CompiledField, CompiledModel, Nodes, Order, PoseColumns, Poses, Random, Width};
 use abbe::machine::{Approach, Machine};
+use abbe::syntax::Disk;
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use std::path::Path;

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --manifest-path benches/Cargo.toml --bin algebra [-- PATH/libmadng_tpsa.so]`
 
-use abbe::algebra::weil::{Basis, NominalPose};
+use abbe::algebra::weil::{Basis, Ideal};
 use abbe::algebra::{Algebra, Dual, Htm};
 use abbe_benches::{Contender, heading, paired, print};
 use nalgebra::{Matrix3, Vector3};
@@ -159,7 +159,7 @@ fn matrices<T>(count: usize, list: &[T], out: &mut [T], f: impl Fn(&T, &T) -> T)
 
 /// Products of two dense elements into a third that is there already.
 fn weil(generators: u16, degree: u8, library: Option<&gtpsa::Library>) {
-    let Ok(basis) = Basis::new(generators, NominalPose::above(degree)) else { return };
+    let Ok(basis) = Basis::new(generators, Ideal::above(degree)) else { return };
     let mut numbers = Numbers(11);
     let count = basis.monomials().len();
     let [a, b]: [Vec<f64>; 2] = std::array::from_fn(|_| (0..count).map(|_| numbers.next()).collect());
