@@ -57,7 +57,7 @@ pub struct BudgetResult {
 }
 
 impl BudgetResult {
-    fn report(&self) -> BudgetReport<'_> {
+    pub(super) fn report(&self) -> BudgetReport<'_> {
         let Self { machine, bounds, budget, drawing, .. } = self;
         BudgetReport { machine, bounds, budget, poses: self.poses, drawing }
     }
@@ -125,7 +125,18 @@ fn budgeted(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> 
     }
     let at = pose_option(call, machine, options.at.as_ref())?;
     check(call, machine, at.as_slice())?;
-    let (bounds, source) = options.tolerances.bounds(call, machine)?;
+    let bounded = options.tolerances.bounds(call, machine)?;
+    budget_of(call, machine, options, at, bounded)
+}
+
+/// Budgets bounds, given with the source of their class.
+pub(super) fn budget_of(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    options: &BudgetOptions,
+    at: Option<Pose>,
+    (bounds, source): (Vec<Bound>, Option<String>),
+) -> Result<BudgetResult, Refused> {
     let draws = options.tolerances.draws(options.seed);
     let tool_poses = tool_poses::asked(call, machine, options.tool_poses.as_ref())?;
     let poses = match &tool_poses {

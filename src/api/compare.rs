@@ -2,7 +2,7 @@
 
 use super::budgets::{ComparedBudgets, DrawnMachines, budgets};
 use super::compiled_model::PoseDeviation;
-use super::machine_file::MachineFile;
+use super::machine_file::{MachineFile, sources_of};
 use super::order_of;
 use super::poses::check;
 use super::run::{Answer, Call, Refused, Run};
@@ -133,9 +133,7 @@ pub fn compare(
     options: &CompareOptions,
     run: Run<'_>,
 ) -> Result<Answer<CompareResult>, Diagnostics> {
-    let mut known = Diagnostics::default();
-    files.iter().for_each(|file| known.absorb(Diagnostics::about(file.sources().clone())));
-    Call::answer(run, &known.sources, |call| side_by_side(call, files, options))
+    Call::answer(run, &sources_of(files), |call| side_by_side(call, files, options))
 }
 
 fn side_by_side(

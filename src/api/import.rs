@@ -20,8 +20,8 @@ pub struct ImportOptions {
     pub error: Option<String>,
     /// Unit of readings that have none in the file.
     pub unit: Option<String>,
-    /// Whether the file holds errors or corrections, which have the other sign [default: errors]. Must be given where
-    /// the layout of the file leaves it open.
+    /// Errors, or corrections, which have the other sign; errors by default. Must be given where the layout of the file
+    /// leaves it open.
     pub contents: Option<FileContents>,
     /// Approach of runs without a direction.
     pub runs: Option<RunApproach>,

@@ -79,6 +79,13 @@ pub(crate) fn hashed(sources: &Sources) -> Vec<Hashed> {
     sources.iter().map(|(name, text)| Hashed::new(plain(name), text.as_bytes())).collect()
 }
 
+/// The files that several machines were read from, each once.
+pub(super) fn sources_of(files: &[MachineFile]) -> Sources {
+    let mut known = Diagnostics::default();
+    files.iter().for_each(|file| known.absorb(Diagnostics::about(file.sources.clone())));
+    known.sources
+}
+
 /// Options of [`load`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]

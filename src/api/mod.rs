@@ -48,6 +48,9 @@ mod tolerances;
 mod tool_poses;
 mod verify;
 
+use crate::evaluate::Order;
+use crate::machine::Machine;
+
 pub use budget::{BudgetOptions, budget};
 pub use check::check;
 pub use classify::{ClassifyOptions, classify};
@@ -76,9 +79,6 @@ pub use verify::{VerifyOptions, verify};
 
 pub use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 pub use crate::syntax::{Disk, Files, MemoryFiles};
-
-use crate::evaluate::Order;
-use crate::machine::Machine;
 
 /// The order asked for, or the one that the conventions of the machine name.
 fn order_of(machine: &Machine, order: Option<Order>) -> Order {

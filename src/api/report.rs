@@ -1,13 +1,13 @@
 //! `report`: one self-contained HTML page for a design review.
 
+use super::budget::{BudgetOptions, BudgetResult, budget_of};
 use super::budgets::{DrawnMachines, budgets};
 use super::compensation::effect::compiled_effect;
 use super::compensation::options::CompensationOptions;
-use super::machine_file::{MachineFile, bounded_only};
+use super::machine_file::{MachineFile, bounded_only, sources_of};
 use super::order_of;
 use super::run::{Answer, Call, Refused, Run};
 use super::tolerances::ToleranceOptions;
-use crate::analysis::budget::{Bound, Budget, Request, budget, budget_poses};
 use crate::analysis::{MAX_POSES, TooManyPoses, View, map};
 use crate::controller::Depth;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
@@ -17,7 +17,6 @@ use crate::report::page::{
     ComparisonData, Delivery, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
     TargetResult, colours,
 };
-use crate::report::{BudgetReport, DrawSettings};
 use serde_json::{Value, json};
 
 /// Options of [`report`].
@@ -86,9 +85,7 @@ impl Report {
 ///
 /// Fails for targets and classes that are not there, and where [`compile`](super::compile()) fails for a target.
 pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> Result<Answer<Report>, Diagnostics> {
-    let mut known = Diagnostics::default();
-    files.iter().for_each(|file| known.absorb(Diagnostics::about(file.sources().clone())));
-    Call::answer(run, &known.sources, |call| reported(call, files, options))
+    Call::answer(run, &sources_of(files), |call| reported(call, files, options))
 }
 
 fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions) -> Result<Report, Refused> {
@@ -127,7 +124,7 @@ struct Subject<'a> {
     written: Vec<TargetResult>,
     warnings: Vec<String>,
     instruments: Instruments,
-    budget: Option<OwnBudget>,
+    budget: Option<BudgetResult>,
 }
 
 impl<'a> Subject<'a> {
@@ -139,7 +136,7 @@ impl<'a> Subject<'a> {
             options.targets.iter().map(|name| compensated(call, file, name, options)).collect::<Result<_, _>>()?;
         let found = file.warnings().iter().chain(call.diagnostics.iter().skip(seen));
         let warnings = found.map(Diagnostic::to_string).collect();
-        let (budget, instruments) = (OwnBudget::of(call, file, options)?, Instruments::new(file));
+        let (budget, instruments) = (own_budget(call, file, options)?, Instruments::new(file));
         Ok(Self { file, written, warnings, instruments, budget })
     }
 
@@ -153,7 +150,7 @@ impl<'a> Subject<'a> {
             written: &self.written,
             warnings: &self.warnings,
             instruments: &self.instruments,
-            budget: self.budget.as_ref().map(|budget| budget.report(self.file)),
+            budget: self.budget.as_ref().map(BudgetResult::report),
         }
     }
 }
@@ -171,46 +168,20 @@ fn compensated(
     Ok(TargetResult { target, effect, certificate })
 }
 
-/// A budget with the bounds, poses and draws it was computed from.
-struct OwnBudget {
-    bounds: Vec<Bound>,
-    budget: Budget,
-    poses: usize,
-    drawing: DrawSettings,
-}
-
-/// Poses of a budget besides the corners of the volume: as many as `budget` takes.
-const BUDGET_POSES: usize = 500;
-
-impl OwnBudget {
-    /// None if no error is bounded.
-    fn of(call: &mut Call<'_>, machine: &Machine, options: &ReportOptions) -> Result<Option<Self>, Refused> {
-        let ReportOptions { tolerances, samples, seed, .. } = options;
-        let (bounds, source) = tolerances.bounds_if_any(call, machine)?;
-        if bounds.is_empty() {
-            return Ok(None);
-        }
-        let (poses, draws) = (budget_poses(machine, BUDGET_POSES, *seed), tolerances.draws(*seed));
-        let (samples, statistic) = (*samples, tolerances.statistic);
-        let request = Request {
-            machine,
-            bounds: &bounds,
-            poses: &poses,
-            searched: true,
-            at: None,
-            draws: &draws,
-            samples,
-            statistic,
-        };
-        let budget = call.stage(2 * samples, |advance| budget(request, advance));
-        let drawing = tolerances.drawing(source, samples, *seed);
-        Ok(Some(Self { budget, poses: poses.len(), drawing, bounds }))
+/// Returns the budget that [`budget`](super::budget()) would give; `None` if no error is bounded.
+fn own_budget(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    options: &ReportOptions,
+) -> Result<Option<BudgetResult>, Refused> {
+    let ReportOptions { tolerances, samples, seed, .. } = options;
+    let bounded = tolerances.bounds_if_any(call, machine)?;
+    if bounded.0.is_empty() {
+        return Ok(None);
     }
-
-    fn report<'a>(&'a self, machine: &'a Machine) -> BudgetReport<'a> {
-        let Self { bounds, budget, poses, drawing } = self;
-        BudgetReport { machine, bounds, budget, poses: *poses, drawing }
-    }
+    let options =
+        BudgetOptions { tolerances: tolerances.clone(), samples: *samples, seed: *seed, ..BudgetOptions::default() };
+    budget_of(call, machine, &options, None, bounded).map(Some)
 }
 
 /// Several machines on the same work, with their budgets where all have one.

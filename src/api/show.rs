@@ -75,8 +75,8 @@ pub struct Arm {
     pub at_zero: f64,
     /// The longest over the volume.
     pub longest: f64,
-    /// What hangs on it: the fraction of the sum of squares of all errors, each by itself, that the angular errors of
-    /// the axis make over the volume, at their values or bounds. None without errors.
+    /// Fraction of the sum of squares of all errors, each by itself, that the angular errors of the axis make over the
+    /// volume, at their values or bounds. None without errors.
     pub share: Option<f64>,
 }
 

@@ -75,7 +75,7 @@ pub struct MachineParts {
     pub uncertainty: BTreeMap<ErrorId, f64>,
     /// The algebra it names, if any.
     pub algebra: Option<AlgebraChoice>,
-    /// What holds of the axes on either side of the bed; `axes`, `errors` and `workpiece` are of the sides on which
+    /// Geometry of the axes on either side of the bed; `axes`, `errors` and `workpiece` are of the sides on which
     /// the axes stand.
     pub geometry: Geometry,
 }

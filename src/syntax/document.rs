@@ -87,9 +87,9 @@ pub struct AxisEntry {
     /// `iso841` or `direct`.
     #[schemars(schema_with = "super::schema::sense")]
     pub sense: Option<String>,
-    /// What holds when it carries the tool, over the plain keys.
+    /// Geometry and errors when it carries the tool, over the plain keys.
     pub on_tool: Option<SideEntry>,
-    /// What holds when it carries the workpiece, over the plain keys.
+    /// Geometry and errors when it carries the workpiece, over the plain keys.
     pub on_workpiece: Option<SideEntry>,
 }
 
@@ -237,7 +237,7 @@ pub struct IdentifyEntry {
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     #[schemars(schema_with = "super::schema::slopes")]
     pub slopes: IndexMap<String, Scalar>,
-    /// What the errors are referred to.
+    /// Reference of the errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub datum: Option<DatumEntry>,
 }
@@ -246,11 +246,11 @@ pub struct IdentifyEntry {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, serde::Serialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DatumEntry {
-    /// Where the squareness of the axes is held.
+    /// Place of the squareness of the axes.
     pub squareness: SquarenessSite,
 }
 
-/// Where the squareness of the axes is held.
+/// Place of the squareness of the axes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, serde::Serialize, schemars::JsonSchema)]
 pub enum SquarenessSite {
     /// In location errors; straightness curves have no slope.

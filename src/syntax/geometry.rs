@@ -31,7 +31,7 @@ pub struct RelativeEntry {
     pub at: Option<Vec<Scalar>>,
 }
 
-/// What holds of an axis when it stands on one side of the bed; it goes over the plain keys.
+/// Geometry of an axis on one side of the bed; it goes over the plain keys.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SideEntry {

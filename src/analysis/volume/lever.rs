@@ -38,11 +38,11 @@ pub fn levers(machine: &Machine) -> Vec<Lever> {
 pub fn arm_shares(machine: &Machine) -> Option<Vec<f64>> {
     let terms: Vec<(ErrorId, &ErrorTerm)> = machine.errors().collect();
     let ids: Vec<ErrorId> = terms.iter().map(|(id, _)| id.clone()).collect();
+    let axes: Vec<Option<usize>> = ids.iter().map(|id| machine.axis_index(id.axis.as_str())).collect();
     let mut squares = vec![0.0; machine.axes().len()];
     let mut total = 0.0;
     for pose in Poses::Random(Random::of(machine, RANDOM_POSES, 0)).iter() {
-        for (s, (id, term)) in sensitivities_to(machine, &pose, &ids).iter().zip(&terms) {
-            let axis = machine.axis_index(id.axis.as_str());
+        for ((s, (id, term)), axis) in sensitivities_to(machine, &pose, &ids).iter().zip(&terms).zip(&axes) {
             let size = match term {
                 ErrorTerm::Tolerance(bound) => *bound,
                 term => term.value(axis.map_or(0.0, |axis| pose[axis]), Approach::Mean),

@@ -1,10 +1,11 @@
 //! `abbe convert`: the same machine under other conventions, proved by comparing both.
 
-use crate::cli::arguments::{Unfit, length};
+use crate::cli::arguments::length;
 use crate::cli::output::session::Session;
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
 use abbe::results::ConvertResult;
+use abbe::text::Reason;
 use abbe::{ConvertOptions, MachineFile, convert};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -52,7 +53,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 /// A length of zero or more, such as `10 nm`.
-fn distance(text: &str) -> Result<f64, Unfit> {
+fn distance(text: &str) -> Result<f64, Reason> {
     length(text, |mm| (0.0..=1.0).contains(&mm), "write a length up to 1 mm, such as `10 nm`")
 }
 

@@ -1,12 +1,13 @@
 //! `abbe identify`: measurements to error parameters, and a fitted machine file.
 
-use crate::cli::arguments::{Unfit, length};
+use crate::cli::arguments::length;
 use crate::cli::output::session::Session;
 use crate::cli::output::{identify_report, monomials, pictures, plan, view};
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
 use abbe::options::Order;
 use abbe::results::{IdentifyResult, MeasurementPlan, MonomialFit};
+use abbe::text::Reason;
 use abbe::{IdentifyOptions, MachineFile, PlanOptions, fit_monomials, identify, plan_measurements};
 use serde_json::json;
 use std::path::PathBuf;
@@ -159,16 +160,16 @@ fn print_monomials(session: &Session, fit: &MonomialFit) {
 }
 
 /// The orders that can be fitted.
-fn order(text: &str) -> Result<Order, Unfit> {
+fn order(text: &str) -> Result<Order, Reason> {
     match text {
         "exact" => Ok(Order::Exact),
         "1" => Ok(Order::Degree(1)),
         "2" => Ok(Order::Degree(2)),
-        _ => Err(Unfit("write 1, 2 or exact".to_owned())),
+        _ => Err(Reason::new("write 1, 2 or exact")),
     }
 }
 
 /// A length above zero, such as `2 um`.
-fn noise(text: &str) -> Result<f64, Unfit> {
+fn noise(text: &str) -> Result<f64, Reason> {
     length(text, |mm| mm > 0.0, "write a length above zero, such as `2 um`")
 }

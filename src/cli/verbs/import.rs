@@ -5,8 +5,7 @@ use crate::cli::output::view::table;
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
 use abbe::options::{FileContents, RunApproach, StraightnessLine};
-use abbe::results::Sources;
-use abbe::results::{ImportResult, ImportedError};
+use abbe::results::{ImportResult, ImportedError, Sources};
 use abbe::text::{counted, significant};
 use abbe::{ImportOptions, import};
 use serde_json::json;
@@ -25,7 +24,7 @@ pub(crate) struct Args {
     /// Unit of readings that have none in the file.
     #[arg(long, value_name = "UNIT")]
     unit: Option<String>,
-    /// Whether the values are errors (actual minus target) or corrections [default: errors, where the layout does not
+    /// Meaning of the values: errors (actual minus target) or corrections [default: errors, where the layout does not
     /// leave it open].
     #[arg(long, value_enum, value_name = "WHAT")]
     holds: Option<ContentsArg>,

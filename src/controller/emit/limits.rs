@@ -2,7 +2,7 @@
 //! person raises the limit.
 
 use crate::compensation::{CorrectionTable, CorrectionTables};
-use crate::diagnostic::{Diagnostic, codes};
+use crate::diagnostic::{Diagnostic, Reason, codes};
 use crate::machine::{AxisKind, Machine};
 use crate::units::{self, Dimension, significant};
 
@@ -19,24 +19,6 @@ pub struct Limits {
     pub slope: f64,
 }
 
-/// The reason for which a text gives no limits.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NoLimit(String);
-
-impl std::fmt::Display for NoLimit {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for NoLimit {}
-
-impl From<units::Failure> for NoLimit {
-    fn from(failure: units::Failure) -> Self {
-        Self(failure.to_string())
-    }
-}
-
 impl Default for Limits {
     fn default() -> Self {
         Self { length_mm: 1.0, angle_rad: 5e-3, slope: 0.01 }
@@ -45,24 +27,24 @@ impl Default for Limits {
 
 impl Limits {
     /// Parses text such as `2 mm, 10 mrad, 0.05`; an omitted limit keeps its default.
-    pub fn parse(text: &str) -> Result<Self, NoLimit> {
+    pub fn parse(text: &str) -> Result<Self, Reason> {
         let mut limits = Self::default();
         let mut seen = [false; 3];
         for part in text.split(',').map(str::trim) {
             let (kind, value, slot, largest) = match units::quantity(part) {
                 Ok(q) if q.dimension == Dimension::LENGTH => (0, q.value, &mut limits.length_mm, 100.0),
                 Ok(q) if q.dimension == Dimension::ANGLE => (1, q.value, &mut limits.angle_rad, 0.1),
-                Ok(_) => return Err(NoLimit(format!("`{part}` is neither a length nor an angle"))),
+                Ok(_) => return Err(Reason::new(format!("`{part}` is neither a length nor an angle"))),
                 Err(units::Failure::NoUnit(_)) => {
-                    (2, units::number(part).map_err(NoLimit::from)?, &mut limits.slope, 1.0)
+                    (2, units::number(part).map_err(Reason::new)?, &mut limits.slope, 1.0)
                 }
-                Err(failure) => return Err(failure.into()),
+                Err(failure) => return Err(Reason::new(failure)),
             };
             if std::mem::replace(&mut seen[kind], true) {
-                return Err(NoLimit(format!("`{part}`: one length, one angle, one slope without a unit")));
+                return Err(Reason::new(format!("`{part}`: one length, one angle, one slope without a unit")));
             }
             if !(value > 0.0 && value <= largest) {
-                return Err(NoLimit(format!("`{part}` is not a limit: at most 100 mm, 100 mrad, 1")));
+                return Err(Reason::new(format!("`{part}` is not a limit: at most 100 mm, 100 mrad, 1")));
             }
             *slot = value;
         }

@@ -1,9 +1,8 @@
 //! The columns of an instrument's tables by hand: a small file that is kept with the instrument.
 
-use super::failure::Reason;
 use super::options::{FileContents, RunApproach};
 use super::unit::{component_error, position_unit, reading_unit};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, shown};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, Reason, codes, shown};
 use crate::machine::ErrorId;
 use crate::syntax::{ColumnDirection, Files, read_text};
 use indexmap::IndexMap;

@@ -5,24 +5,6 @@ use crate::machine::ErrorId;
 use crate::units;
 use std::fmt;
 
-/// The reason for which a file is refused, in words.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Reason(String);
-
-impl Reason {
-    pub(super) fn new(why: impl fmt::Display) -> Self {
-        Self(why.to_string())
-    }
-}
-
-impl fmt::Display for Reason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Reason {}
-
 /// Why a header cannot be used.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum HeaderFailure {

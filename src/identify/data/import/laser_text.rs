@@ -3,13 +3,12 @@
 //! No description by the maker is public. The layout is that which independent programs write and read. Neither the
 //! quantity and its unit nor the sign stands in the file: the ending of its name gives the one, the caller the other.
 
-use super::failure::Reason;
 use super::form::TableForm;
 use super::gather;
 use super::request::ImportRequest;
 use super::sample::{Import, Sample, UnusedColumn, refusal};
 use super::unit::{self, Unit, component_error, own_axis, reading_unit};
-use crate::diagnostic::{Diagnostic, Place, shown};
+use crate::diagnostic::{Diagnostic, Place, Reason, shown};
 use crate::machine::{AxisName, ErrorId};
 use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{self, Decimals, Line};
