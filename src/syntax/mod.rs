@@ -6,6 +6,7 @@
 mod disk;
 mod document;
 mod entry;
+mod error_words;
 mod extends;
 mod files;
 mod forms;
@@ -15,6 +16,7 @@ mod places;
 mod read;
 mod scalar;
 mod schema;
+mod schema_errors;
 pub mod sheet;
 mod table;
 mod term;

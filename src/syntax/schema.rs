@@ -7,40 +7,84 @@ use super::document::{
     AlgebraEntry, AxisEntry, Branches, ConventionsEntry, IdentifyEntry, SetUpEntry, ToolEntry, VolumeFields,
     WorkpieceEntry,
 };
-use super::term::{CurveEntry, TermEntry};
+use super::schema_errors::{self, errors};
+use super::term::CurveEntry;
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
 
-const NUMBER: &str = r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?";
-const LENGTH: &str = "(nm|um|µm|μm|mm|cm|m|in|inch)";
-const ANGLE: &str = "(nrad|urad|µrad|μrad|mrad|rad|deg|°|arcmin|arcsec)";
+/// A number.
+pub const NUMBER: &str = r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?";
+/// Units of length.
+pub const LENGTH: &str = "(nm|um|µm|μm|mm|cm|m|in|inch)";
+/// Units of angle.
+pub const ANGLE: &str = "(nrad|urad|µrad|μrad|mrad|rad|deg|°|arcmin|arcsec)";
 /// Axis names.
-const AXIS: &str = "[A-Z][A-Z0-9]{0,7}";
+pub const AXIS: &str = "[A-Z][A-Z0-9]{0,7}";
+
+/// Axes whose kind and direction follow from the letter.
+const LETTERS: [(&str, &str); 9] = [
+    ("X", "Linear axis along X."),
+    ("Y", "Linear axis along Y."),
+    ("Z", "Linear axis along Z."),
+    ("A", "Rotary axis about X."),
+    ("B", "Rotary axis about Y."),
+    ("C", "Rotary axis about Z."),
+    ("U", "Second linear axis along X."),
+    ("V", "Second linear axis along Y."),
+    ("W", "Second linear axis along Z."),
+];
+
+/// What a quantity lacks.
+const WITH_UNIT: &str = "a value with its unit, such as 12 um, 25 urad, 5 arcsec, 3 um/m";
+/// What a position in mm or deg lacks.
+const POSITION: &str = "a position: a number in mm or deg, or one with its unit";
+/// What a length in mm lacks.
+const IN_MM: &str = "a length: a number in mm, or one with its unit (nm, um, mm, cm, m, in)";
 
 /// The schema of a machine file.
 pub fn schema() -> Value {
     let mut generator = SchemaSettings::draft07().into_generator();
     let sections = sections(&mut generator);
-    let definitions = generator.take_definitions(true);
-    json!({
+    let errors = schema_errors::definitions(&mut generator);
+    let mut definitions = generator.take_definitions(true);
+    definitions.extend(errors);
+    let mut schema = json!({
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "abbe machine file",
         "description": "A machine tool: its kinematics and its geometric errors.",
         "type": "object",
         "additionalProperties": false,
         "properties": sections,
-        "anyOf": [
-            { "required": ["extends"] },
-            { "required": ["machine", "axes", "chain"] },
-            { "required": ["machine", "axes", "branches"] }
-        ],
+        "if": { "not": { "required": ["extends"] } },
+        "then": {
+            "required": ["machine", "axes"],
+            "if": { "not": { "required": ["branches"] } },
+            "then": { "required": ["chain"] }
+        },
         "allOf": [
             { "not": { "required": ["chain", "branches"] } },
             { "not": { "required": ["tool", "tools"] } }
         ],
         "definitions": definitions
-    })
+    });
+    without_defaults(&mut schema);
+    schema
+}
+
+/// Takes the defaults of the typed structs out: an editor would write them.
+fn without_defaults(schema: &mut Value) {
+    match schema {
+        Value::Object(map) => {
+            // A property may have the name.
+            if map.get("default").is_some_and(|value| !value.get("type").is_some()) {
+                map.remove("default");
+            }
+            map.values_mut().for_each(without_defaults);
+        }
+        Value::Array(list) => list.iter_mut().for_each(without_defaults),
+        _ => {}
+    }
 }
 
 /// The top-level keys.
@@ -51,47 +95,45 @@ fn sections(generator: &mut SchemaGenerator) -> Value {
         "extends": {
             "description": "Path of the file that this one is a variant of.", "type": "string", "minLength": 1
         },
-        "chain": or_null(chain()),
-        "branches": or_null(object::<Branches>(generator)),
-        "axes": or_null(json!({
-            "description": "Axes by name.",
+        "chain": or_null("The walk from workpiece to tool: w C' A' Y' b X Z t.", chain()),
+        "branches": or_null("The chain as its two branches.", object::<Branches>(generator)),
+        "axes": or_null("Axes by name.", axes(generator)),
+        "tool": or_null("The tool.", object::<ToolEntry>(generator)),
+        "tools": or_null("Tools by name; the first is the default.", json!({
             "type": "object",
-            "patternProperties": { format!("^{AXIS}$"): or_null(object::<AxisEntry>(generator)) },
+            "patternProperties": {
+                r"^[A-Za-z0-9](\.?[A-Za-z0-9_-])*$": or_null("A tool.", object::<ToolEntry>(generator))
+            },
             "additionalProperties": false
         })),
-        "tool": or_null(object::<ToolEntry>(generator)),
-        "tools": or_null(json!({
-            "description": "Tools by name; the first is the default.",
-            "type": "object",
-            "patternProperties": { r"^[A-Za-z0-9](\.?[A-Za-z0-9_-])*$": or_null(object::<ToolEntry>(generator)) },
-            "additionalProperties": false
-        })),
-        "workpiece": or_null(object::<WorkpieceEntry>(generator)),
+        "workpiece": or_null("The workpiece.", object::<WorkpieceEntry>(generator)),
         "conventions": any(vec![preset(generator).to_value(), object::<ConventionsEntry>(generator)]),
-        "errors": or_null(errors(generator)),
-        "measured": or_null(json!({
-            "description": "CSV files of which every error column counts.",
+        "errors": or_null("Errors by name: EXX, EC0Y. Values carry their unit.", errors()),
+        "measured": or_null("CSV files of which every error column counts.", json!({
             "type": "array",
             "items": { "type": "string", "minLength": 1 }
         })),
-        "volume": or_null(volume(generator)),
+        "volume": or_null("Intervals and steps of maps and tables; default: the travels.", volume(generator)),
         "provenance": notes(generator),
-        "setup": or_null(object::<SetUpEntry>(generator)),
-        "algebra": or_null(object::<AlgebraEntry>(generator)),
-        "identify": or_null(object::<IdentifyEntry>(generator))
+        "setup": or_null("Set-up errors.", object::<SetUpEntry>(generator)),
+        "algebra": or_null("The algebra in which errors are followed.", object::<AlgebraEntry>(generator)),
+        "identify": or_null("What `identify` fits.", object::<IdentifyEntry>(generator))
     })
 }
 
-fn object<T: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
+/// The schema of a typed struct.
+pub fn object<T: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
     generator.subschema_for::<T>().to_value()
 }
 
-fn any(of: Vec<Value>) -> Value {
+/// Any of some schemas.
+pub fn any(of: Vec<Value>) -> Value {
     json!({ "anyOf": of })
 }
 
-fn or_null(schema: Value) -> Value {
-    any(vec![schema, json!({ "type": "null" })])
+/// A schema, or `null` in a variant; what the key is stands beside it, for editors.
+fn or_null(description: &str, schema: Value) -> Value {
+    json!({ "description": description, "anyOf": [schema, { "type": "null" }] })
 }
 
 /// A single line of text.
@@ -109,42 +151,23 @@ fn chain() -> Value {
     let tool_side = format!(r"b{between}({AXIS}{between})*(\({AXIS}\){between})?t");
     let walk = format!(r"^\s*([VH]?\s*\[)?\s*{workpiece_side}{tool_side}\s*\]?\s*$");
     json!({
-        "description": "The walk from workpiece to tool: w C' A' Y' b X Z t.",
         "anyOf": [
-            { "type": "string", "pattern": walk },
+            text(&walk, "a walk from workpiece to tool such as w C' A' Y' b X Z t"),
             { "type": "array", "items": { "type": "string" }, "minItems": 1 }
-        ]
+        ],
+        "examples": ["w C' A' Y' b X Z t", "w X' Y' b Z t", "w b X Y Z t"]
     })
 }
 
-/// Errors by name. The short form must have a unit of the right kind.
-fn errors(generator: &mut SchemaGenerator) -> Value {
-    let length = text(&format!(r"^\s*{NUMBER}\s*{LENGTH}\s*$"));
-    let angle = text(&format!(r"^\s*{NUMBER}\s*({ANGLE}|{LENGTH}\s*/\s*{LENGTH}|/\s*{NUMBER})\s*$"));
-    let term = object::<TermEntry>(generator);
-    let constant = json!({
-        "type": "object",
-        "properties": {
-            "value": quantity(generator), "tolerance": quantity(generator), "uncertainty": quantity(generator),
-            "provenance": notes(generator)
-        },
-        "oneOf": [{ "required": ["value"] }, { "required": ["tolerance"] }],
-        "additionalProperties": false
-    });
-    let either = |short: &Value, long: &Value| any(vec![short.clone(), long.clone(), json!({ "type": "null" })]);
-    let mut patterns = serde_json::Map::new();
-    let mut put = |pattern: String, schema: Value| patterns.insert(pattern, schema);
-    for (letters, short, lower) in [("XYZ", &length, "d"), ("ABC", &angle, "e")] {
-        put(format!(r"^E_?\{{?[{letters}]{AXIS}\}}?$"), either(short, &term));
-        put(format!(r"^(E_?\{{?)?[{letters}](0|\(0X\)){AXIS}\}}?$"), either(short, &constant));
-        put(format!(r"^[{letters}]O{AXIS}$"), either(short, &constant));
-        put(format!("^{lower}[xyz][xyz]$"), either(short, &term));
-    }
-    put("^S(xy|xz|yz)$".to_owned(), either(&angle, &constant));
+/// Axes by name: the letters that imply kind and direction one by one.
+fn axes(generator: &mut SchemaGenerator) -> Value {
+    let entry = object::<AxisEntry>(generator);
+    let known: serde_json::Map<String, Value> =
+        LETTERS.iter().map(|(name, words)| ((*name).to_owned(), or_null(words, entry.clone()))).collect();
     json!({
-        "description": "Errors by name: EXX, EC0Y. Values carry their unit.",
         "type": "object",
-        "patternProperties": patterns,
+        "properties": known,
+        "patternProperties": { format!("^{AXIS}$"): or_null("An axis.", entry) },
         "additionalProperties": false
     })
 }
@@ -152,7 +175,6 @@ fn errors(generator: &mut SchemaGenerator) -> Value {
 fn volume(generator: &mut SchemaGenerator) -> Value {
     let axis = any(vec![interval(generator).to_value(), object::<VolumeFields>(generator)]);
     json!({
-        "description": "Intervals and steps of maps and tables; default: the travels.",
         "type": "object",
         "properties": { "step": step(generator) },
         "patternProperties": { format!("^{AXIS}$"): axis },
@@ -160,8 +182,9 @@ fn volume(generator: &mut SchemaGenerator) -> Value {
     })
 }
 
-fn text(pattern: &str) -> Value {
-    json!({ "type": "string", "pattern": pattern })
+/// A text; editors show `expected` for another.
+pub fn text(pattern: &str, expected: &str) -> Value {
+    json!({ "type": "string", "pattern": pattern, "patternErrorMessage": format!("Expected {expected}.") })
 }
 
 /// A number with any unit.
@@ -169,27 +192,28 @@ pub fn quantity(_: &mut SchemaGenerator) -> Schema {
     let unit = format!(r"({LENGTH}|{ANGLE})(\^[1-9])?");
     let pattern = format!(r"^\s*{NUMBER}\s*({unit}(\s*/\s*{unit})*|/\s*{NUMBER})\s*$");
     json_schema!({
-        "description": "A value with its unit, such as 12 um.", "type": ["string", "null"], "pattern": pattern
+        "description": "A value with its unit, such as 12 um.", "type": ["string", "null"], "pattern": pattern,
+        "patternErrorMessage": format!("Expected {WITH_UNIT}.")
     })
 }
 
 /// A position: bare in mm or deg, or with a unit.
 fn position() -> Value {
     let pattern = format!(r"^\s*{NUMBER}\s*({LENGTH}|{ANGLE})?\s*$");
-    any(vec![json!({ "type": "number" }), text(&pattern)])
+    any(vec![json!({ "type": "number" }), text(&pattern, POSITION)])
 }
 
 /// A length from zero up: bare in mm, or with a unit.
 pub fn length(_: &mut SchemaGenerator) -> Schema {
     let unsigned = NUMBER.replacen("[+-]?", r"\+?", 1);
     let pattern = format!(r"^\s*{unsigned}\s*{LENGTH}?\s*$");
-    json_schema!({ "anyOf": [{ "type": ["number", "null"], "minimum": 0 }, { "type": "string", "pattern": pattern }] })
+    json_schema!({ "anyOf": [{ "type": ["number", "null"], "minimum": 0 }, text(&pattern, IN_MM)] })
 }
 
 /// Three lengths.
 pub fn point(_: &mut SchemaGenerator) -> Schema {
     let pattern = format!(r"^\s*{NUMBER}\s*{LENGTH}?\s*$");
-    let items = json!({ "anyOf": [{ "type": "number" }, { "type": "string", "pattern": pattern }] });
+    let items = any(vec![json!({ "type": "number" }), text(&pattern, IN_MM)]);
     json_schema!({
         "description": "[x, y, z] in machine coordinates at the zero pose, mm.",
         "type": ["array", "null"], "items": items, "minItems": 3, "maxItems": 3
@@ -215,8 +239,8 @@ pub fn position_entry(generator: &mut SchemaGenerator) -> Schema {
 }
 
 /// Errors of an axis that hold on one side of the bed.
-pub fn side_errors(generator: &mut SchemaGenerator) -> Schema {
-    Schema::try_from(errors(generator)).unwrap_or_default()
+pub fn side_errors(_: &mut SchemaGenerator) -> Schema {
+    Schema::try_from(errors()).unwrap_or_default()
 }
 
 /// Three plain numbers.

@@ -126,7 +126,13 @@ fn keyword_faults(
     let has = |key: &Value| value.as_object().is_none_or(|o| o.contains_key(key.as_str().unwrap()));
     let length = value.as_str().map(|s| s.chars().count() as f64);
     let fits = match keyword {
-        "$schema" | "title" | "description" | "definitions" | "default" | "format" => true,
+        "$schema" | "title" | "description" | "definitions" | "format" | "examples" | "patternErrorMessage" => true,
+        // Judged with `if`; without it they say nothing.
+        "then" | "else" => true,
+        "if" => {
+            let branch = if valid(rule) { "then" } else { "else" };
+            return schema.get(branch).map_or_else(Vec::new, |branch| faults(root, branch, value, at));
+        }
         "$ref" => return faults(root, root.pointer(&rule.as_str().unwrap()[1..]).unwrap(), value, at),
         "properties" | "patternProperties" | "additionalProperties" => {
             return member_faults(root, schema, keyword, value, at);
