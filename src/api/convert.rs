@@ -70,7 +70,7 @@ pub struct ConvertedError {
 impl ConvertedError {
     fn of(change: &Change) -> Self {
         let rotation = change.direction.is_rotation();
-        let (factor, unit) = if rotation { (1e6, "urad") } else { (1e3, "um") };
+        let (factor, unit) = change.direction.micro();
         let print = if rotation { angle } else { length };
         let values = change.values.map(|values| values.map(|value| value * factor + 0.0));
         Self {

@@ -145,7 +145,7 @@ impl StraightnessReference {
 
 impl ImportedError {
     fn of(error: &ErrorId, f: &AccuracyFigures, rotary: bool, line: Option<&ReferenceLine>) -> Self {
-        let (factor, unit) = if error.direction.is_rotation() { (1e6, "urad") } else { (1e3, "um") };
+        let (factor, unit) = error.direction.micro();
         let (per, length) = if rotary { (1.0, "deg") } else { (1e3, "m") };
         let value = |x: Option<f64>| x.map(|x| x * factor + 0.0);
         Self {

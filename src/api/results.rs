@@ -10,6 +10,7 @@ pub use super::compile::CompiledSet;
 pub use super::compiled_model::{DeviationColumns, PoseDeviation};
 pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitSize};
 pub use super::diff::{AxisDifference, SetDifference};
+pub use super::diff_machines::{MachineDifference, PropertyDifference};
 pub use super::effects::{ErrorEffect, Neglected};
 pub use super::enumerate::{EnumerateResult, RankedArrangements, StudyProgress};
 pub use super::equations::EquationsResult;

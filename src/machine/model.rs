@@ -152,6 +152,11 @@ impl Machine {
         self.parts.errors.get(self.parts.axes.len())
     }
 
+    /// Index of the tool in use.
+    pub(in crate::machine) fn tool_index(&self) -> usize {
+        self.tool
+    }
+
     /// The tool in use.
     pub fn tool(&self) -> &Tool {
         &self.parts.tools[self.tool]

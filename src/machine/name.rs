@@ -53,6 +53,11 @@ impl Direction {
         self.index() >= 3
     }
 
+    /// The unit in which errors are printed, `um` or `urad`, and how many of it there are in a mm or rad.
+    pub fn micro(self) -> (f64, &'static str) {
+        if self.is_rotation() { (1e6, "urad") } else { (1e3, "um") }
+    }
+
     /// Its letter.
     pub fn letter(self) -> char {
         ['X', 'Y', 'Z', 'A', 'B', 'C'][self.index()]

@@ -236,7 +236,7 @@ fn curve(curve: &Curve, direction: Direction, axis: Option<&Axis>) -> String {
 
 /// An uncertainty with its unit, to twelve digits.
 fn rounded(value: f64, direction: Direction) -> String {
-    let (factor, unit) = if direction.is_rotation() { (1e6, "urad") } else { (1e3, "um") };
+    let (factor, unit) = direction.micro();
     format!("{} {unit}", crate::units::significant(value * factor, 12))
 }
 

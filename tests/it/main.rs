@@ -8,6 +8,7 @@
 mod annotations;
 mod bad_input;
 mod budget;
+mod buildable;
 mod certificate;
 mod classify;
 mod compare;
@@ -19,6 +20,7 @@ mod configs;
 mod convert;
 mod defects;
 mod diagnostics;
+mod diff_machines;
 mod enumerate;
 mod equations;
 mod eval_exact;

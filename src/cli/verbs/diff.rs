@@ -1,35 +1,66 @@
-//! `abbe diff`: how far two sets of compensation files are apart, in micrometres.
+//! `abbe diff`: what two machines, or two sets of compensation files, differ in.
 
 use crate::cli::how::SetArgs;
 use crate::cli::output::session::Session;
+use crate::cli::output::view::{cell, table};
 use crate::cli::store::file_set;
 use crate::cli::{Format, Outcome};
-use abbe::DiffOptions;
-use abbe::results::SetDifference;
+use abbe::options::CompensationOptions;
+use abbe::results::{MachineDifference, PropertyDifference, SetDifference};
 use abbe::text::significant;
+use abbe::{DiffMachinesOptions, DiffOptions};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+/// Two machine files, or a machine file and two folders of compensation files.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The machine file: its axes, and the volume over which the sets are compared.
-    machine: PathBuf,
-    /// A folder with compensation files.
-    old: PathBuf,
-    /// Another one.
-    new: PathBuf,
+    /// Two machine files; or a machine file, the folder of a set and the folder of another.
+    #[arg(num_args = 2..=3, required = true, value_name = "PATH")]
+    paths: Vec<PathBuf>,
     #[command(flatten)]
     set: SetArgs,
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let file = session.load(&args.machine, args.set.tool.as_deref())?;
-    for folder in [&args.old, &args.new] {
+    match args.paths.as_slice() {
+        [first, second] if !first.is_dir() && !second.is_dir() => machines(session, args, [first, second]),
+        [machine, old, new] if !machine.is_dir() && old.is_dir() && new.is_dir() => {
+            sets(session, args, machine, [old, new])
+        }
+        _ => session.usage(
+            "files are machines and folders are sets: `abbe diff A.yaml B.yaml`, or `abbe diff MACHINE.yaml OLD NEW` \
+             with two folders",
+        ),
+    }
+}
+
+fn machines(session: &mut Session, args: &Args, paths: [&Path; 2]) -> Outcome {
+    if args.set.how.options() != CompensationOptions::default() {
+        return session.usage("options of the compensation go with two sets, not with two machines");
+    }
+    let tool = args.set.tool.as_deref();
+    let files = [session.load(paths[0], tool)?, session.load(paths[1], tool)?];
+    let (poses, seed) = (args.set.poses as usize, args.set.seed);
+    let options = DiffMachinesOptions { poses, seed, ..DiffMachinesOptions::default() };
+    let answer = abbe::diff_machines(&files, &options, session.run());
+    let difference = session.take(answer)?;
+    match session.format() {
+        Format::Json => session.print_json(json!(difference)),
+        Format::Csv => session.print(&machines_csv(&difference)),
+        Format::Text => session.print(&machines_text(&difference)),
+    }
+    Ok(())
+}
+
+fn sets(session: &mut Session, args: &Args, machine: &Path, [old, new]: [&Path; 2]) -> Outcome {
+    let file = session.load(machine, args.set.tool.as_deref())?;
+    for folder in [old, new] {
         file_set::settle(session, folder)?;
     }
     let (compensation, poses, seed) = (args.set.how.options(), args.set.poses as usize, args.set.seed);
     let options = DiffOptions { compensation, poses, seed };
-    let answer = abbe::diff(&file, &args.old, &args.new, &options, session.run());
+    let answer = abbe::diff(&file, old, new, &options, session.run());
     let difference = session.take(answer)?;
     match session.format() {
         Format::Json => session.print_json(json!(difference)),
@@ -37,6 +68,54 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         Format::Text => session.print(&text(&difference)),
     }
     Ok(())
+}
+
+fn machines_csv(of: &MachineDifference) -> String {
+    let mut csv = "kind,name,first,second,largest,minus first [um]\n".to_owned();
+    for d in &of.differences {
+        let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+        let (first, second) = (cell(&d.first), cell(&d.second));
+        let (largest, effect) = (number(d.largest), number(d.minus_first_um));
+        csv.push_str(&format!("{},{},{first},{second},{largest},{effect}\n", d.kind, d.name));
+    }
+    csv
+}
+
+fn machines_text(of: &MachineDifference) -> String {
+    let mut text = String::new();
+    for (i, (machine, file)) in of.machines.iter().zip(&of.files).enumerate() {
+        text.push_str(&format!("  {}  {machine} ({file})\n", i + 1));
+    }
+    if of.differences.is_empty() {
+        return text + "The machines do not differ.\n";
+    }
+    let mut rows = table(&["differs", "1", "2", "95 %, um"]);
+    for d in &of.differences {
+        let effect = d.minus_first_um.map_or_else(|| "-".to_owned(), signed);
+        let _ = rows.add_row([named(d), d.first.clone(), d.second.clone(), effect]);
+    }
+    let [first, second] = of.p95_um.map(|um| significant(um, 4));
+    let chain = if of.differences[0].kind == "chain" { ", the others on the chain of machine 2" } else { "" };
+    text + &format!(
+        "{rows}\n95 %, um: what the 95 % position deviation of machine 1 changes by with this difference alone{chain}.\n\
+         All together: {first} um -> {second} um ({}), over {} of {} tool poses that both reach.\n",
+        signed(of.minus_first_um),
+        of.poses,
+        of.asked
+    )
+}
+
+fn named(difference: &PropertyDifference) -> String {
+    match difference.kind {
+        "error" => difference.name.clone(),
+        kind if difference.name.is_empty() => kind.to_owned(),
+        kind => format!("{kind} of {}", difference.name),
+    }
+}
+
+fn signed(um: f64) -> String {
+    let sign = if um > 0.0 { "+" } else { "" };
+    format!("{sign}{}", significant(um + 0.0, 4))
 }
 
 fn csv(difference: &SetDifference) -> String {

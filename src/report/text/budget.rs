@@ -57,16 +57,12 @@ impl DrawSettings {
 
 /// A tolerance in um or urad.
 pub fn tolerance(bound: &Bound) -> f64 {
-    bound.tolerance * factor(&bound.error)
-}
-
-fn factor(error: &ErrorId) -> f64 {
-    if error.direction.is_rotation() { 1e6 } else { 1e3 }
+    bound.tolerance * bound.error.direction.micro().0
 }
 
 /// `um` or `urad`.
 pub fn tolerance_unit(error: &ErrorId) -> &'static str {
-    if error.direction.is_rotation() { "urad" } else { "um" }
+    error.direction.micro().1
 }
 
 impl BudgetReport<'_> {
@@ -205,7 +201,7 @@ pub fn budgets_json(budgets: &[BudgetReport<'_>], errors: &[BoundedError]) -> Va
         };
         let minus: Vec<f64> = (0..e.parts.len()).map(|i| e.minus_first(i)).collect();
         json!({
-            "error": e.error, "unit": tolerance_unit(&e.error), "tolerance": each(&|p| p.tolerance * factor(&e.error)),
+            "error": e.error, "unit": tolerance_unit(&e.error), "tolerance": each(&|p| p.tolerance * e.error.direction.micro().0),
             "um_of_p95": each(&|p| p.of_p95.effect), "um_of_p95_sigma": each(&|p| p.of_p95.sigma),
             "minus_first": minus, "average_um": each(&|p| p.average),
         })
