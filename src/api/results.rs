@@ -44,4 +44,4 @@ pub use crate::evaluate::{Statistics, Summary};
 pub use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorTerm, Machine, Sense, Travel};
 pub use crate::report::page::RenderedPage;
 pub use crate::report::{Picture, PictureFailure};
-pub use crate::syntax::ReadFailure;
+pub use crate::syntax::{FolderEntry, ReadFailure};

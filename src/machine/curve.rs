@@ -37,6 +37,10 @@ pub enum KnotsFailure {
     Empty,
     /// The point with this index is not above its predecessor.
     NotIncreasing(usize),
+    /// The point with this index is nearer to its predecessor than [`Knots::NEAREST`].
+    TooNear(usize),
+    /// The position of the point with this index is beyond [`Knots::FARTHEST`].
+    TooFar(usize),
     /// A periodic table must cover exactly one period.
     NotOnePeriod,
     /// The ends of a periodic table differ.
@@ -46,6 +50,11 @@ pub enum KnotsFailure {
 }
 
 impl Knots {
+    /// Least distance of two positions, mm or deg: slopes between them stay numbers that can be reckoned with.
+    pub const NEAREST: f64 = 1e-6;
+    /// Largest size of a position that is believed, mm or deg.
+    pub const FARTHEST: f64 = 1e6;
+
     /// Checks and keeps the points; `period` makes look-ups wrap.
     pub fn new(points: &[(f64, f64)], period: Option<f64>) -> Result<Self, KnotsFailure> {
         let (first, last) = points.first().zip(points.last()).ok_or(KnotsFailure::Empty)?;
@@ -54,6 +63,12 @@ impl Knots {
         }
         if let Some(i) = points.windows(2).position(|w| w[1].0 <= w[0].0) {
             return Err(KnotsFailure::NotIncreasing(i + 1));
+        }
+        if let Some(i) = points.windows(2).position(|w| w[1].0 - w[0].0 < Self::NEAREST) {
+            return Err(KnotsFailure::TooNear(i + 1));
+        }
+        if let Some(i) = points.iter().position(|p| p.0.abs() > Self::FARTHEST) {
+            return Err(KnotsFailure::TooFar(i));
         }
         if let Some(period) = period {
             if last.0 - first.0 != period {

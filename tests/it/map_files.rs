@@ -210,6 +210,42 @@ fn body_diagonals_are_the_closed_form() {
 }
 
 #[test]
+fn files_read_on_the_way_are_inputs_too() {
+    let folder = Folder::new("late-inputs");
+    let work = "X,Y,Z\n100,200,50\n";
+    let poses = folder.with("p.csv", work);
+    let outputs = ["--csv", "--json", "--parquet", "--vtk", "--svg", "--png"];
+    for output in outputs {
+        let (code, message) = refused(&["map", "gantry-3ax.yaml", "--tool-poses", text(&poses), output, text(&poses)]);
+        assert!(code == 1 && message.contains("E0630"), "{output}: {message}");
+        assert_eq!(std::fs::read_to_string(&poses).unwrap(), work, "{output}");
+    }
+    // A target of one's own: its manifest and templates are read when the map is computed.
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("templates/grid-csv");
+    std::fs::create_dir(folder.file("mine")).unwrap();
+    let copied: Vec<(std::path::PathBuf, String)> = std::fs::read_dir(own)
+        .unwrap()
+        .map(|entry| {
+            let entry = entry.unwrap();
+            let text = std::fs::read_to_string(entry.path()).unwrap().replace("grid-csv", "mine");
+            (folder.with(&format!("mine/{}", entry.file_name().to_string_lossy()), &text), text)
+        })
+        .collect();
+    let templates = folder.file("");
+    let asked = |output: &Path| {
+        let more = ["--target", "mine", "--templates", text(&templates), "--random", "3", "--csv", text(output)];
+        [&["map", "gantry-3ax.yaml"][..], &more].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let run = |output: &Path| refused(&asked(output).iter().map(String::as_str).collect::<Vec<_>>());
+    assert_eq!(run(&folder.file("out.csv")).0, 0);
+    for (file, text) in &copied {
+        let (code, message) = run(file);
+        assert!(code == 1 && message.contains("E0630"), "{}: {message}", file.display());
+        assert_eq!(&std::fs::read_to_string(file).unwrap(), text);
+    }
+}
+
+#[test]
 fn inputs_are_never_overwritten_and_a_full_disk_leaves_nothing() {
     let folder = Folder::new("whole");
     let machine = folder.with("m.yaml", "abbe: 1\nmachine: m\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500], origin: [0, 0, 0] }\n  Y: { travel: [0, 500], origin: [0, 0, 0] }\n  Z: { travel: [0, 500], origin: [0, 0, 0] }\nmeasured: [x.csv]\n");

@@ -144,7 +144,7 @@ impl PictureArgs {
         let Some(picture) = picture else { return Ok(()) };
         for (path, kind) in [(&self.svg, PictureKind::Svg), (&self.png, PictureKind::Png)] {
             if let Some(path) = path {
-                write_picture(path, picture, kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
+                write_picture(path, picture, kind, &session.files).or_else(|d| session.refuse(d))?;
             }
         }
         Ok(())

@@ -6,13 +6,12 @@ use crate::cli::store::write;
 use abbe::results::NamedSvg;
 use std::path::Path;
 
-/// Writes each under its name, never over an input of the run.
+/// Writes each under its name.
 pub(crate) fn write(session: &mut Session, pictures: &[NamedSvg], folder: &Path) -> Outcome {
     write::make_folder(folder).or_else(|refusal| session.refuse(refusal))?;
     for NamedSvg { name, svg } in pictures {
         let path = folder.join(name);
-        let written = write::refuse_input(&path, &session.diagnostics.sources)
-            .and_then(|()| write::write_whole(&path, svg.as_bytes()));
+        let written = write::write_whole(&path, svg.as_bytes(), &session.files);
         written.or_else(|refusal| session.refuse(refusal))?;
     }
     Ok(())

@@ -1,15 +1,17 @@
 //! One run of the program: its options, its diagnostics, and its two output streams.
 
 use super::progress::ProgressBar;
+use crate::cli::store::files::Recorded;
 use crate::cli::{Color, Exit, Format, FormatArg, Global, Outcome};
 use abbe::text::{Rendering, counts, render};
 use abbe::{Answer, LoadOptions, MachineFile, Run};
-use abbe::{Diagnostic, Diagnostics, Disk, Files, codes};
+use abbe::{Diagnostic, Diagnostics, Files, codes};
 use serde_json::{Value, json};
 use std::cell::{Cell, RefCell};
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
+use std::rc::Rc;
 
 /// The state of a run of the program.
 pub(crate) struct Session {
@@ -17,6 +19,8 @@ pub(crate) struct Session {
     bar: ProgressBar,
     /// Everything found wrong so far.
     pub diagnostics: Diagnostics,
+    /// The disk, and what was read from it.
+    pub files: Rc<Recorded>,
     /// The JSON document of the run, printed when it ends.
     document: RefCell<Option<Value>>,
     /// Diagnostic of an invalid command line.
@@ -29,7 +33,8 @@ impl Session {
     pub(crate) fn new(global: Global) -> Self {
         let bar = ProgressBar::new(global.quiet, global.confined);
         let (document, unfit) = (RefCell::new(None), RefCell::new(None));
-        Self { global, bar, diagnostics: Diagnostics::default(), document, unfit, output_lost: Cell::new(None) }
+        let (diagnostics, files, output_lost) = (Diagnostics::default(), Rc::default(), Cell::new(None));
+        Self { global, bar, diagnostics, files, document, unfit, output_lost }
     }
 
     /// A session with the same options that has found nothing yet.
@@ -39,7 +44,7 @@ impl Session {
 
     /// Surroundings of a call of the library: files from the disk, progress on the terminal.
     pub(crate) fn run(&self) -> Run<'_> {
-        Run { files: &Disk, monitor: &self.bar, deny_warnings: self.global.deny.is_some() }
+        Run { files: &*self.files, monitor: &self.bar, deny_warnings: self.global.deny.is_some() }
     }
 
     /// Keeps the diagnostics of a call of the library, and returns its value if it has one.
@@ -62,7 +67,8 @@ impl Session {
 
     /// Reads a machine file; `tool` picks one of its tools.
     pub(crate) fn load(&mut self, path: &Path, tool: Option<&str>) -> Result<MachineFile, Exit> {
-        self.load_through(&Disk, path, tool)
+        let files = self.files.clone();
+        self.load_through(&*files, path, tool)
     }
 
     /// Reads a machine file through other files than the disk's.

@@ -1,6 +1,6 @@
 //! Files that a run has read from the disk.
 
-use abbe::results::ReadFailure;
+use abbe::results::{FolderEntry, ReadFailure};
 use abbe::sets::{MAX_FILE_BYTES, sha256};
 use abbe::{Disk, Files};
 use std::cell::RefCell;
@@ -11,21 +11,34 @@ use std::path::{Path, PathBuf};
 pub(crate) const SET_LIMIT: u64 = MAX_FILE_BYTES as u64;
 
 /// The disk, remembering what was read from it: also files that are missing, for they may appear.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Recorded {
     seen: RefCell<BTreeMap<PathBuf, Option<String>>>,
 }
 
 impl Files for Recorded {
     fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
-        let result = Disk.read(path);
+        self.read_at_most(path, Disk::MAX_BYTES)
+    }
+
+    fn read_at_most(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadFailure> {
+        let result = Disk.read_at_most(path, limit);
         let state = result.as_ref().ok().map(|bytes| sha256(bytes));
         let _ = self.seen.borrow_mut().insert(path.to_owned(), state);
         result
     }
+
+    fn entries(&self, folder: &Path) -> Vec<FolderEntry> {
+        Disk.entries(folder)
+    }
 }
 
 impl Recorded {
+    /// The files that were read.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        self.seen.borrow().iter().filter(|(_, state)| state.is_some()).map(|(path, _)| path.clone()).collect()
+    }
+
     /// True if any of the files has another content by now. Compares the content: times of modification are coarse on
     /// some file systems, and an editor may write the same again.
     pub fn changed(&self) -> bool {

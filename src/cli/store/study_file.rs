@@ -1,7 +1,7 @@
 //! State files of `enumerate`. A state file is always whole: it is written beside and renamed, once a second or less
 //! often.
 
-use super::write::write_whole;
+use super::write::replace_whole;
 use abbe::Diagnostic;
 use abbe::options::StudyFile;
 use std::path::Path;
@@ -27,7 +27,7 @@ impl StudyFile for StateFile<'_> {
     fn keep(&self, text: &dyn Fn() -> String, last: bool) -> Result<(), Diagnostic> {
         let mut next = self.next.lock().unwrap_or_else(PoisonError::into_inner);
         if last || Instant::now() >= *next {
-            write_whole(self.path, text().as_bytes())?;
+            replace_whole(self.path, text().as_bytes())?;
             *next = Instant::now() + PACE;
         }
         Ok(())

@@ -1,13 +1,21 @@
 //! Files are written whole or not at all: into a temporary file beside the target, then renamed.
 
-use abbe::results::{Picture, Sources};
+use super::files::Recorded;
+use abbe::results::Picture;
 use abbe::{Diagnostic, codes};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes a file so that a reader sees either the old content or all of `bytes`.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
+/// Writes a file so that a reader sees either the old content or all of `bytes`; never over a file that was read in
+/// this run.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8], read: &Recorded) -> Result<(), Diagnostic> {
+    refuse_input(path, read)?;
+    replace_whole(path, bytes)
+}
+
+/// Like [`write_whole`], for a file of our own that may have been read before.
+pub(crate) fn replace_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
     let staged = Staged::new(path)?;
     staged.file()?.write_all(bytes).map_err(|failure| staged.failed(&failure))?;
     staged.commit()
@@ -127,31 +135,29 @@ impl PictureKind {
     }
 }
 
-/// Writes a picture, never over a file that was read in this run.
+/// Writes a picture.
 pub(crate) fn write_picture(
     path: &Path,
     picture: &Picture,
     kind: PictureKind,
-    sources: &Sources,
+    read: &Recorded,
 ) -> Result<(), Diagnostic> {
-    refuse_input(path, sources)?;
     match kind {
-        PictureKind::Svg => write_whole(path, picture.svg().as_bytes()),
+        PictureKind::Svg => write_whole(path, picture.svg().as_bytes(), read),
         PictureKind::Png => {
             let undrawable = |why: String| {
                 Diagnostic::new(codes::E0632, format!("`{}` cannot be drawn: {why}", path.display()))
                     .help("write SVG instead")
             };
-            write_whole(path, &picture.png().map_err(|failure| undrawable(failure.to_string()))?)
+            write_whole(path, &picture.png().map_err(|failure| undrawable(failure.to_string()))?, read)
         }
     }
 }
 
-/// Refuses to write over a file that was read in this run: a machine file, a table, a measurement.
-pub(crate) fn refuse_input(path: &Path, sources: &Sources) -> Result<(), Diagnostic> {
+/// Refuses to write over a file that was read in this run: a machine file, a table, a measurement, a template.
+pub(crate) fn refuse_input(path: &Path, read: &Recorded) -> Result<(), Diagnostic> {
     let Some(own) = identity(path) else { return Ok(()) };
-    let read = sources.iter().any(|(name, _)| identity(Path::new(name)).is_some_and(|other| other == own));
-    if !read {
+    if !read.paths().iter().any(|other| identity(other).as_ref() == Some(&own)) {
         return Ok(());
     }
     let message = format!("`{}` is an input of this run", path.display());
@@ -162,11 +168,11 @@ pub(crate) fn refuse_input(path: &Path, sources: &Sources) -> Result<(), Diagnos
 /// no folder.
 pub(crate) fn refuse_outputs<'a>(
     paths: impl IntoIterator<Item = &'a PathBuf>,
-    sources: &Sources,
+    read: &Recorded,
 ) -> Result<(), Diagnostic> {
     let mut seen: Vec<&PathBuf> = Vec::new();
     for path in paths {
-        refuse_input(path, sources)?;
+        refuse_input(path, read)?;
         let _ = replaceable(path)?;
         let folder = folder_of(path);
         if !folder.is_dir() {
@@ -218,7 +224,7 @@ pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
         return Err(Diagnostic::new(codes::E0811, message)
             .help("give another name, or remove it first: nothing is overwritten here"));
     }
-    write_whole(path, bytes)
+    replace_whole(path, bytes)
 }
 
 /// The regular file behind the path, or the path itself if there is nothing yet.

@@ -64,13 +64,13 @@ impl Args {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, args.tool.as_deref())?;
     let outputs = args.pareto.iter().chain(&args.waterfall);
-    refuse_outputs(outputs, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
+    refuse_outputs(outputs, &session.files).or_else(|d| session.refuse(d))?;
     let answer = budget(&file, &args.options(), session.run());
     let result = session.take(answer)?;
     for (path, picture) in [(&args.pareto, result.pareto(args.top)), (&args.waterfall, result.waterfall(args.top))] {
         if let Some(path) = path {
             let kind = PictureKind::of(path).unwrap_or(PictureKind::Svg);
-            write_picture(path, &picture, kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
+            write_picture(path, &picture, kind, &session.files).or_else(|d| session.refuse(d))?;
         }
     }
     let report = Report { args, file: &file, result: &result };

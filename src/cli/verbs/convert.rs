@@ -38,12 +38,13 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         return session.usage("`convert` has no csv form: it prints text or json");
     }
     let file = session.load(&args.machine, args.tool.as_deref())?;
-    write::refuse_outputs(&args.out, file.sources()).or_else(|refusal| session.refuse(refusal))?;
+    write::refuse_outputs(&args.out, &session.files).or_else(|refusal| session.refuse(refusal))?;
     let options = ConvertOptions { to: args.to.clone(), datum: args.datum.clone(), within_mm: args.within };
     let answer = convert(&file, &options, session.run());
     let result = session.take(answer)?;
     if let Some(out) = &args.out {
-        write::write_whole(out, result.machine_file.as_bytes()).or_else(|refusal| session.refuse(refusal))?;
+        write::write_whole(out, result.machine_file.as_bytes(), &session.files)
+            .or_else(|refusal| session.refuse(refusal))?;
     }
     match session.format() {
         Format::Json => session.print_json(json!(result)),

@@ -8,7 +8,7 @@ use crate::cli::{Format, Outcome};
 use abbe::options::Order;
 use abbe::results::{IdentifyResult, MeasurementPlan, MonomialFit};
 use abbe::text::Reason;
-use abbe::{IdentifyOptions, MachineFile, PlanOptions, fit_monomials, identify, plan_measurements};
+use abbe::{IdentifyOptions, PlanOptions, fit_monomials, identify, plan_measurements};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -106,7 +106,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         print_plan(session, &plan);
         return Ok(());
     }
-    refuse_outputs(session, args, &file)?;
+    refuse_outputs(session, args)?;
     if args.method == Method::MoorePenrose {
         let answer = fit_monomials(&file, &args.options(), session.run());
         let fit = session.take(answer)?;
@@ -116,7 +116,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let answer = identify(&file, &args.options(), session.run());
     let result = session.take(answer)?;
     if let (Some(out), Some(text)) = (&args.out, &result.machine_file) {
-        write::write_whole(out, text.as_bytes()).or_else(|refusal| session.refuse(refusal))?;
+        write::write_whole(out, text.as_bytes(), &session.files).or_else(|refusal| session.refuse(refusal))?;
     }
     if let Some(folder) = &args.svg {
         pictures::write(session, &result.pictures, folder)?;
@@ -126,13 +126,9 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 /// Refuses outputs before the work, not after it.
-fn refuse_outputs(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
-    let mut inputs = file.sources().clone();
-    for path in &args.data {
-        let _ = inputs.add(path.display().to_string(), "");
-    }
+fn refuse_outputs(session: &mut Session, args: &Args) -> Outcome {
     let folders = || args.svg.iter().try_for_each(|folder| write::refuse_no_folder(folder));
-    write::refuse_outputs(&args.out, &inputs).and_then(|()| folders()).or_else(|refusal| session.refuse(refusal))
+    write::refuse_outputs(&args.out, &session.files).and_then(|()| folders()).or_else(|refusal| session.refuse(refusal))
 }
 
 fn print(session: &Session, result: &IdentifyResult) {

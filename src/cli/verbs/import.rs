@@ -5,7 +5,7 @@ use crate::cli::output::view::table;
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
 use abbe::options::{FileContents, RunApproach, StraightnessLine};
-use abbe::results::{ImportResult, ImportedError, Sources};
+use abbe::results::{ImportResult, ImportedError};
 use abbe::text::{counted, significant};
 use abbe::{ImportOptions, import};
 use serde_json::json;
@@ -114,15 +114,11 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         continuous: args.continuous,
         needs_table: args.out.is_some() || session.format() == Format::Csv,
     };
-    let mut inputs = Sources::default();
-    for input in [Some(&args.file), args.columns.as_ref()].into_iter().flatten() {
-        let _ = inputs.add(input.display().to_string(), "");
-    }
-    write::refuse_outputs(&args.out, &inputs).or_else(|refusal| session.refuse(refusal))?;
+    write::refuse_outputs(&args.out, &session.files).or_else(|refusal| session.refuse(refusal))?;
     let answer = import(&args.file, &options, session.run());
     let result = session.take(answer)?;
     if let Some(out) = &args.out {
-        write::write_whole(out, result.table.as_bytes()).or_else(|refusal| session.refuse(refusal))?;
+        write::write_whole(out, result.table.as_bytes(), &session.files).or_else(|refusal| session.refuse(refusal))?;
     }
     match session.format() {
         Format::Json => session.print_json(json!(result)),

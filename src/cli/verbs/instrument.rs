@@ -91,7 +91,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let result = session.take(answer)?;
     if let Some(path) = &args.svg {
         let kind = PictureKind::of(path).unwrap_or(PictureKind::Svg);
-        write_picture(path, &result.picture(), kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
+        write_picture(path, &result.picture(), kind, &session.files).or_else(|d| session.refuse(d))?;
     }
     match session.format() {
         Format::Json => session.print_json(json!(result)),

@@ -1,7 +1,7 @@
 //! `abbe man`, hidden: the manual pages, for packages.
 
 use crate::cli::output::session::Session;
-use crate::cli::store::write::{make_folder, write_whole};
+use crate::cli::store::write::{make_folder, replace_whole};
 use crate::cli::{Cli, Outcome};
 use clap::CommandFactory;
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     program.build();
     for command in [&program].into_iter().chain(program.get_subcommands().filter(|verb| !verb.is_hide_set())) {
         let (name, text) = page(command);
-        write_whole(&args.folder.join(name), &text).or_else(|refusal| session.refuse(refusal))?;
+        replace_whole(&args.folder.join(name), &text).or_else(|refusal| session.refuse(refusal))?;
     }
     Ok(())
 }

@@ -78,8 +78,8 @@ impl Args {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, args.view.tool.as_deref())?;
     // Refusals come before the work.
-    let outputs = args.outputs.paths().chain(args.pictures.paths());
-    refuse_outputs(outputs, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
+    let outputs = || args.outputs.paths().chain(args.pictures.paths());
+    refuse_outputs(outputs(), &session.files).or_else(|d| session.refuse(d))?;
     args.pictures.refuse_idle().or_else(|message| session.usage(message))?;
     let options = args.options();
     if let Some(count) = options.poses.count(&file).filter(|count| session.format() == Format::Csv && too_long(*count))
@@ -98,6 +98,8 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let answer = map_tables(&file, &options, tables, session.run());
     let result = session.take(answer)?;
+    // Tool poses and templates are among the files read by now.
+    refuse_outputs(outputs(), &session.files).or_else(|d| session.refuse(d))?;
     staged.commit().or_else(|d| session.refuse(d))?;
     args.pictures.write(session, result.picture.as_ref())?;
     match session.format() {

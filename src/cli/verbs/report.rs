@@ -3,12 +3,12 @@
 use crate::cli::how::SetArgs;
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{ApproachArg, order};
-use crate::cli::store::write::{refuse_input, refuse_outputs, write_whole};
+use crate::cli::store::write::{refuse_outputs, write_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Exit, Format, Outcome, watch};
 use abbe::options::{Delivery, Order};
 use abbe::results::{RenderedPage, Report};
-use abbe::{Disk, Files, ReportOptions, Run, report};
+use abbe::{Files, ReportOptions, Run, report};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -63,8 +63,9 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if args.watch {
         return watch::run(session, args);
     }
-    refuse_outputs(&args.out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
-    let report = compute(session, args, &Disk)?;
+    refuse_outputs(&args.out, &session.files).or_else(|d| session.refuse(d))?;
+    let files = session.files.clone();
+    let report = compute(session, args, &*files)?;
     let page = report.page(Delivery::Alone, None).or_else(|d| session.refuse(d))?;
     write(session, args, &page)?;
     let (out, bytes) = (args.out.as_deref().unwrap_or(Path::new("")), page.text.len());
@@ -78,8 +79,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 /// Writes the page where it was asked for.
 pub(crate) fn write(session: &mut Session, args: &Args, page: &RenderedPage) -> Outcome {
     let Some(out) = &args.out else { return Ok(()) };
-    refuse_input(out, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
-    write_whole(out, page.text.as_bytes()).or_else(|d| session.refuse(d))
+    write_whole(out, page.text.as_bytes(), &session.files).or_else(|d| session.refuse(d))
 }
 
 /// Reads the machines through `files` and computes the content of the page.

@@ -37,7 +37,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let file = session.load(&args.machine, args.tool.as_deref())?;
     let outputs = args.svg.iter().chain(&args.png).chain(&args.curves);
-    refuse_outputs(outputs, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
+    refuse_outputs(outputs, &session.files).or_else(|d| session.refuse(d))?;
     draw(session, args, &file)?;
     if args.dot {
         session.print(&file.chain_dot());
@@ -68,7 +68,7 @@ fn draw(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
         pictures.push((path, kind, picture));
     }
     for (path, kind, picture) in pictures {
-        write_picture(path, &picture, kind, &session.diagnostics.sources).or_else(|d| session.refuse(d))?;
+        write_picture(path, &picture, kind, &session.files).or_else(|d| session.refuse(d))?;
     }
     Ok(())
 }

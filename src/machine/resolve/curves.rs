@@ -397,16 +397,27 @@ fn knots(
     }
 }
 
-/// Ends that miss those of the travel only by rounding (deg to rad and back) are put there.
+fn bounded(travel: Option<Travel>) -> Option<(f64, f64)> {
+    match travel {
+        Some(Travel::Range(min, max)) => Some((min, max)),
+        _ => None,
+    }
+}
+
+/// Ends that miss those of the travel only by rounding (deg to rad and back) are put there; on a continuous axis ends
+/// whose values differ only by rounding become one.
 fn snapped(mut pairs: Vec<(f64, f64)>, travel: Option<Travel>) -> Vec<(f64, f64)> {
     let Some(first) = pairs.first().map(|p| p.0) else { return pairs };
-    let (min, max) = match travel {
-        Some(Travel::Range(min, max)) => (min, max),
-        _ => (first, first + 360.0),
-    };
+    let (min, max) = bounded(travel).unwrap_or((first, first + 360.0));
     let snap = |end: &mut f64, to: f64| *end = if (*end - to).abs() <= SLACK { to } else { *end };
     pairs.first_mut().into_iter().for_each(|p| snap(&mut p.0, min));
     pairs.last_mut().into_iter().for_each(|p| snap(&mut p.0, max));
+    // 0.969 um and 969 nm are one value, whatever their last bits say.
+    if let (Some((_, start)), Some((_, end)), None) = (pairs.first().copied(), pairs.last_mut(), bounded(travel))
+        && (*end - start).abs() <= SLACK * start.abs()
+    {
+        *end = start;
+    }
     pairs
 }
 
@@ -418,13 +429,23 @@ fn explain(
 ) -> (String, Option<Place>, &'static str) {
     let ends = pairs.first().zip(pairs.last());
     let (first, last) = ends.map_or(((0.0, 0.0), (0.0, 0.0)), |(a, b)| (*a, *b));
-    let name = of.error;
+    let (name, unit) = (of.error, if of.kind == AxisKind::Linear { "mm" } else { "deg" });
     match failure {
         KnotsFailure::Empty => (format!("`{name}` has no points"), None, "write at least one [position, value]"),
         KnotsFailure::NotIncreasing(i) => (
             format!("the positions of `{name}` do not rise here"),
             row(*i),
             "sort the points by position, each position once",
+        ),
+        KnotsFailure::TooNear(i) => (
+            format!("two positions of `{name}` are nearer than a nanometre or a millionth of a degree"),
+            row(*i),
+            "leave one of them out",
+        ),
+        KnotsFailure::TooFar(i) => (
+            format!("`{name}` is given at {:e} {unit}, which no machine reaches", pairs.get(*i).map_or(0.0, |p| p.0)),
+            row(*i),
+            "check the unit of the positions",
         ),
         KnotsFailure::NotOnePeriod => (
             format!("`{name}` goes from {} to {} deg, which is not one turn", first.0, last.0),
