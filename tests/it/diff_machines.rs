@@ -61,7 +61,7 @@ fn each_effect_is_that_of_a_file_with_this_difference_alone() {
     let found = json(&["diff", &base, &second, "--poses", "300", "--format", "json"]);
     let differences = found["differences"].as_array().unwrap();
     let names: Vec<String> = differences.iter().map(named).collect();
-    assert_eq!(names, ["origin of A", "tool", "EA0C", "EXX", "EC0Y"]);
+    assert_eq!(names, ["origin of A", "tool", "EA0C", "EC0Y", "EXX"]);
     // Files written by hand, side by side: the work that all of them reach is the same.
     let single: Vec<String> = EDITS
         .iter()
@@ -110,7 +110,10 @@ fn added_axes_conventions_and_travels_are_named() {
         "other.yaml",
         &[
             ("chain: \"w C' A' Y' b X Z t\"", "conventions: { linear: before }\nchain: \"w C' A' Y' b X Z W t\""),
-            ("tool:", "  W: { kind: linear, direction: [0, 0, 1], travel: [-50 mm, 0 mm], origin: [0, 0, 0] }\ntool:"),
+            (
+                "tool: { gauge",
+                "  W: { kind: linear, direction: [0, 0, 1], travel: [-50 mm, 0 mm], origin: [0, 0, 0] }\ntool: { gauge",
+            ),
             ("[-400 mm, 0 mm]", "[-400 mm, 10 mm]"),
         ],
     );
