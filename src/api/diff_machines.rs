@@ -204,8 +204,8 @@ fn tool(tool: &Tool) -> String {
 fn conventions(first: &Machine, second: &Machine) -> [String; 2] {
     let there = |a: &Machine, b: &Machine| {
         let words = a.conventions().changes(b.conventions());
-        let new = words.iter().filter_map(|change| change.rsplit_once(" -> ").map(|(_, new)| new.to_owned()));
-        new.collect::<Vec<_>>().join(", ")
+        let new = |change: &String| Some(format!("{} {}", change.split_once(' ')?.0, change.rsplit_once(' ')?.1));
+        words.iter().filter_map(new).collect::<Vec<_>>().join(", ")
     };
     [there(second, first), there(first, second)]
 }
