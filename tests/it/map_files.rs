@@ -212,7 +212,7 @@ fn body_diagonals_are_the_closed_form() {
 #[test]
 fn files_read_on_the_way_are_inputs_too() {
     let folder = Folder::new("late-inputs");
-    let work = "X,Y,Z\n100,200,50\n";
+    let work = "X,Y,Z\n100,200,300\n";
     let poses = folder.with("p.csv", work);
     let outputs = ["--csv", "--json", "--parquet", "--vtk", "--svg", "--png"];
     for output in outputs {
