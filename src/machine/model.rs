@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// Positions of all axes as programmed (mm, deg), in the order of [`Machine::axes`].
 pub type Pose = Vec<f64>;
 
-/// A tool: two points in machine coordinates at the zero pose (mm).
+/// A tool: two points (mm) and its axis, in machine coordinates at the zero pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tool {
     /// The name it is chosen by; empty for the only tool.
@@ -18,6 +18,8 @@ pub struct Tool {
     pub gauge: [f64; 3],
     /// The functional point.
     pub tip: [f64; 3],
+    /// Its axis: a unit vector from the tip towards the spindle.
+    pub direction: [f64; 3],
 }
 
 /// Set-up errors, in the real machine only.

@@ -102,7 +102,9 @@ fn differing(axis: &Axis, own: &JointErrors, other: &JointErrors) -> Vec<String>
 fn tools(tools: &[Tool]) -> String {
     let body = |tool: &Tool| {
         let offset: [f64; 3] = std::array::from_fn(|i| tool.tip[i] - tool.gauge[i]);
-        format!("{{ gauge: {}, offset: {} }}\n", point(&tool.gauge), point(&offset))
+        let upright = tool.direction == [0.0, 0.0, 1.0];
+        let direction = if upright { String::new() } else { format!(", direction: {}", point(&tool.direction)) };
+        format!("{{ gauge: {}, offset: {}{direction} }}\n", point(&tool.gauge), point(&offset))
     };
     match tools {
         [only] if only.name.is_empty() => format!("tool: {}", body(only)),

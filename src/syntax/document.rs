@@ -109,12 +109,15 @@ pub struct ToolEntry {
     /// Gauge point in machine coordinates at the zero pose.
     #[schemars(schema_with = "super::schema::point")]
     pub gauge: Option<Vec<Scalar>>,
-    /// The tip is this far from it, against the tool axis (0, 0, 1).
+    /// The tip is this far from it, against the tool axis.
     #[schemars(schema_with = "super::schema::length")]
     pub length: Option<Scalar>,
     /// Or the tip's coordinates relative to it.
     #[schemars(schema_with = "super::schema::point")]
     pub offset: Option<Vec<Scalar>>,
+    /// The tool axis, from the tip towards the spindle; default [0, 0, 1].
+    #[schemars(schema_with = "super::schema::direction")]
+    pub direction: Option<Vec<Scalar>>,
 }
 
 /// The workpiece.

@@ -26,6 +26,7 @@ mod eval_order;
 mod every_target;
 mod examples;
 mod faults;
+mod frames;
 mod golden_signs;
 mod handmade;
 mod identify;

@@ -39,7 +39,7 @@ fn tolerances(of: &ComparedBudgets, top: usize) -> String {
             })
         };
         let minus = (1..count).map(|i| significant(e.minus_first(i), 3));
-        let _ = rows.add_row(std::iter::once(e.error.to_string()).chain(e.parts.iter().map(part)).chain(minus));
+        let _ = rows.add_row(std::iter::once(e.error.clone()).chain(e.parts.iter().map(part)).chain(minus));
     }
     let more = match of.errors.len().saturating_sub(top) {
         0 => String::new(),

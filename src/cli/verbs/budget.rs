@@ -104,7 +104,7 @@ impl Report<'_> {
             let (bound, t) = (&self.result.bounds[i], self.result.budget.position.tighten[i]);
             csv += &format!(
                 "{},{},{},{},{},{},{},{}\n",
-                bound.error,
+                bound,
                 tolerance(bound),
                 tolerance_unit(&bound.error),
                 um(&self.result.budget.worst, i),
@@ -168,7 +168,7 @@ impl Report<'_> {
             |list: &[Contribution], i: usize| list.iter().find(|c| c.bound == i).map_or(String::new(), |c| short(c.um));
         for c in b.worst.iter().take(self.args.top) {
             let mut row = vec![
-                self.result.bounds[c.bound].error.to_string(),
+                self.result.bounds[c.bound].to_string(),
                 bound_text(&self.result.bounds[c.bound]),
                 short(c.um),
                 format!("{:.1} %", 100.0 * c.share),
@@ -186,7 +186,7 @@ impl Report<'_> {
             let (bound, t) = (&self.result.bounds[i], self.result.budget.position.tighten[i]);
             let per = 1.0 / tolerance(bound);
             let _ = rows.add_row([
-                bound.error.to_string(),
+                bound.to_string(),
                 bound_text(bound),
                 format!("{} ± {}", significant(t.effect * per, 3), significant(t.sigma * per, 2)),
                 format!("{} ± {}", significant(t.effect * 0.1, 3), significant(t.sigma * 0.1, 2)),

@@ -1,6 +1,6 @@
 //! Tolerances typical of a class of machines, from the table `classes.yaml`.
 
-use crate::machine::{Axis, AxisKind, Direction, ErrorId};
+use crate::machine::{Axis, AxisKind, ErrorId};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -54,13 +54,12 @@ impl Class {
         self.rotary.is_some()
     }
 
-    /// Returns the bound (mm, rad) of an error of an axis, or of the spindle without an axis; `None` if the class has
-    /// none.
-    pub fn tolerance(&self, axis: Option<&Axis>, error: &ErrorId) -> Option<f64> {
+    /// Returns the bound (mm, rad) of an error of an axis, or of the spindle without an axis, along the axis or across
+    /// it; `None` if the class has none.
+    pub fn tolerance(&self, axis: Option<&Axis>, error: &ErrorId, along: bool) -> Option<f64> {
         let (um, urad) = (1e-3, 1e-6);
         let turns = error.direction.is_rotation();
         let Some(axis) = axis else { return turns.then_some(self.linear.squareness_urad * urad) };
-        let own = along(axis, error.direction);
         let (min, max) = axis.travel.interval();
         let metres = (max - min).max(self.min_travel_mm) * 1e-3;
         use crate::machine::ErrorFamily::{Component, Location};
@@ -68,23 +67,16 @@ impl Class {
             (AxisKind::Linear, Location, true) => self.linear.squareness_urad * urad,
             (AxisKind::Linear, Location, false) => return None,
             (AxisKind::Linear, Component, true) => self.linear.angular_urad * urad,
-            (AxisKind::Linear, Component, false) if own => self.linear.positioning_um_per_m * metres * um,
+            (AxisKind::Linear, Component, false) if along => self.linear.positioning_um_per_m * metres * um,
             (AxisKind::Linear, Component, false) => self.linear.straightness_um_per_m * metres * um,
             (AxisKind::Rotary, Location, true) => self.rotary.as_ref()?.orientation_urad * urad,
             (AxisKind::Rotary, Location, false) => self.rotary.as_ref()?.position_um * um,
-            (AxisKind::Rotary, Component, true) if own => self.rotary.as_ref()?.angular_positioning_urad * urad,
+            (AxisKind::Rotary, Component, true) if along => self.rotary.as_ref()?.angular_positioning_urad * urad,
             (AxisKind::Rotary, Component, true) => self.rotary.as_ref()?.tilt_urad * urad,
-            (AxisKind::Rotary, Component, false) if own => self.rotary.as_ref()?.axial_um * um,
+            (AxisKind::Rotary, Component, false) if along => self.rotary.as_ref()?.axial_um * um,
             (AxisKind::Rotary, Component, false) => self.rotary.as_ref()?.radial_um * um,
         })
     }
-}
-
-/// True if the direction is the one nearest to that of the axis.
-fn along(axis: &Axis, direction: Direction) -> bool {
-    let size = |i: usize| axis.direction[i].abs();
-    let nearest = (1..3).fold(0, |nearest, i| if size(i) > size(nearest) { i } else { nearest });
-    direction.index() % 3 == nearest
 }
 
 #[cfg(test)]
