@@ -8,6 +8,7 @@ use super::document::{
     WorkpieceEntry,
 };
 use super::term::{CurveEntry, TermEntry};
+use super::tolerance::{BoundEntry, ClassEntry};
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
@@ -69,6 +70,8 @@ fn sections(generator: &mut SchemaGenerator) -> Value {
         "workpiece": or_null(object::<WorkpieceEntry>(generator)),
         "conventions": any(vec![preset(generator).to_value(), object::<ConventionsEntry>(generator)]),
         "errors": or_null(errors(generator)),
+        "tolerances": or_null(tolerances(generator)),
+        "class": any(vec![class_name(generator).to_value(), object::<ClassEntry>(generator)]),
         "measured": or_null(json!({
             "description": "CSV files of which every error column counts.",
             "type": "array",
@@ -146,6 +149,16 @@ fn errors(generator: &mut SchemaGenerator) -> Value {
         "type": "object",
         "patternProperties": patterns,
         "additionalProperties": false
+    })
+}
+
+/// Bounds by the name of an error, of an axis, or of a pair of linear axes.
+fn tolerances(generator: &mut SchemaGenerator) -> Value {
+    let entry = any(vec![quantity(generator).to_value(), object::<BoundEntry>(generator), json!({ "type": "null" })]);
+    json!({
+        "description": "Bounds: of errors (EXX), along and across axes (B), of squareness (X-Y).",
+        "type": "object",
+        "additionalProperties": entry
     })
 }
 
@@ -392,6 +405,8 @@ macro_rules! words {
 words! {
     kind: ["linear", "rotary"], "Kind of the axis; follows from the letter.";
     sense: ["iso841", "direct"], "Sense of a positive command of a workpiece-side axis.";
+    class_name: ["ultra-precision", "premium", "production", "commodity", "large-gantry", "desktop"], "Class of \
+        machines with typical tolerances.";
     preset: ["holub-2015", "bui-kimm", "hrdina-vasik-2014"], "Conventions of a paper.";
     location: ["axis_only", "carried_body"], "Action of location errors.";
     linear_order: ["after", "before"], "Side of the motion on which component errors of linear axes act.";

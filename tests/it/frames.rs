@@ -59,10 +59,7 @@ fn of_class(machine: &Machine) -> Vec<Bound> {
 fn budgeted(machine: &Machine, bounds: &[Bound], searched: bool) -> Budget {
     let (poses, draws) = (budget_poses(machine, 25, 1), Draws::new(3, Distribution::Uniform));
     let (statistic, samples) = (Statistic::Max, 40);
-    budget(
-        Request { machine, bounds, poses: &poses, searched, at: None, draws: &draws, samples, statistic },
-        &|_| {},
-    )
+    budget(Request { machine, bounds, poses: &poses, searched, at: None, draws: &draws, samples, statistic }, &|_| {})
 }
 
 /// Largest relative difference of worst case, RSS and every drawn machine.
@@ -134,9 +131,8 @@ fn oblique(rest: &str) -> Machine {
 /// The displacement of the tip when the line of B is turned by w (rad), to first order: before the motion plus, after it
 /// minus. By hand.
 fn by_tilt(w: [f64; 3], q: f64) -> f64 {
-    let cross = |a: [f64; 3], b: [f64; 3]| {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    };
+    let cross =
+        |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
     let (s, c) = q.to_radians().sin_cos();
     let u = [0.0, 0.5_f64.sqrt(), 0.5_f64.sqrt()];
     let rotated = |v: [f64; 3]| -> [f64; 3] {
@@ -154,11 +150,18 @@ fn the_tilt_of_a_45_degree_axis_is_bounded_across_it() {
     // EB0B and EC0B at 50 urad each would tilt the axis by 50 / sqrt 2 only: the rest turns it about itself.
     let machine = oblique("");
     let limits = of_class(&machine);
-    let names: Vec<String> =
-        limits.iter().filter(|b| b.error.axis.as_str() == "B").map(ToString::to_string).collect();
+    let names: Vec<String> = limits.iter().filter(|b| b.error.axis.as_str() == "B").map(ToString::to_string).collect();
     let expected = [
-        "EX0B", "B location across 2", "EA0B", "B location about across 2", "EXB", "B along", "B across 2", "EAB",
-        "B about along", "B about across 2",
+        "EX0B",
+        "B location across 2",
+        "EA0B",
+        "B location about across 2",
+        "EXB",
+        "B along",
+        "B across 2",
+        "EAB",
+        "B about along",
+        "B about across 2",
     ];
     assert_eq!(names, expected);
     let diagonal = 0.5_f64.sqrt();
@@ -167,8 +170,14 @@ fn the_tilt_of_a_45_degree_axis_is_bounded_across_it() {
         let draws = Draws::new(1, Distribution::Uniform);
         let (statistic, samples) = (Statistic::Max, 2);
         let request = Request {
-            machine: &machine, bounds: &limits, poses: &poses, searched: false, at: Some(&poses[0]), draws: &draws,
-            samples, statistic,
+            machine: &machine,
+            bounds: &limits,
+            poses: &poses,
+            searched: false,
+            at: Some(&poses[0]),
+            draws: &draws,
+            samples,
+            statistic,
         };
         let at = budget(request, &|_| {}).at.unwrap();
         let um = |name: &str| at.iter().find(|c| limits[c.bound].to_string() == name).unwrap().um;
@@ -209,7 +218,13 @@ fn drawn_machines_are_those_of_the_model_with_tied_letters() {
         let poses = random_poses(&machine, 12, 5);
         let (statistic, samples) = (Statistic::Max, 5);
         let request = Request {
-            machine: &machine, bounds: &limits, poses: &poses, searched: false, at: None, draws: &draws, samples,
+            machine: &machine,
+            bounds: &limits,
+            poses: &poses,
+            searched: false,
+            at: None,
+            draws: &draws,
+            samples,
             statistic,
         };
         let mut by_hand = vec![0.0_f64; samples];
@@ -221,9 +236,10 @@ fn drawn_machines_are_those_of_the_model_with_tied_letters() {
                     ErrorId { direction, ..bound.error.clone() }
                 };
                 let of_letters = sensitivities_to(&machine, pose, &[0, 1, 2].map(letter));
-                let effect = of_letters.iter().zip(bound.direction).fold(nalgebra::Vector3::zeros(), |sum, (s, x)| {
-                    sum + s.deviation * x
-                });
+                let effect = of_letters
+                    .iter()
+                    .zip(bound.direction)
+                    .fold(nalgebra::Vector3::zeros(), |sum, (s, x)| sum + s.deviation * x);
                 for (sample, sum) in deviations.iter_mut().enumerate() {
                     let share = match machine.axis_index(bound.error.axis.as_str()) {
                         Some(i) if !bound.error.is_location() => {
@@ -256,10 +272,7 @@ fn letters_of_an_oblique_axis_are_machine_coordinates() {
     };
     let pairs = |list: &[(&str, f64)]| list.iter().map(|(n, t)| ((*n).to_owned(), *t)).collect::<Vec<_>>();
     // The rotations of B are by letter now; the nearest letter is along it.
-    assert_eq!(
-        of_b(ErrorFamily::Component, true),
-        pairs(&[("EAB", 10.0), ("EBB", 3.0), ("ECB", 10.0)])
-    );
+    assert_eq!(of_b(ErrorFamily::Component, true), pairs(&[("EAB", 10.0), ("EBB", 3.0), ("ECB", 10.0)]));
     // X is across B anyway.
     assert_eq!(
         of_b(ErrorFamily::Location, false).iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(),

@@ -12,7 +12,12 @@ pub(crate) fn text(of: &ComparedBudgets, top: usize) -> String {
         let _ = rows.add_row(totals_row(&format!("{} position, um", i + 1), &budget.position));
         let _ = rows.add_row(totals_row("  rotation, urad", &budget.rotation));
     }
-    let class = of.drawing.class.as_ref().map_or(String::new(), |(name, source)| format!(", class {name} ({source})"));
+    let named = |class: &Option<(String, String)>| class.as_ref().map_or("none", |(name, _)| name.as_str()).to_owned();
+    let class = match &of.drawing.class {
+        Some((name, source)) => format!(", class {name} ({source})"),
+        None if of.classes.iter().all(Option::is_none) => String::new(),
+        None => format!(", classes {}", of.classes.iter().map(named).collect::<Vec<_>>().join(" and ")),
+    };
     let counts: Vec<String> = of.bounds.iter().map(|bounds| bounds.len().to_string()).collect();
     format!(
         "\nBudgets on the same tool poses: {} errors bounded{class}; {} machines drawn, {} \

@@ -2,10 +2,10 @@
 //! about, one direction of one joint. Bounds of a class are along an axis and across it, whichever way it points; bounds
 //! by letters are in machine coordinates.
 
-use super::class::Class;
 use crate::analysis::closed_form::{Displacement, minimal_set};
 use crate::machine::{
-    Axis, AxisKind, AxisName, Direction, ErrorFamily, ErrorId, ErrorTerm, Frames, JointErrors, JointFrame, Machine,
+    Axis, AxisKind, AxisName, Class, Direction, ErrorFamily, ErrorId, ErrorTerm, Frames, JointErrors, JointFrame,
+    Machine,
 };
 use std::fmt;
 
@@ -172,15 +172,31 @@ pub fn bounds(machine: &Machine, class: Option<&Class>) -> Vec<Bound> {
             };
             let own = axis.is_some_and(|axis| triple.is_along(axis, slot));
             let of_class = class.filter(|_| wanted).and_then(|class| class.tolerance(axis, &error, own));
-            match (triple.written[slot], of_class) {
-                (Some(tolerance), _) => bounds.push(triple.bound(name, slot, tolerance, (false, true))),
-                (None, Some(tolerance)) => bounds.push(triple.bound(name, slot, tolerance, (true, false))),
-                (None, None) => {}
+            if let Some(tolerance) = triple.written[slot] {
+                bounds.push(triple.bound(name, slot, tolerance, (false, true)));
+            } else if let Some(tolerance) = framed(machine, name, triple, slot) {
+                bounds.push(triple.bound(name, slot, tolerance, (false, false)));
+            } else if let Some(tolerance) = of_class {
+                bounds.push(triple.bound(name, slot, tolerance, (true, false)));
             }
         }
     }
     bounds.retain(|bound| bound.tolerance > 0.0);
     bounds
+}
+
+/// Returns what the file bounds along or across an axis, or as squareness.
+fn framed(machine: &Machine, axis: &AxisName, triple: &Triple, slot: usize) -> Option<f64> {
+    let (all, role) = (machine.tolerances(), triple.roles[slot]);
+    let square = match role {
+        Role::Square(other) => main_axis(axis).and_then(|own| all.squareness.get(&[other, own])).copied(),
+        _ => None,
+    };
+    square.or_else(|| all.of(axis, triple.family, triple.turns, role == Role::Along))
+}
+
+fn main_axis(axis: &AxisName) -> Option<usize> {
+    ["X", "Y", "Z"].iter().position(|name| *name == axis.as_str())
 }
 
 fn errors_of(machine: &Machine, joint: usize) -> &JointErrors {

@@ -16,7 +16,6 @@
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
 mod bounds;
-mod class;
 mod draw;
 mod kernel;
 mod monte_carlo;
@@ -26,9 +25,9 @@ mod side_by_side;
 mod totals;
 mod worst;
 
+pub use crate::machine::{Class, classes};
 pub(crate) use bounds::on_other_sides;
 pub use bounds::{Bound, Role, bounds, known, lacks_rotary};
-pub use class::{Class, classes};
 pub use draw::{Distribution, Draws, NODES};
 pub(crate) use kernel::{
     Columns, CurvePoint, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, Source, add, by_joint, columns, squares,
