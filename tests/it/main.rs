@@ -7,6 +7,7 @@
 
 mod annotations;
 mod bad_input;
+mod bound_words;
 mod budget;
 mod certificate;
 mod classify;

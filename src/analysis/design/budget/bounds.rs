@@ -46,6 +46,12 @@ impl Bound {
         letters(self.error.direction, self.direction)
     }
 
+    /// Returns the errors by letter of its three directions, along X, Y, Z.
+    pub fn letter_ids(&self) -> [ErrorId; 3] {
+        let from = if self.error.direction.is_rotation() { 3 } else { 0 };
+        std::array::from_fn(|k| ErrorId { direction: Direction::ALL[from + k], ..self.error.clone() })
+    }
+
     /// Returns the name that its random numbers hang on.
     pub(super) fn stream(&self) -> String {
         let apart = if self.role == Role::Letter { "~" } else { "" };
