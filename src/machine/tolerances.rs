@@ -27,8 +27,24 @@ impl Tolerances {
 
     /// Returns the number of bounds that are written.
     pub fn count(&self) -> usize {
-        let joints = self.joints.values().flatten().flatten().flatten().count();
-        joints + self.squareness.len()
+        self.list().len()
+    }
+
+    /// Returns every bound with a name such as `B location about_across` or `X-Y`: mm, or rad where the flag is true.
+    pub fn list(&self) -> Vec<(String, f64, bool)> {
+        let mut list = Vec::new();
+        for (joint, both) in &self.joints {
+            for (family, four) in [" location", ""].into_iter().zip(both) {
+                let keys = FRAME_KEYS.iter().zip(four).enumerate();
+                let given =
+                    keys.filter_map(|(k, (key, value))| Some((format!("{joint}{family} {key}"), (*value)?, k > 1)));
+                list.extend(given);
+            }
+        }
+        let letters = ["X", "Y", "Z"];
+        let pair = |([a, b], value): (&[usize; 2], &f64)| (format!("{}-{}", letters[*a], letters[*b]), *value, true);
+        list.extend(self.squareness.iter().map(pair));
+        list
     }
 
     /// True if translations or rotations of a family of a joint are bounded here.

@@ -40,7 +40,21 @@ pub enum Role {
     Letter,
 }
 
+impl Role {
+    /// True if it is along the axis, or the letter (0 to 2 as X, Y, Z) nearest to that.
+    fn is_along(self, axis: &Axis, letter: usize) -> bool {
+        let size = |k: usize| axis.direction[k].abs();
+        let nearest = || (1..3).fold(0, |best, k| if size(k) > size(best) + 1e-9 { k } else { best });
+        self == Self::Along || self == Self::Letter && nearest() == letter
+    }
+}
+
 impl Bound {
+    /// True if the bound is along its axis, not across it.
+    pub fn is_along(&self, axis: &Axis) -> bool {
+        self.role.is_along(axis, self.error.direction.index() % 3)
+    }
+
     /// Returns the translations and rotations X, Y, Z, A, B, C per unit of the source.
     pub fn letters(&self) -> [f64; 6] {
         letters(self.error.direction, self.direction)
@@ -134,12 +148,6 @@ impl Triple {
         let (direction, role) = (self.directions[slot], self.roles[slot]);
         Bound { error: self.error(axis, slot), direction, tolerance, of_class, by_letter, role }
     }
-
-    /// True if a direction is along the axis, or nearest to it.
-    fn is_along(&self, axis: &Axis, slot: usize) -> bool {
-        let size = |slot: usize| (0..3).map(|i| axis.direction[i] * self.directions[slot][i]).sum::<f64>().abs();
-        (1..3).fold(0, |best, i| if size(i) > size(best) + 1e-9 { i } else { best }) == slot
-    }
 }
 
 /// The four triples of a joint, in the order of its errors.
@@ -176,7 +184,7 @@ pub fn bounds(machine: &Machine, class: Option<&Class>) -> Vec<Bound> {
                 ErrorFamily::Location => location.contains(&error),
                 ErrorFamily::Component => axis.is_some(),
             };
-            let own = axis.is_some_and(|axis| triple.is_along(axis, slot));
+            let own = axis.is_some_and(|axis| triple.roles[slot].is_along(axis, slot));
             let of_class = class.filter(|_| wanted).and_then(|class| class.tolerance(axis, &error, own));
             if let Some(tolerance) = triple.written[slot] {
                 bounds.push(triple.bound(name, slot, tolerance, (false, true)));

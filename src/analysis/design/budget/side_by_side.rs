@@ -42,10 +42,13 @@ impl BoundedError {
     }
 }
 
+/// The name of an error, and its part in every machine.
+type NamedParts = (String, Vec<Option<BudgetPart>>);
+
 /// Returns every error that is bounded in any of the machines, matched along and across their axes; largest first, then
 /// by name.
 pub fn side_by_side(budgets: &[(&[Bound], &Budget)]) -> Vec<BoundedError> {
-    let mut by_error: BTreeMap<(&ErrorId, bool), (String, Vec<Option<BudgetPart>>)> = BTreeMap::new();
+    let mut by_error: BTreeMap<(&ErrorId, bool), NamedParts> = BTreeMap::new();
     for (machine, (bounds, budget)) in budgets.iter().enumerate() {
         let average: BTreeMap<usize, f64> = budget.average.iter().map(|c| (c.bound, c.um)).collect();
         for (i, bound) in bounds.iter().enumerate() {
@@ -57,7 +60,7 @@ pub fn side_by_side(budgets: &[(&[Bound], &Budget)]) -> Vec<BoundedError> {
                 Some(BudgetPart { tolerance: bound.tolerance, of_p95: budget.position.tighten[i], average });
         }
     }
-    let one = |((id, _), (error, parts)): ((&ErrorId, bool), (String, Vec<Option<BudgetPart>>))| BoundedError {
+    let one = |((id, _), (error, parts)): ((&ErrorId, bool), NamedParts)| BoundedError {
         is_rotation: id.direction.is_rotation(),
         error,
         parts,
