@@ -26,7 +26,8 @@ impl Explanation {
     }
 }
 
-/// Explains a code such as E0203, an error such as EC0Y, a class such as production, or a controller such as linuxcnc. Fails for other words.
+/// Explains a code such as E0203, an error such as EC0Y, a class such as production, or a controller such as linuxcnc.
+/// Fails for other words.
 pub fn explain(topic: &str) -> Result<Explanation, Diagnostic> {
     let code = info(topic).map(Explanation::of_code);
     code.or_else(|| class(topic))

@@ -63,7 +63,11 @@ fn bounds_are_read_along_and_across_and_written_again() {
     let base = format!("{HEAD}{FRAMED}");
     let variant = "abbe: 1\nextends: m.yaml\ntolerances: { C: { along: 1 um }, B: null, EXX: { A: 9 um } }\n";
     let varied = list(&silent(&[("v.yaml", variant), ("m.yaml", &base)]));
-    assert_eq!(varied.iter().filter(|(name, _)| name.ends_with('C') || name.contains('B')).count(), 2, "{varied:?}");
+    assert_eq!(
+        varied.iter().filter(|(name, _)| name.ends_with(['B', 'C']) || name.starts_with("B ")).count(),
+        1,
+        "{varied:?}"
+    );
     assert!(varied.contains(&("EZC".to_owned(), 1.0)) && varied.contains(&("EXX".to_owned(), 4.5)), "{varied:?}");
 }
 

@@ -189,8 +189,13 @@ impl Columns {
                 push(&mut setup[i + 3], unit.cross(&nominal.translation), unit);
             }
         }
-        let unit = |columns: Vec<Vec<f64>>| columns.into_iter().map(unit).collect();
-        Self { setup: unit(setup), candidates: unit(columns) }
+        let all: Vec<Vec<f64>> = setup.into_iter().chain(columns).map(unit).collect();
+        // The triangle of the decomposition has the same singular values, for any choice of columns, in fewer rows.
+        let triangle = DMatrix::from_fn(all[0].len(), all.len(), |i, j| all[j][i]).qr().r();
+        let mut columns: Vec<Vec<f64>> =
+            triangle.column_iter().map(|column| column.iter().copied().collect()).collect();
+        let candidates = columns.split_off(6);
+        Self { setup: columns, candidates }
     }
 
     /// Returns the candidates that add a dimension to those before them.

@@ -1,6 +1,6 @@
 //! The bounds of errors. A budget is a list of independent sources, each bounded: a translation along, or a rotation
-//! about, one direction of one joint. Bounds of a class are along an axis and across it, whichever way it points; bounds
-//! by letters are in machine coordinates.
+//! about, one direction of one joint. Bounds of a class are along an axis and across it, whichever way it points;
+//! bounds by letters are in machine coordinates.
 
 use crate::analysis::closed_form::{Displacement, minimal_set};
 use crate::machine::{
@@ -218,8 +218,8 @@ fn errors_of(machine: &Machine, joint: usize) -> &JointErrors {
     if joint < machine.axes().len() { machine.axis_errors(joint) } else { machine.spindle_errors().unwrap_or(NONE) }
 }
 
-/// Returns the bounds of all joints on the sides of the bed on which they do not stand. Tolerances by letter of one side
-/// replace those of the same direction; a value in place of a tolerance is no bound. All other bounds are the same on
+/// Returns the bounds of all joints on the sides of the bed on which they do not stand. Tolerances by letter of one
+/// side replace those of the same direction; a value in place of a tolerance is no bound. All other bounds are the same on
 /// either side, in the frame that the axis has there.
 pub fn on_other_sides(machine: &Machine, bounds: &[Bound]) -> Vec<Bound> {
     let mut all = bounds.to_vec();
