@@ -77,7 +77,13 @@ fn bounds_without_letters_count_as_bounds() {
     let path = folder.with("m.yaml", &format!("{HEAD}tolerances: {{ B: {{ across: 3 um }} }}\n"));
     let budget = json(&["budget", text(&path), "--samples", "50", "--poses", "20", "--format", "json"]);
     assert_eq!(budget["tighten"].as_array().unwrap().len(), 2);
-    assert_eq!(budget["tighten"][0]["of_class"], false);
+    assert_eq!((&budget["tighten"][0]["of_class"], &budget["tighten"][0]["by_letter"]), (&false.into(), &false.into()));
+    let said = abbe(&["budget", text(&path), "--samples", "10", "--poses", "5"]);
+    assert!(said.contains("B across 2") && said.contains("directions of the axis itself"), "{said}");
+    assert!(!said.contains("boxes in machine coordinates"));
+    let letters = folder.with("l.yaml", &format!("{HEAD}errors: {{ EYB: {{ tolerance: 3 um }} }}\n"));
+    let said = abbe(&["budget", text(&letters), "--samples", "10", "--poses", "5"]);
+    assert!(said.contains("boxes in machine coordinates") && !said.contains("directions of the axis"), "{said}");
     // An angle that is bounded turns about an origin.
     let bare = HEAD.replacen(", origin: [0, 0, 0]", "", 1);
     let bounded = format!("{bare}tolerances: {{ X: {{ about_across: 7 urad }} }}\n");

@@ -144,7 +144,21 @@ impl Report<'_> {
         text += &format!("Worst case at {}\n", axes_text(self.file, &self.result.budget.position.worst_pose));
         text += &format!("RSS largest at {}\n", axes_text(self.file, &self.result.budget.position.rss_pose));
         text += &self.pareto_table();
-        text + &self.tighten_table()
+        text += &self.tighten_table();
+        text + &self.directions()
+    }
+
+    /// What the directions of the bounds are, where that is not plain from their names.
+    fn directions(&self) -> String {
+        let mut text = String::new();
+        let bounds = &self.result.bounds;
+        if bounds.iter().any(|bound| bound.by_letter) {
+            text += "Tolerances by letter are boxes in machine coordinates: they do not turn with the machine.\n";
+        }
+        if bounds.iter().any(|bound| bound.to_string().contains(' ')) {
+            text += "along, across: directions of the axis itself, which no letter names.\n";
+        }
+        text
     }
 
     fn totals_table(&self) -> String {

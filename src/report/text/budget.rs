@@ -128,7 +128,7 @@ impl BudgetReport<'_> {
             let per = 1.0 / tolerance(bound);
             json!({
                 "error": bound.to_string(), "tolerance": tolerance(bound), "unit": tolerance_unit(&bound.error),
-                "direction": bound.direction,
+                "direction": bound.direction, "by_letter": bound.by_letter,
                 "of_class": bound.of_class, "um_per_unit": t.effect * per, "sigma": t.sigma * per,
                 "um_of_p95": t.effect, "um_of_p95_sigma": t.sigma,
                 "at_worst_um": um(&self.budget.worst, i), "average_um": um(&self.budget.average, i),
