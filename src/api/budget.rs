@@ -3,7 +3,7 @@
 use super::machine_file::MachineFile;
 use super::poses::{axis_positions, check, pose_option};
 use super::run::{Answer, Call, Refused, Run};
-use super::tolerances::ToleranceOptions;
+use super::tolerances::{ClassSource, ToleranceOptions};
 use super::tool_poses::{self, ReachedToolPoses};
 use crate::analysis::budget::{Bound, Budget, Request, budget as computed, budget_poses, known};
 use crate::diagnostic::Diagnostics;
@@ -129,13 +129,13 @@ fn budgeted(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> 
     budget_of(call, machine, options, at, bounded)
 }
 
-/// Budgets bounds, given with the source of their class.
+/// Budgets bounds, given with their class.
 pub(super) fn budget_of(
     call: &mut Call<'_>,
     machine: &Machine,
     options: &BudgetOptions,
     at: Option<Pose>,
-    (bounds, source): (Vec<Bound>, Option<String>),
+    (bounds, class): (Vec<Bound>, Option<ClassSource>),
 ) -> Result<BudgetResult, Refused> {
     let draws = options.tolerances.draws(options.seed);
     let tool_poses = tool_poses::asked(call, machine, options.tool_poses.as_ref())?;
@@ -155,7 +155,7 @@ pub(super) fn budget_of(
         statistic,
     };
     let budget = call.stage(2 * samples, |advance| computed(request, advance));
-    let drawing = options.tolerances.drawing(source, samples, options.seed);
+    let drawing = options.tolerances.drawing(class, samples, options.seed);
     let (machine, poses) = (machine.clone(), poses.len());
     Ok(BudgetResult { machine, drawing, at, bounds, budget, poses, tool_poses })
 }

@@ -1,13 +1,13 @@
 //! Budgets of several machines on the same work.
 
 use super::run::{Call, Refused};
-use super::tolerances::ToleranceOptions;
+use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{Bound, BoundedError, Budget, Request, budget, side_by_side};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{Machine, Pose};
 use crate::report::{BudgetReport, DrawSettings, budgets_json};
 use serde::{Serialize, Serializer};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Draws of machines.
 #[derive(Clone, Copy)]
@@ -22,6 +22,8 @@ pub(crate) struct DrawnMachines<'a> {
 pub struct ComparedBudgets {
     machines: Vec<Machine>,
     poses: usize,
+    /// Name and source of the class of each machine.
+    pub classes: Vec<Option<(String, String)>>,
     /// The bounds of each machine.
     pub bounds: Vec<Vec<Bound>>,
     /// The budget of each machine.
@@ -48,6 +50,10 @@ impl ComparedBudgets {
         if let Some(object) = json.as_object_mut() {
             object.extend(drawing.json());
         }
+        for (machine, class) in json["machines"].as_array_mut().into_iter().flatten().zip(&self.classes) {
+            let (name, source) = class.clone().unzip();
+            (machine["class"], machine["class_source"]) = (json!(name), json!(source));
+        }
         json
     }
 }
@@ -59,10 +65,10 @@ pub(crate) fn budgets(
     drawn: DrawnMachines<'_>,
 ) -> Result<Option<ComparedBudgets>, Refused> {
     let mut all = Vec::new();
-    let mut source = None;
+    let mut classes: Vec<Option<ClassSource>> = Vec::new();
     for (machine, _) in sides {
         let (bounds, of) = drawn.tolerances.bounds_if_any(call, machine)?;
-        source = of.or(source);
+        classes.push(of);
         all.push(bounds);
     }
     if all.iter().all(Vec::is_empty) || sides.iter().any(|(_, poses)| poses.is_empty()) {
@@ -78,6 +84,7 @@ pub(crate) fn budgets(
         return Ok(None);
     }
     let list = budgeted(call, sides, &all, drawn);
+    let common = classes.iter().all(|class| *class == classes[0]).then(|| classes[0].clone()).flatten();
     let pairs: Vec<(&[Bound], &Budget)> = all.iter().map(Vec::as_slice).zip(&list).collect();
     Ok(Some(ComparedBudgets {
         machines: sides.iter().map(|(machine, _)| (*machine).clone()).collect(),
@@ -85,7 +92,8 @@ pub(crate) fn budgets(
         errors: side_by_side(&pairs),
         bounds: all,
         budgets: list,
-        drawing: drawn.tolerances.drawing(source, drawn.samples, drawn.seed),
+        drawing: drawn.tolerances.drawing(common, drawn.samples, drawn.seed),
+        classes,
     }))
 }
 

@@ -3,7 +3,7 @@
 use super::machine_file::MachineFile;
 use super::run::{Answer, Call, Refused, Run};
 use super::study::{self, StudyFile};
-use super::tolerances::ToleranceOptions;
+use super::tolerances::{ClassSource, ToleranceOptions};
 use super::tool_poses::{self, ReachedToolPoses};
 use crate::analysis::Work;
 use crate::analysis::budget::{Bound, Statistic, known};
@@ -212,7 +212,7 @@ fn studied(
     fitting(call, machine, options)?;
     let rules = rules(options, machine).or_else(|refusal| call.refuse(refusal))?;
     let walks = listed(options, machine, &rules).or_else(|refusal| call.refuse(refusal))?;
-    let (judge, class_source) = judge(call, options, machine)?;
+    let (judge, class) = judge(call, options, machine)?;
     let (work, tool_poses) = work(call, options, machine)?;
     if let (Judge::Budget { samples, .. }, true) = (&judge, options.tool_poses.is_some()) {
         draws(work.len() as u64, *samples as u64).or_else(|refusal| call.refuse(refusal))?;
@@ -239,11 +239,12 @@ fn studied(
     if poses == 0 {
         return call.refuse(nothing_reached(machine));
     }
+    let (class, class_source) = class.unzip();
     Ok(EnumerateResult::Ranked(Box::new(RankedArrangements {
         machine: machine.name().to_owned(),
         chain: machine.chain().to_string(),
         by,
-        class: options.tolerances.class.clone(),
+        class,
         class_source,
         errors,
         poses,
@@ -337,8 +338,9 @@ fn judge(
     call: &mut Call<'_>,
     options: &EnumerateOptions,
     machine: &Machine,
-) -> Result<(Judge, Option<String>), Refused> {
-    let bounded = options.tolerances.class.is_some() || machine.errors().count() > known(machine);
+) -> Result<(Judge, Option<ClassSource>), Refused> {
+    let by_class = options.tolerances.class.is_some() || machine.class().is_some();
+    let bounded = by_class || machine.tolerances().count() > 0 || machine.errors().count() > known(machine);
     let by = options.by.unwrap_or(if bounded { JudgedBy::Budget } else { JudgedBy::Errors });
     if by == JudgedBy::Errors {
         return Ok((Judge::Errors, None));

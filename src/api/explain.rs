@@ -1,14 +1,14 @@
-//! The long text of a diagnostic's code, of an error's name, of a controller.
+//! The long text of a diagnostic's code, of an error's name, of a class of machines, of a controller.
 
 use super::targets::{TargetSummary, target};
 use crate::diagnostic::{CODES, Code, Diagnostic, codes, info};
-use crate::machine::{Direction, ErrorId, parse_error_name};
+use crate::machine::{CLASS_NAMES, Direction, ErrorId, classes, parse_error_name};
 use serde::Serialize;
 
 /// An explanation.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Explanation {
-    /// The code, error name or controller as it is written.
+    /// The code, error name, class or controller as it is written.
     pub topic: String,
     /// The explanation, Markdown.
     pub text: String,
@@ -26,19 +26,37 @@ impl Explanation {
     }
 }
 
-/// Explains a code such as E0203, an error such as EC0Y, or a controller such as linuxcnc. Fails for other words.
+/// Explains a code such as E0203, an error such as EC0Y, a class such as production, or a controller such as linuxcnc.
+/// Fails for other words.
 pub fn explain(topic: &str) -> Result<Explanation, Diagnostic> {
     let code = info(topic).map(Explanation::of_code);
-    code.or_else(|| target(topic).map(Explanation::of_target)).or_else(|| error_name(topic)).ok_or_else(|| {
-        let codes: Vec<&str> = CODES.iter().map(|code| code.id).collect();
-        let message = format!(
-            "`{}` is no code, error name or target.\nCodes: {}\nErrors: EXX .. ECC, EC0Y and the like. Targets: \
-             `abbe targets`.",
-            topic.escape_debug(),
-            codes.join(" ")
-        );
-        Diagnostic::new(codes::E0818, message)
-    })
+    code.or_else(|| class(topic))
+        .or_else(|| target(topic).map(Explanation::of_target))
+        .or_else(|| error_name(topic))
+        .ok_or_else(|| {
+            let codes: Vec<&str> = CODES.iter().map(|code| code.id).collect();
+            let message = format!(
+                "`{}` is no code, error name, class or target.\nCodes: {}\nErrors: EXX .. ECC, EC0Y and the like. \
+             Classes: {}. Targets: `abbe targets`.",
+                topic.escape_debug(),
+                codes.join(" "),
+                CLASS_NAMES.join(", ")
+            );
+            Diagnostic::new(codes::E0818, message)
+        })
+}
+
+/// The numbers of a class, as a machine file has them.
+fn class(what: &str) -> Option<Explanation> {
+    let class = classes().remove(what)?;
+    let text = format!(
+        "{what}: tolerances typical of a class of machines; no standard, no measured population.\nEach is a bound, \
+         plus or minus, before compensation. `abbe budget --class {what}` takes them where the machine\nfile has \
+         none, and so does `class: {what}` in the file; or, to change them, this:\n\n{}\nA number left out is taken \
+         from another class with `like: {what}`.\n",
+        class.written()
+    );
+    Some(Explanation { topic: what.to_owned(), text })
 }
 
 fn error_name(what: &str) -> Option<Explanation> {

@@ -142,7 +142,7 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
 
 /// Warns of a machine that is asked for deviations although all its errors are only bounded.
 pub(crate) fn bounded_only(machine: &Machine) -> Option<Diagnostic> {
-    let count = machine.errors().count();
+    let count = machine.errors().count() + machine.tolerances().count();
     let bounded = count > 0 && machine.errors().all(|(_, term)| matches!(term, ErrorTerm::Tolerance(_)));
     bounded.then(|| {
         let message = format!("all {} are only bounded, and count as 0", counted(count, "error"));

@@ -33,7 +33,7 @@ pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::tool_poses::{MissedToolPose, ReachedToolPoses};
 pub use crate::analysis::Status as LocationStatus;
-pub use crate::analysis::budget::{Bound, Budget, BudgetPart, Contribution, PERCENTS, Percentile, Totals};
+pub use crate::analysis::budget::{Bound, Budget, BudgetPart, Contribution, PERCENTS, Percentile, Role, Totals};
 pub use crate::analysis::enumerate::{Ranking, Row as ArrangementRow};
 pub use crate::analysis::instrument::{BallBar, Diagonal, RTest};
 pub use crate::controller::{

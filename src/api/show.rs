@@ -89,6 +89,8 @@ pub struct ChainTool {
     pub gauge_mm: [f64; 3],
     /// Functional point, mm.
     pub tip_mm: [f64; 3],
+    /// Unit vector of its axis, from the tip towards the spindle.
+    pub direction: [f64; 3],
     /// True for the tool in use.
     #[serde(skip)]
     pub in_use: bool,
@@ -119,6 +121,7 @@ pub fn show(file: &MachineFile) -> ChainResult {
         name: tool.name.clone(),
         gauge_mm: tool.gauge,
         tip_mm: tool.tip,
+        direction: tool.direction,
         in_use: tool.name == *used,
     };
     let set = LocationSet::of(file);

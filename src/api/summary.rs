@@ -82,7 +82,7 @@ pub fn summary(file: &MachineFile) -> MachineSummary {
 }
 
 fn counts(file: &MachineFile) -> ErrorCounts {
-    let mut counts = ErrorCounts::default();
+    let mut counts = ErrorCounts { tolerance: file.tolerances().count(), ..ErrorCounts::default() };
     for (_, term) in file.errors() {
         *match term {
             ErrorTerm::Constant(_) => &mut counts.location,

@@ -10,8 +10,8 @@ use crate::report::DrawSettings;
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct ToleranceOptions {
-    /// Class of machines whose typical tolerances are taken where the file has none: `ultra-precision`, `premium`,
-    /// `production`, `commodity`, `large-gantry` or `desktop`.
+    /// Class of machines whose typical tolerances are taken where the file has none, in place of the class that the
+    /// file names: `ultra-precision`, `premium`, `production`, `commodity`, `large-gantry` or `desktop`.
     pub class: Option<String>,
     /// Distribution of an error between its bounds.
     pub distribution: Distribution,
@@ -19,22 +19,25 @@ pub struct ToleranceOptions {
     pub statistic: Statistic,
 }
 
+/// Name and source of a class.
+pub(crate) type ClassSource = (String, String);
+
 impl ToleranceOptions {
-    pub(crate) fn drawing(&self, source: Option<String>, samples: usize, seed: u64) -> DrawSettings {
+    pub(crate) fn drawing(&self, class: Option<ClassSource>, samples: usize, seed: u64) -> DrawSettings {
         let (distribution, statistic) = (self.distribution, self.statistic);
-        DrawSettings { class: self.class.clone().zip(source), samples, seed, distribution, statistic }
+        DrawSettings { class, samples, seed, distribution, statistic }
     }
 
     pub(crate) fn draws(&self, seed: u64) -> Draws {
         Draws::new(seed, self.distribution)
     }
 
-    /// Returns the bounds of the file and of the class, and the source of the class; refuses a machine without any.
+    /// Returns the bounds of the file and of the class, with the class; refuses a machine without any.
     pub(crate) fn bounds(
         &self,
         call: &mut Call<'_>,
         machine: &Machine,
-    ) -> Result<(Vec<Bound>, Option<String>), Refused> {
+    ) -> Result<(Vec<Bound>, Option<ClassSource>), Refused> {
         let (list, source) = self.bounds_if_any(call, machine)?;
         if list.is_empty() { call.refuse(nothing_bounded(machine)) } else { Ok((list, source)) }
     }
@@ -44,14 +47,17 @@ impl ToleranceOptions {
         &self,
         call: &mut Call<'_>,
         machine: &Machine,
-    ) -> Result<(Vec<Bound>, Option<String>), Refused> {
-        let class = match &self.class {
-            Some(name) => Some(find(machine, name).or_else(|refusal| call.refuse(refusal))?),
-            None => None,
+    ) -> Result<(Vec<Bound>, Option<ClassSource>), Refused> {
+        let class = match (&self.class, machine.class()) {
+            (Some(name), _) => Some((name.clone(), find(name).or_else(|refusal| call.refuse(refusal))?)),
+            (None, of_file) => of_file.map(|named| (named.name.clone(), named.class.clone())),
         };
-        let list = bounds(machine, class.as_ref());
+        if let Some(refusal) = class.as_ref().and_then(|(name, class)| short_of_rotary(machine, name, class)) {
+            return call.refuse(refusal);
+        }
+        let list = bounds(machine, class.as_ref().map(|(_, class)| class));
         warn_of_arms(call, machine, &list);
-        Ok((list, class.map(|class| class.source)))
+        Ok((list, class.map(|(name, class)| (name, class.source))))
     }
 }
 
@@ -69,20 +75,23 @@ fn warn_of_arms(call: &mut Call<'_>, machine: &Machine, bounds: &[Bound]) {
     }
 }
 
-fn find(machine: &Machine, name: &str) -> Result<Class, Diagnostic> {
+fn find(name: &str) -> Result<Class, Diagnostic> {
     let mut classes = classes();
-    let Some(class) = classes.remove(name) else {
+    classes.remove(name).ok_or_else(|| {
         let known: Vec<&str> = classes.keys().map(String::as_str).collect();
         let message = format!("there is no class of machines `{}`", shown(name));
-        return Err(Diagnostic::new(codes::E0605, message).help(did_you_mean(name, &known)));
-    };
-    if lacks_rotary(machine, &class) {
+        Diagnostic::new(codes::E0605, message).help(did_you_mean(name, &known))
+    })
+}
+
+/// The refusal of a class without rotary axes for a machine with some.
+fn short_of_rotary(machine: &Machine, name: &str, class: &Class) -> Option<Diagnostic> {
+    lacks_rotary(machine, class).then(|| {
         let message = format!("the class `{name}` has no tolerances of rotary axes, and the machine has such axes");
         let help = "take another class, or write the tolerances of the rotary axes into a variant of the file and \
-         omit `--class`";
-        return Err(Diagnostic::new(codes::E0605, message).help(help));
-    }
-    Ok(class)
+         omit the class";
+        Diagnostic::new(codes::E0605, message).help(help)
+    })
 }
 
 fn nothing_bounded(machine: &Machine) -> Diagnostic {

@@ -295,7 +295,7 @@ fn row(machine: &Machine, columns: &[Column], line: &str) -> Result<(Vector3<f64
         return Ok((tip, Aim::Rotary(pose)));
     }
     if !columns.iter().any(|column| matches!(column, Column::Axis(_))) {
-        return Ok((tip, Aim::Axis(Vector3::z())));
+        return Ok((tip, Aim::Axis(Vector3::from(machine.tool().direction))));
     }
     // Scaled first: the square of a large or small number is not one.
     let largest = axis.amax();

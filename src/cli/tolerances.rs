@@ -5,8 +5,8 @@ use abbe::options::{Distribution, Statistic, ToleranceOptions};
 /// Options of the errors that are drawn, and of their effect.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ToleranceArgs {
-    /// Tolerances typical of a class of machines where the file has none: ultra-precision, premium,
-    /// production, commodity, large-gantry, desktop.
+    /// Tolerances typical of a class of machines where the file has none, in place of its `class`: ultra-precision,
+    /// premium, production, commodity, large-gantry, desktop.
     #[arg(long, value_name = "NAME")]
     pub(super) class: Option<String>,
     /// Distribution of an error between its bounds.

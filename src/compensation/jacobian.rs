@@ -38,7 +38,7 @@ impl Jacobian {
         let chain = Chain::<f64>::nominal(machine, pose);
         let t_wt = chain.t_wt();
         let tip = t_wt.apply(&machine.tool().tip);
-        let across = across(&t_wt.linear.column(2).into_owned());
+        let across = across(&(t_wt.linear * Vector3::from(machine.tool().direction)));
         let mut prefix = crate::algebra::Htm::identity();
         let mut columns = Vec::with_capacity(pose.len());
         for (axis, joint) in machine.axes().iter().zip(&chain.joints) {

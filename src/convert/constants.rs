@@ -205,7 +205,8 @@ fn new_spindle(machine: &Machine) -> Result<AxisName, Diagnostic> {
 fn bounded(machine: &Machine) -> Result<(), Diagnostic> {
     let is = |term: &ErrorTerm| matches!(term, ErrorTerm::Tolerance(_));
     match machine.errors().find(|(id, term)| id.is_location() && is(term)) {
-        Some((id, _)) => Err(only_bounded(&id)),
+        Some((id, _)) => Err(only_bounded(&id.to_string())),
+        None if machine.tolerances().any_location() => Err(only_bounded("location")),
         None => Ok(()),
     }
 }

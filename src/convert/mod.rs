@@ -113,18 +113,21 @@ fn tolerances(machine: &Machine, axis: usize, errors: &ComponentErrors<'_>) -> R
     let bounded = given
         .iter()
         .find(|(family, _, term)| *family == ErrorFamily::Component && matches!(term, ErrorTerm::Tolerance(_)));
+    let name = &machine.axes()[axis].name;
+    let framed = |turns| machine.tolerances().bounds(name, ErrorFamily::Component, turns);
     match bounded {
         Some((_, direction, _)) if errors.mixes() => {
             let id = ErrorId { axis: machine.axes()[axis].name.clone(), family: ErrorFamily::Component, direction };
-            Err(only_bounded(&id))
+            Err(only_bounded(&id.to_string()))
         }
+        None if errors.mixes() && [false, true].into_iter().any(framed) => Err(only_bounded(&format!("{name} across"))),
         _ => Ok(()),
     }
 }
 
 /// The refusal of a tolerance that would have to become part of other errors.
-fn only_bounded(id: &ErrorId) -> Diagnostic {
-    let message = format!("`{id}` is only bounded by a tolerance, and would become part of several other errors");
+fn only_bounded(what: &str) -> Diagnostic {
+    let message = format!("`{what}` is only bounded by a tolerance, and would become part of several other errors");
     let help = "give it a value, leave it out, or keep the convention that it would have to change";
     Diagnostic::new(codes::E0527, message).help(help)
 }

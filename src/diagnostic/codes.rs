@@ -126,6 +126,8 @@ codes! {
     E0413 "positions refer to each other in a circle",
     E0414 "not a point to be relative to",
     E0415 "an error of another axis in the block of a side",
+    E0416 "a bound does not fit its name",
+    E0417 "the class of the file is refused",
     E0501 "measurements cannot be read",
     E0502 "the list of fitted errors cannot be read",
     E0503 "fewer readings than parameters",

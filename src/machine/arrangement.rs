@@ -1,7 +1,8 @@
 //! The axes of a machine placed anew, and the axes whose geometry is not stated where they stand.
 
 use super::{
-    Axis, AxisKind, AxisName, Branch, Geometry, Grid, KinematicChain, Location, Machine, Sides, Travel, Unstated,
+    Axis, AxisKind, AxisName, Branch, ErrorFamily, Geometry, Grid, KinematicChain, Location, Machine, Sides, Travel,
+    Unstated,
 };
 
 impl Machine {
@@ -48,7 +49,12 @@ impl Machine {
     pub fn turns_about_its_origin(&self, axis: usize) -> bool {
         let errors = self.axis_errors(axis);
         let carried = self.conventions().location == Location::CarriedBody;
-        errors.tilts() || (carried && errors.location[3..].iter().any(Option::is_some))
+        let name = &self.axes()[axis].name;
+        let bounded = |family| self.tolerances().bounds(name, family, true);
+        errors.tilts()
+            || bounded(ErrorFamily::Component)
+            || (carried && bounded(ErrorFamily::Location))
+            || (carried && errors.location[3..].iter().any(Option::is_some))
     }
 
     /// The same axes in another order or on another side, listed on the walk from workpiece to tool; an axis left out

@@ -2,14 +2,14 @@
 
 use super::{
     AlgebraChoice, Approach, Axis, AxisKind, AxisName, Conventions, ErrorId, ErrorTerm, Geometry, JointErrors,
-    KinematicChain, Travel,
+    KinematicChain, NamedClass, Tolerances, Travel,
 };
 use std::collections::BTreeMap;
 
 /// Positions of all axes as programmed (mm, deg), in the order of [`Machine::axes`].
 pub type Pose = Vec<f64>;
 
-/// A tool: two points in machine coordinates at the zero pose (mm).
+/// A tool: two points (mm) and its axis, in machine coordinates at the zero pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tool {
     /// The name it is chosen by; empty for the only tool.
@@ -18,6 +18,8 @@ pub struct Tool {
     pub gauge: [f64; 3],
     /// The functional point.
     pub tip: [f64; 3],
+    /// Its axis: a unit vector from the tip towards the spindle.
+    pub direction: [f64; 3],
 }
 
 /// Set-up errors, in the real machine only.
@@ -75,6 +77,10 @@ pub struct MachineParts {
     pub uncertainty: BTreeMap<ErrorId, f64>,
     /// The algebra it names, if any.
     pub algebra: Option<AlgebraChoice>,
+    /// Bounds along and across axes, and of squareness; those by letter are among the errors.
+    pub tolerances: Tolerances,
+    /// The class that bounds everything else, if the file names one.
+    pub class: Option<NamedClass>,
     /// Geometry of the axes on either side of the bed; `axes`, `errors` and `workpiece` are of the sides on which
     /// the axes stand.
     pub geometry: Geometry,
@@ -208,6 +214,16 @@ impl Machine {
         self.parts.algebra.as_ref()
     }
 
+    /// Bounds along and across axes, and of squareness.
+    pub fn tolerances(&self) -> &Tolerances {
+        &self.parts.tolerances
+    }
+
+    /// The class that bounds what the file does not, if it names one.
+    pub fn class(&self) -> Option<&NamedClass> {
+        self.parts.class.as_ref()
+    }
+
     /// Names of the axes and the spindle, in the order of the errors.
     fn joint_names(&self) -> impl Iterator<Item = &AxisName> {
         self.parts.axes.iter().map(|a| &a.name).chain(self.parts.chain.spindle())
@@ -222,11 +238,12 @@ impl Machine {
         })
     }
 
-    /// The same machine with only the errors (and no set-up errors) that `keep` accepts.
+    /// The same machine with only the errors (no set-up errors, no bounds but by letter) that `keep` accepts.
     pub fn filtered(&self, keep: impl Fn(&ErrorId) -> bool) -> Self {
         let mut parts = self.parts.clone();
         let names: Vec<AxisName> = self.joint_names().cloned().collect();
         parts.setup = SetUp::default();
+        (parts.tolerances, parts.class) = (Tolerances::default(), None);
         for (axis, errors) in names.into_iter().zip(&mut parts.errors) {
             errors.retain(&axis, &keep);
         }

@@ -2,7 +2,7 @@
 
 use super::{
     AlgebraChoice, Anchor, Axis, AxisKind, AxisName, Branch, ComponentError, Curve, Direction, ErrorFamily, ErrorId,
-    ErrorTerm, Generators, Grid, JointErrors, MachineParts, Sense, SetUp, Tool, Travel,
+    ErrorTerm, FRAME_KEYS, FrameTolerances, Generators, Grid, JointErrors, MachineParts, Sense, SetUp, Tool, Travel,
 };
 
 /// The text of a machine file that says what `parts` say; `provenance` are further entries of that section
@@ -15,6 +15,8 @@ pub fn machine_file(parts: &MachineParts, provenance: &[(String, String)]) -> St
     text += &conventions(parts);
     text += &setup(&parts.setup);
     text += &errors(parts);
+    text += &tolerances(parts);
+    text += &parts.class.as_ref().map_or_else(String::new, |named| named.class.written());
     text += &volume(parts);
     text += &parts.algebra.as_ref().map_or_else(String::new, algebra);
     text += "provenance:\n";
@@ -102,7 +104,9 @@ fn differing(axis: &Axis, own: &JointErrors, other: &JointErrors) -> Vec<String>
 fn tools(tools: &[Tool]) -> String {
     let body = |tool: &Tool| {
         let offset: [f64; 3] = std::array::from_fn(|i| tool.tip[i] - tool.gauge[i]);
-        format!("{{ gauge: {}, offset: {} }}\n", point(&tool.gauge), point(&offset))
+        let upright = tool.direction == [0.0, 0.0, 1.0];
+        let direction = if upright { String::new() } else { format!(", direction: {}", point(&tool.direction)) };
+        format!("{{ gauge: {}, offset: {}{direction} }}\n", point(&tool.gauge), point(&offset))
     };
     match tools {
         [only] if only.name.is_empty() => format!("tool: {}", body(only)),
@@ -168,6 +172,33 @@ fn errors(parts: &MachineParts) -> String {
         .map(|((name, axis), errors)| joint_lines(parts, name, axis, errors))
         .collect();
     if lines.is_empty() { lines } else { format!("errors:\n{lines}") }
+}
+
+/// Bounds along and across axes of the chain, and squareness.
+fn tolerances(parts: &MachineParts) -> String {
+    let four = |four: &FrameTolerances| {
+        let given = FRAME_KEYS.iter().zip(four).enumerate().filter_map(|(k, (key, value))| {
+            let direction = if k < 2 { Direction::X } else { Direction::A };
+            Some(format!("{key}: {}", amount((*value)?, direction)))
+        });
+        given.collect::<Vec<_>>()
+    };
+    let joints = parts.axes.iter().map(|axis| &axis.name).chain(parts.chain.spindle());
+    let of_joint = |name: &AxisName| {
+        let [location, component] = parts.tolerances.joints.get(name)?;
+        let mut all = four(component);
+        if location.iter().any(Option::is_some) {
+            all.push(format!("location: {{ {} }}", four(location).join(", ")));
+        }
+        Some(format!("  {name}: {{ {} }}\n", all.join(", ")))
+    };
+    let there = |axis: usize| parts.axes.iter().any(|a| a.name.as_str() == ["X", "Y", "Z"][axis]);
+    let pairs = parts.tolerances.squareness.iter().filter(|(pair, _)| pair.iter().all(|axis| there(*axis)));
+    let pair = |([a, b], value): (&[usize; 2], &f64)| {
+        format!("  {}-{}: {}\n", ["X", "Y", "Z"][*a], ["X", "Y", "Z"][*b], amount(*value, Direction::A))
+    };
+    let lines: String = joints.filter_map(of_joint).chain(pairs.map(pair)).collect();
+    if lines.is_empty() { lines } else { format!("tolerances:\n{lines}") }
 }
 
 /// Location errors, then component errors; a spindle has no positions.

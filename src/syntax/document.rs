@@ -7,6 +7,7 @@ use super::geometry::{PositionEntry, SideEntry, WrittenChains};
 use super::places::{Keys, Places, below, keys};
 use super::scalar::Scalar;
 use super::term::TermEntry;
+use super::tolerance::{BoundEntry, ClassEntry};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, did_you_mean, shown};
 use indexmap::IndexMap;
 use serde::Deserialize;
@@ -40,6 +41,10 @@ pub struct Document {
     pub conventions: Option<ConventionsEntry>,
     /// Error terms by name as written.
     pub errors: Entries<TermEntry>,
+    /// Bounds of errors, of axes and of squareness.
+    pub tolerances: Entries<BoundEntry>,
+    /// The class that bounds everything else.
+    pub class: Option<ClassEntry>,
     /// Tables of which every error column counts.
     pub measured: Vec<String>,
     /// Intervals and steps of maps and tables.
@@ -109,12 +114,15 @@ pub struct ToolEntry {
     /// Gauge point in machine coordinates at the zero pose.
     #[schemars(schema_with = "super::schema::point")]
     pub gauge: Option<Vec<Scalar>>,
-    /// The tip is this far from it, against the tool axis (0, 0, 1).
+    /// The tip is this far from it, against the tool axis.
     #[schemars(schema_with = "super::schema::length")]
     pub length: Option<Scalar>,
     /// Or the tip's coordinates relative to it.
     #[schemars(schema_with = "super::schema::point")]
     pub offset: Option<Vec<Scalar>>,
+    /// The tool axis, from the tip towards the spindle; default [0, 0, 1].
+    #[schemars(schema_with = "super::schema::direction")]
+    pub direction: Option<Vec<Scalar>>,
 }
 
 /// The workpiece.
@@ -263,7 +271,7 @@ pub enum SquarenessSite {
 }
 
 /// Top-level keys.
-pub const SECTIONS: [&str; 17] = [
+pub const SECTIONS: [&str; 19] = [
     "abbe",
     "machine",
     "chain",
@@ -274,6 +282,8 @@ pub const SECTIONS: [&str; 17] = [
     "workpiece",
     "conventions",
     "errors",
+    "tolerances",
+    "class",
     "measured",
     "volume",
     "extends",
@@ -344,6 +354,8 @@ impl Document {
             workpiece: reader.section("workpiece"),
             conventions: reader.section::<PresetOr>("conventions").map(|c| c.0),
             errors: reader.entries("errors"),
+            tolerances: reader.entries("tolerances"),
+            class: reader.section("class"),
             measured: reader.section("measured").unwrap_or_default(),
             volume: reader.volume(),
             provenance: reader.section("provenance").unwrap_or_default(),

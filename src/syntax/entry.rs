@@ -116,6 +116,7 @@ fn sample(key: &str) -> Option<&'static str> {
         "polynomial" => "[0 um, 3 um/m]",
         "harmonics" => "{ 1: [2 urad, -1 urad] }",
         "bspline" => "{ knots: [0 mm, 500 mm], coefficients: [0 um, 1 um, 2 um, 1 um] }",
+        "class" => "premium",
         "measured" => "[errors/x.csv, errors/y.csv]",
         "range" => "[0, 500]",
         "step" => "25 mm",

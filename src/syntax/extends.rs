@@ -127,9 +127,11 @@ fn rivals(parents: &[String], key: &str) -> &'static [&'static str] {
     }
 }
 
-/// An error term, a position and the branches are replaced whole.
+/// An error term, a bound, a class, a position and the branches are replaced whole.
 fn replaced_whole(keys: &[String]) -> bool {
-    keys.first().is_some_and(|k| k == "branches" || k == "errors" && keys.len() == 2) || geometry::replaced_whole(keys)
+    let named = |section: &str| section == "errors" || section == "tolerances";
+    let whole = |section: &String| section == "branches" || section == "class" || named(section) && keys.len() == 2;
+    keys.first().is_some_and(whole) || geometry::replaced_whole(keys)
 }
 
 fn merge(mut base: Layer, over: Layer) -> Layer {

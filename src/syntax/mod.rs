@@ -20,6 +20,7 @@ mod schema_errors;
 pub mod sheet;
 mod table;
 mod term;
+mod tolerance;
 mod tree;
 
 pub use disk::Disk;
@@ -35,6 +36,7 @@ pub use scalar::Scalar;
 pub use schema::schema;
 pub use table::{ColumnDirection, CsvColumn, CsvTable, read_table};
 pub use term::{BSplineEntry, CurveEntry, TermEntry};
+pub use tolerance::{BoundEntry, ClassEntry, FrameEntry};
 
 use crate::diagnostic::Diagnostics;
 use std::path::Path;

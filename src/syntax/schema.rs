@@ -9,6 +9,7 @@ use super::document::{
 };
 use super::schema_errors::{self, errors};
 use super::term::CurveEntry;
+use super::tolerance::{BoundEntry, ClassEntry};
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
@@ -109,6 +110,11 @@ fn sections(generator: &mut SchemaGenerator) -> Value {
         "workpiece": or_null("The workpiece.", object::<WorkpieceEntry>(generator)),
         "conventions": any(vec![preset(generator).to_value(), object::<ConventionsEntry>(generator)]),
         "errors": or_null("Errors by name: EXX, EC0Y. Values carry their unit.", errors()),
+        "tolerances": or_null(
+            "Bounds: of errors (EXX), along and across axes (B), of squareness (X-Y).",
+            tolerances(generator),
+        ),
+        "class": any(vec![class_name(generator).to_value(), object::<ClassEntry>(generator)]),
         "measured": or_null("CSV files of which every error column counts.", json!({
             "type": "array",
             "items": { "type": "string", "minLength": 1 }
@@ -169,6 +175,15 @@ fn axes(generator: &mut SchemaGenerator) -> Value {
         "properties": known,
         "patternProperties": { format!("^{AXIS}$"): or_null("An axis.", entry) },
         "additionalProperties": false
+    })
+}
+
+/// Bounds by the name of an error, of an axis, or of a pair of linear axes.
+fn tolerances(generator: &mut SchemaGenerator) -> Value {
+    let entry = any(vec![quantity(generator).to_value(), object::<BoundEntry>(generator), json!({ "type": "null" })]);
+    json!({
+        "type": "object",
+        "additionalProperties": entry
     })
 }
 
@@ -416,6 +431,8 @@ macro_rules! words {
 words! {
     kind: ["linear", "rotary"], "Kind of the axis; follows from the letter.";
     sense: ["iso841", "direct"], "Sense of a positive command of a workpiece-side axis.";
+    class_name: ["ultra-precision", "premium", "production", "commodity", "large-gantry", "desktop"], "Class of \
+        machines with typical tolerances.";
     preset: ["holub-2015", "bui-kimm", "hrdina-vasik-2014"], "Conventions of a paper.";
     location: ["axis_only", "carried_body"], "Action of location errors.";
     linear_order: ["after", "before"], "Side of the motion on which component errors of linear axes act.";

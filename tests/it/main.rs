@@ -7,6 +7,7 @@
 
 mod annotations;
 mod bad_input;
+mod bound_words;
 mod budget;
 mod buildable;
 mod certificate;
@@ -28,6 +29,7 @@ mod eval_order;
 mod every_target;
 mod examples;
 mod faults;
+mod frames;
 mod golden_signs;
 mod handmade;
 mod identify;

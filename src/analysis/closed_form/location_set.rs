@@ -45,15 +45,10 @@ pub enum Status {
 impl LocationSet {
     /// Returns the set for a machine's chain, travels and conventions.
     pub fn of(machine: &Machine) -> Self {
-        let candidates = candidates(machine);
-        let columns = Columns::new(machine, &candidates);
-        let mut chosen: Vec<usize> = Vec::new();
-        for candidate in 0..candidates.len() {
-            let longer = [&chosen[..], &[candidate]].concat();
-            if columns.rank(&longer) == longer.len() {
-                chosen = longer;
-            }
-        }
+        let candidates = candidates(machine, |axis, letter| letter.index() % 3 == nearest(axis));
+        let displacements: Vec<Displacement> = candidates.iter().map(Displacement::of).collect();
+        let columns = Columns::new(machine, &displacements);
+        let chosen = columns.chosen();
         let given: Vec<usize> = (0..candidates.len()).filter(|i| given(machine, &candidates[*i]).is_some()).collect();
         let covered = |i: usize| columns.rank(&[&given[..], &[i]].concat()) == columns.rank(&given);
         let status = |i: usize| match given_status(machine, &candidates[i]) {
@@ -66,6 +61,37 @@ impl LocationSet {
             besides: given.iter().filter(|i| !chosen.contains(i)).map(|i| candidates[*i].clone()).collect(),
         }
     }
+}
+
+/// A displacement of a joint by letters in machine coordinates, mm and rad.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Displacement {
+    /// The joint.
+    pub axis: AxisName,
+    /// As location error or component error.
+    pub family: ErrorFamily,
+    /// X, Y, Z, A, B, C.
+    pub letters: [f64; 6],
+}
+
+impl Displacement {
+    /// A unit error.
+    fn of(error: &ErrorId) -> Self {
+        let letters = std::array::from_fn(|k| f64::from(u8::from(k == error.direction.index())));
+        Self { axis: error.axis.clone(), family: error.family, letters }
+    }
+}
+
+/// Returns the members of a minimal set whose candidates lie along their axes (`along`) or across them, where
+/// `displacement` says what each of them is in machine coordinates.
+pub fn minimal_set(
+    machine: &Machine,
+    along: impl Fn(&Axis, Direction) -> bool,
+    displacement: impl Fn(&ErrorId) -> Displacement,
+) -> Vec<ErrorId> {
+    let candidates = candidates(machine, along);
+    let columns = Columns::new(machine, &candidates.iter().map(displacement).collect::<Vec<_>>());
+    columns.chosen().into_iter().map(|i| candidates[i].clone()).collect()
 }
 
 fn given<'a>(machine: &'a Machine, wanted: &ErrorId) -> Option<&'a ErrorTerm> {
@@ -85,7 +111,7 @@ fn given_status(machine: &Machine, error: &ErrorId) -> Option<Status> {
 /// Returns every location error of the chain, in the order of preference of ISO 230-1: EC0Y, EB0Z and EA0Z (X is
 /// the primary and Y the secondary datum), further linear axes, rotary axes, the spindle's tilts.
 /// The rest is for chains whose linear axes bear other names.
-fn candidates(machine: &Machine) -> Vec<ErrorId> {
+fn candidates(machine: &Machine, along: impl Fn(&Axis, Direction) -> bool) -> Vec<ErrorId> {
     use Direction::{A, B, C, X, Y, Z};
     let of = |name: &AxisName, directions: &[Direction]| -> Vec<ErrorId> {
         directions
@@ -100,7 +126,7 @@ fn candidates(machine: &Machine) -> Vec<ErrorId> {
         slides.iter().filter(move |axis| axis.name.as_str() == name).flat_map(move |axis| of(&axis.name, &[direction]))
     });
     let further = slides.iter().filter(|axis| !main(axis)).flat_map(|axis| of(&axis.name, &[A, B, C]));
-    let rotary = turns.iter().flat_map(|axis| of(&axis.name, &across(axis)));
+    let rotary = turns.iter().flat_map(|axis| of(&axis.name, &across_first(|letter| along(axis, letter))));
     let spindle = machine.chain().spindle().into_iter().flat_map(|name| of(name, &[A, B, C, X, Y, Z]));
     let rest = slides.iter().flat_map(|axis| of(&axis.name, &[A, B, C, X, Y, Z]));
     let mut seen = std::collections::BTreeSet::new();
@@ -108,15 +134,25 @@ fn candidates(machine: &Machine) -> Vec<ErrorId> {
     all.filter(|id| seen.insert(id.clone())).collect()
 }
 
-/// Returns the six directions with those along the axis last: a motion of the axis along itself has no effect. The
-/// direction of an oblique axis is the one of its letter, as for an orthogonal one.
-fn across(axis: &Axis) -> [Direction; 6] {
+/// Returns the six directions with those along the axis last: a motion of the axis along itself has no effect.
+fn across_first(along: impl Fn(Direction) -> bool) -> [Direction; 6] {
+    let mut directions = Direction::ALL;
+    directions.sort_by_key(|d| (along(*d), d.index()));
+    directions
+}
+
+/// The direction of an oblique axis is the one of its letter, as for an orthogonal one.
+fn nearest(axis: &Axis) -> usize {
     let along = |i: usize| axis.direction[i].abs();
     let named = ["A", "B", "C"].iter().position(|name| *name == axis.name.as_str()).filter(|i| along(*i) > 0.1);
-    let own = named.unwrap_or_else(|| (1..3).fold(0, |nearest, i| if along(i) > along(nearest) { i } else { nearest }));
-    let mut directions = Direction::ALL;
-    directions.sort_by_key(|d| (d.index() % 3 == own, d.index()));
-    directions
+    named.unwrap_or_else(|| (1..3).fold(0, |nearest, i| if along(i) > along(nearest) { i } else { nearest }))
+}
+
+/// The letters of a candidate that are not zero, with its index.
+fn letters_of((index, of): (usize, &Displacement)) -> Vec<(usize, f64, ErrorId)> {
+    let id = |direction| ErrorId { axis: of.axis.clone(), family: of.family, direction };
+    let parts = Direction::ALL.into_iter().zip(of.letters).filter(|(_, factor)| *factor != 0.0);
+    parts.map(|(direction, factor)| (index, factor, id(direction))).collect()
 }
 
 /// The sensitivities by each candidate, and by each of the six errors of the set-up, at all poses: unit columns (zero
@@ -127,29 +163,51 @@ struct Columns {
 }
 
 impl Columns {
-    fn new(machine: &Machine, candidates: &[ErrorId]) -> Self {
+    fn new(machine: &Machine, candidates: &[Displacement]) -> Self {
         let mut columns = vec![Vec::new(); candidates.len()];
+        let letters: Vec<(usize, f64, ErrorId)> = candidates.iter().enumerate().flat_map(letters_of).collect();
+        let ids: Vec<ErrorId> = letters.iter().map(|(.., id)| id.clone()).collect();
         let mut setup = vec![Vec::new(); 6];
         let intervals = machine.axes().iter().map(|axis| axis.travel.interval()).collect();
         for pose in Poses::Random(Random::new(intervals, POSES, 0)).iter() {
             let nominal = NominalPose::at(machine, &pose).pose;
             // Without a spindle a tilt of the tool has no name: one length is observed, the second is the first.
             let longer = if machine.chain().spindle().is_some() { LONGER_MM } else { 0.0 };
-            let along = nominal.linear * Vector3::new(0.0, 0.0, -longer);
+            let along = nominal.linear * Vector3::from(machine.tool().direction) * -longer;
             let push = |column: &mut Vec<f64>, d: Vector3<f64>, w: Vector3<f64>| {
                 column.extend(d.iter().chain((d + w.cross(&along)).iter()));
             };
-            for (column, s) in columns.iter_mut().zip(sensitivities_to(machine, &pose, candidates)) {
-                push(column, s.deviation, s.rotation);
+            let mut effects = vec![(Vector3::zeros(), Vector3::zeros()); candidates.len()];
+            for (s, (i, factor, _)) in sensitivities_to(machine, &pose, &ids).iter().zip(&letters) {
+                effects[*i].0 += s.deviation * *factor;
+                effects[*i].1 += s.rotation * *factor;
             }
+            columns.iter_mut().zip(effects).for_each(|(column, (d, w))| push(column, d, w));
             for i in 0..3 {
                 let unit = Vector3::ith(i, 1.0);
                 push(&mut setup[i], unit, Vector3::zeros());
                 push(&mut setup[i + 3], unit.cross(&nominal.translation), unit);
             }
         }
-        let unit = |columns: Vec<Vec<f64>>| columns.into_iter().map(unit).collect();
-        Self { setup: unit(setup), candidates: unit(columns) }
+        let all: Vec<Vec<f64>> = setup.into_iter().chain(columns).map(unit).collect();
+        // The triangle of the decomposition has the same singular values, for any choice of columns, in fewer rows.
+        let triangle = DMatrix::from_fn(all[0].len(), all.len(), |i, j| all[j][i]).qr().r();
+        let mut columns: Vec<Vec<f64>> =
+            triangle.column_iter().map(|column| column.iter().copied().collect()).collect();
+        let candidates = columns.split_off(6);
+        Self { setup: columns, candidates }
+    }
+
+    /// Returns the candidates that add a dimension to those before them.
+    fn chosen(&self) -> Vec<usize> {
+        let mut chosen: Vec<usize> = Vec::new();
+        for candidate in 0..self.candidates.len() {
+            let longer = [&chosen[..], &[candidate]].concat();
+            if self.rank(&longer) == longer.len() {
+                chosen = longer;
+            }
+        }
+        chosen
     }
 
     /// Returns the number of dimensions that these candidates add to the set-up.

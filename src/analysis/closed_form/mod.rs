@@ -11,5 +11,5 @@ mod symbols;
 
 pub use equations::{Equations, Options, equations};
 pub use interactions::{Effect, Interactions, interactions};
-pub use location_set::{LocationSet, Status};
+pub use location_set::{Displacement, LocationSet, Status, minimal_set};
 pub use symbols::{Meaning, Naming, Symbol};

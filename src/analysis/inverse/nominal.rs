@@ -13,7 +13,7 @@ pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Resul
     let axes = machine.axes();
     let reference: Pose =
         axes.iter().enumerate().map(|(i, a)| within_travel(a, reference.get(i).copied().unwrap_or(0.0))).collect();
-    let directions = Directions::new(axes, &reference);
+    let directions = Directions::new(axes, Vector3::from(machine.tool().direction), &reference);
     let mut failure = Unreachable::Direction;
     let mut tried = |candidates: Vec<Pose>| {
         candidates.into_iter().find_map(|candidate| match reach(machine, target, candidate, &reference) {

@@ -38,6 +38,8 @@ struct Turn {
 /// The rotary axes of a machine, and their reference.
 pub struct Directions {
     turns: Vec<Turn>,
+    /// The tool axis at the zero pose.
+    tool: Vector3<f64>,
     reference: Pose,
 }
 
@@ -55,8 +57,8 @@ pub struct Candidates {
 type Angle = Option<f64>;
 
 impl Directions {
-    /// Returns the rotary axes of a machine with a reference pose (mm, deg).
-    pub fn new(axes: &[Axis], reference: &[f64]) -> Self {
+    /// Returns the rotary axes of a machine with its tool axis (unit vector) and a reference pose (mm, deg).
+    pub fn new(axes: &[Axis], tool: Vector3<f64>, reference: &[f64]) -> Self {
         let rotary = axes.iter().enumerate().filter(|(_, axis)| axis.kind == AxisKind::Rotary);
         let turn = |(i, axis): (usize, &Axis)| Turn {
             axis: i,
@@ -64,7 +66,7 @@ impl Directions {
             travel: axis.travel,
             reference: reference[i],
         };
-        Self { turns: rotary.map(turn).collect(), reference: reference.to_vec() }
+        Self { turns: rotary.map(turn).collect(), tool, reference: reference.to_vec() }
     }
 
     /// Returns the candidates nearest to the reference for a direction of the tool (unit vector, workpiece frame).
@@ -148,7 +150,7 @@ impl Directions {
     /// Returns `J^+ r + (1 - J^+ J) (reference - q)`, rad; axes pushed against an end of their travel stay there.
     fn step(&self, angles: &[f64], direction: &Vector3<f64>) -> Vec<f64> {
         let mut columns = self.columns(angles);
-        let reached = self.rotation(0..self.turns.len(), angles) * Vector3::z();
+        let reached = self.rotation(0..self.turns.len(), angles) * self.tool;
         let missing = direction - reached * reached.dot(direction);
         // The normal makes the matrix regular without touching the tangent plane, where the columns are.
         let normal = reached * reached.transpose() + Matrix3::identity() * 1e-12;
@@ -181,7 +183,7 @@ impl Directions {
 
     /// Returns the derivatives of the direction by each angle (per rad).
     fn columns(&self, angles: &[f64]) -> Vec<Vector3<f64>> {
-        let reached = self.rotation(0..self.turns.len(), angles) * Vector3::z();
+        let reached = self.rotation(0..self.turns.len(), angles) * self.tool;
         (0..self.turns.len()).map(|i| (self.rotation(0..i, angles) * self.turns[i].w).cross(&reached)).collect()
     }
 }
@@ -231,7 +233,7 @@ impl Search<'_> {
     /// Solves for every pair of axes (or the only one) with the others held at `angles`.
     fn around(&mut self, angles: &[f64]) {
         let count = angles.len();
-        if count == 0 && (self.direction - Vector3::z()).norm() < DIRECTION_TOLERANCE {
+        if count == 0 && (self.direction - self.directions.tool).norm() < DIRECTION_TOLERANCE {
             self.found.push(Vec::new());
         }
         for i in 0..count {
@@ -246,7 +248,7 @@ impl Search<'_> {
     fn single(&mut self, i: usize, angles: &[f64]) {
         let d = self.directions;
         let before = d.rotation(0..i, angles).transpose() * self.direction;
-        let after = d.rotation(i + 1..angles.len(), angles) * Vector3::z();
+        let after = d.rotation(i + 1..angles.len(), angles) * d.tool;
         if same_height(&d.turns[i].w, &after, &before) {
             self.keep(angles, &[(i, angle(&d.turns[i].w, &after, &before))]);
         }
@@ -257,7 +259,7 @@ impl Search<'_> {
         let d = self.directions;
         let between = d.rotation(i + 1..j, angles);
         let before = d.rotation(0..i, angles).transpose() * self.direction;
-        let after = between * d.rotation(j + 1..angles.len(), angles) * Vector3::z();
+        let after = between * d.rotation(j + 1..angles.len(), angles) * d.tool;
         let (w1, w2) = (d.turns[i].w, between * d.turns[j].w);
         if w1.cross(&w2).norm_squared() < 1e-12 {
             // Parallel axes do the same: one is enough.
@@ -345,7 +347,7 @@ mod tests {
     }
 
     fn directions(turns: Vec<Turn>) -> Directions {
-        Directions { reference: vec![0.0; turns.len()], turns }
+        Directions { reference: vec![0.0; turns.len()], tool: Vector3::z(), turns }
     }
 
     #[test]

@@ -15,7 +15,7 @@ pub const DIRECTION_TOLERANCE: f64 = 1e-12;
 pub struct ToolPose {
     /// The functional point, from the workpiece origin, mm.
     pub tip: Vector3<f64>,
-    /// Unit vector of the tool axis, from the tip towards the holder: (0, 0, 1) at the zero pose.
+    /// Unit vector of the tool axis, from the tip towards the holder: the tool's own at the zero pose.
     pub direction: Vector3<f64>,
 }
 
@@ -45,7 +45,7 @@ impl Unreachable {
 /// Returns the tool pose of the nominal machine at a pose (mm, deg).
 pub fn tool_pose(machine: &Machine, pose: &[f64]) -> ToolPose {
     let nominal = NominalPose::at(machine, pose).pose;
-    ToolPose { tip: nominal.translation, direction: nominal.linear.column(2).into_owned() }
+    ToolPose { tip: nominal.translation, direction: nominal.linear * Vector3::from(machine.tool().direction) }
 }
 
 /// Returns the pose of zeros, each moved into its axis's travel (mm, deg).

@@ -1,8 +1,10 @@
 //! Lever arms, which turn angular errors into displacements of the functional point.
 
+use crate::analysis::design::budget::{Bound, bounds};
 use crate::evaluate::{Poses, Random};
 use crate::lower::sensitivities_to;
 use crate::machine::{Approach, AxisName, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine, Pose};
+use nalgebra::Vector3;
 
 /// Distance of the functional point from the point about which an axis's angular errors rotate, mm.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -38,20 +40,29 @@ pub fn levers(machine: &Machine) -> Vec<Lever> {
 pub fn arm_shares(machine: &Machine) -> Option<Vec<f64>> {
     let terms: Vec<(ErrorId, &ErrorTerm)> = machine.errors().collect();
     let ids: Vec<ErrorId> = terms.iter().map(|(id, _)| id.clone()).collect();
-    let axes: Vec<Option<usize>> = ids.iter().map(|id| machine.axis_index(id.axis.as_str())).collect();
+    let framed: Vec<Bound> = bounds(machine, None).into_iter().filter(|bound| !bound.by_letter).collect();
     let mut squares = vec![0.0; machine.axes().len()];
     let mut total = 0.0;
+    let mut count = |id: &ErrorId, square: f64| {
+        total += square;
+        let axis = machine.axis_index(id.axis.as_str());
+        if let Some(axis) = axis.filter(|_| id.direction.is_rotation() && !id.is_location()) {
+            squares[axis] += square;
+        }
+    };
     for pose in Poses::Random(Random::of(machine, RANDOM_POSES, 0)).iter() {
-        for ((s, (id, term)), axis) in sensitivities_to(machine, &pose, &ids).iter().zip(&terms).zip(&axes) {
+        for (s, (id, term)) in sensitivities_to(machine, &pose, &ids).iter().zip(&terms) {
+            let position = machine.axis_index(id.axis.as_str()).map_or(0.0, |axis| pose[axis]);
             let size = match term {
                 ErrorTerm::Tolerance(bound) => *bound,
-                term => term.value(axis.map_or(0.0, |axis| pose[axis]), Approach::Mean),
+                term => term.value(position, Approach::Mean),
             };
-            let square = s.deviation.norm_squared() * size * size;
-            total += square;
-            if let Some(axis) = axis.filter(|_| id.direction.is_rotation() && !id.is_location()) {
-                squares[axis] += square;
-            }
+            count(id, s.deviation.norm_squared() * size * size);
+        }
+        for bound in &framed {
+            let of_letters = sensitivities_to(machine, &pose, &bound.letter_ids());
+            let parts = of_letters.iter().zip(bound.direction).map(|(s, part)| s.deviation * part);
+            count(&bound.error, parts.sum::<Vector3<f64>>().norm_squared() * bound.tolerance * bound.tolerance);
         }
     }
     (total > 0.0).then(|| squares.into_iter().map(|square| square / total).collect())

@@ -12,7 +12,12 @@ pub(crate) fn text(of: &ComparedBudgets, top: usize) -> String {
         let _ = rows.add_row(totals_row(&format!("{} position, um", i + 1), &budget.position));
         let _ = rows.add_row(totals_row("  rotation, urad", &budget.rotation));
     }
-    let class = of.drawing.class.as_ref().map_or(String::new(), |(name, source)| format!(", class {name} ({source})"));
+    let named = |class: &Option<(String, String)>| class.as_ref().map_or("none", |(name, _)| name.as_str()).to_owned();
+    let class = match &of.drawing.class {
+        Some((name, source)) => format!(", class {name} ({source})"),
+        None if of.classes.iter().all(Option::is_none) => String::new(),
+        None => format!(", classes {}", of.classes.iter().map(named).collect::<Vec<_>>().join(" and ")),
+    };
     let counts: Vec<String> = of.bounds.iter().map(|bounds| bounds.len().to_string()).collect();
     format!(
         "\nBudgets on the same tool poses: {} errors bounded{class}; {} machines drawn, {} \
@@ -39,7 +44,7 @@ fn tolerances(of: &ComparedBudgets, top: usize) -> String {
             })
         };
         let minus = (1..count).map(|i| significant(e.minus_first(i), 3));
-        let _ = rows.add_row(std::iter::once(e.error.to_string()).chain(e.parts.iter().map(part)).chain(minus));
+        let _ = rows.add_row(std::iter::once(e.error.clone()).chain(e.parts.iter().map(part)).chain(minus));
     }
     let more = match of.errors.len().saturating_sub(top) {
         0 => String::new(),

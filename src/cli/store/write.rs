@@ -292,8 +292,8 @@ mod tests {
     fn a_file_is_replaced_whole_and_nothing_is_left_beside_it() {
         let folder = Folder::new("whole");
         let path = folder.0.join("map.csv");
-        write_whole(&path, b"old and long").unwrap();
-        write_whole(&path, b"new").unwrap();
+        replace_whole(&path, b"old and long").unwrap();
+        replace_whole(&path, b"new").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert_eq!(folder.entries(), 1);
         assert_eq!(write_new(&path, b"other").unwrap_err().code, "E0811");
@@ -324,7 +324,7 @@ mod tests {
             PathBuf::from("/"),
             PathBuf::new(),
         ] {
-            let diagnostic = write_whole(&path, b"x").unwrap_err();
+            let diagnostic = replace_whole(&path, b"x").unwrap_err();
             assert_eq!(diagnostic.code, "E0810", "{path:?}");
         }
         assert_eq!(folder.entries(), 0);
@@ -336,7 +336,7 @@ mod tests {
         let folder = Folder::new("link");
         let path = folder.0.join("map.csv");
         std::os::unix::fs::symlink(folder.0.join("none.csv"), &path).unwrap();
-        assert_eq!(write_whole(&path, b"x").unwrap_err().code, "E0810");
+        assert_eq!(replace_whole(&path, b"x").unwrap_err().code, "E0810");
         assert!(path.symlink_metadata().unwrap().is_symlink());
     }
 }

@@ -104,7 +104,7 @@ impl Report<'_> {
             let (bound, t) = (&self.result.bounds[i], self.result.budget.position.tighten[i]);
             csv += &format!(
                 "{},{},{},{},{},{},{},{}\n",
-                bound.error,
+                bound,
                 tolerance(bound),
                 tolerance_unit(&bound.error),
                 um(&self.result.budget.worst, i),
@@ -144,7 +144,21 @@ impl Report<'_> {
         text += &format!("Worst case at {}\n", axes_text(self.file, &self.result.budget.position.worst_pose));
         text += &format!("RSS largest at {}\n", axes_text(self.file, &self.result.budget.position.rss_pose));
         text += &self.pareto_table();
-        text + &self.tighten_table()
+        text += &self.tighten_table();
+        text + &self.directions()
+    }
+
+    /// What the directions of the bounds are, where that is not plain from their names.
+    fn directions(&self) -> String {
+        let mut text = String::new();
+        let bounds = &self.result.bounds;
+        if bounds.iter().any(|bound| bound.by_letter) {
+            text += "Tolerances by letter are boxes in machine coordinates: they do not turn with the machine.\n";
+        }
+        if bounds.iter().any(|bound| bound.to_string().contains(' ')) {
+            text += "along, across: directions of the axis itself, which no letter names.\n";
+        }
+        text
     }
 
     fn totals_table(&self) -> String {
@@ -168,7 +182,7 @@ impl Report<'_> {
             |list: &[Contribution], i: usize| list.iter().find(|c| c.bound == i).map_or(String::new(), |c| short(c.um));
         for c in b.worst.iter().take(self.args.top) {
             let mut row = vec![
-                self.result.bounds[c.bound].error.to_string(),
+                self.result.bounds[c.bound].to_string(),
                 bound_text(&self.result.bounds[c.bound]),
                 short(c.um),
                 format!("{:.1} %", 100.0 * c.share),
@@ -186,7 +200,7 @@ impl Report<'_> {
             let (bound, t) = (&self.result.bounds[i], self.result.budget.position.tighten[i]);
             let per = 1.0 / tolerance(bound);
             let _ = rows.add_row([
-                bound.error.to_string(),
+                bound.to_string(),
                 bound_text(bound),
                 format!("{} ± {}", significant(t.effect * per, 3), significant(t.sigma * per, 2)),
                 format!("{} ± {}", significant(t.effect * 0.1, 3), significant(t.sigma * 0.1, 2)),

@@ -103,8 +103,9 @@ fn quoted(text: &str) -> String {
 }
 
 fn rows(machine: &MachineFile) -> Vec<String> {
+    let size = |value: f64, turns: bool| if turns { angle(value) } else { length(value) };
     let row = |(id, term): (ErrorId, &ErrorTerm)| {
-        let print = |value: f64| if id.direction.is_rotation() { angle(value) } else { length(value) };
+        let print = |value: f64| size(value, id.direction.is_rotation());
         let (kind, value) = match term {
             ErrorTerm::Constant(value) => ("location", print(*value)),
             ErrorTerm::Component(_) => ("component", String::new()),
@@ -112,5 +113,7 @@ fn rows(machine: &MachineFile) -> Vec<String> {
         };
         format!("{id},{kind},{value}")
     };
-    machine.errors().map(row).collect()
+    let framed = machine.tolerances().list().into_iter();
+    let framed = framed.map(|(name, value, turns)| format!("{name},tolerance,{}", size(value, turns)));
+    machine.errors().map(row).chain(framed).collect()
 }

@@ -1,4 +1,4 @@
-//! `abbe explain`: the long text of a diagnostic's code, of an error's name, of a target.
+//! `abbe explain`: the long text of a diagnostic's code, of an error's name, of a class, of a target.
 
 use crate::cli::output::session::Session;
 use crate::cli::{Format, Outcome};
@@ -7,7 +7,7 @@ use serde_json::json;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A code such as E0203, an error such as EC0Y, or a target such as linuxcnc.
+    /// A code such as E0203, an error such as EC0Y, a class such as production, or a target such as linuxcnc.
     what: String,
 }
 

@@ -170,8 +170,10 @@ fn frames(of: &ChainResult) -> String {
     for tool in &of.tools {
         let mark = if tool.in_use { "" } else { " (not in use)" };
         let name = if tool.name.is_empty() { String::new() } else { format!("tool {}{mark}: ", tool.name) };
+        let upright = tool.direction == [0.0, 0.0, 1.0];
+        let along = if upright { String::new() } else { format!(", axis {}", point(&tool.direction)) };
         text.push_str(&format!(
-            "  {name}gauge point {} mm, functional point {} mm\n",
+            "  {name}gauge point {} mm, functional point {} mm{along}\n",
             point(&tool.gauge_mm),
             point(&tool.tip_mm)
         ));

@@ -11,11 +11,11 @@ use crate::machine::{AxisKind, Branch, ErrorId, Location, Machine, Tool};
 use minijinja::{Value, context};
 use std::sync::Arc;
 
-/// Returns the direction from the gauge point to the tip; downwards for a tool without length.
+/// Returns the direction from the gauge point to the tip; against its axis for a tool without length.
 fn tool_direction(tool: &Tool) -> [f64; 3] {
     let way: [f64; 3] = std::array::from_fn(|i| tool.tip[i] - tool.gauge[i]);
     let length = libm::sqrt(way.iter().map(|x| x * x).sum());
-    if length > 0.0 { way.map(|x| x / length) } else { [0.0, 0.0, -1.0] }
+    if length > 0.0 { way.map(|x| x / length) } else { tool.direction.map(|x| 0.0 - x) }
 }
 
 /// The axes, tables and numbers of a set in the controller's words.

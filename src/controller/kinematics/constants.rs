@@ -123,6 +123,9 @@ impl Centres {
             return None;
         }
         let tool = machine.tool();
+        if tool.direction != [0.0, 0.0, 1.0] {
+            return None;
+        }
         let (c, t) = (machine.axes()[0].origin, machine.axes()[1].origin);
         let offset: [f64; 3] = std::array::from_fn(|i| if i == tilt { 0.0 } else { t[i] - c[i] });
         let lines = [

@@ -119,7 +119,7 @@ fn axis(context: &mut Context<'_>, name: &str, entry: Option<&AxisEntry>) -> Opt
 fn block(context: &mut Context<'_>, name: &AxisName, kind: AxisKind, side: &SideEntry, at: &Keys) -> SideDraft {
     let written = side.direction.as_ref();
     SideDraft {
-        direction: written.and_then(|list| direction(context, name, list, &below(at, "direction"))),
+        direction: written.and_then(|list| direction(context, &of_axis(name), list, &below(at, "direction"))),
         origin: side.origin.as_ref().and_then(|written| position(context, written, &below(at, "origin"))),
         travel: side.travel.as_ref().and_then(|entry| travel(context, name, kind, entry, &below(at, "travel"))),
     }
@@ -168,7 +168,7 @@ fn in_a_block(entry: &AxisEntry, given: impl Fn(&SideEntry) -> bool) -> bool {
 fn plain_direction(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys) -> Option<[f64; 3]> {
     let here = below(at, "direction");
     if let Some(list) = &entry.direction {
-        return direction(context, name, list, &here);
+        return direction(context, &of_axis(name), list, &here);
     }
     let word = entry.kind.as_deref().unwrap_or("");
     let agrees = |kind: AxisKind| word.is_empty() || (kind == AxisKind::Linear) == (word == "linear");
@@ -181,19 +181,23 @@ fn plain_direction(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry
     default
 }
 
+fn of_axis(name: &AxisName) -> String {
+    format!("axis `{name}`")
+}
+
 /// Three plain numbers as a unit vector.
-fn direction(context: &mut Context<'_>, name: &AxisName, list: &[Scalar], here: &Keys) -> Option<[f64; 3]> {
+pub fn direction(context: &mut Context<'_>, of: &str, list: &[Scalar], here: &Keys) -> Option<[f64; 3]> {
     let numbers: Vec<f64> =
         list.iter().filter_map(|s| if let Scalar::Number(n) = s { Some(*n) } else { None }).collect();
     let help = "write three plain numbers, not all zero: [0, 1, 1] is 45 deg between Y and Z";
     if list.len() != 3 || numbers.len() != 3 || !numbers.iter().all(|n| n.is_finite()) {
-        let message = format!("the direction of axis `{name}` is not three plain numbers");
+        let message = format!("the direction of {of} is not three plain numbers");
         context.at_value(codes::E0402, here, message, help);
         return None;
     }
     let largest = numbers.iter().fold(0.0_f64, |m, n| m.max(n.abs()));
     if largest == 0.0 {
-        context.at_value(codes::E0402, here, format!("the direction of axis `{name}` is zero"), help);
+        context.at_value(codes::E0402, here, format!("the direction of {of} is zero"), help);
         return None;
     }
     // Scaled first: squares of 1e200 overflow, of 1e-200 vanish.

@@ -3,12 +3,13 @@
 use super::context::{Context, dotted};
 use super::curves::{CurveOf, component, from_table, one_way};
 use super::names::{Spelling, readings};
+use super::tolerances::{NEGATIVE, Named, letter, meaning};
 use super::uses::JointNames;
 use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
 use crate::machine::{
     AxisKind, AxisName, Branch, ComponentError, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, KinematicChain,
 };
-use crate::syntax::{ColumnDirection, CurveEntry, Keys, TermEntry, below, keys};
+use crate::syntax::{ColumnDirection, CurveEntry, Keys, Scalar, TermEntry, below, keys};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Errors above these are mistakes of unit (mm, rad).
@@ -66,6 +67,19 @@ pub fn plain(context: &mut Context<'_>, known: &JointNames<'_>, scope: &Scope<'_
         }
         if let Some(entry) = entry {
             given(context, &mut errors, &spelling, entry, (known, &at));
+        }
+    }
+    for (name, entry) in &document.tolerances {
+        let Named::Error = meaning(name, known) else { continue };
+        let at = keys(["tolerances", name]);
+        let place = document.places.key(&at);
+        let Some(spelling) = named(context, name, known, place.clone()) else { continue };
+        if !once(context, &mut errors, &spelling.error, place) || scope.skips(&spelling.error) {
+            continue;
+        }
+        if let Some(entry) = entry {
+            let term = letter(context, &spelling.error, entry, known, &at);
+            errors.put(&spelling.error, term);
         }
     }
     for (i, path) in document.measured.iter().enumerate() {
@@ -204,18 +218,7 @@ fn term(
     }
     let error = &spelling.error;
     if let Some(scalar) = &entry.tolerance {
-        let here = below(at, "tolerance");
-        let value = context.error_value(scalar, error.direction, &here)?;
-        if value < 0.0 {
-            context.at_value(
-                codes::E0411,
-                &here,
-                "a negative tolerance",
-                "a tolerance is a bound: `20 urad` means ±20 urad",
-            );
-            return None;
-        }
-        return context.plausible(value, error.direction, &here).then_some(ErrorTerm::Tolerance(value));
+        return bounded(context, scalar, error.direction, &below(at, "tolerance")).map(ErrorTerm::Tolerance);
     }
     if error.is_location() {
         return constant(context, spelling, entry, &forms, at);
@@ -235,6 +238,16 @@ fn term(
     };
     let component = component?;
     plausible_curve(context, &of, &component, at).then_some(ErrorTerm::Component(component))
+}
+
+/// The bound of an error, from zero up.
+pub fn bounded(context: &mut Context<'_>, scalar: &Scalar, direction: Direction, here: &Keys) -> Option<f64> {
+    let value = context.error_value(scalar, direction, here)?;
+    if value < 0.0 {
+        context.at_value(codes::E0411, here, "a negative tolerance", NEGATIVE);
+        return None;
+    }
+    context.plausible(value, direction, here).then_some(value)
 }
 
 fn constant(

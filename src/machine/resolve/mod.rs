@@ -14,6 +14,7 @@ mod positions;
 mod quantities;
 mod side_errors;
 mod sides;
+mod tolerances;
 mod uses;
 mod volume;
 
@@ -35,6 +36,7 @@ pub fn resolve(document: &Document, files: &dyn Files, diagnostics: &mut Diagnos
     let context = &mut Context::new(document, files, diagnostics);
     let machine = parts(context).map(Machine::new);
     if let Some(machine) = &machine {
+        tolerances::squareness(context, machine);
         sides::warn(context, machine);
     }
     machine.filter(|_| !diagnostics.refused())
@@ -56,6 +58,8 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
     let provenance = parts::provenance(context);
     let known = JointNames { declared: &declared, spindle: chain.as_ref().and_then(|c| c.spindle()) };
     let mut errors = side_errors::errors(context, &known, &walk);
+    let tolerances = tolerances::frames(context, &known, &errors);
+    let class = tolerances::class(context);
     let algebra = uses::algebra(context, &known);
     uses::identify(context, &known);
     let tool = tools.as_ref().and_then(|tools| tools.first());
@@ -78,6 +82,8 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
         provenance,
         uncertainty: std::mem::take(&mut errors.uncertainty),
         algebra,
+        tolerances,
+        class,
         geometry,
         chain,
     };

@@ -1,5 +1,6 @@
 //! Names, tools, workpiece, set-up, provenance.
 
+use super::axes::direction;
 use super::context::{Context, dotted};
 use super::positions::{PositionDraft, position};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, is_layout, shown};
@@ -110,9 +111,14 @@ fn tool(context: &mut Context<'_>, name: String, entry: &ToolEntry, at: &Keys) -
         Some(list) => context.vector(list, &below(at, "gauge")),
         None => Some([0.0; 3]),
     };
+    let direction = match &entry.direction {
+        Some(list) => direction(context, "the tool", list, &below(at, "direction")),
+        None => Some([0.0, 0.0, 1.0]),
+    };
     let offset = match (&entry.length, &entry.offset) {
         (Some(_), Some(_)) => {
-            let help = "keep one: `length` goes down from the gauge point along Z, `offset` is [x, y, z] from it";
+            let help =
+                "keep one: `length` goes from the gauge point against the tool axis, `offset` is [x, y, z] from it";
             context.at_key(
                 codes::E0209,
                 &below(at, "offset"),
@@ -121,12 +127,14 @@ fn tool(context: &mut Context<'_>, name: String, entry: &ToolEntry, at: &Keys) -
             );
             None
         }
-        (Some(length), None) => length_below(context, length, &below(at, "length")).map(|l| [0.0, 0.0, -l]),
+        (Some(length), None) => {
+            length_below(context, length, &below(at, "length")).zip(direction).map(|(l, axis)| axis.map(|x| -l * x))
+        }
         (None, Some(list)) => context.vector(list, &below(at, "offset")),
         (None, None) => Some([0.0; 3]),
     };
-    let (gauge, offset) = (gauge?, offset?);
-    Some(Tool { name, gauge, tip: std::array::from_fn(|i| gauge[i] + offset[i]) })
+    let (gauge, offset, direction) = (gauge?, offset?, direction?);
+    Some(Tool { name, gauge, tip: std::array::from_fn(|i| gauge[i] + offset[i]), direction })
 }
 
 fn length_below(context: &mut Context<'_>, scalar: &Scalar, at: &Keys) -> Option<f64> {

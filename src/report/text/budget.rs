@@ -57,7 +57,11 @@ impl DrawSettings {
 
 /// A tolerance in um or urad.
 pub fn tolerance(bound: &Bound) -> f64 {
-    bound.tolerance * bound.error.direction.micro().0
+    bound.tolerance * factor(bound.error.direction.is_rotation())
+}
+
+fn factor(is_rotation: bool) -> f64 {
+    if is_rotation { 1e6 } else { 1e3 }
 }
 
 /// `um` or `urad`.
@@ -112,7 +116,7 @@ impl BudgetReport<'_> {
 
     /// Contributions in their order.
     pub fn contributions(&self, list: &[Contribution]) -> Vec<Value> {
-        let one = |c: &Contribution| json!({"error": self.bounds[c.bound].error, "share": c.share, "um": c.um});
+        let one = |c: &Contribution| json!({"error": self.bounds[c.bound].to_string(), "share": c.share, "um": c.um});
         list.iter().map(one).collect()
     }
 
@@ -123,7 +127,8 @@ impl BudgetReport<'_> {
             let (bound, t) = (&self.bounds[i], self.budget.position.tighten[i]);
             let per = 1.0 / tolerance(bound);
             json!({
-                "error": bound.error, "tolerance": tolerance(bound), "unit": tolerance_unit(&bound.error),
+                "error": bound.to_string(), "tolerance": tolerance(bound), "unit": tolerance_unit(&bound.error),
+                "direction": bound.direction, "by_letter": bound.by_letter,
                 "of_class": bound.of_class, "um_per_unit": t.effect * per, "sigma": t.sigma * per,
                 "um_of_p95": t.effect, "um_of_p95_sigma": t.sigma,
                 "at_worst_um": um(&self.budget.worst, i), "average_um": um(&self.budget.average, i),
@@ -134,7 +139,7 @@ impl BudgetReport<'_> {
 
     /// Effects of the errors at their bounds, and their sum.
     pub fn pareto(&self, top: usize) -> Picture {
-        let bar = |c: &Contribution| Bar { label: self.bounds[c.bound].error.to_string(), value: c.um };
+        let bar = |c: &Contribution| Bar { label: self.bounds[c.bound].to_string(), value: c.um };
         ParetoPicture {
             title: self.machine.name().to_owned(),
             subtitle: format!("Each error at its bound, at {}", self.rounded(&self.budget.position.rss_pose)),
@@ -158,7 +163,7 @@ impl BudgetReport<'_> {
         let top = top.max(1);
         let part = |i: &usize| self.budget.position.tighten[*i].effect;
         let mut bars: Vec<Bar> =
-            order.iter().take(top).map(|i| Bar { label: self.bounds[*i].error.to_string(), value: part(i) }).collect();
+            order.iter().take(top).map(|i| Bar { label: self.bounds[*i].to_string(), value: part(i) }).collect();
         if order.len() > top {
             let label = format!("{} others", order.len() - top);
             bars.push(Bar { label, value: order.iter().skip(top).map(part).sum() });
@@ -201,7 +206,8 @@ pub fn budgets_json(budgets: &[BudgetReport<'_>], errors: &[BoundedError]) -> Va
         };
         let minus: Vec<f64> = (0..e.parts.len()).map(|i| e.minus_first(i)).collect();
         json!({
-            "error": e.error, "unit": tolerance_unit(&e.error), "tolerance": each(&|p| p.tolerance * e.error.direction.micro().0),
+            "error": e.error, "unit": if e.is_rotation { "urad" } else { "um" },
+            "tolerance": each(&|p| p.tolerance * factor(e.is_rotation)),
             "um_of_p95": each(&|p| p.of_p95.effect), "um_of_p95_sigma": each(&|p| p.of_p95.sigma),
             "minus_first": minus, "average_um": each(&|p| p.average),
         })

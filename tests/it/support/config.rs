@@ -115,9 +115,12 @@ fn axis(word: &str, own: &Mapping, gauge: V3) -> Axis {
 fn tool(file: &Mapping) -> (V3, V3) {
     let first = || file["tools"].as_mapping().unwrap().values().next().unwrap();
     let tool = file.get("tool").unwrap_or_else(first).as_mapping().unwrap();
-    known(tool, &["gauge", "length", "offset"]);
+    known(tool, &["gauge", "length", "offset", "direction"]);
     let gauge = tool.get("gauge").map_or([0.0; 3], vector);
-    let offset = tool.get("offset").map_or_else(|| [0.0, 0.0, -quantity(&tool["length"])], vector);
+    let along = tool.get("direction").map_or([0.0, 0.0, 1.0], vector);
+    let norm = along.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let below = || along.map(|x| -x / norm * quantity(&tool["length"]));
+    let offset = tool.get("offset").map_or_else(below, vector);
     (gauge, offset)
 }
 
@@ -169,7 +172,8 @@ fn heading(cell: &str) -> (&str, &str) {
 }
 
 fn known(map: &Mapping, keys: &[&str]) {
-    let inert = ["volume", "provenance", "identify"];
+    // Bounds change no number of the model.
+    let inert = ["volume", "provenance", "identify", "tolerances", "class"];
     let foreign = map.keys().map(text).find(|key| !keys.contains(key) && !inert.contains(key));
     assert_eq!(foreign, None, "this reader does not know the key");
 }

@@ -8,11 +8,13 @@
 //! axes, where the curve closes); a mean that repeats a location error is not drawn on purpose. The
 //! curve is kept at [`NODES`] positions, straight in between.
 //!
-//! The numbers of an error depend on the seed, its name and the sample alone: a stream of ChaCha8 each.
+//! The numbers of an error depend on the seed, its name and the sample alone: a stream of ChaCha8 each. The name is
+//! that in the frame of its axis, so that they are the same whichever way the axis points.
 
-use crate::machine::{ErrorId, sin_cos_degrees};
+use crate::machine::sin_cos_degrees;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use std::fmt::Display;
 
 /// Number of nodes of a curve along the travel, both ends included.
 pub const NODES: usize = 65;
@@ -82,10 +84,10 @@ impl Draws {
         Self { seed, distribution, waves }
     }
 
-    fn stream(&self, error: &ErrorId, sample: usize) -> Normals {
+    fn stream(&self, error: &impl Display, sample: usize) -> Normals {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&self.seed.to_le_bytes());
-        // A name has eleven bytes at most.
+        // A name has twelve bytes at most.
         error.to_string().bytes().zip(&mut key[8..]).for_each(|(byte, slot)| *slot = byte);
         let mut generator = ChaCha8Rng::from_seed(key);
         generator.set_stream(sample as u64);
@@ -93,12 +95,12 @@ impl Draws {
     }
 
     /// Returns a location error of a sample, as a fraction of its tolerance.
-    pub fn constant(&self, error: &ErrorId, sample: usize) -> f64 {
+    pub fn constant(&self, error: &impl Display, sample: usize) -> f64 {
         self.distribution.fraction(self.stream(error, sample).next())
     }
 
     /// Returns a component error of a sample at the nodes, as fractions of its tolerance.
-    pub fn curve(&self, error: &ErrorId, sample: usize, closed: bool) -> [f64; NODES] {
+    pub fn curve(&self, error: &impl Display, sample: usize, closed: bool) -> [f64; NODES] {
         let mut normals = self.stream(error, sample);
         let amplitudes: [(f64, f64); HARMONICS] = std::array::from_fn(|_| (normals.next(), normals.next()));
         let waves = &self.waves[usize::from(closed)];
@@ -136,7 +138,7 @@ impl Normals {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::{AxisName, Direction, ErrorFamily};
+    use crate::machine::{AxisName, Direction, ErrorFamily, ErrorId};
 
     fn error(name: &str, family: ErrorFamily) -> ErrorId {
         ErrorId { axis: AxisName::new(name).unwrap(), family, direction: Direction::Y }

@@ -1,9 +1,9 @@
-//! Deviations of many drawn machines at once: per pose a small matrix for every joint, times the
-//! errors of [`SAMPLE_LANES`] samples side by side. Each error lives in one joint, so this is a sum over joints.
+//! Deviations of many drawn machines at once: per pose a column for every bounded source of a joint, times the
+//! errors of [`SAMPLE_LANES`] samples side by side. Each source lives in one joint, so this is a sum over joints.
 
 use super::bounds::Bound;
 use super::draw::{Draws, NODES};
-use crate::lower::{Quantity, SideWeights, TwistMap, twists};
+use crate::lower::{Quantity, SideWeights, Twist, TwistMap, twists};
 use crate::machine::{Axis, Machine, Travel};
 
 /// Number of samples computed side by side.
@@ -12,11 +12,25 @@ pub const SAMPLE_LANES: usize = 40;
 /// A number per sample.
 pub type SampleLanes = [f64; SAMPLE_LANES];
 
-/// The bounds of one joint's errors by direction (mm, rad), with the index of each in the list of bounds.
+/// The effect of each source of a joint at a pose, per mm or rad of it.
+pub type Columns = Vec<[f64; 3]>;
+
+/// A bounded source of a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Source {
+    /// Index in the list of bounds.
+    bound: usize,
+    /// Translations and rotations X, Y, Z, A, B, C per unit of it.
+    letters: [f64; 6],
+}
+
+/// The bounded sources of one joint.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct JointBounds {
-    location: [Option<usize>; 6],
-    component: [Option<usize>; 6],
+    /// Of location errors.
+    pub location: Vec<Source>,
+    /// Of component errors.
+    pub component: Vec<Source>,
     interval: (f64, f64),
     closed: bool,
 }
@@ -31,8 +45,8 @@ pub fn by_joint(machine: &Machine, bounds: &[Bound]) -> Vec<JointBounds> {
     let mut joints: Vec<JointBounds> = machine.axes().iter().map(Some).chain([None]).map(joint).collect();
     for (i, bound) in bounds.iter().enumerate() {
         let index = machine.axis_index(bound.error.axis.as_str()).unwrap_or(machine.axes().len());
-        let six = if bound.error.is_location() { &mut joints[index].location } else { &mut joints[index].component };
-        six[bound.error.direction.index()] = Some(i);
+        let of = if bound.error.is_location() { &mut joints[index].location } else { &mut joints[index].component };
+        of.push(Source { bound: i, letters: bound.letters() });
     }
     joints
 }
@@ -62,11 +76,12 @@ pub struct CurvePoint {
     pub fraction: f64,
 }
 
-/// The errors of a joint in a chunk of samples (mm, rad).
+/// The sources of a joint in a chunk of samples (mm, rad), in their order.
 #[derive(Debug)]
 pub struct JointSamples {
-    location: Option<Box<[SampleLanes; 6]>>,
-    nodes: Vec<[SampleLanes; 6]>,
+    location: Vec<SampleLanes>,
+    /// Node by node.
+    nodes: Vec<Vec<SampleLanes>>,
 }
 
 /// A chunk of drawn machines.
@@ -79,54 +94,63 @@ impl SampleChunk {
         Self(joints.iter().map(|joint| drawn(joint, bounds, draws, first)).collect())
     }
 
-    /// Returns the location errors of a joint, if it has any.
-    pub fn location(&self, joint: usize) -> Option<&[SampleLanes; 6]> {
-        self.0[joint].location.as_deref()
+    /// Returns the location errors of a joint.
+    pub fn location(&self, joint: usize) -> &[SampleLanes] {
+        &self.0[joint].location
     }
 
-    /// Returns the component errors of a joint at a point of its curves, if it has any.
-    pub fn component(&self, joint: usize, at: CurvePoint) -> Option<[SampleLanes; 6]> {
-        let [low, high] = self.0[joint].nodes.get(at.node..at.node + 2)? else { return None };
-        let mut six = [[0.0; SAMPLE_LANES]; 6];
-        for ((out, a), b) in six.iter_mut().zip(low).zip(high) {
-            for lane in 0..SAMPLE_LANES {
-                out[lane] = a[lane] + at.fraction * (b[lane] - a[lane]);
-            }
-        }
-        Some(six)
+    /// Returns the component errors of a joint at a point of its curves.
+    pub fn component(&self, joint: usize, at: CurvePoint) -> Vec<SampleLanes> {
+        let [low, high] = self.0[joint].nodes.get(at.node..at.node + 2).unwrap_or_default() else { return Vec::new() };
+        let between = |(a, b): (&SampleLanes, &SampleLanes)| {
+            std::array::from_fn(|lane| a[lane] + at.fraction * (b[lane] - a[lane]))
+        };
+        low.iter().zip(high).map(between).collect()
     }
 }
 
 fn drawn(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> JointSamples {
-    let any = |six: &[Option<usize>; 6]| six.iter().any(Option::is_some);
-    let location = any(&joint.location).then(|| {
-        let mut six = Box::new([[0.0; SAMPLE_LANES]; 6]);
-        for (row, bound) in six.iter_mut().zip(joint.location).filter_map(|(row, i)| Some((row, &bounds[i?]))) {
-            let draw = |lane: usize| bound.tolerance * draws.constant(&bound.error, first + lane);
-            *row = std::array::from_fn(draw);
-        }
-        six
-    });
-    let mut nodes = Vec::new();
-    if any(&joint.component) {
-        nodes = vec![[[0.0; SAMPLE_LANES]; 6]; NODES];
-        for (k, bound) in joint.component.iter().enumerate().filter_map(|(k, i)| Some((k, &bounds[(*i)?]))) {
-            for lane in 0..SAMPLE_LANES {
-                let curve = draws.curve(&bound.error, first + lane, joint.closed);
-                nodes.iter_mut().zip(curve).for_each(|(node, u)| node[k][lane] = bound.tolerance * u);
-            }
+    let location = |source: &Source| {
+        let (bound, stream) = (&bounds[source.bound], bounds[source.bound].stream());
+        std::array::from_fn(|lane| bound.tolerance * draws.constant(&stream, first + lane))
+    };
+    let count = joint.component.len();
+    let mut nodes = if count == 0 { Vec::new() } else { vec![vec![[0.0; SAMPLE_LANES]; count]; NODES] };
+    for (k, source) in joint.component.iter().enumerate() {
+        let (bound, stream) = (&bounds[source.bound], bounds[source.bound].stream());
+        for lane in 0..SAMPLE_LANES {
+            let curve = draws.curve(&stream, first + lane, joint.closed);
+            nodes.iter_mut().zip(curve).for_each(|(node, u)| node[k][lane] = bound.tolerance * u);
         }
     }
-    JointSamples { location, nodes }
+    JointSamples { location: joint.location.iter().map(location).collect(), nodes }
 }
 
-/// Adds a map times the errors of every sample.
-pub fn add(map: &TwistMap, errors: &[SampleLanes; 6], to: &mut [SampleLanes; 3]) {
-    for (row, out) in map.iter().zip(to) {
-        for lane in 0..SAMPLE_LANES {
-            let near = row[0] * errors[0][lane] + row[1] * errors[1][lane] + row[2] * errors[2][lane];
-            let far = row[3] * errors[3][lane] + row[4] * errors[4][lane] + row[5] * errors[5][lane];
-            out[lane] += near + far;
+/// Returns the effects of sources by the map of their joint.
+pub fn columns(map: &TwistMap, sources: &[Source]) -> Columns {
+    let effect = |row: &[f64; 6], letters: &[f64; 6]| {
+        // A letter by itself keeps its entry to the bit.
+        let parts = row.iter().zip(letters).filter(|(_, letter)| **letter != 0.0);
+        parts.fold(0.0, |sum, (entry, letter)| sum + entry * letter)
+    };
+    sources.iter().map(|source| std::array::from_fn(|i| effect(&map[i], &source.letters))).collect()
+}
+
+/// Adds effects times the sources of every sample.
+pub fn add(columns: &[[f64; 3]], errors: &[SampleLanes], to: &mut [SampleLanes; 3]) {
+    for (columns, errors) in columns.chunks(3).zip(errors.chunks(3)) {
+        if let ([a, b, c], [x, y, z]) = (columns, errors) {
+            for (i, out) in to.iter_mut().enumerate() {
+                for lane in 0..SAMPLE_LANES {
+                    out[lane] += a[i] * x[lane] + b[i] * y[lane] + c[i] * z[lane];
+                }
+            }
+            continue;
+        }
+        for (column, error) in columns.iter().zip(errors) {
+            for (i, out) in to.iter_mut().enumerate() {
+                out.iter_mut().zip(error).for_each(|(out, error)| *out += column[i] * error);
+            }
         }
     }
 }
@@ -136,66 +160,65 @@ pub fn squares(d: &[SampleLanes; 3]) -> SampleLanes {
     std::array::from_fn(|lane| d[0][lane] * d[0][lane] + d[1][lane] * d[1][lane] + d[2][lane] * d[2][lane])
 }
 
-/// The maps of all joints at a pose, for any number of samples.
+/// The effects of all sources at a pose, for any number of samples.
 #[derive(Debug, Clone)]
 pub struct BudgetPose {
-    /// Maps of location and of component errors of every joint.
-    maps: Vec<[TwistMap; 2]>,
+    /// Of location and of component errors of every joint.
+    columns: Vec<[Columns; 2]>,
     points: Vec<CurvePoint>,
 }
 
 impl BudgetPose {
-    /// Returns the maps of a machine at a pose (mm, deg).
+    /// Returns the effects in a machine at a pose (mm, deg).
     pub fn new(machine: &Machine, joints: &[JointBounds], pose: &[f64], quantity: Quantity) -> Self {
         let weights = machine.axes().iter().map(|axis| {
             [SideWeights::location(axis, machine.conventions()), SideWeights::component(axis, machine.conventions())]
         });
         let weights = weights.chain([[SideWeights::SPINDLE; 2]]);
-        let maps = twists(machine, pose, quantity).iter().zip(weights).map(|(t, w)| w.map(|w| w.map(t))).collect();
+        let twists = twists(machine, pose, quantity);
+        let of = |((twist, [location, component]), joint): ((&Twist, [SideWeights; 2]), &JointBounds)| {
+            [columns(&location.map(twist), &joint.location), columns(&component.map(twist), &joint.component)]
+        };
+        let columns = twists.iter().zip(weights).zip(joints).map(of).collect();
         let points = joints.iter().zip(pose).map(|(joint, q)| joint.curve_point(*q));
         let points = points.chain([CurvePoint { node: 0, fraction: 0.0 }]).collect();
-        Self { maps, points }
+        Self { columns, points }
     }
 
     /// Returns the deviations of every sample of a chunk (mm or rad).
     pub fn deviations(&self, chunk: &SampleChunk) -> [SampleLanes; 3] {
         let mut d = [[0.0; SAMPLE_LANES]; 3];
-        for (joint, ([location, component], point)) in self.maps.iter().zip(&self.points).enumerate() {
-            if let Some(errors) = chunk.location(joint) {
-                add(location, errors, &mut d);
-            }
-            if let Some(errors) = chunk.component(joint, *point) {
-                add(component, &errors, &mut d);
-            }
+        for (joint, ([location, component], point)) in self.columns.iter().zip(&self.points).enumerate() {
+            add(location, chunk.location(joint), &mut d);
+            add(component, &chunk.component(joint, *point), &mut d);
         }
         d
     }
 
-    /// Returns the deviation by each bounded error in one sample, in the order of the bounds.
+    /// Returns the deviation by each bounded source in one sample, in the order of the bounds.
     pub fn parts(&self, chunk: &SampleChunk, joints: &[JointBounds], lane: usize, count: usize) -> Vec<[f64; 3]> {
         let mut parts = vec![[0.0; 3]; count];
         for (joint, (([location, component], point), bounds)) in
-            self.maps.iter().zip(&self.points).zip(joints).enumerate()
+            self.columns.iter().zip(&self.points).zip(joints).enumerate()
         {
-            let drawn = [chunk.location(joint).copied(), chunk.component(joint, *point)];
-            let indices = [&bounds.location, &bounds.component];
-            for ((map, errors), index) in [location, component].into_iter().zip(drawn).zip(indices) {
-                let Some(errors) = errors else { continue };
-                for (k, bound) in index.iter().enumerate().filter_map(|(k, i)| Some((k, (*i)?))) {
-                    parts[bound] = std::array::from_fn(|i| map[i][k] * errors[k][lane]);
+            let at_point = chunk.component(joint, *point);
+            let of = [(location, &bounds.location, chunk.location(joint)), (component, &bounds.component, &at_point)];
+            for (columns, sources, errors) in of {
+                for ((column, source), error) in columns.iter().zip(sources).zip(errors) {
+                    parts[source.bound] = column.map(|x| x * error[lane]);
                 }
             }
         }
         parts
     }
 
-    /// Returns the deviation by each error at its bound, in the order of the bounds.
+    /// Returns the deviation by each source at its bound, in the order of the bounds.
     pub fn extremes(&self, joints: &[JointBounds], bounds: &[Bound]) -> Vec<[f64; 3]> {
         let mut extremes = vec![[0.0; 3]; bounds.len()];
-        for (maps, joint) in self.maps.iter().zip(joints) {
-            for (map, index) in maps.iter().zip([&joint.location, &joint.component]) {
-                for (k, bound) in index.iter().enumerate().filter_map(|(k, i)| Some((k, (*i)?))) {
-                    extremes[bound] = std::array::from_fn(|i| map[i][k] * bounds[bound].tolerance);
+        for (columns, joint) in self.columns.iter().zip(joints) {
+            for (columns, sources) in columns.iter().zip([&joint.location, &joint.component]) {
+                for (column, source) in columns.iter().zip(sources) {
+                    extremes[source.bound] = column.map(|x| x * bounds[source.bound].tolerance);
                 }
             }
         }

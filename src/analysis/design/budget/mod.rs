@@ -1,6 +1,7 @@
 //! Error budget: from tolerances to the volumetric error.
 //!
-//! 1. [`bounds()`]: which errors are bounded, by the machine file or by a [`Class`] of machines.
+//! 1. [`bounds()`]: which errors are bounded, by the machine file or by a [`Class`] of machines. Each bound is an
+//!    independent source with a direction of its own: along an axis, across it, or a letter.
 //! 2. At every pose, the effect of each error at its bound. Their sum with the worst signs is the worst case, the root
 //!    of the sum of their squares the RSS; each by itself is a bar of the Pareto chart. The worst pose of a volume is
 //!    searched, not taken from its corners alone.
@@ -15,7 +16,6 @@
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
 mod bounds;
-mod class;
 mod draw;
 mod kernel;
 mod monte_carlo;
@@ -25,10 +25,13 @@ mod side_by_side;
 mod totals;
 mod worst;
 
-pub use bounds::{Bound, bounds, known, lacks_rotary};
-pub use class::{Class, classes};
+pub use crate::machine::{Class, classes};
+pub(crate) use bounds::on_other_sides;
+pub use bounds::{Bound, Role, bounds, known, lacks_rotary};
 pub use draw::{Distribution, Draws, NODES};
-pub(crate) use kernel::{CurvePoint, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, add, by_joint, squares};
+pub(crate) use kernel::{
+    Columns, CurvePoint, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, Source, add, by_joint, columns, squares,
+};
 pub use monte_carlo::Statistic;
 pub use quantile::{Percentile, mean, rank};
 pub use side_by_side::{BoundedError, BudgetPart, side_by_side};

@@ -21,6 +21,13 @@ const ROUNDS: usize = 8;
 const GAIN: f64 = 1e-7;
 /// Number of sections of a line: 72 deg shrink to a tenth of a degree.
 const SECTIONS: usize = 14;
+/// Values this close, relatively, are equal: rounding must not choose between places that are alike.
+const EQUAL: f64 = 1e-11;
+
+/// True if a value is larger by more than rounding.
+pub fn exceeds(a: f64, b: f64) -> bool {
+    a > b + EQUAL * b.abs()
+}
 
 /// Errors at their bounds at a pose.
 pub type Vectors<'a> = &'a (dyn Fn(&[f64]) -> Vec<[f64; 3]> + Sync);
@@ -94,8 +101,10 @@ impl<'a> Search<'a> {
         };
         let bounds: Vec<f64> =
             (0..count).into_par_iter().map(|k| (self.objective.bound)(&(self.at)(&node(k)))).collect();
+        // In single precision, where rounding does not order places that are alike.
+        let single = |k: usize| bounds[k] as f32;
         let mut order: Vec<usize> = (0..count).collect();
-        order.sort_by(|a, b| bounds[*b].total_cmp(&bounds[*a]).then(a.cmp(b)));
+        order.sort_by(|a, b| single(*b).total_cmp(&single(*a)).then(a.cmp(b)));
         let mut starts: Vec<Pose> = vec![known.to_vec()];
         for k in order {
             let pose = node(k);
@@ -107,7 +116,7 @@ impl<'a> Search<'a> {
             }
         }
         let climbed: Vec<(Pose, f64)> = starts.into_par_iter().map(|start| self.climbed(start)).collect();
-        let best = (0..climbed.len()).fold(0, |best, i| if climbed[i].1 > climbed[best].1 { i } else { best });
+        let best = (0..climbed.len()).fold(0, |best, i| if exceeds(climbed[i].1, climbed[best].1) { i } else { best });
         let (pose, value) = climbed[best].clone();
         let vectors = (self.at)(&pose);
         (pose, vectors, value)
@@ -150,7 +159,7 @@ impl<'a> Search<'a> {
     fn offer(&self, axis: usize, position: f64, pose: &mut Pose, best: &mut f64) -> f64 {
         let old = std::mem::replace(&mut pose[axis], position);
         let value = self.value(pose);
-        if value > *best {
+        if exceeds(value, *best) {
             *best = value;
         } else {
             pose[axis] = old;
@@ -176,7 +185,7 @@ impl<'a> Search<'a> {
         let (mut a, mut b) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
         let mut values = [a, b].map(|q| self.offer(axis, inside(q), pose, best));
         for _ in 0..SECTIONS {
-            if values[0] > values[1] {
+            if exceeds(values[0], values[1]) {
                 (high, b, values[1]) = (b, a, values[0]);
                 a = high - GOLDEN * (high - low);
                 values[0] = self.offer(axis, inside(a), pose, best);

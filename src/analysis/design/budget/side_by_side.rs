@@ -1,6 +1,6 @@
 //! Budgets side by side: the effect of each tolerance on the 95 % value of each of several machines.
 
-use super::bounds::Bound;
+use super::bounds::{Bound, Role};
 use super::totals::{Budget, ToleranceEffect};
 use crate::machine::ErrorId;
 use std::collections::BTreeMap;
@@ -20,8 +20,10 @@ pub struct BudgetPart {
 /// One bounded error in several machines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoundedError {
-    /// The error.
-    pub error: ErrorId,
+    /// Its name, in the first machine that bounds it.
+    pub error: String,
+    /// True for an angle (rad), false for a length (mm).
+    pub is_rotation: bool,
     /// In each machine; `None` where it is not bounded.
     pub parts: Vec<Option<BudgetPart>>,
 }
@@ -40,19 +42,29 @@ impl BoundedError {
     }
 }
 
-/// Returns every error that is bounded in any of the machines; largest first, then by name.
+/// The name of an error, and its part in every machine.
+type NamedParts = (String, Vec<Option<BudgetPart>>);
+
+/// Returns every error that is bounded in any of the machines, matched along and across their axes; largest first, then
+/// by name.
 pub fn side_by_side(budgets: &[(&[Bound], &Budget)]) -> Vec<BoundedError> {
-    let mut by_error: BTreeMap<&ErrorId, Vec<Option<BudgetPart>>> = BTreeMap::new();
+    let mut by_error: BTreeMap<(&ErrorId, bool), NamedParts> = BTreeMap::new();
     for (machine, (bounds, budget)) in budgets.iter().enumerate() {
         let average: BTreeMap<usize, f64> = budget.average.iter().map(|c| (c.bound, c.um)).collect();
         for (i, bound) in bounds.iter().enumerate() {
-            let parts = by_error.entry(&bound.error).or_insert_with(|| vec![None; budgets.len()]);
+            let (_, parts) = by_error
+                .entry((&bound.error, bound.role == Role::Letter))
+                .or_insert_with(|| (bound.to_string(), vec![None; budgets.len()]));
             let average = average.get(&i).copied().unwrap_or(0.0);
             parts[machine] =
                 Some(BudgetPart { tolerance: bound.tolerance, of_p95: budget.position.tighten[i], average });
         }
     }
-    let one = |(error, parts): (&ErrorId, Vec<Option<BudgetPart>>)| BoundedError { error: error.clone(), parts };
+    let one = |((id, _), (error, parts)): ((&ErrorId, bool), NamedParts)| BoundedError {
+        is_rotation: id.direction.is_rotation(),
+        error,
+        parts,
+    };
     let mut list: Vec<BoundedError> = by_error.into_iter().map(one).collect();
     list.sort_by(|a, b| b.largest().total_cmp(&a.largest()));
     list

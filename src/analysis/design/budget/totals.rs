@@ -5,7 +5,7 @@ use super::draw::Draws;
 use super::kernel::{BudgetPose, JointBounds, by_joint};
 use super::monte_carlo::{self, Sample, Statistic};
 use super::quantile::{Percentile, mean};
-use super::search::{Objective, Search, closed};
+use super::search::{Objective, Search, closed, exceeds};
 use super::worst::longest;
 use crate::evaluate::{Poses, Random};
 use crate::lower::Quantity;
@@ -93,6 +93,9 @@ pub const PERCENTS: [usize; 4] = [50, 90, 95, 99];
 
 /// The derivative of the 95 % value is estimated from the samples between these fractions.
 const WINDOW: (f64, f64) = (0.925, 0.975);
+
+/// Relative precision of the order of upper bounds.
+const SINGLE: f64 = 1e-6;
 
 /// Maximum number of axes with which all corners of the volume are among the poses.
 const MAX_CORNER_AXES: usize = 10;
@@ -199,14 +202,15 @@ impl Totals {
 fn worst_of(extremes: &Extremes) -> (usize, f64) {
     let upper: Vec<f64> = extremes.iter().map(|list| lengths(list).iter().sum()).collect();
     let mut order: Vec<usize> = (0..extremes.len()).collect();
-    order.sort_by(|a, b| upper[*b].total_cmp(&upper[*a]).then(a.cmp(b)));
-    let mut best = (0, f64::NEG_INFINITY);
+    // In single precision, where rounding does not order places that are alike.
+    order.sort_by(|a, b| (upper[*b] as f32).total_cmp(&(upper[*a] as f32)).then(a.cmp(b)));
+    let mut best = (0, -1.0);
     for index in order {
-        if upper[index] < best.1 {
+        if upper[index] < best.1 * (1.0 - SINGLE) {
             break;
         }
         let length = longest(&extremes[index]);
-        if length > best.1 {
+        if exceeds(length, best.1) {
             best = (index, length);
         }
     }
@@ -219,7 +223,7 @@ fn lengths(vectors: &[[f64; 3]]) -> Vec<f64> {
 
 /// Returns the index of the largest value; of equal ones the first.
 fn largest(values: &[f64]) -> usize {
-    (0..values.len()).fold(0, |best, i| if values[i] > values[best] { i } else { best })
+    (0..values.len()).fold(0, |best, i| if exceeds(values[i], values[best]) { i } else { best })
 }
 
 fn root_mean_square(extremes: &Extremes) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! The drawn errors of every joint on either side of the bed: bounds and travels may depend on the side.
 
-use crate::analysis::design::budget::{Bound, Draws, JointBounds, SAMPLE_LANES, SampleChunk, by_joint};
-use crate::machine::{Axis, Branch, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, Machine};
+use crate::analysis::design::budget::{Bound, Draws, JointBounds, SAMPLE_LANES, SampleChunk, by_joint, on_other_sides};
+use crate::machine::{Branch, Machine};
 use rayon::prelude::*;
 
 /// Draws of the joints on one side.
@@ -74,38 +74,4 @@ impl SideDraws {
     pub fn chunks(&self) -> usize {
         self.own.chunks.len()
     }
-}
-
-/// The bounds of all joints on the sides on which they do not stand. Tolerances of one side replace those of the same
-/// name; a value in place of a tolerance is no bound. The bounds of a class are the same on either side.
-fn on_other_sides(machine: &Machine, bounds: &[Bound]) -> Vec<Bound> {
-    let mut all = bounds.to_vec();
-    for axis in machine.axes() {
-        let Some(errors) = other_errors(machine, axis) else { continue };
-        for family in ErrorFamily::ALL {
-            for (direction, term) in Direction::ALL.into_iter().zip(errors.six(family)) {
-                let error = ErrorId { axis: axis.name.clone(), family, direction };
-                let known = all.iter().position(|bound| bound.error == error);
-                match (term, known) {
-                    (Some(ErrorTerm::Tolerance(tolerance)), known) => {
-                        let bound = Bound { error, tolerance: *tolerance, of_class: false };
-                        match known {
-                            Some(i) => all[i] = bound,
-                            None => all.push(bound),
-                        }
-                    }
-                    (_, Some(i)) if !all[i].of_class => {
-                        let _ = all.remove(i);
-                    }
-                    _ => {}
-                }
-            }
-        }
-    }
-    all.retain(|bound| bound.tolerance > 0.0);
-    all
-}
-
-fn other_errors<'a>(machine: &'a Machine, axis: &Axis) -> Option<&'a JointErrors> {
-    machine.geometry().axes.get(&axis.name)?.on(axis.branch.opposite()).errors.as_ref()
 }

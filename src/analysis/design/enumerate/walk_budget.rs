@@ -4,17 +4,19 @@
 //! after it, always added up in the same order.
 
 use super::side_draws::SideDraws;
-use crate::analysis::design::budget::{CurvePoint, SAMPLE_LANES, SampleLanes, Statistic, add, squares};
-use crate::lower::{Quantity, SideWeights, TwistMap, twists};
+use crate::analysis::design::budget::{
+    Columns, CurvePoint, JointBounds, SAMPLE_LANES, SampleLanes, Source, Statistic, add, columns, squares,
+};
+use crate::lower::{Quantity, SideWeights, twists};
 use crate::machine::{Axis, Branch, Machine, Pose};
 
-/// A joint at a pose: maps of its errors on the tool side and on the table side.
+/// A joint at a pose: effects of its errors on the tool side and on the table side.
 struct JointMaps {
     /// Index among the drawn joints.
     drawn: usize,
     point: [CurvePoint; 2],
-    location: [TwistMap; 2],
-    component: [TwistMap; 2],
+    location: [Columns; 2],
+    component: [Columns; 2],
     /// True if a location error acts the same on either side.
     alike: bool,
 }
@@ -22,7 +24,7 @@ struct JointMaps {
 /// All joints of the walk at one pose.
 struct PoseMaps {
     joints: Vec<JointMaps>,
-    spindle: TwistMap,
+    spindle: Columns,
 }
 
 /// Returns the statistic over the poses, mm, for every arrangement (rows, as `tables` lists them) and sample.
@@ -78,16 +80,22 @@ fn maps(machine: &Machine, axes: &[usize], pose: &[f64], drawn: &SideDraws) -> P
         let side = |branch| Axis { branch, ..axis.clone() };
         let sides = [side(Branch::Tool), side(Branch::Workpiece)];
         let location = sides.each_ref().map(|axis| SideWeights::location(axis, conventions));
+        let component = sides.each_ref().map(|axis| SideWeights::component(axis, conventions));
+        let bounds = Branch::BOTH.map(|branch| drawn.bounds(axes[i], branch));
+        let of = |weights: [SideWeights; 2], sources: fn(&JointBounds) -> &[Source]| {
+            [0, 1].map(|side| columns(&weights[side].map(&twists[i]), sources(bounds[side])))
+        };
         JointMaps {
             drawn: axes[i],
-            point: Branch::BOTH.map(|branch| drawn.bounds(axes[i], branch).curve_point(pose[i])),
+            point: bounds.map(|bounds| bounds.curve_point(pose[i])),
             alike: location[0] == location[1] && !drawn.differs(),
-            location: location.map(|weights| weights.map(&twists[i])),
-            component: sides.map(|axis| SideWeights::component(&axis, conventions).map(&twists[i])),
+            location: of(location, |bounds| &bounds.location),
+            component: of(component, |bounds| &bounds.component),
         }
     };
     let joints: Vec<JointMaps> = machine.axes().iter().enumerate().map(joint).collect();
-    PoseMaps { spindle: SideWeights::SPINDLE.map(&twists[joints.len()]), joints }
+    let spindle = &drawn.bounds(drawn.spindle(), Branch::Tool).location;
+    PoseMaps { spindle: columns(&SideWeights::SPINDLE.map(&twists[joints.len()]), spindle), joints }
 }
 
 type Deviations = [SampleLanes; 3];
@@ -100,9 +108,7 @@ impl PoseMaps {
         let sides: Vec<[Deviations; 2]> = self.joints.iter().map(|joint| joint.deviations(chunk, drawn)).collect();
         let mut last = NONE;
         let spindle = drawn.spindle();
-        if let Some(errors) = drawn.chunk(chunk, spindle, Branch::Tool).location(spindle) {
-            add(&self.spindle, errors, &mut last);
-        }
+        add(&self.spindle, drawn.chunk(chunk, spindle, Branch::Tool).location(spindle), &mut last);
         // Tool-side joints are added up from the tool, table-side ones from the workpiece.
         let mut all = vec![last];
         for [tool, _] in sides.iter().rev() {
@@ -124,18 +130,14 @@ impl JointMaps {
     fn deviations(&self, chunk: usize, drawn: &SideDraws) -> [Deviations; 2] {
         let mut sides = [NONE; 2];
         let of = Branch::BOTH.map(|branch| drawn.chunk(chunk, self.drawn, branch));
-        if let Some(errors) = of[0].location(self.drawn) {
-            add(&self.location[0], errors, &mut sides[0]);
-        }
+        add(&self.location[0], of[0].location(self.drawn), &mut sides[0]);
         if self.alike {
             sides[1] = sides[0];
-        } else if let Some(errors) = of[1].location(self.drawn) {
-            add(&self.location[1], errors, &mut sides[1]);
+        } else {
+            add(&self.location[1], of[1].location(self.drawn), &mut sides[1]);
         }
         for i in 0..2 {
-            if let Some(errors) = of[i].component(self.drawn, self.point[i]) {
-                add(&self.component[i], &errors, &mut sides[i]);
-            }
+            add(&self.component[i], &of[i].component(self.drawn, self.point[i]), &mut sides[i]);
         }
         sides
     }

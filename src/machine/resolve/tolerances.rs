@@ -1,0 +1,278 @@
+//! The sections `tolerances` and `class`: bounds of errors, of axes, of squareness, and of everything else.
+
+use super::context::{Context, dotted};
+use super::errors::{Errors, bounded};
+use super::uses::JointNames;
+use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
+use crate::machine::{
+    AxisKind, AxisName, CLASS_NAMES, CLASS_NUMBERS, ClassNumbers, Direction, ErrorFamily, ErrorId, ErrorTerm, Frames,
+    Machine, NamedClass, Tolerances, classes,
+};
+use crate::syntax::{BoundEntry, FrameEntry, Keys, Scalar, below, keys};
+
+/// Words of data sheets that bound a positioning error: one that says how wide the band is, and those that widen it.
+/// The bound is half of their sum. docs/guide-data-sheets.md derives it.
+const WORDS: [(&str, &[&str]); 6] =
+    [("A", &[]), ("E", &["R"]), ("M", &["B", "R"]), ("P", &[]), ("Pa", &["U", "Ps"]), ("width", &[])];
+
+/// The remedy of a negative bound.
+pub const NEGATIVE: &str = "a tolerance is a bound: `20 urad` means ±20 urad";
+
+/// The meaning of a name under `tolerances`.
+pub enum Named {
+    /// An error such as EXX.
+    Error,
+    /// An axis or the spindle.
+    Joint(AxisName),
+    /// Squareness, `X-Y`.
+    Pair,
+}
+
+/// What a name means; names that are none of these are taken for errors.
+pub fn meaning(name: &str, known: &JointNames<'_>) -> Named {
+    let joint = AxisName::new(name).filter(|axis| known.axis(axis).is_some() || known.spindle == Some(axis));
+    match joint {
+        Some(axis) => Named::Joint(axis),
+        None if name.contains('-') => Named::Pair,
+        None => Named::Error,
+    }
+}
+
+/// The bound of an error by its letter.
+pub fn letter(
+    context: &mut Context<'_>,
+    error: &ErrorId,
+    entry: &BoundEntry,
+    known: &JointNames<'_>,
+    at: &Keys,
+) -> Option<ErrorTerm> {
+    if !error.is_location() && known.axis(&error.axis).is_none() {
+        let help = "a spindle does not move here; it has location errors such as `EA0S`";
+        context.at_key(codes::E0408, at, format!("`{error}` is a component error of the spindle"), help);
+        return None;
+    }
+    let words = entry.words();
+    if entry.location.is_some() || entry.frame() != FrameEntry::default() || entry.value.is_some() != words.is_empty() {
+        let help = format!("write one bound, `{error}: 8 um`, or words of a data sheet, `{error}: {{ A: 8 um }}`");
+        context.at_key(codes::E0416, at, format!("`{}` is not the bound of an error", dotted(at)), help);
+        return None;
+    }
+    if let Some(value) = &entry.value {
+        let here = context.value_of(at);
+        return bounded(context, value, error.direction, &here).map(ErrorTerm::Tolerance);
+    }
+    by_words(context, error, &words, known, at).map(ErrorTerm::Tolerance)
+}
+
+/// Half of the sum of the widths.
+fn by_words(
+    context: &mut Context<'_>,
+    error: &ErrorId,
+    words: &[(&str, &Scalar)],
+    known: &JointNames<'_>,
+    at: &Keys,
+) -> Option<f64> {
+    let listed = words.iter().map(|(word, _)| *word).collect::<Vec<_>>();
+    let fits = |(lead, more): &&(&str, &[&str])| {
+        listed.contains(lead) && listed.iter().all(|word| word == lead || more.contains(word))
+    };
+    let positioning = known.axis(&error.axis).is_some_and(|axis| positions(error, axis.kind, axis.plain.direction));
+    let message = if error.is_location() {
+        format!("`{error}` is a constant, and `{}` a width over a travel", listed.join("`, `"))
+    } else if !positioning && listed != ["width"] {
+        format!("`{}` is said of positioning, which `{error}` is not", listed.join("`, `"))
+    } else if !WORDS.iter().any(|row| fits(&row)) {
+        format!("`{}` alone bounds no error", listed.join("`, `"))
+    } else {
+        let widths = words.iter().map(|(word, value)| bounded(context, value, error.direction, &below(at, word)));
+        return widths.collect::<Vec<_>>().into_iter().sum::<Option<f64>>().map(|sum| 0.5 * sum);
+    };
+    let help = "positioning: A; E with or without R; M with or without B and R; P; Pa with or without U and Ps; any \
+                component error: width; location errors and squareness: one value";
+    context.at_key(codes::E0416, at, message, help);
+    None
+}
+
+/// True for the error of positioning of an axis: along a linear, about a rotary one.
+fn positions(error: &ErrorId, kind: Option<AxisKind>, direction: Option<[f64; 3]>) -> bool {
+    let (Some(kind), Some(u)) = (kind, direction) else { return true };
+    let own = u[error.direction.index() % 3].abs() > 0.5;
+    own && error.direction.is_rotation() == (kind == AxisKind::Rotary)
+}
+
+/// Bounds along and across axes, and of squareness.
+pub fn frames(context: &mut Context<'_>, known: &JointNames<'_>, errors: &Errors) -> Tolerances {
+    let mut all = Tolerances::default();
+    for (name, entry) in &context.document.tolerances {
+        let (at, Some(entry)) = (keys(["tolerances", name]), entry) else { continue };
+        match meaning(name, known) {
+            Named::Error => {}
+            Named::Joint(axis) => joint(context, &axis, entry, (known, &at), errors, &mut all),
+            Named::Pair => pair(context, name, entry, &at, errors, &mut all),
+        }
+    }
+    doubled(context, &all);
+    all
+}
+
+fn joint(
+    context: &mut Context<'_>,
+    axis: &AxisName,
+    entry: &BoundEntry,
+    (known, at): (&JointNames<'_>, &Keys),
+    errors: &Errors,
+    all: &mut Tolerances,
+) {
+    if entry.value.is_some() || !entry.words().is_empty() {
+        let help = format!("write `{axis}: {{ along: 2 um, across: 3 um, about_across: 10 urad }}`");
+        let message = format!("`{}` does not say which errors of axis `{axis}` it bounds", dotted(at));
+        context.at_key(codes::E0416, at, message, help);
+        return;
+    }
+    let location = entry.location.clone().unwrap_or_default();
+    let component = entry.frame();
+    if known.axis(axis).is_none() && component != FrameEntry::default() {
+        let help = format!("a spindle does not move here: `{axis}: {{ location: {{ about_across: 40 urad }} }}`");
+        context.at_key(codes::E0408, at, format!("`{axis}` is a spindle, which has no component errors"), help);
+        return;
+    }
+    let mut both = [[None; 4]; 2];
+    for ((family, entry), four) in ErrorFamily::ALL.into_iter().zip([&location, &component]).zip(&mut both) {
+        let base = if family == ErrorFamily::Location { below(at, "location") } else { at.clone() };
+        for (slot, (key, value)) in entry.four().into_iter().enumerate() {
+            let Some(value) = value else { continue };
+            let here = below(&base, key);
+            let direction = if slot < 2 { Direction::X } else { Direction::A };
+            if by_letter(context, axis, family, slot >= 2, &here, errors) {
+                continue;
+            }
+            four[slot] = bounded(context, value, direction, &here);
+        }
+    }
+    let _ = all.joints.insert(axis.clone(), both);
+}
+
+fn pair(context: &mut Context<'_>, name: &str, entry: &BoundEntry, at: &Keys, errors: &Errors, all: &mut Tolerances) {
+    const LETTERS: [&str; 3] = ["X", "Y", "Z"];
+    let mut two: Vec<usize> =
+        name.split('-').filter_map(|axis| LETTERS.iter().position(|l| *l == axis.trim())).collect();
+    two.sort_unstable();
+    two.dedup();
+    let only = BoundEntry { value: None, ..entry.clone() } == BoundEntry::default();
+    let ([first, second], Some(value), true, 2) = (&two[..], &entry.value, only, name.split('-').count()) else {
+        let help = "write the squareness of two of the linear axes X, Y, Z: `X-Y: 0.02/500`; of others, `W: { \
+                    location: { about_across: 40 urad } }`";
+        context.at_key(codes::E0416, at, format!("`{}` is not the bound of a squareness", dotted(at)), help);
+        return;
+    };
+    let here = context.value_of(at);
+    let carrying = AxisName::new(LETTERS[*second]);
+    if carrying.is_some_and(|axis| by_letter(context, &axis, ErrorFamily::Location, true, &here, errors)) {
+        return;
+    }
+    let pair = [*first, *second];
+    if let Some(value) = bounded(context, value, Direction::A, &here)
+        && all.squareness.insert(pair, value).is_some()
+    {
+        context.at_key(codes::E0407, at, format!("`{}` is given twice", dotted(at)), "keep one of them");
+    }
+}
+
+/// Refuses a bound along or across an axis beside one by letter in the same three directions.
+fn by_letter(
+    context: &mut Context<'_>,
+    axis: &AxisName,
+    family: ErrorFamily,
+    turns: bool,
+    at: &Keys,
+    errors: &Errors,
+) -> bool {
+    let slots = if turns { &Direction::ALL[3..] } else { &Direction::ALL[..3] };
+    let sides = [errors.joints.get(axis), errors.other_side.get(axis).map(|(_, errors)| errors)];
+    let is_bound = |direction: &&Direction| {
+        let terms = sides.iter().flatten().map(|errors| &errors.six(family)[direction.index()]);
+        terms.into_iter().any(|term| matches!(term, Some(ErrorTerm::Tolerance(_))))
+    };
+    let Some(direction) = slots.iter().find(is_bound) else { return false };
+    let error = ErrorId { axis: axis.clone(), family, direction: *direction };
+    let message = format!("`{}` bounds what `{error}` bounds by its letter", dotted(at));
+    let place = context.document.places.key(at);
+    let first = errors.places.get(&error).cloned().flatten();
+    let refusal = Diagnostic::new(codes::E0407, message).at(place, "").at(first, "by letter here");
+    context.diagnostics.push(refusal.help("write all three directions by letter, or all along and across the axis"));
+    true
+}
+
+/// Refuses squareness beside rotations across the axis that has it.
+fn doubled(context: &mut Context<'_>, all: &Tolerances) {
+    for pair in all.squareness.keys() {
+        let letters = pair.map(|axis| ["X", "Y", "Z"][axis]);
+        let Some(axis) = AxisName::new(letters[1]) else { continue };
+        if all.of(&axis, ErrorFamily::Location, true, false).is_some() {
+            let at = keys(["tolerances", letters[1], "location", "about_across"]);
+            let message = format!("`{}` bounds the squareness {}-{} too", dotted(&at), letters[0], letters[1]);
+            context.at_key(codes::E0407, &at, message, "keep one of them");
+        }
+    }
+}
+
+/// Refuses squareness of axes that have none: parallel ones.
+pub fn squareness(context: &mut Context<'_>, machine: &Machine) {
+    let frames = Frames::of(machine);
+    let letters = ["X", "Y", "Z"];
+    for [first, second] in machine.tolerances().squareness.keys() {
+        let [Some(_), Some(joint)] = [first, second].map(|axis| machine.axis_index(letters[*axis])) else { continue };
+        let rotation = Direction::ALL[3 + (3 - first - second)];
+        if frames.joint(joint).squareness_to(ErrorFamily::Location, rotation) != Some(*first) {
+            let name = format!("{}-{}", letters[*first], letters[*second]);
+            let at = keys(["tolerances", &name]);
+            let message = format!("`{}` is the squareness of axes that do not span a plane", dotted(&at));
+            context.at_key(codes::E0416, &at, message, "give the directions of both axes, or remove the bound");
+        }
+    }
+}
+
+/// The class of the file.
+pub fn class(context: &mut Context<'_>) -> Option<NamedClass> {
+    let entry = context.document.class.as_ref()?;
+    let at = keys(["class"]);
+    let known = classes();
+    let base = match &entry.like {
+        None => None,
+        Some(name) => match known.get(name) {
+            Some(class) => Some(class.clone()),
+            None => {
+                let message = format!("there is no class of machines `{}`", shown(name));
+                context.at_value(codes::E0417, &at, message, did_you_mean(name, &CLASS_NAMES));
+                return None;
+            }
+        },
+    };
+    let mut numbers = ClassNumbers::default();
+    for (number, slot) in CLASS_NUMBERS.into_iter().zip(&mut numbers.all) {
+        let Some(scalar) = entry.number(number.section, number.key) else { continue };
+        let here = keys(["class", number.section, number.key]);
+        let value = context.coefficient(scalar, number.direction, AxisKind::Linear, number.power, &here)?;
+        if value < 0.0 {
+            context.at_value(codes::E0411, &here, "a negative tolerance", NEGATIVE);
+            return None;
+        }
+        *slot = Some(value);
+    }
+    if let Some(shortest) = entry.linear.as_ref().and_then(|linear| linear.shortest.as_ref()) {
+        numbers.shortest_mm = Some(context.length(shortest, &keys(["class", "linear", "shortest"]))?);
+    }
+    if numbers == ClassNumbers::default() && entry.source.is_none() {
+        return base.zip(entry.like.clone()).map(|(class, name)| NamedClass { name, class });
+    }
+    let name = entry.like.as_ref().map_or_else(|| "of the file".to_owned(), |name| format!("of the file, like {name}"));
+    match numbers.over(base, entry.source.clone().unwrap_or_else(|| "machine file".to_owned())) {
+        Ok(class) => Some(NamedClass { name, class }),
+        Err(missing) => {
+            let message = format!("the class has no `{}.{}`, and is not `like` another", missing.section, missing.key);
+            let help = "write all numbers of linear axes, and all of rotary ones or none; or `like: production`";
+            context.at_key(codes::E0417, &at, message, help);
+            None
+        }
+    }
+}

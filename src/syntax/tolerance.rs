@@ -1,0 +1,244 @@
+//! Bounds as written: the sections `tolerances` and `class`.
+
+use super::forms::{Forms, forms};
+use super::scalar::Scalar;
+use serde::de::MapAccess;
+use serde::de::value::MapAccessDeserializer;
+use serde::{Deserialize, Deserializer};
+
+/// Bounds along an axis and across it: of translations, and of rotations about these directions.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FrameEntry {
+    /// Translation along the axis.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub along: Option<Scalar>,
+    /// Translations across it, each.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub across: Option<Scalar>,
+    /// Rotation about the axis.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub about_along: Option<Scalar>,
+    /// Rotations about the directions across it, each.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub about_across: Option<Scalar>,
+}
+
+/// The bound of an error, of an axis, or of a squareness.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default, remote = "Self")]
+pub struct BoundEntry {
+    /// Of an error or squareness: anywhere from minus to plus.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub value: Option<Scalar>,
+    /// Of an axis: translation along it.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub along: Option<Scalar>,
+    /// Of an axis: translations across it, each.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub across: Option<Scalar>,
+    /// Of an axis: rotation about it.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub about_along: Option<Scalar>,
+    /// Of an axis: rotations about the directions across it, each.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub about_across: Option<Scalar>,
+    /// Of an axis: its location errors.
+    pub location: Option<FrameEntry>,
+    /// Whole width of the band that holds the error.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub width: Option<Scalar>,
+    /// ISO 230-2: bidirectional accuracy of positioning.
+    #[serde(rename = "A")]
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub a: Option<Scalar>,
+    /// ISO 230-2: bidirectional systematic positioning error.
+    #[serde(rename = "E")]
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub e: Option<Scalar>,
+    /// ISO 230-2: range of the mean bidirectional positioning error.
+    #[serde(rename = "M")]
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub m: Option<Scalar>,
+    /// ISO 230-2: reversal error; beside M.
+    #[serde(rename = "B")]
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub b: Option<Scalar>,
+    /// ISO 230-2: bidirectional repeatability; beside E or M.
+    #[serde(rename = "R")]
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub r: Option<Scalar>,
+    /// VDI/DGQ 3441: positioning uncertainty.
+    #[serde(rename = "P")]
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub p: Option<Scalar>,
+    /// VDI/DGQ 3441: positional deviation.
+    #[serde(rename = "Pa")]
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub pa: Option<Scalar>,
+    /// VDI/DGQ 3441: reversal error; beside Pa.
+    #[serde(rename = "U")]
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub u: Option<Scalar>,
+    /// VDI/DGQ 3441: scatter of positions; beside Pa.
+    #[serde(rename = "Ps")]
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub ps: Option<Scalar>,
+}
+
+impl BoundEntry {
+    /// Bounds along and across the axis.
+    pub fn frame(&self) -> FrameEntry {
+        FrameEntry {
+            along: self.along.clone(),
+            across: self.across.clone(),
+            about_along: self.about_along.clone(),
+            about_across: self.about_across.clone(),
+        }
+    }
+
+    /// The words of data sheets that are given.
+    pub fn words(&self) -> Vec<(&'static str, &Scalar)> {
+        let all = [
+            ("width", &self.width),
+            ("A", &self.a),
+            ("E", &self.e),
+            ("M", &self.m),
+            ("B", &self.b),
+            ("R", &self.r),
+            ("P", &self.p),
+            ("Pa", &self.pa),
+            ("U", &self.u),
+            ("Ps", &self.ps),
+        ];
+        all.into_iter().filter_map(|(word, value)| Some((word, value.as_ref()?))).collect()
+    }
+}
+
+impl FrameEntry {
+    /// The four bounds by their keys.
+    pub fn four(&self) -> [(&'static str, Option<&Scalar>); 4] {
+        [
+            ("along", self.along.as_ref()),
+            ("across", self.across.as_ref()),
+            ("about_along", self.about_along.as_ref()),
+            ("about_across", self.about_across.as_ref()),
+        ]
+    }
+}
+
+/// The class of machines that bounds what the file does not: the name of one, numbers of one's own, or both.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default, remote = "Self")]
+pub struct ClassEntry {
+    /// The class that has the numbers that are not given here.
+    #[schemars(schema_with = "super::schema::class_name")]
+    pub like: Option<String>,
+    /// Source of the numbers, one line.
+    pub source: Option<String>,
+    /// Linear axes, and the spindle's tilt.
+    pub linear: Option<LinearClassEntry>,
+    /// Rotary axes.
+    pub rotary: Option<RotaryClassEntry>,
+}
+
+impl ClassEntry {
+    /// A number by its section and key.
+    pub fn number(&self, section: &str, key: &str) -> Option<&Scalar> {
+        let (linear, rotary) = (self.linear.as_ref(), self.rotary.as_ref());
+        match (section, key) {
+            ("linear", "positioning") => linear?.positioning.as_ref(),
+            ("linear", "straightness") => linear?.straightness.as_ref(),
+            ("linear", "angular") => linear?.angular.as_ref(),
+            ("linear", "squareness") => linear?.squareness.as_ref(),
+            ("rotary", "position") => rotary?.position.as_ref(),
+            ("rotary", "orientation") => rotary?.orientation.as_ref(),
+            ("rotary", "radial") => rotary?.radial.as_ref(),
+            ("rotary", "axial") => rotary?.axial.as_ref(),
+            ("rotary", "tilt") => rotary?.tilt.as_ref(),
+            ("rotary", "angular_positioning") => rotary?.angular_positioning.as_ref(),
+            _ => None,
+        }
+    }
+}
+
+/// Bounds of linear axes.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct LinearClassEntry {
+    /// Error along the axis, per length of its travel.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub positioning: Option<Scalar>,
+    /// Errors across it, per length of its travel.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub straightness: Option<Scalar>,
+    /// Roll, pitch and yaw.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub angular: Option<Scalar>,
+    /// Squareness and parallelism, and tilts of the spindle.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub squareness: Option<Scalar>,
+    /// A shorter travel counts as this.
+    #[schemars(schema_with = "super::schema::length")]
+    pub shortest: Option<Scalar>,
+}
+
+/// Bounds of rotary axes.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct RotaryClassEntry {
+    /// Place of the axis.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub position: Option<Scalar>,
+    /// Tilt of the axis.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub orientation: Option<Scalar>,
+    /// Error motion across the axis.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub radial: Option<Scalar>,
+    /// Error motion along it.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub axial: Option<Scalar>,
+    /// Tilt error motion.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub tilt: Option<Scalar>,
+    /// Angle about the axis.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub angular_positioning: Option<Scalar>,
+}
+
+impl Forms for BoundEntry {
+    const EXPECTING: &'static str = "a bound with its unit, or a mapping such as { across: 3 um } or { A: 8 um }";
+
+    fn scalar(value: Scalar) -> Option<Self> {
+        Some(Self { value: Some(value), ..Self::default() })
+    }
+
+    fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        Self::deserialize(MapAccessDeserializer::new(map))
+    }
+}
+
+impl<'de> Deserialize<'de> for BoundEntry {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        forms(deserializer)
+    }
+}
+
+impl Forms for ClassEntry {
+    const EXPECTING: &'static str = "the name of a class, or a mapping such as { like: premium, linear: { ... } }";
+
+    fn scalar(name: Scalar) -> Option<Self> {
+        Some(Self { like: Some(name.to_string()), ..Self::default() })
+    }
+
+    fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        Self::deserialize(MapAccessDeserializer::new(map))
+    }
+}
+
+impl<'de> Deserialize<'de> for ClassEntry {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        forms(deserializer)
+    }
+}
