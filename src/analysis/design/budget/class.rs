@@ -81,7 +81,7 @@ impl Class {
 }
 
 /// True if the direction is the one nearest to that of the axis.
-fn along(axis: &Axis, direction: Direction) -> bool {
+pub(super) fn along(axis: &Axis, direction: Direction) -> bool {
     let size = |i: usize| axis.direction[i].abs();
     let nearest = (1..3).fold(0, |nearest, i| if size(i) > size(nearest) { i } else { nearest });
     direction.index() % 3 == nearest
