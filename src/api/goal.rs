@@ -18,7 +18,7 @@ use std::path::Path;
 const MIN_SEARCHED: usize = 2000;
 
 /// Minimum number of machines drawn for the proof.
-const MIN_PROOF: usize = 10_000;
+const MIN_PROOF: usize = 8000;
 
 /// Seeds of the correction and of the proof, from that of the search.
 const NEXT_SEEDS: [u64; 2] = [0x9E37_79B9_7F4A_7C15, 0xD1B5_4A32_D192_ED03];

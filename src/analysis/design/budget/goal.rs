@@ -25,13 +25,13 @@ use crate::machine::{Approach, ErrorId, Machine, Pose};
 use rayon::prelude::*;
 
 /// Maximum number of steps for one goal.
-const MAX_STEPS: usize = 30;
+const MAX_STEPS: usize = 15;
 
 /// After so many steps only half of a step is made.
-const FULL_STEPS: usize = 6;
+const FULL_STEPS: usize = 5;
 
 /// The search ends when no tolerance changes by more than this fraction.
-const SETTLED: f64 = 2e-3;
+const SETTLED: f64 = 5e-3;
 
 /// Maximum number of corrections of the goal.
 const MAX_CORRECTIONS: usize = 5;
@@ -104,7 +104,7 @@ pub struct CheapestTolerances {
     pub cost: [f64; 2],
     /// Cost of lowering the 95 % value by one um; `None` if no tolerance is free.
     pub cost_per_um: Option<f64>,
-    /// The 95 % value with the present tolerances, um.
+    /// The 95 % value with the present tolerances, um, by the machines of the search.
     pub before: Percentile,
     /// The same with the new ones, by machines that the search has not seen.
     pub proof: Percentile,
@@ -155,7 +155,7 @@ pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
     let [_, correcting, proving] = request.draws;
     let finest: Vec<f64> = request.prices.iter().map(|price| price.finest).collect();
     let staying_um = search.staying() * 1e3;
-    let least = search.evaluated(&finest, correcting, request.proof_samples).p95();
+    let least = search.evaluated(&finest, request.draws[0], request.samples).p95();
     if least > request.goal_mm {
         return GoalAnswer::OutOfReach(Unavoidable { finest_um: least * 1e3, staying_um });
     }
@@ -170,9 +170,11 @@ pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
         if (kept / request.goal_mm - 1.0).abs() <= KEPT || (at_coarsest && kept <= request.goal_mm) {
             break;
         }
-        aim *= request.goal_mm / kept;
+        let by = request.goal_mm / kept;
+        aim *= by;
+        tolerances.iter_mut().zip(request.prices).for_each(|(t, p)| *t = (*t * by).clamp(p.finest, p.coarsest));
     }
-    let before = search.evaluated(&present, proving, request.proof_samples).percentile_um();
+    let before = search.evaluated(&present, request.draws[0], request.samples).percentile_um();
     let proof = search.evaluated(&tolerances, proving, request.proof_samples);
     GoalAnswer::Kept(Box::new(search.answer(tolerances, (&present, before), &proof, (staying_um, steps))))
 }
