@@ -17,7 +17,7 @@ fn with_errors(folder: &Folder, errors: &str) -> PathBuf {
 }
 
 fn goal(path: &Path, goal: &str, more: &[&str]) -> Value {
-    let arguments = ["budget", text(path), "--goal", goal, "--samples", "1000", "--poses", "20", "--format", "json"];
+    let arguments = ["budget", text(path), "--goal", goal, "--samples", "1000", "--format", "json"];
     json(&[&arguments[..], more].concat())["goal"].clone()
 }
 
@@ -41,7 +41,7 @@ fn one_squareness_has_the_closed_form() {
     let folder = Folder::new("goal-one");
     let path = with_errors(&folder, "EC0Y: { tolerance: 20 urad }");
     // |U| of a rectangle of half width 500 mm * t: its 95 % value is 0.95 of that.
-    let found = goal(&path, "4.75 um", &[]);
+    let found = goal(&path, "4.75 um", &["--poses", "20"]);
     let new = of(&found, "EC0Y");
     assert!((number(&new["new"]) - 10.0).abs() < 0.2, "{new}");
     assert_eq!((&new["old"], &new["unit"], &new["binds"]), (&20.0.into(), &"urad".into(), &"goal".into()));
@@ -60,7 +60,6 @@ fn two_errors_at_one_place_are_those_of_a_search_by_brute_force() {
     let work = folder.with("work.csv", "X,Y,Z\n100,200,300\n");
     let cost = folder.with("cost.yaml", "weights: { EXX: 8, positioning: 1 }\n");
     let found = goal(&path, "6 um", &["--tool-poses", text(&work), "--cost", text(&cost)]);
-    let found = if found.is_null() { panic!("no goal") } else { found };
     let (x, y) = (number(&of(&found, "EXX")["new"]), number(&of(&found, "EYY")["new"]));
     // Machines of our own: (x U, y V) with U and V even in -1..1.
     let mut random = Random::new(3);
@@ -125,7 +124,7 @@ fn own_p95(path: &Path, found: &Value, poses: usize) -> f64 {
 fn machines_of_our_own_keep_the_goal_and_limits_bind() {
     let folder = Folder::new("goal-six");
     let path = with_errors(&folder, SIX);
-    let found = goal(&path, "12 um", &[]);
+    let found = goal(&path, "12 um", &["--poses", "20"]);
     assert!((number(&found["staying_um"]) - 2.0).abs() < 1e-9);
     let own = own_p95(&path, &found, 20);
     assert!((own - 12.0).abs() < 0.02 * 12.0, "{own}");
@@ -138,7 +137,7 @@ fn machines_of_our_own_keep_the_goal_and_limits_bind() {
     }
     // No single tolerance can be given up for another at less cost: a limit that binds makes the whole dearer.
     let limits = folder.with("cost.yaml", "finest: { EC0Y: 18 urad }\ncoarsest: { EXX: 2 um, EYX: 2 um }\n");
-    let bound = goal(&path, "12 um", &["--cost", text(&limits)]);
+    let bound = goal(&path, "12 um", &["--poses", "20", "--cost", text(&limits)]);
     for (error, binds, new) in [("EC0Y", "finest", 18.0), ("EXX", "coarsest", 2.0), ("EYX", "coarsest", 2.0)] {
         let entry = of(&bound, error);
         assert!(entry["binds"] == binds && (number(&entry["new"]) - new).abs() < 1e-9, "{entry}");

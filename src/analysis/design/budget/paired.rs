@@ -110,30 +110,31 @@ impl PairedTest {
     /// of all pairs hold together but for the probability `alpha`.
     pub fn new(samples: usize, machines: usize, alpha: f64) -> Self {
         let machines = machines.max(2) as f64;
-        // Half is for the intervals of the 95 % values, half for the pairs; each has two ends.
+        // Half is for the intervals of the 95 % values with two ends each, half for the pairs in either order.
         let tail = alpha / (4.0 * machines);
-        let pair = alpha / (4.0 * machines * (machines - 1.0));
+        let pair = alpha / (2.0 * machines * (machines - 1.0));
         Self { ranks: ranks(samples, PERCENT, tail), min_of: majorities(samples, pair), samples }
     }
 
     /// True if the 95 % value of `a` is larger than that of `b`. Both have the samples of the test, in one order.
     pub fn exceeds(&self, a: &[f64], b: &[f64]) -> bool {
-        self.bounds(b).is_some_and(|bounds| self.rejects(a, b, bounds, Side { shift: 0.0, of_first: true }))
+        self.bounds(b).is_some_and(|bounds| self.rejects(a, b, bounds, 0.0))
     }
 
     /// Returns the difference of the 95 % values, that of `a` minus that of `b`.
     pub fn difference(&self, a: &[f64], b: &[f64]) -> PairedDifference {
         let value = percentile_95(a) - percentile_95(b);
-        let Some(bounds) = self.bounds(b) else { return PairedDifference { value, low: None, high: None } };
-        let ends = |of: &[f64]| of.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
-        let ((min_a, max_a), (min_b, max_b)) = (ends(a), ends(b));
-        let rejects = |shift: f64, of_first: bool| self.rejects(a, b, bounds, Side { shift, of_first });
-        // A shift beyond all values makes one machine exceed in every sample.
-        let span = (max_a - min_a) + (max_b - min_b);
-        let (below, above) = (min_a - max_b - span, max_a - min_b + span);
-        let low = bisected(below, value, |shift| rejects(shift, true));
-        let high = bisected(above, value, |shift| rejects(shift, false));
-        PairedDifference { value, low, high }
+        PairedDifference { value, low: self.low(a, b, value), high: self.low(b, a, -value).map(|low| -low) }
+    }
+
+    /// Returns the lower end of the difference, whose value is given.
+    fn low(&self, a: &[f64], b: &[f64], value: f64) -> Option<f64> {
+        let bounds = self.bounds(b)?;
+        // A shift below all differences makes `a` exceed in every sample.
+        let min_a = a.iter().copied().fold(f64::INFINITY, f64::min);
+        let max_b = b.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let outer = (min_a - max_b).min(value) - (max_b - bounds.0).max(1.0);
+        bisected(outer, value, |shift| self.rejects(a, b, bounds, shift))
     }
 
     /// Returns a machine against the first.
@@ -163,12 +164,12 @@ impl PairedTest {
         Some((*lower, upper))
     }
 
-    /// True if at every value between the bounds one machine exceeds alone so often that it is no chance.
-    fn rejects(&self, a: &[f64], b: &[f64], (low, high): (f64, f64), side: Side) -> bool {
+    /// True if at every value between the bounds `a`, lowered by a shift, exceeds alone so often that it is no chance.
+    fn rejects(&self, a: &[f64], b: &[f64], (low, high): (f64, f64), shift: f64) -> bool {
         let mut alone = (0_usize, 0_usize);
         let mut events: Vec<(f64, bool, bool)> = Vec::new();
         for (a, b) in a.iter().zip(b) {
-            let a = a - side.shift;
+            let a = a - shift;
             let (from, to, first) = if a > *b { (*b, a, true) } else { (a, *b, false) };
             // One exceeds alone at all values from `from` to just below `to`.
             if to <= low || from > high || from >= to {
@@ -183,7 +184,7 @@ impl PairedTest {
                 events.push((to, false, first));
             }
         }
-        if !self.is_majority(alone, side.of_first) {
+        if !self.is_majority(alone) {
             return false;
         }
         events.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -192,23 +193,16 @@ impl PairedTest {
             let count = of(&mut alone, first);
             *count = if begins { *count + 1 } else { count.saturating_sub(1) };
             let last_here = events.peek().is_none_or(|(next, ..)| *next > value);
-            if last_here && !self.is_majority(alone, side.of_first) {
+            if last_here && !self.is_majority(alone) {
                 return false;
             }
         }
         true
     }
 
-    fn is_majority(&self, (first, second): (usize, usize), of_first: bool) -> bool {
-        self.min_of.get(first + second).is_some_and(|min| if of_first { first >= *min } else { second >= *min })
+    fn is_majority(&self, (first, second): (usize, usize)) -> bool {
+        self.min_of.get(first + second).is_some_and(|min| first >= *min)
     }
-}
-
-/// A hypothesis: machine a lowered by a shift; the one that exceeds too often is the first or the second.
-#[derive(Clone, Copy)]
-struct Side {
-    shift: f64,
-    of_first: bool,
 }
 
 fn of(counts: &mut (usize, usize), first: bool) -> &mut usize {
@@ -222,7 +216,7 @@ fn bisected(outer: f64, inner: f64, rejected: impl Fn(f64) -> bool) -> Option<f6
     }
     // Zero decides whether two machines are told apart: it is among the shifts that are tried.
     let (mut yes, mut no) = (outer, inner);
-    if (outer < 0.0) == (inner > 0.0) && outer != 0.0 && inner != 0.0 {
+    if outer < 0.0 && inner > 0.0 {
         if rejected(0.0) { yes = 0.0 } else { no = 0.0 }
     }
     for _ in 0..MAX_BISECTIONS {
