@@ -1,5 +1,6 @@
 //! From tolerances to the volumetric error.
 
+use super::goal::{ToleranceGoal, goal};
 use super::machine_file::MachineFile;
 use super::poses::{axis_positions, check, pose_option};
 use super::run::{Answer, Call, Refused, Run};
@@ -31,12 +32,16 @@ pub struct BudgetOptions {
     pub samples: usize,
     /// A pose at which contributions are listed too, `X=100,C=90`: mm and deg; axes left out are at 0.
     pub at: Option<String>,
+    /// Goal of the 95 % value of the position, mm: the cheapest tolerances for it are sought.
+    pub goal_mm: Option<f64>,
+    /// YAML file with the cost of tolerances; by default the sum of 1 / tolerance (um, urad).
+    pub cost: Option<PathBuf>,
 }
 
 impl Default for BudgetOptions {
     fn default() -> Self {
         let tolerances = ToleranceOptions::default();
-        Self { tolerances, seed: 1, poses: 500, tool_poses: None, samples: 1000, at: None }
+        Self { tolerances, seed: 1, poses: 500, tool_poses: None, samples: 1000, at: None, goal_mm: None, cost: None }
     }
 }
 
@@ -54,6 +59,8 @@ pub struct BudgetResult {
     pub poses: usize,
     /// Tool poses of a file that the machine reaches.
     pub tool_poses: Option<ReachedToolPoses>,
+    /// The cheapest tolerances, if a goal was given.
+    pub goal: Option<ToleranceGoal>,
 }
 
 impl BudgetResult {
@@ -97,6 +104,9 @@ impl BudgetResult {
         if let Some(reached) = &self.tool_poses {
             let _ = json.insert("tool_poses".to_owned(), json!(reached));
         }
+        if let Some(goal) = &self.goal {
+            let _ = json.insert("goal".to_owned(), json!(goal));
+        }
         if let (Some(pose), Some(list)) = (&self.at, &self.budget.at) {
             let axes = axis_positions(&self.machine, pose);
             let at = json!({"axes": axes, "contributions": report.contributions(list)});
@@ -122,6 +132,9 @@ pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Resu
 fn budgeted(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<BudgetResult, Refused> {
     if options.samples < 2 {
         return call.usage("a budget draws 2 machines at least");
+    }
+    if options.cost.is_some() && options.goal_mm.is_none() {
+        return call.usage("`--cost` is the cost of tolerances for a `--goal`");
     }
     let at = pose_option(call, machine, options.at.as_ref())?;
     check(call, machine, at.as_slice())?;
@@ -155,7 +168,11 @@ pub(super) fn budget_of(
         statistic,
     };
     let budget = call.stage(2 * samples, |advance| computed(request, advance));
+    let goal = match options.goal_mm {
+        Some(goal_mm) => Some(goal(call, machine, options, (&bounds, &poses), goal_mm)?),
+        None => None,
+    };
     let drawing = options.tolerances.drawing(class, samples, options.seed);
     let (machine, poses) = (machine.clone(), poses.len());
-    Ok(BudgetResult { machine, drawing, at, bounds, budget, poses, tool_poses })
+    Ok(BudgetResult { machine, drawing, at, bounds, budget, poses, tool_poses, goal })
 }

@@ -33,6 +33,9 @@ pub struct CompareOptions {
     pub tolerances: ToleranceOptions,
     /// Number of machines that are drawn for the budgets, at least 2.
     pub samples: usize,
+    /// Maximum number of them: more are drawn until every machine is told apart from the first; by default eight times
+    /// `samples`.
+    pub max_samples: Option<usize>,
     /// Order of the errors; exact by default, unless the conventions of a machine name an order.
     pub order: Option<Order>,
     /// Side of approach, where forward and reverse curves were given.
@@ -42,7 +45,16 @@ pub struct CompareOptions {
 impl Default for CompareOptions {
     fn default() -> Self {
         let (tolerances, approach) = (ToleranceOptions::default(), Approach::default());
-        Self { poses: 1000, tool_poses: None, seed: 1, tolerances, samples: 1000, order: None, approach }
+        Self {
+            poses: 1000,
+            tool_poses: None,
+            seed: 1,
+            tolerances,
+            samples: 1000,
+            max_samples: None,
+            order: None,
+            approach,
+        }
     }
 }
 
@@ -163,7 +175,9 @@ fn side_by_side(
     if comparison.common.is_empty() {
         return call.refuse(nothing_in_common(files, &comparison));
     }
-    let drawn = DrawnMachines { tolerances: &options.tolerances, samples: options.samples, seed: options.seed };
+    let max_samples = options.max_samples.unwrap_or_else(|| options.samples.saturating_mul(8));
+    let (samples, seed) = (options.samples, options.seed);
+    let drawn = DrawnMachines { tolerances: &options.tolerances, samples, max_samples, seed };
     let budgets = budgets(call, &sides, drawn)?;
     let machine = |(file, side)| compared_machine(file, side, order(file), asked.as_ref());
     Ok(CompareResult {

@@ -6,9 +6,10 @@ use super::study::{self, StudyFile};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use super::tool_poses::{self, ReachedToolPoses};
 use crate::analysis::Work;
-use crate::analysis::budget::{Bound, Statistic, known};
+use crate::analysis::budget::{Bound, Statistic, Verdict, known};
 use crate::analysis::enumerate::{
-    Journal, Judge, MAX_ARRANGEMENTS, Ranking, Row, Rule, RuleFailure, Standing, Study, TooMany, Walk, ranked, walks,
+    Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, Ranking, RoundCount, RoundStep, Rounds, Row, Rule, RuleFailure,
+    Standing, Standings, Study, StudyEnd, TooMany, Walk, ranked, standings, walks,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::machine::{AxisKind, AxisName, Machine};
@@ -39,15 +40,20 @@ pub struct EnumerateOptions {
     pub poses: usize,
     /// A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or rotary axes (deg).
     pub tool_poses: Option<PathBuf>,
-    /// Number of machines that are drawn for the budget, at least 2.
+    /// Number of machines that are drawn of every arrangement for the budget, at least 2.
     pub samples: usize,
+    /// Maximum number of machines that are drawn of the arrangements that could be among the first; by default eight
+    /// times `samples`, or what can be kept of them.
+    pub max_samples: Option<usize>,
+    /// Number of first ranks that are to be told apart from each other and from all others.
+    pub first: usize,
     /// Fraction of the tool poses that a ranked arrangement reaches, in percent.
     pub reach_percent: f64,
     /// A file of results of this study; what it holds is not computed again.
     pub state: Option<PathBuf>,
-    /// Computes only part I of N of the walks.
+    /// Computes only part I of N of the walks of one round.
     pub shard: Option<(usize, usize)>,
-    /// Files of results that are put together instead of computing.
+    /// Files of results that together hold the first round; what they hold is not computed again.
     pub merge: Vec<PathBuf>,
 }
 
@@ -63,6 +69,8 @@ impl Default for EnumerateOptions {
             poses: 500,
             tool_poses: None,
             samples: 200,
+            max_samples: None,
+            first: 1,
             reach_percent: 50.0,
             state: None,
             shard: None,
@@ -96,9 +104,11 @@ pub enum EnumerateResult {
 pub struct StudyProgress {
     /// The file of the results; empty without.
     pub state: String,
-    /// Number of walks that are done.
+    /// The round, from 1.
+    pub round: usize,
+    /// Number of its walks that are done.
     pub walks_done: usize,
-    /// Number of walks.
+    /// Number of its walks.
     pub walks: usize,
 }
 
@@ -119,8 +129,16 @@ pub struct RankedArrangements {
     pub errors: usize,
     /// Number of tool poses.
     pub poses: usize,
-    /// Number of machines drawn.
+    /// Number of machines drawn of every arrangement.
     pub samples: usize,
+    /// Maximum number of machines drawn of an arrangement.
+    pub max_samples: usize,
+    /// The rounds: machines drawn, and arrangements that took part.
+    pub rounds: Vec<RoundCount>,
+    /// Number of first ranks that were to be told apart.
+    pub first: usize,
+    /// True if they are.
+    pub told_apart: bool,
     /// Seed of poses and errors.
     pub seed: u64,
     /// Statistic of a machine over the poses.
@@ -140,8 +158,34 @@ impl RankedArrangements {
         ranked.len() + short.len() + not_stated.len() + cannot_turn.len()
     }
 
+    /// Returns the number of ranked arrangements with a verdict.
+    pub fn count(&self, verdict: Verdict) -> usize {
+        let is = |row: &&Row| row.result.and_then(|result| result.versus_first).is_some_and(|v| v.verdict == verdict);
+        self.ranking.ranked.iter().filter(is).count()
+    }
+
+    /// Returns the number of machines drawn of ranked arrangements, and the number if all of them had as many as the
+    /// one with most.
+    pub fn drawn(&self) -> (usize, usize) {
+        let mut before = 0;
+        let mut drawn = 0;
+        for round in &self.rounds {
+            drawn += round.arrangements * (round.samples - before);
+            before = round.samples;
+        }
+        (drawn, self.rounds.first().map_or(0, |round| round.arrangements * before))
+    }
+
     fn contract(&self) -> Value {
-        let samples = (self.by == JudgedBy::Budget).then_some(self.samples);
+        let budget = self.by == JudgedBy::Budget;
+        let samples = budget.then_some(self.samples);
+        let (drawn, without) = self.drawn();
+        let rounds = budget.then(|| {
+            json!({
+                "max_samples": self.max_samples, "first": self.first, "told_apart": self.told_apart,
+                "done": self.rounds, "drawn": drawn, "drawn_without_elimination": without,
+            })
+        });
         let number = |(i, row): (usize, &Row)| {
             let mut json = row_json(row);
             if let Some(object) = json.as_object_mut() {
@@ -152,7 +196,7 @@ impl RankedArrangements {
         let mut json = json!({
             "machine": self.machine, "chain": self.chain, "by": self.by,
             "class": self.class, "class_source": self.class_source, "errors": self.errors,
-            "poses": self.poses, "samples": samples, "seed": self.seed,
+            "poses": self.poses, "samples": samples, "rounds": rounds, "seed": self.seed,
             "statistic": self.statistic, "reach": self.reach_percent / 100.0,
             "arrangements": self.arrangements(),
             "ranked": self.ranking.ranked.iter().enumerate().map(number).collect::<Vec<_>>(),
@@ -181,6 +225,10 @@ fn row_json(row: &Row) -> Value {
         "high": row.result.and_then(|r| r.high), "mean": row.result.and_then(|r| r.mean),
         "minus_file": row.result.map(|r| r.minus_file),
     });
+    if let (Some(object), Some(result)) = (json.as_object_mut(), row.result) {
+        object.extend(result.samples.map(|samples| ("samples".to_owned(), json!(samples))));
+        object.extend(result.versus_first.map(|versus| ("versus_first".to_owned(), json!(versus))));
+    }
     if let (Some(object), false) = (json.as_object_mut(), row.not_stated.is_empty()) {
         let _ = object.insert("not_stated".to_owned(), json!(row.not_stated));
     }
@@ -214,29 +262,23 @@ fn studied(
     let walks = listed(options, machine, &rules).or_else(|refusal| call.refuse(refusal))?;
     let (judge, class) = judge(call, options, machine)?;
     let (work, tool_poses) = work(call, options, machine)?;
-    if let (Judge::Budget { samples, .. }, true) = (&judge, options.tool_poses.is_some()) {
-        draws(work.len() as u64, *samples as u64).or_else(|refusal| call.refuse(refusal))?;
+    if let (Judge::Budget { .. }, true) = (&judge, options.tool_poses.is_some()) {
+        draws(work.len() as u64, options.largest() as u64).or_else(|refusal| call.refuse(refusal))?;
     }
-    let empty = Journal::new(fingerprint(options, machine, &judge, &rules, &work), walks.len());
+    let rounds = rounds(options, &judge, work.len());
+    let empty = Journal::new(fingerprint(options, machine, (&judge, &rounds), &rules, &work), walks.len());
     let (by, errors) = match &judge {
         Judge::Errors => (JudgedBy::Errors, known(machine)),
         Judge::Budget { bounds, .. } => (JudgedBy::Budget, bounds.len()),
     };
-    let journal = if options.merge.is_empty() {
-        let begun = study::begun(call, options.state.as_deref(), empty)?;
-        let study = (walks, judge, &work);
-        computed(call, (machine, options), study, (begun, file))?
-    } else {
-        study::merged(call, &options.merge, empty)?
+    let begun = study::begun(call, options.state.as_deref(), empty)?;
+    let begun = study::merged(call, &options.merge, begun)?;
+    let study = Study::new(machine, walks, judge, options.tolerances.statistic, &work);
+    let end = match computed(call, options, (&study, &rounds), (begun, file))? {
+        Computed::End(end) => end,
+        Computed::Part(progress) => return Ok(EnumerateResult::Part(progress)),
     };
-    if !journal.is_complete() {
-        let state = options.state.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
-        let progress = StudyProgress { state, walks_done: journal.done.len(), walks: journal.steps };
-        return Ok(EnumerateResult::Part(progress));
-    }
-    let rows = journal.rows();
-    let poses = rows.iter().map(|row| row.reached + row.unreachable.total).max().unwrap_or(0);
-    if poses == 0 {
+    if end.reach.work == 0 {
         return call.refuse(nothing_reached(machine));
     }
     let (class, class_source) = class.unzip();
@@ -247,14 +289,36 @@ fn studied(
         class,
         class_source,
         errors,
-        poses,
+        poses: end.reach.work,
         samples: options.samples,
+        max_samples: rounds.sizes().last().copied().unwrap_or(options.samples),
+        rounds: end.rounds,
+        first: options.first,
+        told_apart: end.told,
         seed: options.seed,
         statistic: options.tolerances.statistic,
         reach_percent: options.reach_percent,
-        ranking: ranked(rows, poses, options.reach_percent / 100.0),
+        ranking: ranked(end.rows, end.reach),
         tool_poses,
     })))
+}
+
+impl EnumerateOptions {
+    /// The largest number of machines that is asked for.
+    fn largest(&self) -> usize {
+        self.samples.max(self.max_samples.unwrap_or(0))
+    }
+}
+
+/// The rounds: by default up to eight times the first, as far as it can be kept.
+fn rounds(options: &EnumerateOptions, judge: &Judge, poses: usize) -> Rounds {
+    const TIMES: usize = 8;
+    if let Judge::Errors = judge {
+        return Rounds::single();
+    }
+    let kept = usize::try_from(MAX_DRAWS).unwrap_or(usize::MAX) / poses.max(1);
+    let limit = options.max_samples.unwrap_or_else(|| options.samples.saturating_mul(TIMES).min(kept));
+    Rounds::doubling(options.samples, limit, options.first)
 }
 
 fn nothing_reached(machine: &Machine) -> Diagnostic {
@@ -276,12 +340,15 @@ fn fitting(call: &mut Call<'_>, machine: &Machine, options: &EnumerateOptions) -
     if options.samples < 2 {
         return call.usage("a budget draws 2 machines at least");
     }
+    if options.max_samples.is_some_and(|limit| limit < options.samples) || options.first < 1 {
+        return call.usage("`--max-samples` is not below `--samples`, and `--first` is 1 at least");
+    }
     let rotary = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary).count();
     if options.rotary.is_some_and(|wanted| wanted > rotary) {
         return call.usage(format!("`--rotary` is at most {rotary}: so many rotary axes has the machine"));
     }
     if options.tool_poses.is_none() {
-        draws(options.poses as u64, options.samples as u64).or_else(|refusal| call.refuse(refusal))?;
+        draws(options.poses as u64, options.largest() as u64).or_else(|refusal| call.refuse(refusal))?;
     }
     Ok(())
 }
@@ -346,15 +413,21 @@ fn judge(
         return Ok((Judge::Errors, None));
     }
     let (bounds, source): (Vec<Bound>, _) = options.tolerances.bounds(call, machine)?;
-    Ok((Judge::Budget { bounds, draws: options.tolerances.draws(options.seed), samples: options.samples }, source))
+    Ok((Judge::Budget { bounds, draws: options.tolerances.draws(options.seed) }, source))
 }
 
 /// Everything that results depend on: the resolved machine, and every option that changes a number.
-fn fingerprint(options: &EnumerateOptions, machine: &Machine, judge: &Judge, rules: &[Rule], work: &Work) -> String {
+fn fingerprint(
+    options: &EnumerateOptions,
+    machine: &Machine,
+    (judge, rounds): (&Judge, &Rounds),
+    rules: &[Rule],
+    work: &Work,
+) -> String {
     let rules: Vec<String> = rules.iter().map(Rule::to_string).collect();
     let bounds = match judge {
-        Judge::Budget { bounds, samples, .. } => {
-            format!("{bounds:?} {samples} {:?}", options.tolerances.distribution)
+        Judge::Budget { bounds, .. } => {
+            format!("{bounds:?} {rounds:?} {} {:?}", options.reach_percent, options.tolerances.distribution)
         }
         Judge::Errors => "errors".to_owned(),
     };
@@ -364,26 +437,62 @@ fn fingerprint(options: &EnumerateOptions, machine: &Machine, judge: &Judge, rul
     Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Walk by walk what is not there yet, kept every now and then.
+/// The end of a study, or how far it has come.
+enum Computed {
+    End(StudyEnd),
+    Part(StudyProgress),
+}
+
+/// Round by round and walk by walk what is not there yet, kept every now and then. A shard computes one round.
 fn computed(
     call: &mut Call<'_>,
-    (machine, options): (&Machine, &EnumerateOptions),
-    (walks, judge, work): (Vec<Walk>, Judge, &Work),
+    options: &EnumerateOptions,
+    (study, rounds): (&Study<'_>, &Rounds),
+    (mut journal, file): (Journal, Option<&dyn StudyFile>),
+) -> Result<Computed, Refused> {
+    let fraction = options.reach_percent / 100.0;
+    let mut computed = None;
+    loop {
+        let missing = match standings(&journal, rounds, fraction) {
+            Standings::Done(end) => return Ok(Computed::End(end)),
+            Standings::Missing(missing) => missing,
+        };
+        let mine = |step: &usize| options.shard.is_none_or(|(i, n)| step % n == i - 1);
+        let todo: Vec<(usize, Option<Vec<usize>>)> =
+            missing.todo.iter().filter(|(step, _)| mine(step)).map(|(step, of)| (*step, of.clone())).collect();
+        if missing.round == 0 && !options.merge.is_empty() && options.shard.is_none() {
+            return call.refuse(study::incomplete(missing.todo.len(), missing.walks));
+        }
+        let is_part = options.shard.is_some() && (todo.is_empty() || computed.is_some_and(|r| r != missing.round));
+        if is_part {
+            return Ok(Computed::Part(progress(options, &missing)));
+        }
+        computed = Some(missing.round);
+        journal = computed_round(call, (study, rounds), (missing.round, todo), (journal, file))?;
+    }
+}
+
+fn progress(options: &EnumerateOptions, missing: &MissingSteps) -> StudyProgress {
+    let state = options.state.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
+    let MissingSteps { round, walks, ref todo } = *missing;
+    StudyProgress { state, round: round + 1, walks_done: walks - todo.len(), walks }
+}
+
+fn computed_round(
+    call: &mut Call<'_>,
+    (study, rounds): (&Study<'_>, &Rounds),
+    (round, todo): (usize, Vec<(usize, Option<Vec<usize>>)>),
     (begun, file): (Journal, Option<&dyn StudyFile>),
 ) -> Result<Journal, Refused> {
-    let mine = |step: &usize| options.shard.is_none_or(|(i, n)| step % n == i - 1);
-    let todo: Vec<usize> = (0..walks.len()).filter(mine).filter(|step| !begun.done.contains_key(step)).collect();
     let keeper = study::Keeper::new(begun, file);
-    if !todo.is_empty() {
-        let study = Study::new(machine, walks, judge, options.tolerances.statistic, work);
-        call.stage(todo.len(), |advance| {
-            todo.into_par_iter().for_each(|step| {
-                if !keeper.has_failed() {
-                    keeper.keep(step, study.step(step));
-                    advance(1);
-                }
-            });
+    let drawn = study.round(rounds.samples(round));
+    call.stage(todo.len(), |advance| {
+        todo.into_par_iter().for_each(|(step, tables)| {
+            if !keeper.has_failed() {
+                keeper.keep(RoundStep { round, step }, drawn.step(step, tables.as_deref()));
+                advance(1);
+            }
         });
-    }
+    });
     keeper.finish().or_else(|refusal| call.refuse(refusal))
 }

@@ -25,6 +25,7 @@ mod enumerate;
 mod equations;
 mod eval;
 mod explain;
+mod goal;
 mod identify;
 mod import;
 mod instrument;

@@ -191,7 +191,8 @@ fn comparison(
     given: &[MachineInput<'_>],
 ) -> Result<Option<ComparisonData>, Refused> {
     let Some(work) = ComparisonData::work(given) else { return Ok(None) };
-    let drawn = DrawnMachines { tolerances: &options.tolerances, samples: options.samples, seed: options.seed };
+    let (samples, seed) = (options.samples, options.seed);
+    let drawn = DrawnMachines { tolerances: &options.tolerances, samples, max_samples: samples, seed };
     let budgets = budgets(call, &work.1, drawn)?;
     let json = budgets.map_or(Value::Null, |budgets| json!(budgets));
     Ok(Some(ComparisonData::new(given, &work, json)))

@@ -1,7 +1,7 @@
 //! Files of the results of a study of arrangements: read, kept while walks are computed, put together.
 
 use super::run::{Call, Refused};
-use crate::analysis::enumerate::{Journal, Row};
+use crate::analysis::enumerate::{Journal, Record, RoundStep};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::syntax::ReadFailure;
 use std::path::{Path, PathBuf};
@@ -39,10 +39,10 @@ impl<'a> Keeper<'a> {
         self.failed.load(Ordering::Relaxed)
     }
 
-    /// Keeps the rows of a walk.
-    pub(super) fn keep(&self, step: usize, rows: Vec<Row>) {
+    /// Keeps the records of a walk.
+    pub(super) fn keep(&self, at: RoundStep, records: Vec<Record>) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        let _ = state.journal.done.insert(step, rows);
+        let _ = state.journal.done.insert(at, records);
         self.write(&mut state, false);
     }
 
@@ -104,7 +104,7 @@ fn why(failure: &ReadFailure) -> String {
     }
 }
 
-/// Returns all parts of a study together.
+/// Returns the results with those of other files.
 pub(super) fn merged(call: &mut Call<'_>, paths: &[PathBuf], whole: Journal) -> Result<Journal, Refused> {
     together(call, paths, whole).or_else(|refusal| call.refuse(refusal))
 }
@@ -112,20 +112,22 @@ pub(super) fn merged(call: &mut Call<'_>, paths: &[PathBuf], whole: Journal) -> 
 fn together(call: &Call<'_>, paths: &[PathBuf], mut whole: Journal) -> Result<Journal, Diagnostic> {
     for path in paths {
         let part = of_study(call, path, &whole)?;
-        for (step, rows) in part.done {
-            if whole.done.get(&step).is_some_and(|there| *there != rows) {
-                let message = format!("`{}` has other results for walk {step} than a part before it", path.display());
+        for (at, records) in part.done {
+            if whole.done.get(&at).is_some_and(|there| *there != records) {
+                let message =
+                    format!("`{}` has other results for walk {} than a part before it", path.display(), at.step);
                 let help = "one of them was changed or made by another build: compute the parts again";
                 return Err(Diagnostic::new(codes::E0611, message).help(help));
             }
-            let _ = whole.done.insert(step, rows);
+            let _ = whole.done.insert(at, records);
         }
     }
-    if !whole.is_complete() {
-        let missing = whole.steps - whole.done.len();
-        let message = format!("the parts lack {missing} of {} walks", whole.steps);
-        let help = "name all parts; a part that was interrupted is finished by running it again with its state file";
-        return Err(Diagnostic::new(codes::E0611, message).help(help));
-    }
     Ok(whole)
+}
+
+/// Returns the refusal of parts that lack walks of the first round.
+pub(super) fn incomplete(missing: usize, walks: usize) -> Diagnostic {
+    let message = format!("the parts lack {missing} of {walks} walks");
+    let help = "name all parts; a part that was interrupted is finished by running it again with its state file";
+    Diagnostic::new(codes::E0611, message).help(help)
 }

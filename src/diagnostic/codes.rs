@@ -175,6 +175,8 @@ codes! {
     E0611 "the merged parts are incomplete",
     E0612 "an instrument's path cannot be driven",
     E0613 "no tool pose is reached",
+    E0614 "a goal is out of reach",
+    E0615 "a cost model is refused",
     E0630 "an output is an input",
     E0631 "a port cannot be opened",
     E0632 "a picture or page cannot be drawn",

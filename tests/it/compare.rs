@@ -302,7 +302,8 @@ fn budgets_are_compared_tolerance_by_tolerance() {
         at("/machines/0/position_um/monte_carlo/percentiles/p99/value"),
     );
     assert!(p90 < sum && sum < p99, "{p90} {sum} {p99}");
-    let said = abbe(&["compare", text(&one), text(&two), "--poses", "50", "--samples", "50"]);
+    let few = ["--poses", "50", "--samples", "50", "--max-samples", "50"];
+    let said = abbe(&[&["compare", text(&one), text(&two)], &few[..]].concat());
     assert!(said.contains("Budgets on the same tool poses: 2 and 2 errors bounded; 50 machines drawn"), "{said}");
     // One machine without bounds: reported, and the rest is there.
     let c = of(&[text(&one), text(&three)]);

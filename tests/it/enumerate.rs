@@ -74,8 +74,10 @@ fn given_errors_are_those_of_an_independent_model_placed_anew() {
         let machine = crate::loaded::machine(&folder.path("machine.yaml"));
         let list = walks(&machine, None, &[]).unwrap();
         let study = Study::new(&machine, list.clone(), Judge::Errors, Statistic::Max, &Work::random(&machine, 12, 1));
+        let round = study.round(0..1);
         for (step, walk) in list.iter().enumerate().step_by(5) {
-            for (row, table) in study.step(step).iter().zip(&walk.tables) {
+            for (record, table) in round.step(step, None).iter().zip(&walk.tables) {
+                let row = &record.row;
                 if row.standing != Standing::Judged {
                     continue;
                 }
@@ -87,7 +89,7 @@ fn given_errors_are_those_of_an_independent_model_placed_anew() {
                 let length = |pose: &Pose| norm(model.evaluate(pose, Travel::Mean, Frame::Workpiece).deviation);
                 let largest = poses.iter().map(length).fold(0.0, f64::max) * 1e3;
                 // Rounding of both models, as in the tests of `eval`: 2e-11 mm.
-                assert!((row.result.unwrap().um - largest).abs() < 2e-8, "{}: {row:?} {largest}", row.chain);
+                assert!((record.values[0] - largest).abs() < 2e-8, "{}: {row:?} {largest}", row.chain);
                 assert_eq!(row.reached, poses.len());
                 judged += 1;
             }
@@ -115,11 +117,19 @@ fn budgets_are_those_of_one_machine_after_the_other() {
         let bounds = bounds(&machine, Some(&class));
         let draws = Draws::new(9, Distribution::Uniform);
         let list = walks(&machine, None, &[]).unwrap();
-        let judge = Judge::Budget { bounds: bounds.clone(), draws: draws.clone(), samples: 3 };
+        let judge = Judge::Budget { bounds: bounds.clone(), draws: draws.clone() };
         let study = Study::new(&machine, list.clone(), judge, Statistic::Max, &Work::random(&machine, few, 4));
         let mut judged = 0;
+        // A round that begins and ends between the samples that are computed side by side.
+        let (first, second) = (study.round(0..2), study.round(2..3));
         for (step, walk) in list.iter().enumerate().step_by(17) {
-            for (row, table) in study.step(step).iter().zip(&walk.tables).step_by(2) {
+            let (begun, rest) = (first.step(step, None), second.step(step, None));
+            for ((record, last), table) in begun.iter().zip(&rest).zip(&walk.tables).step_by(2) {
+                let row = &record.row;
+                assert_eq!(
+                    (row, second.step(step, Some(&[*table])).as_slice()),
+                    (&last.row, std::slice::from_ref(last))
+                );
                 if row.standing != Standing::Judged {
                     continue;
                 }
@@ -142,12 +152,11 @@ fn budgets_are_those_of_one_machine_after_the_other() {
                         *value = value.max(sum.norm() * 1e3);
                     }
                 }
-                // The 95 % value of three is the largest.
-                let largest = values.iter().copied().fold(0.0, f64::max);
-                let result = row.result.unwrap();
-                assert!((result.um - largest).abs() < 1e-9 * largest, "{name} {}: {result:?} {largest}", row.chain);
-                let mean = values.iter().sum::<f64>() / 3.0;
-                assert!((result.mean.unwrap() - mean).abs() < 1e-9 * mean);
+                let drawn: Vec<f64> = record.values.iter().chain(&last.values).copied().collect();
+                assert_eq!(drawn.len(), 3);
+                for (value, um) in values.iter().zip(&drawn) {
+                    assert!((um - value).abs() < 1e-9 * value, "{name} {}: {drawn:?} {values:?}", row.chain);
+                }
                 judged += 1;
             }
         }
@@ -221,19 +230,35 @@ fn results_are_the_same_however_the_run_is_cut() {
     for (i, path) in parts.iter().enumerate() {
         let said: Value =
             serde_json::from_slice(&study(2, &["--shard", &format!("{}/3", i + 1), "--state", text(path)])).unwrap();
-        assert_eq!((&said["walks"], &said["walks_done"]), (&24.into(), &8.into()));
+        assert_eq!((&said["walks"], &said["walks_done"], &said["round"]), (&24.into(), &8.into(), &1.into()));
     }
     let paths: Vec<&str> = parts.iter().map(|path| text(path)).collect();
     assert_eq!(whole, study(2, &[&["--merge"], &paths[..]].concat()), "merged");
     assert_eq!(whole, study(2, &["--merge", paths[2], paths[0], paths[1]]), "in another order");
-    // A part is taken up again, and finished.
-    assert_eq!(whole, study(2, &["--state", paths[1]]), "resumed");
-    let lines = std::fs::read_to_string(&parts[1]).unwrap();
-    assert_eq!(lines.lines().count(), 25);
-    assert_eq!(whole, study(1, &["--state", paths[1]]), "nothing left to do");
     // Parts that are not all there.
     let (code, message) = refused(&[&STUDY[..], &["json", "--merge", paths[0], paths[2]]].concat());
     assert!(code == 1 && message.contains("E0611") && message.contains("8 of 24"), "{message}");
+    // Shards of every round, each from the parts of the round before.
+    let mut last = 1;
+    for _ in 0..4 {
+        let mut rounds = Vec::new();
+        for (i, path) in paths.iter().enumerate() {
+            let part = format!("{}/3", i + 1);
+            let merge = [&["--shard", &part, "--state", path, "--merge"], &paths[..]].concat();
+            let said: Value = serde_json::from_slice(&study(2, &merge)).unwrap();
+            rounds.push(said["round"].as_u64());
+        }
+        let Some(round) = rounds[2] else { break };
+        assert!(round >= last, "{rounds:?}");
+        last = round;
+    }
+    assert!(last >= 2, "{last}");
+    assert_eq!(whole, study(2, &[&["--merge"], &paths[..]].concat()), "all rounds in parts");
+    // A part is taken up again, and finished.
+    assert_eq!(whole, study(2, &["--state", paths[1]]), "resumed");
+    let lines = std::fs::read_to_string(&parts[1]).unwrap();
+    assert!(lines.lines().count() > 25, "later rounds are kept too");
+    assert_eq!(whole, study(1, &["--state", paths[1]]), "nothing left to do");
 }
 
 #[test]
@@ -279,6 +304,8 @@ fn foreign_and_damaged_state_is_refused_and_left_alone() {
     says("no json\n", &[], "line 1");
     says(&kept[..kept.len() - 9], &[], "line 7");
     says(&kept.replacen("\"step\":0", "\"step\":999", 1), &[], "walk 999");
+    says(&kept, &["--max-samples", "70"], "another study");
+    says(&kept, &["--first", "2"], "another study");
     let second = kept.lines().nth(1).unwrap();
     says(&format!("{kept}{second}\n"), &[], "twice");
     std::fs::remove_file(&state).unwrap();

@@ -299,11 +299,13 @@ fn budgets_of_arrangements_take_the_tolerances_of_the_side() {
     let machine = silent(&[("m.yaml", SMALL)]);
     let draws = Draws::new(9, Distribution::Uniform);
     let list = walks(&machine, None, &[]).unwrap();
-    let judge = Judge::Budget { bounds: bounds(&machine, None), draws: draws.clone(), samples: 3 };
+    let judge = Judge::Budget { bounds: bounds(&machine, None), draws: draws.clone() };
     let study = Study::new(&machine, list.clone(), judge, Statistic::Max, &Work::random(&machine, 15, 4));
     let (mut judged, mut heads) = (0, 0);
+    let round = study.round(0..3);
     for (step, walk) in list.iter().enumerate().step_by(5) {
-        for (row, table) in study.step(step).iter().zip(&walk.tables) {
+        for (record, table) in round.step(step, None).iter().zip(&walk.tables) {
+            let row = &record.row;
             if row.standing != Standing::Judged {
                 continue;
             }
@@ -332,8 +334,8 @@ fn budgets_of_arrangements_take_the_tolerances_of_the_side() {
                 }
             }
             let largest = values.iter().copied().fold(0.0, f64::max);
-            let result = row.result.unwrap();
-            assert!((result.um - largest).abs() < 1e-9 * largest, "{chain}: {result:?} {largest}");
+            let um = record.values.iter().copied().fold(0.0, f64::max);
+            assert!((um - largest).abs() < 1e-9 * largest, "{chain}: {um} {largest}");
             judged += 1;
             heads += usize::from(by_file.axes().iter().any(|a| a.name.as_str() == "A" && a.branch == Branch::Tool));
         }

@@ -1,8 +1,9 @@
 //! Budgets of several machines on the same work: for `compare`.
 
+use super::ranking::difference;
 use super::view::table;
 use crate::cli::verbs::budget::{TOTALS, TOTALS_NOTE, totals_row};
-use abbe::results::{BudgetPart as Part, ComparedBudgets};
+use abbe::results::{BudgetPart as Part, ComparedBudgets, Verdict, VersusFirst};
 use abbe::text::significant;
 
 /// Two tables: totals, and the part of each tolerance in the 95 % value.
@@ -21,12 +22,25 @@ pub(crate) fn text(of: &ComparedBudgets, top: usize) -> String {
     let counts: Vec<String> = of.bounds.iter().map(|bounds| bounds.len().to_string()).collect();
     format!(
         "\nBudgets on the same tool poses: {} errors bounded{class}; {} machines drawn, {} \
-         distribution\n{rows}\n{TOTALS_NOTE}\n{}",
+         distribution\n{rows}\n{TOTALS_NOTE}\n{}{}",
         counts.join(" and "),
         of.drawing.samples,
         of.drawing.distribution.name(),
+        versus_first(of),
         tolerances(of, top)
     )
+}
+
+/// The differences of the 95 % values, with what can be said of them.
+fn versus_first(of: &ComparedBudgets) -> String {
+    let line = |(i, versus): (usize, &VersusFirst)| {
+        let words = match versus.verdict {
+            Verdict::NotToldApart => format!("not told apart with {} machines (`--max-samples`)", of.drawing.samples),
+            verdict => verdict.words().to_owned(),
+        };
+        format!("95 % value of the position, {} - 1: {} um, {words}\n", i + 2, difference(versus.minus_first))
+    };
+    of.versus_first.iter().enumerate().map(line).collect()
 }
 
 fn tolerances(of: &ComparedBudgets, top: usize) -> String {

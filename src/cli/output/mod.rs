@@ -10,4 +10,5 @@ pub(super) mod plan;
 pub(super) mod progress;
 pub(super) mod ranking;
 pub(super) mod session;
+pub(super) mod tolerance_goal;
 pub(super) mod view;

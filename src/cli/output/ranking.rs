@@ -2,12 +2,14 @@
 
 use super::view::{cell, table, tool_poses_text};
 use abbe::options::{JudgedBy, Statistic};
-use abbe::results::{ArrangementRow, RankedArrangements};
+use abbe::results::{ArrangementRow, PairedDifference, RankedArrangements, Verdict};
 use abbe::text::significant;
 
 /// One line for each arrangement.
 pub(crate) fn csv(of: &RankedArrangements) -> String {
-    let mut csv = "rank,group,chain,on table,reached,um,low,high,mean,minus file [um],not stated\n".to_owned();
+    let mut csv = "rank,group,chain,on table,reached,um,low,high,mean,minus file [um],not stated,samples,versus first,\
+                   minus first [um],minus first low,minus first high\n"
+        .to_owned();
     let r = &of.ranking;
     for (group, rows) in [
         ("ranked", &r.ranked),
@@ -27,7 +29,18 @@ pub(crate) fn csv(of: &RankedArrangements) -> String {
                 text(result.map(|r| r.minus_file)),
             ];
             let head = format!("{rank},{group},{},{},{}", cell(&row.chain), row.table, row.reached);
-            csv += &format!("{head},{},{}\n", numbers.join(","), cell(&row.not_stated.join(" ")));
+            let samples = result.and_then(|r| r.samples).map_or(String::new(), |samples| samples.to_string());
+            let versus = result.and_then(|r| r.versus_first);
+            let difference = versus.map(|versus| versus.minus_first);
+            let tail = [
+                cell(&row.not_stated.join(" ")).to_string(),
+                samples,
+                versus.map_or(String::new(), |versus| versus.verdict.words().to_owned()),
+                text(difference.map(|d| d.value)),
+                text(difference.and_then(|d| d.low)),
+                text(difference.and_then(|d| d.high)),
+            ];
+            csv += &format!("{head},{},{}\n", numbers.join(","), tail.join(","));
         }
     }
     csv
@@ -54,9 +67,10 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
             of.errors
         ),
         JudgedBy::Budget => format!(
-            "Ranked by the 95 % value of {} drawn machines ({} bounded errors{}); counted is the {of_each} position \
+            "Ranked by the 95 % value of {} to {} drawn machines ({} bounded errors{}); counted is the {of_each} position \
              deviation of each\n",
             of.samples,
+            of.rounds.last().map_or(of.samples, |round| round.samples),
             of.errors,
             of.class_source
                 .as_ref()
@@ -64,6 +78,7 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
         ),
     };
     text += &arrangements(of, &r.ranked, (true, top));
+    text += &standing(of);
     if r.ranked.len() > top {
         text += &format!("... and {} more (`--top {}`, or `--format csv`)\n", r.ranked.len() - top, r.ranked.len());
     }
@@ -87,6 +102,30 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
     text + "Negative differences: less error than the arrangement of the file, on the same tool poses.\n"
 }
 
+/// What the ranks are worth, and what it took.
+fn standing(of: &RankedArrangements) -> String {
+    let (equal, open, worse) = (of.count(Verdict::Equal), of.count(Verdict::NotToldApart), of.count(Verdict::Worse));
+    let mut text = format!("Against rank 1: {equal} equal to it, {open} not told apart from it, {worse} worse\n");
+    if of.by != JudgedBy::Budget || of.ranking.ranked.is_empty() {
+        return text;
+    }
+    let first = if of.first == 1 { "Rank 1 is".to_owned() } else { format!("The first {} ranks are", of.first) };
+    text += &if of.told_apart {
+        format!("{first} told apart from all that are not equal, with 95 % confidence for all together\n")
+    } else {
+        format!("{first} not told apart from all others with {} machines (`--max-samples`)\n", of.max_samples)
+    };
+    let rounds: Vec<String> =
+        of.rounds.iter().map(|round| format!("{} with {} machines", round.arrangements, round.samples)).collect();
+    let (drawn, without) = of.drawn();
+    let percent = if without > 0 { 100.0 * (1.0 - drawn as f64 / without as f64) } else { 0.0 };
+    text + &format!(
+        "Rounds: {}; {drawn} draws of a machine, {} % fewer than with the last number for all\n",
+        rounds.join(", "),
+        significant(percent, 3)
+    )
+}
+
 fn arrangements(of: &RankedArrangements, rows: &[ArrangementRow], (numbered, top): (bool, usize)) -> String {
     let budget = of.by == JudgedBy::Budget;
     let mut header = vec![if numbered { "rank" } else { "" }, "arrangement", "reached", "um"];
@@ -94,6 +133,10 @@ fn arrangements(of: &RankedArrangements, rows: &[ArrangementRow], (numbered, top
         header.push("95 % confidence");
     }
     header.push("minus file's, um");
+    if numbered {
+        header.push("minus rank 1, um");
+        header.push("against rank 1");
+    }
     let apart = rows.iter().any(|row| !row.not_stated.is_empty());
     if apart {
         header.push("not stated");
@@ -114,10 +157,24 @@ fn arrangements(of: &RankedArrangements, rows: &[ArrangementRow], (numbered, top
             cells.push(result.map_or("-".to_owned(), |r| format!("{}..{}", end(r.low), end(r.high))));
         }
         cells.push(short(result.map(|r| r.minus_file)));
+        if numbered {
+            let versus = result.and_then(|r| r.versus_first);
+            cells.push(versus.map_or("-".to_owned(), |versus| difference(versus.minus_first)));
+            cells.push(versus.map_or("-".to_owned(), |versus| versus.verdict.words().to_owned()));
+        }
         if apart {
             cells.push(row.not_stated.join(", "));
         }
         let _ = list.add_row(cells);
     }
     format!("{list}\n")
+}
+
+/// A difference with its interval.
+pub(crate) fn difference(of: PairedDifference) -> String {
+    let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
+    if of.low.is_none() && of.high.is_none() || of.low == of.high {
+        return significant(of.value, 3);
+    }
+    format!("{} ({}..{})", significant(of.value, 3), end(of.low), end(of.high))
 }

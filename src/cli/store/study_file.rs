@@ -8,8 +8,11 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Time between two writes.
+/// Minimum time between two writes.
 const PACE: Duration = Duration::from_secs(1);
+
+/// A write of a large file waits for at least so many times as long as the last one took.
+const REST: u32 = 10;
 
 /// A state file.
 pub(crate) struct StateFile<'a> {
@@ -26,9 +29,10 @@ impl<'a> StateFile<'a> {
 impl StudyFile for StateFile<'_> {
     fn keep(&self, text: &dyn Fn() -> String, last: bool) -> Result<(), Diagnostic> {
         let mut next = self.next.lock().unwrap_or_else(PoisonError::into_inner);
-        if last || Instant::now() >= *next {
+        let begin = Instant::now();
+        if last || begin >= *next {
             replace_whole(self.path, text().as_bytes())?;
-            *next = Instant::now() + PACE;
+            *next = Instant::now() + PACE.max(begin.elapsed() * REST);
         }
         Ok(())
     }

@@ -1,13 +1,15 @@
 //! `abbe budget`: tolerances to the volumetric error.
 
+use crate::cli::arguments;
 use crate::cli::output::session::Session;
+use crate::cli::output::tolerance_goal;
 use crate::cli::output::view::{axes_text, table, tool_poses_text};
 use crate::cli::store::write::{PictureKind, refuse_outputs, write_picture};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
 use abbe::options::Statistic;
 use abbe::results::{Bound, BudgetResult, Contribution, PERCENTS, Percentile, Totals};
-use abbe::text::{angle, length, significant, tolerance, tolerance_unit};
+use abbe::text::{Reason, angle, length, significant, tolerance, tolerance_unit};
 use abbe::{BudgetOptions, MachineFile, budget};
 use serde_json::json;
 use std::path::PathBuf;
@@ -34,6 +36,12 @@ pub(crate) struct Args {
     /// The contributions at this pose too, mm and deg; axes left out are at 0.
     #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true)]
     at: Option<String>,
+    /// Seek the cheapest tolerances for this 95 % value of the position, such as "30 um".
+    #[arg(long, value_name = "LENGTH", value_parser = goal)]
+    goal: Option<f64>,
+    /// The cost of tolerances, a YAML file [default: the sum of 1 / tolerance, um or urad].
+    #[arg(long, value_name = "FILE", requires = "goal")]
+    cost: Option<PathBuf>,
     /// Number of contributions to list.
     #[arg(long, value_name = "K", default_value_t = 12)]
     top: usize,
@@ -57,8 +65,14 @@ impl Args {
             tool_poses: self.tool_poses.clone(),
             samples: self.samples as usize,
             at: self.at.clone(),
+            goal_mm: self.goal,
+            cost: self.cost.clone(),
         }
     }
+}
+
+fn goal(text: &str) -> Result<f64, Reason> {
+    arguments::length(text, |mm| mm > 0.0, "the goal is a length above 0, such as `30 um`")
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
@@ -97,13 +111,16 @@ impl Report<'_> {
     /// One line for each error.
     fn csv(&self) -> String {
         let um = |list: &[Contribution], i: usize| list.iter().find(|c| c.bound == i).map_or(0.0, |c| c.um);
+        let goal = self.result.goal.as_ref();
         let mut csv =
-            "error,tolerance,unit,at worst [um],on average [um],of the 95 % value [um],sigma [um],um per unit\n"
+            "error,tolerance,unit,at worst [um],on average [um],of the 95 % value [um],sigma [um],um per unit"
                 .to_owned();
+        csv += if goal.is_some() { ",new tolerance,binds\n" } else { "\n" };
         for i in self.result.order() {
             let (bound, t) = (&self.result.bounds[i], self.result.budget.position.tighten[i]);
+            let new = goal.and_then(|goal| goal.tolerances.iter().find(|new| new.old.error == bound.error));
             csv += &format!(
-                "{},{},{},{},{},{},{},{}\n",
+                "{},{},{},{},{},{},{},{}{}\n",
                 bound,
                 tolerance(bound),
                 tolerance_unit(&bound.error),
@@ -111,7 +128,12 @@ impl Report<'_> {
                 um(&self.result.budget.average, i),
                 t.effect + 0.0,
                 t.sigma,
-                t.effect / tolerance(bound) + 0.0
+                t.effect / tolerance(bound) + 0.0,
+                new.map_or(String::new(), |of| format!(
+                    ",{},{}",
+                    tolerance(&of.new),
+                    tolerance_goal::binding(of.binding)
+                ))
             );
         }
         csv
@@ -145,7 +167,8 @@ impl Report<'_> {
         text += &format!("RSS largest at {}\n", axes_text(self.file, &self.result.budget.position.rss_pose));
         text += &self.pareto_table();
         text += &self.tighten_table();
-        text + &self.directions()
+        let goal = self.result.goal.as_ref().map_or(String::new(), |goal| tolerance_goal::text(goal, self.args.top));
+        text + &self.directions() + &goal
     }
 
     /// What the directions of the bounds are, where that is not plain from their names.
@@ -228,7 +251,7 @@ pub(crate) fn totals_row(name: &str, t: &Totals) -> Vec<String> {
     head.into_iter().chain(PERCENTS.map(|p| interval(t.percentile(p)))).collect()
 }
 
-fn bound_text(bound: &Bound) -> String {
+pub(crate) fn bound_text(bound: &Bound) -> String {
     let value = if bound.error.direction.is_rotation() { angle(bound.tolerance) } else { length(bound.tolerance) };
     format!("± {value}")
 }

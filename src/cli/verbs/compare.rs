@@ -34,6 +34,9 @@ pub(crate) struct Args {
     /// Number of machines to draw for the budgets, which are compared where every machine bounds errors.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     samples: u32,
+    /// Maximum number of them, drawn until every machine is told apart from the first [default: 8 times --samples].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=800_000))]
+    max_samples: Option<u32>,
     #[command(flatten)]
     view: ViewArgs,
 }
@@ -46,6 +49,7 @@ impl Args {
             seed: self.seed,
             tolerances: self.tolerances.options(),
             samples: self.samples as usize,
+            max_samples: self.max_samples.map(|limit| limit as usize),
             order: self.view.order,
             approach: self.view.approach(),
         }

@@ -39,9 +39,15 @@ pub(crate) struct Args {
     /// The work: tool poses in the workpiece frame, a CSV file with columns X, Y, Z and I, J, K or rotary axes.
     #[arg(long, value_name = "FILE", conflicts_with = "poses")]
     tool_poses: Option<PathBuf>,
-    /// Number of machines drawn for the budget.
+    /// Number of machines drawn of every arrangement for the budget.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     samples: u32,
+    /// Maximum number of machines drawn of an arrangement that could be among the first [default: 8 times --samples].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    max_samples: Option<u32>,
+    /// Draw more machines until the first K ranks are told apart.
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    first: u32,
     /// Rank what reaches at least this share of the tool poses, in percent.
     #[arg(long, value_name = "PERCENT", default_value_t = 50.0)]
     reach: f64,
@@ -51,11 +57,11 @@ pub(crate) struct Args {
     /// Keep results here; what is there already is not computed again.
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
-    /// Compute only this part of the walks, into the state file.
+    /// Compute only this part of the walks of one round, into the state file.
     #[arg(long, value_name = "I/N", requires = "state")]
     shard: Option<String>,
-    /// Put state files together instead of computing.
-    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["state", "shard"])]
+    /// Put the first round together from state files, and go on from there.
+    #[arg(long, value_name = "FILE", num_args = 1..)]
     merge: Vec<PathBuf>,
     /// Tool of the machine, by name [default: the first].
     #[arg(long)]
@@ -86,6 +92,8 @@ impl Args {
             poses: self.poses as usize,
             tool_poses: self.tool_poses.clone(),
             samples: self.samples as usize,
+            max_samples: self.max_samples.map(|limit| limit as usize),
+            first: self.first as usize,
             reach_percent: self.reach,
             state: self.state.clone(),
             shard,
@@ -127,11 +135,12 @@ fn shard(text: &str) -> Option<(usize, usize)> {
 }
 
 fn part_done(session: &Session, progress: &StudyProgress) -> Outcome {
-    let StudyProgress { state, walks_done, walks } = progress;
+    let StudyProgress { state, round, walks_done, walks } = progress;
     match session.format() {
         Format::Json => session.print_json(json!(progress)),
         _ => session.print(&format!(
-            "{walks_done} of {walks} walks are done and kept in {state}; put the parts together with `--merge`\n"
+            "{walks_done} of {walks} walks of round {round} are done and kept in {state}; put the parts together with \
+             `--merge`\n"
         )),
     }
     Ok(())

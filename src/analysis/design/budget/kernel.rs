@@ -166,6 +166,8 @@ pub struct BudgetPose {
     /// Of location and of component errors of every joint.
     columns: Vec<[Columns; 2]>,
     points: Vec<CurvePoint>,
+    /// Deviation that is the same in every sample.
+    fixed: [f64; 3],
 }
 
 impl BudgetPose {
@@ -182,12 +184,22 @@ impl BudgetPose {
         let columns = twists.iter().zip(weights).zip(joints).map(of).collect();
         let points = joints.iter().zip(pose).map(|(joint, q)| joint.curve_point(*q));
         let points = points.chain([CurvePoint { node: 0, fraction: 0.0 }]).collect();
-        Self { columns, points }
+        Self { columns, points, fixed: [0.0; 3] }
+    }
+
+    /// Returns the pose with a deviation (mm or rad) that every sample has besides the drawn one.
+    pub fn with_fixed(self, fixed: [f64; 3]) -> Self {
+        Self { fixed, ..self }
+    }
+
+    /// The deviation that every sample has.
+    pub fn fixed(&self) -> [f64; 3] {
+        self.fixed
     }
 
     /// Returns the deviations of every sample of a chunk (mm or rad).
     pub fn deviations(&self, chunk: &SampleChunk) -> [SampleLanes; 3] {
-        let mut d = [[0.0; SAMPLE_LANES]; 3];
+        let mut d = self.fixed.map(|fixed| [fixed; SAMPLE_LANES]);
         for (joint, ([location, component], point)) in self.columns.iter().zip(&self.points).enumerate() {
             add(location, chunk.location(joint), &mut d);
             add(component, &chunk.component(joint, *point), &mut d);

@@ -11,14 +11,18 @@
 //! 4. The tolerance to tighten first: the derivative of the 95 % value. All derivatives come from the
 //!    same random numbers. Since the error of a machine grows in proportion to all tolerances together,
 //!    tolerance times derivative, summed up, is the 95 % value itself (Euler).
-//! 5. [`side_by_side()`]: these effects in several machines.
+//! 5. [`side_by_side()`]: these effects in several machines; [`PairedTest`]: whether their 95 % values differ.
+//! 6. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
 //!
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
 mod bounds;
+mod cost;
 mod draw;
+mod goal;
 mod kernel;
 mod monte_carlo;
+mod paired;
 mod quantile;
 mod search;
 mod side_by_side;
@@ -28,11 +32,14 @@ mod worst;
 pub use crate::machine::{Class, classes};
 pub(crate) use bounds::on_other_sides;
 pub use bounds::{Bound, Role, bounds, known, lacks_rotary};
+pub use cost::{CostFailure, CostModel, ErrorKind, Price};
 pub use draw::{Distribution, Draws, NODES};
+pub use goal::{Binding, CheapestTolerances, GoalAnswer, GoalRequest, cheapest};
 pub(crate) use kernel::{
     Columns, CurvePoint, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, Source, add, by_joint, columns, squares,
 };
 pub use monte_carlo::Statistic;
+pub use paired::{PairedDifference, PairedTest, Verdict, VersusFirst, are_equal, percentile_95, round_sizes};
 pub use quantile::{Percentile, mean, rank};
 pub use side_by_side::{BoundedError, BudgetPart, side_by_side};
 pub use totals::{Budget, Contribution, PERCENTS, Request, Totals, budget, budget_poses};

@@ -44,7 +44,7 @@ impl Statistic {
 pub struct Sample {
     /// Its statistic over the poses (mm or rad).
     pub value: f64,
-    /// The part of that value by each bounded error; the parts sum up to it. Divided by the tolerance a part is the
+    /// The part of that value by each bounded error; with that of a fixed deviation they sum up to it. Divided by the tolerance a part is the
     /// derivative of the value by that tolerance, for a drawn error grows in proportion to its tolerance.
     pub parts: Vec<f64>,
 }
@@ -69,16 +69,17 @@ pub fn draw(
             let column: Vec<f64> = lengths.iter().map(|lanes| lanes[lane]).collect();
             let (pose, square) = statistic.attained(&column);
             let value = square.sqrt();
-            Sample { value, parts: parts(&poses[pose].parts(&chunk, joints, lane, bounds.len())) }
+            let vectors = poses[pose].parts(&chunk, joints, lane, bounds.len());
+            Sample { value, parts: parts(&vectors, poses[pose].fixed()) }
         };
         (0..count).map(sample).collect::<Vec<_>>()
     };
     (0..samples.div_ceil(SAMPLE_LANES)).into_par_iter().flat_map_iter(chunk).collect()
 }
 
-/// Returns the components of vectors along their sum.
-fn parts(vectors: &[[f64; 3]]) -> Vec<f64> {
-    let sum = vectors.iter().fold([0.0; 3], |sum, v| std::array::from_fn(|i| sum[i] + v[i]));
+/// Returns the components of vectors along their sum, in which a fixed vector is too.
+fn parts(vectors: &[[f64; 3]], fixed: [f64; 3]) -> Vec<f64> {
+    let sum = vectors.iter().fold(fixed, |sum, v| std::array::from_fn(|i| sum[i] + v[i]));
     let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let length = dot(&sum, &sum).sqrt();
     vectors.iter().map(|v| if length > 0.0 { dot(v, &sum) / length } else { 0.0 }).collect()
@@ -108,8 +109,9 @@ mod tests {
 
     #[test]
     fn parts_sum_up_to_the_length() {
-        let list = parts(&[[3.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 0.0]]);
+        let list = parts(&[[3.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 0.0]], [0.0; 3]);
         assert!((list.iter().sum::<f64>() - 5.0).abs() < 1e-15 && (list[0] - 1.8).abs() < 1e-15);
-        assert_eq!(parts(&[[0.0; 3]]), [0.0]);
+        assert_eq!(parts(&[[0.0; 3]], [0.0; 3]), [0.0]);
+        assert_eq!(parts(&[[3.0, 0.0, 0.0]], [0.0, 4.0, 0.0]), [1.8]);
     }
 }

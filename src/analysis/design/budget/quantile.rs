@@ -26,13 +26,18 @@ impl Percentile {
     /// binomially distributed, whatever the distribution: that gives the ranks of the interval's ends.
     pub fn of(sorted: &[f64], percent: usize) -> Self {
         let n = sorted.len();
-        let below = binomial(n, percent as f64 / 100.0);
-        // P(X < low rank) <= TAIL and P(X >= high rank) <= TAIL for X samples below the percentile.
-        let low = below.partition_point(|sum| *sum <= TAIL);
-        let high = below.partition_point(|sum| *sum < 1.0 - TAIL) + 1;
+        let (low, high) = ranks(n, percent, TAIL);
         let at = |rank: usize| rank.checked_sub(1).and_then(|i| sorted.get(i)).copied();
         Self { percent, value: sorted[rank(n, percent) - 1], low: at(low), high: at(high) }
     }
+}
+
+/// Returns the ranks (from 1) of the samples between which a percentile is; beyond each end with a probability of at
+/// most `tail`. The lower one is 0, the upper one more than `count`, if there are too few samples.
+pub fn ranks(count: usize, percent: usize, tail: f64) -> (usize, usize) {
+    let below = binomial(count, percent as f64 / 100.0);
+    // P(X < low rank) <= tail and P(X >= high rank) <= tail for X samples below the percentile.
+    (below.partition_point(|sum| *sum <= tail), below.partition_point(|sum| *sum < 1.0 - tail) + 1)
 }
 
 /// Returns the cumulated probabilities of 0, 1, ... n successes of n.

@@ -59,7 +59,9 @@ pub struct Totals {
     pub rss: f64,
     /// That pose.
     pub rss_pose: Pose,
-    /// The drawn machines' errors in rising order.
+    /// The drawn machines' errors in the order in which they are drawn.
+    pub drawn: Vec<f64>,
+    /// The same in rising order.
     pub sorted: Vec<f64>,
     /// Their mean and its standard error.
     pub mean: (f64, f64),
@@ -165,6 +167,7 @@ fn totals(
         (rss_pose, at_rss, largest_sum) = search(Objective { value: &rss, bound: &rss }, &rss_pose);
     }
     let mut drawn = monte_carlo::draw(&budget_poses, joints, bounds, draws, statistic, samples, progress);
+    let in_order = drawn.iter().map(|sample| sample.value * scale).collect();
     // A stable order of equal values keeps the window the same on every run.
     drawn.sort_by(|a, b| a.value.total_cmp(&b.value));
     let sorted: Vec<f64> = drawn.iter().map(|sample| sample.value * scale).collect();
@@ -175,6 +178,7 @@ fn totals(
         rss_pose,
         mean: mean(&sorted),
         tighten: tighten(&drawn, bounds.len(), scale),
+        drawn: in_order,
         sorted,
     };
     (totals, extremes, at_rss)

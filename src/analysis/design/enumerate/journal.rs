@@ -1,9 +1,31 @@
-//! Results walk by walk as text: a line that identifies the study, then a line for each walk. Parts of a study, made on
-//! other machines or before an interruption, are put together from these.
+//! Results walk by walk as text: a line that identifies the study, then a line for each round and walk. Parts of a study,
+//! made on other machines or before an interruption, are put together from these.
 
 use super::ranking::Row;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+
+/// What one round gives of an arrangement.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Record {
+    /// The arrangement; without a result, which needs all rounds.
+    pub row: Row,
+    /// Position error of each machine drawn in the round, in their order, um; by the errors given a single one.
+    pub values: Vec<f64>,
+    /// The ranked value of the machine as its file has it, on the same tool poses and all machines drawn so far, um;
+    /// `None` without values.
+    pub file: Option<f64>,
+}
+
+/// A walk in a round, both from 0: the rounds in their order, and in each the walks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct RoundStep {
+    /// The round.
+    pub round: usize,
+    /// The walk.
+    pub step: usize,
+}
 
 /// Results of a study so far.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,8 +34,8 @@ pub struct Journal {
     pub fingerprint: String,
     /// Number of walks.
     pub steps: usize,
-    /// Rows of the finished walks, by index.
-    pub done: BTreeMap<usize, Vec<Row>>,
+    /// Records of the finished walks.
+    pub done: BTreeMap<RoundStep, Vec<Record>>,
 }
 
 /// The reason why text is not a journal.
@@ -36,12 +58,13 @@ struct Head {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Step {
+    round: usize,
     step: usize,
-    rows: Vec<Row>,
+    records: Vec<Record>,
 }
 
 /// Version of the text's form.
-const FORM: &str = "2";
+const FORM: &str = "3";
 
 impl Journal {
     /// Returns a journal without results.
@@ -49,22 +72,19 @@ impl Journal {
         Self { fingerprint, steps, done: BTreeMap::new() }
     }
 
-    /// True if all walks are finished.
-    pub fn is_complete(&self) -> bool {
-        self.done.len() == self.steps
-    }
-
-    /// Returns all rows, walk by walk.
-    pub fn rows(&self) -> Vec<Row> {
-        self.done.values().flatten().cloned().collect()
+    /// Returns the records of a round with their walks, walk by walk.
+    pub fn round(&self, round: usize) -> impl Iterator<Item = (usize, &Record)> {
+        let range = RoundStep { round, step: 0 }..RoundStep { round: round + 1, step: 0 };
+        self.done.range(range).flat_map(|(at, records)| records.iter().map(|record| (at.step, record)))
     }
 
     /// Returns the journal as text; numbers are written so that they are read back to the last bit.
     pub fn to_text(&self) -> String {
         let head = Head { abbe_enumerate: FORM.to_owned(), fingerprint: self.fingerprint.clone(), steps: self.steps };
         let mut text = serde_json::json!(head).to_string() + "\n";
-        for (step, rows) in &self.done {
-            text += &serde_json::json!(Step { step: *step, rows: rows.clone() }).to_string();
+        for (RoundStep { round, step }, records) in &self.done {
+            let step = Step { round: *round, step: *step, records: records.clone() };
+            text += &serde_json::json!(step).to_string();
             text.push('\n');
         }
         text
@@ -81,12 +101,13 @@ impl Journal {
         }
         let mut journal = Self::new(head.fingerprint, head.steps);
         for (number, line) in lines {
-            let Step { step, rows } = serde_json::from_str(line).map_err(|e| failure(number, e.to_string()))?;
+            let Step { round, step, records } =
+                serde_json::from_str(line).map_err(|e| failure(number, e.to_string()))?;
             if step >= journal.steps {
                 return Err(failure(number, format!("walk {step} of {}", journal.steps)));
             }
-            if journal.done.insert(step, rows).is_some() {
-                return Err(failure(number, format!("walk {step} is there twice")));
+            if journal.done.insert(RoundStep { round, step }, records).is_some() {
+                return Err(failure(number, format!("walk {step} of round {round} is there twice")));
             }
         }
         Ok(journal)

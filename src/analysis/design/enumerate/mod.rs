@@ -4,7 +4,8 @@
 //! 2. The [`Work`](crate::analysis::Work) is a list of tool poses in the workpiece frame, drawn from the volume of
 //!    the machine as its file has it, or given. Every walk reaches them by its nominal inverse kinematics, or does not.
 //! 3. A walk that cannot turn the tool as the work requires is set apart.
-//! 4. The others are judged by a budget (the same drawn errors for all) or by the errors given.
+//! 4. The others are judged by a budget (the same drawn errors for all) or by the errors given. Those that could be
+//!    among the first have more machines drawn, in [`Rounds`].
 //! 5. [`ranked`] puts them in order, and apart those whose geometry the file does not state; [`Journal`] keeps results
 //!    walk by walk, so that a run can be interrupted, cut into parts and put together again. A walk's result depends on
 //!    nothing else.
@@ -14,13 +15,15 @@
 mod arrangement;
 mod journal;
 mod ranking;
+mod rounds;
 mod rule;
 mod side_draws;
 mod study;
 mod walk_budget;
 
 pub use arrangement::{MAX_ARRANGEMENTS, TooMany, Walk, walks};
-pub use journal::Journal;
-pub use ranking::{Ranking, Row, Standing, ranked};
+pub use journal::{Journal, Record, RoundStep};
+pub use ranking::{Ranking, Reach, Row, Standing, ranked};
+pub use rounds::{MissingSteps, RoundCount, Rounds, Standings, StudyEnd, standings};
 pub use rule::{Rule, RuleFailure};
-pub use study::{Judge, Study};
+pub use study::{Judge, Study, StudyRound};

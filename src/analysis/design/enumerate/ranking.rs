@@ -1,5 +1,6 @@
 //! Arrangements with their results, and their order.
 
+use crate::analysis::design::budget::{Verdict, VersusFirst};
 use crate::analysis::design::compare::UnreachableCount;
 use serde::{Deserialize, Serialize};
 
@@ -47,6 +48,10 @@ pub struct Outcome {
     pub mean: Option<f64>,
     /// Value of the ranking minus that of the machine as its file has it, on the same tool poses.
     pub minus_file: f64,
+    /// Number of machines drawn of the arrangement; `None` by the errors given.
+    pub samples: Option<usize>,
+    /// Standing against rank 1; `None` for those that are not ranked.
+    pub versus_first: Option<VersusFirst>,
 }
 
 /// Arrangements in four groups, each in order.
@@ -62,23 +67,43 @@ pub struct Ranking {
     pub cannot_turn: Vec<Row>,
 }
 
-/// Returns the arrangements in order; a ranked one reaches at least the fraction `reach` (0 to 1) of the `work` tool
-/// poses.
-pub fn ranked(rows: Vec<Row>, work: usize, reach: f64) -> Ranking {
+/// The part of the work that a ranked arrangement reaches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    /// Number of tool poses.
+    pub work: usize,
+    /// Minimum fraction of them, 0 to 1.
+    pub fraction: f64,
+}
+
+impl Reach {
+    /// True for an arrangement that reaches enough.
+    pub fn is_enough(self, row: &Row) -> bool {
+        row.standing == Standing::Judged && row.reached as f64 >= self.fraction * self.work as f64
+    }
+}
+
+/// Returns the arrangements in order.
+pub fn ranked(rows: Vec<Row>, reach: Reach) -> Ranking {
     let (cannot_turn, able): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(|r| r.standing == Standing::CannotTurn);
     let (not_stated, able): (Vec<Row>, Vec<Row>) = able.into_iter().partition(|row| !row.not_stated.is_empty());
-    let (ranked, short) = in_order(able, work, reach);
-    let (mut apart, rest) = in_order(not_stated, work, reach);
+    let (ranked, short) = in_order(able, reach);
+    let (mut apart, rest) = in_order(not_stated, reach);
     apart.extend(rest);
     Ranking { ranked, short, not_stated: apart, cannot_turn }
 }
 
 /// Returns those that reach enough, best first, and the others, of which those that reach more come first.
-fn in_order(rows: Vec<Row>, work: usize, reach: f64) -> (Vec<Row>, Vec<Row>) {
-    let enough = |row: &Row| row.result.is_some() && row.reached as f64 >= reach * work as f64;
-    let (mut ranked, mut short): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(enough);
+fn in_order(rows: Vec<Row>, reach: Reach) -> (Vec<Row>, Vec<Row>) {
+    let (mut ranked, mut short): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(|row| reach.is_enough(row));
     let um = |row: &Row| row.result.map_or(f64::INFINITY, |result| result.um);
-    ranked.sort_by(|a, b| um(a).total_cmp(&um(b)));
+    // Against rank 1, on the machines drawn of both: what was left after a round has fewer of them.
+    let key = |row: &Row| match row.result.and_then(|result| result.versus_first) {
+        Some(VersusFirst { verdict: Verdict::First, .. }) => f64::NEG_INFINITY,
+        Some(versus) => versus.minus_first.value,
+        None => um(row),
+    };
+    ranked.sort_by(|a, b| key(a).total_cmp(&key(b)));
     short.sort_by(|a, b| b.reached.cmp(&a.reached).then(um(a).total_cmp(&um(b))));
     (ranked, short)
 }

@@ -22,7 +22,7 @@ pub struct SideDraws {
 }
 
 impl SideDraws {
-    /// Draws the errors of all samples.
+    /// Draws the errors of so many samples.
     pub fn new(machine: &Machine, bounds: &[Bound], draws: &Draws, samples: usize) -> Self {
         let own = by_joint(machine, bounds);
         let other_bounds = on_other_sides(machine, bounds);

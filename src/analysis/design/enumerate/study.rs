@@ -1,10 +1,11 @@
 //! A study: every walk on the same tool poses, judged by a budget or by the errors that have a value.
 
 use super::arrangement::Walk;
-use super::ranking::{Outcome, Row, Standing};
+use super::journal::Record;
+use super::ranking::{Row, Standing};
 use super::side_draws::SideDraws;
 use super::walk_budget;
-use crate::analysis::design::budget::{Bound, Draws, Percentile, SampleLanes, Statistic, mean};
+use crate::analysis::design::budget::{Bound, Draws, SampleLanes, Statistic, percentile_95};
 use crate::analysis::design::compare::UnreachableCount;
 use crate::analysis::inverse::{ToolPose, Unreachable, inverse, rest, tool_pose};
 use crate::analysis::volume::Work;
@@ -13,6 +14,7 @@ use crate::lower::{Quantity, Twist, twists};
 use crate::machine::{Approach, Axis, AxisKind, AxisName, Branch, ErrorId, Machine, Pose};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// The criterion by which arrangements are judged.
 #[derive(Debug, Clone)]
@@ -23,8 +25,6 @@ pub enum Judge {
         bounds: Vec<Bound>,
         /// The generator of errors.
         draws: Draws,
-        /// Number of samples.
-        samples: usize,
     },
     /// The errors that have a value, with the exact model.
     Errors,
@@ -38,21 +38,29 @@ pub struct Study<'a> {
     statistic: Statistic,
     judge: Judge,
     work: Vec<ToolPose>,
-    reference: Reference,
-    drawn: SideDraws,
+    poses: Vec<Pose>,
     freedom: usize,
+}
+
+/// One round of a study: the machines that are drawn in it.
+#[derive(Debug)]
+pub struct StudyRound<'a> {
+    study: &'a Study<'a>,
+    samples: Range<usize>,
+    drawn: SideDraws,
+    reference: Reference,
 }
 
 /// The machine as its file has it: squared lengths of the deviations (mm^2) at every tool pose.
 #[derive(Debug)]
 enum Reference {
-    /// SampleChunk by chunk.
+    /// Chunk by chunk.
     Drawn(Vec<Vec<SampleLanes>>),
     Values(Vec<f64>),
 }
 
 impl<'a> Study<'a> {
-    /// Returns a study with its work and errors drawn. Tool poses that the machine itself cannot reach are left out.
+    /// Returns a study with its work. Tool poses that the machine itself cannot reach are left out.
     pub fn new(machine: &'a Machine, walks: Vec<Walk>, judge: Judge, statistic: Statistic, work: &Work) -> Self {
         let at_rest = rest(machine);
         let own = |i: usize| {
@@ -61,78 +69,30 @@ impl<'a> Study<'a> {
         };
         let own: Vec<(ToolPose, Pose)> = (0..work.len()).into_par_iter().filter_map(own).collect();
         let (work, poses): (Vec<ToolPose>, Vec<Pose>) = own.into_iter().unzip();
-        let drawn = match &judge {
-            Judge::Errors => SideDraws::default(),
-            Judge::Budget { bounds, draws, samples } => SideDraws::new(machine, bounds, draws, *samples),
-        };
-        let freedom = freedom(machine);
-        let reference = Reference::Values(Vec::new());
-        let mut study = Self { machine, walks, statistic, judge, work, reference, drawn, freedom };
-        study.reference = study.own(&poses);
-        study
+        Self { machine, walks, statistic, judge, work, poses, freedom: freedom(machine) }
     }
 
-    /// Returns the machine's own deviations at the work.
-    fn own(&self, poses: &[Pose]) -> Reference {
-        if let Judge::Errors = self.judge {
-            return Reference::Values(poses.par_iter().map(|pose| squared_deviation(self.machine, pose)).collect());
-        }
+    /// Returns a round with its samples drawn, and all before them.
+    pub fn round(&'a self, samples: Range<usize>) -> StudyRound<'a> {
+        let Judge::Budget { bounds, draws } = &self.judge else {
+            let values = self.poses.par_iter().map(|pose| squared_deviation(self.machine, pose)).collect();
+            return StudyRound {
+                study: self,
+                samples,
+                drawn: SideDraws::default(),
+                reference: Reference::Values(values),
+            };
+        };
+        let drawn = SideDraws::new(self.machine, bounds, draws, samples.end);
         let axes: Vec<usize> = (0..self.machine.axes().len()).collect();
         let table = self.machine.axes().iter().filter(|a| a.branch == Branch::Workpiece).count();
-        Reference::Drawn(walk_budget::squared_lengths(self.machine, &axes, table, poses, &self.drawn))
+        let lengths = walk_budget::squared_lengths(self.machine, &axes, table, &self.poses, &drawn);
+        StudyRound { study: self, samples, drawn, reference: Reference::Drawn(lengths) }
     }
 
     /// Returns the tool poses of the work.
     pub fn work(&self) -> &[ToolPose] {
         &self.work
-    }
-
-    /// Returns the rows of all arrangements of one walk.
-    pub fn step(&self, index: usize) -> Vec<Row> {
-        let walk = &self.walks[index];
-        let mut rows = Vec::new();
-        let machines: Vec<Machine> =
-            walk.tables.iter().filter_map(|table| self.machine.rearranged(&walk.sides(self.machine, *table))).collect();
-        let mut from = 0;
-        while from < machines.len() {
-            let alike = machines[from..].iter().take_while(|m| same_nominal(m, &machines[from])).count();
-            rows.extend(self.alike(walk, &machines[from..from + alike], &walk.tables[from..from + alike]));
-            from += alike;
-        }
-        rows
-    }
-
-    /// Returns the rows of arrangements with the same nominal machine.
-    fn alike(&self, walk: &Walk, machines: &[Machine], tables: &[usize]) -> Vec<Row> {
-        let nominal = &machines[0];
-        let row = |(machine, table): (&Machine, &usize), standing, missed: UnreachableCount| Row {
-            chain: machine.chain().to_string(),
-            table: *table,
-            standing,
-            reached: self.work.len() - missed.total,
-            unreachable: missed,
-            result: None,
-            not_stated: self.not_stated(machine),
-        };
-        let each = || machines.iter().zip(tables);
-        if freedom(nominal) < self.freedom {
-            let missed =
-                UnreachableCount { total: self.work.len(), direction: self.work.len(), ..UnreachableCount::default() };
-            return each().map(|of| row(of, Standing::CannotTurn, missed)).collect();
-        }
-        let at_rest = rest(nominal);
-        let found: Vec<Result<Pose, Unreachable>> =
-            self.work.iter().map(|target| inverse(nominal, target, &at_rest)).collect();
-        let missed = UnreachableCount::count(found.iter().filter_map(|pose| pose.as_ref().err()));
-        let (reached, poses): (Vec<usize>, Vec<Pose>) =
-            found.into_iter().enumerate().filter_map(|(i, pose)| Some((i, pose.ok()?))).unzip();
-        if poses.is_empty() {
-            return each().map(|of| row(of, Standing::ReachesNothing, missed)).collect();
-        }
-        let results = self.results(walk, machines, tables, &reached, &poses);
-        let judged =
-            each().zip(results).map(|(of, result)| Row { result: Some(result), ..row(of, Standing::Judged, missed) });
-        judged.collect()
     }
 
     /// Returns the names of what has no geometry stated for its side.
@@ -144,44 +104,97 @@ impl<'a> Study<'a> {
         let axes = machine.unstated(bounded).into_iter().map(|(index, _)| machine.axes()[index].name.to_string());
         axes.chain(machine.unstated_workpiece().map(|_| "workpiece".to_owned())).collect()
     }
+}
 
-    fn results(
+impl StudyRound<'_> {
+    /// Returns the records of the arrangements of one walk that have so many axes on the table: `None` for all.
+    pub fn step(&self, index: usize, tables: Option<&[usize]>) -> Vec<Record> {
+        let (walk, machine) = (&self.study.walks[index], self.study.machine);
+        let wanted = |table: &usize| tables.is_none_or(|tables| tables.contains(table));
+        let (tables, machines): (Vec<usize>, Vec<Machine>) = walk
+            .tables
+            .iter()
+            .filter(|table| wanted(table))
+            .filter_map(|table| Some((*table, machine.rearranged(&walk.sides(machine, *table))?)))
+            .unzip();
+        let mut records = Vec::new();
+        let mut from = 0;
+        while from < machines.len() {
+            let alike = machines[from..].iter().take_while(|m| same_nominal(m, &machines[from])).count();
+            records.extend(self.alike(walk, &machines[from..from + alike], &tables[from..from + alike]));
+            from += alike;
+        }
+        records
+    }
+
+    /// Returns the records of arrangements with the same nominal machine.
+    fn alike(&self, walk: &Walk, machines: &[Machine], tables: &[usize]) -> Vec<Record> {
+        let study = self.study;
+        let nominal = &machines[0];
+        let row = |(machine, table): (&Machine, &usize), standing, missed: UnreachableCount| Row {
+            chain: machine.chain().to_string(),
+            table: *table,
+            standing,
+            reached: study.work.len() - missed.total,
+            unreachable: missed,
+            result: None,
+            not_stated: study.not_stated(machine),
+        };
+        let each = || machines.iter().zip(tables);
+        let apart = |row: Row| Record { row, values: Vec::new(), file: None };
+        if freedom(nominal) < study.freedom {
+            let all = study.work.len();
+            let missed = UnreachableCount { total: all, direction: all, ..UnreachableCount::default() };
+            return each().map(|of| apart(row(of, Standing::CannotTurn, missed))).collect();
+        }
+        let at_rest = rest(nominal);
+        let found: Vec<Result<Pose, Unreachable>> =
+            study.work.iter().map(|target| inverse(nominal, target, &at_rest)).collect();
+        let missed = UnreachableCount::count(found.iter().filter_map(|pose| pose.as_ref().err()));
+        let (reached, poses): (Vec<usize>, Vec<Pose>) =
+            found.into_iter().enumerate().filter_map(|(i, pose)| Some((i, pose.ok()?))).unzip();
+        if poses.is_empty() {
+            return each().map(|of| apart(row(of, Standing::ReachesNothing, missed))).collect();
+        }
+        let (values, file) = self.values(walk, machines, tables, &reached, &poses);
+        let judged = each().zip(values).map(|(of, values)| Record {
+            row: row(of, Standing::Judged, missed),
+            values,
+            file: Some(file),
+        });
+        judged.collect()
+    }
+
+    /// Returns the values of the round, um, for every arrangement, and the ranked value of the file's machine.
+    fn values(
         &self,
         walk: &Walk,
         machines: &[Machine],
         tables: &[usize],
         reached: &[usize],
         poses: &[Pose],
-    ) -> Vec<Outcome> {
-        match (&self.judge, &self.reference) {
-            (Judge::Budget { samples, .. }, Reference::Drawn(own)) => {
+    ) -> (Vec<Vec<f64>>, f64) {
+        let statistic = self.study.statistic;
+        let um = |mm: f64| mm * 1e3;
+        match &self.reference {
+            Reference::Drawn(own) => {
                 let file = own.iter().flat_map(|lanes| {
                     let same: Vec<SampleLanes> = reached.iter().map(|i| lanes[*i]).collect();
-                    walk_budget::over_poses(self.statistic, &same)
+                    walk_budget::over_poses(statistic, &same)
                 });
-                let file = percentile(file.take(*samples).collect()).value;
-                let rows =
-                    walk_budget::statistics(&machines[0], &walk.axes, tables, poses, &self.drawn, self.statistic);
-                let outcome = |mut row: Vec<f64>| {
-                    row.truncate(*samples);
-                    let (mean, _) = mean(&row);
-                    let p = percentile(row);
-                    let um = |x: f64| x * 1e3;
-                    let (low, high) = (p.low.map(um), p.high.map(um));
-                    Outcome { um: um(p.value), low, high, mean: Some(um(mean)), minus_file: um(p.value) - um(file) }
-                };
-                rows.into_iter().map(outcome).collect()
+                let file: Vec<f64> = file.take(self.samples.end).map(um).collect();
+                let round = walk_budget::Round { drawn: &self.drawn, samples: self.samples.clone() };
+                let rows = walk_budget::statistics(&machines[0], &walk.axes, tables, poses, &round, statistic);
+                (rows.into_iter().map(|row| row.into_iter().map(um).collect()).collect(), percentile_95(&file))
             }
-            (_, Reference::Values(own)) => {
-                let file = self.statistic.of(&mut reached.iter().map(|i| own[*i]).collect::<Vec<_>>()).sqrt();
-                let outcome = |machine: &Machine| {
+            Reference::Values(own) => {
+                let file = statistic.of(&mut reached.iter().map(|i| own[*i]).collect::<Vec<_>>()).sqrt();
+                let value = |machine: &Machine| {
                     let mut squares: Vec<f64> = poses.iter().map(|pose| squared_deviation(machine, pose)).collect();
-                    let um = self.statistic.of(&mut squares).sqrt() * 1e3;
-                    Outcome { um, low: None, high: None, mean: None, minus_file: um - file * 1e3 }
+                    vec![um(statistic.of(&mut squares).sqrt())]
                 };
-                machines.iter().map(outcome).collect()
+                (machines.iter().map(value).collect(), um(file))
             }
-            (Judge::Errors, Reference::Drawn(_)) => Vec::new(),
         }
     }
 }
@@ -198,11 +211,6 @@ fn same_nominal(a: &Machine, b: &Machine) -> bool {
 /// True for an error that turns the body that the axis carries about a point.
 fn turns(error: &ErrorId, axis: &AxisName) -> bool {
     error.axis == *axis && error.direction.is_rotation() && !error.is_location()
-}
-
-fn percentile(mut values: Vec<f64>) -> Percentile {
-    values.sort_by(f64::total_cmp);
-    Percentile::of(&values, 95)
 }
 
 /// Returns the squared length (mm^2) of the deviation by the errors that have a value.

@@ -9,6 +9,7 @@ use crate::analysis::design::budget::{
 };
 use crate::lower::{Quantity, SideWeights, twists};
 use crate::machine::{Axis, Branch, Machine, Pose};
+use std::ops::Range;
 
 /// A joint at a pose: effects of its errors on the tool side and on the table side.
 struct JointMaps {
@@ -27,20 +28,37 @@ struct PoseMaps {
     spindle: Columns,
 }
 
-/// Returns the statistic over the poses, mm, for every arrangement (rows, as `tables` lists them) and sample.
-/// `axes` are the indices of the walk's axes among the drawn joints; the last joint is the spindle.
+/// Samples over which a round is computed, of all that are drawn.
+#[derive(Debug, Clone)]
+pub struct Round<'a> {
+    /// All that are drawn.
+    pub drawn: &'a SideDraws,
+    /// Those of the round.
+    pub samples: Range<usize>,
+}
+
+impl Round<'_> {
+    /// The chunks that hold the samples.
+    fn chunks(&self) -> Range<usize> {
+        self.samples.start / SAMPLE_LANES..self.samples.end.div_ceil(SAMPLE_LANES)
+    }
+}
+
+/// Returns the statistic over the poses, mm, for every arrangement (rows, as `tables` lists them) and sample of the
+/// round. `axes` are the indices of the walk's axes among the drawn joints; the last joint is the spindle.
 pub fn statistics(
     machine: &Machine,
     axes: &[usize],
     tables: &[usize],
     poses: &[Pose],
-    drawn: &SideDraws,
+    round: &Round<'_>,
     statistic: Statistic,
 ) -> Vec<Vec<f64>> {
+    let drawn = round.drawn;
     let pose_maps: Vec<PoseMaps> = poses.iter().map(|pose| maps(machine, axes, pose, drawn)).collect();
-    let mut rows = vec![Vec::with_capacity(drawn.chunks() * SAMPLE_LANES); tables.len()];
+    let mut rows = vec![Vec::with_capacity(round.chunks().len() * SAMPLE_LANES); tables.len()];
     let mut lengths: Vec<Vec<SampleLanes>> = vec![Vec::with_capacity(poses.len()); tables.len()];
-    for chunk in 0..drawn.chunks() {
+    for chunk in round.chunks() {
         lengths.iter_mut().for_each(Vec::clear);
         for maps in &pose_maps {
             let deviations = maps.deviations(chunk, drawn);
@@ -48,6 +66,11 @@ pub fn statistics(
         }
         rows.iter_mut().zip(&lengths).for_each(|(row, lanes)| row.extend(over_poses(statistic, lanes)));
     }
+    let before = round.samples.start % SAMPLE_LANES;
+    rows.iter_mut().for_each(|row| {
+        let _ = row.drain(..before);
+        row.truncate(round.samples.len());
+    });
     rows
 }
 

@@ -1,0 +1,306 @@
+//! The cheapest tolerances with which the 95 % value of the drawn machines is a goal.
+//!
+//! The cost is a sum of weight / tolerance^power, which is convex. The error of each drawn machine is convex in the
+//! tolerances too (a largest length of sums), and so is the mean of the worst tenth of the machines, which stands for
+//! the 95 % value while the tolerances are sought: their ratio is taken from the same machines. At the optimum of a free
+//! tolerance power times its cost is in proportion to its part of the 95 % value (Karush, Kuhn, Tucker).
+//!
+//! A step: the parts of the worst tenth give a model in which the square of the value is a sum of squares, one for
+//! each tolerance. Its optimum between the limits is found by bisection of the multiplier. With a sum of squares one
+//! step would do; here a few tens are made at most, and the same machines are drawn in each, so that the result is the
+//! same on every run.
+//!
+//! The tolerances fit the machines by which they are sought better than others. Hence the goal of the search is
+//! corrected until other machines keep the goal, and a third set of machines proves it.
+
+use super::bounds::Bound;
+use super::cost::Price;
+use super::draw::Draws;
+use super::kernel::{BudgetPose, JointBounds, by_joint};
+use super::monte_carlo::{self, Sample, Statistic};
+use super::quantile::{Percentile, rank};
+use crate::evaluate::error_by_error;
+use crate::lower::Quantity;
+use crate::machine::{Approach, ErrorId, Machine, Pose};
+use rayon::prelude::*;
+
+/// Maximum number of steps for one goal.
+const MAX_STEPS: usize = 15;
+
+/// After so many steps only half of a step is made.
+const FULL_STEPS: usize = 5;
+
+/// The search ends when no tolerance changes by more than this fraction.
+const SETTLED: f64 = 5e-3;
+
+/// Maximum number of corrections of the goal.
+const MAX_CORRECTIONS: usize = 5;
+
+/// The goal is corrected until other machines keep it but for this fraction.
+const KEPT: f64 = 1e-3;
+
+/// Smallest part of a tolerance in the value: smaller ones are lost in the noise of the machines drawn.
+const MIN_PART: f64 = 1e-5;
+
+/// The fraction of the machines by which tolerances are sought.
+const WORST: usize = 10;
+
+/// The request for tolerances.
+#[derive(Debug, Clone, Copy)]
+pub struct GoalRequest<'a> {
+    /// The machine; errors with a value that are not bounded stay.
+    pub machine: &'a Machine,
+    /// The bounded errors with their present tolerances.
+    pub bounds: &'a [Bound],
+    /// The price of each.
+    pub prices: &'a [Price],
+    /// Exponent of the tolerance in the cost.
+    pub power: f64,
+    /// The poses (mm, deg).
+    pub poses: &'a [Pose],
+    /// Generators of machines: for the search, for the correction, for the proof.
+    pub draws: [&'a Draws; 3],
+    /// Number of machines for the search.
+    pub samples: usize,
+    /// Number of machines for the correction, and for the proof.
+    pub proof_samples: usize,
+    /// Statistic of each machine over the poses.
+    pub statistic: Statistic,
+    /// The goal of the 95 % value, mm.
+    pub goal_mm: f64,
+}
+
+/// The answer to a request.
+#[derive(Debug, Clone, PartialEq)]
+pub enum GoalAnswer {
+    /// Tolerances that keep the goal.
+    Kept(Box<CheapestTolerances>),
+    /// No tolerances within the limits keep it.
+    OutOfReach(Unavoidable),
+}
+
+/// What holds a tolerance where it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Binding {
+    /// The goal.
+    Goal,
+    /// The finest tolerance.
+    Finest,
+    /// The coarsest tolerance.
+    Coarsest,
+}
+
+/// The cheapest tolerances, in the order of the bounds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CheapestTolerances {
+    /// The tolerances (mm, rad).
+    pub tolerances: Vec<f64>,
+    /// What binds each.
+    pub binding: Vec<Binding>,
+    /// The part of each in the 95 % value, um; with that of the errors that stay they add up to it.
+    pub parts_um: Vec<f64>,
+    /// The cost of the present tolerances, and of the new ones.
+    pub cost: [f64; 2],
+    /// Cost of lowering the 95 % value by one um; `None` if no tolerance is free.
+    pub cost_per_um: Option<f64>,
+    /// The 95 % value with the present tolerances, um, by the machines of the search.
+    pub before: Percentile,
+    /// The same with the new ones, by machines that the search has not seen.
+    pub proof: Percentile,
+    /// Largest deviation by the errors that stay alone, um; the 95 % one if that is the statistic.
+    pub staying_um: f64,
+    /// Number of steps of the search.
+    pub steps: usize,
+}
+
+/// The error that is left with the finest tolerances.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unavoidable {
+    /// The 95 % value with all tolerances at their finest, um.
+    pub finest_um: f64,
+    /// The statistic of the errors that stay alone, um.
+    pub staying_um: f64,
+}
+
+/// The search.
+struct Search<'a> {
+    request: GoalRequest<'a>,
+    joints: Vec<JointBounds>,
+    poses: Vec<BudgetPose>,
+}
+
+/// The value of machines drawn with some tolerances, mm.
+struct Evaluation {
+    sorted: Vec<f64>,
+    /// Mean of the worst machines.
+    worst: f64,
+    /// The part of each tolerance in it.
+    parts: Vec<f64>,
+}
+
+impl Evaluation {
+    fn p95(&self) -> f64 {
+        self.sorted[rank(self.sorted.len(), 95) - 1]
+    }
+
+    fn percentile_um(&self) -> Percentile {
+        Percentile::of(&self.sorted.iter().map(|mm| mm * 1e3).collect::<Vec<_>>(), 95)
+    }
+}
+
+/// Returns the cheapest tolerances; the request has at least one bound, pose and sample.
+pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
+    let search = Search::new(request);
+    let [_, correcting, proving] = request.draws;
+    let finest: Vec<f64> = request.prices.iter().map(|price| price.finest).collect();
+    let staying_um = search.staying() * 1e3;
+    let least = search.evaluated(&finest, request.draws[0], request.samples).p95();
+    if least > request.goal_mm {
+        return GoalAnswer::OutOfReach(Unavoidable { finest_um: least * 1e3, staying_um });
+    }
+    let present: Vec<f64> = request.bounds.iter().map(|bound| bound.tolerance).collect();
+    let mut tolerances: Vec<f64> = present.clone();
+    tolerances.iter_mut().zip(request.prices).for_each(|(t, price)| *t = t.clamp(price.finest, price.coarsest));
+    let (mut aim, mut steps) = (request.goal_mm, 0);
+    for _ in 0..MAX_CORRECTIONS {
+        steps += search.settle(&mut tolerances, aim);
+        let kept = search.evaluated(&tolerances, correcting, request.proof_samples).p95();
+        let at_coarsest = tolerances.iter().zip(request.prices).all(|(t, price)| *t >= price.coarsest);
+        if (kept / request.goal_mm - 1.0).abs() <= KEPT || (at_coarsest && kept <= request.goal_mm) {
+            break;
+        }
+        let by = request.goal_mm / kept;
+        aim *= by;
+        tolerances.iter_mut().zip(request.prices).for_each(|(t, p)| *t = (*t * by).clamp(p.finest, p.coarsest));
+    }
+    let before = search.evaluated(&present, request.draws[0], request.samples).percentile_um();
+    let proof = search.evaluated(&tolerances, proving, request.proof_samples);
+    GoalAnswer::Kept(Box::new(search.answer(tolerances, (&present, before), &proof, (staying_um, steps))))
+}
+
+impl<'a> Search<'a> {
+    fn new(request: GoalRequest<'a>) -> Self {
+        let joints = by_joint(request.machine, request.bounds);
+        let at = |pose: &Pose| {
+            let maps = BudgetPose::new(request.machine, &joints, pose, Quantity::Position);
+            maps.with_fixed(staying(request.machine, request.bounds, pose))
+        };
+        let poses = request.poses.par_iter().map(at).collect();
+        Self { request, joints, poses }
+    }
+
+    /// Returns the statistic of the errors that stay alone, mm.
+    fn staying(&self) -> f64 {
+        let length = |v: [f64; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+        let mut lengths: Vec<f64> = self.poses.iter().map(|pose| length(pose.fixed())).collect();
+        self.request.statistic.of(&mut lengths)
+    }
+
+    fn evaluated(&self, tolerances: &[f64], draws: &Draws, samples: usize) -> Evaluation {
+        let GoalRequest { bounds, statistic, .. } = self.request;
+        let bounds: Vec<Bound> = bounds
+            .iter()
+            .zip(tolerances)
+            .map(|(bound, tolerance)| Bound { tolerance: *tolerance, ..bound.clone() })
+            .collect();
+        let mut drawn: Vec<Sample> =
+            monte_carlo::draw(&self.poses, &self.joints, &bounds, draws, statistic, samples, &|_| ());
+        drawn.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let worst = &drawn[drawn.len() - drawn.len().div_ceil(WORST)..];
+        let mean = |of: &dyn Fn(&Sample) -> f64| worst.iter().map(of).sum::<f64>() / worst.len() as f64;
+        let parts = (0..bounds.len()).map(|i| mean(&|sample| sample.parts[i])).collect();
+        Evaluation { worst: mean(&|sample| sample.value), parts, sorted: drawn.iter().map(|s| s.value).collect() }
+    }
+
+    /// Moves tolerances to the cheapest ones whose 95 % value is `aim` (mm); returns the number of steps.
+    fn settle(&self, tolerances: &mut [f64], aim: f64) -> usize {
+        for step in 0..MAX_STEPS {
+            let found = self.evaluated(tolerances, self.request.draws[0], self.request.samples);
+            let next = self.step(tolerances, &found, aim);
+            let mut change = 0.0_f64;
+            for (t, next) in tolerances.iter_mut().zip(next) {
+                let full = libm::log(next / *t);
+                change = change.max(full.abs());
+                *t *= libm::exp(if step < FULL_STEPS { full } else { 0.5 * full });
+            }
+            if change <= SETTLED {
+                return step + 1;
+            }
+        }
+        MAX_STEPS
+    }
+
+    /// Returns the optimum of the model: the square of the value is a sum of squares.
+    fn step(&self, tolerances: &[f64], found: &Evaluation, aim: f64) -> Vec<f64> {
+        let GoalRequest { prices, power, .. } = self.request;
+        let value = found.worst;
+        let staying = value - found.parts.iter().sum::<f64>();
+        let squares: Vec<f64> = found.parts.iter().map(|part| part.max(MIN_PART * value) * value).collect();
+        let aim = aim * value / found.p95();
+        let room = aim * aim - staying * value;
+        let at = |log: f64| -> Vec<f64> {
+            let one = |((t, square), price): ((&f64, &f64), &Price)| {
+                let multiplier = libm::exp(log);
+                let free = power * price.cost(1.0, power) * t * t / (2.0 * multiplier * square);
+                libm::pow(free, 1.0 / (power + 2.0)).clamp(price.finest, price.coarsest)
+            };
+            tolerances.iter().zip(&squares).zip(prices).map(one).collect()
+        };
+        let total = |next: &[f64]| -> f64 {
+            let one = |((t, square), next): ((&f64, &f64), &f64)| square * (next / t) * (next / t);
+            tolerances.iter().zip(&squares).zip(next).map(one).sum()
+        };
+        let (mut low, mut high) = (-300.0, 300.0);
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if total(&at(middle)) > room { low = middle } else { high = middle }
+        }
+        at(high)
+    }
+
+    fn answer(
+        &self,
+        tolerances: Vec<f64>,
+        (present, before): (&[f64], Percentile),
+        proof: &Evaluation,
+        (staying_um, steps): (f64, usize),
+    ) -> CheapestTolerances {
+        let GoalRequest { prices, power, .. } = self.request;
+        let binding = |(t, price): (&f64, &Price)| match *t {
+            t if t <= price.finest => Binding::Finest,
+            t if t >= price.coarsest => Binding::Coarsest,
+            _ => Binding::Goal,
+        };
+        let binding: Vec<Binding> = tolerances.iter().zip(prices).map(binding).collect();
+        // The worst tenth stands for the 95 % value.
+        let um = proof.p95() / proof.worst * 1e3;
+        let parts_um: Vec<f64> = proof.parts.iter().map(|part| part * um).collect();
+        let costs = |list: &[f64]| -> Vec<f64> { list.iter().zip(prices).map(|(t, p)| p.cost(*t, power)).collect() };
+        let new = costs(&tolerances);
+        let free = |i: &usize| binding[*i] == Binding::Goal;
+        let (mut paid, mut won) = (0.0, 0.0);
+        for i in (0..tolerances.len()).filter(free) {
+            paid += power * new[i];
+            won += parts_um[i];
+        }
+        CheapestTolerances {
+            cost: [costs(present).iter().sum(), new.iter().sum()],
+            cost_per_um: (won > 0.0).then(|| paid / won),
+            proof: proof.percentile_um(),
+            tolerances,
+            binding,
+            parts_um,
+            before,
+            staying_um,
+            steps,
+        }
+    }
+}
+
+/// Returns the deviation (mm) at a pose by the errors with a value that are not bounded, to first order.
+fn staying(machine: &Machine, bounds: &[Bound], pose: &[f64]) -> [f64; 3] {
+    let stays = |error: &ErrorId| !bounds.iter().any(|bound| bound.error == *error);
+    let deviations = error_by_error(machine, pose, Approach::Mean).into_iter().filter(|(error, _)| stays(error));
+    deviations.map(|(_, deviation)| deviation.position).sum::<nalgebra::Vector3<f64>>().into()
+}
