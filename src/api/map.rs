@@ -234,7 +234,8 @@ fn volume(
         return call.refuse(too_many(poses.len()));
     }
     let name = options.target.as_deref().unwrap_or_default();
-    let rows = Rows { machine, poses: &poses, view, order, target: name };
+    let work = tool_poses.as_ref().map(ReachedToolPoses::work_rows);
+    let rows = Rows { machine, poses: &poses, view, order, target: name, work: work.as_ref() };
     let before = match &replayed {
         Some(_) => Some(found(call, &bare, &rows, Vec::new(), 0)?.statistics),
         None => None,

@@ -30,7 +30,7 @@ pub use super::report::Report;
 pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, OtherSide};
 pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
-pub use super::tool_poses::{MissedToolPose, ReachedToolPoses};
+pub use super::tool_poses::{BeyondTravel, MissedToolPose, NeededTravel, ReachedToolPoses};
 pub use crate::analysis::Status as LocationStatus;
 pub use crate::analysis::budget::{Bound, Budget, BudgetPart, Contribution, PERCENTS, Percentile, Totals};
 pub use crate::analysis::enumerate::{Ranking, Row as ArrangementRow};

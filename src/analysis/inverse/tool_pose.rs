@@ -1,7 +1,7 @@
 //! Poses of the tool in the workpiece frame, and why one may be out of reach.
 
 use crate::lower::NominalPose;
-use crate::machine::{Axis, Machine, Pose, Travel};
+use crate::machine::{Axis, AxisKind, Machine, Pose, Travel};
 use nalgebra::Vector3;
 
 /// Maximum distance of the place reached from the one requested, mm.
@@ -40,6 +40,70 @@ impl Unreachable {
             Self::Travel => "an axis would leave its travel",
         }
     }
+}
+
+/// A tool pose that a machine cannot take, and what it lacks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Miss {
+    /// The reason.
+    pub why: Unreachable,
+    /// For [`Unreachable::Travel`]: the pose (mm, deg) beyond the travel that would take it. Of several the one whose
+    /// rotary axes, then linear axes, are least beyond.
+    pub beyond: Option<Pose>,
+    /// For [`Unreachable::Place`]: distance of the place from what the axes span, mm.
+    pub off_mm: Option<f64>,
+}
+
+impl Miss {
+    /// Returns a miss of which only the reason is known.
+    pub fn new(why: Unreachable) -> Self {
+        Self { why, beyond: None, off_mm: None }
+    }
+
+    /// Returns a miss by travel, with the pose (mm, deg) beyond it.
+    pub fn travel(beyond: Pose) -> Self {
+        Self { why: Unreachable::Travel, beyond: Some(beyond), off_mm: None }
+    }
+
+    /// Returns the miss that comes nearer to the tool pose: the later reason; of two beyond the travel the lesser.
+    pub fn or_nearer(self, other: Self, axes: &[Axis]) -> Self {
+        let far = |miss: &Self| {
+            let pose = miss.beyond.as_ref()?;
+            let of = |kind: AxisKind| -> f64 {
+                let of_kind = |e: &Excess| axes[e.axis].kind == kind;
+                excess(axes, pose).into_iter().filter(of_kind).map(|e| e.by.abs()).sum()
+            };
+            Some((of(AxisKind::Rotary), of(AxisKind::Linear)))
+        };
+        let nearer = match (&self, &other) {
+            (a, b) if a.why != b.why => a.why > b.why,
+            (a, b) => match (far(a), far(b)) {
+                (Some((r, l)), Some((s, m))) => r.total_cmp(&s).then(l.total_cmp(&m)).is_le(),
+                (None, Some(_)) => false,
+                (_, None) => a.off_mm.unwrap_or(f64::MAX) <= b.off_mm.unwrap_or(f64::MAX),
+            },
+        };
+        if nearer { self } else { other }
+    }
+}
+
+/// A position beyond the travel of an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Excess {
+    /// Index of the axis.
+    pub axis: usize,
+    /// Distance from the nearer end, mm or deg: negative below the lower end.
+    pub by: f64,
+}
+
+/// Returns the positions of a pose (mm, deg) beyond the travels, axis by axis.
+pub fn excess(axes: &[Axis], pose: &[f64]) -> Vec<Excess> {
+    let beyond = |(axis, (of, q)): (usize, (&Axis, &f64))| match of.travel {
+        Travel::Range(min, _) if *q < min => Some(Excess { axis, by: q - min }),
+        Travel::Range(_, max) if *q > max => Some(Excess { axis, by: q - max }),
+        _ => None,
+    };
+    axes.iter().zip(pose).enumerate().filter_map(beyond).collect()
 }
 
 /// Returns the tool pose of the nominal machine at a pose (mm, deg).

@@ -4,7 +4,7 @@ use crate::cli::how::CompensationArgs;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
-    FrameArg, STATISTICS, ViewArgs, axes_text, frame_text, statistics_rows, table, tool_poses_text,
+    FrameArg, STATISTICS, ViewArgs, axes_text, frame_text, reach_text, statistics_rows, table, tool_poses_text,
 };
 use crate::cli::store::write::refuse_outputs;
 use crate::cli::{Format, Outcome};
@@ -136,6 +136,9 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
         let length = significant(worst.length_um, 4);
         let lead = if i == 0 { "Worst:" } else { "      " };
         text.push_str(&format!("{lead} {length} um ({x}, {y}, {z}) at {}\n", axes_text(file, worst.axes.values())));
+    }
+    if let Some(reached) = &result.tool_poses {
+        text.push_str(&reach_text(&reached.rows, &reached.travel));
     }
     if !result.diagonals.is_empty() {
         let list = result.diagonals.iter().map(|d| format!("{} {}", d.name, significant(d.range_um, 4)));

@@ -6,7 +6,7 @@ use super::side_draws::SideDraws;
 use super::walk_budget;
 use crate::analysis::design::budget::{Bound, Draws, Percentile, SampleLanes, Statistic, mean};
 use crate::analysis::design::compare::UnreachableCount;
-use crate::analysis::inverse::{ToolPose, Unreachable, inverse, rest, tool_pose};
+use crate::analysis::inverse::{Miss, ToolPose, inverse, rest, tool_pose};
 use crate::analysis::volume::Work;
 use crate::evaluate::{Bare, Field, Order, Poses, Random};
 use crate::lower::{Quantity, Twist, twists};
@@ -121,9 +121,9 @@ impl<'a> Study<'a> {
             return each().map(|of| row(of, Standing::CannotTurn, missed)).collect();
         }
         let at_rest = rest(nominal);
-        let found: Vec<Result<Pose, Unreachable>> =
+        let found: Vec<Result<Pose, Miss>> =
             self.work.iter().map(|target| inverse(nominal, target, &at_rest)).collect();
-        let missed = UnreachableCount::count(found.iter().filter_map(|pose| pose.as_ref().err()));
+        let missed = UnreachableCount::count(found.iter().filter_map(|pose| Some(&pose.as_ref().err()?.why)));
         let (reached, poses): (Vec<usize>, Vec<Pose>) =
             found.into_iter().enumerate().filter_map(|(i, pose)| Some((i, pose.ok()?))).unzip();
         if poses.is_empty() {
