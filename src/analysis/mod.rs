@@ -26,7 +26,8 @@ pub use design::{
     enumerate, error_statistics,
 };
 pub use inverse::{
-    Excess, Inverse, Miss, Needs, ToolPose, Unreachable, direction_gap, excess, inverse, place, rest, tool_pose,
+    Excess, Inverse, Miss, Needs, ToolPose, Unreachable, attitude, branches, direction_gap, excess, inverse,
+    inverse_all, place, rest, tool_pose,
 };
 pub use volume::{
     Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, Survey, SurveyTask, TooManyPoses, View, Work,

@@ -39,6 +39,8 @@ pub struct EnumerateOptions {
     pub poses: usize,
     /// A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or rotary axes (deg).
     pub tool_poses: Option<PathBuf>,
+    /// Gives linear axes the travel that the work needs, whatever the file says; every arrangement tells it.
+    pub size: bool,
     /// Number of machines that are drawn for the budget, at least 2.
     pub samples: usize,
     /// Fraction of the tool poses that a ranked arrangement reaches, in percent.
@@ -62,6 +64,7 @@ impl Default for EnumerateOptions {
             rotary: None,
             poses: 500,
             tool_poses: None,
+            size: false,
             samples: 200,
             reach_percent: 50.0,
             state: None,
@@ -181,11 +184,19 @@ fn row_json(row: &Row) -> Value {
         "high": row.result.and_then(|r| r.high), "mean": row.result.and_then(|r| r.mean),
         "minus_file": row.result.map(|r| r.minus_file),
     });
+    if let (Some(object), false) = (json.as_object_mut(), row.travel.is_empty()) {
+        let travel: serde_json::Map<String, Value> =
+            row.travel.iter().map(|t| (t.axis.clone(), json!([t.min + 0.0, t.max + 0.0]))).collect();
+        let _ = object.insert("travel".to_owned(), Value::Object(travel));
+    }
     if let (Some(object), false) = (json.as_object_mut(), row.not_stated.is_empty()) {
         let _ = object.insert("not_stated".to_owned(), json!(row.not_stated));
     }
     json
 }
+
+/// Travel of linear axes that a work sizes, to either side of zero, mm.
+const LONG_MM: f64 = 1e6;
 
 /// Poses times samples: as many figures are kept of the arrangement of the file.
 const MAX_DRAWS: u64 = 20_000_000;
@@ -213,6 +224,12 @@ fn studied(
     let rules = rules(options, machine).or_else(|refusal| call.refuse(refusal))?;
     let walks = listed(options, machine, &rules).or_else(|refusal| call.refuse(refusal))?;
     let (judge, class_source) = judge(call, options, machine)?;
+    if options.size && matches!(judge, Judge::Errors) {
+        return call
+            .usage("`--size` ranks by a budget: errors with values are known over the travel of the file alone");
+    }
+    let long = options.size.then(|| machine.with_linear_travels(LONG_MM));
+    let machine = long.as_ref().unwrap_or(machine);
     let (work, tool_poses) = work(call, options, machine)?;
     if let (Judge::Budget { samples, .. }, true) = (&judge, options.tool_poses.is_some()) {
         draws(work.len() as u64, *samples as u64).or_else(|refusal| call.refuse(refusal))?;
@@ -259,8 +276,7 @@ fn studied(
 fn nothing_reached(machine: &Machine) -> Diagnostic {
     let message =
         format!("`{}` reaches no tool pose of the work, so there is nothing to rank on", shown(machine.name()));
-    let help = "the inverse kinematics places the tip by linear axes; give tool poses that the machine reaches with \
-                `--tool-poses`, or a `volume` within its travels";
+    let help = "give tool poses that the machine reaches with `--tool-poses`, or another `volume`";
     Diagnostic::new(codes::E0613, message).help(help)
 }
 
@@ -373,7 +389,7 @@ fn computed(
     let todo: Vec<usize> = (0..walks.len()).filter(mine).filter(|step| !begun.done.contains_key(step)).collect();
     let keeper = study::Keeper::new(begun, file);
     if !todo.is_empty() {
-        let study = Study::new(machine, walks, judge, options.tolerances.statistic, work);
+        let study = Study::new(machine, walks, judge, options.tolerances.statistic, work).sized(options.size);
         call.stage(todo.len(), |advance| {
             todo.into_par_iter().for_each(|step| {
                 if !keeper.has_failed() {

@@ -24,6 +24,7 @@ mod enumerate;
 mod equations;
 mod eval;
 mod explain;
+mod features;
 mod identify;
 mod import;
 mod instrument;

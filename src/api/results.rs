@@ -15,6 +15,7 @@ pub use super::enumerate::{EnumerateResult, RankedArrangements, StudyProgress};
 pub use super::equations::EquationsResult;
 pub use super::eval::{EvalResult, EvalUnits, PoseResult};
 pub use super::explain::Explanation;
+pub use super::features::{DominatingError, FeatureResult};
 pub use super::identify::{
     ExpectedParameter, FittedParameter, IdentifyResult, KindResidual, MeasurementPlan, MonomialCoefficient,
     MonomialComponent, MonomialFit, NamedSvg, OrderShares, OutlierPlace, PlannedPose, RepeatedReadings, ResidualTest,
@@ -33,7 +34,7 @@ pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::tool_poses::{BeyondTravel, MissedToolPose, NeededTravel, ReachedToolPoses};
 pub use crate::analysis::Status as LocationStatus;
 pub use crate::analysis::budget::{Bound, Budget, BudgetPart, Contribution, PERCENTS, Percentile, Totals};
-pub use crate::analysis::enumerate::{Ranking, Row as ArrangementRow};
+pub use crate::analysis::enumerate::{NeededRange, Ranking, Row as ArrangementRow};
 pub use crate::analysis::instrument::{BallBar, Diagonal, RTest};
 pub use crate::controller::{
     Certificate, CompensationDegree, ControllerTarget, Figures, ROUNDING_UM, SingleErrorResidual,

@@ -97,7 +97,7 @@ fn nearly_singular_poses_lose_nothing() {
 
 /// Distance and angle between the tool pose at a pose and an upright one.
 fn miss_of(machine: &Machine, pose: &[f64], tip: [f64; 3]) -> (f64, f64) {
-    miss(machine, pose, &ToolPose { tip: tip.into(), direction: Vector3::z() })
+    miss(machine, pose, &ToolPose::new(tip.into(), Vector3::z()))
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn a_cone_is_missed_by_the_angle_to_it() {
 fn what_cannot_be_reached_is_said() {
     let machine = machine("trunnion.yaml");
     let reference = rest(&machine);
-    let target = |tip: [f64; 3], direction: Vector3<f64>| ToolPose { tip: tip.into(), direction };
+    let target = |tip: [f64; 3], direction: Vector3<f64>| ToolPose::new(tip.into(), direction);
     let from_below = inverse(&machine, &target([0.0; 3], -Vector3::z()), &reference);
     // A table that tilts to -120 deg falls short of holding the tool from below, by 60 deg.
     let a = machine.axis_index("A").unwrap();
@@ -217,7 +217,7 @@ fn a_lathe_reaches_across_its_plane_by_its_spindle() {
     let (x, c) = (machine.axis_index("X").unwrap(), machine.axis_index("C").unwrap());
     let reference = rest(&machine);
     let centre = tool_pose(&machine, &reference).tip;
-    let target = ToolPose { tip: centre + Vector3::new(30.0, 40.0, 100.0), direction: Vector3::z() };
+    let target = ToolPose::new(centre + Vector3::new(30.0, 40.0, 100.0), Vector3::z());
     let found = inverse(&machine, &target, &reference).unwrap();
     assert!((found[x] - 50.0).abs() < 1e-9, "{found:?}");
     let turn = libm::atan2(40.0, 30.0).to_degrees();

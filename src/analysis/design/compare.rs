@@ -1,7 +1,7 @@
 //! Machines side by side on the same work: the same tool poses in the workpiece frame, reached by
 //! each machine's own nominal inverse kinematics.
 
-use crate::analysis::inverse::{Miss, Needs, ToolPose, Unreachable, inverse, rest};
+use crate::analysis::inverse::{Miss, Needs, ToolPose, Unreachable, inverse_all};
 use crate::analysis::volume::Work;
 use crate::evaluate::{Deviation, Difference, Field, Statistics};
 use crate::machine::{Approach, Pose};
@@ -87,17 +87,17 @@ pub fn compare(
     let Some(first) = fields.first() else {
         return Comparison { asked: work.len(), common: Vec::new(), machines: Vec::new() };
     };
-    let rests: Vec<Pose> = fields.iter().map(|field| rest(field.machine())).collect();
+    let targets: Vec<ToolPose> = (0..work.len()).into_par_iter().map(|i| work.get(first.machine(), i)).collect();
+    let found: Vec<_> = fields.iter().map(|field| inverse_all(field.machine(), &targets)).collect();
     let row = |index: usize| {
-        let target = work.get(first.machine(), index);
-        let at = |(field, rest): (&&dyn Field, &Pose)| {
-            let pose = inverse(field.machine(), &target, rest)?;
+        let at = |(field, found): (&&dyn Field, &Vec<Result<Pose, Miss>>)| {
+            let pose = found[index].clone()?;
             let deviation = field.deviation(&pose, approach);
             Ok((pose, deviation))
         };
-        let row: Row = fields.iter().zip(&rests).map(at).collect();
+        let row: Row = fields.iter().zip(&found).map(at).collect();
         progress(1);
-        (target, row)
+        (targets[index], row)
     };
     let rows: Vec<(ToolPose, Row)> = (0..work.len()).into_par_iter().map(row).collect();
     side_by_side(rows, fields.len())

@@ -52,7 +52,7 @@ pub struct Candidates {
 }
 
 /// One of a pair's angles (rad); `None` if any is a solution.
-type Angle = Option<f64>;
+pub type Angle = Option<f64>;
 
 impl Directions {
     /// Returns the rotary axes of a machine with a reference pose (mm, deg).
@@ -207,25 +207,35 @@ impl Turn {
         }
     }
 
-    /// Returns the position (deg) within the travel, whole turns away from an angle (rad), that is nearest to the
-    /// reference.
     fn wrapped(&self, angle: f64) -> Option<f64> {
-        let degrees = angle.to_degrees();
-        let turns = ((self.reference - degrees) / 360.0).round();
-        let Travel::Range(min, max) = self.travel else { return Some(degrees + 360.0 * turns) };
-        let lowest = ((min - AT_END_DEG - degrees) / 360.0).ceil();
-        let highest = ((max + AT_END_DEG - degrees) / 360.0).floor();
-        (lowest <= highest).then(|| (degrees + 360.0 * turns.clamp(lowest, highest)).clamp(min, max))
+        wrapped(self.travel, self.reference, angle)
     }
 
     /// Returns the position (deg), whole turns away from an angle (rad), that is least beyond the travel, and by how
     /// much (deg).
     fn least_beyond(&self, angle: f64) -> (f64, f64) {
-        let degrees = angle.to_degrees();
+        let position = least_beyond(self.travel, angle);
         let (min, max) = self.travel.interval();
-        let position = degrees + 360.0 * (((min + max) / 2.0 - degrees) / 360.0).round();
         (position, (min - position).max(position - max).max(0.0))
     }
+}
+
+/// Returns the position (deg) within a travel, whole turns away from an angle (rad), that is nearest to the reference
+/// (deg).
+pub fn wrapped(travel: Travel, reference: f64, angle: f64) -> Option<f64> {
+    let degrees = angle.to_degrees();
+    let turns = ((reference - degrees) / 360.0).round();
+    let Travel::Range(min, max) = travel else { return Some(degrees + 360.0 * turns) };
+    let lowest = ((min - AT_END_DEG - degrees) / 360.0).ceil();
+    let highest = ((max + AT_END_DEG - degrees) / 360.0).floor();
+    (lowest <= highest).then(|| (degrees + 360.0 * turns.clamp(lowest, highest)).clamp(min, max))
+}
+
+/// Returns the position (deg), whole turns away from an angle (rad), that is least beyond a travel.
+pub fn least_beyond(travel: Travel, angle: f64) -> f64 {
+    let degrees = angle.to_degrees();
+    let (min, max) = travel.interval();
+    degrees + 360.0 * (((min + max) / 2.0 - degrees) / 360.0).round()
 }
 
 /// The search for one direction, with the solutions found so far.
@@ -304,7 +314,7 @@ impl<'a> Search<'a> {
 }
 
 /// Returns the angle (rad) about w that takes p to t; `None` if w is along p: then any angle does.
-fn angle(w: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> Angle {
+pub fn angle(w: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> Angle {
     let beside = |v: &Vector3<f64>| v - w * w.dot(v);
     let (p, t) = (beside(p), beside(t));
     (p.norm() > ALONG_RAD && t.norm() > ALONG_RAD).then(|| libm::atan2(w.dot(&p.cross(&t)), p.dot(&t)))
@@ -317,7 +327,7 @@ fn same_height(w: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> bool {
 
 /// Returns all (a, b) with `exp(w1 a) exp(w2 b) p = t`. Between the two rotations p is at a point z that is as far
 /// along w1 as t and as far along w2 as p.
-fn pair_angles(w1: &Vector3<f64>, w2: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> Vec<(Angle, Angle)> {
+pub fn pair_angles(w1: &Vector3<f64>, w2: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> Vec<(Angle, Angle)> {
     let (far_1, far_2) = (w1.cross(t).norm(), w2.cross(p).norm());
     if far_1 <= ALONG_RAD {
         return same_height(w2, p, t).then(|| (None, angle(w2, p, t))).into_iter().collect();

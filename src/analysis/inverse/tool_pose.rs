@@ -1,8 +1,9 @@
 //! Poses of the tool in the workpiece frame, and why one may be out of reach.
 
+use crate::algebra::rotation_about;
 use crate::lower::NominalPose;
 use crate::machine::{Axis, AxisKind, Machine, Pose, Travel};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Maximum distance of the place reached from the one requested, mm.
 pub const PLACE_TOLERANCE: f64 = 1e-9;
@@ -17,6 +18,32 @@ pub struct ToolPose {
     pub tip: Vector3<f64>,
     /// Unit vector of the tool axis, from the tip towards the holder: (0, 0, 1) at the zero pose.
     pub direction: Vector3<f64>,
+    /// Turn of the tool about its axis, rad: right-handed about the direction, from the attitude that the shortest turn
+    /// of (0, 0, 1) into the direction gives (see [`attitude`]); `None` leaves it open. Machines that cannot turn the
+    /// tool about its axis do not depend on it.
+    pub spin_rad: Option<f64>,
+}
+
+impl ToolPose {
+    /// Returns a tool pose whose spin is open: a tip (mm, from the workpiece origin) and a unit vector.
+    pub fn new(tip: Vector3<f64>, direction: Vector3<f64>) -> Self {
+        Self { tip, direction, spin_rad: None }
+    }
+}
+
+/// Returns the rotation of the tool from the zero pose for a direction of its axis (unit vector) and a spin (rad): the
+/// shortest turn of (0, 0, 1) into the direction, after the spin. Into (0, 0, -1) it is a half turn about X.
+pub fn attitude(direction: &Vector3<f64>, spin_rad: f64) -> Matrix3<f64> {
+    let d = direction;
+    let spun = rotation_about(&[0.0, 0.0, 1.0], (libm::sin(spin_rad), libm::cos(spin_rad)));
+    let across = Vector3::z().cross(d);
+    let sine = across.norm();
+    if sine == 0.0 {
+        let turned =
+            if d.z < 0.0 { Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0)) } else { Matrix3::identity() };
+        return turned * spun;
+    }
+    rotation_about(&(across / sine).into(), (sine, d.z)) * spun
 }
 
 /// The reason why a machine cannot take a tool pose.
@@ -25,7 +52,7 @@ pub struct ToolPose {
 pub enum Unreachable {
     /// Its rotary axes cannot point the tool there.
     Direction,
-    /// Its linear axes do not span the place.
+    /// Its axes do not bring the tip to the place.
     Place,
     /// An axis would have to leave its travel.
     Travel,
@@ -36,7 +63,7 @@ impl Unreachable {
     pub fn words(self) -> &'static str {
         match self {
             Self::Direction => "the tool cannot be held in this direction",
-            Self::Place => "the linear axes do not span it",
+            Self::Place => "the axes do not bring the tip there",
             Self::Travel => "an axis would leave its travel",
         }
     }
@@ -109,7 +136,7 @@ pub fn excess(axes: &[Axis], pose: &[f64]) -> Vec<Excess> {
 /// Returns the tool pose of the nominal machine at a pose (mm, deg).
 pub fn tool_pose(machine: &Machine, pose: &[f64]) -> ToolPose {
     let nominal = NominalPose::at(machine, pose).pose;
-    ToolPose { tip: nominal.translation, direction: nominal.linear.column(2).into_owned() }
+    ToolPose::new(nominal.translation, nominal.linear.column(2).into_owned())
 }
 
 /// Returns the pose of zeros, each moved into its axis's travel (mm, deg).

@@ -16,6 +16,8 @@ enum Column {
     Tip(usize, f64),
     Axis(usize),
     Rotary(usize, f64),
+    /// Turn of the tool about its axis, with the factor to deg.
+    Spin(f64),
     Feature,
 }
 
@@ -25,7 +27,7 @@ impl Column {
         match (self, other) {
             (Self::Tip(i, _), Self::Tip(k, _)) | (Self::Axis(i), Self::Axis(k)) => i == k,
             (Self::Rotary(i, _), Self::Rotary(k, _)) => i == k,
-            (Self::Feature, Self::Feature) => true,
+            (Self::Feature, Self::Feature) | (Self::Spin(_), Self::Spin(_)) => true,
             _ => false,
         }
     }
@@ -34,7 +36,7 @@ impl Column {
 /// Returns the rows of a table; rotary columns are those of `machine`.
 pub(super) fn rows(machine: &Machine, sheet: &Sheet) -> Result<Vec<Row>, Diagnostic> {
     let help = "columns are X, Y, Z (mm, from the workpiece origin), I, J, K of the tool axis or positions of rotary \
-                axes (deg), and feature";
+                axes (deg), spin (deg) and feature";
     let lines = sheet.lines();
     let [header, data @ ..] = lines.as_slice() else {
         return Err(wrong("the file has no header").at(Some(sheet.start()), "").help(help));
@@ -78,6 +80,9 @@ fn column(machine: &Machine, cell: &str) -> Result<Column, Diagnostic> {
     if let (Some(i), None) = (["I", "J", "K"].iter().position(|letter| *letter == name), unit) {
         return Ok(Column::Axis(i));
     }
+    if name == "SPIN" {
+        return Ok(Column::Spin(factor(&name, unit, Dimension::ANGLE)?));
+    }
     if let (true, None) = (FEATURE.contains(&name.as_str()), unit) {
         return Ok(Column::Feature);
     }
@@ -88,8 +93,10 @@ fn column(machine: &Machine, cell: &str) -> Result<Column, Diagnostic> {
             let rotary = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary);
             let names: Vec<&str> = rotary.map(|axis| axis.name.as_str()).collect();
             let known = if names.is_empty() { "there is none".to_owned() } else { names.join(", ") };
-            let message =
-                format!("column `{}` is neither X, Y, Z nor I, J, K nor feature nor a rotary axis ({known})", shown(cell));
+            let message = format!(
+                "column `{}` is neither X, Y, Z nor I, J, K, spin, feature nor a rotary axis ({known})",
+                shown(cell)
+            );
             Err(wrong(message))
         }
     }
@@ -125,7 +132,7 @@ impl Table<'_> {
             return Err(wrong(format!("{} cells under {} columns", cells.len(), self.columns.len())));
         }
         let (mut tip, mut axis, mut pose) = (Vector3::zeros(), Vector3::zeros(), vec![0.0; self.machine.axes().len()]);
-        let mut feature = None;
+        let (mut feature, mut spin_rad) = (None, None);
         for (cell, column) in cells.iter().zip(&self.columns) {
             if *column == Column::Feature {
                 feature = Some(cell.clone());
@@ -137,6 +144,7 @@ impl Table<'_> {
                 Column::Tip(i, factor) => tip[i] = number * factor,
                 Column::Axis(i) => axis[i] = number,
                 Column::Rotary(i, factor) => pose[i] = number * factor,
+                Column::Spin(factor) => spin_rad = Some((number * factor).to_radians()),
                 Column::Feature => {}
             }
         }
@@ -149,7 +157,7 @@ impl Table<'_> {
             (_, true) => Aim::Axis(unit_vector(&axis)?),
             _ => Aim::Axis(Vector3::z()),
         };
-        Ok(Row { place: line.place.clone(), line: line.number, tip, aim, feature })
+        Ok(Row { place: line.place.clone(), line: line.number, tip, aim, spin_rad, feature })
     }
 }
 

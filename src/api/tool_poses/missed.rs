@@ -114,11 +114,12 @@ impl Lack {
 /// Returns what the rows lack, axis by axis in the order of the chain.
 fn lacks(machine: &Machine, missed: &[MissedToolPose]) -> Vec<Lack> {
     let mut lacks: Vec<Lack> = Vec::new();
-    let mut add = |what: String, amount: f64, unit: &'static str, end: String| {
-        match lacks.iter_mut().find(|lack| lack.what == what && lack.end == end) {
-            Some(lack) => (lack.rows, lack.amount) = (lack.rows + 1, lack.amount.max(amount)),
-            None => lacks.push(Lack { what, rows: 1, amount, unit, end }),
-        }
+    let mut add = |what: String, amount: f64, unit: &'static str, end: String| match lacks
+        .iter_mut()
+        .find(|lack| lack.what == what && lack.end == end)
+    {
+        Some(lack) => (lack.rows, lack.amount) = (lack.rows + 1, lack.amount.max(amount)),
+        None => lacks.push(Lack { what, rows: 1, amount, unit, end }),
     };
     for miss in missed {
         match (miss.off_deg, miss.off_mm) {

@@ -1,15 +1,16 @@
 //! Tool poses from a file, as the work of a machine: the functional point in the workpiece frame with the
 //! direction of the tool axis, or with positions of the rotary axes.
 //!
-//! `columns` reads CSV. Rows that a machine cannot reach are left out, counted, and told with what they lack
+//! `columns` reads CSV, `apt` APT CL data. Rows that a machine cannot reach are left out, counted, and told with what they lack
 //! (`missed`).
 
+mod apt;
 mod columns;
 mod missed;
 
 use super::poses::check;
 use super::run::{Call, Refused};
-use crate::analysis::{Miss, Needs, ToolPose, UnreachableCount, inverse, place, rest, tool_pose};
+use crate::analysis::{Miss, Needs, ToolPose, UnreachableCount, inverse, inverse_all, place, rest, tool_pose};
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::report::{UnreachedRow, WorkRow, WorkRows};
@@ -18,8 +19,8 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-pub use missed::{BeyondTravel, MissedToolPose, NeededTravel};
 pub(crate) use missed::needed_travel;
+pub use missed::{BeyondTravel, MissedToolPose, NeededTravel};
 
 /// Largest number of tool poses of a file.
 const MAX_TOOL_POSES: usize = 1_000_000;
@@ -45,6 +46,8 @@ struct Row {
     line: usize,
     tip: Vector3<f64>,
     aim: Aim,
+    /// Turn of the tool about its axis, rad.
+    spin_rad: Option<f64>,
     /// Name of the feature to which the row belongs.
     feature: Option<String>,
 }
@@ -97,7 +100,8 @@ impl ReachedToolPoses {
 /// Reads a file; rotary columns are those of `machine`.
 pub(crate) fn read(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<ToolPoses, Refused> {
     let Some(sheet) = read_sheet(path, call.run.files, &mut call.diagnostics) else { return Err(Refused) };
-    match columns::rows(machine, &sheet) {
+    let rows = if apt::is_cl_data(&sheet) { apt::rows(&sheet) } else { columns::rows(machine, &sheet) };
+    match rows {
         Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows }),
         Err(refusal) => call.refuse(refusal),
     }
@@ -119,15 +123,29 @@ impl ToolPoses {
             Aim::Axis(direction) => *direction,
             Aim::Rotary(pose) => tool_pose(machine, pose).direction,
         };
-        self.rows.iter().map(|row| ToolPose { tip: row.tip, direction: direction(&row.aim) }).collect()
+        self.rows
+            .iter()
+            .map(|row| ToolPose { spin_rad: row.spin_rad, ..ToolPose::new(row.tip, direction(&row.aim)) })
+            .collect()
+    }
+
+    /// Returns the pose of a machine for every row, or what is missing.
+    fn found(&self, machine: &Machine) -> Vec<Result<Pose, Miss>> {
+        if !self.rows.iter().any(|row| matches!(row.aim, Aim::Rotary(_))) {
+            return inverse_all(machine, &self.list(machine));
+        }
+        let at_rest = rest(machine);
+        let of = |row: &Row| match &row.aim {
+            Aim::Axis(direction) => inverse(machine, &ToolPose::new(row.tip, *direction), &at_rest),
+            Aim::Rotary(rotary) => placed(machine, &row.tip, rotary, &at_rest),
+        };
+        self.rows.par_iter().map(of).collect()
     }
 
     /// Returns the poses of a machine for all rows that it reaches. Reports the others; refuses a file without a
     /// reachable row.
     pub(crate) fn reached(&self, call: &mut Call<'_>, machine: &Machine) -> Result<ReachedToolPoses, Refused> {
-        let at_rest = rest(machine);
-        let found: Vec<Result<Pose, Miss>> =
-            self.rows.par_iter().map(|row| pose_at(machine, row, &at_rest)).collect();
+        let found = self.found(machine);
         let travel = needed_travel(machine, &Needs::of(found.iter().map(Result::as_ref)));
         let missed: Vec<_> =
             found.iter().enumerate().filter_map(|(i, pose)| Some((i, pose.as_ref().err()?.clone()))).collect();
@@ -156,12 +174,7 @@ impl ToolPoses {
     }
 
     /// Reports the rows that a machine does not reach, in one warning; all of them are refused.
-    pub(crate) fn say(
-        &self,
-        call: &mut Call<'_>,
-        machine: &Machine,
-        missed: &[MissedToolPose],
-    ) -> Result<(), Refused> {
+    pub(crate) fn say(&self, call: &mut Call<'_>, machine: &Machine, missed: &[MissedToolPose]) -> Result<(), Refused> {
         if let Some(first) = missed.first() {
             let told = missed::told(machine, missed, self.rows.len());
             let place = self.rows.iter().find(|row| row.line == first.line).map(|row| row.place.clone());
@@ -175,18 +188,13 @@ impl ToolPoses {
     }
 }
 
-fn pose_at(machine: &Machine, row: &Row, at_rest: &[f64]) -> Result<Pose, Miss> {
-    match &row.aim {
-        Aim::Axis(direction) => inverse(machine, &ToolPose { tip: row.tip, direction: *direction }, at_rest),
-        Aim::Rotary(rotary) => {
-            let start = machine.axes().iter().zip(rotary).zip(at_rest);
-            let pose: Pose = start
-                .map(|((axis, turned), rest)| if axis.kind == AxisKind::Rotary { *turned } else { *rest })
-                .collect();
-            let placed = place(machine, &row.tip, &pose)?;
-            if machine.beyond_travel(&placed).next().is_some() { Err(Miss::travel(placed)) } else { Ok(placed) }
-        }
-    }
+/// Returns the pose for a tip (mm) with the rotary axes as given (deg).
+fn placed(machine: &Machine, tip: &Vector3<f64>, rotary: &[f64], at_rest: &[f64]) -> Result<Pose, Miss> {
+    let start = machine.axes().iter().zip(rotary).zip(at_rest);
+    let pose: Pose =
+        start.map(|((axis, turned), rest)| if axis.kind == AxisKind::Rotary { *turned } else { *rest }).collect();
+    let placed = place(machine, tip, &pose)?;
+    if machine.beyond_travel(&placed).next().is_some() { Err(Miss::travel(placed)) } else { Ok(placed) }
 }
 
 fn wrong(message: impl Into<String>) -> Diagnostic {

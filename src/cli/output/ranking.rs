@@ -2,12 +2,12 @@
 
 use super::view::{cell, table, tool_poses_text};
 use abbe::options::{JudgedBy, Statistic};
-use abbe::results::{ArrangementRow, RankedArrangements};
+use abbe::results::{ArrangementRow, NeededRange, RankedArrangements};
 use abbe::text::significant;
 
 /// One line for each arrangement.
 pub(crate) fn csv(of: &RankedArrangements) -> String {
-    let mut csv = "rank,group,chain,on table,reached,um,low,high,mean,minus file [um],not stated\n".to_owned();
+    let mut csv = "rank,group,chain,on table,reached,um,low,high,mean,minus file [um],not stated,travel\n".to_owned();
     let r = &of.ranking;
     for (group, rows) in [
         ("ranked", &r.ranked),
@@ -27,7 +27,9 @@ pub(crate) fn csv(of: &RankedArrangements) -> String {
                 text(result.map(|r| r.minus_file)),
             ];
             let head = format!("{rank},{group},{},{},{}", cell(&row.chain), row.table, row.reached);
-            csv += &format!("{head},{},{}\n", numbers.join(","), cell(&row.not_stated.join(" ")));
+            let travel = row.travel.iter().map(|t| format!("{} {} {}", t.axis, t.min + 0.0, t.max + 0.0));
+            let travel = travel.collect::<Vec<_>>().join("; ");
+            csv += &format!("{head},{},{},{}\n", numbers.join(","), cell(&row.not_stated.join(" ")), cell(&travel));
         }
     }
     csv
@@ -98,6 +100,10 @@ fn arrangements(of: &RankedArrangements, rows: &[ArrangementRow], (numbered, top
     if apart {
         header.push("not stated");
     }
+    let sized = rows.iter().any(|row| !row.travel.is_empty());
+    if sized {
+        header.push("travel needed, mm or deg");
+    }
     let mut list = table(&header);
     let shown = if numbered { top } else { top.div_ceil(4) };
     for (i, row) in rows.iter().take(shown).enumerate() {
@@ -116,6 +122,10 @@ fn arrangements(of: &RankedArrangements, rows: &[ArrangementRow], (numbered, top
         cells.push(short(result.map(|r| r.minus_file)));
         if apart {
             cells.push(row.not_stated.join(", "));
+        }
+        if sized {
+            let length = |t: &NeededRange| format!("{} {}", t.axis, significant(t.max - t.min, 4));
+            cells.push(row.travel.iter().map(length).collect::<Vec<_>>().join(", "));
         }
         let _ = list.add_row(cells);
     }

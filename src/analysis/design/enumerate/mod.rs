@@ -21,6 +21,6 @@ mod walk_budget;
 
 pub use arrangement::{MAX_ARRANGEMENTS, TooMany, Walk, walks};
 pub use journal::Journal;
-pub use ranking::{Ranking, Row, Standing, ranked};
+pub use ranking::{NeededRange, Ranking, Row, Standing, ranked};
 pub use rule::{Rule, RuleFailure};
 pub use study::{Judge, Study};

@@ -1,12 +1,12 @@
 //! A study: every walk on the same tool poses, judged by a budget or by the errors that have a value.
 
 use super::arrangement::Walk;
-use super::ranking::{Outcome, Row, Standing};
+use super::ranking::{NeededRange, Outcome, Row, Standing};
 use super::side_draws::SideDraws;
 use super::walk_budget;
 use crate::analysis::design::budget::{Bound, Draws, Percentile, SampleLanes, Statistic, mean};
 use crate::analysis::design::compare::UnreachableCount;
-use crate::analysis::inverse::{Miss, ToolPose, inverse, rest, tool_pose};
+use crate::analysis::inverse::{Miss, Needs, ToolPose, inverse_all, tool_pose};
 use crate::analysis::volume::Work;
 use crate::evaluate::{Bare, Field, Order, Poses, Random};
 use crate::lower::{Quantity, Twist, twists};
@@ -41,6 +41,7 @@ pub struct Study<'a> {
     reference: Reference,
     drawn: SideDraws,
     freedom: usize,
+    sized: bool,
 }
 
 /// The machine as its file has it: squared lengths of the deviations (mm^2) at every tool pose.
@@ -54,22 +55,24 @@ enum Reference {
 impl<'a> Study<'a> {
     /// Returns a study with its work and errors drawn. Tool poses that the machine itself cannot reach are left out.
     pub fn new(machine: &'a Machine, walks: Vec<Walk>, judge: Judge, statistic: Statistic, work: &Work) -> Self {
-        let at_rest = rest(machine);
-        let own = |i: usize| {
-            let target = work.get(machine, i);
-            inverse(machine, &target, &at_rest).ok().map(|pose| (target, pose))
-        };
-        let own: Vec<(ToolPose, Pose)> = (0..work.len()).into_par_iter().filter_map(own).collect();
-        let (work, poses): (Vec<ToolPose>, Vec<Pose>) = own.into_iter().unzip();
+        let targets: Vec<ToolPose> = (0..work.len()).into_par_iter().map(|i| work.get(machine, i)).collect();
+        let found = inverse_all(machine, &targets).into_iter().zip(targets);
+        let (work, poses): (Vec<ToolPose>, Vec<Pose>) =
+            found.filter_map(|(pose, target)| Some((target, pose.ok()?))).unzip();
         let drawn = match &judge {
             Judge::Errors => SideDraws::default(),
             Judge::Budget { bounds, draws, samples } => SideDraws::new(machine, bounds, draws, *samples),
         };
         let freedom = freedom(machine);
         let reference = Reference::Values(Vec::new());
-        let mut study = Self { machine, walks, statistic, judge, work, reference, drawn, freedom };
+        let mut study = Self { machine, walks, statistic, judge, work, reference, drawn, freedom, sized: false };
         study.reference = study.own(&poses);
         study
+    }
+
+    /// The same study, which also tells the travel that the work needs of each arrangement.
+    pub fn sized(self, sized: bool) -> Self {
+        Self { sized, ..self }
     }
 
     /// Returns the machine's own deviations at the work.
@@ -113,6 +116,7 @@ impl<'a> Study<'a> {
             unreachable: missed,
             result: None,
             not_stated: self.not_stated(machine),
+            travel: Vec::new(),
         };
         let each = || machines.iter().zip(tables);
         if freedom(nominal) < self.freedom {
@@ -120,18 +124,20 @@ impl<'a> Study<'a> {
                 UnreachableCount { total: self.work.len(), direction: self.work.len(), ..UnreachableCount::default() };
             return each().map(|of| row(of, Standing::CannotTurn, missed)).collect();
         }
-        let at_rest = rest(nominal);
-        let found: Vec<Result<Pose, Miss>> =
-            self.work.iter().map(|target| inverse(nominal, target, &at_rest)).collect();
+        let found: Vec<Result<Pose, Miss>> = inverse_all(nominal, &self.work);
         let missed = UnreachableCount::count(found.iter().filter_map(|pose| Some(&pose.as_ref().err()?.why)));
+        let travel = if self.sized { needed(nominal, &found) } else { Vec::new() };
         let (reached, poses): (Vec<usize>, Vec<Pose>) =
             found.into_iter().enumerate().filter_map(|(i, pose)| Some((i, pose.ok()?))).unzip();
         if poses.is_empty() {
             return each().map(|of| row(of, Standing::ReachesNothing, missed)).collect();
         }
         let results = self.results(walk, machines, tables, &reached, &poses);
-        let judged =
-            each().zip(results).map(|(of, result)| Row { result: Some(result), ..row(of, Standing::Judged, missed) });
+        let judged = each().zip(results).map(|(of, result)| Row {
+            result: Some(result),
+            travel: travel.clone(),
+            ..row(of, Standing::Judged, missed)
+        });
         judged.collect()
     }
 
@@ -184,6 +190,13 @@ impl<'a> Study<'a> {
             (Judge::Errors, Reference::Drawn(_)) => Vec::new(),
         }
     }
+}
+
+/// Returns the travel that the work needs of each axis.
+fn needed(machine: &Machine, found: &[Result<Pose, Miss>]) -> Vec<NeededRange> {
+    let ranges = Needs::of(found.iter().map(|pose| pose.as_ref())).ranges;
+    let of = |(axis, (min, max)): (&Axis, (f64, f64))| NeededRange { axis: axis.name.to_string(), min, max };
+    machine.axes().iter().zip(ranges).map(of).collect()
 }
 
 /// True for machines that differ at most in the side of axes on which nothing nominal depends. Axes whose sense or
