@@ -25,7 +25,10 @@ pub use design::{
     Comparison, ErrorContribution, ErrorStatistics, MachineResult, UnreachableCount, budget, compare, contributions,
     enumerate, error_statistics,
 };
-pub use inverse::{Inverse, ToolPose, Unreachable, inverse, place, rest, tool_pose};
+pub use inverse::{
+    Excess, Inverse, Miss, Needs, ToolPose, Unreachable, attitude, branches, direction_gap, excess, inverse,
+    inverse_all, place, rest, tool_pose,
+};
 pub use volume::{
     Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, Survey, SurveyTask, TooManyPoses, View, Work,
     arm_shares, body_diagonals, deviation_in, frame_rotation, levers, map, space_axes, survey, survey_with_rows,

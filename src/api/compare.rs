@@ -7,7 +7,7 @@ use super::order_of;
 use super::poses::check;
 use super::run::{Answer, Call, Refused, Run};
 use super::tolerances::ToleranceOptions;
-use super::tool_poses::{self, MissedToolPose, ToolPoses};
+use super::tool_poses::{self, MissedToolPose, NeededTravel, needed_travel};
 use crate::analysis::{
     Comparison, ErrorContribution as AnalysedContribution, MachineResult, UnreachableCount, Work, compare as compared,
     contributions as contributions_of,
@@ -114,6 +114,9 @@ pub struct ComparedMachine {
     /// Rows of a file of tool poses that it does not reach.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub missed: Option<Vec<MissedToolPose>>,
+    /// The travel that the tool poses of a file need, axis by axis.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub travel: Option<Vec<NeededTravel>>,
     /// The kinematic chain.
     #[serde(skip)]
     pub chain: String,
@@ -165,10 +168,13 @@ fn side_by_side(
     let comparison = call.stage(work.len(), |advance| compared(&fields, &work, options.approach, advance));
     let sides: Vec<(&Machine, Vec<Pose>)> =
         files.iter().zip(&comparison.machines).map(|(file, side)| (&**file, poses(side))).collect();
+    let mut missed = vec![None; sides.len()];
     if let Some(asked) = &asked {
-        for ((machine, poses), side) in sides.iter().zip(&comparison.machines) {
-            asked.say(call, machine, &side.missed)?;
+        for (((machine, poses), side), missed) in sides.iter().zip(&comparison.machines).zip(&mut missed) {
+            let rows = asked.missed(machine, &side.missed);
+            asked.say(call, machine, &rows)?;
             check(call, machine, poses)?;
+            *missed = Some(rows);
         }
     }
     let contributions = contributions_of(&sides, options.approach);
@@ -179,7 +185,7 @@ fn side_by_side(
     let (samples, seed) = (options.samples, options.seed);
     let drawn = DrawnMachines { tolerances: &options.tolerances, samples, max_samples, seed };
     let budgets = budgets(call, &sides, drawn)?;
-    let machine = |(file, side)| compared_machine(file, side, order(file), asked.as_ref());
+    let machine = |((file, side), missed)| compared_machine(file, side, order(file), missed);
     Ok(CompareResult {
         contributions: contributions.iter().map(contribution).collect(),
         asked: comparison.asked,
@@ -187,7 +193,7 @@ fn side_by_side(
         seed: options.seed,
         frame: Frame::Workpiece,
         direction: options.approach,
-        machines: files.iter().zip(&comparison.machines).map(machine).collect(),
+        machines: files.iter().zip(&comparison.machines).zip(missed).map(machine).collect(),
         budgets,
         rows: (0..comparison.common.len()).map(|i| row(&comparison, i)).collect(),
     })
@@ -206,7 +212,7 @@ fn compared_machine(
     file: &MachineFile,
     side: &MachineResult,
     order: Order,
-    asked: Option<&ToolPoses>,
+    missed: Option<Vec<MissedToolPose>>,
 ) -> ComparedMachine {
     ComparedMachine {
         machine: file.name().to_owned(),
@@ -216,7 +222,8 @@ fn compared_machine(
         position_um: side.statistics.position_um,
         rotation_urad: side.statistics.rotation_urad,
         minus_first: side.difference,
-        missed: asked.map(|asked| asked.missed(&side.missed)),
+        travel: missed.is_some().then(|| needed_travel(file, &side.needs)),
+        missed,
         chain: file.chain().to_string(),
     }
 }

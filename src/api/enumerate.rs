@@ -40,6 +40,8 @@ pub struct EnumerateOptions {
     pub poses: usize,
     /// A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or rotary axes (deg).
     pub tool_poses: Option<PathBuf>,
+    /// Gives linear axes the travel that the work needs, whatever the file says; every arrangement tells it.
+    pub size: bool,
     /// Number of machines that are drawn of every arrangement for the budget, at least 2.
     pub samples: usize,
     /// Maximum number of machines that are drawn of the arrangements that could be among the first; by default eight
@@ -68,6 +70,7 @@ impl Default for EnumerateOptions {
             rotary: None,
             poses: 500,
             tool_poses: None,
+            size: false,
             samples: 200,
             max_samples: None,
             first: 1,
@@ -225,15 +228,25 @@ fn row_json(row: &Row) -> Value {
         "high": row.result.and_then(|r| r.high), "mean": row.result.and_then(|r| r.mean),
         "minus_file": row.result.map(|r| r.minus_file),
     });
-    if let (Some(object), Some(result)) = (json.as_object_mut(), row.result) {
-        object.extend(result.samples.map(|samples| ("samples".to_owned(), json!(samples))));
-        object.extend(result.versus_first.map(|versus| ("versus_first".to_owned(), json!(versus))));
+    if let Some(object) = json.as_object_mut() {
+        if let Some(result) = row.result {
+            object.extend(result.samples.map(|samples| ("samples".to_owned(), json!(samples))));
+            object.extend(result.versus_first.map(|versus| ("versus_first".to_owned(), json!(versus))));
+        }
+        if !row.travel.is_empty() {
+            let travel: serde_json::Map<String, Value> =
+                row.travel.iter().map(|t| (t.axis.clone(), json!([t.min + 0.0, t.max + 0.0]))).collect();
+            let _ = object.insert("travel".to_owned(), Value::Object(travel));
+        }
     }
     if let (Some(object), false) = (json.as_object_mut(), row.not_stated.is_empty()) {
         let _ = object.insert("not_stated".to_owned(), json!(row.not_stated));
     }
     json
 }
+
+/// Travel of linear axes that a work sizes, to either side of zero, mm.
+const LONG_MM: f64 = 1e6;
 
 /// Poses times samples: as many figures are kept of the arrangement of the file.
 const MAX_DRAWS: u64 = 20_000_000;
@@ -261,6 +274,12 @@ fn studied(
     let rules = rules(options, machine).or_else(|refusal| call.refuse(refusal))?;
     let walks = listed(options, machine, &rules).or_else(|refusal| call.refuse(refusal))?;
     let (judge, class) = judge(call, options, machine)?;
+    if options.size && matches!(judge, Judge::Errors) {
+        return call
+            .usage("`--size` ranks by a budget: errors with values are known over the travel of the file alone");
+    }
+    let long = options.size.then(|| machine.with_linear_travels(LONG_MM));
+    let machine = long.as_ref().unwrap_or(machine);
     let (work, tool_poses) = work(call, options, machine)?;
     if let (Judge::Budget { .. }, true) = (&judge, options.tool_poses.is_some()) {
         draws(work.len() as u64, options.largest() as u64).or_else(|refusal| call.refuse(refusal))?;
@@ -273,7 +292,7 @@ fn studied(
     };
     let begun = study::begun(call, options.state.as_deref(), empty)?;
     let begun = study::merged(call, &options.merge, begun)?;
-    let study = Study::new(machine, walks, judge, options.tolerances.statistic, &work);
+    let study = Study::new(machine, walks, judge, options.tolerances.statistic, &work).sized(options.size);
     let end = match computed(call, options, (&study, &rounds), (begun, file))? {
         Computed::End(end) => end,
         Computed::Part(progress) => return Ok(EnumerateResult::Part(progress)),
@@ -324,8 +343,7 @@ fn rounds(options: &EnumerateOptions, judge: &Judge, poses: usize) -> Rounds {
 fn nothing_reached(machine: &Machine) -> Diagnostic {
     let message =
         format!("`{}` reaches no tool pose of the work, so there is nothing to rank on", shown(machine.name()));
-    let help = "the inverse kinematics places the tip by linear axes; give tool poses that the machine reaches with \
-                `--tool-poses`, or a `volume` within its travels";
+    let help = "give tool poses that the machine reaches with `--tool-poses`, or another `volume`";
     Diagnostic::new(codes::E0613, message).help(help)
 }
 

@@ -2,6 +2,7 @@
 
 use super::compensation::effect::compiled_effect;
 use super::compensation::options::CompensationOptions;
+use super::features::{FeatureResult, features};
 use super::machine_file::{MachineFile, bounded_only};
 use super::map_tables::{MapTable, Tables};
 use super::order_of;
@@ -72,8 +73,8 @@ pub enum MapPoses {
     Random(usize),
     /// Low-discrepancy poses over the volume: their number.
     LowDiscrepancy(usize),
-    /// The poses for the tool poses of a CSV file, workpiece frame: columns X, Y, Z (mm) and I, J, K or rotary axes
-    /// (deg).
+    /// The poses for the tool poses of a file, workpiece frame: CSV with columns X, Y, Z (mm) and I, J, K or rotary axes
+    /// (deg), or APT CL data.
     ToolPoses(PathBuf),
 }
 
@@ -129,6 +130,9 @@ pub struct MapResult {
     /// Tool poses of a file, with those that the machine reaches.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tool_poses: Option<ReachedToolPoses>,
+    /// The features of the file, where it names some: the largest deviation on each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub features: Vec<FeatureResult>,
     /// The target whose compensation is in the map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<String>,
@@ -234,7 +238,8 @@ fn volume(
         return call.refuse(too_many(poses.len()));
     }
     let name = options.target.as_deref().unwrap_or_default();
-    let rows = Rows { machine, poses: &poses, view, order, target: name };
+    let work = tool_poses.as_ref().map(ReachedToolPoses::work_rows);
+    let rows = Rows { machine, poses: &poses, view, order, target: name, work: work.as_ref() };
     let before = match &replayed {
         Some(_) => Some(found(call, &bare, &rows, Vec::new(), 0)?.statistics),
         None => None,
@@ -245,10 +250,12 @@ fn volume(
     let subject = Subject { field, state: &state, before: before_field };
     let drawn = options.picture.as_ref().zip(place.as_ref());
     let picture = drawn.map(|(picture, place)| picture.picture(place, &subject, (view, order)));
+    let features = tool_poses.as_ref().map(|reached| features(field, reached, view, replayed.is_none()));
+    let features = features.unwrap_or_default();
     let diagonals = body_diagonals(field, &rest(machine), DIAGONAL_STEPS, view.approach);
     let result = result(&rows, &survey, &diagonals);
     let uncompensated = before.map(|s| Uncompensated { position_um: s.position_um, rotation_urad: s.rotation_urad });
-    Ok(MapResult { picture, tool_poses, target: options.target.clone(), uncompensated, ..result })
+    Ok(MapResult { picture, tool_poses, features, target: options.target.clone(), uncompensated, ..result })
 }
 
 /// Number of poses at which the warnings of a compensation are found.
@@ -327,6 +334,7 @@ fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[Diagonal]) -> MapResult
         diagonals: diagonals.iter().map(diagonal).collect(),
         p95_relative_error: (poses.len() > MAX_POSES).then_some(Tally::QUANTILE_ERROR),
         tool_poses: None,
+        features: Vec::new(),
         target: None,
         uncompensated: None,
         grid: if let Poses::Nodes(nodes) = poses { Some(nodes.counts().collect()) } else { None },

@@ -25,6 +25,7 @@ mod enumerate;
 mod equations;
 mod eval;
 mod explain;
+mod features;
 mod goal;
 mod identify;
 mod import;

@@ -4,20 +4,23 @@ use super::budget::{BudgetOptions, BudgetResult, budget_of};
 use super::budgets::{DrawnMachines, budgets};
 use super::compensation::effect::compiled_effect;
 use super::compensation::options::CompensationOptions;
+use super::features::features;
 use super::machine_file::{MachineFile, bounded_only, sources_of};
 use super::order_of;
 use super::run::{Answer, Call, Refused, Run};
 use super::tolerances::ToleranceOptions;
+use super::tool_poses;
 use crate::analysis::{MAX_POSES, TooManyPoses, View, map};
 use crate::controller::Depth;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::{Bare, Frame, Order};
-use crate::machine::{Approach, Machine};
+use crate::machine::{Approach, Machine, Pose};
 use crate::report::page::{
     ComparisonData, Delivery, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
     TargetResult, colours,
 };
 use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
 
 /// Options of [`report`].
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -29,6 +32,8 @@ pub struct ReportOptions {
     pub compensation: CompensationOptions,
     /// Number of poses of maps and certificates.
     pub poses: usize,
+    /// A file of tool poses, of which statistics and comparison are taken: CSV or APT CL data.
+    pub tool_poses: Option<PathBuf>,
     /// Seed of the poses, and of the errors that are drawn.
     pub seed: u64,
     /// Order of the errors; exact by default, unless the conventions of a machine name an order.
@@ -47,6 +52,7 @@ impl Default for ReportOptions {
             targets: Vec::new(),
             compensation: CompensationOptions::default(),
             poses: 2000,
+            tool_poses: None,
             seed: 1,
             order: None,
             approach: Approach::default(),
@@ -97,7 +103,7 @@ fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions)
     let given: Vec<MachineInput<'_>> = subjects.iter().map(|subject| subject.given(options)).collect();
     let mut report = Report::default();
     report.data.comparison = comparison(call, options, &given)?;
-    let drawn = call.stage(given.len() * options.poses, |advance| {
+    let drawn = call.stage(given.iter().map(|given| given.poses.0).sum(), |advance| {
         given.iter().enumerate().map(|(i, given)| drawn(i + 1, given, advance)).collect::<Result<Vec<_>, _>>()
     });
     let Ok(drawn) = drawn else { return call.usage(format!("a report takes {MAX_POSES} poses at most")) };
@@ -125,6 +131,8 @@ struct Subject<'a> {
     warnings: Vec<String>,
     instruments: Instruments,
     budget: Option<BudgetResult>,
+    /// The tool poses of the file that the machine reaches, and what the page says of them.
+    work: Option<(Vec<Pose>, Value)>,
 }
 
 impl<'a> Subject<'a> {
@@ -132,12 +140,13 @@ impl<'a> Subject<'a> {
         let seen = call.diagnostics.iter().count();
         call.extend(bounded_only(file));
         call.checked()?;
+        let work = options.tool_poses.as_ref().map(|path| work(call, file, path, options)).transpose()?;
         let written =
             options.targets.iter().map(|name| compensated(call, file, name, options)).collect::<Result<_, _>>()?;
         let found = file.warnings().iter().chain(call.diagnostics.iter().skip(seen));
         let warnings = found.map(Diagnostic::to_string).collect();
         let (budget, instruments) = (own_budget(call, file, options)?, Instruments::new(file));
-        Ok(Self { file, written, warnings, instruments, budget })
+        Ok(Self { file, written, warnings, instruments, budget, work })
     }
 
     fn given(&self, options: &ReportOptions) -> MachineInput<'_> {
@@ -146,13 +155,31 @@ impl<'a> Subject<'a> {
             file: self.file.path(),
             order: order_of(self.file, options.order),
             approach: options.approach,
-            poses: (options.poses, options.seed),
+            poses: (self.work.as_ref().map_or(options.poses, |(poses, _)| poses.len()), options.seed),
+            work: self.work.as_ref().map(|(poses, work)| (poses.as_slice(), work)),
             written: &self.written,
             warnings: &self.warnings,
             instruments: &self.instruments,
             budget: self.budget.as_ref().map(BudgetResult::report),
         }
     }
+}
+
+/// Returns the poses of a machine for the tool poses of a file, and what the page says of them.
+fn work(
+    call: &mut Call<'_>,
+    file: &MachineFile,
+    path: &Path,
+    options: &ReportOptions,
+) -> Result<(Vec<Pose>, Value), Refused> {
+    let machine: &Machine = file;
+    let reached = tool_poses::read(call, machine, path)?.reached(call, machine)?;
+    let bare = Bare { machine, order: order_of(machine, options.order) };
+    let view = View { approach: options.approach, frame: Frame::Workpiece };
+    let features = features(&bare, &reached, view, true);
+    let work = json!({"file": reached.file, "asked": reached.asked, "reached": reached.reached,
+        "travel": reached.travel, "features": features});
+    Ok((reached.poses, work))
 }
 
 /// Returns the effect of the files that `compile` would write for a target, and their certificate.

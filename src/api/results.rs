@@ -16,6 +16,7 @@ pub use super::enumerate::{EnumerateResult, RankedArrangements, StudyProgress};
 pub use super::equations::EquationsResult;
 pub use super::eval::{EvalResult, EvalUnits, PoseResult};
 pub use super::explain::Explanation;
+pub use super::features::{DominatingError, FeatureResult};
 pub use super::goal::{NewTolerance, ToleranceGoal};
 pub use super::identify::{
     ExpectedParameter, FittedParameter, IdentifyResult, KindResidual, MeasurementPlan, MonomialCoefficient,
@@ -32,13 +33,13 @@ pub use super::report::Report;
 pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, OtherSide};
 pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
-pub use super::tool_poses::{MissedToolPose, ReachedToolPoses};
+pub use super::tool_poses::{BeyondTravel, MissedToolPose, NeededTravel, ReachedToolPoses};
 pub use crate::analysis::Status as LocationStatus;
 pub use crate::analysis::budget::{
     Binding, Bound, Budget, BudgetPart, CheapestTolerances, Contribution, ErrorKind, PERCENTS, PairedDifference,
     Percentile, Role, Totals, Verdict, VersusFirst,
 };
-pub use crate::analysis::enumerate::{Ranking, RoundCount, Row as ArrangementRow};
+pub use crate::analysis::enumerate::{NeededRange, Ranking, RoundCount, Row as ArrangementRow};
 pub use crate::analysis::instrument::{BallBar, Diagonal, RTest};
 pub use crate::controller::{
     Certificate, CompensationDegree, ControllerTarget, Figures, ROUNDING_UM, SingleErrorResidual,

@@ -57,6 +57,20 @@ impl Machine {
             || (carried && errors.location[3..].iter().any(Option::is_some))
     }
 
+    /// The same machine with linear axes of `length_mm` to either side of their zero, on both sides of the bed; the
+    /// volume stays.
+    pub fn with_linear_travels(&self, length_mm: f64) -> Self {
+        let travel = Travel::Range(-length_mm, length_mm);
+        let mut parts = self.parts().clone();
+        for axis in parts.axes.iter_mut().filter(|axis| axis.kind == AxisKind::Linear) {
+            axis.travel = travel;
+            if let Some(both) = parts.geometry.axes.get_mut(&axis.name) {
+                Branch::BOTH.into_iter().for_each(|branch| both.on_mut(branch).travel = travel);
+            }
+        }
+        self.with_parts(parts)
+    }
+
     /// The same axes in another order or on another side, listed on the walk from workpiece to tool; an axis left out
     /// goes with its errors. Each axis has the geometry, travel and errors that the file states for its side; where it
     /// states none, it keeps what it has. `None` if an axis is not there, or twice, or none is left.

@@ -23,6 +23,8 @@ const MISTAKES: [&str; 7] = ["#REF!", "#N/A", "#DIV/0!", "#VALUE!", "#NAME?", "#
 pub struct Line {
     /// Its place.
     pub place: Place,
+    /// Its number in the file, from 1.
+    pub number: usize,
     /// Without its end.
     pub text: String,
 }
@@ -78,19 +80,28 @@ fn windows(bytes: &[u8]) -> Option<String> {
 }
 
 impl Sheet {
+    /// The beginning of the file, as the place of what it lacks as a whole.
+    pub fn start(&self) -> Place {
+        Place { source: self.source, range: 0..0 }
+    }
+
     /// The lines that count.
     pub fn lines(&self) -> Vec<Line> {
         let mut start = 0;
-        let line = |line: &str| {
+        let line = |(index, line): (usize, &str)| {
             let content = line.trim_end();
             let range = start..start + content.len();
             start += line.len();
             let bare = content.trim_start();
             let mistake = MISTAKES.iter().any(|mistake| bare.starts_with(mistake));
             let counts = !bare.is_empty() && (mistake || !bare.starts_with('#')) && !bare.starts_with("//");
-            counts.then(|| Line { place: Place { source: self.source, range }, text: content.to_owned() })
+            counts.then(|| Line {
+                place: Place { source: self.source, range },
+                number: index + 1,
+                text: content.to_owned(),
+            })
         };
-        self.text.split_inclusive('\n').filter_map(line).collect()
+        self.text.split_inclusive('\n').enumerate().filter_map(line).collect()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::configs::{all, machine};
 use crate::program::{Folder, abbe, abbe_on, json, refused, text};
-use abbe::analysis::{ToolPose, Unreachable, inverse, rest, tool_pose};
+use abbe::analysis::{ToolPose, Unreachable, direction_gap, inverse, rest, tool_pose};
 use abbe::evaluate::random_poses;
 use abbe::machine::{AxisKind, Machine};
 use nalgebra::Vector3;
@@ -95,17 +95,48 @@ fn nearly_singular_poses_lose_nothing() {
     }
 }
 
+/// Distance and angle between the tool pose at a pose and an upright one.
+fn miss_of(machine: &Machine, pose: &[f64], tip: [f64; 3]) -> (f64, f64) {
+    miss(machine, pose, &ToolPose::new(tip.into(), Vector3::z()))
+}
+
+#[test]
+fn a_cone_is_missed_by_the_angle_to_it() {
+    // A nutating head of 45 deg alone holds the tool on a cone of 45 deg about (0, 1, 1).
+    let text = "abbe: 1\nmachine: N\nchain: w b X Y Z B t\naxes: { X: { travel: [0, 9] }, Y: { travel: [0, 9] }, \
+                Z: { travel: [0, 9] }, B: { direction: [0, 1, 1], travel: [0 deg, 90 deg] } }\n";
+    let file = abbe::loads(text, &abbe::LoadOptions::default(), abbe::Run::default()).unwrap();
+    let machine: &Machine = &file;
+    for tilt in [-30.0_f64, 20.0, 70.0] {
+        let (s, c) = (libm::sin(tilt.to_radians()), libm::cos(tilt.to_radians()));
+        let direction = Vector3::new(s, 0.0, c);
+        let axis = Vector3::new(0.0, 1.0, 1.0).normalize();
+        let gap = libm::acos(direction.dot(&axis)) - std::f64::consts::FRAC_PI_4;
+        assert!((direction_gap(machine, &direction) - gap.abs()).abs() < 1e-9, "{tilt}");
+    }
+}
+
 #[test]
 fn what_cannot_be_reached_is_said() {
     let machine = machine("trunnion.yaml");
     let reference = rest(&machine);
-    let target = |tip: [f64; 3], direction: Vector3<f64>| ToolPose { tip: tip.into(), direction };
+    let target = |tip: [f64; 3], direction: Vector3<f64>| ToolPose::new(tip.into(), direction);
     let from_below = inverse(&machine, &target([0.0; 3], -Vector3::z()), &reference);
-    assert_eq!(from_below, Err(Unreachable::Travel));
-    assert_eq!(inverse(&machine, &target([1e4, 0.0, 0.0], Vector3::z()), &reference), Err(Unreachable::Travel));
+    // A table that tilts to -120 deg falls short of holding the tool from below, by 60 deg.
+    let a = machine.axis_index("A").unwrap();
+    let miss = from_below.unwrap_err();
+    assert_eq!(miss.why, Unreachable::Travel);
+    let turned = miss.beyond.unwrap()[a];
+    assert!((turned + 180.0).abs() < 1e-9, "{turned}");
+    let aside = inverse(&machine, &target([1e4, 0.0, 0.0], Vector3::z()), &reference).unwrap_err();
+    assert_eq!(aside.why, Unreachable::Travel);
+    // The pose beyond the travel takes the tool pose.
+    let (place, direction) = miss_of(&machine, aside.beyond.as_ref().unwrap(), [1e4, 0.0, 0.0]);
+    assert!(place < 1e-8 && direction < 1e-12, "{place} {direction}");
     let three = crate::configs::machine("gantry-3ax.yaml");
     let tilted = target([0.0; 3], Vector3::new(0.6, 0.0, 0.8));
-    assert_eq!(inverse(&three, &tilted, &rest(&three)), Err(Unreachable::Direction));
+    assert_eq!(inverse(&three, &tilted, &rest(&three)).unwrap_err().why, Unreachable::Direction);
+    assert!((direction_gap(&three, &tilted.direction) - libm::atan2(0.6, 0.8)).abs() < 1e-12);
     let nan = target([f64::NAN, 0.0, 0.0], Vector3::z());
     assert!(inverse(&machine, &nan, &reference).is_err());
     let nowhere = target([0.0; 3], Vector3::new(f64::NAN, 0.0, 1.0));
@@ -186,7 +217,7 @@ fn a_lathe_reaches_across_its_plane_by_its_spindle() {
     let (x, c) = (machine.axis_index("X").unwrap(), machine.axis_index("C").unwrap());
     let reference = rest(&machine);
     let centre = tool_pose(&machine, &reference).tip;
-    let target = ToolPose { tip: centre + Vector3::new(30.0, 40.0, 100.0), direction: Vector3::z() };
+    let target = ToolPose::new(centre + Vector3::new(30.0, 40.0, 100.0), Vector3::z());
     let found = inverse(&machine, &target, &reference).unwrap();
     assert!((found[x] - 50.0).abs() < 1e-9, "{found:?}");
     let turn = libm::atan2(40.0, 30.0).to_degrees();
@@ -197,7 +228,7 @@ fn a_lathe_reaches_across_its_plane_by_its_spindle() {
     let found = inverse(&machine, &near, &reference).unwrap();
     assert!((found[x] + 9.0).abs() < 1e-9 && found[c].abs() < 1e-9, "{found:?}");
     let far = ToolPose { tip: centre + Vector3::new(150.0, 150.0, 0.0), ..target };
-    assert_eq!(inverse(&machine, &far, &reference), Err(Unreachable::Travel));
+    assert_eq!(inverse(&machine, &far, &reference).unwrap_err().why, Unreachable::Travel);
     // A place that hangs on nothing but X and Z needs no turn.
     for pose in random_poses(&machine, 500, 3) {
         let target = tool_pose(&machine, &pose);

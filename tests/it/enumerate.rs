@@ -324,8 +324,9 @@ fn what_makes_no_study_is_refused() {
     says(&["trunnion.yaml", "--require", "Q before A"], &["E0608", "`Q` is no axis"]);
     says(&["trunnion.yaml", "--require", "C on table", "--max-table", "0"], &["E0609"]);
     says(&["trunnion.yaml", "--by", "budget"], &["E0604"]);
-    // Six rotary axes: nothing places the tip.
-    says(&["robots/ur5.yaml", "--class", "production", "--rotary", "2", "--poses", "5", "--samples", "4"], &["E0613"]);
+    let folder = Folder::new("enumerate-nothing");
+    let nowhere = folder.with("nowhere.csv", "X,Y,Z\n9000,0,0\n");
+    says(&["trunnion.yaml", "--class", "production", "--tool-poses", text(&nowhere)], &["E0613", "X short by"]);
     says(&["trunnion.yaml", "--poses", "100000", "--samples", "10000"], &["E0606", "1000000000"]);
     for usage in [
         &["--shard", "4/3", "--state", "x"][..],

@@ -68,6 +68,7 @@ mod remarks;
 mod replays;
 mod report;
 mod repository;
+mod robots;
 mod rooms;
 mod schema;
 mod show;

@@ -1,7 +1,7 @@
 //! Machines side by side on the same work: the same tool poses in the workpiece frame, reached by
 //! each machine's own nominal inverse kinematics.
 
-use crate::analysis::inverse::{ToolPose, Unreachable, inverse, rest};
+use crate::analysis::inverse::{Miss, Needs, ToolPose, Unreachable, inverse_all};
 use crate::analysis::volume::Work;
 use crate::evaluate::{Deviation, Difference, Field, Statistics};
 use crate::machine::{Approach, Pose};
@@ -23,8 +23,10 @@ pub struct Comparison {
 pub struct MachineResult {
     /// Number of tool poses it cannot reach, whether or not the others can.
     pub unreachable: UnreachableCount,
-    /// These tool poses by index with the reason, in order.
-    pub missed: Vec<(usize, Unreachable)>,
+    /// These tool poses by index with what is missing, in order.
+    pub missed: Vec<(usize, Miss)>,
+    /// Positions of its axes over all tool poses.
+    pub needs: Needs,
     /// Its pose (mm, deg) at each common tool pose, with the deviation there (workpiece frame).
     pub reached: Vec<(Pose, Deviation)>,
     /// Over the common tool poses.
@@ -71,7 +73,7 @@ impl UnreachableCount {
 }
 
 /// The result of every machine at one tool pose.
-type Row = Vec<Result<(Pose, Deviation), Unreachable>>;
+type Row = Vec<Result<(Pose, Deviation), Miss>>;
 
 /// Returns the comparison of machines on the same work, which may be the tool poses of the first. Of several poses for
 /// a tool pose each machine takes the one nearest to its zero pose. Calls `progress` with the number of tool poses done
@@ -85,17 +87,17 @@ pub fn compare(
     let Some(first) = fields.first() else {
         return Comparison { asked: work.len(), common: Vec::new(), machines: Vec::new() };
     };
-    let rests: Vec<Pose> = fields.iter().map(|field| rest(field.machine())).collect();
+    let targets: Vec<ToolPose> = (0..work.len()).into_par_iter().map(|i| work.get(first.machine(), i)).collect();
+    let found: Vec<_> = fields.iter().map(|field| inverse_all(field.machine(), &targets)).collect();
     let row = |index: usize| {
-        let target = work.get(first.machine(), index);
-        let at = |(field, rest): (&&dyn Field, &Pose)| {
-            let pose = inverse(field.machine(), &target, rest)?;
+        let at = |(field, found): (&&dyn Field, &Vec<Result<Pose, Miss>>)| {
+            let pose = found[index].clone()?;
             let deviation = field.deviation(&pose, approach);
             Ok((pose, deviation))
         };
-        let row: Row = fields.iter().zip(&rests).map(at).collect();
+        let row: Row = fields.iter().zip(&found).map(at).collect();
         progress(1);
-        (target, row)
+        (targets[index], row)
     };
     let rows: Vec<(ToolPose, Row)> = (0..work.len()).into_par_iter().map(row).collect();
     side_by_side(rows, fields.len())
@@ -104,10 +106,12 @@ pub fn compare(
 fn side_by_side(rows: Vec<(ToolPose, Row)>, count: usize) -> Comparison {
     let asked = rows.len();
     let why = |m: usize| {
-        let failure = |(i, (_, row)): (usize, &(ToolPose, Row))| Some((i, *row[m].as_ref().err()?));
+        let failure = |(i, (_, row)): (usize, &(ToolPose, Row))| Some((i, row[m].as_ref().err()?.clone()));
         rows.iter().enumerate().filter_map(failure).collect::<Vec<_>>()
     };
-    let missed: Vec<Vec<(usize, Unreachable)>> = (0..count).map(why).collect();
+    let missed: Vec<Vec<(usize, Miss)>> = (0..count).map(why).collect();
+    let need = |m: usize| Needs::of(rows.iter().map(|(_, row)| row[m].as_ref().map(|(pose, _)| pose)));
+    let needs: Vec<Needs> = (0..count).map(need).collect();
     let mut common = Vec::new();
     let mut reached = vec![Vec::new(); count];
     for (target, row) in rows {
@@ -118,9 +122,11 @@ fn side_by_side(rows: Vec<(ToolPose, Row)>, count: usize) -> Comparison {
     }
     let of = |list: &Vec<(Pose, Deviation)>| Statistics::of(&list.iter().map(|(_, d)| *d).collect::<Vec<_>>());
     let statistics: Vec<Statistics> = reached.iter().map(of).collect();
-    let sides = missed.into_iter().zip(reached).zip(&statistics).map(|((missed, reached), s)| MachineResult {
-        unreachable: UnreachableCount::count(missed.iter().map(|(_, why)| why)),
+    let sides = missed.into_iter().zip(needs).zip(reached).zip(&statistics);
+    let sides = sides.map(|(((missed, needs), reached), s)| MachineResult {
+        unreachable: UnreachableCount::count(missed.iter().map(|(_, miss)| &miss.why)),
         missed,
+        needs,
         reached,
         statistics: *s,
         difference: s.minus(&statistics[0]),

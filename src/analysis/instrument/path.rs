@@ -84,7 +84,7 @@ pub fn hold(
     pose: &[f64],
     tips: impl Iterator<Item = Vector3<f64>>,
 ) -> Result<Vec<Pose>, Unreachable> {
-    tips.map(|tip| place(machine, &tip, pose)).collect()
+    tips.map(|tip| place(machine, &tip, pose).map_err(|miss| miss.why)).collect()
 }
 
 /// Returns the largest minus the smallest value; 0 without values.

@@ -37,7 +37,7 @@ pub fn r_test(machine: &Machine, at: &[f64], axis: usize, points: usize) -> Resu
     let follow = |i: usize| {
         let mut pose = at.to_vec();
         pose[axis] = position(i);
-        place(machine, &ball, &pose).map_err(|why| failure = why).ok()
+        place(machine, &ball, &pose).map_err(|miss| failure = miss.why).ok()
     };
     let poses: Vec<Pose> = (0..=last).filter_map(follow).collect();
     if poses.len() < 3 {

@@ -1,6 +1,6 @@
 //! Linear axes: the place by the smallest motion from the reference, within the travel.
 
-use super::tool_pose::{PLACE_TOLERANCE, Unreachable, tool_pose};
+use super::tool_pose::{Miss, PLACE_TOLERANCE, Unreachable, tool_pose};
 use crate::algebra::rotation_about;
 use crate::machine::{Axis, AxisKind, Machine, Pose, Travel, sin_cos_degrees};
 use nalgebra::{Matrix3, Vector3};
@@ -29,17 +29,20 @@ struct Slide {
 
 /// Returns the candidate with the positions of its linear axes that bring the tip to a place (mm, workpiece frame);
 /// nearest to the reference.
-pub fn complete(
-    machine: &Machine,
-    tip: &Vector3<f64>,
-    candidate: Pose,
-    reference: &[f64],
-) -> Result<Pose, Unreachable> {
+pub fn complete(machine: &Machine, tip: &Vector3<f64>, candidate: Pose, reference: &[f64]) -> Result<Pose, Miss> {
     let mut pose = candidate;
     let slides = slides(machine.axes(), &pose, reference);
     slides.iter().for_each(|s| pose[s.axis] = reference[s.axis]);
     let wanted = tip - tool_pose(machine, &pose).tip;
-    for (slide, motion) in slides.iter().zip(motions(slides.clone(), &wanted)?) {
+    let found = match motions(slides.clone(), &wanted) {
+        Ok(found) => found,
+        Err(Failure::Place(off)) => return Err(Miss { off_mm: Some(off), ..Miss::new(Unreachable::Place) }),
+        Err(Failure::Travel(beyond)) => {
+            slides.iter().zip(beyond).for_each(|(s, motion)| pose[s.axis] = reference[s.axis] + motion);
+            return Err(Miss::travel(pose));
+        }
+    };
+    for (slide, motion) in slides.iter().zip(found) {
         let (min, max) = slide.range;
         pose[slide.axis] = match machine.axes()[slide.axis].travel {
             // The ends themselves, not reference plus range.
@@ -80,27 +83,40 @@ fn slides(axes: &[Axis], pose: &[f64], reference: &[f64]) -> Vec<Slide> {
     slides
 }
 
+/// The reason why the linear axes do not bring the tip to a place.
+#[derive(Debug, PartialEq)]
+enum Failure {
+    /// They do not span it, by so many mm.
+    Place(f64),
+    /// The motions from the reference (mm) that bring it there, beyond the travel.
+    Travel(Vec<f64>),
+}
+
 /// Returns the smallest motions from the reference; one by one, the axis that is furthest beyond its travel is held at
-/// its end.
-fn motions(mut slides: Vec<Slide>, wanted: &Vector3<f64>) -> Result<Vec<f64>, Unreachable> {
-    let mut failure = Unreachable::Place;
+/// its end. If that fails, the motions are those before the last axis was held: it is the one that falls short.
+fn motions(mut slides: Vec<Slide>, wanted: &Vector3<f64>) -> Result<Vec<f64>, Failure> {
+    let mut beyond: Option<Vec<f64>> = None;
     loop {
-        let motions = smallest(&slides, wanted).ok_or(failure)?;
-        failure = Unreachable::Travel;
+        let motions = match (smallest(&slides, wanted), beyond) {
+            (Ok(motions), _) => motions,
+            (Err(_), Some(beyond)) => return Err(Failure::Travel(beyond)),
+            (Err(off), None) => return Err(Failure::Place(off)),
+        };
         let excess = |(slide, motion): (&Slide, &f64)| (slide.range.0 - motion).max(motion - slide.range.1);
         let excesses: Vec<f64> = slides.iter().zip(&motions).map(excess).collect();
         let worst = (0..slides.len()).max_by(|a, b| excesses[*a].total_cmp(&excesses[*b]));
         let Some(worst) = worst.filter(|i| excesses[*i] > ROUNDING_MM) else { return Ok(motions) };
         if slides[worst].end.is_some() {
-            return Err(Unreachable::Travel);
+            return Err(Failure::Travel(motions));
         }
         slides[worst].end = Some(motions[worst].clamp(slides[worst].range.0, slides[worst].range.1));
+        beyond = Some(motions);
     }
 }
 
-/// Returns the least-squares solution of minimum length over the axes that are not at an end; `None` if it misses the
-/// place.
-fn smallest(slides: &[Slide], wanted: &Vector3<f64>) -> Option<Vec<f64>> {
+/// Returns the least-squares solution of minimum length over the axes that are not at an end; if it misses the place,
+/// by how much (mm).
+fn smallest(slides: &[Slide], wanted: &Vector3<f64>) -> Result<Vec<f64>, f64> {
     let free = |s: &&Slide| s.end.is_none();
     let gram = slides.iter().filter(free).fold(Matrix3::zeros(), |sum, s| sum + s.direction * s.direction.transpose());
     let inverse = pseudo_inverse(&gram);
@@ -111,7 +127,8 @@ fn smallest(slides: &[Slide], wanted: &Vector3<f64>) -> Option<Vec<f64>> {
         let of_free = slides.iter().zip(&mut motions).filter(|(s, _)| s.end.is_none());
         of_free.for_each(|(s, motion)| *motion += s.direction.dot(&pull));
     }
-    (missing(slides, &motions, wanted).norm() <= PLACE_TOLERANCE).then_some(motions)
+    let off = missing(slides, &motions, wanted).norm();
+    if off <= PLACE_TOLERANCE { Ok(motions) } else { Err(off) }
 }
 
 /// Returns the remaining distance.
@@ -144,8 +161,16 @@ mod tests {
         assert!((short[0] - 15.0).abs() < 1e-12 && (short[1] - 15.0).abs() < 1e-12);
         let long = motions(free.clone(), &Vector3::new(0.0, 0.0, 90.0)).unwrap();
         assert!((long[0] - 70.0).abs() < 1e-12 && long[1] == 20.0);
-        assert_eq!(motions(free.clone(), &Vector3::new(0.0, 0.0, 130.0)), Err(Unreachable::Travel));
-        assert_eq!(motions(free, &Vector3::new(1.0, 0.0, 0.0)), Err(Unreachable::Place));
+        // The second is at its end; the first falls short by 10 mm.
+        let Err(Failure::Travel(beyond)) = motions(free.clone(), &Vector3::new(0.0, 0.0, 130.0)) else { panic!() };
+        assert!((beyond[0] - 110.0).abs() < 1e-12 && beyond[1] == 20.0, "{beyond:?}");
+        assert_eq!(motions(free, &Vector3::new(1.0, 0.0, 0.0)), Err(Failure::Place(1.0)));
+    }
+
+    #[test]
+    fn every_axis_that_falls_short_is_told() {
+        let axes = vec![slide([1.0, 0.0, 0.0], (0.0, 10.0)), slide([0.0, 1.0, 0.0], (0.0, 10.0))];
+        assert_eq!(motions(axes, &Vector3::new(17.0, -3.0, 0.0)), Err(Failure::Travel(vec![17.0, -3.0])));
     }
 
     #[test]

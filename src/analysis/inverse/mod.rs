@@ -8,16 +8,22 @@
 //! 4. The first of the candidates, nearest to the reference first, that is within the travel is taken,
 //!    and checked with the nominal machine (`nominal`).
 //!
-//! `tool_pose` holds the poses of the tool, and the reasons why one is unreachable. `algebra` solves for the actual
+//! Chains whose linear axes do not place the tip, such as robots, are solved by `arm`.
+//!
+//! `tool_pose` holds the poses of the tool, and the reasons why one is unreachable; `shortfall` what machines lack for
+//! a work. `algebra` solves for the actual
 //! machine over an algebra, by Newton's iteration.
 
 mod algebra;
+mod arm;
 mod linear;
 mod nominal;
 mod rotary;
+mod shortfall;
 mod tool_pose;
 mod turning;
 
 pub use algebra::Inverse;
-pub use nominal::{inverse, place};
-pub use tool_pose::{ToolPose, Unreachable, rest, tool_pose};
+pub use nominal::{branches, inverse, inverse_all, place};
+pub use shortfall::{Needs, direction_gap};
+pub use tool_pose::{Excess, Miss, ToolPose, Unreachable, attitude, excess, rest, tool_pose};

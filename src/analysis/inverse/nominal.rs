@@ -1,25 +1,42 @@
 //! The nominal inverse kinematics: candidates of the rotary axes, completed by the linear axes, and checked.
 
+use super::arm::Arm;
 use super::rotary::Directions;
-use super::tool_pose::{DIRECTION_TOLERANCE, PLACE_TOLERANCE, ToolPose, Unreachable, tool_pose, within_travel};
+use super::tool_pose::{
+    DIRECTION_TOLERANCE, Miss, PLACE_TOLERANCE, ToolPose, Unreachable, rest, tool_pose, within_travel,
+};
 use super::{linear, turning};
 use crate::machine::{Machine, Pose};
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 /// Returns the pose (mm, deg) within the travel at which the nominal machine takes a tool pose; of several the one
 /// whose rotary axes, then linear axes, are nearest to `reference` (mm, deg). An axis on which the tool pose does not
-/// depend stays at its reference. Fails with the reason if there is no such pose.
-pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Result<Pose, Unreachable> {
+/// depend stays at its reference. Fails with what is missing if there is no such pose.
+///
+/// Robots, whose linear axes do not place the tip, are solved by [`Arm`]: with finitely many branches at a spin the pose
+/// nearest to `reference`, otherwise one with little motion from it.
+pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Result<Pose, Miss> {
+    let arm = Arm::of(machine);
+    if let Some(arm) = arm.as_ref().filter(|arm| arm.is_complete()) {
+        return arm.inverse(target, reference);
+    }
+    let placed = by_linear_axes(machine, target, reference);
+    placed.or_else(|miss| arm.and_then(|arm| arm.inverse(target, reference).ok()).ok_or(miss))
+}
+
+/// Returns the pose of a machine whose linear axes place the tip.
+fn by_linear_axes(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Result<Pose, Miss> {
     let axes = machine.axes();
     let reference: Pose =
         axes.iter().enumerate().map(|(i, a)| within_travel(a, reference.get(i).copied().unwrap_or(0.0))).collect();
     let directions = Directions::new(axes, Vector3::from(machine.tool().direction), &reference);
-    let mut failure = Unreachable::Direction;
+    let mut failure = Miss::new(Unreachable::Direction);
     let mut tried = |candidates: Vec<Pose>| {
         candidates.into_iter().find_map(|candidate| match reach(machine, target, candidate, &reference) {
             Ok(pose) => Some(pose),
-            Err(reason) => {
-                failure = failure.max(reason);
+            Err(miss) => {
+                failure = miss.or_nearer(failure.clone(), axes);
                 None
             }
         })
@@ -28,24 +45,58 @@ pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Resul
     let found = tried(near.poses.clone())
         .or_else(|| tried(turning::turned(machine, &target.tip, &near.poses, &reference)))
         .or_else(|| near.more.then(|| tried(directions.others(&target.direction))).flatten());
-    found.ok_or(if near.beyond_travel { failure.max(Unreachable::Travel) } else { failure })
+    let Some(pose) = found else {
+        let turned =
+            near.beyond_travel.map(|pose| match linear::complete(machine, &target.tip, pose.clone(), &reference) {
+                Ok(pose) => Miss::travel(pose),
+                Err(Miss { beyond: Some(pose), .. }) => Miss::travel(pose),
+                Err(_) => Miss::travel(pose),
+            });
+        return Err(turned.into_iter().fold(failure, |failure, turned| failure.or_nearer(turned, axes)));
+    };
+    Ok(pose)
+}
+
+/// Returns the poses (mm, deg) of a machine for tool poses in their order, as [`inverse()`] does. The reference is the
+/// pose of zeros; for robots without finitely many branches the pose before.
+pub fn inverse_all(machine: &Machine, targets: &[ToolPose]) -> Vec<Result<Pose, Miss>> {
+    let at_rest = rest(machine);
+    if Arm::of(machine).is_none_or(|arm| arm.is_complete()) {
+        return targets.par_iter().map(|target| inverse(machine, target, &at_rest)).collect();
+    }
+    let mut before = at_rest;
+    let follow = |target: &ToolPose| {
+        let found = inverse(machine, target, &before);
+        if let Ok(pose) = &found {
+            before.clone_from(pose);
+        }
+        found
+    };
+    targets.iter().map(follow).collect()
+}
+
+/// Returns the poses (mm, deg) of all branches within the travels that take a tool pose with its spin, nearest to the
+/// reference first; empty for machines without finitely many branches.
+pub fn branches(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Vec<Pose> {
+    Arm::of(machine).map_or_else(Vec::new, |arm| arm.all(target, reference))
 }
 
 /// Returns the pose (mm, deg) within the travel that brings the functional point to a place of the workpiece (from its
-/// origin, mm) by the smallest motion of the linear axes; the rotary axes stay as in `pose`. Fails with the reason if
-/// there is none.
-pub fn place(machine: &Machine, tip: &Vector3<f64>, pose: &[f64]) -> Result<Pose, Unreachable> {
+/// origin, mm) by the smallest motion of the linear axes; the rotary axes stay as in `pose`. Fails with what is missing
+/// if there is none.
+pub fn place(machine: &Machine, tip: &Vector3<f64>, pose: &[f64]) -> Result<Pose, Miss> {
     let placed = linear::complete(machine, tip, pose.to_vec(), pose)?;
-    if (tool_pose(machine, &placed).tip - tip).norm() <= PLACE_TOLERANCE { Ok(placed) } else { Err(Unreachable::Place) }
+    let off = (tool_pose(machine, &placed).tip - tip).norm();
+    if off <= PLACE_TOLERANCE { Ok(placed) } else { Err(Miss { off_mm: Some(off), ..Miss::new(Unreachable::Place) }) }
 }
 
 /// Returns a candidate completed by the linear axes, once it has been checked.
-fn reach(machine: &Machine, target: &ToolPose, candidate: Pose, reference: &[f64]) -> Result<Pose, Unreachable> {
+fn reach(machine: &Machine, target: &ToolPose, candidate: Pose, reference: &[f64]) -> Result<Pose, Miss> {
     let pose = linear::complete(machine, &target.tip, candidate, reference)?;
     let reached = tool_pose(machine, &pose);
-    let near = |a: &Vector3<f64>, b: &Vector3<f64>, tolerance: f64| (a - b).norm() <= tolerance;
-    if !near(&reached.direction, &target.direction, DIRECTION_TOLERANCE) {
-        return Err(Unreachable::Direction);
+    if !((reached.direction - target.direction).norm() <= DIRECTION_TOLERANCE) {
+        return Err(Miss::new(Unreachable::Direction));
     }
-    if near(&reached.tip, &target.tip, PLACE_TOLERANCE) { Ok(pose) } else { Err(Unreachable::Place) }
+    let off = (reached.tip - target.tip).norm();
+    if off <= PLACE_TOLERANCE { Ok(pose) } else { Err(Miss { off_mm: Some(off), ..Miss::new(Unreachable::Place) }) }
 }

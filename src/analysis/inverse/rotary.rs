@@ -47,14 +47,14 @@ pub struct Directions {
 pub struct Candidates {
     /// Poses (mm, deg) with the rotary axes set; the linear ones are at the reference.
     pub poses: Vec<Pose>,
-    /// True if a solution was found beyond the travel.
-    pub beyond_travel: bool,
+    /// The pose that is least beyond the travel of the rotary axes, if a solution was found there.
+    pub beyond_travel: Option<Pose>,
     /// True if there may be others, further away, because some axis is free.
     pub more: bool,
 }
 
 /// One of a pair's angles (rad); `None` if any is a solution.
-type Angle = Option<f64>;
+pub type Angle = Option<f64>;
 
 impl Directions {
     /// Returns the rotary axes of a machine with its tool axis (unit vector) and a reference pose (mm, deg).
@@ -72,7 +72,7 @@ impl Directions {
     /// Returns the candidates nearest to the reference for a direction of the tool (unit vector, workpiece frame).
     pub fn nearest(&self, direction: &Vector3<f64>) -> Candidates {
         let start: Vec<f64> = self.turns.iter().map(|turn| turn.reference).collect();
-        let mut search = Search { directions: self, direction, found: Vec::new(), beyond_travel: false, free: false };
+        let mut search = Search::new(self, direction);
         search.around(&start);
         if self.turns.len() > 2 {
             (1..SAMPLES).for_each(|sample| search.around(&self.sample(sample)));
@@ -83,13 +83,14 @@ impl Directions {
             }
             search.found.extend(rough);
         }
+        let beyond_travel = search.beyond.and_then(|(_, angles)| self.poses(vec![angles]).pop());
         let poses = self.poses(search.found);
-        Candidates { poses, beyond_travel: search.beyond_travel, more: search.free || self.turns.len() > 2 }
+        Candidates { poses, beyond_travel, more: search.free || self.turns.len() > 2 }
     }
 
     /// Returns candidates whose free axes are away from their reference.
     pub fn others(&self, direction: &Vector3<f64>) -> Vec<Pose> {
-        let mut search = Search { directions: self, direction, found: Vec::new(), beyond_travel: false, free: false };
+        let mut search = Search::new(self, direction);
         let samples = if self.turns.len() > 2 { MANY_SAMPLES } else { SAMPLES };
         (1..samples).for_each(|sample| search.around(&self.sample(sample)));
         self.poses(search.found)
@@ -208,16 +209,35 @@ impl Turn {
         }
     }
 
-    /// Returns the position (deg) within the travel, whole turns away from an angle (rad), that is nearest to the
-    /// reference.
     fn wrapped(&self, angle: f64) -> Option<f64> {
-        let degrees = angle.to_degrees();
-        let turns = ((self.reference - degrees) / 360.0).round();
-        let Travel::Range(min, max) = self.travel else { return Some(degrees + 360.0 * turns) };
-        let lowest = ((min - AT_END_DEG - degrees) / 360.0).ceil();
-        let highest = ((max + AT_END_DEG - degrees) / 360.0).floor();
-        (lowest <= highest).then(|| (degrees + 360.0 * turns.clamp(lowest, highest)).clamp(min, max))
+        wrapped(self.travel, self.reference, angle)
     }
+
+    /// Returns the position (deg), whole turns away from an angle (rad), that is least beyond the travel, and by how
+    /// much (deg).
+    fn least_beyond(&self, angle: f64) -> (f64, f64) {
+        let position = least_beyond(self.travel, angle);
+        let (min, max) = self.travel.interval();
+        (position, (min - position).max(position - max).max(0.0))
+    }
+}
+
+/// Returns the position (deg) within a travel, whole turns away from an angle (rad), that is nearest to the reference
+/// (deg).
+pub fn wrapped(travel: Travel, reference: f64, angle: f64) -> Option<f64> {
+    let degrees = angle.to_degrees();
+    let turns = ((reference - degrees) / 360.0).round();
+    let Travel::Range(min, max) = travel else { return Some(degrees + 360.0 * turns) };
+    let lowest = ((min - AT_END_DEG - degrees) / 360.0).ceil();
+    let highest = ((max + AT_END_DEG - degrees) / 360.0).floor();
+    (lowest <= highest).then(|| (degrees + 360.0 * turns.clamp(lowest, highest)).clamp(min, max))
+}
+
+/// Returns the position (deg), whole turns away from an angle (rad), that is least beyond a travel.
+pub fn least_beyond(travel: Travel, angle: f64) -> f64 {
+    let degrees = angle.to_degrees();
+    let (min, max) = travel.interval();
+    degrees + 360.0 * (((min + max) / 2.0 - degrees) / 360.0).round()
 }
 
 /// The search for one direction, with the solutions found so far.
@@ -225,11 +245,16 @@ struct Search<'a> {
     directions: &'a Directions,
     direction: &'a Vector3<f64>,
     found: Vec<Vec<f64>>,
-    beyond_travel: bool,
+    /// The positions least beyond the travel, with the sum of what is beyond (deg).
+    beyond: Option<(f64, Vec<f64>)>,
     free: bool,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn new(directions: &'a Directions, direction: &'a Vector3<f64>) -> Self {
+        Self { directions, direction, found: Vec::new(), beyond: None, free: false }
+    }
+
     /// Solves for every pair of axes (or the only one) with the others held at `angles`.
     fn around(&mut self, angles: &[f64]) {
         let count = angles.len();
@@ -273,19 +298,25 @@ impl Search<'_> {
 
     fn keep(&mut self, angles: &[f64], solved: &[(usize, Angle)]) {
         let mut candidate = angles.to_vec();
+        let mut beyond = 0.0;
         for (index, angle) in solved {
             self.free |= angle.is_none();
-            match angle.map_or(Some(angles[*index]), |angle| self.directions.turns[*index].wrapped(angle)) {
-                Some(position) => candidate[*index] = position,
-                None => return self.beyond_travel = true,
-            }
+            let Some(angle) = angle else { continue };
+            let turn = &self.directions.turns[*index];
+            let (position, by) = turn.wrapped(*angle).map_or_else(|| turn.least_beyond(*angle), |within| (within, 0.0));
+            candidate[*index] = position;
+            beyond += by;
         }
-        self.found.push(candidate);
+        if beyond == 0.0 {
+            self.found.push(candidate);
+        } else if self.beyond.as_ref().is_none_or(|(least, _)| beyond < *least) {
+            self.beyond = Some((beyond, candidate));
+        }
     }
 }
 
 /// Returns the angle (rad) about w that takes p to t; `None` if w is along p: then any angle does.
-fn angle(w: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> Angle {
+pub fn angle(w: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> Angle {
     let beside = |v: &Vector3<f64>| v - w * w.dot(v);
     let (p, t) = (beside(p), beside(t));
     (p.norm() > ALONG_RAD && t.norm() > ALONG_RAD).then(|| libm::atan2(w.dot(&p.cross(&t)), p.dot(&t)))
@@ -298,7 +329,7 @@ fn same_height(w: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> bool {
 
 /// Returns all (a, b) with `exp(w1 a) exp(w2 b) p = t`. Between the two rotations p is at a point z that is as far
 /// along w1 as t and as far along w2 as p.
-fn pair_angles(w1: &Vector3<f64>, w2: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> Vec<(Angle, Angle)> {
+pub fn pair_angles(w1: &Vector3<f64>, w2: &Vector3<f64>, p: &Vector3<f64>, t: &Vector3<f64>) -> Vec<(Angle, Angle)> {
     let (far_1, far_2) = (w1.cross(t).norm(), w2.cross(p).norm());
     if far_1 <= ALONG_RAD {
         return same_height(w2, p, t).then(|| (None, angle(w2, p, t))).into_iter().collect();

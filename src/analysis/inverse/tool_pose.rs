@@ -1,8 +1,9 @@
 //! Poses of the tool in the workpiece frame, and why one may be out of reach.
 
+use crate::algebra::rotation_about;
 use crate::lower::NominalPose;
-use crate::machine::{Axis, Machine, Pose, Travel};
-use nalgebra::Vector3;
+use crate::machine::{Axis, AxisKind, Machine, Pose, Travel};
+use nalgebra::{Matrix3, Vector3};
 
 /// Maximum distance of the place reached from the one requested, mm.
 pub const PLACE_TOLERANCE: f64 = 1e-9;
@@ -17,6 +18,35 @@ pub struct ToolPose {
     pub tip: Vector3<f64>,
     /// Unit vector of the tool axis, from the tip towards the holder: the tool's own at the zero pose.
     pub direction: Vector3<f64>,
+    /// Turn of the tool about its axis, rad: right-handed about the direction, from the attitude that the shortest turn
+    /// of the tool axis at the zero pose into the direction gives (see [`attitude`]); `None` leaves it open. Machines that cannot turn the
+    /// tool about its axis do not depend on it.
+    pub spin_rad: Option<f64>,
+}
+
+impl ToolPose {
+    /// Returns a tool pose whose spin is open: a tip (mm, from the workpiece origin) and a unit vector.
+    pub fn new(tip: Vector3<f64>, direction: Vector3<f64>) -> Self {
+        Self { tip, direction, spin_rad: None }
+    }
+}
+
+/// Returns the rotation of the tool from the zero pose for a direction of its axis and a spin (rad): the shortest turn
+/// of the tool axis there into the direction (unit vectors), after the spin. Into the opposite it is a half turn about
+/// X, as far as X is across the tool axis.
+pub fn attitude(tool: &Vector3<f64>, direction: &Vector3<f64>, spin_rad: f64) -> Matrix3<f64> {
+    let spun = rotation_about(&(*tool).into(), (libm::sin(spin_rad), libm::cos(spin_rad)));
+    let (across, cosine) = (tool.cross(direction), tool.dot(direction));
+    let sine = across.norm();
+    if sine > 0.0 {
+        return rotation_about(&(across / sine).into(), (sine, cosine)) * spun;
+    }
+    if cosine > 0.0 {
+        return spun;
+    }
+    let letter = if tool.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+    let about = (letter - tool * tool.dot(&letter)).normalize();
+    rotation_about(&about.into(), (0.0, -1.0)) * spun
 }
 
 /// The reason why a machine cannot take a tool pose.
@@ -25,7 +55,7 @@ pub struct ToolPose {
 pub enum Unreachable {
     /// Its rotary axes cannot point the tool there.
     Direction,
-    /// Its linear axes do not span the place.
+    /// Its axes do not bring the tip to the place.
     Place,
     /// An axis would have to leave its travel.
     Travel,
@@ -36,16 +66,80 @@ impl Unreachable {
     pub fn words(self) -> &'static str {
         match self {
             Self::Direction => "the tool cannot be held in this direction",
-            Self::Place => "the linear axes do not span it",
+            Self::Place => "the axes do not bring the tip there",
             Self::Travel => "an axis would leave its travel",
         }
     }
 }
 
+/// A tool pose that a machine cannot take, and what it lacks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Miss {
+    /// The reason.
+    pub why: Unreachable,
+    /// For [`Unreachable::Travel`]: the pose (mm, deg) beyond the travel that would take it. Of several the one whose
+    /// rotary axes, then linear axes, are least beyond.
+    pub beyond: Option<Pose>,
+    /// For [`Unreachable::Place`]: distance of the place from what the axes span, mm.
+    pub off_mm: Option<f64>,
+}
+
+impl Miss {
+    /// Returns a miss of which only the reason is known.
+    pub fn new(why: Unreachable) -> Self {
+        Self { why, beyond: None, off_mm: None }
+    }
+
+    /// Returns a miss by travel, with the pose (mm, deg) beyond it.
+    pub fn travel(beyond: Pose) -> Self {
+        Self { why: Unreachable::Travel, beyond: Some(beyond), off_mm: None }
+    }
+
+    /// Returns the miss that comes nearer to the tool pose: the later reason; of two beyond the travel the lesser.
+    pub fn or_nearer(self, other: Self, axes: &[Axis]) -> Self {
+        let far = |miss: &Self| {
+            let pose = miss.beyond.as_ref()?;
+            let of = |kind: AxisKind| -> f64 {
+                let of_kind = |e: &Excess| axes[e.axis].kind == kind;
+                excess(axes, pose).into_iter().filter(of_kind).map(|e| e.by.abs()).sum()
+            };
+            Some((of(AxisKind::Rotary), of(AxisKind::Linear)))
+        };
+        let nearer = match (&self, &other) {
+            (a, b) if a.why != b.why => a.why > b.why,
+            (a, b) => match (far(a), far(b)) {
+                (Some((r, l)), Some((s, m))) => r.total_cmp(&s).then(l.total_cmp(&m)).is_le(),
+                (None, Some(_)) => false,
+                (_, None) => a.off_mm.unwrap_or(f64::MAX) <= b.off_mm.unwrap_or(f64::MAX),
+            },
+        };
+        if nearer { self } else { other }
+    }
+}
+
+/// A position beyond the travel of an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Excess {
+    /// Index of the axis.
+    pub axis: usize,
+    /// Distance from the nearer end, mm or deg: negative below the lower end.
+    pub by: f64,
+}
+
+/// Returns the positions of a pose (mm, deg) beyond the travels, axis by axis.
+pub fn excess(axes: &[Axis], pose: &[f64]) -> Vec<Excess> {
+    let beyond = |(axis, (of, q)): (usize, (&Axis, &f64))| match of.travel {
+        Travel::Range(min, _) if *q < min => Some(Excess { axis, by: q - min }),
+        Travel::Range(_, max) if *q > max => Some(Excess { axis, by: q - max }),
+        _ => None,
+    };
+    axes.iter().zip(pose).enumerate().filter_map(beyond).collect()
+}
+
 /// Returns the tool pose of the nominal machine at a pose (mm, deg).
 pub fn tool_pose(machine: &Machine, pose: &[f64]) -> ToolPose {
     let nominal = NominalPose::at(machine, pose).pose;
-    ToolPose { tip: nominal.translation, direction: nominal.linear * Vector3::from(machine.tool().direction) }
+    ToolPose::new(nominal.translation, nominal.linear * Vector3::from(machine.tool().direction))
 }
 
 /// Returns the pose of zeros, each moved into its axis's travel (mm, deg).

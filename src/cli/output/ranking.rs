@@ -2,13 +2,13 @@
 
 use super::view::{cell, table, tool_poses_text};
 use abbe::options::{JudgedBy, Statistic};
-use abbe::results::{ArrangementRow, PairedDifference, RankedArrangements, Verdict};
+use abbe::results::{ArrangementRow, NeededRange, PairedDifference, RankedArrangements, Verdict};
 use abbe::text::significant;
 
 /// One line for each arrangement.
 pub(crate) fn csv(of: &RankedArrangements) -> String {
     let mut csv = "rank,group,chain,on table,reached,um,low,high,mean,minus file [um],not stated,samples,versus first,\
-                   minus first [um],minus first low,minus first high\n"
+                   minus first [um],minus first low,minus first high,travel\n"
         .to_owned();
     let r = &of.ranking;
     for (group, rows) in [
@@ -32,6 +32,8 @@ pub(crate) fn csv(of: &RankedArrangements) -> String {
             let samples = result.and_then(|r| r.samples).map_or(String::new(), |samples| samples.to_string());
             let versus = result.and_then(|r| r.versus_first);
             let difference = versus.map(|versus| versus.minus_first);
+            let travel = row.travel.iter().map(|t| format!("{} {} {}", t.axis, t.min + 0.0, t.max + 0.0));
+            let travel = travel.collect::<Vec<_>>().join("; ");
             let tail = [
                 cell(&row.not_stated.join(" ")).to_string(),
                 samples,
@@ -39,6 +41,7 @@ pub(crate) fn csv(of: &RankedArrangements) -> String {
                 text(difference.map(|d| d.value)),
                 text(difference.and_then(|d| d.low)),
                 text(difference.and_then(|d| d.high)),
+                cell(&travel).to_string(),
             ];
             csv += &format!("{head},{},{}\n", numbers.join(","), tail.join(","));
         }
@@ -141,6 +144,10 @@ fn arrangements(of: &RankedArrangements, rows: &[ArrangementRow], (numbered, top
     if apart {
         header.push("not stated");
     }
+    let sized = rows.iter().any(|row| !row.travel.is_empty());
+    if sized {
+        header.push("travel needed, mm or deg");
+    }
     let mut list = table(&header);
     let shown = if numbered { top } else { top.div_ceil(4) };
     for (i, row) in rows.iter().take(shown).enumerate() {
@@ -164,6 +171,10 @@ fn arrangements(of: &RankedArrangements, rows: &[ArrangementRow], (numbered, top
         }
         if apart {
             cells.push(row.not_stated.join(", "));
+        }
+        if sized {
+            let length = |t: &NeededRange| format!("{} {}", t.axis, significant(t.max - t.min, 4));
+            cells.push(row.travel.iter().map(length).collect::<Vec<_>>().join(", "));
         }
         let _ = list.add_row(cells);
     }

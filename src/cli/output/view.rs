@@ -1,7 +1,7 @@
 //! Options that the verbs about whole volumes share, and the format of their numbers.
 
 use abbe::options::{Approach, Frame, Order};
-use abbe::results::{ReachedToolPoses, Statistics, Summary};
+use abbe::results::{MissedToolPose, NeededTravel, ReachedToolPoses, Statistics, Summary};
 use abbe::text::{UnknownOrder, shown, significant};
 
 pub(crate) use abbe::text::axes_text;
@@ -88,6 +88,47 @@ pub(crate) fn tool_poses_text(reached: &ReachedToolPoses) -> String {
         n => format!(", {n} more out of reach"),
     };
     format!("tool poses of {}{missed}", shown(&reached.file))
+}
+
+/// Number of rows out of reach that are listed one by one.
+const LISTED: usize = 10;
+
+/// Rows out of reach, one by one, and the travel that the work needs.
+pub(crate) fn reach_text(missed: &[MissedToolPose], travel: &[NeededTravel]) -> String {
+    let line = |miss: &MissedToolPose| {
+        let feature = miss.feature.as_ref().map_or(String::new(), |feature| format!(" ({})", shown(feature)));
+        format!("  line {}{feature}: {}\n", miss.line, miss.words())
+    };
+    let mut text = String::new();
+    if !missed.is_empty() {
+        text.push_str("Out of reach:\n");
+        text.extend(missed.iter().take(LISTED).map(line));
+        if missed.len() > LISTED {
+            let more = missed.len() - LISTED;
+            text.push_str(&format!("  and {more} more (`--format json` lists them row by row)\n"));
+        }
+    }
+    if !travel.is_empty() {
+        text.push_str(&format!("Travel that the tool poses need:\n{}\n", travel_table(travel)));
+    }
+    text
+}
+
+fn travel_table(travel: &[NeededTravel]) -> comfy_table::Table {
+    let range = |[min, max]: [f64; 2]| format!("{} to {}", significant(min, 6), significant(max, 6));
+    let row = |t: &NeededTravel| {
+        let short = match t.short {
+            [0.0, 0.0] => "-".to_owned(),
+            [below, 0.0] => format!("{} below", significant(below, 4)),
+            [0.0, above] => format!("{} above", significant(above, 4)),
+            [below, above] => format!("{} below, {} above", significant(below, 4), significant(above, 4)),
+        };
+        let has = t.has.map_or("continuous".to_owned(), range);
+        [format!("{}, {}", t.axis, t.unit), range(t.needs), has, short]
+    };
+    let mut rows = table(&["", "needs", "has", "short"]);
+    let _ = rows.add_rows(travel.iter().map(row));
+    rows
 }
 
 /// Length of a vector.

@@ -3,7 +3,7 @@
 use crate::cli::arguments;
 use crate::cli::output::session::Session;
 use crate::cli::output::tolerance_goal;
-use crate::cli::output::view::{axes_text, table, tool_poses_text};
+use crate::cli::output::view::{axes_text, reach_text, table, tool_poses_text};
 use crate::cli::store::write::{PictureKind, refuse_outputs, write_picture};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
@@ -162,6 +162,9 @@ impl Report<'_> {
             self.result.drawing().distribution.name(),
             self.args.seed
         );
+        if let Some(reached) = &self.result.tool_poses {
+            text += &reach_text(&reached.rows, &reached.travel);
+        }
         text += &self.totals_table();
         text += &format!("Worst case at {}\n", axes_text(self.file, &self.result.budget.position.worst_pose));
         text += &format!("RSS largest at {}\n", axes_text(self.file, &self.result.budget.position.rss_pose));

@@ -2,7 +2,7 @@
 
 use crate::cli::output::budgets;
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{STATISTICS, ViewArgs, cell, numbers, statistics_rows, table};
+use crate::cli::output::view::{STATISTICS, ViewArgs, cell, numbers, reach_text, statistics_rows, table};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
 use abbe::results::{CompareResult, Statistics};
@@ -108,9 +108,15 @@ fn text(args: &Args, result: &CompareResult) -> String {
         let difference = Statistics { poses: result.poses, position_um, rotation_urad };
         let _ = rows.add_rows(statistics_rows(&format!("{} - 1", i + 1), &difference));
     }
+    let mut reach = String::new();
+    for (i, side) in result.machines.iter().enumerate() {
+        if let (Some(missed), Some(travel)) = (&side.missed, &side.travel) {
+            reach.push_str(&format!("Machine {}, {}:\n{}", i + 1, side.file, reach_text(missed, travel)));
+        }
+    }
     let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, args.top));
     let errors = one_by_one(result, args.top);
-    format!("{text}{rows}\n{errors}{budgets}Negative differences: less error than machine 1.\n")
+    format!("{text}{rows}\n{reach}{errors}{budgets}Negative differences: less error than machine 1.\n")
 }
 
 /// Errors with the largest effect in any of the machines.

@@ -39,6 +39,9 @@ pub(crate) struct Args {
     /// The work: tool poses in the workpiece frame, a CSV file with columns X, Y, Z and I, J, K or rotary axes.
     #[arg(long, value_name = "FILE", conflicts_with = "poses")]
     tool_poses: Option<PathBuf>,
+    /// Give linear axes the travel that the work needs, whatever the file says, and tell it for every arrangement.
+    #[arg(long)]
+    size: bool,
     /// Number of machines drawn of every arrangement for the budget.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     samples: u32,
@@ -91,6 +94,7 @@ impl Args {
             rotary: self.rotary,
             poses: self.poses as usize,
             tool_poses: self.tool_poses.clone(),
+            size: self.size,
             samples: self.samples as usize,
             max_samples: self.max_samples.map(|limit| limit as usize),
             first: self.first as usize,

@@ -4,13 +4,13 @@ use crate::cli::how::CompensationArgs;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
-    FrameArg, STATISTICS, ViewArgs, axes_text, frame_text, statistics_rows, table, tool_poses_text,
+    FrameArg, STATISTICS, ViewArgs, axes_text, frame_text, reach_text, statistics_rows, table, tool_poses_text,
 };
 use crate::cli::store::write::refuse_outputs;
 use crate::cli::{Format, Outcome};
 use abbe::options::{MapPoses, MapTable, TableForm};
 use abbe::results::{MapResult, Statistics};
-use abbe::text::significant;
+use abbe::text::{shown, significant};
 use abbe::{Diagnostic, MachineFile, MapOptions, codes, map_tables};
 use serde_json::json;
 use std::io::Cursor;
@@ -27,8 +27,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", conflicts_with = "random",
         value_parser = clap::value_parser!(u32).range(1..=MapPoses::MAX as i64))]
     low_discrepancy: Option<u32>,
-    /// The poses for these tool poses in the workpiece frame instead of the grid: a CSV file with columns X, Y, Z and
-    /// I, J, K or rotary axes.
+    /// The poses for these tool poses in the workpiece frame instead of the grid: CSV with columns X, Y, Z and I, J, K or
+    /// rotary axes, or APT CL data.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["random", "low_discrepancy"])]
     tool_poses: Option<PathBuf>,
     /// Seed of the random or low-discrepancy poses.
@@ -139,12 +139,35 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
         let lead = if i == 0 { "Worst:" } else { "      " };
         text.push_str(&format!("{lead} {length} um ({x}, {y}, {z}) at {}\n", axes_text(file, worst.axes.values())));
     }
+    text.push_str(&features(result));
+    if let Some(reached) = &result.tool_poses {
+        text.push_str(&reach_text(&reached.rows, &reached.travel));
+    }
     if !result.diagonals.is_empty() {
         let list = result.diagonals.iter().map(|d| format!("{} {}", d.name, significant(d.range_um, 4)));
         let list = list.collect::<Vec<_>>().join(", ");
         text.push_str(&format!("Body diagonals, range of the displacement along them, um: {list}\n"));
     }
     text
+}
+
+/// The largest deviation on each feature, and the errors that dominate there.
+fn features(result: &MapResult) -> String {
+    if result.features.is_empty() {
+        return String::new();
+    }
+    let mut rows = table(&["feature", "poses", "max, um", "95 %, um", "line", "errors there, um"]);
+    for f in &result.features {
+        let um = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 4));
+        let poses =
+            if f.unreached > 0 { format!("{} of {}", f.poses, f.poses + f.unreached) } else { f.poses.to_string() };
+        let errors = f.errors.iter().map(|e| format!("{} {}", e.error, significant(e.um, 3)));
+        let errors = errors.collect::<Vec<_>>().join(", ");
+        let line = f.line.map_or("-".to_owned(), |line| line.to_string());
+        let name = if f.feature.is_empty() { "-".to_owned() } else { shown(&f.feature) };
+        let _ = rows.add_row([name, poses, um(f.max_um), um(f.p95_um), line, errors]);
+    }
+    format!("Largest deviation on each feature, with the parts of errors along it:\n{rows}\n")
 }
 
 /// Source of the poses.

@@ -20,6 +20,10 @@ pub(crate) struct Args {
     /// The page to write.
     #[arg(long, value_name = "FILE.html", required_unless_present = "watch")]
     pub out: Option<PathBuf>,
+    /// Take statistics and comparison at these tool poses in the workpiece frame instead of random poses: CSV with columns
+    /// X, Y, Z and I, J, K or rotary axes, or APT CL data.
+    #[arg(long, value_name = "FILE")]
+    tool_poses: Option<PathBuf>,
     /// A controller whose compensation and certificate are to be shown; may be given several times.
     #[arg(long, value_name = "NAME")]
     pub target: Vec<String>,
@@ -50,6 +54,7 @@ impl Args {
             targets: self.target.clone(),
             compensation: self.options.how.options(),
             poses: self.options.poses as usize,
+            tool_poses: self.tool_poses.clone(),
             seed: self.options.seed,
             order: self.order,
             approach: self.direction.into(),

@@ -14,6 +14,8 @@ pub struct ComparisonData {
     asked: usize,
     poses: usize,
     seed: u64,
+    /// The file of the tool poses; none if they are drawn.
+    file: Option<String>,
     /// The largest of the largest position deviations: the full width of the bars.
     largest_um: f64,
     machines: Vec<Value>,
@@ -59,6 +61,7 @@ impl ComparisonData {
             asked: comparison.asked,
             poses: comparison.common.len(),
             seed,
+            file: given.first().and_then(|first| Some(first.work?.1["file"].as_str()?.to_owned())),
             largest_um: comparison.machines.iter().map(|c| c.statistics.position_um.max).fold(0.0, f64::max),
             machines: given.iter().zip(&comparison.machines).map(side).collect(),
         }

@@ -47,6 +47,8 @@ pub struct MachineData {
     warnings: Vec<String>,
     locations: Vec<Value>,
     statistics: Value,
+    /// The file of tool poses, its features and what is out of reach; null without.
+    work: Value,
     worst: Vec<Value>,
     /// Number of the first poses that `error_statistics` uses.
     source_poses: usize,
@@ -100,6 +102,7 @@ impl MachineData {
             locations: locations(machine),
             statistics: json!({"position_um": map.statistics.position_um, "rotation_urad": map.statistics.rotation_urad,
                 "rotation_arcsec": arcsec(&map.statistics.rotation_urad)}),
+            work: given.work.map_or(Value::Null, |(_, work)| work.clone()),
             worst: bad.iter().map(named).collect(),
             source_poses: few.0,
             sources: error_statistics(&bare, &few_poses, &worst_pose, given.approach).iter().map(source).collect(),

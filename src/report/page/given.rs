@@ -3,8 +3,9 @@
 use super::instruments::Instruments;
 use crate::controller::{Certificate, ControllerTarget, Effect};
 use crate::evaluate::{Order, Poses, Random};
-use crate::machine::{Approach, Machine};
+use crate::machine::{Approach, Machine, Pose};
 use crate::report::text::BudgetReport;
+use serde_json::Value;
 
 /// One machine that was given, and how it is looked at.
 #[derive(Debug, Clone, Copy)]
@@ -17,8 +18,10 @@ pub struct MachineInput<'a> {
     pub order: Order,
     /// Side of approach.
     pub approach: Approach,
-    /// Number of random poses of the statistics, and their seed.
+    /// Number of poses of the statistics, and the seed of random ones.
     pub poses: (usize, u64),
+    /// The poses for the tool poses of a file instead of random ones, and what the page says of the file.
+    pub work: Option<(&'a [Pose], &'a Value)>,
     /// Results of the targets that were written for it.
     pub written: &'a [TargetResult],
     /// Readings of instruments on it.
@@ -41,8 +44,11 @@ pub struct TargetResult {
 }
 
 impl MachineInput<'_> {
-    /// The poses that statistics are taken over: those of a certificate.
+    /// The poses that statistics are taken over: those of the work, or of a certificate.
     pub fn sample(&self) -> Poses {
-        Poses::Random(Random::of(self.machine, self.poses.0, self.poses.1))
+        match self.work {
+            Some((poses, _)) => Poses::Listed(poses.iter().take(self.poses.0).cloned().collect()),
+            None => Poses::Random(Random::of(self.machine, self.poses.0, self.poses.1)),
+        }
     }
 }

@@ -8,18 +8,34 @@ pub(super) struct Csv<W> {
     out: W,
 }
 
-/// The line of a row, with its end.
-pub(super) fn line(row: &[f64], text: &mut String) {
+/// The line of a row, with its end, after the unreached rows before it.
+pub(super) fn line(rows: &Rows<'_>, index: usize, row: &[f64], text: &mut String) {
+    let work = rows.work.and_then(|work| Some((work, work.reached.get(index)?)));
+    if let Some((work, at)) = work {
+        unreached(rows, index, text);
+        text.push_str(&work.lead(at.line, at.feature.as_deref()));
+    }
     for (i, x) in row.iter().enumerate() {
         // Writing to a string cannot fail.
         let _ = write!(text, "{}{x}", if i == 0 { "" } else { "," });
     }
-    text.push('\n');
+    text.push_str(if work.is_some() { ",\n" } else { "\n" });
+}
+
+/// The lines of the unreached rows before the pose with an index.
+pub(super) fn unreached(rows: &Rows<'_>, index: usize, text: &mut String) {
+    let Some(work) = rows.work else { return };
+    let numbers = rows.columns().len();
+    work.unreached_before(index).iter().for_each(|row| text.push_str(&work.csv_line(row, numbers)));
 }
 
 impl<W: Write> Csv<W> {
     pub(super) fn new(rows: &Rows<'_>, mut out: W) -> io::Result<Self> {
-        writeln!(out, "{}", rows.columns().join(","))?;
+        let (lead, end) = match rows.work {
+            Some(work) => (if work.has_features() { "line,feature," } else { "line," }, ",unreached"),
+            None => ("", ""),
+        };
+        writeln!(out, "{lead}{}{end}", rows.columns().join(","))?;
         Ok(Self { out })
     }
 }

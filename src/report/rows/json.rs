@@ -1,6 +1,7 @@
 //! JSON: the facts, then one object a pose, a line each, so that it can be read by eye and by line.
 
 use super::table::{RowBlock, Rows, Stream};
+use super::work::WorkRows;
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
 
@@ -10,13 +11,27 @@ pub(super) struct Json<W> {
 
 impl Rows<'_> {
     /// Writes the object of a row, after a comma for all rows but the first.
-    pub(super) fn json_line(&self, row: &[f64], text: &mut String) {
+    pub(super) fn json_line(&self, index: usize, row: &[f64], text: &mut String) {
+        self.json_unreached(index, text);
         let (axes, six) = row.split_at(self.machine.axes().len());
         let names = self.machine.axes().iter().map(|axis| axis.name.to_string());
         let axes: Map<String, Value> = names.zip(axes.iter().map(|q| json!(q))).collect();
-        let pose = json!({"axes": axes, "deviation_um": six[..3], "rotation_urad": six[3..]});
+        let mut pose = self.work.and_then(|work| work.reached.get(index)).map_or_else(Map::new, WorkRows::json_lead);
+        pose.extend([
+            ("axes".to_owned(), Value::Object(axes)),
+            ("deviation_um".to_owned(), json!(six[..3])),
+            ("rotation_urad".to_owned(), json!(six[3..])),
+        ]);
         text.push_str(",\n");
-        text.push_str(&pose.to_string());
+        text.push_str(&Value::Object(pose).to_string());
+    }
+
+    /// Writes the objects of the unreached rows before the pose with an index.
+    pub(super) fn json_unreached(&self, index: usize, text: &mut String) {
+        for row in self.work.map_or(&[][..], |work| work.unreached_before(index)) {
+            text.push_str(",\n");
+            text.push_str(&row.json.to_string());
+        }
     }
 }
 

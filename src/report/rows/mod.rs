@@ -11,5 +11,7 @@ mod parquet;
 mod stream;
 mod table;
 mod vtk;
+mod work;
 
 pub use table::{RowBlock, RowFormat, Rows, Sink, Stream};
+pub use work::{UnreachedRow, WorkRow, WorkRows};

@@ -19,6 +19,7 @@ impl<'a> Rows<'a> {
     ) -> RowBlock {
         let mut made = RowBlock { first, ..RowBlock::default() };
         let wants = |form| forms.contains(&form);
+        let mut index = first;
         for (pose, deviation) in rows {
             if wants(RowFormat::Vtk) {
                 made.tips.push(self.tip(&pose));
@@ -28,12 +29,21 @@ impl<'a> Rows<'a> {
             // Adding zero turns -0 into 0.
             row.iter_mut().for_each(|x| *x += 0.0);
             if wants(RowFormat::Csv) {
-                csv::line(&row, &mut made.csv);
+                csv::line(self, index, &row, &mut made.csv);
             }
             if wants(RowFormat::Json) {
-                self.json_line(&row, &mut made.json);
+                self.json_line(index, &row, &mut made.json);
             }
             made.rows.push(row);
+            index += 1;
+        }
+        if index == self.poses.len() {
+            if wants(RowFormat::Csv) {
+                csv::unreached(self, index, &mut made.csv);
+            }
+            if wants(RowFormat::Json) {
+                self.json_unreached(index, &mut made.json);
+            }
         }
         made
     }

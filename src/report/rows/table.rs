@@ -1,5 +1,6 @@
 //! The rows of a table and their facts, whatever its format.
 
+use super::work::WorkRows;
 use crate::analysis::{View, frame_rotation, tool_pose};
 use crate::evaluate::{Frame, Order, Poses};
 use crate::machine::{Approach, Machine};
@@ -18,6 +19,8 @@ pub struct Rows<'a> {
     pub order: Order,
     /// The target after whose compensation; empty without.
     pub target: &'a str,
+    /// The rows of a file of tool poses behind the poses.
+    pub work: Option<&'a WorkRows>,
 }
 
 /// Format of a table.

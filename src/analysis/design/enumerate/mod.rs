@@ -23,7 +23,7 @@ mod walk_budget;
 
 pub use arrangement::{MAX_ARRANGEMENTS, TooMany, Walk, walks};
 pub use journal::{Journal, Record, RoundStep};
-pub use ranking::{Ranking, Reach, Row, Standing, ranked};
+pub use ranking::{NeededRange, Ranking, Reach, Row, Standing, ranked};
 pub use rounds::{MissingSteps, RoundCount, Rounds, Standings, StudyEnd, standings};
 pub use rule::{Rule, RuleFailure};
 pub use study::{Judge, Study, StudyRound};

@@ -33,6 +33,20 @@ pub struct Row {
     pub result: Option<Outcome>,
     /// Names of the axes, or `workpiece`, whose geometry the file does not state for the side where they stand.
     pub not_stated: Vec<String>,
+    /// The travel that the work needs of each axis (mm, deg), for a study that sizes them.
+    #[serde(default)]
+    pub travel: Vec<NeededRange>,
+}
+
+/// The positions of an axis over a work.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NeededRange {
+    /// Name of the axis.
+    pub axis: String,
+    /// Smallest position, mm or deg.
+    pub min: f64,
+    /// Largest position, mm or deg.
+    pub max: f64,
 }
 
 /// The position error of an arrangement over the tool poses it reaches, um.

@@ -325,6 +325,7 @@ mod tests {
                     unreachable: UnreachableCount::default(),
                     result: None,
                     not_stated: Vec::new(),
+                    travel: Vec::new(),
                 };
                 let values = rounds.samples(missing.round).map(|sample| value(k, sample, worse)).collect();
                 let at = RoundStep { round: missing.round, step: *step };

@@ -2,12 +2,12 @@
 
 use super::arrangement::Walk;
 use super::journal::Record;
-use super::ranking::{Row, Standing};
+use super::ranking::{NeededRange, Row, Standing};
 use super::side_draws::SideDraws;
 use super::walk_budget;
 use crate::analysis::design::budget::{Bound, Draws, SampleLanes, Statistic, percentile_95};
 use crate::analysis::design::compare::UnreachableCount;
-use crate::analysis::inverse::{ToolPose, Unreachable, inverse, rest, tool_pose};
+use crate::analysis::inverse::{Miss, Needs, ToolPose, inverse_all, tool_pose};
 use crate::analysis::volume::Work;
 use crate::evaluate::{Bare, Field, Order, Poses, Random};
 use crate::lower::{Quantity, Twist, twists};
@@ -40,6 +40,7 @@ pub struct Study<'a> {
     work: Vec<ToolPose>,
     poses: Vec<Pose>,
     freedom: usize,
+    sized: bool,
 }
 
 /// One round of a study: the machines that are drawn in it.
@@ -62,14 +63,16 @@ enum Reference {
 impl<'a> Study<'a> {
     /// Returns a study with its work. Tool poses that the machine itself cannot reach are left out.
     pub fn new(machine: &'a Machine, walks: Vec<Walk>, judge: Judge, statistic: Statistic, work: &Work) -> Self {
-        let at_rest = rest(machine);
-        let own = |i: usize| {
-            let target = work.get(machine, i);
-            inverse(machine, &target, &at_rest).ok().map(|pose| (target, pose))
-        };
-        let own: Vec<(ToolPose, Pose)> = (0..work.len()).into_par_iter().filter_map(own).collect();
-        let (work, poses): (Vec<ToolPose>, Vec<Pose>) = own.into_iter().unzip();
-        Self { machine, walks, statistic, judge, work, poses, freedom: freedom(machine) }
+        let targets: Vec<ToolPose> = (0..work.len()).into_par_iter().map(|i| work.get(machine, i)).collect();
+        let found = inverse_all(machine, &targets).into_iter().zip(targets);
+        let (work, poses): (Vec<ToolPose>, Vec<Pose>) =
+            found.filter_map(|(pose, target)| Some((target, pose.ok()?))).unzip();
+        Self { machine, walks, statistic, judge, work, poses, freedom: freedom(machine), sized: false }
+    }
+
+    /// The same study, which also tells the travel that the work needs of each arrangement.
+    pub fn sized(self, sized: bool) -> Self {
+        Self { sized, ..self }
     }
 
     /// Returns a round with its samples drawn, and all before them.
@@ -139,6 +142,7 @@ impl StudyRound<'_> {
             unreachable: missed,
             result: None,
             not_stated: study.not_stated(machine),
+            travel: Vec::new(),
         };
         let each = || machines.iter().zip(tables);
         let apart = |row: Row| Record { row, values: Vec::new(), file: None };
@@ -147,10 +151,9 @@ impl StudyRound<'_> {
             let missed = UnreachableCount { total: all, direction: all, ..UnreachableCount::default() };
             return each().map(|of| apart(row(of, Standing::CannotTurn, missed))).collect();
         }
-        let at_rest = rest(nominal);
-        let found: Vec<Result<Pose, Unreachable>> =
-            study.work.iter().map(|target| inverse(nominal, target, &at_rest)).collect();
-        let missed = UnreachableCount::count(found.iter().filter_map(|pose| pose.as_ref().err()));
+        let found: Vec<Result<Pose, Miss>> = inverse_all(nominal, &study.work);
+        let missed = UnreachableCount::count(found.iter().filter_map(|pose| Some(&pose.as_ref().err()?.why)));
+        let travel = if study.sized { needed(nominal, &found) } else { Vec::new() };
         let (reached, poses): (Vec<usize>, Vec<Pose>) =
             found.into_iter().enumerate().filter_map(|(i, pose)| Some((i, pose.ok()?))).unzip();
         if poses.is_empty() {
@@ -158,7 +161,7 @@ impl StudyRound<'_> {
         }
         let (values, file) = self.values(walk, machines, tables, &reached, &poses);
         let judged = each().zip(values).map(|(of, values)| Record {
-            row: row(of, Standing::Judged, missed),
+            row: Row { travel: travel.clone(), ..row(of, Standing::Judged, missed) },
             values,
             file: Some(file),
         });
@@ -197,6 +200,13 @@ impl StudyRound<'_> {
             }
         }
     }
+}
+
+/// Returns the travel that the work needs of each axis.
+fn needed(machine: &Machine, found: &[Result<Pose, Miss>]) -> Vec<NeededRange> {
+    let ranges = Needs::of(found.iter().map(|pose| pose.as_ref())).ranges;
+    let of = |(axis, (min, max)): (&Axis, (f64, f64))| NeededRange { axis: axis.name.to_string(), min, max };
+    machine.axes().iter().zip(ranges).map(of).collect()
 }
 
 /// True for machines that differ at most in the side of axes on which nothing nominal depends. Axes whose sense or

@@ -29,7 +29,7 @@ pub(super) fn turned(lines: &[Line]) -> Option<Vec<Line>> {
     let quoted = |cell: &str| if cell.contains(separator) { format!("\"{cell}\"") } else { cell.to_owned() };
     let turned = (0..columns).map(|k| {
         let cells: Vec<String> = rows.iter().map(|row| quoted(row.get(k).map_or("", String::as_str))).collect();
-        Line { place: lines[at].place.clone(), text: cells.join(&separator.to_string()) }
+        Line { place: lines[at].place.clone(), number: lines[at].number, text: cells.join(&separator.to_string()) }
     });
     Some(lines[..at].iter().cloned().chain(turned).collect())
 }

@@ -1,0 +1,99 @@
+//! The rows of a file of tool poses behind the poses of a table: their lines, features, and those that are not reached.
+
+use serde_json::{Map, Value, json};
+
+/// A row of the file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorkRow {
+    /// Line of the file, from 1.
+    pub line: usize,
+    /// Name of its feature.
+    pub feature: Option<String>,
+}
+
+/// A row that the machine does not reach.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnreachedRow {
+    /// Line of the file, from 1.
+    pub line: usize,
+    /// Name of its feature.
+    pub feature: Option<String>,
+    /// What is missing, in words.
+    pub words: String,
+    /// The same for JSON: an object with its line.
+    pub json: Value,
+}
+
+/// The rows of a file, in order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorkRows {
+    /// Those of the poses of the table.
+    pub(super) reached: Vec<WorkRow>,
+    /// The others.
+    unreached: Vec<UnreachedRow>,
+    features: bool,
+}
+
+impl WorkRows {
+    /// Returns the rows of the poses of a table, and the others; both in the order of the file.
+    pub fn new(reached: Vec<WorkRow>, unreached: Vec<UnreachedRow>) -> Self {
+        let of_others = unreached.iter().any(|row| row.feature.is_some());
+        let features = of_others || reached.iter().any(|row| row.feature.is_some());
+        Self { reached, unreached, features }
+    }
+
+    /// True if rows have features.
+    pub(super) fn has_features(&self) -> bool {
+        self.features
+    }
+
+    /// Returns the unreached rows between the pose before an index and that pose; after the last pose all that are left.
+    pub(super) fn unreached_before(&self, index: usize) -> &[UnreachedRow] {
+        let until = |end: usize| match self.reached.get(end) {
+            Some(row) => self.unreached.partition_point(|missed| missed.line < row.line),
+            None => self.unreached.len(),
+        };
+        let from = index.checked_sub(1).map_or(0, until);
+        self.unreached.get(from..until(index)).unwrap_or_default()
+    }
+
+    /// Returns the cells of a row before the positions, with their comma.
+    pub(super) fn lead(&self, line: usize, feature: Option<&str>) -> String {
+        if self.features { format!("{line},{},", cell(feature.unwrap_or_default())) } else { format!("{line},") }
+    }
+
+    /// Returns the line of an unreached row in a table with so many numbers.
+    pub(super) fn csv_line(&self, row: &UnreachedRow, numbers: usize) -> String {
+        format!("{}{}{}\n", self.lead(row.line, row.feature.as_deref()), ",".repeat(numbers), cell(&row.words))
+    }
+
+    /// Returns the entries of a row for JSON.
+    pub(super) fn json_lead(row: &WorkRow) -> Map<String, Value> {
+        let mut lead = Map::new();
+        let _ = lead.insert("line".to_owned(), json!(row.line));
+        if let Some(feature) = &row.feature {
+            let _ = lead.insert("feature".to_owned(), json!(feature));
+        }
+        lead
+    }
+}
+
+/// A cell, quoted where it has to be.
+fn cell(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unreached_rows_stand_in_their_places() {
+        let missed = |line| UnreachedRow { line, feature: None, words: "x, y".to_owned(), json: json!({}) };
+        let row = |line| WorkRow { line, feature: None };
+        let work = WorkRows::new([3, 6].map(row).to_vec(), [2, 4, 5, 9].map(missed).to_vec());
+        let lines = |index| work.unreached_before(index).iter().map(|row| row.line).collect::<Vec<_>>();
+        assert_eq!((lines(0), lines(1), lines(2)), (vec![2], vec![4, 5], vec![9]));
+        assert_eq!(work.csv_line(&work.unreached[0], 3), "2,,,,\"x, y\"\n");
+    }
+}
