@@ -237,9 +237,29 @@ pub struct IdentifyEntry {
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     #[schemars(schema_with = "super::schema::slopes")]
     pub slopes: IndexMap<String, Scalar>,
+    /// Values that are known before the data: `EC0Y 5 urad`, `ball b1 50 um`, `file`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub priors: Vec<String>,
+    /// Sizes up to which errors are plausible, where the readings show larger ones than 10 mm or 100 mrad: a robot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plausible: Option<PlausibleEntry>,
     /// Reference of the errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub datum: Option<DatumEntry>,
+}
+
+/// Largest plausible errors.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, serde::Serialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PlausibleEntry {
+    /// Of lengths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub length: Option<Scalar>,
+    /// Of angles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub angle: Option<Scalar>,
 }
 
 /// The datum of the errors.

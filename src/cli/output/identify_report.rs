@@ -32,6 +32,7 @@ pub(crate) fn text(result: &IdentifyResult) -> String {
     }
     let mut text = format!("{}: fitted to {} points\n{rows}\n{}", result.machine, result.points, fit(result));
     text += &residuals(result);
+    text += &prediction(result);
     text += &undetermined(result);
     text + &outliers(result)
 }
@@ -57,23 +58,27 @@ fn fit(r: &IdentifyResult) -> String {
             format!("\nscatter    per reading {}", words.join(", "))
         }
     };
-    format!(
-        "rank       {} from {} readings, {} well determined, condition {}, valuation {}\n\
+    let known = r.known.iter().map(|k| format!("{} to {} {}", k.name, significant(k.sigma, 3), k.unit));
+    let known: Vec<String> = known.collect();
+    let known = if known.is_empty() { String::new() } else { format!("known      {}\n", known.join(", ")) };
+    known
+        + &format!(
+            "rank       {} from {} readings, {} well determined, condition {}, valuation {}\n\
          rms        {} um before, {} um after{scatter}\n\
          orders     first {} um, second {} um, higher {} um; first alone leaves {} um, with the second {} um\n",
-        rank(r.rank_first_order, r.rank, r.unknowns),
-        r.rows,
-        r.well_determined,
-        significant(r.condition, 3),
-        significant(r.valuation, 3),
-        um(r.rms_um.before),
-        um(r.rms_um.after),
-        um(r.orders_um.first),
-        um(r.orders_um.second),
-        um(r.orders_um.higher),
-        um(r.orders_um.left_by_first),
-        um(r.orders_um.left_by_second),
-    )
+            rank(r.rank_first_order, r.rank, r.unknowns),
+            r.rows,
+            r.well_determined,
+            significant(r.condition, 3),
+            significant(r.valuation, 3),
+            um(r.rms_um.before),
+            um(r.rms_um.after),
+            um(r.orders_um.first),
+            um(r.orders_um.second),
+            um(r.orders_um.higher),
+            um(r.orders_um.left_by_first),
+            um(r.orders_um.left_by_second),
+        )
 }
 
 fn residuals(r: &IdentifyResult) -> String {
@@ -103,6 +108,29 @@ fn residuals(r: &IdentifyResult) -> String {
         text += &format!(
             "repeated   {size} um per reading{of} where a pose was measured again ({degrees_of_freedom} times)\n"
         );
+    }
+    text
+}
+
+/// What the fit is worth over the volume.
+fn prediction(r: &IdentifyResult) -> String {
+    let p = &r.prediction;
+    let at: Vec<String> = p.at.iter().map(|(axis, q)| format!("{axis}={}", significant(*q, 4))).collect();
+    let (at, deviation) = (at.join(", "), um(p.deviation_um));
+    let mut text = match (p.largest_um, &p.combination) {
+        (Some(size), _) => {
+            let held = if p.held { "" } else { ": not held by the data" };
+            format!("prediction u = {} um at most, at {at}{held}", significant(size, 3))
+        }
+        (None, Some(words)) => format!("prediction u is infinite, at {at} for one: {words}, but that deviation"),
+        (None, None) => "prediction u is unknown: no reading to spare".to_owned(),
+    };
+    text += &format!(
+        "\n           of deviations up to {deviation} um over the volume, less a rigid motion of the workpiece frame\n"
+    );
+    if !r.invariances.is_empty() {
+        let motions = r.invariances.join(", ");
+        text += &format!("motions    no reading notices a rigid motion of the whole machine {motions}\n");
     }
     text
 }

@@ -56,6 +56,10 @@ pub struct Fit {
     pub scatter: Vec<Scatter>,
     /// Then also, of each unknown, the degrees of freedom that its uncertainty rests on.
     pub freedom: Vec<f64>,
+    /// Values known before the data: rows over their standard uncertainty.
+    pub known: DMatrix<f64>,
+    /// Root mean square (mm) of what the readings are off the machine at the start, wherever instruments are.
+    pub shown: f64,
     /// True if the unknown is held by something else than readings (bounds on slopes).
     pub bounded: Vec<bool>,
     /// Accepted steps.
@@ -113,7 +117,8 @@ impl<'a> Search<'a> {
         let Descent { theta, reduced, steps, .. } = descent;
         let bounded = self.model.slopes().column_iter().map(|column| column.iter().any(|x| *x != 0.0)).collect();
         let squares = reduced.right_norm() * reduced.right_norm();
-        Fit { theta, reduced, squares, weights, scatter: Vec::new(), freedom: Vec::new(), bounded, steps, settled }
+        let (scatter, freedom, known, shown) = (Vec::new(), Vec::new(), self.model.known().0, prior.shown);
+        Fit { theta, reduced, squares, weights, scatter, freedom, known, shown, bounded, steps, settled }
     }
 }
 

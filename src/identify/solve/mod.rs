@@ -12,6 +12,7 @@ mod plan;
 mod randomness;
 mod solution;
 mod student;
+mod volume;
 mod weighing;
 
 pub use checks::{Outlier, Residuals, held_out};
@@ -19,4 +20,5 @@ pub use fit::{Fit, Scatter, fit};
 pub use plan::plan;
 pub use randomness::{Randomness, randomness};
 pub use solution::{Estimate, Solution};
+pub use volume::{Prediction, Spread};
 pub use weighing::solve;
