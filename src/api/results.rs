@@ -16,9 +16,9 @@ pub use super::equations::EquationsResult;
 pub use super::eval::{EvalResult, EvalUnits, PoseResult};
 pub use super::explain::Explanation;
 pub use super::identify::{
-    ExpectedParameter, FittedParameter, IdentifyResult, KindResidual, KnownValue, MeasurementPlan, MonomialCoefficient,
-    MonomialComponent, MonomialFit, NamedSvg, OrderShares, OutlierPlace, PlannedPose, PredictedUncertainty,
-    RepeatedReadings, ResidualTest, Rms, RmsBeforeAfter, ScatterOfKind,
+    ExpectedParameter, FittedDatum, FittedError, FittedParameter, IdentifyResult, KindResidual, KnownValue,
+    MeasurementPlan, MonomialCoefficient, MonomialComponent, MonomialFit, NamedSvg, OrderShares, OutlierPlace,
+    PlannedPose, PredictedUncertainty, RepeatedReadings, ResidualTest, Rms, RmsBeforeAfter, ScatterOfKind,
 };
 pub use super::import::{
     ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, StraightnessReference,

@@ -32,6 +32,6 @@ pub use model::{
     known, moore_penrose, overruled, parameters, slope_bounds, unused,
 };
 pub use solve::{
-    Estimate, Fit, Outlier, Prediction, Randomness, Residuals, Scatter, Solution, Spread, fit, held_out, plan,
-    randomness, solve,
+    Conditions, Estimate, Fit, Moved, Outlier, Prediction, Randomness, Residuals, Scatter, Solution, Spread, fit,
+    held_out, in_datum, plan, randomness, solve,
 };

@@ -264,10 +264,42 @@ pub struct PlausibleEntry {
 
 /// The datum of the errors.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, serde::Serialize, schemars::JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct DatumEntry {
+    /// Reference straight line of the straightness errors of linear axes.
+    pub line: DatumLine,
+    /// Position at which positioning and angular errors are zero.
+    pub zero: DatumZero,
     /// Place of the squareness of the axes.
     pub squareness: SquarenessSite,
+}
+
+/// The reference straight line of straightness.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, serde::Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DatumLine {
+    /// The least-squares line over the travel.
+    #[default]
+    LeastSquares,
+    /// The line through both ends of the travel.
+    EndPoints,
+    /// None: constants and slopes stay as the data have them.
+    Free,
+}
+
+/// The position at which errors are zero.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, serde::Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DatumZero {
+    /// The lower end of the travel; 0 deg of an axis without ends.
+    #[default]
+    Start,
+    /// The middle of the travel.
+    Middle,
+    /// The zero of the axis, or the end of the travel next to it.
+    Machine,
+    /// None: constants stay as the data have them.
+    Free,
 }
 
 /// Place of the squareness of the axes.

@@ -17,6 +17,7 @@ mod compile_refusals;
 mod compiled_columns;
 mod configs;
 mod convert;
+mod datum;
 mod defects;
 mod diagnostics;
 mod enumerate;

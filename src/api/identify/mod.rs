@@ -1,5 +1,6 @@
 //! Measurements to error parameters, and a fitted machine file.
 
+mod datum;
 mod limits;
 mod monomials;
 mod pictures;
@@ -8,6 +9,7 @@ mod provenance;
 mod remarks;
 mod result;
 
+pub use datum::{FittedDatum, FittedError};
 pub use monomials::{MonomialCoefficient, MonomialComponent, MonomialFit, Rms, fit_monomials};
 pub use pictures::NamedSvg;
 pub use plan::{ExpectedParameter, MeasurementPlan, PlanOptions, PlannedPose, plan_measurements};
@@ -24,8 +26,8 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::evaluate::{Frame, Order};
 use crate::identify::{
     DistanceEnd, Fit, Known, Measurement, MeasurementSet, Model, Parameter, Prediction, Randomness, Reading, Repeats,
-    Residuals, SlopeBound, Solution, fitted_file, held_out, invariances, known, overruled, parameters, randomness,
-    read_measurements, repeats, slope_bounds, solve, unused,
+    Residuals, SlopeBound, Solution, fitted_file, held_out, in_datum, invariances, known, overruled, parameters,
+    randomness, read_measurements, repeats, slope_bounds, solve, unused,
 };
 use crate::machine::{Machine, Pose};
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
@@ -274,6 +276,7 @@ struct Fitted<'a> {
     repeats: Vec<Repeats>,
     /// Values known before the data.
     known: &'a [Known],
+    datum: Option<FittedDatum>,
     fit: &'a Fit,
 }
 
@@ -297,6 +300,12 @@ fn solved(
     let fit = solve(&model, data, options.robust);
     let solution = Solution::of(&fit, &problem.unknowns).compared(&model, data, &fit);
     let theta = solution.theta();
+    let prediction = Prediction::of(&model, data, &fit, &solution);
+    let conditions = datum::conditions(file, &problem.request, &problem.unknowns[..model.own()]);
+    let (solution, datum) = match in_datum(&model, data, &fit, &solution, &conditions) {
+        Some((solution, moved)) => (solution, Some(FittedDatum::of(conditions.entry, &moved))),
+        None => (solution, None),
+    };
     let fitted = Fitted {
         machine: file,
         unknowns: &problem.unknowns,
@@ -304,7 +313,8 @@ fn solved(
         data,
         residuals: Residuals::of(&model, data, &theta),
         randomness: randomness(data, &model.residuals(data, &theta), &fit.weights),
-        prediction: Prediction::of(&model, data, &fit, &solution),
+        prediction,
+        datum,
         motions: found.motions,
         solution,
         held_out: options.folds.and_then(|folds| held_out(&model, data, folds, options.robust)),

@@ -1,5 +1,6 @@
 //! A fit as a value: parameters with their uncertainty, what the data do not determine, and the residuals.
 
+use super::datum::{self, FittedDatum, FittedError};
 use super::pictures::NamedSvg;
 use super::{Fitted, limits};
 use crate::diagnostic::Sources;
@@ -257,6 +258,10 @@ pub struct IdentifyResult {
     pub prediction: PredictedUncertainty,
     /// Rigid motions of the whole machine that no reading notices, such as `along X`.
     pub invariances: Vec<String>,
+    /// The datum of the errors, where curves are fitted.
+    pub datum: Option<FittedDatum>,
+    /// Every fitted error of an axis over its travel.
+    pub errors: Vec<FittedError>,
     /// Steps of the fit.
     pub steps: usize,
     /// False if the fit was stopped before it had settled.
@@ -347,6 +352,8 @@ impl IdentifyResult {
             outliers: r.outliers.iter().map(outlier).collect(),
             prediction: PredictedUncertainty::of(fitted),
             invariances: fitted.motions.clone(),
+            datum: fitted.datum.clone(),
+            errors: datum::errors(fitted),
             steps: fitted.fit.steps,
             settled: fitted.fit.settled,
             machine: fitted.machine.name().to_owned(),

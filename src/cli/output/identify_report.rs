@@ -6,6 +6,8 @@ use abbe::text::significant;
 
 /// Coverage factors above this are printed: less than 30 degrees of freedom.
 const USUAL: f64 = 2.045;
+/// Motions below this (um, urad) are rounding.
+const MOVED: f64 = 1e-3;
 /// Lines of one kind in the text; JSON has all.
 const MAX_LINES: usize = 10;
 
@@ -34,7 +36,8 @@ pub(crate) fn text(result: &IdentifyResult) -> String {
     text += &residuals(result);
     text += &prediction(result);
     text += &undetermined(result);
-    text + &outliers(result)
+    text += &outliers(result);
+    text + &datum(result)
 }
 
 fn um(value: f64) -> String {
@@ -143,6 +146,24 @@ fn undetermined(r: &IdentifyResult) -> String {
         text += &format!("           and {} more combinations (--format json)\n", r.drowned.len() - MAX_LINES);
     }
     text
+}
+
+/// The datum, and all errors of the axes in it.
+fn datum(r: &IdentifyResult) -> String {
+    let Some(datum) = &r.datum else { return String::new() };
+    let list = |values: &[f64; 3]| values.map(|x| significant(x, 3)).join(", ");
+    let mut text = format!("datum      {} conditions", datum.conditions);
+    if datum.translation_um.iter().chain(&datum.rotation_urad).any(|x| x.abs() > MOVED) {
+        let (translation, rotation) = (list(&datum.translation_um), list(&datum.rotation_urad));
+        text += &format!("; taken out of the errors: the whole moved by {translation} um, turned by {rotation} urad");
+    }
+    let mut rows = table(&["error", "smallest", "largest", "1 sigma", "unit"]);
+    for e in &r.errors {
+        let sigma = e.sigma.map_or_else(|| "free".to_owned(), |s| significant(s, 2));
+        let cells = [significant(e.smallest, 4), significant(e.largest, 4), sigma, e.unit.clone()];
+        let _ = rows.add_row([e.error.clone()].into_iter().chain(cells));
+    }
+    text + &format!("\n{rows}\n")
 }
 
 fn outliers(r: &IdentifyResult) -> String {

@@ -22,6 +22,7 @@ mod volume;
 pub use invariance::{Invariances, invariances};
 pub use known::{Known, known};
 pub use monomials::{Coefficient, Component, Monomial, moore_penrose};
+pub(super) use parameter::share;
 pub use parameter::{Basis, Parameter, SlopeBound, Term};
 pub use prediction::Model;
 pub(super) use prediction::masked;

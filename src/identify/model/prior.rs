@@ -46,6 +46,8 @@ pub(crate) struct Prior {
     own: usize,
     /// What the readings show (mm) of all errors together.
     pub shown: f64,
+    /// True if values are known before the data.
+    pub informed: bool,
     /// Standard deviation of a displacement (mm).
     sigma: f64,
     /// Combinations that are known to be `values` with standard deviation 1.
@@ -65,8 +67,8 @@ impl Prior {
         let mut values = DVector::zeros(held + known.nrows());
         values.rows_mut(held, known.nrows()).copy_from(&known_values);
         let shown = shown(model.own(), data, home);
-        let sigma = SIGMA.max(USUAL * shown);
-        let prior = Self { start, metric: metric(model), own: model.own(), shown, sigma, rows, values };
+        let (sigma, informed) = (SIGMA.max(USUAL * shown), known.nrows() > 0);
+        let prior = Self { start, metric: metric(model), own: model.own(), shown, informed, sigma, rows, values };
         let many = libm::sqrt((home.rows as f64 / MANY).max(1.0));
         let hidden = bilinear(model, data, &prior, home);
         prior.holding(&hidden, HELD.max(shown) / many)

@@ -3,7 +3,7 @@
 
 use super::prediction::Model;
 use crate::diagnostic::{Place, SourceId};
-use crate::evaluate::{Frame, Poses, Spread};
+use crate::evaluate::{Frame, Order, Poses, Spread};
 use crate::identify::data::{Measurement, Reading};
 use crate::machine::{Approach, Machine, Pose};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -33,6 +33,17 @@ pub(crate) struct Volume {
 }
 
 impl Volume {
+    /// The first order of a model, whatever its unknowns are: rigid motions act on the nominal points.
+    pub fn first_order(model: &Model<'_>, data: &[Measurement]) -> Self {
+        let first = model.clone().to_order(Order::Degree(1));
+        let theta = vec![0.0; model.parameters().len()];
+        let mut volume = Self::of(&first, data, &theta);
+        let nominal = |m: &Measurement| crate::lower::NominalPose::at(model.machine(m), &m.pose).pose.translation;
+        volume.points = volume.rows.iter().map(nominal).collect();
+        volume.rigid = orthonormal(&motions(&volume.points));
+        volume
+    }
+
     /// Evaluates a model at `theta`, with the tools of the data.
     pub fn of(model: &Model<'_>, data: &[Measurement], theta: &[f64]) -> Self {
         let rows = rows(model, data);

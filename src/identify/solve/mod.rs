@@ -7,6 +7,7 @@
 //! 4. [`plan()`]: poses worth measuring, before there are data.
 
 mod checks;
+mod datum;
 mod fit;
 mod plan;
 mod randomness;
@@ -16,6 +17,7 @@ mod volume;
 mod weighing;
 
 pub use checks::{Outlier, Residuals, held_out};
+pub use datum::{Conditions, Moved, in_datum};
 pub use fit::{Fit, Scatter, fit};
 pub use plan::plan;
 pub use randomness::{Randomness, randomness};

@@ -16,6 +16,8 @@ const RANK: f64 = 1e-10;
 const FAINT: f64 = 1e-2;
 /// Parts named of a direction that changes nothing, for people.
 const MAX_LISTED: usize = 12;
+/// A direction of unit size that a datum leaves less of than this is fixed by it.
+const FIXED: f64 = 1e-4;
 /// Rounds in which the scatter of the readings and what is known before them are weighed against each other.
 const ROUNDS: usize = 4;
 /// Least scatter (mm) beside which values are known: less is rounding.
@@ -159,6 +161,42 @@ impl Solution {
         let told = self.hidden.tr_mul(&row).norm_squared() <= LOST * row.norm_squared();
         let variance = row.dot(&(&self.covariance * &row));
         (told && self.freedom > 0).then(|| libm::sqrt(variance.max(0.0)) * self.sigma)
+    }
+
+    /// The same in another datum: values `theta`, of which those of a fit are linear functions (`map`), and directions
+    /// that become fixed by it.
+    pub(super) fn moved(mut self, map: &DMatrix<f64>, theta: &[f64], (fit, parameters): (&Fit, &[Parameter])) -> Self {
+        let count = theta.len();
+        let units = self.units.clone();
+        let map = DMatrix::from_fn(count, count, |i, j| map[(i, j)] * units[i] / units[j]);
+        self.covariance = &map * &self.covariance * map.transpose();
+        let sizes = DVector::from_iterator(count, parameters.iter().map(|p| p.size));
+        let mut hidden = &map * &self.hidden;
+        hidden.row_iter_mut().zip(units.iter().zip(sizes.iter())).for_each(|(mut row, (u, s))| row *= s / u);
+        let svd = Svd::new(&hidden.transpose());
+        let kept = svd.values.iter().filter(|value| **value > FIXED).count();
+        let fixed = self.hidden.ncols() - kept;
+        let free = svd.v.columns(0, kept).into_owned();
+        self.null = echelon(&free);
+        self.hidden = free;
+        self.hidden.row_iter_mut().zip(units.iter().zip(sizes.iter())).for_each(|(mut row, (u, s))| row *= u / s);
+        (self.rank, self.rank_first_order) = (self.rank + fixed, self.rank_first_order + fixed);
+        let norms = fit.reduced.column_norms();
+        let root = libm::sqrt(fit.reduced.rows.max(1) as f64);
+        for (j, estimate) in self.estimates.iter_mut().enumerate() {
+            let is_free = self.hidden.row(j).norm_squared() * (sizes[j] / units[j]).powi(2) > LOST;
+            let spread = libm::sqrt(self.covariance[(j, j)].max(0.0)) / units[j];
+            estimate.value = theta[j];
+            estimate.sigma = (!is_free && self.freedom > 0).then_some(spread * self.sigma);
+            estimate.valuation =
+                if is_free || norms[j] == 0.0 || spread == 0.0 { 0.0 } else { root / (norms[j] * spread) };
+        }
+        self.idle = self.null.iter().map_while(|row| alone(row).map(|(j, _)| parameters[j].name.clone())).collect();
+        let sentences = |most| self.null.iter().map(|row| inseparable(&named(row), parameters, most)).collect();
+        (self.null_space, self.short) = (sentences(usize::MAX), sentences(MAX_LISTED));
+        let values = self.estimates.iter().zip(parameters).filter(|(e, p)| e.valuation > 0.0 && !p.is_nuisance());
+        self.valuation = values.map(|(e, _)| e.valuation).reduce(f64::min).unwrap_or(0.0);
+        self
     }
 
     /// Uncertainties of sums of the parameters, one for each row: covariances for readings that scatter as they do are
