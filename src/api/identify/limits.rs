@@ -1,5 +1,5 @@
-//! Limits that follow what the readings show: sizes of errors that are plausible for this machine, and uncertainties of its
-//! prediction that are of use.
+//! Limits that follow what the readings show: sizes of errors that are plausible for this machine, and uncertainties of
+//! its prediction that are of use.
 
 use super::Fitted;
 use crate::identify::Spread;

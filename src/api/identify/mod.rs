@@ -49,8 +49,8 @@ pub struct IdentifyOptions {
     pub fit: Vec<String>,
     /// Parameters that keep their value although a group names them.
     pub fixed: Vec<String>,
-    /// Values known before the data, with a standard uncertainty: `ball b1 50 um`, `EC0Y 5 urad`, `constant S = 150 mm 1
-    /// um`; `file`: what the machine file states. They come after those of the section `identify`.
+    /// Values known before the data, with a standard uncertainty: `ball b1 50 um`, `EC0Y 5 urad`, `constant S = 150
+    /// mm 1 um`; `file`: what the machine file states. They come after those of the section `identify`.
     pub priors: Vec<String>,
     /// Frame in which the deviations were measured.
     pub frame: Frame,

@@ -141,8 +141,8 @@ fn contradiction(fitted: &Fitted<'_>, sources: &Sources) -> Option<Diagnostic> {
     Some(warning(codes::W0507, message, help))
 }
 
-/// Values of the machine whose uncertainty is larger than any error of a machine: constants, and curves somewhere in the
-/// travel. Coefficients of a curve say nothing each by itself.
+/// Values of the machine whose uncertainty is larger than any error of a machine: constants, and curves somewhere in
+/// the travel. Coefficients of a curve say nothing each by itself.
 pub(super) fn undetermined(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     let own = fitted.unknowns[..fitted.own].iter().zip(&fitted.solution.estimates);
     let wide = own.filter_map(|(parameter, estimate)| {
@@ -189,8 +189,8 @@ fn wide_curves(fitted: &Fitted<'_>) -> Vec<String> {
 pub(super) fn shrinking(stretches: &[(String, Vec<String>)]) -> Option<Diagnostic> {
     let (words, names) = stretches.first()?;
     let message = format!("no reading holds a length: {words} with {}, and nothing notices", names.join(", "));
-    let help = "add a reading that holds a length: two balls or sockets at a known distance or a calibrated bar (`length \
-                [mm]`), a laser along an axis (`EXX [um]`, `along [um]`), deviations (`dx [um]`); or known places \
+    let help = "add a reading that holds a length: two balls or sockets at a known distance or a calibrated bar \
+                (`length [mm]`), a laser along an axis (`EXX [um]`, `along [um]`), deviations (`dx [um]`); or known places \
                 (`--prior`); or hold one of these parameters (`--fixed`)";
     Some(Diagnostic::new(codes::E0514, message).help(help))
 }

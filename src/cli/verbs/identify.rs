@@ -27,8 +27,8 @@ pub(crate) struct Args {
     /// Parameters that keep their value although a group names them.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     fixed: Vec<String>,
-    /// A value known before the data, with its standard uncertainty: `ball b1 50 um`, `EC0Y 5 urad`, `constant S = 150 mm
-    /// 1 um`; `file`: what the machine file states. May be repeated.
+    /// A value known before the data, with its standard uncertainty: `ball b1 50 um`, `EC0Y 5 urad`, `constant S = 150
+    /// mm 1 um`; `file`: what the machine file states. May be repeated.
     #[arg(long, value_name = "PRIOR")]
     prior: Vec<String>,
     /// Write the fitted machine to this file.

@@ -1,7 +1,7 @@
 //! The datum of the errors. Curves of all axes hold the rigid motions of the whole and the choice of every axis's zero:
-//! directions that change nothing but where the workpiece stands. Conditions on the curves (their line, their zero) choose
-//! among these equivalent machines; nothing that is predicted changes but by a rigid motion. Values and covariance are those
-//! of the S-transformation (Baarda 1973) to these conditions, carried on to the exact model.
+//! directions that change nothing but where the workpiece stands. Conditions on the curves (their line, their zero)
+//! choose among these equivalent machines; nothing that is predicted changes but by a rigid motion. Values and covariance
+//! are those of the S-transformation (Baarda 1973) to these conditions, carried on to the exact model.
 
 use super::fit::Fit;
 use super::solution::Solution;
@@ -42,9 +42,9 @@ pub struct Conditions {
 pub struct Moved {
     /// Number of conditions.
     pub conditions: usize,
-    /// The rigid motion of the workpiece frame that was taken out of the errors: mm, and rad about the middle of the volume.
+    /// The translation of the workpiece frame that was taken out of the errors, mm.
     pub translation: [f64; 3],
-    /// The rotation of it.
+    /// The rotation that was taken out, rad about the middle of the volume.
     pub rotation: [f64; 3],
 }
 
@@ -144,8 +144,8 @@ impl Gauge {
         &self.basis * DMatrix::from_columns(&columns)
     }
 
-    /// The linear map of unknowns to those in the datum: errors move along the combinations, set-ups and instruments follow
-    /// as far as the readings (`r`) see it.
+    /// The linear map of unknowns to those in the datum: errors move along the combinations, set-ups and instruments
+    /// follow as far as the readings (`r`) see it.
     fn map(&self, r: &DMatrix<f64>, conditions: &DMatrix<f64>, shift: &DMatrix<f64>) -> DMatrix<f64> {
         let count = self.errors.len();
         let unit = |m: &DMatrix<f64>| DMatrix::from_fn(count, count, |i, j| m[(i, j)] * self.sizes[j] / self.sizes[i]);
@@ -228,8 +228,8 @@ impl Gauge {
     }
 }
 
-/// What is left of the way from points to others after the best rigid motion, and that motion: rotation about the middle,
-/// then translation.
+/// What is left of the way from points to others after the best rigid motion, and that motion: rotation about the
+/// middle, then translation.
 fn aligned(to: &[Vector3<f64>], from: &[Vector3<f64>]) -> (DVector<f64>, (Rotation3<f64>, Vector3<f64>)) {
     let count = from.len().max(1) as f64;
     let centre = from.iter().sum::<Vector3<f64>>() / count;

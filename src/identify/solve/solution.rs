@@ -17,7 +17,7 @@ const FAINT: f64 = 1e-2;
 /// Parts named of a direction that changes nothing, for people.
 const MAX_LISTED: usize = 12;
 /// A direction of unit size that a datum leaves less of than this is fixed by it.
-const FIXED: f64 = 1e-4;
+const FIXED: f64 = 1e-2;
 /// Rounds in which the scatter of the readings and what is known before them are weighed against each other.
 const ROUNDS: usize = 4;
 /// Least scatter (mm) beside which values are known: less is rounding.
@@ -167,24 +167,26 @@ impl Solution {
     /// that become fixed by it.
     pub(super) fn moved(mut self, map: &DMatrix<f64>, theta: &[f64], (fit, parameters): (&Fit, &[Parameter])) -> Self {
         let count = theta.len();
-        let units = self.units.clone();
+        // What only products of errors show is as good as unknown: a datum may fix it.
+        let units = DVector::from_iterator(count, parameters.iter().map(|p| p.size));
+        let seen = informed(fit, &units).0.scaled(&units);
+        self.hidden = seen.null_space(self.rank_first_order);
+        self.covariance = seen.covariance(self.rank_first_order);
+        self.units = units.clone();
         let map = DMatrix::from_fn(count, count, |i, j| map[(i, j)] * units[i] / units[j]);
         self.covariance = &map * &self.covariance * map.transpose();
-        let sizes = DVector::from_iterator(count, parameters.iter().map(|p| p.size));
-        let mut hidden = &map * &self.hidden;
-        hidden.row_iter_mut().zip(units.iter().zip(sizes.iter())).for_each(|(mut row, (u, s))| row *= s / u);
-        let svd = Svd::new(&hidden.transpose());
+        let svd = Svd::new(&(&map * &self.hidden).transpose());
         let kept = svd.values.iter().filter(|value| **value > FIXED).count();
         let fixed = self.hidden.ncols() - kept;
         let free = svd.v.columns(0, kept).into_owned();
         self.null = echelon(&free);
         self.hidden = free;
-        self.hidden.row_iter_mut().zip(units.iter().zip(sizes.iter())).for_each(|(mut row, (u, s))| row *= u / s);
-        (self.rank, self.rank_first_order) = (self.rank + fixed, self.rank_first_order + fixed);
+        self.rank_first_order += fixed;
+        self.rank = self.rank.max(self.rank_first_order);
         let norms = fit.reduced.column_norms();
         let root = libm::sqrt(fit.reduced.rows.max(1) as f64);
         for (j, estimate) in self.estimates.iter_mut().enumerate() {
-            let is_free = self.hidden.row(j).norm_squared() * (sizes[j] / units[j]).powi(2) > LOST;
+            let is_free = self.hidden.row(j).norm_squared() > LOST;
             let spread = libm::sqrt(self.covariance[(j, j)].max(0.0)) / units[j];
             estimate.value = theta[j];
             estimate.sigma = (!is_free && self.freedom > 0).then_some(spread * self.sigma);

@@ -1,5 +1,5 @@
-//! What a fit is worth where nothing was measured: the uncertainty of the deviation over the whole volume, after the best
-//! rigid motion of the workpiece frame.
+//! What a fit is worth where nothing was measured: the uncertainty of the deviation over the whole volume, after the
+//! best rigid motion of the workpiece frame.
 
 use super::fit::Fit;
 use super::solution::Solution;
