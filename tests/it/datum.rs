@@ -9,7 +9,7 @@ use abbe::machine::Machine;
 use nalgebra::{DMatrix, DVector, Vector3};
 use serde_json::Value;
 
-const THREE: &str = "abbe: 1\nmachine: Three\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0 mm, 500 mm], origin: [0, 0, 0] }\n  Y: { travel: [0 mm, 400 mm], origin: [0, 0, 0] }\n  Z: { travel: [-300 mm, 0 mm], origin: [0, 0, 0] }\ntools: { short: { length: 80 mm }, long: { offset: [60, -50, -170] } }\n";
+const THREE: &str = "abbe: 1\nmachine: Three\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0 mm, 500 mm], origin: [0, 0, 0] }\n  Y: { travel: [0 mm, 400 mm], origin: [0, 0, 0] }\n  Z: { travel: [-300 mm, 0 mm], origin: [0, 0, 0] }\ntools: { short: { length: 80 mm }, long: { offset: [60, -50, -170] }, side: { offset: [-50, 70, -100] } }\n";
 
 /// Errors with lines and zeros that no datum has: constants, slopes and bends of everything.
 const TRUTH: &str = "errors:\n  EC0Y: 12 urad\n  EB0Z: -9 urad\n  EA0Z: 15 urad\n  EXX: { polynomial: [8 um, 20 um/m, -30 um/m^2] }\n  EYX: { polynomial: [5 um, 30 um/m, 40 um/m^2] }\n  EZX: { polynomial: [-3 um, -10 um/m, 25 um/m^2] }\n  EAX: { polynomial: [4 urad, 20 urad/m] }\n  EBX: { polynomial: [-6 urad, 30 urad/m] }\n  ECX: { polynomial: [9 urad, -25 urad/m] }\n  EXY: { polynomial: [0 um, -20 um/m, 30 um/m^2] }\n  EYY: { polynomial: [2 um, 15 um/m] }\n  EBY: { polynomial: [3 urad, 25 urad/m] }\n  EYZ: { polynomial: [1 um, 12 um/m, -20 um/m^2] }\n  EZZ: { polynomial: [-4 um, -18 um/m] }\n  EAZ: { polynomial: [5 urad, 22 urad/m] }\n";
@@ -29,12 +29,12 @@ fn grid() -> Vec<Vec<f64>> {
     all.collect()
 }
 
-/// Displacements from four stations, for both tools.
+/// Displacements from four stations, for three tools: a turn about the line of two tool points is not seen.
 fn multilateration(truth: &Machine, random: &mut Random) -> String {
     let stations = [[-200.0, -150.0, -500.0], [700.0, -200.0, -100.0], [-100.0, 600.0, 200.0], [600.0, 500.0, -600.0]];
     let mut text = "X,Y,Z,tool,station,run,displacement [mm]\n".to_owned();
     for (s, station) in stations.iter().enumerate() {
-        for tool in ["short", "long"] {
+        for tool in ["short", "long", "side"] {
             let machine = truth.with_tool(tool).unwrap();
             for pose in grid() {
                 let nominal = abbe::lower::NominalPose::at(&machine, &pose).pose.translation;

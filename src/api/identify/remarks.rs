@@ -190,8 +190,8 @@ pub(super) fn shrinking(stretches: &[(String, Vec<String>)]) -> Option<Diagnosti
     let (words, names) = stretches.first()?;
     let message = format!("no reading holds a length: {words} with {}, and nothing notices", names.join(", "));
     let help = "add a reading that holds a length: two balls or sockets at a known distance or a calibrated bar \
-                (`length [mm]`), a laser along an axis (`EXX [um]`, `along [um]`), deviations (`dx [um]`); or known places \
-                (`--prior`); or hold one of these parameters (`--fixed`)";
+                (`length [mm]`), a laser along an axis (`EXX [um]`, `along [um]`), deviations (`dx [um]`); or known \
+                places (`--prior`); or hold one of these parameters (`--fixed`)";
     Some(Diagnostic::new(codes::E0514, message).help(help))
 }
 

@@ -2,7 +2,8 @@
 //! that notices.
 //!
 //! A stretch of the whole machine (a similarity, or a stretch along some directions) matters where readings only say
-//! that points are the same: they fit the better the smaller the machine is, and the best machine is a point. Rigid motions
+//! that points are the same: they fit the better the smaller the machine is, and the best machine is a point.
+//! Rigid motions
 //! of the whole machine only move the workpiece frame.
 
 use super::parameter::Parameter;

@@ -26,8 +26,8 @@ const COORDINATES: [&str; 3] = [".x", ".y", ".z"];
 const COVERAGE: f64 = 2.0;
 
 const HELP: &str = "write a name of the report and a standard uncertainty: `ball b1 50 um` (all three coordinates), \
-                    `station S.x 0.1 mm`, `EC0Y 5 urad`, `constant S = 150 mm 1 um`; or `file` for the uncertainties that the \
-                    machine file states";
+                    `station S.x 0.1 mm`, `EC0Y 5 urad`, `constant S = 150 mm 1 um`; or `file` for the \
+                    uncertainties that the machine file states";
 
 fn refusal(message: String, help: impl Into<String>) -> Refusal {
     Box::new(Diagnostic::new(codes::E0516, message).help(help.into()))

@@ -1,7 +1,7 @@
 //! The datum of the errors. Curves of all axes hold the rigid motions of the whole and the choice of every axis's zero:
 //! directions that change nothing but where the workpiece stands. Conditions on the curves (their line, their zero)
-//! choose among these equivalent machines; nothing that is predicted changes but by a rigid motion. Values and covariance
-//! are those of the S-transformation (Baarda 1973) to these conditions, carried on to the exact model.
+//! choose among these equivalent machines; nothing that is predicted changes but by a rigid motion. Values and
+//! covariance are those of the S-transformation (Baarda 1973) to these conditions, carried on to the exact model.
 
 use super::fit::Fit;
 use super::solution::Solution;
