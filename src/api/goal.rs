@@ -68,7 +68,7 @@ impl ToleranceGoal {
         let CheapestTolerances { cost, cost_per_um, before, proof, staying_um, steps, .. } = &self.cheapest;
         let tolerance = |of: &NewTolerance| {
             json!({
-                "error": of.old.error, "kind": of.kind, "unit": tolerance_unit(&of.old.error),
+                "error": of.old.to_string(), "kind": of.kind, "unit": tolerance_unit(&of.old.error),
                 "old": crate::report::tolerance(&of.old), "new": crate::report::tolerance(&of.new),
                 "binds": of.binding, "um_of_p95": of.part_um, "weight": of.weight,
                 "cost_before": of.cost[0], "cost_after": of.cost[1],

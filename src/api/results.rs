@@ -19,9 +19,9 @@ pub use super::explain::Explanation;
 pub use super::features::{DominatingError, FeatureResult};
 pub use super::goal::{NewTolerance, ToleranceGoal};
 pub use super::identify::{
-    ExpectedParameter, FittedParameter, IdentifyResult, KindResidual, MeasurementPlan, MonomialCoefficient,
-    MonomialComponent, MonomialFit, NamedSvg, OrderShares, OutlierPlace, PlannedPose, RepeatedReadings, ResidualTest,
-    Rms, RmsBeforeAfter, ScatterOfKind,
+    ExpectedParameter, FittedDatum, FittedError, FittedParameter, IdentifyResult, KindResidual, KnownValue,
+    MeasurementPlan, MonomialCoefficient, MonomialComponent, MonomialFit, NamedSvg, OrderShares, OutlierPlace,
+    PlannedPose, PredictedUncertainty, RepeatedReadings, ResidualTest, Rms, RmsBeforeAfter, ScatterOfKind,
 };
 pub use super::import::{
     ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, StraightnessReference,

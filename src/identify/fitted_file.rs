@@ -48,6 +48,20 @@ const SITES: usize = 25;
 /// Expanded uncertainty (mm or rad, k = 2) of a fitted error, to three digits: the largest over the travel and both
 /// directions. `None` if the data leave it free somewhere.
 fn expanded(machine: &Machine, parameters: &[Parameter], solution: &Solution, source: Source) -> Option<f64> {
+    let (largest, _) = largest_uncertainty(machine, parameters, solution, source)?;
+    let half: f64 = significant(2.0 * largest, 3).parse().ok()?;
+    // What is uncertain by more than any machine has is not stated.
+    (half > 0.0 && half <= crate::machine::largest(source.direction)).then_some(half)
+}
+
+/// The largest standard uncertainty (mm or rad) of a fitted error over the travel and both directions, and the position
+/// (mm or deg) where it is. `None` if the data leave the error free somewhere.
+pub fn largest_uncertainty(
+    machine: &Machine,
+    parameters: &[Parameter],
+    solution: &Solution,
+    source: Source,
+) -> Option<(f64, f64)> {
     let axis = if let ErrorSite::Component(axis) = source.place { machine.axes().get(axis) } else { None };
     let sites: Vec<f64> = axis.map_or_else(
         || vec![0.0],
@@ -62,11 +76,12 @@ fn expanded(machine: &Machine, parameters: &[Parameter], solution: &Solution, so
         let sum: Vec<(usize, f64)> = parameters.iter().map(factor).enumerate().collect();
         solution.uncertainty(&sum)
     };
-    let both = sites.iter().flat_map(|q| [at(*q, Approach::Forward), at(*q, Approach::Reverse)]);
-    let largest = both.reduce(|a, b| Some(a?.max(b?)))??;
-    let half: f64 = significant(2.0 * largest, 3).parse().ok()?;
-    // What is uncertain by more than any machine has is not stated.
-    (half > 0.0 && half <= crate::machine::largest(source.direction)).then_some(half)
+    let both = sites.iter().flat_map(|q| [at(*q, Approach::Forward), at(*q, Approach::Reverse)].map(|u| (u, *q)));
+    let larger = |a: Option<(f64, f64)>, b: Option<(f64, f64)>| {
+        let (a, b) = (a?, b?);
+        Some(if b.0 > a.0 { b } else { a })
+    };
+    both.map(|(u, q)| Some((u?, q))).reduce(larger).flatten()
 }
 
 /// States the uncertainty of the fitted value in place of that of the value before.

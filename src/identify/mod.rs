@@ -26,11 +26,12 @@ mod words;
 pub use data::{
     DistanceEnd, Measurement, MeasurementSet, Reading, ReadingKind, Repeats, import, read_measurements, repeats,
 };
-pub use fitted_file::fitted_file;
+pub use fitted_file::{fitted_file, largest_uncertainty};
 pub use model::{
-    Basis, Coefficient, Component, Model, Monomial, Parameter, SlopeBound, Term, moore_penrose, overruled, parameters,
-    slope_bounds, unused,
+    Basis, Coefficient, Component, Invariances, Known, Model, Monomial, Parameter, SlopeBound, Term, invariances,
+    known, moore_penrose, overruled, parameters, slope_bounds, unused,
 };
 pub use solve::{
-    Estimate, Fit, Outlier, Randomness, Residuals, Scatter, Solution, fit, held_out, plan, randomness, solve,
+    Conditions, Estimate, Fit, Moved, Outlier, Prediction, Randomness, Residuals, Scatter, Solution, Spread, fit,
+    held_out, in_datum, plan, randomness, solve,
 };

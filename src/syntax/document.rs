@@ -245,17 +245,69 @@ pub struct IdentifyEntry {
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     #[schemars(schema_with = "super::schema::slopes")]
     pub slopes: IndexMap<String, Scalar>,
+    /// Values that are known before the data: `EC0Y 5 urad`, `ball b1 50 um`, `file`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub priors: Vec<String>,
+    /// Sizes up to which errors are plausible, where the readings show larger ones than 10 mm or 100 mrad: a robot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plausible: Option<PlausibleEntry>,
     /// Reference of the errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub datum: Option<DatumEntry>,
 }
 
+/// Largest plausible errors.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, serde::Serialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PlausibleEntry {
+    /// Of lengths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub length: Option<Scalar>,
+    /// Of angles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub angle: Option<Scalar>,
+}
+
 /// The datum of the errors.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, serde::Serialize, schemars::JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct DatumEntry {
+    /// Reference straight line of the straightness errors of linear axes.
+    pub line: DatumLine,
+    /// Position at which positioning and angular errors are zero.
+    pub zero: DatumZero,
     /// Place of the squareness of the axes.
     pub squareness: SquarenessSite,
+}
+
+/// The reference straight line of straightness.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, serde::Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DatumLine {
+    /// The least-squares line over the travel.
+    #[default]
+    LeastSquares,
+    /// The line through both ends of the travel.
+    EndPoints,
+    /// None: constants and slopes stay as the data have them.
+    Free,
+}
+
+/// The position at which errors are zero.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, serde::Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DatumZero {
+    /// The lower end of the travel; 0 deg of an axis without ends.
+    #[default]
+    Start,
+    /// The middle of the travel.
+    Middle,
+    /// The zero of the axis, or the end of the travel next to it.
+    Machine,
+    /// None: constants stay as the data have them.
+    Free,
 }
 
 /// Place of the squareness of the axes.

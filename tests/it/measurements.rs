@@ -21,7 +21,7 @@ fn points(sample: &Sample, pose: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
     (nominal, nominal + Vector3::from(answer.deviation))
 }
 
-fn actual(sample: &Sample, pose: &[f64]) -> Vector3<f64> {
+pub fn actual(sample: &Sample, pose: &[f64]) -> Vector3<f64> {
     points(sample, pose).1
 }
 
@@ -55,7 +55,7 @@ fn solved(machine: &Machine, words: &[&str], data: &MeasurementSet) -> (Vec<Para
 }
 
 /// The linear axes so that the actual point of the sample is at a place: Newton with differences.
-fn brought_to(sample: &Sample, pose: &[f64], place: &Vector3<f64>) -> Vec<f64> {
+pub fn brought_to(sample: &Sample, pose: &[f64], place: &Vector3<f64>) -> Vec<f64> {
     let linear: Vec<usize> = (0..pose.len()).filter(|i| !sample.rigid.walk[*i].rotary).collect();
     let mut pose = pose.to_vec();
     for _ in 0..8 {
@@ -368,7 +368,7 @@ fn units_stand_in_the_header_as_instruments_write_them() {
 
 #[test]
 fn curves_of_any_power_of_the_language_are_written_and_read_again() {
-    let rows: String = (0..40).map(|i| format!("{},{}\n", i * 10, f64::from(i % 7))).collect();
+    let rows: String = (0..51).map(|i| format!("{},{}\n", i * 10, f64::from(i % 7))).collect();
     let data = format!("X,EXX [um]\n{rows}");
     for form in ["EXX:poly10", "EXX:poly14"] {
         let (output, folder) = identified(data.as_bytes(), &["--fit", form, "--out", "fitted.yaml"]);

@@ -1,5 +1,7 @@
 //! Measurements to error parameters, and a fitted machine file.
 
+mod datum;
+mod limits;
 mod monomials;
 mod pictures;
 mod plan;
@@ -7,12 +9,13 @@ mod provenance;
 mod remarks;
 mod result;
 
+pub use datum::{FittedDatum, FittedError};
 pub use monomials::{MonomialCoefficient, MonomialComponent, MonomialFit, Rms, fit_monomials};
 pub use pictures::NamedSvg;
 pub use plan::{ExpectedParameter, MeasurementPlan, PlanOptions, PlannedPose, plan_measurements};
 pub use result::{
-    FittedParameter, IdentifyResult, KindResidual, OrderShares, OutlierPlace, RepeatedReadings, ResidualTest,
-    RmsBeforeAfter, ScatterOfKind,
+    FittedParameter, IdentifyResult, KindResidual, KnownValue, OrderShares, OutlierPlace, PredictedUncertainty,
+    RepeatedReadings, ResidualTest, RmsBeforeAfter, ScatterOfKind,
 };
 
 use super::machine_file::{MachineFile, Overlay, read_back};
@@ -22,9 +25,9 @@ use crate::controller::sha256;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::evaluate::{Frame, Order};
 use crate::identify::{
-    DistanceEnd, Fit, Measurement, MeasurementSet, Model, Parameter, Randomness, Reading, Repeats, Residuals,
-    SlopeBound, Solution, fitted_file, held_out, overruled, parameters, randomness, read_measurements, repeats,
-    slope_bounds, solve, unused,
+    DistanceEnd, Fit, Known, Measurement, MeasurementSet, Model, Parameter, Prediction, Randomness, Reading, Repeats,
+    Residuals, SlopeBound, Solution, fitted_file, held_out, in_datum, invariances, known, overruled, parameters,
+    randomness, read_measurements, repeats, slope_bounds, solve, unused,
 };
 use crate::machine::{Machine, Pose};
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
@@ -46,6 +49,9 @@ pub struct IdentifyOptions {
     pub fit: Vec<String>,
     /// Parameters that keep their value although a group names them.
     pub fixed: Vec<String>,
+    /// Values known before the data, with a standard uncertainty: `ball b1 50 um`, `EC0Y 5 urad`, `constant S = 150
+    /// mm 1 um`; `file`: what the machine file states. They come after those of the section `identify`.
+    pub priors: Vec<String>,
     /// Frame in which the deviations were measured.
     pub frame: Frame,
     /// Model to fit: exact by default, or of order 1 or 2.
@@ -97,6 +103,7 @@ struct Problem {
     request: IdentifyEntry,
     unknowns: Vec<Parameter>,
     bounds: Vec<SlopeBound>,
+    known: Vec<Known>,
     rows: Vec<Measurement>,
     /// SHA-256 of the files of measurements, by path.
     hashes: BTreeMap<PathBuf, String>,
@@ -107,12 +114,24 @@ impl Problem {
         let Requested { request, own, bounds } = Requested::of(call, file, &options.fit, &options.fixed)?;
         let (mut data, hashes) = measurements(call, file, options)?;
         call.extend(remarks::left_out(file, &data.leave_out(&own)));
-        let unknowns = own.into_iter().chain(data.nuisances.into_iter().map(Parameter::from)).collect();
-        Ok(Self { request, unknowns, bounds, rows: data.rows, hashes })
+        let mut known: Vec<Known> = Vec::new();
+        for (j, place) in data.nuisances.iter().enumerate() {
+            let (unknown, value) = (own.len() + j, place.start_mm);
+            known.extend(place.known_mm.map(|sigma| Known { unknown, value, sigma }));
+        }
+        let unknowns: Vec<Parameter> = own.into_iter().chain(data.nuisances.into_iter().map(Parameter::from)).collect();
+        for prior in priors(call, file, &request, &options.priors, &unknowns)? {
+            // What is said of a place goes before the uncertainty that its file gives.
+            known.retain(|other| other.unknown != prior.unknown);
+            known.push(prior);
+        }
+        let mut request = request;
+        request.priors.extend(options.priors.iter().cloned());
+        Ok(Self { request, unknowns, bounds, known, rows: data.rows, hashes })
     }
 
     fn model(&self, machine: &Machine, order: Order) -> Model<'_> {
-        Model::new(machine, &self.unknowns).bounded(&self.bounds).to_order(order)
+        Model::new(machine, &self.unknowns).bounded(&self.bounds).knowing(&self.known).to_order(order)
     }
 }
 
@@ -134,6 +153,30 @@ impl Requested {
         }
         Ok(Self { request, own, bounds })
     }
+}
+
+/// What is known of the unknowns before the data. A prior of the section that names nothing here has no effect.
+fn priors(
+    call: &mut Call<'_>,
+    file: &MachineFile,
+    request: &IdentifyEntry,
+    options: &[String],
+    unknowns: &[Parameter],
+) -> Result<Vec<Known>, Refused> {
+    let mut list: Vec<Known> = Vec::new();
+    let mut idle = Vec::new();
+    for (k, words) in request.priors.iter().chain(options).enumerate() {
+        match known(words, file, unknowns) {
+            Ok(found) => found.into_iter().for_each(|one| {
+                list.retain(|other| other.unknown != one.unknown);
+                list.push(one);
+            }),
+            Err(_) if k < request.priors.len() => idle.push(format!("prior {}", shown(words))),
+            Err(refusal) => return call.refuse(*refusal),
+        }
+    }
+    call.extend(remarks::unused(&idle));
+    Ok(list)
 }
 
 /// Files that remember the hashes of what is read.
@@ -202,7 +245,7 @@ fn enough(call: &mut Call<'_>, problem: &Problem) -> Result<(), Refused> {
         let help = "at most 500: fit less, or take runs of the same set-up together under one name";
         return call.refuse(Diagnostic::new(codes::E0508, message).help(help));
     }
-    if readings >= unknowns {
+    if readings + problem.known.len() >= unknowns {
         return Ok(());
     }
     let also = if instruments > 0 {
@@ -227,7 +270,13 @@ struct Fitted<'a> {
     residuals: Residuals,
     randomness: Vec<Randomness>,
     held_out: Option<f64>,
+    prediction: Prediction,
+    /// Rigid motions of the whole machine that no reading notices.
+    motions: Vec<String>,
     repeats: Vec<Repeats>,
+    /// Values known before the data.
+    known: &'a [Known],
+    datum: Option<FittedDatum>,
     fit: &'a Fit,
 }
 
@@ -244,9 +293,19 @@ fn solved(
     problem: &Problem,
 ) -> Result<IdentifyResult, Refused> {
     let (model, data) = (problem.model(file, options.order()), &problem.rows);
+    let found = invariances(&model, data);
+    if let Some(refusal) = remarks::shrinking(&found.stretches) {
+        return call.refuse(refusal);
+    }
     let fit = solve(&model, data, options.robust);
     let solution = Solution::of(&fit, &problem.unknowns).compared(&model, data, &fit);
     let theta = solution.theta();
+    let prediction = Prediction::of(&model, data, &fit, &solution);
+    let conditions = datum::conditions(file, &problem.request, &problem.unknowns[..model.own()]);
+    let (solution, datum) = match in_datum(&model, data, &fit, &solution, &conditions) {
+        Some((solution, moved)) => (solution, Some(FittedDatum::of(conditions.entry, &moved))),
+        None => (solution, None),
+    };
     let fitted = Fitted {
         machine: file,
         unknowns: &problem.unknowns,
@@ -254,9 +313,13 @@ fn solved(
         data,
         residuals: Residuals::of(&model, data, &theta),
         randomness: randomness(data, &model.residuals(data, &theta), &fit.weights),
+        prediction,
+        datum,
+        motions: found.motions,
         solution,
         held_out: options.folds.and_then(|folds| held_out(&model, data, folds, options.robust)),
         repeats: repeats(data),
+        known: &problem.known,
         fit: &fit,
     };
     let sources = &call.diagnostics.sources;
@@ -282,14 +345,25 @@ fn machine_file(
     fitted: &Fitted<'_>,
 ) -> Result<String, Refused> {
     call.extend(remarks::written(fitted));
-    if let Some(refusal) = remarks::undetermined(fitted).filter(|_| !options.accept_undetermined) {
-        return call.refuse(refusal);
+    let refusals = [remarks::undetermined(fitted), remarks::unheld(fitted)];
+    let refusals: Vec<Diagnostic> = refusals.into_iter().flatten().filter(|_| !options.accept_undetermined).collect();
+    if let [first, others @ ..] = &refusals[..] {
+        call.extend(others.iter().cloned());
+        return call.refuse(first.clone());
     }
     let provenance = provenance::entries(file, options, problem, fitted);
     let own_parameters = &fitted.unknowns[..fitted.own];
-    let text = fitted_file(file, own_parameters, &fitted.solution, &provenance, &problem.request);
-    match read_back(&text) {
-        Ok(_) => Ok(text),
+    let text = |request: &IdentifyEntry| fitted_file(file, own_parameters, &fitted.solution, &provenance, request);
+    let first = text(&problem.request);
+    let refused = match read_back(&first) {
+        Ok(_) => return Ok(first),
+        Err(why) => why,
+    };
+    // A machine whose readings show larger errors than usual may have them.
+    let shown = limits::shown(&problem.request, fitted.fit.shown);
+    let wider = shown.map(|request| text(&request)).filter(|text| read_back(text).is_ok());
+    match wider.ok_or(refused) {
+        Ok(text) => Ok(text),
         Err(why) => {
             let message = format!("the fitted machine is refused: {why}");
             let help = "some parameters ran away because the data hardly see them: fix those, or fit less";

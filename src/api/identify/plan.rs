@@ -1,6 +1,6 @@
 //! Poses worth measuring, and how well they determine the parameters.
 
-use super::Requested;
+use super::{Requested, priors};
 use crate::api::machine_file::MachineFile;
 use crate::api::run::{Answer, Call, Run};
 use crate::diagnostic::Diagnostics;
@@ -17,6 +17,8 @@ pub struct PlanOptions {
     pub fit: Vec<String>,
     /// Parameters that keep their value.
     pub fixed: Vec<String>,
+    /// Values known before the data, as in [`IdentifyOptions`](super::IdentifyOptions).
+    pub priors: Vec<String>,
     /// Standard deviation of a reading, mm; above 0.
     pub noise_mm: f64,
     /// Seed of the poses to choose from.
@@ -26,7 +28,7 @@ pub struct PlanOptions {
 /// 20 poses, 1 um, seed 1.
 impl Default for PlanOptions {
     fn default() -> Self {
-        Self { poses: 20, fit: Vec::new(), fixed: Vec::new(), noise_mm: 1e-3, seed: 1 }
+        Self { poses: 20, fit: Vec::new(), fixed: Vec::new(), priors: Vec::new(), noise_mm: 1e-3, seed: 1 }
     }
 }
 
@@ -93,8 +95,9 @@ pub fn plan_measurements(
         if !(1..=1000).contains(&options.poses) || options.noise_mm.is_nan() || options.noise_mm <= 0.0 {
             return call.usage("a plan has 1 to 1000 poses and a noise above zero");
         }
-        let own = Requested::of(call, file, &options.fit, &options.fixed)?.own;
-        let model = Model::new(file, &own);
+        let Requested { request, own, .. } = Requested::of(call, file, &options.fit, &options.fixed)?;
+        let known = priors(call, file, &request, &options.priors, &own)?;
+        let model = Model::new(file, &own).knowing(&known);
         let plan = plan(&model, options.poses, options.noise_mm, options.seed);
         let s = &plan.expected;
         let parameter = |(p, e): (&Parameter, &Estimate)| ExpectedParameter {

@@ -1,9 +1,11 @@
 //! Warnings of a fit: on its data, on how it went, and on its residuals.
 
-use super::Fitted;
 use super::result::place;
+use super::{Fitted, limits};
 use crate::diagnostic::{Diagnostic, Sources, codes};
-use crate::identify::{Basis, Measurement, Parameter, Reading, ReadingKind, Repeats, Term};
+use crate::identify::{
+    Basis, Measurement, Parameter, Prediction, Reading, ReadingKind, Repeats, Spread, Term, largest_uncertainty,
+};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, ErrorFamily, ErrorId, Machine};
 use crate::units::{counted, significant};
@@ -139,8 +141,8 @@ fn contradiction(fitted: &Fitted<'_>, sources: &Sources) -> Option<Diagnostic> {
     Some(warning(codes::W0507, message, help))
 }
 
-/// Constants of the machine whose uncertainty is larger than any error of a machine. Coefficients of a curve say
-/// nothing each by itself.
+/// Values of the machine whose uncertainty is larger than any error of a machine: constants, and curves somewhere in
+/// the travel. Coefficients of a curve say nothing each by itself.
 pub(super) fn undetermined(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     let own = fitted.unknowns[..fitted.own].iter().zip(&fitted.solution.estimates);
     let wide = own.filter_map(|(parameter, estimate)| {
@@ -151,11 +153,78 @@ pub(super) fn undetermined(fitted: &Fitted<'_>) -> Option<Diagnostic> {
         let n = |value: f64| significant(parameter.shown(value), 3);
         Some(format!("{} = {} \u{b1} {} {}", parameter.name, n(estimate.value), n(sigma), parameter.unit))
     });
-    let wide: Vec<String> = wide.collect();
+    let wide: Vec<String> = wide.chain(wide_curves(fitted)).collect();
     let message = format!("the data do not determine {}", wide.join(", "));
     let help = "fix them (`--fixed`), fit less, or measure at poses at which they act; `--accept-undetermined` writes \
                 the file all the same";
     (!wide.is_empty()).then(|| Diagnostic::new(codes::E0513, message).help(help))
+}
+
+/// Fitted curves that are more uncertain somewhere in the travel than any error is large.
+fn wide_curves(fitted: &Fitted<'_>) -> Vec<String> {
+    let own = &fitted.unknowns[..fitted.own];
+    let mut sources: Vec<Source> = Vec::new();
+    for term in own.iter().flat_map(|p| &p.terms) {
+        if matches!(term.source.place, ErrorSite::Component(_)) && !sources.contains(&term.source) {
+            sources.push(term.source);
+        }
+    }
+    let one = |source: Source| {
+        let ErrorSite::Component(axis) = source.place else { return None };
+        let (sigma, at) = largest_uncertainty(fitted.machine, own, &fitted.solution, source)?;
+        let rotation = source.direction.is_rotation();
+        let (limit, unit, factor) = if rotation { (UNDETERMINED.1, "urad", 1e6) } else { (UNDETERMINED.0, "um", 1e3) };
+        let axis = &fitted.machine.axes()[axis];
+        let error = ErrorId { axis: axis.name.clone(), family: ErrorFamily::Component, direction: source.direction };
+        let words = || {
+            let (size, at) = (significant(sigma * factor, 3), significant(at, 4));
+            format!("{error} (\u{b1} {size} {unit} at {} = {at} {})", axis.name, axis.unit())
+        };
+        (sigma > limit).then(words)
+    };
+    sources.into_iter().filter_map(one).collect()
+}
+
+/// The machine may grow or shrink without a reading that notices.
+pub(super) fn shrinking(stretches: &[(String, Vec<String>)]) -> Option<Diagnostic> {
+    let (words, names) = stretches.first()?;
+    let message = format!("no reading holds a length: {words} with {}, and nothing notices", names.join(", "));
+    let help = "add a reading that holds a length: two balls or sockets at a known distance or a calibrated bar \
+                (`length [mm]`), a laser along an axis (`EXX [um]`, `along [um]`), deviations (`dx [um]`); or known \
+                places (`--prior`); or hold one of these parameters (`--fixed`)";
+    Some(Diagnostic::new(codes::E0514, message).help(help))
+}
+
+/// The data do not hold the deviation that the fitted machine predicts over its volume.
+pub(super) fn unheld(fitted: &Fitted<'_>) -> Option<Diagnostic> {
+    if limits::held(fitted) {
+        return None;
+    }
+    let Prediction { spread, pose, deviation, .. } = &fitted.prediction;
+    let at = positions(fitted.machine, pose);
+    let message = match spread {
+        Spread::Free(words) => {
+            let words = words.trim_end_matches(" change nothing").trim_end_matches(" changes nothing");
+            format!("the data leave the deviation at {at} free: {words} change no reading, but that")
+        }
+        Spread::Known(size) => format!(
+            "the data do not hold the deviation at {at}: its standard uncertainty is {} um, and the largest deviation \
+             predicted is {} um",
+            um(*size),
+            um(*deviation)
+        ),
+        Spread::Unknown => return None,
+    };
+    let help = "measure there, fit less (fewer knots than measured places), or bound the curves (`slopes:`); \
+                `--accept-undetermined` writes the file all the same";
+    Some(Diagnostic::new(codes::E0515, message).help(help))
+}
+
+/// `X 100 mm, C 90 deg`.
+pub(super) fn positions(machine: &Machine, pose: &[f64]) -> String {
+    let one =
+        |(axis, q): (&crate::machine::Axis, &f64)| format!("{} {} {}", axis.name, significant(*q, 4), axis.unit());
+    machine.axes().iter().zip(pose).map(one).collect::<Vec<_>>().join(", ")
 }
 
 /// Combinations that go to a machine file although noise hides them.

@@ -1,10 +1,14 @@
 //! A fit as a value: parameters with their uncertainty, what the data do not determine, and the residuals.
 
-use super::Fitted;
+use super::datum::{self, FittedDatum, FittedError};
 use super::pictures::NamedSvg;
+use super::{Fitted, limits};
 use crate::diagnostic::Sources;
-use crate::identify::{Estimate, Outlier, Parameter, Randomness, ReadingKind, Repeats, Scatter};
+use crate::identify::{
+    Estimate, Known, Outlier, Parameter, Prediction, Randomness, ReadingKind, Repeats, Scatter, Spread,
+};
 use crate::units::significant;
+use indexmap::IndexMap;
 use serde::Serialize;
 
 /// A parameter with its value.
@@ -33,6 +37,31 @@ impl FittedParameter {
             unit: parameter.unit.clone(),
             coverage_factor_95: estimate.coverage,
             valuation: estimate.valuation,
+        }
+    }
+}
+
+/// A value that was known before the data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct KnownValue {
+    /// Name of the unknown.
+    pub name: String,
+    /// Value, in `unit`.
+    pub value: f64,
+    /// Standard uncertainty, in `unit`.
+    pub sigma: f64,
+    /// Unit of value and uncertainty.
+    pub unit: String,
+}
+
+impl KnownValue {
+    fn of(unknowns: &[Parameter], known: &Known) -> Self {
+        let parameter = &unknowns[known.unknown];
+        Self {
+            name: parameter.name.clone(),
+            value: parameter.shown(known.value) + 0.0,
+            sigma: parameter.shown(known.sigma),
+            unit: parameter.unit.clone(),
         }
     }
 }
@@ -133,6 +162,47 @@ pub struct OutlierPlace {
     pub deviations: f64,
 }
 
+/// The uncertainty of the deviation over the volume, after the best rigid motion of the workpiece frame.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PredictedUncertainty {
+    /// The largest standard uncertainty, um, along the direction in which it is largest; none if the data leave the
+    /// deviation free, or nothing scatters.
+    pub largest_um: Option<f64>,
+    /// True if the data leave it free somewhere: the uncertainty is infinite.
+    pub infinite: bool,
+    /// A combination of parameters that changes the deviation and no reading, in words.
+    pub combination: Option<String>,
+    /// Where it is largest, mm and deg.
+    pub at: IndexMap<String, f64>,
+    /// The tool there.
+    pub tool: String,
+    /// The largest deviation predicted, um.
+    pub deviation_um: f64,
+    /// True if the data hold the prediction, so that a machine file is written.
+    pub held: bool,
+}
+
+impl PredictedUncertainty {
+    fn of(fitted: &Fitted<'_>) -> Self {
+        let Prediction { spread, pose, tool, deviation } = &fitted.prediction;
+        let axes = fitted.machine.axes().iter().zip(pose);
+        let (largest_um, combination) = match spread {
+            Spread::Known(size) => (Some(um(*size)), None),
+            Spread::Unknown => (None, None),
+            Spread::Free(words) => (None, Some(words.clone())),
+        };
+        Self {
+            largest_um,
+            infinite: combination.is_some(),
+            combination,
+            at: axes.map(|(axis, q)| (axis.name.to_string(), *q)).collect(),
+            tool: fitted.machine.tools().get(*tool).map_or_else(String::new, |tool| tool.name.clone()),
+            deviation_um: um(*deviation),
+            held: limits::held(fitted),
+        }
+    }
+}
+
 /// A fit.
 #[derive(Debug, Clone, Serialize)]
 pub struct IdentifyResult {
@@ -144,6 +214,8 @@ pub struct IdentifyResult {
     pub parameters: Vec<FittedParameter>,
     /// Unknowns of the instruments, such as places of stations.
     pub instruments: Vec<FittedParameter>,
+    /// Values that were known before the data.
+    pub known: Vec<KnownValue>,
     /// Numerical rank of the problem.
     pub rank: usize,
     /// The rank of the model to first order in the errors: what the readings show without products of errors.
@@ -182,6 +254,14 @@ pub struct IdentifyResult {
     pub residual_tests: Vec<ResidualTest>,
     /// Readings that stand out, farthest first.
     pub outliers: Vec<OutlierPlace>,
+    /// What the fit is worth over the volume.
+    pub prediction: PredictedUncertainty,
+    /// Rigid motions of the whole machine that no reading notices, such as `along X`.
+    pub invariances: Vec<String>,
+    /// The datum of the errors, where curves are fitted.
+    pub datum: Option<FittedDatum>,
+    /// Every fitted error of an axis over its travel.
+    pub errors: Vec<FittedError>,
     /// Steps of the fit.
     pub steps: usize,
     /// False if the fit was stopped before it had settled.
@@ -244,6 +324,7 @@ impl IdentifyResult {
             points: fitted.data.len(),
             parameters: parameters.to_vec(),
             instruments: instruments.to_vec(),
+            known: fitted.known.iter().map(|known| KnownValue::of(fitted.unknowns, known)).collect(),
             rank: s.rank,
             rank_first_order: s.rank_first_order,
             unknowns: fitted.unknowns.len(),
@@ -269,6 +350,10 @@ impl IdentifyResult {
             kinds: r.kinds.iter().map(kind_residual).collect(),
             residual_tests: fitted.randomness.iter().map(ResidualTest::of).collect(),
             outliers: r.outliers.iter().map(outlier).collect(),
+            prediction: PredictedUncertainty::of(fitted),
+            invariances: fitted.motions.clone(),
+            datum: fitted.datum.clone(),
+            errors: datum::errors(fitted),
             steps: fitted.fit.steps,
             settled: fitted.fit.settled,
             machine: fitted.machine.name().to_owned(),

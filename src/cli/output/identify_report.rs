@@ -6,6 +6,8 @@ use abbe::text::significant;
 
 /// Coverage factors above this are printed: less than 30 degrees of freedom.
 const USUAL: f64 = 2.045;
+/// Motions below this (um, urad) are rounding.
+const MOVED: f64 = 1e-3;
 /// Lines of one kind in the text; JSON has all.
 const MAX_LINES: usize = 10;
 
@@ -32,8 +34,10 @@ pub(crate) fn text(result: &IdentifyResult) -> String {
     }
     let mut text = format!("{}: fitted to {} points\n{rows}\n{}", result.machine, result.points, fit(result));
     text += &residuals(result);
+    text += &prediction(result);
     text += &undetermined(result);
-    text + &outliers(result)
+    text += &outliers(result);
+    text + &datum(result)
 }
 
 fn um(value: f64) -> String {
@@ -57,23 +61,27 @@ fn fit(r: &IdentifyResult) -> String {
             format!("\nscatter    per reading {}", words.join(", "))
         }
     };
-    format!(
-        "rank       {} from {} readings, {} well determined, condition {}, valuation {}\n\
+    let known = r.known.iter().map(|k| format!("{} to {} {}", k.name, significant(k.sigma, 3), k.unit));
+    let known: Vec<String> = known.collect();
+    let known = if known.is_empty() { String::new() } else { format!("known      {}\n", known.join(", ")) };
+    known
+        + &format!(
+            "rank       {} from {} readings, {} well determined, condition {}, valuation {}\n\
          rms        {} um before, {} um after{scatter}\n\
          orders     first {} um, second {} um, higher {} um; first alone leaves {} um, with the second {} um\n",
-        rank(r.rank_first_order, r.rank, r.unknowns),
-        r.rows,
-        r.well_determined,
-        significant(r.condition, 3),
-        significant(r.valuation, 3),
-        um(r.rms_um.before),
-        um(r.rms_um.after),
-        um(r.orders_um.first),
-        um(r.orders_um.second),
-        um(r.orders_um.higher),
-        um(r.orders_um.left_by_first),
-        um(r.orders_um.left_by_second),
-    )
+            rank(r.rank_first_order, r.rank, r.unknowns),
+            r.rows,
+            r.well_determined,
+            significant(r.condition, 3),
+            significant(r.valuation, 3),
+            um(r.rms_um.before),
+            um(r.rms_um.after),
+            um(r.orders_um.first),
+            um(r.orders_um.second),
+            um(r.orders_um.higher),
+            um(r.orders_um.left_by_first),
+            um(r.orders_um.left_by_second),
+        )
 }
 
 fn residuals(r: &IdentifyResult) -> String {
@@ -107,6 +115,29 @@ fn residuals(r: &IdentifyResult) -> String {
     text
 }
 
+/// What the fit is worth over the volume.
+fn prediction(r: &IdentifyResult) -> String {
+    let p = &r.prediction;
+    let at: Vec<String> = p.at.iter().map(|(axis, q)| format!("{axis}={}", significant(*q, 4))).collect();
+    let (at, deviation) = (at.join(", "), um(p.deviation_um));
+    let mut text = match (p.largest_um, &p.combination) {
+        (Some(size), _) => {
+            let held = if p.held { "" } else { ": not held by the data" };
+            format!("prediction u = {} um at most, at {at}{held}", significant(size, 3))
+        }
+        (None, Some(words)) => format!("prediction u is infinite, at {at} for one: {words}, but that deviation"),
+        (None, None) => "prediction u is unknown: no reading to spare".to_owned(),
+    };
+    text += &format!(
+        "\n           of deviations up to {deviation} um over the volume, less a rigid motion of the workpiece frame\n"
+    );
+    if !r.invariances.is_empty() {
+        let motions = r.invariances.join(", ");
+        text += &format!("motions    no reading notices a rigid motion of the whole machine {motions}\n");
+    }
+    text
+}
+
 fn undetermined(r: &IdentifyResult) -> String {
     let mut text = String::new();
     r.free.iter().for_each(|words| text += &format!("free       {words}\n"));
@@ -115,6 +146,24 @@ fn undetermined(r: &IdentifyResult) -> String {
         text += &format!("           and {} more combinations (--format json)\n", r.drowned.len() - MAX_LINES);
     }
     text
+}
+
+/// The datum, and all errors of the axes in it.
+fn datum(r: &IdentifyResult) -> String {
+    let Some(datum) = &r.datum else { return String::new() };
+    let list = |values: &[f64; 3]| values.map(|x| significant(x, 3)).join(", ");
+    let mut text = format!("datum      {} conditions", datum.conditions);
+    if datum.translation_um.iter().chain(&datum.rotation_urad).any(|x| x.abs() > MOVED) {
+        let (translation, rotation) = (list(&datum.translation_um), list(&datum.rotation_urad));
+        text += &format!("; taken out of the errors: the whole moved by {translation} um, turned by {rotation} urad");
+    }
+    let mut rows = table(&["error", "smallest", "largest", "1 sigma", "unit"]);
+    for e in &r.errors {
+        let sigma = e.sigma.map_or_else(|| "free".to_owned(), |s| significant(s, 2));
+        let cells = [significant(e.smallest, 4), significant(e.largest, 4), sigma, e.unit.clone()];
+        let _ = rows.add_row([e.error.clone()].into_iter().chain(cells));
+    }
+    text + &format!("\n{rows}\n")
 }
 
 fn outliers(r: &IdentifyResult) -> String {

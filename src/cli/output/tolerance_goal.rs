@@ -16,7 +16,7 @@ pub(crate) fn text(of: &ToleranceGoal, top: usize) -> String {
     let mut rows = table(&["error", "old", "new", "bound by", "of the 95 % value, um", "cost, old", "cost, new"]);
     for new in of.tolerances.iter().take(top) {
         let _ = rows.add_row([
-            new.old.error.to_string(),
+            new.old.to_string(),
             bound_text(&new.old),
             bound_text(&new.new),
             binding(new.binding).to_owned(),

@@ -27,6 +27,10 @@ pub(crate) struct Args {
     /// Parameters that keep their value although a group names them.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     fixed: Vec<String>,
+    /// A value known before the data, with its standard uncertainty: `ball b1 50 um`, `EC0Y 5 urad`, `constant S = 150
+    /// mm 1 um`; `file`: what the machine file states. May be repeated.
+    #[arg(long, value_name = "PRIOR")]
+    prior: Vec<String>,
     /// Write the fitted machine to this file.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -81,6 +85,7 @@ impl Args {
             data: self.data.clone(),
             fit: self.fit.clone(),
             fixed: self.fixed.clone(),
+            priors: self.prior.clone(),
             frame: self.frame.into(),
             order: Some(self.order),
             robust: self.robust,
@@ -93,8 +98,8 @@ impl Args {
     }
 
     fn plan_options(&self, poses: u16) -> PlanOptions {
-        let (fit, fixed) = (self.fit.clone(), self.fixed.clone());
-        PlanOptions { poses: usize::from(poses), fit, fixed, noise_mm: self.noise, seed: self.seed }
+        let (fit, fixed, priors) = (self.fit.clone(), self.fixed.clone(), self.prior.clone());
+        PlanOptions { poses: usize::from(poses), fit, fixed, priors, noise_mm: self.noise, seed: self.seed }
     }
 }
 

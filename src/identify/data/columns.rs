@@ -36,6 +36,10 @@ pub(super) enum Content {
     Station,
     /// Approximate place of a station, workpiece frame: `station.x`.
     StationAt(usize),
+    /// Place of a ball, workpiece frame: `ball.x`.
+    BallAt(usize),
+    /// Standard uncertainty of the place of a station or ball.
+    PlaceUncertainty(Fixture),
     Tool,
     /// Number of rows that this one counts for.
     Weight,
@@ -54,6 +58,13 @@ pub(super) enum LengthKind {
     FromNominal,
     /// Distance less an unknown constant: `displacement`.
     Displacement,
+}
+
+/// What stands on the workpiece.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Fixture {
+    Station,
+    Ball,
 }
 
 /// Lengths, or angles.
@@ -103,7 +114,7 @@ enum TitleUnit {
 }
 
 /// Titles, besides those of axes and errors.
-const TITLES: [(&str, TitleUnit, Content); 20] = [
+const TITLES: [(&str, TitleUnit, Content); 25] = [
     ("dx", TitleUnit::Length, Content::Deviation(0)),
     ("dy", TitleUnit::Length, Content::Deviation(1)),
     ("dz", TitleUnit::Length, Content::Deviation(2)),
@@ -119,6 +130,11 @@ const TITLES: [(&str, TitleUnit, Content); 20] = [
     ("station.x", TitleUnit::Length, Content::StationAt(0)),
     ("station.y", TitleUnit::Length, Content::StationAt(1)),
     ("station.z", TitleUnit::Length, Content::StationAt(2)),
+    ("station.u", TitleUnit::Length, Content::PlaceUncertainty(Fixture::Station)),
+    ("ball.x", TitleUnit::Length, Content::BallAt(0)),
+    ("ball.y", TitleUnit::Length, Content::BallAt(1)),
+    ("ball.z", TitleUnit::Length, Content::BallAt(2)),
+    ("ball.u", TitleUnit::Length, Content::PlaceUncertainty(Fixture::Ball)),
     ("tool", TitleUnit::Missing, Content::Tool),
     ("weight", TitleUnit::Missing, Content::Weight),
     ("u", TitleUnit::Reading, Content::Uncertainty(Quantity::Length)),
@@ -193,8 +209,13 @@ fn check_ends(contents: &[Content], form: RowForm) -> Result<(), HeaderFailure> 
         (RowForm::Distance, ..) | (_, false, false) => {}
         _ => return Err(HeaderFailure::NoLength),
     }
-    if ![0, 3].contains(&places) {
+    let balls = contents.iter().filter(|c| matches!(c, Content::BallAt(_))).count();
+    if ![0, 3].contains(&places) || ![0, 3].contains(&balls) {
         return Err(HeaderFailure::PartOfStation);
+    }
+    let known = |fixture| contents.contains(&Content::PlaceUncertainty(fixture));
+    if (known(Fixture::Station) && places == 0) || (form != RowForm::Ball && (balls > 0 || known(Fixture::Ball))) {
+        return Err(HeaderFailure::NoPlace);
     }
     if station && places == 0 && contents.contains(&Content::Length(LengthKind::FromNominal)) {
         return Err(HeaderFailure::NoStation);

@@ -22,6 +22,8 @@ pub(super) enum HeaderFailure {
     NoOtherEnd,
     TwoOtherEnds,
     PartOfStation,
+    /// The uncertainty of a place that is not given.
+    NoPlace,
     NoStation,
     TwoApproaches,
     /// The title of a length.
@@ -80,7 +82,12 @@ impl fmt::Display for HeaderFailure {
             Self::NoLength => write!(f, "`station` and `to.` columns belong to a length"),
             Self::NoOtherEnd => write!(f, "a length needs its other end: {OTHER_END}"),
             Self::TwoOtherEnds => write!(f, "a length needs its other end: {OTHER_END}, not both"),
-            Self::PartOfStation => write!(f, "give all of `station.x`, `station.y` and `station.z`, or none"),
+            Self::PartOfStation => {
+                write!(f, "give all three of `station.x`, `.y`, `.z` (or `ball.x`, `.y`, `.z`), or none")
+            }
+            Self::NoPlace => {
+                write!(f, "`station.u` needs `station.x`, `station.y`, `station.z`; `ball.x` and `ball.u` need `ball`")
+            }
             Self::NoStation => {
                 let columns = "`station.x [mm]`, `station.y [mm]`, `station.z [mm]`";
                 write!(f, "`dl` is the difference from the nominal distance: add columns {columns} of the station")

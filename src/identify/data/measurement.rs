@@ -171,6 +171,8 @@ pub struct InstrumentUnknown {
     pub name: String,
     /// Value at the start of the fit (mm).
     pub start_mm: f64,
+    /// Standard uncertainty (mm) with which it is known to have this value.
+    pub known_mm: Option<f64>,
 }
 
 /// Measurements of all files, and the unknowns of instruments and set-ups: places of stations, dead paths, first
@@ -186,7 +188,7 @@ pub struct MeasurementSet {
 impl MeasurementSet {
     /// Adds an unknown of `mm` to begin with; gives its index.
     pub(crate) fn unknown(&mut self, name: String, start: f64) -> usize {
-        self.nuisances.push(InstrumentUnknown { name, start_mm: start });
+        self.nuisances.push(InstrumentUnknown { name, start_mm: start, known_mm: None });
         self.nuisances.len() - 1
     }
 
@@ -197,6 +199,11 @@ impl MeasurementSet {
             self.unknown(format!("{name}.{letter}"), *start);
         }
         first
+    }
+
+    /// States that three unknowns from this index on are known to be as they start, with a standard uncertainty (mm).
+    pub(crate) fn know_point(&mut self, first: usize, sigma: Option<f64>) {
+        self.nuisances[first..first + 3].iter_mut().for_each(|unknown| unknown.known_mm = sigma);
     }
 
     /// Adds an unknown for each component that was read, 0 to begin with; gives their indices.

@@ -35,6 +35,8 @@ struct Draft {
     angles: Option<f64>,
     station: Option<String>,
     at: [Option<f64>; 3],
+    /// Standard uncertainty of the place (mm).
+    known: Option<f64>,
     ball: String,
 }
 
@@ -174,6 +176,7 @@ impl Reader<'_> {
             angles: None,
             station: None,
             at: [None; 3],
+            known: None,
             ball: String::new(),
         }
     }
@@ -218,7 +221,10 @@ impl Reader<'_> {
                 Content::Length(kind) => draft.length = Some((kind, near(scaled()?, cell)?)),
                 Content::Along => draft.along = near(scaled()?, cell)?,
                 Content::Station => draft.station = Some(cell.clone()),
-                Content::StationAt(k) => draft.at[k] = Some(near(scaled()?, cell)?),
+                Content::PlaceUncertainty(_) => {
+                    draft.known = Some(positive(number(cell)?, cell, "uncertainty")? * factor);
+                }
+                Content::StationAt(k) | Content::BallAt(k) => draft.at[k] = Some(near(scaled()?, cell)?),
                 Content::Tool => draft.row.tool = tool_index(self.machine, cell)?,
                 Content::Weight => draft.row.weight = weight(positive(number(cell)?, cell, "weight")?, cell)?,
                 Content::Uncertainty(quantity) => {
@@ -252,7 +258,7 @@ impl Reader<'_> {
             RowForm::Deviation => self.data.rows.extend(drafts.into_iter().map(|draft| draft.row)),
             RowForm::Error => self.errors(drafts),
             RowForm::Relative => self.relative(drafts),
-            RowForm::Ball => self.balls(drafts),
+            RowForm::Ball => self.balls(drafts)?,
             RowForm::Along => self.lines(drafts)?,
             RowForm::Distance if drafts.iter().any(|draft| draft.to.is_some()) => self.pairs(drafts)?,
             RowForm::Distance => self.stations(drafts)?,
@@ -288,10 +294,19 @@ impl Reader<'_> {
     }
 
     /// A ball on the workpiece that the functional point was brought to: the actual point is the same in all poses.
-    fn balls(&mut self, drafts: Vec<Draft>) {
+    fn balls(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
         for (run, drafts) in runs(drafts, |draft| draft.ball.clone()) {
             let zero = self.data.unknown_components(&format!("{}ball{run}", self.file), [true; 3]);
-            let Some(first) = drafts.first().map(|draft| self.nominal(&draft.row, &draft.row.pose)) else { continue };
+            let Some(head) = drafts.first() else { continue };
+            if drafts.iter().any(|draft| draft.at != head.at || draft.known != head.known) {
+                let message = format!("the ball{run} has two places, or two uncertainties: give it two names");
+                return Err(Box::new(refusal(codes::E0501, message, Some(head.row.place.clone()))));
+            }
+            let first = match head.at {
+                [Some(x), Some(y), Some(z)] => Vector3::new(x, y, z),
+                _ => self.nominal(&head.row, &head.row.pose),
+            };
+            zero[0].into_iter().for_each(|index| self.data.know_point(index, head.known));
             for mut draft in drafts {
                 let off = first - self.nominal(&draft.row, &draft.row.pose);
                 let values = [Some(off.x), Some(off.y), Some(off.z)];
@@ -299,6 +314,7 @@ impl Reader<'_> {
                 self.data.rows.push(draft.row);
             }
         }
+        Ok(())
     }
 
     /// The line of a run goes from its first pose to the one farthest from it.
@@ -358,6 +374,7 @@ impl Reader<'_> {
                 .place(&drafts)
                 .map_err(|failure| Box::new(refusal(codes::E0505, format!("{label}: {failure}"), place)))?;
             let first = self.data.unknown_point(&format!("{}{label}", self.file), at);
+            self.data.know_point(first, drafts.first().and_then(|draft| draft.known));
             for (run, drafts) in runs(drafts, |_| String::new()) {
                 let distance = |draft: &Draft| (self.nominal(&draft.row, &draft.row.pose) - at).norm();
                 let nominal: Vec<f64> = drafts.iter().map(distance).collect();
@@ -377,7 +394,7 @@ impl Reader<'_> {
     fn place(&self, drafts: &[Draft]) -> Result<Vector3<f64>, StationFailure> {
         let Some(first) = drafts.first() else { return Ok(Vector3::zeros()) };
         if let [Some(x), Some(y), Some(z)] = first.at {
-            if drafts.iter().any(|draft| draft.at != first.at) {
+            if drafts.iter().any(|draft| draft.at != first.at || draft.known != first.known) {
                 return Err(StationFailure::TwoPlaces);
             }
             return Ok(Vector3::new(x, y, z));

@@ -8,6 +8,8 @@
 //! 4. [`moore_penrose`]: the method of the papers beside it.
 
 mod curves;
+mod invariance;
+mod known;
 mod monomials;
 mod observation;
 mod parameter;
@@ -15,10 +17,15 @@ mod prediction;
 mod prior;
 mod refusal;
 mod request;
+mod volume;
 
+pub use invariance::{Invariances, invariances};
+pub use known::{Known, known};
 pub use monomials::{Coefficient, Component, Monomial, moore_penrose};
+pub(super) use parameter::share;
 pub use parameter::{Basis, Parameter, SlopeBound, Term};
 pub use prediction::Model;
 pub(super) use prediction::masked;
 pub(super) use prior::Prior;
 pub use request::{overruled, parameters, slope_bounds, unused};
+pub(super) use volume::Volume;

@@ -141,7 +141,7 @@ impl Parameter {
 
 impl From<InstrumentUnknown> for Parameter {
     /// Returns the parameter of an unknown length (mm) that is no error of the machine.
-    fn from(InstrumentUnknown { name, start_mm: start }: InstrumentUnknown) -> Self {
+    fn from(InstrumentUnknown { name, start_mm: start, .. }: InstrumentUnknown) -> Self {
         Self { name, unit: "mm".to_owned(), factor: 1.0, terms: Vec::new(), start, size: 1.0 }
     }
 }

@@ -1,6 +1,7 @@
 //! The measurement model: what the machine with given parameters would have been measured as, exactly or to an order
 //! of the dual numbers, and the derivatives by the unknowns. Rows are streamed; the Jacobian as a whole never exists.
 
+use super::known::Known;
 use super::observation::{Observation, Subject, observe, single};
 use super::parameter::{Basis, Parameter, SlopeBound, Term, share};
 use crate::algebra::linear::{ReducedSystem, Triangle};
@@ -12,7 +13,7 @@ use crate::lower::{
     ErrorLift, ErrorSite, ErrorValues, Exact, NominalPose, OrderN, Source, point, position_jacobian, values,
 };
 use crate::machine::{Approach, LocationOrder, Machine};
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
 /// Machine and unknowns: parameters of the machine first, then those of the instruments.
@@ -31,6 +32,8 @@ pub struct Model<'a> {
     order: Order,
     /// Slopes of fitted curves over the standard deviations allowed: rows, one coefficient for each unknown.
     slopes: DMatrix<f64>,
+    /// Values that are known before the data, with their uncertainty.
+    known: Vec<Known>,
     /// Do location errors count in the real part?
     real_locations: bool,
 }
@@ -103,7 +106,8 @@ impl<'a> Model<'a> {
         let own = parameters.iter().position(Parameter::is_nuisance).unwrap_or(parameters.len());
         let slopes = DMatrix::zeros(0, parameters.len());
         let real_locations = machine.conventions().location_order == LocationOrder::Real;
-        Self { machines, parameters, own, sources, functions, links, order: Order::Exact, slopes, real_locations }
+        let (order, known) = (Order::Exact, Vec::new());
+        Self { machines, parameters, own, sources, functions, links, order, slopes, known, real_locations }
     }
 
     /// The same to an order of the dual numbers (1 or 2; others count as exact).
@@ -117,6 +121,20 @@ impl<'a> Model<'a> {
         let rows: Vec<Vec<f64>> = bounds.iter().flat_map(|bound| bound.rows(self.parameters)).collect();
         self.slopes = DMatrix::from_fn(rows.len(), self.parameters.len(), |i, j| rows[i][j]);
         self
+    }
+
+    /// The same with unknowns of which values are known before the data.
+    pub fn knowing(mut self, known: &[Known]) -> Self {
+        self.known = known.to_vec();
+        self
+    }
+
+    /// Values that are known before the data: rows over their standard uncertainty, and the right sides.
+    pub(crate) fn known(&self) -> (DMatrix<f64>, DVector<f64>) {
+        let count = self.parameters.len();
+        let row = |i: usize, j: usize| if self.known[i].unknown == j { 1.0 / self.known[i].sigma } else { 0.0 };
+        let values = self.known.iter().map(|known| known.value / known.sigma);
+        (DMatrix::from_fn(self.known.len(), count, row), DVector::from_iterator(self.known.len(), values))
     }
 
     /// Slopes over the standard deviations allowed, linear in the unknowns.

@@ -14,8 +14,11 @@ use crate::lower::{ErrorSite, Source};
 use crate::machine::Approach;
 use nalgebra::{DMatrix, DVector};
 
-/// Standard deviation of a displacement (mm): 10 mrad of a rotation.
+/// Least standard deviation of a displacement (mm): 10 mrad of a rotation.
 const SIGMA: f64 = 3.0;
+/// Standard deviation of a displacement over what the readings show of all errors together. An error that is no larger
+/// than it is moved by less than half of its standard uncertainty.
+const USUAL: f64 = 3.0;
 /// Places of the travel where a curve is looked at.
 const SITES: usize = 50;
 /// Least displacement of a unit of an unknown, as a share of its usual one: bases that say the same curve twice are
@@ -41,6 +44,12 @@ pub(crate) struct Prior {
     metric: DMatrix<f64>,
     /// Number of unknowns that are the machine's. Nothing is known of the instruments'.
     own: usize,
+    /// What the readings show (mm) of all errors together.
+    pub shown: f64,
+    /// True if values are known before the data.
+    pub informed: bool,
+    /// Standard deviation of a displacement (mm).
+    sigma: f64,
     /// Combinations that are known to be `values` with standard deviation 1.
     rows: DMatrix<f64>,
     values: DVector<f64>,
@@ -51,12 +60,18 @@ impl Prior {
     pub fn new(model: &Model<'_>, data: &[Measurement], home: &ReducedSystem) -> Self {
         let list = model.parameters();
         let start = DVector::from_iterator(list.len(), list.iter().map(|p| p.start));
-        let slopes = model.slopes();
-        let values = DVector::zeros(slopes.nrows());
-        let prior = Self { start, metric: metric(model), own: model.own(), rows: slopes.clone(), values };
+        let (slopes, (known, known_values)) = (model.slopes(), model.known());
+        let held = slopes.nrows();
+        let mut rows = slopes.clone().insert_rows(held, known.nrows(), 0.0);
+        rows.rows_mut(held, known.nrows()).copy_from(&known);
+        let mut values = DVector::zeros(held + known.nrows());
+        values.rows_mut(held, known.nrows()).copy_from(&known_values);
+        let shown = shown(model.own(), data, home);
+        let (sigma, informed) = (SIGMA.max(USUAL * shown), known.nrows() > 0);
+        let prior = Self { start, metric: metric(model), own: model.own(), shown, informed, sigma, rows, values };
         let many = libm::sqrt((home.rows as f64 / MANY).max(1.0));
         let hidden = bilinear(model, data, &prior, home);
-        prior.holding(&hidden, HELD / many)
+        prior.holding(&hidden, HELD.max(shown) / many)
     }
 
     /// Adds directions (of displacements, columns) that stay at the start within `sigma` (mm).
@@ -71,7 +86,7 @@ impl Prior {
 
     /// Weight of a displacement beside readings of this variance.
     pub fn pull(&self, variance: f64) -> f64 {
-        variance / (SIGMA * SIGMA)
+        variance / (self.sigma * self.sigma)
     }
 
     /// Distance from home, as displacements.
@@ -104,6 +119,20 @@ impl Prior {
     pub fn unknowns(&self, displacements: &DVector<f64>) -> DVector<f64> {
         self.metric.solve_upper_triangular(displacements).unwrap_or_else(|| DVector::zeros(displacements.len()))
     }
+}
+
+/// Root mean square (mm) of what the readings are off the machine at the start, wherever instruments and set-ups are.
+fn shown(own: usize, data: &[Measurement], home: &ReducedSystem) -> f64 {
+    let instruments = home.r.columns(own, home.r.ncols() - own);
+    let mut triangle = Triangle::new(instruments.ncols());
+    let rows = instruments.row_iter().zip(home.right.iter());
+    rows.for_each(|(row, right)| triangle.push(row.iter().copied(), *right));
+    let rest = triangle.finish();
+    let svd = Svd::new(&rest.r);
+    let missed = &rest.right - &rest.r * svd.solve(&rest.right, svd.rank(NULL));
+    let squares = missed.norm_squared() + rest.rest * rest.rest + home.rest * home.rest;
+    let weights: f64 = data.iter().map(|m| m.weight * m.readings() as f64).sum();
+    if weights > 0.0 { libm::sqrt(squares / weights) } else { 0.0 }
 }
 
 /// Displacements from unknowns: the triangle of what each does over the travel.

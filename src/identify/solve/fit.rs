@@ -29,6 +29,9 @@ const NOISE: f64 = 1e-12;
 const FIRST_DAMPING: f64 = 1e-12;
 const MAX_DAMPING: f64 = 1e6;
 
+/// Rounds in which the scatter of the readings and what is known before them are weighed against each other.
+const BALANCED: usize = 6;
+
 /// Condition up to which the normal equations of the triangle give the step.
 const EASY: f64 = 1e5;
 
@@ -56,6 +59,10 @@ pub struct Fit {
     pub scatter: Vec<Scatter>,
     /// Then also, of each unknown, the degrees of freedom that its uncertainty rests on.
     pub freedom: Vec<f64>,
+    /// Values known before the data: rows over their standard uncertainty.
+    pub known: DMatrix<f64>,
+    /// Root mean square (mm) of what the readings are off the machine at the start, wherever instruments are.
+    pub shown: f64,
     /// True if the unknown is held by something else than readings (bounds on slopes).
     pub bounded: Vec<bool>,
     /// Accepted steps.
@@ -113,7 +120,8 @@ impl<'a> Search<'a> {
         let Descent { theta, reduced, steps, .. } = descent;
         let bounded = self.model.slopes().column_iter().map(|column| column.iter().any(|x| *x != 0.0)).collect();
         let squares = reduced.right_norm() * reduced.right_norm();
-        Fit { theta, reduced, squares, weights, scatter: Vec::new(), freedom: Vec::new(), bounded, steps, settled }
+        let (scatter, freedom, known, shown) = (Vec::new(), Vec::new(), self.model.known().0, prior.shown);
+        Fit { theta, reduced, squares, weights, scatter, freedom, known, shown, bounded, steps, settled }
     }
 }
 
@@ -145,9 +153,21 @@ impl Descent<'_> {
         false
     }
 
-    /// Variance of a reading, as far as the linear problem knows it.
+    /// Variance of a reading, as far as the linear problem knows it. With values known before the data it is what the
+    /// readings leave beside these: a linear problem alone may fit any readings exactly.
     fn scatter(&self) -> f64 {
         let (rows, unknowns) = (self.reduced.rows, self.theta.len());
+        if self.prior.informed {
+            let spare = if rows > unknowns { rows - unknowns } else { rows.max(1) } as f64;
+            let mut variance = self.reduced.right_norm() * self.reduced.right_norm() / rows.max(1) as f64;
+            for _ in 0..BALANCED {
+                let problem = Problem::new(self.prior, &self.reduced, &self.theta, variance);
+                let step = self.prior.unknowns(&problem.step(FIRST_DAMPING));
+                let left = (&self.reduced.right - &self.reduced.r * step).norm();
+                variance = (left * left + self.reduced.rest * self.reduced.rest) / spare;
+            }
+            return variance;
+        }
         let left = if rows > unknowns { self.reduced.rest } else { self.reduced.right_norm() };
         left * left / (if rows > unknowns { rows - unknowns } else { rows.max(1) }) as f64
     }

@@ -7,16 +7,20 @@
 //! 4. [`plan()`]: poses worth measuring, before there are data.
 
 mod checks;
+mod datum;
 mod fit;
 mod plan;
 mod randomness;
 mod solution;
 mod student;
+mod volume;
 mod weighing;
 
 pub use checks::{Outlier, Residuals, held_out};
+pub use datum::{Conditions, Moved, in_datum};
 pub use fit::{Fit, Scatter, fit};
 pub use plan::plan;
 pub use randomness::{Randomness, randomness};
 pub use solution::{Estimate, Solution};
+pub use volume::{Prediction, Spread};
 pub use weighing::solve;

@@ -79,8 +79,9 @@ fn expected(model: &Model<'_>, poses: &[Measurement], theta: &[f64], noise: f64)
     let weights = vec![1.0; poses.len()];
     let reduced = model.triangle(poses, &weights, theta);
     let bounded = vec![false; theta.len()];
-    let (theta, scatter, freedom) = (theta.to_vec(), Vec::new(), Vec::new());
-    let mut fit = Fit { theta, reduced, squares: 0.0, weights, scatter, freedom, bounded, steps: 0, settled: true };
+    let (theta, scatter, freedom, known) = (theta.to_vec(), Vec::new(), Vec::new(), model.known().0);
+    let (squares, shown, steps, settled) = (0.0, 0.0, 0, true);
+    let mut fit = Fit { theta, reduced, squares, weights, scatter, freedom, known, shown, bounded, steps, settled };
     // As if the readings scattered by the noise over as many degrees of freedom as there will be.
     let rest = Solution::of(&fit, model.parameters()).freedom.max(1);
     fit.squares = noise * noise * rest as f64;

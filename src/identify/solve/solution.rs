@@ -16,6 +16,12 @@ const RANK: f64 = 1e-10;
 const FAINT: f64 = 1e-2;
 /// Parts named of a direction that changes nothing, for people.
 const MAX_LISTED: usize = 12;
+/// A direction of unit size that a datum leaves less of than this is fixed by it.
+const FIXED: f64 = 1e-2;
+/// Rounds in which the scatter of the readings and what is known before them are weighed against each other.
+const ROUNDS: usize = 4;
+/// Least scatter (mm) beside which values are known: less is rounding.
+const MIN_SIGMA: f64 = 1e-9;
 /// A parameter with more than this squared share in the null space has no value of its own.
 const LOST: f64 = 1e-3;
 
@@ -70,6 +76,8 @@ pub struct Solution {
     /// Directions (columns) in which these are free.
     hidden: DMatrix<f64>,
     units: DVector<f64>,
+    /// Directions that change nothing, reduced, in displacements.
+    null: Vec<DVector<f64>>,
 }
 
 impl Solution {
@@ -77,14 +85,15 @@ impl Solution {
     pub fn of(fit: &Fit, parameters: &[Parameter]) -> Self {
         let sizes = DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size));
         let norms = fit.reduced.column_norms();
-        let scale = scale(&fit.reduced, &sizes);
-        let unit = fit.reduced.scaled(&scale);
+        let (reduced, redundant) = informed(fit, &sizes);
+        let scale = scale(&reduced, &sizes);
+        let unit = reduced.scaled(&scale);
         let rank = unit.rank(RANK);
         // In full rank no direction has to be told from the others, and one decomposition will do.
         let full = rank == parameters.len();
-        let sized = if full { None } else { Some(fit.reduced.scaled(&sizes)) };
-        let freedom = fit.reduced.rows.saturating_sub(rank);
-        let sigma = libm::sqrt(fit.squares / freedom.max(1) as f64);
+        let sized = if full { None } else { Some(reduced.scaled(&sizes)) };
+        let freedom = redundant.map_or(fit.reduced.rows.saturating_sub(rank), |rest| libm::round(rest) as usize);
+        let sigma = libm::sqrt(fit.squares / redundant.unwrap_or(freedom as f64).max(1.0));
         let null = sized.as_ref().map_or_else(Vec::new, |sized| echelon(&sized.null_space(rank)));
         let (covariance, hidden) = match &sized {
             Some(sized) => (sized.covariance(rank), sized.null_space(rank)),
@@ -129,6 +138,7 @@ impl Solution {
             units: units.clone(),
             covariance,
             hidden,
+            null,
         }
     }
 
@@ -138,6 +148,7 @@ impl Solution {
         let parameters = model.parameters();
         let sizes = DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size));
         let first = model.clone().to_order(Order::Degree(1)).triangle(data, &fit.weights, &fit.theta);
+        let first = with_known(&first, &fit.known, self.sigma);
         let rank = first.scaled(&scale(&first, &sizes)).rank(RANK);
         Self { rank_first_order: rank.min(self.rank), ..self }
     }
@@ -150,6 +161,66 @@ impl Solution {
         let told = self.hidden.tr_mul(&row).norm_squared() <= LOST * row.norm_squared();
         let variance = row.dot(&(&self.covariance * &row));
         (told && self.freedom > 0).then(|| libm::sqrt(variance.max(0.0)) * self.sigma)
+    }
+
+    /// The same in another datum: values `theta`, of which those of a fit are linear functions (`map`), and directions
+    /// that become fixed by it.
+    pub(super) fn moved(mut self, map: &DMatrix<f64>, theta: &[f64], (fit, parameters): (&Fit, &[Parameter])) -> Self {
+        let count = theta.len();
+        // What only products of errors show is as good as unknown: a datum may fix it.
+        let units = DVector::from_iterator(count, parameters.iter().map(|p| p.size));
+        let seen = informed(fit, &units).0.scaled(&units);
+        self.hidden = seen.null_space(self.rank_first_order);
+        self.covariance = seen.covariance(self.rank_first_order);
+        self.units = units.clone();
+        let map = DMatrix::from_fn(count, count, |i, j| map[(i, j)] * units[i] / units[j]);
+        self.covariance = &map * &self.covariance * map.transpose();
+        let svd = Svd::new(&(&map * &self.hidden).transpose());
+        let kept = svd.values.iter().filter(|value| **value > FIXED).count();
+        let fixed = self.hidden.ncols() - kept;
+        let free = svd.v.columns(0, kept).into_owned();
+        self.null = echelon(&free);
+        self.hidden = free;
+        self.rank_first_order += fixed;
+        self.rank = self.rank.max(self.rank_first_order);
+        let norms = fit.reduced.column_norms();
+        let root = libm::sqrt(fit.reduced.rows.max(1) as f64);
+        for (j, estimate) in self.estimates.iter_mut().enumerate() {
+            let is_free = self.hidden.row(j).norm_squared() > LOST;
+            let spread = libm::sqrt(self.covariance[(j, j)].max(0.0)) / units[j];
+            estimate.value = theta[j];
+            estimate.sigma = (!is_free && self.freedom > 0).then_some(spread * self.sigma);
+            estimate.valuation =
+                if is_free || norms[j] == 0.0 || spread == 0.0 { 0.0 } else { root / (norms[j] * spread) };
+        }
+        self.idle = self.null.iter().map_while(|row| alone(row).map(|(j, _)| parameters[j].name.clone())).collect();
+        let sentences = |most| self.null.iter().map(|row| inseparable(&named(row), parameters, most)).collect();
+        (self.null_space, self.short) = (sentences(usize::MAX), sentences(MAX_LISTED));
+        let values = self.estimates.iter().zip(parameters).filter(|(e, p)| e.valuation > 0.0 && !p.is_nuisance());
+        self.valuation = values.map(|(e, _)| e.valuation).reduce(f64::min).unwrap_or(0.0);
+        self
+    }
+
+    /// Uncertainties of sums of the parameters, one for each row: covariances for readings that scatter as they do are
+    /// those of `CV` with the rows. Returns `CV`, a column for each row, and what the free directions do to each row.
+    pub(super) fn spread(&self, rows: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
+        let mut scaled = rows.clone();
+        scaled.column_iter_mut().zip(self.units.iter()).for_each(|(mut column, unit)| column /= *unit);
+        let free = &scaled * &self.hidden;
+        let half = &self.covariance * scaled.transpose() * (self.sigma * self.sigma);
+        let columns = DMatrix::from_fn(half.nrows(), half.ncols(), |j, i| half[(j, i)] / self.units[j]);
+        (columns, free)
+    }
+
+    /// The direction that changes no reading but most of these rows, in words.
+    pub(super) fn loudest(&self, rows: &DMatrix<f64>, parameters: &[Parameter]) -> Option<String> {
+        let effect = |direction: &DVector<f64>| {
+            let step = DVector::from_fn(direction.len(), |j, _| direction[j] / parameters[j].size);
+            (rows * step).amax()
+        };
+        let louder = |a: (usize, f64), b: (usize, f64)| if b.1 > 1.0001 * a.1 { b } else { a };
+        let (worst, _) = self.null.iter().map(effect).enumerate().reduce(louder)?;
+        self.short.get(worst).cloned()
     }
 
     /// The least and the greatest number of standard uncertainties that 95 % intervals reach; `None` without scatter.
@@ -171,6 +242,35 @@ impl Solution {
     pub fn theta(&self) -> Vec<f64> {
         self.estimates.iter().map(|estimate| estimate.value).collect()
     }
+}
+
+/// Rows over their standard uncertainty beside readings that scatter by `sigma` (mm).
+fn with_known(reduced: &ReducedSystem, known: &DMatrix<f64>, sigma: f64) -> ReducedSystem {
+    if known.nrows() == 0 {
+        return reduced.clone();
+    }
+    reduced.with_rows(&(known * sigma.max(MIN_SIGMA)), &DVector::zeros(known.nrows()))
+}
+
+/// The linear problem with what is known before the data, and how many readings the data have to spare then (Helmert):
+/// `None` if nothing is known.
+fn informed(fit: &Fit, sizes: &DVector<f64>) -> (ReducedSystem, Option<f64>) {
+    if fit.known.nrows() == 0 {
+        return (fit.reduced.clone(), None);
+    }
+    let rank = fit.reduced.scaled(sizes).rank(RANK);
+    let mut redundant = fit.reduced.rows as f64 - rank as f64;
+    let mut whole = fit.reduced.clone();
+    for _ in 0..ROUNDS {
+        let sigma = libm::sqrt(fit.squares / redundant.max(1.0));
+        whole = with_known(&fit.reduced, &fit.known, sigma);
+        let sized = whole.scaled(sizes);
+        let mut own = fit.reduced.r.clone();
+        own.column_iter_mut().zip(sizes.iter()).for_each(|(mut column, size)| column /= *size);
+        let used = (&own * sized.covariance(sized.rank(RANK)) * own.transpose()).trace();
+        redundant = (fit.reduced.rows as f64 - used).max(0.0);
+    }
+    (whole, Some(redundant))
 }
 
 /// The scales of the columns of a linear problem, given the usual sizes of its unknowns.

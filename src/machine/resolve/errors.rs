@@ -10,11 +10,15 @@ use crate::machine::{
     AxisKind, AxisName, Branch, ComponentError, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, KinematicChain,
 };
 use crate::syntax::{ColumnDirection, CurveEntry, Keys, Scalar, TermEntry, below, keys};
+use crate::units::{self, Dimension};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Errors above these are mistakes of unit (mm, rad).
 const MAX_TRANSLATION: f64 = 10.0;
 const MAX_ROTATION: f64 = 0.1;
+/// The same, whatever the file says.
+const LARGEST_TRANSLATION: f64 = 500.0;
+const LARGEST_ROTATION: f64 = 0.5;
 
 /// The errors by joint, and where each one stands.
 #[derive(Default)]
@@ -353,9 +357,23 @@ pub fn largest(direction: Direction) -> f64 {
 }
 
 impl Context<'_> {
+    /// The size (mm or rad) beyond which an error is a mistake: larger where the file says that its machine has such
+    /// errors.
+    fn largest_plausible(&self, direction: Direction) -> f64 {
+        let identify = self.document.identify.as_ref();
+        let given = identify.and_then(|identify| identify.plausible.as_ref()).and_then(|plausible| {
+            let scalar = if direction.is_rotation() { &plausible.angle } else { &plausible.length };
+            units::quantity(&scalar.as_ref()?.to_string()).ok()
+        });
+        let wanted = if direction.is_rotation() { Dimension::ANGLE } else { Dimension::LENGTH };
+        let cap = if direction.is_rotation() { LARGEST_ROTATION } else { LARGEST_TRANSLATION };
+        let given = given.filter(|given| given.dimension == wanted).map_or(0.0, |given| given.value);
+        largest(direction).max(given.min(cap))
+    }
+
     /// Refuses what can only be a mistake of unit.
     pub fn plausible(&mut self, value: f64, direction: Direction, at: &Keys) -> bool {
-        if value.abs() <= largest(direction) {
+        if value.abs() <= self.largest_plausible(direction) {
             return true;
         }
         let shown = if direction.is_rotation() {
@@ -363,7 +381,8 @@ impl Context<'_> {
         } else {
             format!("{} mm", crate::units::significant(value, 4))
         };
-        let limit = if direction.is_rotation() { "100 mrad" } else { "10 mm" };
+        let limit = self.largest_plausible(direction);
+        let limit = if direction.is_rotation() { format!("{} mrad", limit * 1e3) } else { format!("{limit} mm") };
         let message = format!("`{}` reaches {shown}, which no machine has", dotted(at));
         self.at_value(codes::E0412, at, message, format!("check the unit; the limit of plausibility is {limit}"));
         false

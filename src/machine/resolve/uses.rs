@@ -6,7 +6,7 @@ use super::context::Context;
 use super::errors::named;
 use crate::diagnostic::{codes, shown};
 use crate::machine::algebra::{AlgebraChoice, named_monomial};
-use crate::machine::{AxisName, parse_error_name};
+use crate::machine::{AxisName, Direction, parse_error_name};
 use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, below, keys};
 
 /// Groups that may be fitted.
@@ -108,6 +108,14 @@ pub fn identify(context: &mut Context<'_>, known: &JointNames<'_>) {
             if !GROUPS.contains(&name) && !own {
                 fit(context, known, undirected(name), &at);
             }
+        }
+    }
+    if let Some(plausible) = &entry.plausible {
+        for (key, limit, direction) in
+            [("length", &plausible.length, Direction::X), ("angle", &plausible.angle, Direction::A)]
+        {
+            let at = keys(["identify", "plausible", key]);
+            let _ = limit.as_ref().and_then(|limit| context.error_value(limit, direction, &at));
         }
     }
     for (name, form) in &entry.basis {

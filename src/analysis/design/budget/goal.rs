@@ -300,7 +300,12 @@ impl<'a> Search<'a> {
 
 /// Returns the deviation (mm) at a pose by the errors with a value that are not bounded, to first order.
 fn staying(machine: &Machine, bounds: &[Bound], pose: &[f64]) -> [f64; 3] {
-    let stays = |error: &ErrorId| !bounds.iter().any(|bound| bound.error == *error);
+    // An error by letter is bounded where a bounded direction of its joint has a part along the letter.
+    let bounded = |bound: &Bound, error: &ErrorId| {
+        let part = bound.letters()[error.direction.index()].abs();
+        bound.error.axis == error.axis && bound.error.family == error.family && part > 1e-9
+    };
+    let stays = |error: &ErrorId| !bounds.iter().any(|bound| bounded(bound, error));
     let deviations = error_by_error(machine, pose, Approach::Mean).into_iter().filter(|(error, _)| stays(error));
     deviations.map(|(_, deviation)| deviation.position).sum::<nalgebra::Vector3<f64>>().into()
 }

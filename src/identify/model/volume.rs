@@ -1,0 +1,134 @@
+//! Deviations over the volume of the machine and their derivatives by the unknowns, less the rigid motion of the
+//! workpiece frame that takes most of them away: where a workpiece stands is no error of the machine.
+
+use super::prediction::Model;
+use crate::diagnostic::{Place, SourceId};
+use crate::evaluate::{Frame, Order, Poses, Spread};
+use crate::identify::data::{Measurement, Reading};
+use crate::machine::{Approach, Machine, Pose};
+use nalgebra::{DMatrix, DVector, Vector3};
+use rayon::prelude::*;
+
+/// Low-discrepancy poses inside the volume.
+const INSIDE: usize = 256;
+/// Most axes whose corners are all among the poses.
+const CORNERED: usize = 6;
+/// Distance (mm) at which a rotation counts as displacement.
+const REACH: f64 = 300.0;
+/// Motions shorter than this share of their length before the others were taken off are none of their own.
+const OWN: f64 = 1e-9;
+
+/// Poses over the volume, with every tool and from every side that counts.
+pub(crate) struct Volume {
+    /// The poses; nothing is measured in them.
+    pub rows: Vec<Measurement>,
+    /// Actual positions (mm, workpiece frame).
+    pub points: Vec<Vector3<f64>>,
+    /// Deviations (mm), three of each pose, as they are.
+    pub deviations: DVector<f64>,
+    /// Derivatives of the deviations by the unknowns, as they are.
+    pub jacobian: DMatrix<f64>,
+    /// Orthonormal basis of what rigid motions of the workpiece frame do to the deviations.
+    rigid: DMatrix<f64>,
+}
+
+impl Volume {
+    /// The first order of a model, whatever its unknowns are: rigid motions act on the nominal points.
+    pub fn first_order(model: &Model<'_>, data: &[Measurement]) -> Self {
+        let first = model.clone().to_order(Order::Degree(1));
+        let theta = vec![0.0; model.parameters().len()];
+        let mut volume = Self::of(&first, data, &theta);
+        let nominal = |m: &Measurement| crate::lower::NominalPose::at(model.machine(m), &m.pose).pose.translation;
+        volume.points = volume.rows.iter().map(nominal).collect();
+        volume.rigid = orthonormal(&motions(&volume.points));
+        volume
+    }
+
+    /// Evaluates a model at `theta`, with the tools of the data.
+    pub fn of(model: &Model<'_>, data: &[Measurement], theta: &[f64]) -> Self {
+        let rows = rows(model, data);
+        let one = |m: &Measurement| {
+            let deviation = model.predicted(m, theta);
+            let nominal = crate::lower::NominalPose::at(model.machine(m), &m.pose).pose.translation;
+            (deviation, nominal + deviation, model.rows(m, theta).0)
+        };
+        let evaluated: Vec<_> = rows.par_iter().map(one).collect();
+        let points: Vec<Vector3<f64>> = evaluated.iter().map(|(_, point, _)| *point).collect();
+        let count = 3 * rows.len();
+        let deviations = DVector::from_fn(count, |i, _| evaluated[i / 3].0[i % 3]);
+        let jacobian = DMatrix::from_fn(count, theta.len(), |i, j| evaluated[i / 3].2[j][i % 3]);
+        Self { rigid: orthonormal(&motions(&points)), rows, points, deviations, jacobian }
+    }
+
+    /// Takes the best rigid motion of the workpiece frame off the columns of a matrix.
+    pub fn deformation(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        columns - &self.rigid * self.rigid.tr_mul(columns)
+    }
+
+    /// Displacements of the points by linear maps of space: a column for each map.
+    pub fn mapped(&self, maps: &[nalgebra::Matrix3<f64>]) -> DMatrix<f64> {
+        let centre = self.points.iter().sum::<Vector3<f64>>() / self.points.len().max(1) as f64;
+        DMatrix::from_fn(3 * self.points.len(), maps.len(), |i, k| {
+            (maps[k] * (self.points[i / 3] - centre))[i % 3] / REACH
+        })
+    }
+}
+
+/// What translations, and rotations about the centre, do to points: six columns.
+fn motions(points: &[Vector3<f64>]) -> DMatrix<f64> {
+    let centre = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
+    DMatrix::from_fn(3 * points.len(), 6, |i, k| {
+        let axis = Vector3::ith(k % 3, 1.0);
+        let moved = if k < 3 { axis } else { axis.cross(&(points[i / 3] - centre)) / REACH };
+        moved[i % 3]
+    })
+}
+
+/// Columns that span the same, orthonormal; those that the others make up are left out.
+fn orthonormal(columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut kept: Vec<DVector<f64>> = Vec::new();
+    for column in columns.column_iter() {
+        let (mut rest, length) = (column.into_owned(), column.norm());
+        // Twice is enough (Kahan).
+        for _ in 0..2 {
+            for known in &kept {
+                let share = known.dot(&rest);
+                rest.axpy(-share, known, 1.0);
+            }
+        }
+        if rest.norm() > OWN * length && length > 0.0 {
+            kept.push(rest.normalize());
+        }
+    }
+    DMatrix::from_fn(columns.nrows(), kept.len(), |i, k| kept[k][i])
+}
+
+fn rows(model: &Model<'_>, data: &[Measurement]) -> Vec<Measurement> {
+    let mut tools: Vec<usize> = data.iter().map(|m| m.tool).collect();
+    tools.sort_unstable();
+    tools.dedup();
+    let directed = model.parameters().iter().flat_map(|p| &p.terms).any(|t| t.approach != Approach::Mean);
+    let approaches = if directed { vec![Approach::Forward, Approach::Reverse] } else { vec![Approach::Mean] };
+    let place = Place { source: SourceId(0), range: 0..0 };
+    let reading = Reading::Deviation { values: [Some(0.0); 3], frame: Frame::Workpiece, zero: [None; 3] };
+    let blank = |pose: &Pose, tool: usize, approach: Approach| Measurement {
+        tool,
+        approach,
+        ..Measurement::new(pose.clone(), reading.clone(), place.clone())
+    };
+    let poses = poses(&model.machines()[0]);
+    let of_tool = |tool: usize| {
+        let at = |pose| approaches.iter().map(move |approach| (pose, *approach));
+        poses.iter().flat_map(at).map(|(pose, approach)| blank(pose, tool, approach)).collect::<Vec<_>>()
+    };
+    tools.into_iter().flat_map(of_tool).collect()
+}
+
+/// Corners of the volume, and poses inside.
+fn poses(machine: &Machine) -> Vec<Pose> {
+    let volume = machine.volume();
+    let corners = if volume.len() <= CORNERED { 1_usize << volume.len() } else { 0 };
+    let corner =
+        |i: usize| volume.iter().enumerate().map(|(k, g)| if i >> k & 1 == 0 { g.min } else { g.max }).collect();
+    (0..corners).map(corner).chain(Poses::Spread(Spread::of(machine, INSIDE, 0)).iter()).collect()
+}

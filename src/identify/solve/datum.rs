@@ -1,0 +1,380 @@
+//! The datum of the errors. Curves of all axes hold the rigid motions of the whole and the choice of every axis's zero:
+//! directions that change nothing but where the workpiece stands. Conditions on the curves (their line, their zero)
+//! choose among these equivalent machines; nothing that is predicted changes but by a rigid motion. Values and
+//! covariance are those of the S-transformation (Baarda 1973) to these conditions, carried on to the exact model.
+
+use super::fit::Fit;
+use super::solution::Solution;
+use crate::algebra::linear::Svd;
+use crate::identify::data::{Measurement, lever};
+use crate::identify::model::{Basis, Model, Parameter, Term, Volume, share};
+use crate::lower::{ErrorSite, Source};
+use crate::machine::{Approach, Axis, AxisKind, Direction};
+use crate::syntax::{DatumEntry, DatumLine, DatumZero, SquarenessSite};
+use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
+
+/// Combinations whose effect on the volume is below this share of the largest only move the workpiece frame.
+const RIGID: f64 = 1e-8;
+/// A condition that the others leave less of than this share is theirs.
+const DEPENDENT: f64 = 1e-5;
+/// Rounds in which the exact model follows.
+const ROUNDS: usize = 4;
+/// An unknown of which a unit displacement moves no point by more than this (mm) is without effect.
+const IDLE: f64 = 1e-9;
+/// Singular values below this share of the largest are zero.
+const RANK: f64 = 1e-10;
+/// What the exact model changes beside the first order shows above this share of the largest singular value.
+const LOUD: f64 = 1e-4;
+/// Places of the travel at which a curve is looked at.
+const SITES: usize = 64;
+
+/// What a datum holds.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Conditions {
+    /// The datum as the file chooses it.
+    pub entry: DatumEntry,
+    /// Location errors that the others suffice without: they stay at their start where nothing tells them apart.
+    pub spare: Vec<String>,
+}
+
+/// What a datum did to a fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moved {
+    /// Number of conditions.
+    pub conditions: usize,
+    /// The translation of the workpiece frame that was taken out of the errors, mm.
+    pub translation: [f64; 3],
+    /// The rotation that was taken out, rad about the middle of the volume.
+    pub rotation: [f64; 3],
+}
+
+/// Puts a fit with error curves into a datum; `None` if no curve is fitted, or the datum is free.
+pub fn in_datum(
+    model: &Model<'_>,
+    data: &[Measurement],
+    fit: &Fit,
+    solution: &Solution,
+    conditions: &Conditions,
+) -> Option<(Solution, Moved)> {
+    let parameters = model.parameters();
+    let DatumEntry { line, zero, .. } = conditions.entry;
+    let curved = |p: &Parameter| p.terms.iter().any(|t| matches!(t.source.place, ErrorSite::Component(_)));
+    if !parameters.iter().any(curved) || (line == DatumLine::Free && zero == DatumZero::Free) {
+        return None;
+    }
+    let free = Gauge::of(model, data)?;
+    let mut rows = conditions_of(model, conditions);
+    for row in &mut rows {
+        row.iter_mut().zip(&free.errors).filter(|(_, error)| !**error).for_each(|(x, _)| *x = 0.0);
+    }
+    let chosen = free.independent(&rows);
+    if chosen.nrows() == 0 {
+        return None;
+    }
+    let shift = free.shift(&chosen);
+    let (theta, moved) = free.carried(model, data, fit, &solution.theta(), &chosen, &shift);
+    let map = free.map(&fit.reduced.r, &chosen, &shift);
+    Some((solution.clone().moved(&map, &theta, (fit, parameters)), moved))
+}
+
+/// Combinations of the machine's errors that only move the workpiece frame.
+struct Gauge {
+    /// True if an unknown is an error of the machine: neither set-up nor instrument.
+    errors: Vec<bool>,
+    /// Displacement that a unit of each unknown makes.
+    sizes: DVector<f64>,
+    /// Columns: combinations (of displacements).
+    basis: DMatrix<f64>,
+}
+
+impl Gauge {
+    fn of(model: &Model<'_>, data: &[Measurement]) -> Option<Self> {
+        let parameters = model.parameters();
+        let sizes = DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size));
+        let volume = Volume::first_order(model, data);
+        // A curve without any effect is no matter of the datum.
+        let effect = |j: usize| volume.jacobian.column(j).norm() / sizes[j];
+        let error = |j: usize| match parameters[j].terms.first().map(|t| t.source.place) {
+            Some(ErrorSite::Location(_)) => true,
+            Some(ErrorSite::Component(_)) => effect(j) > IDLE,
+            _ => false,
+        };
+        let errors: Vec<bool> = (0..parameters.len()).map(error).collect();
+        let own: Vec<usize> = (0..errors.len()).filter(|j| errors[*j]).collect();
+        let jacobian =
+            DMatrix::from_fn(volume.jacobian.nrows(), own.len(), |i, k| volume.jacobian[(i, own[k])] / sizes[own[k]]);
+        let mut triangle = crate::algebra::linear::Triangle::new(own.len());
+        volume.deformation(&jacobian).row_iter().for_each(|row| triangle.push(row.iter().copied(), 0.0));
+        let svd = Svd::new(&triangle.finish().r);
+        let null = svd.null_space(svd.rank(RIGID));
+        if null.ncols() == 0 {
+            return None;
+        }
+        let mut basis = DMatrix::zeros(errors.len(), null.ncols());
+        own.iter().enumerate().for_each(|(k, j)| basis.row_mut(*j).copy_from(&null.row(k)));
+        Some(Self { errors, sizes, basis })
+    }
+
+    /// Those of the conditions (rows, by displacements) that hold what the ones before leave free.
+    fn independent(&self, rows: &[DVector<f64>]) -> DMatrix<f64> {
+        let (mut kept, mut seen): (Vec<&DVector<f64>>, Vec<DVector<f64>>) = (Vec::new(), Vec::new());
+        for row in rows {
+            let mut rest = self.basis.tr_mul(row);
+            for _ in 0..2 {
+                for known in &seen {
+                    let share = known.dot(&rest);
+                    rest.axpy(-share, known, 1.0);
+                }
+            }
+            if rest.norm() > DEPENDENT * row.norm() && row.norm() > 0.0 && seen.len() < self.basis.ncols() {
+                kept.push(row);
+                seen.push(rest.normalize());
+            }
+        }
+        DMatrix::from_fn(kept.len(), self.errors.len(), |i, j| kept[i][j])
+    }
+
+    /// Combinations that change each condition by one and the others not: columns, of displacements.
+    fn shift(&self, conditions: &DMatrix<f64>) -> DMatrix<f64> {
+        let effect = conditions * &self.basis;
+        let svd = Svd::new(&effect);
+        let rank = conditions.nrows();
+        let columns: Vec<DVector<f64>> =
+            (0..rank).map(|k| svd.solve(&DVector::from_fn(rank, |i, _| f64::from(u8::from(i == k))), rank)).collect();
+        &self.basis * DMatrix::from_columns(&columns)
+    }
+
+    /// The linear map of unknowns to those in the datum: errors move along the combinations, set-ups and instruments
+    /// follow as far as the readings (`r`) see it.
+    fn map(&self, r: &DMatrix<f64>, conditions: &DMatrix<f64>, shift: &DMatrix<f64>) -> DMatrix<f64> {
+        let count = self.errors.len();
+        let unit = |m: &DMatrix<f64>| DMatrix::from_fn(count, count, |i, j| m[(i, j)] * self.sizes[j] / self.sizes[i]);
+        let moved = unit(&(shift * conditions));
+        let others: Vec<usize> = (0..count).filter(|j| !self.errors[*j]).collect();
+        let columns = DMatrix::from_fn(r.nrows(), others.len(), |i, k| r[(i, others[k])] / self.sizes[others[k]]);
+        let svd = Svd::new(&columns);
+        let rank = svd.rank(RANK);
+        let seen = r * &moved;
+        let mut map = DMatrix::identity(count, count) - &moved;
+        for j in (0..count).filter(|j| self.errors[*j]) {
+            let follow = svd.solve(&seen.column(j).into_owned(), rank);
+            others.iter().enumerate().for_each(|(k, o)| map[(*o, j)] += follow[k] / self.sizes[*o]);
+        }
+        map
+    }
+
+    /// The unknowns in the datum by the exact model, and the rigid motion that was taken out.
+    fn carried(
+        &self,
+        model: &Model<'_>,
+        data: &[Measurement],
+        fit: &Fit,
+        theta: &[f64],
+        conditions: &DMatrix<f64>,
+        shift: &DMatrix<f64>,
+    ) -> (Vec<f64>, Moved) {
+        let map = self.map(&fit.reduced.r, conditions, shift);
+        let before = Volume::of(model, data, theta);
+        let mut theta: Vec<f64> = (map * DVector::from_column_slice(theta)).iter().copied().collect();
+        // Errors that keep the conditions.
+        let kept = Svd::new(&self.of_errors(conditions)).null_space(conditions.nrows());
+        let mut rigid = (Rotation3::identity(), Vector3::zeros());
+        for _ in 0..ROUNDS {
+            let now = Volume::of(model, data, &theta);
+            let (rest, motion) = aligned(&before.points, &now.points);
+            rigid = motion;
+            let sized =
+                DMatrix::from_fn(now.jacobian.nrows(), theta.len(), |i, j| now.jacobian[(i, j)] / self.sizes[j]);
+            let columns = now.deformation(&(self.of_errors(&sized) * &kept));
+            let mut triangle = crate::algebra::linear::Triangle::new(columns.ncols());
+            columns.row_iter().zip(rest.iter()).for_each(|(row, right)| triangle.push(row.iter().copied(), *right));
+            let reduced = triangle.finish();
+            let svd = Svd::new(&reduced.r);
+            let step = &kept * svd.solve(&reduced.right, svd.rank(LOUD));
+            let own = (0..theta.len()).filter(|j| self.errors[*j]);
+            own.enumerate().for_each(|(k, j)| theta[j] += step[k] / self.sizes[j]);
+        }
+        self.follow(model, data, fit, &mut theta);
+        let (rotation, translation) = rigid;
+        let moved = Moved {
+            conditions: conditions.nrows(),
+            translation: translation.into(),
+            rotation: rotation.scaled_axis().into(),
+        };
+        (theta, moved)
+    }
+
+    /// The columns of the machine's errors.
+    fn of_errors(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
+        let own: Vec<usize> = (0..self.errors.len()).filter(|j| self.errors[*j]).collect();
+        DMatrix::from_fn(rows.nrows(), own.len(), |i, k| rows[(i, own[k])])
+    }
+
+    /// Fits set-ups and instruments to the readings again, the errors held.
+    fn follow(&self, model: &Model<'_>, data: &[Measurement], fit: &Fit, theta: &mut [f64]) {
+        let others: Vec<usize> = (0..theta.len()).filter(|j| !self.errors[*j]).collect();
+        if others.is_empty() {
+            return;
+        }
+        for _ in 0..ROUNDS {
+            let reduced = model.triangle(data, &fit.weights, theta);
+            let columns = DMatrix::from_fn(reduced.r.nrows(), others.len(), |i, k| {
+                reduced.r[(i, others[k])] / self.sizes[others[k]]
+            });
+            let svd = Svd::new(&columns);
+            let step = svd.solve(&reduced.right, svd.rank(RANK));
+            others.iter().enumerate().for_each(|(k, j)| theta[*j] += step[k] / self.sizes[*j]);
+        }
+    }
+}
+
+/// What is left of the way from points to others after the best rigid motion, and that motion: rotation about the
+/// middle, then translation.
+fn aligned(to: &[Vector3<f64>], from: &[Vector3<f64>]) -> (DVector<f64>, (Rotation3<f64>, Vector3<f64>)) {
+    let count = from.len().max(1) as f64;
+    let centre = from.iter().sum::<Vector3<f64>>() / count;
+    let (mut rotation, mut translation) = (Rotation3::identity(), Vector3::zeros());
+    let mut rest = Vec::new();
+    for _ in 0..ROUNDS {
+        let place = |p: &Vector3<f64>| rotation * (p - centre) + centre + translation;
+        rest = to.iter().zip(from).map(|(to, from)| to - place(from)).collect::<Vec<Vector3<f64>>>();
+        let mut triangle = crate::algebra::linear::Triangle::new(6);
+        for (rest, from) in rest.iter().zip(from) {
+            let arm = rotation * (from - centre) / 300.0;
+            for i in 0..3 {
+                let turn = |k: usize| Vector3::ith(k, 1.0).cross(&arm)[i];
+                let row = (0..6).map(|k| if k < 3 { f64::from(u8::from(i == k)) } else { turn(k - 3) });
+                triangle.push(row, rest[i]);
+            }
+        }
+        let reduced = triangle.finish();
+        let svd = Svd::new(&reduced.r);
+        let step = svd.solve(&reduced.right, svd.rank(1e-9));
+        translation += Vector3::new(step[0], step[1], step[2]);
+        rotation = Rotation3::new(Vector3::new(step[3], step[4], step[5]) / 300.0) * rotation;
+    }
+    (DVector::from_fn(3 * rest.len(), |i, _| rest[i / 3][i % 3]), (rotation, translation))
+}
+
+/// The conditions of a datum, rows by displacements of the unknowns, in the order in which they count.
+fn conditions_of(model: &Model<'_>, conditions: &Conditions) -> Vec<DVector<f64>> {
+    let machine = &model.machines()[0];
+    let axes = machine.axes().iter().enumerate();
+    let mut rows: Vec<DVector<f64>> =
+        axes.flat_map(|(i, axis)| AxisConditions { model, index: i, axis }.rows(conditions.entry)).collect();
+    let parameters = model.parameters();
+    let location = |p: &Parameter| matches!(p.terms.first().map(|t| t.source.place), Some(ErrorSite::Location(_)));
+    let straight = conditions.entry.squareness == SquarenessSite::Straightness;
+    let linear = |p: &Parameter| match p.terms.first().map(|t| t.source.place) {
+        Some(ErrorSite::Location(i)) => machine.axes().get(i).is_some_and(|axis| axis.kind == AxisKind::Linear),
+        _ => false,
+    };
+    let spare = |p: &Parameter| location(p) && (conditions.spare.contains(&p.name) || (straight && linear(p)));
+    let held = (0..parameters.len()).filter(|j| spare(&parameters[*j]));
+    rows.extend(held.map(|j| DVector::from_fn(parameters.len(), |k, _| f64::from(u8::from(j == k)))));
+    rows.retain(|row| row.norm() > 0.0);
+    rows
+}
+
+/// The conditions on the curves of an axis.
+struct AxisConditions<'a> {
+    model: &'a Model<'a>,
+    index: usize,
+    axis: &'a Axis,
+}
+
+impl AxisConditions<'_> {
+    fn rows(&self, entry: DatumEntry) -> Vec<DVector<f64>> {
+        let along = Vector3::from(self.axis.direction).normalize();
+        let least = (0..3).fold(0, |l, k| if along[k].abs() < along[l].abs() { k } else { l });
+        let first = Vector3::ith(least, 1.0).cross(&along).normalize();
+        let across = [first, along.cross(&first)];
+        let at_zero = self.zero(entry.zero);
+        let value =
+            |direction: &Vector3<f64>, turns: bool| at_zero.map(|q| self.weighted(direction, turns, &[q], |_| 1.0));
+        if self.axis.kind == AxisKind::Linear {
+            let angles = (0..3).filter_map(|k| value(&Vector3::ith(k, 1.0), true));
+            let straight = across.iter().flat_map(|direction| self.line(direction, entry));
+            return value(&along, false).into_iter().chain(angles).chain(straight).collect();
+        }
+        let own = [value(&along, false), value(&along, true)].into_iter().flatten();
+        let turning = [false, true].into_iter().flat_map(|turns| self.turning(&across, turns));
+        if entry.line == DatumLine::Free { own.collect() } else { own.chain(turning).collect() }
+    }
+
+    /// The position of the zero.
+    fn zero(&self, zero: DatumZero) -> Option<f64> {
+        let (min, max) = self.axis.travel.interval();
+        let turns = self.axis.kind == AxisKind::Rotary && self.axis.travel == crate::machine::Travel::Continuous;
+        match zero {
+            DatumZero::Free => None,
+            _ if turns => Some(0.0),
+            DatumZero::Start => Some(min),
+            DatumZero::Middle => Some(0.5 * (min + max)),
+            DatumZero::Machine => Some(0.0_f64.clamp(min, max)),
+        }
+    }
+
+    /// The straight line of a straightness: where it is, and its slope.
+    fn line(&self, direction: &Vector3<f64>, entry: DatumEntry) -> Vec<DVector<f64>> {
+        let (min, max) = self.axis.travel.interval();
+        let sites = self.sites();
+        let relative = |q: f64| (2.0 * q - min - max) / (max - min).max(f64::MIN_POSITIVE);
+        let (mean, slope) = match entry.line {
+            DatumLine::Free => return Vec::new(),
+            DatumLine::LeastSquares => {
+                (self.weighted(direction, false, &sites, |_| 1.0), self.weighted(direction, false, &sites, relative))
+            }
+            DatumLine::EndPoints => {
+                let ends = [min, max];
+                (self.weighted(direction, false, &ends, |_| 1.0), self.weighted(direction, false, &ends, relative))
+            }
+        };
+        if entry.squareness == SquarenessSite::Straightness { vec![mean] } else { vec![mean, slope] }
+    }
+
+    /// Radial errors, or tilts, of a rotary axis: their mean, and what of them turns with the axis or against it.
+    fn turning(&self, across: &[Vector3<f64>; 2], turns: bool) -> Vec<DVector<f64>> {
+        let sites = self.sites();
+        let part = |k: usize, of: &dyn Fn(f64) -> f64| self.weighted(&across[k], turns, &sites, of);
+        let mut rows = vec![part(0, &|_| 1.0), part(1, &|_| 1.0)];
+        for sense in [1.0, -1.0] {
+            let cosine = |q: f64| libm::cos(q.to_radians());
+            let sine = move |q: f64| sense * libm::sin(q.to_radians());
+            rows.push(part(0, &cosine) + part(1, &sine));
+            rows.push(part(1, &cosine) - part(0, &sine));
+        }
+        rows
+    }
+
+    fn sites(&self) -> Vec<f64> {
+        let (min, max) = self.axis.travel.interval();
+        (0..SITES).map(|i| min + (max - min) * (i as f64 + 0.5) / SITES as f64).collect()
+    }
+
+    /// Weighted mean of the displacements that the unknowns make along a direction.
+    fn weighted(
+        &self,
+        direction: &Vector3<f64>,
+        turns: bool,
+        sites: &[f64],
+        weight: impl Fn(f64) -> f64,
+    ) -> DVector<f64> {
+        let parameters = self.model.parameters();
+        let component = |t: &Term| -> f64 {
+            let k = t.source.direction.index();
+            let mine = t.source == Source { place: ErrorSite::Component(self.index), direction: Direction::ALL[k] };
+            if mine && (k >= 3) == turns { direction[k % 3] } else { 0.0 }
+        };
+        let value = |p: &Parameter, q: f64| -> f64 {
+            let terms = p.terms.iter().map(|t| (component(t), t)).filter(|(c, _)| *c != 0.0);
+            let of = |(c, t): (f64, &Term)| {
+                let basis = if t.basis == Basis::Constant { 1.0 } else { t.basis.value(q) };
+                c * t.factor * share(t.approach, Approach::Mean) * basis * lever(t.source.direction)
+            };
+            terms.map(of).sum()
+        };
+        let mean = |p: &Parameter| sites.iter().map(|q| weight(*q) * value(p, *q)).sum::<f64>() / sites.len() as f64;
+        DVector::from_iterator(parameters.len(), parameters.iter().map(|p| mean(p) / p.size))
+    }
+}

@@ -1,0 +1,201 @@
+//! The datum of fitted errors: conditions choose among machines that differ by a rigid motion only.
+
+use super::fits::{identify, said};
+use super::identify::{FIVE, deviation, five_poses, json, normal};
+use super::language::read;
+use super::oracle::program::Folder;
+use super::oracle::random::Random;
+use abbe::machine::Machine;
+use nalgebra::{DMatrix, DVector, Vector3};
+use serde_json::Value;
+
+const THREE: &str = "abbe: 1\nmachine: Three\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0 mm, 500 mm], origin: [0, 0, 0] }\n  Y: { travel: [0 mm, 400 mm], origin: [0, 0, 0] }\n  Z: { travel: [-300 mm, 0 mm], origin: [0, 0, 0] }\ntools: { short: { length: 80 mm }, long: { offset: [60, -50, -170] }, side: { offset: [-50, 70, -100] } }\n";
+
+/// Errors with lines and zeros that no datum has: constants, slopes and bends of everything.
+const TRUTH: &str = "errors:\n  EC0Y: 12 urad\n  EB0Z: -9 urad\n  EA0Z: 15 urad\n  EXX: { polynomial: [8 um, 20 um/m, -30 um/m^2] }\n  EYX: { polynomial: [5 um, 30 um/m, 40 um/m^2] }\n  EZX: { polynomial: [-3 um, -10 um/m, 25 um/m^2] }\n  EAX: { polynomial: [4 urad, 20 urad/m] }\n  EBX: { polynomial: [-6 urad, 30 urad/m] }\n  ECX: { polynomial: [9 urad, -25 urad/m] }\n  EXY: { polynomial: [0 um, -20 um/m, 30 um/m^2] }\n  EYY: { polynomial: [2 um, 15 um/m] }\n  EBY: { polynomial: [3 urad, 25 urad/m] }\n  EYZ: { polynomial: [1 um, 12 um/m, -20 um/m^2] }\n  EZZ: { polynomial: [-4 um, -18 um/m] }\n  EAZ: { polynomial: [5 urad, 22 urad/m] }\n";
+
+/// A machine; errors in another datum are warned of.
+fn machine_of(files: &[(&str, &str)]) -> Machine {
+    read(files).0.unwrap()
+}
+
+fn curves(form: &str) -> String {
+    let all = ["X", "Y", "Z"].iter().flat_map(|a| ["X", "Y", "Z", "A", "B", "C"].map(|d| format!("E{d}{a}:{form}")));
+    all.chain(["EC0Y", "EB0Z", "EA0Z"].map(str::to_owned)).collect::<Vec<_>>().join(",")
+}
+
+fn grid() -> Vec<Vec<f64>> {
+    let all = (0..80).map(|i| vec![125.0 * f64::from(i % 5), 133.0 * f64::from(i / 5 % 4), -100.0 * f64::from(i / 20)]);
+    all.collect()
+}
+
+/// Displacements from four stations, for three tools: a turn about the line of two tool points is not seen.
+fn multilateration(truth: &Machine, random: &mut Random) -> String {
+    let stations = [[-200.0, -150.0, -500.0], [700.0, -200.0, -100.0], [-100.0, 600.0, 200.0], [600.0, 500.0, -600.0]];
+    let mut text = "X,Y,Z,tool,station,run,displacement [mm]\n".to_owned();
+    for (s, station) in stations.iter().enumerate() {
+        for tool in ["short", "long", "side"] {
+            let machine = truth.with_tool(tool).unwrap();
+            for pose in grid() {
+                let nominal = abbe::lower::NominalPose::at(&machine, &pose).pose.translation;
+                let place = nominal + Vector3::from(deviation(&machine, &pose));
+                let read = (place - Vector3::from(*station)).norm() - 40.0 + 2e-4 * normal(random);
+                let cells: Vec<String> = pose.iter().map(f64::to_string).collect();
+                text += &format!("{},{tool},S{s},r{s},{read}\n", cells.join(","));
+            }
+        }
+    }
+    text
+}
+
+fn deviations(truth: &Machine, poses: &[Vec<f64>], header: &str, turned: f64) -> String {
+    let mut text = format!("{header},tool,dx [um],dy [um],dz [um]\n");
+    for tool in truth.tools().iter().map(|tool| tool.name.clone()) {
+        let machine = truth.with_tool(&tool).unwrap();
+        for pose in poses {
+            let nominal = abbe::lower::NominalPose::at(&machine, pose).pose.translation;
+            let place = nominal + Vector3::from(deviation(&machine, pose));
+            // An instrument that stands turned about Z and moved.
+            let rotation = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), turned);
+            let read = (rotation * place + Vector3::new(turned * 100.0, 0.0, 0.0) - nominal) * 1e3;
+            let cells: Vec<String> = pose.iter().map(f64::to_string).collect();
+            text += &format!("{},{tool},{},{},{}\n", cells.join(","), read.x, read.y, read.z);
+        }
+    }
+    text
+}
+
+/// What is left of the differences of two machines after the best rigid motion, by a dense least squares: mm.
+fn apart(a: &Machine, b: &Machine, poses: &[Vec<f64>]) -> f64 {
+    let rows = DMatrix::from_fn(3 * poses.len(), 6, |i, k| {
+        let p = abbe::lower::NominalPose::at(a, &poses[i / 3]).pose.translation;
+        let axis = Vector3::ith(k % 3, 1.0);
+        if k < 3 { axis[i % 3] } else { axis.cross(&p)[i % 3] / 300.0 }
+    });
+    let right = DVector::from_fn(3 * poses.len(), |i, _| {
+        deviation(a, &poses[i / 3])[i % 3] - deviation(b, &poses[i / 3])[i % 3]
+    });
+    let step = rows.clone().svd(true, true).solve(&right, 1e-12).unwrap();
+    (right - rows * step).amax()
+}
+
+fn curve(report: &Value, name: &str) -> (f64, f64) {
+    let found = report["errors"].as_array().unwrap().iter().find(|e| e["error"] == name).unwrap().clone();
+    (found["smallest"].as_f64().unwrap(), found["largest"].as_f64().unwrap())
+}
+
+#[test]
+fn a_complete_multilateration_reaches_full_rank_without_fixed_terms() {
+    let truth = machine_of(&[("machine.yaml", &format!("{THREE}{TRUTH}"))]);
+    let folder = Folder::new();
+    let machine = folder.write("machine.yaml", THREE);
+    let data = folder.write("tracer.csv", &multilateration(&truth, &mut Random::new(331)));
+    let out = folder.path("fitted.yaml");
+    for form in ["poly2", "bspline2"] {
+        let fit = curves(form);
+        let output = identify(&machine, &data, &["--fit", &fit, "--out", out.to_str().unwrap(), "--format", "json"]);
+        let report = json(&output);
+        assert_eq!(report["rank"], report["unknowns"], "{form}: {} {}", report["rank"], report["null_space"]);
+        // 24 for one tool; how three tools stand to the axes is no matter of the datum.
+        assert_eq!(report["datum"]["conditions"], 21, "{form}: {}", report["datum"]);
+        assert!(report["null_space"].as_array().unwrap().is_empty(), "{form}");
+        let all = report["parameters"].as_array().unwrap().iter().chain(report["instruments"].as_array().unwrap());
+        assert!(all.clone().all(|p| p["sigma"].is_number()), "{form}: {report}");
+        // The truth by another route: EC0Y takes the lines of EXY and EYX, and what the constant turn of X does to Y.
+        let fitted = machine_of(&[("machine.yaml", &std::fs::read_to_string(&out).unwrap())]);
+        let gap = apart(&fitted, &truth, &grid());
+        assert!(gap < 1e-3, "{form}: {gap} mm");
+        std::fs::remove_file(&out).unwrap();
+    }
+    // Free, as before.
+    let free = folder.write("free.yaml", &format!("{THREE}identify: {{ datum: {{ line: free, zero: free }} }}\n"));
+    let report = json(&identify(&free, &data, &["--fit", &curves("poly2"), "--format", "json"]));
+    let missing = report["unknowns"].as_u64().unwrap() - report["rank_first_order"].as_u64().unwrap();
+    assert!(missing == 21 && report["datum"].is_null(), "{missing}: {}", report["datum"]);
+}
+
+/// What an instrument that is turned by 1.4 mrad reads, without its frame among the unknowns.
+#[test]
+fn a_turn_of_the_instrument_stays_out_of_the_errors() {
+    let truth = machine_of(&[("machine.yaml", &format!("{THREE}{TRUTH}"))]);
+    let folder = Folder::new();
+    let machine = folder.write("machine.yaml", THREE);
+    let read = |turned: f64, name: &str, machine: &std::path::Path| {
+        let data = folder.write(name, &deviations(&truth, &grid(), "X,Y,Z", turned));
+        let out = folder.path("fitted.yaml");
+        let options = ["--fit", &curves("poly2"), "--out", out.to_str().unwrap(), "--accept-undetermined"];
+        let report = json(&identify(machine, &data, &[&options[..], &["--format", "json"]].concat()));
+        (report, machine_of(&[("machine.yaml", &std::fs::read_to_string(&out).unwrap())]))
+    };
+    let (straight, first) = read(0.0, "a.csv", &machine);
+    let (turned, second) = read(1.4e-3, "b.csv", &machine);
+    for error in straight["errors"].as_array().unwrap() {
+        let name = error["error"].as_str().unwrap();
+        let (a, b) = (curve(&straight, name), curve(&turned, name));
+        assert!((a.0 - b.0).abs() < 0.02 && (a.1 - b.1).abs() < 0.02, "{name}: {a:?} {b:?}");
+    }
+    assert!((turned["datum"]["rotation_urad"][2].as_f64().unwrap().abs() - 1400.0).abs() < 60.0, "{}", turned["datum"]);
+    assert!(apart(&first, &second, &grid()) < 2e-5 && apart(&first, &truth, &grid()) < 2e-4);
+    // Lines and zeros of the default, by the written file: least-squares lines without slope, zero at the start.
+    let at = |x: f64| (0..6).map(move |k| (k, x));
+    let values = |x: f64| second.component_values(0, x, abbe::machine::Approach::Mean);
+    for (k, x) in at(0.0) {
+        assert!(![0, 3, 4, 5].contains(&k) || values(x)[k].abs() < 1e-9, "{k}: {}", values(x)[k]);
+    }
+    for k in [1, 2] {
+        let sites = (0..2000).map(|i| (f64::from(i) + 0.5) / 4.0);
+        let sums = sites.fold((0.0, 0.0), |s, x| (s.0 + values(x)[k], s.1 + values(x)[k] * (x - 250.0)));
+        assert!(sums.0.abs() / 2000.0 < 1e-6 && sums.1.abs() / 2000.0 / 250.0 < 1e-6, "{k}: {sums:?}");
+    }
+    // The other choices: lines through the ends, zero in the middle, squareness in straightness.
+    let other = "identify: { datum: { line: end-points, zero: middle } }\n";
+    let other = folder.write("other.yaml", &format!("{THREE}{other}"));
+    let (_, third) = read(0.0, "c.csv", &other);
+    let values = |x: f64| third.component_values(0, x, abbe::machine::Approach::Mean);
+    assert!(values(250.0)[0].abs() < 1e-9 && values(250.0)[5].abs() < 1e-12, "{:?}", values(250.0));
+    assert!(values(0.0)[1].abs() < 1e-9 && values(500.0)[2].abs() < 1e-9);
+    assert!(apart(&third, &truth, &grid()) < 2e-4);
+    let inside =
+        folder.write("inside.yaml", &format!("{THREE}identify: {{ datum: {{ squareness: in straightness }} }}\n"));
+    let (report, fourth) = read(0.0, "d.csv", &inside);
+    for name in ["EC0Y", "EB0Z", "EA0Z"] {
+        assert!(curve(&report, name).1.abs() < 1e-3, "{name}: {:?}", curve(&report, name));
+    }
+    assert!(apart(&fourth, &truth, &grid()) < 2e-4);
+}
+
+/// The constants of a rotary axis and what of its radial errors and tilts turns with it are its location errors.
+#[test]
+fn what_turns_with_a_rotary_axis_is_its_location() {
+    let errors = "errors:\n  EX0C: 6 um\n  EY0C: -4 um\n  EA0C: 12 urad\n  EB0C: 7 urad\n  EXC: { harmonics: { 0: [3 um, 0 um], 1: [5 um, 2 um], 2: [1 um, -1 um] } }\n  EYC: { harmonics: { 0: [-2 um, 0 um], 1: [1 um, -4 um] } }\n  EAC: { harmonics: { 0: [4 urad, 0 urad], 1: [3 urad, 6 urad] } }\n  EBC: { harmonics: { 0: [0 urad, 0 urad], 1: [-5 urad, 2 urad], 2: [2 urad, 0 urad] } }\n";
+    let truth = machine_of(&[("machine.yaml", &format!("{FIVE}{errors}"))]);
+    let folder = Folder::new();
+    let machine = folder.write("machine.yaml", FIVE);
+    let poses = five_poses(&mut Random::new(332), 120);
+    let data = folder.write("data.csv", &deviations(&truth, &poses, "C,A,Y,X,Z", 0.0));
+    let out = folder.path("fitted.yaml");
+    let fit = "EX0C,EY0C,EA0C,EB0C,EXC:fourier2,EYC:fourier2,EAC:fourier2,EBC:fourier2,workpiece";
+    let output = identify(&machine, &data, &["--fit", fit, "--out", out.to_str().unwrap(), "--format", "json"]);
+    assert!(output.status.success(), "{}", said(&output));
+    let report = json(&output);
+    assert_eq!(report["rank"], report["unknowns"], "{}", report["null_space"]);
+    let fitted = machine_of(&[("machine.yaml", &std::fs::read_to_string(&out).unwrap())]);
+    assert!(apart(&fitted, &truth, &poses) < 1e-5, "{}", apart(&fitted, &truth, &poses));
+    // Over the turn: no mean, and nothing that goes round with the table or against it but one of the two.
+    let values = |i: usize| fitted.component_values(0, f64::from(i as u32), abbe::machine::Approach::Mean);
+    for first in [0, 3] {
+        let scale = if first == 0 { 1e3 } else { 1e6 };
+        let mean = |k: usize| (0..360).map(|i| values(i)[k] * scale).sum::<f64>() / 360.0;
+        assert!(mean(first).abs() < 1e-3 && mean(first + 1).abs() < 1e-3, "{} {}", mean(first), mean(first + 1));
+        let round = |sense: f64| {
+            let at = |i: usize| {
+                let (sine, cosine) = (i as f64).to_radians().sin_cos();
+                let (x, y) = (values(i)[first] * scale, values(i)[first + 1] * scale);
+                (x * cosine + sense * y * sine, y * cosine - sense * x * sine)
+            };
+            let sum = (0..360).map(at).fold((0.0, 0.0), |s, v| (s.0 + v.0 / 360.0, s.1 + v.1 / 360.0));
+            sum.0.hypot(sum.1)
+        };
+        assert!(round(1.0).min(round(-1.0)) < 1e-3, "{first}: {} {}", round(1.0), round(-1.0));
+    }
+}
