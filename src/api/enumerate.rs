@@ -12,7 +12,7 @@ use crate::analysis::enumerate::{
     Standing, Standings, Study, StudyEnd, TooMany, Walk, ranked, standings, walks,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
-use crate::machine::{AxisKind, AxisName, Machine};
+use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine};
 use rayon::prelude::*;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
@@ -278,7 +278,7 @@ fn studied(
         return call
             .usage("`--size` ranks by a budget: errors with values are known over the travel of the file alone");
     }
-    let long = options.size.then(|| machine.with_linear_travels(LONG_MM));
+    let long = options.size.then(|| sized(machine));
     let machine = long.as_ref().unwrap_or(machine);
     let (work, tool_poses) = work(call, options, machine)?;
     if let (Judge::Budget { .. }, true) = (&judge, options.tool_poses.is_some()) {
@@ -345,6 +345,14 @@ fn nothing_reached(machine: &Machine) -> Diagnostic {
         format!("`{}` reaches no tool pose of the work, so there is nothing to rank on", shown(machine.name()));
     let help = "give tool poses that the machine reaches with `--tool-poses`, or another `volume`";
     Diagnostic::new(codes::E0613, message).help(help)
+}
+
+/// Returns the machine with linear axes as long as any work needs. Errors with values are left out: a budget does not
+/// count them, and they are known over the travel of the file alone.
+fn sized(machine: &Machine) -> Machine {
+    let bounded: Vec<ErrorId> =
+        machine.errors().filter(|(_, term)| matches!(term, ErrorTerm::Tolerance(_))).map(|(error, _)| error).collect();
+    machine.filtered(|error| bounded.contains(error)).with_linear_travels(LONG_MM)
 }
 
 /// Refuses options that make no sense, for this machine or together.

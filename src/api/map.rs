@@ -73,8 +73,8 @@ pub enum MapPoses {
     Random(usize),
     /// Low-discrepancy poses over the volume: their number.
     LowDiscrepancy(usize),
-    /// The poses for the tool poses of a file, workpiece frame: CSV with columns X, Y, Z (mm) and I, J, K or rotary axes
-    /// (deg), or APT CL data.
+    /// The poses for the tool poses of a file, workpiece frame: CSV with columns X, Y, Z (mm) and I, J, K or rotary
+    /// axes (deg), or APT CL data.
     ToolPoses(PathBuf),
 }
 

@@ -288,7 +288,7 @@ fn rows_keep_their_lines_and_the_unreached_in_csv_and_json() {
     ]);
     assert_eq!(map["tool_poses"]["travel"], travel);
     assert!(said.contains("line 5 (a, b): Y 10 mm below its travel, Z 330 mm above its travel"), "{said}");
-    assert!(said.contains("| X, mm | 10 to 910  | 0 to 400 | 510 above |"), "{said}");
+    assert!(said.contains("| X, mm | 10 to 910 | 0 to 400 | 510 above |"), "{said}");
 }
 
 #[test]

@@ -14,8 +14,8 @@ use rayon::prelude::*;
 /// whose rotary axes, then linear axes, are nearest to `reference` (mm, deg). An axis on which the tool pose does not
 /// depend stays at its reference. Fails with what is missing if there is no such pose.
 ///
-/// Robots, whose linear axes do not place the tip, are solved by [`Arm`]: with finitely many branches at a spin the pose
-/// nearest to `reference`, otherwise one with little motion from it.
+/// Robots, whose linear axes do not place the tip, are solved by [`Arm`]: with finitely many branches at a spin the
+/// pose nearest to `reference`, otherwise one with little motion from it.
 pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Result<Pose, Miss> {
     let arm = Arm::of(machine);
     if let Some(arm) = arm.as_ref().filter(|arm| arm.is_complete()) {
@@ -94,7 +94,8 @@ pub fn place(machine: &Machine, tip: &Vector3<f64>, pose: &[f64]) -> Result<Pose
 fn reach(machine: &Machine, target: &ToolPose, candidate: Pose, reference: &[f64]) -> Result<Pose, Miss> {
     let pose = linear::complete(machine, &target.tip, candidate, reference)?;
     let reached = tool_pose(machine, &pose);
-    if !((reached.direction - target.direction).norm() <= DIRECTION_TOLERANCE) {
+    let held = (reached.direction - target.direction).norm() <= DIRECTION_TOLERANCE;
+    if !held {
         return Err(Miss::new(Unreachable::Direction));
     }
     let off = (reached.tip - target.tip).norm();

@@ -133,7 +133,7 @@ fn lacks(machine: &Machine, missed: &[MissedToolPose]) -> Vec<Lack> {
             _ => add(miss.why.words().to_owned(), 0.0, "", String::new()),
         }
     }
-    lacks.sort_by(|a, b| b.rows.cmp(&a.rows));
+    lacks.sort_by_key(|lack| std::cmp::Reverse(lack.rows));
     lacks
 }
 

@@ -1,8 +1,8 @@
 //! Tool poses from a file, as the work of a machine: the functional point in the workpiece frame with the
 //! direction of the tool axis, or with positions of the rotary axes.
 //!
-//! `columns` reads CSV, `apt` APT CL data. Rows that a machine cannot reach are left out, counted, and told with what they lack
-//! (`missed`).
+//! `columns` reads CSV, `apt` APT CL data. Rows that a machine cannot reach are left out, counted, and told with what
+//! they lack (`missed`).
 
 mod apt;
 mod columns;

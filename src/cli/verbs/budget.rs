@@ -26,8 +26,8 @@ pub(crate) struct Args {
     /// Number of random poses, besides the corners of the volume.
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     poses: u32,
-    /// Instead of these poses, those for tool poses in the workpiece frame: a CSV file with columns X, Y, Z and
-    /// I, J, K or rotary axes.
+    /// Instead of these poses, those for tool poses in the workpiece frame: APT CL data or a table with columns X, Y, Z
+    /// and I, J, K or rotary axes.
     #[arg(long, value_name = "FILE", conflicts_with = "poses")]
     tool_poses: Option<PathBuf>,
     /// Number of machines drawn.

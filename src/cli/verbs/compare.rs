@@ -19,8 +19,8 @@ pub(crate) struct Args {
     /// Number of tool poses.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     poses: u32,
-    /// The tool poses themselves, in the workpiece frame: a CSV file with columns X, Y, Z and I, J, K, or rotary
-    /// axes of the first machine.
+    /// The tool poses themselves, in the workpiece frame: APT CL data or a table with columns X, Y, Z and I, J, K, or
+    /// rotary axes of the first machine.
     #[arg(long, value_name = "FILE", conflicts_with = "poses")]
     tool_poses: Option<PathBuf>,
     /// Seed of the tool poses, and of the errors that are drawn.

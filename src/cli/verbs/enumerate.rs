@@ -36,7 +36,8 @@ pub(crate) struct Args {
     /// Number of tool poses.
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     poses: u32,
-    /// The work: tool poses in the workpiece frame, a CSV file with columns X, Y, Z and I, J, K or rotary axes.
+    /// The work: tool poses in the workpiece frame, APT CL data or a table with columns X, Y, Z and I, J, K or rotary
+    /// axes.
     #[arg(long, value_name = "FILE", conflicts_with = "poses")]
     tool_poses: Option<PathBuf>,
     /// Give linear axes the travel that the work needs, whatever the file says, and tell it for every arrangement.

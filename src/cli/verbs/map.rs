@@ -27,8 +27,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", conflicts_with = "random",
         value_parser = clap::value_parser!(u32).range(1..=MapPoses::MAX as i64))]
     low_discrepancy: Option<u32>,
-    /// The poses for these tool poses in the workpiece frame instead of the grid: CSV with columns X, Y, Z and I, J, K or
-    /// rotary axes, or APT CL data.
+    /// The poses for these tool poses in the workpiece frame instead of the grid: CSV with columns X, Y, Z and I, J, K
+    /// or rotary axes, or APT CL data.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["random", "low_discrepancy"])]
     tool_poses: Option<PathBuf>,
     /// Seed of the random or low-discrepancy poses.

@@ -20,8 +20,8 @@ pub(crate) struct Args {
     /// The page to write.
     #[arg(long, value_name = "FILE.html", required_unless_present = "watch")]
     pub out: Option<PathBuf>,
-    /// Take statistics and comparison at these tool poses in the workpiece frame instead of random poses: CSV with columns
-    /// X, Y, Z and I, J, K or rotary axes, or APT CL data.
+    /// Take statistics and comparison at these tool poses in the workpiece frame instead of random poses: CSV with
+    /// columns X, Y, Z and I, J, K or rotary axes, or APT CL data.
     #[arg(long, value_name = "FILE")]
     tool_poses: Option<PathBuf>,
     /// A controller whose compensation and certificate are to be shown; may be given several times.

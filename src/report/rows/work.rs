@@ -47,7 +47,8 @@ impl WorkRows {
         self.features
     }
 
-    /// Returns the unreached rows between the pose before an index and that pose; after the last pose all that are left.
+    /// Returns the unreached rows between the pose before an index and that pose; after the last pose all the
+    /// rest.
     pub(super) fn unreached_before(&self, index: usize) -> &[UnreachedRow] {
         let until = |end: usize| match self.reached.get(end) {
             Some(row) => self.unreached.partition_point(|missed| missed.line < row.line),

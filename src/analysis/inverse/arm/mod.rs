@@ -54,12 +54,13 @@ struct Found {
 }
 
 impl<'a> Arm<'a> {
-    /// Returns the arm of a machine; `None` if its linear axes place the tip, or if nothing turns.
+    /// Returns the arm of a machine; `None` if its linear axes place the tip, or if fewer than two axes turn: a lathe's
+    /// spindle brings places into the plane of its slides in closed form.
     pub fn of(machine: &'a Machine) -> Option<Self> {
         let screws = screws(machine);
         let linear = screws.iter().filter(|s| !s.turns);
         let gram = linear.fold(Matrix3::zeros(), |sum, s| sum + s.w * s.w.transpose());
-        if gram.symmetric_eigenvalues().min() > SPANNED || screws.iter().all(|s| !s.turns) {
+        if gram.symmetric_eigenvalues().min() > SPANNED || screws.iter().filter(|s| s.turns).count() < 2 {
             return None;
         }
         let travels = machine.axes().iter().map(|axis| axis.travel).collect();
@@ -94,8 +95,8 @@ impl<'a> Arm<'a> {
         Err(misses.fold(Miss::new(Unreachable::Place), |failure, miss| miss.or_nearer(failure, axes)))
     }
 
-    /// Returns the poses of all branches that take a tool pose at its spin, nearest to the reference first; empty for an
-    /// arm without finite branches or a tool pose without spin.
+    /// Returns the poses of all branches that take a tool pose at its spin, nearest to the reference first; empty for
+    /// an arm without finite branches or a tool pose without spin.
     pub fn all(&self, target: &ToolPose, reference: &[f64]) -> Vec<Pose> {
         let (Some(arm), Some(spin)) = (&self.finite, target.spin_rad) else { return Vec::new() };
         let mut poses = self.branches(arm, target, spin, reference).within;
