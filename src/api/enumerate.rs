@@ -463,6 +463,9 @@ fn fingerprint(
     Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// Walks with the numbers of axes on the table; `None` for all.
+type WalkTables = Vec<(usize, Option<Vec<usize>>)>;
+
 /// The end of a study, or how far it has come.
 enum Computed {
     End(StudyEnd),
@@ -484,7 +487,7 @@ fn computed(
             Standings::Missing(missing) => missing,
         };
         let mine = |step: &usize| options.shard.is_none_or(|(i, n)| step % n == i - 1);
-        let todo: Vec<(usize, Option<Vec<usize>>)> =
+        let todo: WalkTables =
             missing.todo.iter().filter(|(step, _)| mine(step)).map(|(step, of)| (*step, of.clone())).collect();
         if missing.round == 0 && !options.merge.is_empty() && options.shard.is_none() {
             return call.refuse(study::incomplete(missing.todo.len(), missing.walks));
@@ -507,7 +510,7 @@ fn progress(options: &EnumerateOptions, missing: &MissingSteps) -> StudyProgress
 fn computed_round(
     call: &mut Call<'_>,
     (study, rounds): (&Study<'_>, &Rounds),
-    (round, todo): (usize, Vec<(usize, Option<Vec<usize>>)>),
+    (round, todo): (usize, WalkTables),
     (begun, file): (Journal, Option<&dyn StudyFile>),
 ) -> Result<Journal, Refused> {
     let keeper = study::Keeper::new(begun, file);

@@ -70,8 +70,8 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
             of.errors
         ),
         JudgedBy::Budget => format!(
-            "Ranked by the 95 % value of {} to {} drawn machines ({} bounded errors{}); counted is the {of_each} position \
-             deviation of each\n",
+            "Ranked by the 95 % value of {} to {} drawn machines ({} bounded errors{}); counted is the {of_each} \
+             position deviation of each\n",
             of.samples,
             of.rounds.last().map_or(of.samples, |round| round.samples),
             of.errors,

@@ -2,8 +2,8 @@
 //!
 //! The cost is a sum of weight / tolerance^power, which is convex. The error of each drawn machine is convex in the
 //! tolerances too (a largest length of sums), and so is the mean of the worst tenth of the machines, which stands for
-//! the 95 % value while the tolerances are sought: their ratio is taken from the same machines. At the optimum of a free
-//! tolerance power times its cost is in proportion to its part of the 95 % value (Karush, Kuhn, Tucker).
+//! the 95 % value while the tolerances are sought: their ratio is taken from the same machines. At the optimum of a
+//! free tolerance power times its cost is in proportion to its part of the 95 % value (Karush, Kuhn, Tucker).
 //!
 //! A step: the parts of the worst tenth give a model in which the square of the value is a sum of squares, one for
 //! each tolerance. Its optimum between the limits is found by bisection of the multiplier. With a sum of squares one

@@ -44,8 +44,9 @@ impl Statistic {
 pub struct Sample {
     /// Its statistic over the poses (mm or rad).
     pub value: f64,
-    /// The part of that value by each bounded error; with that of a fixed deviation they sum up to it. Divided by the tolerance a part is the
-    /// derivative of the value by that tolerance, for a drawn error grows in proportion to its tolerance.
+    /// The part of that value by each bounded error; with that of a fixed deviation they sum up to it. Divided by the
+    /// tolerance a part is the derivative of the value by that tolerance, for a drawn error grows in proportion to its
+    /// tolerance.
     pub parts: Vec<f64>,
 }
 

@@ -1,5 +1,5 @@
-//! Results walk by walk as text: a line that identifies the study, then a line for each round and walk. Parts of a study,
-//! made on other machines or before an interruption, are put together from these.
+//! Results walk by walk as text: a line that identifies the study, then a line for each round and walk. Parts of a
+//! study, made on other machines or before an interruption, are put together from these.
 
 use super::ranking::Row;
 use serde::{Deserialize, Serialize};
