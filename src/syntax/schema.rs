@@ -78,7 +78,7 @@ fn without_defaults(schema: &mut Value) {
     match schema {
         Value::Object(map) => {
             // A property may have the name.
-            if map.get("default").is_some_and(|value| !value.get("type").is_some()) {
+            if map.get("default").is_some_and(|value| value.get("type").is_none()) {
                 map.remove("default");
             }
             map.values_mut().for_each(without_defaults);

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 /// whose rotary axes, then linear axes, are nearest to `reference` (mm, deg). An axis on which the tool pose does not
 /// depend stays at its reference. Fails with what is missing if there is no such pose.
 ///
-/// Robots, whose linear axes do not place the tip, are solved by [`Arm`]: with finitely many branches at a spin the
+/// Robots, whose linear axes do not place the tip, are solved by `Arm`: with finitely many branches at a spin the
 /// pose nearest to `reference`, otherwise one with little motion from it.
 pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Result<Pose, Miss> {
     let arm = Arm::of(machine);
