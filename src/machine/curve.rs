@@ -51,7 +51,7 @@ pub enum KnotsFailure {
 
 impl Knots {
     /// Least distance of two positions, mm or deg: slopes between them stay numbers that can be reckoned with.
-    pub const NEAREST: f64 = 1e-6;
+    pub const NEAREST: f64 = 1e-12;
     /// Largest size of a position that is believed, mm or deg.
     pub const FARTHEST: f64 = 1e6;
 

@@ -3,8 +3,8 @@
 //!
 //! Three perpendicular directions of the machine come from its linear axes, then its tool axis, then its rotary axes,
 //! each by its letter. An axis counts as the letter of its name, or, if it points elsewhere, as the nearest direction
-//! of the machine; across it lie the direction of the machine that is most nearly perpendicular to it, cut to be so, and
-//! what completes the three. A machine with one direction only has none across: the letters stand in.
+//! of the machine; across it lie the direction of the machine that is most nearly perpendicular to it, cut to be so,
+//! and what completes the three. A machine with one direction only has none across: the letters stand in.
 
 use super::{Axis, AxisKind, Direction, ErrorFamily, ErrorId, Machine};
 use nalgebra::Vector3;

@@ -92,7 +92,7 @@ fn show_prints_what_the_machine_is() {
     for part in [
         "w C' A' Y' b X Z t",
         "workpiece origin   250, 225, -380 mm",
-        "functional point 250, 225, -120 mm",
+        "functional point 0, 0, -120 mm",
         "axis_only",
         "(11)",
     ] {

@@ -19,8 +19,8 @@ pub struct ToolPose {
     /// Unit vector of the tool axis, from the tip towards the holder: the tool's own at the zero pose.
     pub direction: Vector3<f64>,
     /// Turn of the tool about its axis, rad: right-handed about the direction, from the attitude that the shortest turn
-    /// of the tool axis at the zero pose into the direction gives (see [`attitude`]); `None` leaves it open. Machines that cannot turn the
-    /// tool about its axis do not depend on it.
+    /// of the tool axis at the zero pose into the direction gives (see [`attitude`]); `None` leaves it open. Machines
+    /// that cannot turn the tool about its axis do not depend on it.
     pub spin_rad: Option<f64>,
 }
 

@@ -25,7 +25,7 @@ pub(crate) struct Args {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     match args.paths.as_slice() {
         [first, second] if !first.is_dir() && !second.is_dir() => machines(session, args, [first, second]),
-        [machine, old, new] if !machine.is_dir() && old.is_dir() && new.is_dir() => {
+        [machine, old, new] if !machine.is_dir() && !old.is_file() && !new.is_file() => {
             sets(session, args, machine, [old, new])
         }
         _ => session.usage(
@@ -97,7 +97,7 @@ fn machines_text(of: &MachineDifference) -> String {
     let [first, second] = of.p95_um.map(|um| significant(um, 4));
     let chain = if of.differences[0].kind == "chain" { ", the others on the chain of machine 2" } else { "" };
     text + &format!(
-        "{rows}\n95 %, um: what the 95 % position deviation of machine 1 changes by with this difference alone{chain}.\n\
+        "{rows}\n95 %, um: change of the 95 % position deviation of machine 1 with this difference alone{chain}.\n\
          All together: {first} um -> {second} um ({}), over {} of {} tool poses that both reach.\n",
         signed(of.minus_first_um),
         of.poses,

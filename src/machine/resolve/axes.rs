@@ -6,7 +6,7 @@ use crate::diagnostic::{codes, did_you_mean, shown};
 use crate::machine::{AxisKind, AxisName, Branch, Sense, Travel};
 use crate::syntax::{AxisEntry, Keys, Scalar, SideEntry, TravelEntry, below, keys};
 
-/// Shortest interval, mm or deg: controls have increments of a micrometre or a thousandth of a degree.
+/// Shortest travel, mm or deg: controls have increments of a micrometre or a thousandth of a degree.
 const SHORTEST: f64 = 1e-3;
 
 /// An axis as far as its entry could be understood; it may be outside the chain.
@@ -247,6 +247,13 @@ fn travel(
         }
         TravelEntry::Range(list) => {
             let (min, max) = context.interval(list, kind, here)?;
+            if max - min < SHORTEST {
+                let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
+                let length = max - min;
+                let message = format!("`{}` is {length:e} {unit} long, less than a step of any control", dotted(here));
+                context.at_value(codes::E0403, here, message, format!("a travel has {SHORTEST} {unit} at least"));
+                return None;
+            }
             Some(Travel::Range(min, max))
         }
     }
@@ -271,11 +278,6 @@ impl Context<'_> {
             };
             let message = format!("`{}` {what}: from {min} {unit} to {max} {unit}", dotted(at));
             self.at_value(codes::E0403, at, message, help);
-            return None;
-        }
-        if max - min < SHORTEST {
-            let message = format!("`{}` is {:e} {unit} long, less than a step of any control", dotted(at), max - min);
-            self.at_value(codes::E0403, at, message, format!("an interval has {SHORTEST} {unit} at least"));
             return None;
         }
         Some((min, max))

@@ -438,7 +438,7 @@ fn explain(
             "sort the points by position, each position once",
         ),
         KnotsFailure::TooNear(i) => (
-            format!("two positions of `{name}` are nearer than a nanometre or a millionth of a degree"),
+            format!("two positions of `{name}` are nearer than {:e} {unit}", Knots::NEAREST),
             row(*i),
             "leave one of them out",
         ),

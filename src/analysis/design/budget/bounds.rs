@@ -219,8 +219,8 @@ fn errors_of(machine: &Machine, joint: usize) -> &JointErrors {
 }
 
 /// Returns the bounds of all joints on the sides of the bed on which they do not stand. Tolerances by letter of one
-/// side replace those of the same direction; a value in place of a tolerance is no bound. All other bounds are the same on
-/// either side, in the frame that the axis has there.
+/// side replace those of the same direction; a value in place of a tolerance is no bound. All other bounds are the same
+/// on either side, in the frame that the axis has there.
 pub fn on_other_sides(machine: &Machine, bounds: &[Bound]) -> Vec<Bound> {
     let mut all = bounds.to_vec();
     let frames = Frames::of(machine);
