@@ -7,7 +7,8 @@ use crate::analysis::{Comparison, MachineResult, Work, compare as compared};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::{Bare, Field, Order};
 use crate::machine::{
-    Approach, Axis, AxisName, ErrorFamily, ErrorId, ErrorSizes, Machine, MachineProperty, SetUp, Tool, Travel,
+    Approach, Axis, AxisName, Direction, ErrorFamily, ErrorId, ErrorSizes, Machine, MachineProperty, SetUp, Tool,
+    Travel,
 };
 use crate::units::significant;
 
@@ -55,7 +56,8 @@ pub struct MachineDifference {
 /// A property in which two machines differ.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct PropertyDifference {
-    /// `chain`, `direction`, `origin`, `sense`, `travel`, `tool`, `workpiece`, `conventions`, `setup` or `error`.
+    /// `chain`, `direction`, `origin`, `sense`, `travel`, `tool`, `workpiece`, `conventions`, `setup`, `class`,
+    /// `tolerances` or `error`.
     pub kind: &'static str,
     /// Name of the axis or error; empty where the property is the machine's.
     pub name: String,
@@ -91,8 +93,11 @@ fn difference(
 ) -> Result<MachineDifference, Refused> {
     let [first, second] = files else { return call.usage("`diff` takes two machines") };
     let properties = first.differences(second);
-    // Travels change no deviation, and taken alone they would change the work.
-    let alone = |property: &&MachineProperty| !matches!(property, MachineProperty::Travel(_));
+    // These change no deviation, and a travel taken alone would change the work.
+    let idle = |property: &MachineProperty| {
+        matches!(property, MachineProperty::Travel(_) | MachineProperty::Class | MachineProperty::Tolerances)
+    };
+    let alone = |property: &&MachineProperty| !idle(property);
     let single: Vec<(&MachineProperty, Machine)> = properties
         .iter()
         .filter(alone)
@@ -169,6 +174,8 @@ fn described(
         MachineProperty::Workpiece => ("workpiece", String::new(), both.map(|m| point(&m.workpiece())), None),
         MachineProperty::Conventions => ("conventions", String::new(), conventions(first, second), None),
         MachineProperty::SetUp => ("setup", String::new(), both.map(|m| set_up(m.setup())), None),
+        MachineProperty::Class => ("class", String::new(), both.map(class), None),
+        MachineProperty::Tolerances => ("tolerances", String::new(), tolerances(first, second), None),
         MachineProperty::Error(id) => {
             let sizes = first.error_sizes(second, id);
             ("error", id.to_string(), error(id, &sizes), Some(sizes.largest * id.direction.micro().0))
@@ -197,7 +204,27 @@ fn travel(axis: &Axis) -> String {
 }
 
 fn tool(tool: &Tool) -> String {
-    format!("gauge {}, functional point {}", point(&tool.gauge), point(&tool.tip))
+    let points = format!("gauge {}, functional point {}", point(&tool.gauge), point(&tool.tip));
+    if tool.direction == [0.0, 0.0, 1.0] { points } else { format!("{points}, direction {}", plain(&tool.direction)) }
+}
+
+fn class(machine: &Machine) -> String {
+    machine.class().map_or_else(|| "none".to_owned(), |class| class.name.clone())
+}
+
+/// The bounds of either machine that the other does not share.
+fn tolerances(first: &Machine, second: &Machine) -> [String; 2] {
+    let own = |machine: &Machine, other: &Machine| {
+        let shared = other.tolerances().list();
+        let words = |(name, bound, turns): &(String, f64, bool)| {
+            let (factor, unit) = if *turns { Direction::A } else { Direction::X }.micro();
+            format!("{name} within {} {unit}", significant(bound * factor, 4))
+        };
+        let list = machine.tolerances().list();
+        let apart: Vec<String> = list.iter().filter(|bound| !shared.contains(bound)).map(words).collect();
+        if apart.is_empty() { "none".to_owned() } else { apart.join(", ") }
+    };
+    [own(first, second), own(second, first)]
 }
 
 /// Words of either machine where the two differ.

@@ -16,7 +16,7 @@ pub enum MachineProperty {
     Sense(AxisName),
     /// Travel of an axis; no deviation depends on it.
     Travel(AxisName),
-    /// Gauge point and functional point of the tool in use.
+    /// Gauge point, functional point and direction of the tool in use.
     Tool,
     /// Origin of the workpiece.
     Workpiece,
@@ -24,6 +24,10 @@ pub enum MachineProperty {
     Conventions,
     /// Set-up errors.
     SetUp,
+    /// The class that bounds what the file does not; no deviation depends on it.
+    Class,
+    /// Bounds along and across axes and of squareness; no deviation depends on them.
+    Tolerances,
     /// An error.
     Error(ErrorId),
 }
@@ -50,12 +54,14 @@ impl Machine {
         let Some(moved) = self.on_chain_of(other) else { return vec![MachineProperty::Chain] };
         let chain = (self.chain().to_string() != other.chain().to_string()).then_some(MachineProperty::Chain);
         let axes = moved.axes().iter().zip(other.axes()).flat_map(|(a, b)| axis_differences(a, b));
-        let ends = |machine: &Self| (machine.tool().gauge, machine.tool().tip);
+        let held = |machine: &Self| (machine.tool().gauge, machine.tool().tip, machine.tool().direction);
         let rest = [
-            (ends(&moved) != ends(other), MachineProperty::Tool),
+            (held(&moved) != held(other), MachineProperty::Tool),
             (moved.workpiece() != other.workpiece(), MachineProperty::Workpiece),
             (moved.conventions() != other.conventions(), MachineProperty::Conventions),
             (moved.setup() != other.setup(), MachineProperty::SetUp),
+            (moved.class() != other.class(), MachineProperty::Class),
+            (moved.tolerances() != other.tolerances(), MachineProperty::Tolerances),
         ];
         let rest = rest.into_iter().filter_map(|(differs, property)| differs.then_some(property));
         let errors = errors_of_both(&moved, other).into_iter().map(MachineProperty::Error);
@@ -81,6 +87,8 @@ impl Machine {
             MachineProperty::Workpiece => parts.workpiece = other.workpiece(),
             MachineProperty::Conventions => parts.conventions = *other.conventions(),
             MachineProperty::SetUp => parts.setup = *other.setup(),
+            MachineProperty::Class => parts.class = other.class().cloned(),
+            MachineProperty::Tolerances => parts.tolerances = other.tolerances().clone(),
             MachineProperty::Error(id) => {
                 let joint = moved.joint_index(&id.axis)?;
                 let term = other.joint_index(&id.axis).and_then(|j| other.joint_term(j, id)).cloned();

@@ -129,6 +129,22 @@ fn added_axes_conventions_and_travels_are_named() {
 }
 
 #[test]
+fn bounds_and_classes_are_named() {
+    let folder = Folder::new("diff-machines-bounds");
+    let base = edited(&folder, "base.yaml", &[]);
+    let bounded = "class: premium\ntolerances: { A: { across: 2 um } }\nerrors:\n  EZ0A: { tolerance: 5 um }\n";
+    let other = edited(&folder, "other.yaml", &[("errors:\n", bounded)]);
+    let found = json(&["diff", &base, &other, "--poses", "50", "--format", "json"]);
+    let list = found["differences"].as_array().unwrap();
+    assert_eq!(list.iter().map(named).collect::<Vec<_>>(), ["class", "tolerances", "EZ0A"]);
+    assert_eq!((list[0]["first"].as_str(), list[0]["second"].as_str()), (Some("none"), Some("premium")));
+    assert_eq!(list[1]["second"], "A across within 2 um");
+    assert_eq!(list[2]["second"], "within 5 um");
+    assert!(list[..2].iter().all(|d| d["minus_first_um"].is_null()), "{found}");
+    assert_eq!(list[2]["minus_first_um"], 0.0);
+}
+
+#[test]
 fn files_are_machines_and_folders_are_sets() {
     let folder = Folder::new("diff-machines-usage");
     let base = edited(&folder, "base.yaml", &[]);
