@@ -99,12 +99,13 @@ fn show_prints_what_the_machine_is() {
         assert!(shown.contains(part), "{part}: {shown}");
     }
     let shown = json(&["show", "trunnion.yaml", "--format", "json"]);
-    // The tip at the zero pose is 230 mm above the line of A.
+    // The tip at the zero pose is 230 mm above A and 260 mm above C, 250 mm and 225 mm beside them.
     let arm = |name: &str| {
         let axes = shown["axes"].as_array().unwrap().iter().find(|axis| axis["name"] == name).unwrap();
         axes["arm_mm"]["at_zero"].as_f64().unwrap()
     };
-    assert!((arm("A") - 230.0).abs() < 1e-9 && (arm("C") - 260.0).abs() < 1e-9);
+    let away = |above: f64| 250_f64.hypot(225.0).hypot(above);
+    assert!((arm("A") - away(230.0)).abs() < 1e-9 && (arm("C") - away(260.0)).abs() < 1e-9);
     assert_eq!(refused(&["show", "trunnion.yaml", "--dot", "--format", "json"]).0, 2);
     assert_eq!(abbe(&["show", "trunnion.yaml", "--format", "csv"]).lines().count(), 6);
 }
