@@ -11,6 +11,7 @@ use abbe::options::Delivery;
 use abbe::results::{RenderedPage, Report};
 use abbe::{Diagnostic, codes};
 use std::net::{Ipv4Addr, TcpListener};
+use std::rc::Rc;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -37,7 +38,12 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 /// Looks at the files for ever.
-fn follow(session: &mut Session, turn: &mut Turn<'_>, mut files: Recorded, answer: &Mutex<Arc<ServedPage>>) -> Outcome {
+fn follow(
+    session: &mut Session,
+    turn: &mut Turn<'_>,
+    mut files: Rc<Recorded>,
+    answer: &Mutex<Arc<ServedPage>>,
+) -> Outcome {
     loop {
         std::thread::sleep(PACE);
         if files.changed() {
@@ -58,10 +64,9 @@ struct Turn<'a> {
 
 impl Turn<'_> {
     /// Builds the page from the files as they are now.
-    fn take(&mut self, session: &mut Session) -> Result<(Recorded, ServedPage), Exit> {
-        let files = Recorded::default();
+    fn take(&mut self, session: &mut Session) -> Result<(Rc<Recorded>, ServedPage), Exit> {
         let mut now = session.fresh();
-        let problem = match compute(&mut now, self.args, &files) {
+        let problem = match compute(&mut now, self.args) {
             Ok(report) => {
                 self.good = Some(report);
                 None
@@ -76,7 +81,7 @@ impl Turn<'_> {
             write_alone(&mut now, self.args, good)?;
         }
         session.say(if problem.is_some() { "refused: the page gives the reason" } else { "the page is up to date" });
-        Ok((files, answer(page)))
+        Ok((now.files, answer(page)))
     }
 }
 

@@ -5,7 +5,7 @@ use crate::cli::store::files::Recorded;
 use crate::cli::{Color, Exit, Format, FormatArg, Global, Outcome};
 use abbe::text::{Rendering, counts, render};
 use abbe::{Answer, LoadOptions, MachineFile, Run};
-use abbe::{Diagnostic, Diagnostics, Files, codes};
+use abbe::{Diagnostic, Diagnostics, codes};
 use serde_json::{Value, json};
 use std::cell::{Cell, RefCell};
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -67,19 +67,8 @@ impl Session {
 
     /// Reads a machine file; `tool` picks one of its tools.
     pub(crate) fn load(&mut self, path: &Path, tool: Option<&str>) -> Result<MachineFile, Exit> {
-        let files = self.files.clone();
-        self.load_through(&*files, path, tool)
-    }
-
-    /// Reads a machine file through other files than the disk's.
-    pub(crate) fn load_through(
-        &mut self,
-        files: &dyn Files,
-        path: &Path,
-        tool: Option<&str>,
-    ) -> Result<MachineFile, Exit> {
         let options = LoadOptions { tool: tool.map(str::to_owned) };
-        let answer = abbe::load(path, &options, Run { files, ..self.run() });
+        let answer = abbe::load(path, &options, self.run());
         self.take(answer)
     }
 

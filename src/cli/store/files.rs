@@ -1,10 +1,11 @@
 //! Files that a run has read from the disk.
 
 use abbe::results::{FolderEntry, ReadFailure};
-use abbe::sets::{MAX_FILE_BYTES, sha256};
+use abbe::sets::MAX_FILE_BYTES;
 use abbe::{Disk, Files};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hasher};
 use std::path::{Path, PathBuf};
 
 /// Largest file of a compensation set that is read back: as large as one is written.
@@ -13,7 +14,8 @@ pub(crate) const SET_LIMIT: u64 = MAX_FILE_BYTES as u64;
 /// The disk, remembering what was read from it: also files that are missing, for they may appear.
 #[derive(Debug, Default)]
 pub(crate) struct Recorded {
-    seen: RefCell<BTreeMap<PathBuf, Option<String>>>,
+    /// By path: the limit under which it was read, and a hash of the content if it could be read.
+    seen: RefCell<BTreeMap<PathBuf, (u64, Option<u64>)>>,
 }
 
 impl Files for Recorded {
@@ -23,8 +25,8 @@ impl Files for Recorded {
 
     fn read_at_most(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadFailure> {
         let result = Disk.read_at_most(path, limit);
-        let state = result.as_ref().ok().map(|bytes| sha256(bytes));
-        let _ = self.seen.borrow_mut().insert(path.to_owned(), state);
+        let state = result.as_ref().ok().map(|bytes| content(bytes));
+        let _ = self.seen.borrow_mut().insert(path.to_owned(), (limit, state));
         result
     }
 
@@ -36,15 +38,22 @@ impl Files for Recorded {
 impl Recorded {
     /// The files that were read.
     pub fn paths(&self) -> Vec<PathBuf> {
-        self.seen.borrow().iter().filter(|(_, state)| state.is_some()).map(|(path, _)| path.clone()).collect()
+        self.seen.borrow().iter().filter(|(_, (_, state))| state.is_some()).map(|(path, _)| path.clone()).collect()
     }
 
     /// True if any of the files has another content by now. Compares the content: times of modification are coarse on
     /// some file systems, and an editor may write the same again.
     pub fn changed(&self) -> bool {
-        let now = |path: &PathBuf| Disk.read(path).ok().map(|bytes| sha256(&bytes));
-        self.seen.borrow().iter().any(|(path, before)| now(path) != *before)
+        let now = |path: &PathBuf, limit: u64| Disk.read_at_most(path, limit).ok().map(|bytes| content(&bytes));
+        self.seen.borrow().iter().any(|(path, (limit, before))| now(path, *limit) != *before)
     }
+}
+
+/// A hash by which changes are told within one run; nobody has to be kept from forging it.
+fn content(bytes: &[u8]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    hasher.write(bytes);
+    hasher.finish()
 }
 
 /// Returns the bytes of a regular file that has at most `limit` of them.

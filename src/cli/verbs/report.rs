@@ -8,7 +8,7 @@ use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Exit, Format, Outcome, watch};
 use abbe::options::{Delivery, Order};
 use abbe::results::{RenderedPage, Report};
-use abbe::{Files, ReportOptions, Run, report};
+use abbe::{ReportOptions, report};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -69,8 +69,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         return watch::run(session, args);
     }
     refuse_outputs(&args.out, &session.files).or_else(|d| session.refuse(d))?;
-    let files = session.files.clone();
-    let report = compute(session, args, &*files)?;
+    let report = compute(session, args)?;
     let page = report.page(Delivery::Alone, None).or_else(|d| session.refuse(d))?;
     write(session, args, &page)?;
     let (out, bytes) = (args.out.as_deref().unwrap_or(Path::new("")), page.text.len());
@@ -87,12 +86,12 @@ pub(crate) fn write(session: &mut Session, args: &Args, page: &RenderedPage) -> 
     write_whole(out, page.text.as_bytes(), &session.files).or_else(|d| session.refuse(d))
 }
 
-/// Reads the machines through `files` and computes the content of the page.
-pub(crate) fn compute(session: &mut Session, args: &Args, files: &dyn Files) -> Result<Report, Exit> {
+/// Reads the machines and computes the content of the page.
+pub(crate) fn compute(session: &mut Session, args: &Args) -> Result<Report, Exit> {
     let mut machines = Vec::new();
     for path in &args.machines {
-        machines.push(session.load_through(files, path, args.options.tool.as_deref())?);
+        machines.push(session.load(path, args.options.tool.as_deref())?);
     }
-    let answer = report(&machines, &args.options(), Run { files, ..session.run() });
+    let answer = report(&machines, &args.options(), session.run());
     session.take(answer)
 }
