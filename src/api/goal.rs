@@ -3,10 +3,10 @@
 use super::budget::BudgetOptions;
 use super::run::{Call, Refused};
 use crate::analysis::budget::{
-    Binding, Bound, CheapestTolerances, CostFailure, CostModel, ErrorKind, GoalAnswer, GoalRequest, Price, cheapest,
+    Binding, Bound, CheapestTolerances, CostModel, GoalAnswer, GoalRequest, Price, cheapest,
 };
-use crate::diagnostic::{Diagnostic, codes, shown};
-use crate::machine::{Machine, Pose};
+use crate::diagnostic::{Diagnostic, Reason, codes, shown};
+use crate::machine::{ErrorKind, Machine, Pose};
 use crate::report::tolerance_unit;
 use crate::syntax::read_text;
 use crate::units::significant;
@@ -47,7 +47,7 @@ pub struct NewTolerance {
     pub new: Bound,
     /// The kind by which it is paid for.
     pub kind: ErrorKind,
-    /// What holds it.
+    /// The limit that holds it, if one does.
     pub binding: Binding,
     /// Its part of the 95 % value, um.
     pub part_um: f64,
@@ -175,8 +175,8 @@ fn read(call: &mut Call<'_>, path: &Path) -> Result<CostModel, Refused> {
     }
 }
 
-fn refused(name: &str, failure: &CostFailure) -> Diagnostic {
-    let message = format!("`{}`: {}", shown(name), shown(&failure.0));
+fn refused(name: &str, failure: &Reason) -> Diagnostic {
+    let message = format!("`{}`: {}", shown(name), shown(&failure.to_string()));
     let help = "a cost model has `power`, `weights`, `finest` and `coarsest`; docs/budget.md has an example";
     Diagnostic::new(codes::E0615, message).help(help)
 }

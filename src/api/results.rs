@@ -36,7 +36,7 @@ pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::tool_poses::{BeyondTravel, MissedToolPose, NeededTravel, ReachedToolPoses};
 pub use crate::analysis::Status as LocationStatus;
 pub use crate::analysis::budget::{
-    Binding, Bound, Budget, BudgetPart, CheapestTolerances, Contribution, ErrorKind, PERCENTS, PairedDifference,
+    Binding, Bound, Budget, BudgetPart, CheapestTolerances, Contribution, PERCENTS, PairedDifference,
     Percentile, Role, Totals, Verdict, VersusFirst,
 };
 pub use crate::analysis::enumerate::{NeededRange, Ranking, RoundCount, Row as ArrangementRow};
@@ -46,7 +46,7 @@ pub use crate::controller::{
 };
 pub use crate::diagnostic::{Severity, Sources};
 pub use crate::evaluate::{Statistics, Summary};
-pub use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorTerm, Machine, Sense, Travel};
+pub use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorKind, ErrorTerm, Machine, Sense, Travel};
 pub use crate::report::page::RenderedPage;
 pub use crate::report::{Picture, PictureFailure};
 pub use crate::syntax::{FolderEntry, ReadFailure};

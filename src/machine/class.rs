@@ -1,47 +1,12 @@
 //! Tolerances typical of a class of machines: from the table `classes.yaml`, or of the machine file.
 
-use super::{Axis, AxisKind, Direction, ErrorFamily, ErrorId};
+use super::{Axis, AxisKind, ErrorId, ErrorKind};
 use crate::units::significant;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// The names in the table.
 pub const CLASS_NAMES: [&str; 6] = ["ultra-precision", "premium", "production", "commodity", "large-gantry", "desktop"];
-
-/// A number of a class: where it is written, the direction that decides its unit (length or angle), and the power of
-/// the travel that it grows with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ClassNumber {
-    /// `linear` or `rotary`.
-    pub section: &'static str,
-    /// Its key.
-    pub key: &'static str,
-    /// A translation or a rotation.
-    pub direction: Direction,
-    /// 1 if it is per length of travel.
-    pub power: i8,
-}
-
-const fn number(section: &'static str, key: &'static str, direction: Direction, power: i8) -> ClassNumber {
-    ClassNumber { section, key, direction, power }
-}
-
-/// The numbers of a class, in their order.
-pub const CLASS_NUMBERS: [ClassNumber; 10] = [
-    number("linear", "positioning", Direction::X, 1),
-    number("linear", "straightness", Direction::X, 1),
-    number("linear", "angular", Direction::A, 0),
-    number("linear", "squareness", Direction::A, 0),
-    number("rotary", "position", Direction::X, 0),
-    number("rotary", "orientation", Direction::A, 0),
-    number("rotary", "radial", Direction::X, 0),
-    number("rotary", "axial", Direction::X, 0),
-    number("rotary", "tilt", Direction::A, 0),
-    number("rotary", "angular_positioning", Direction::A, 0),
-];
-
-/// Number of those of linear axes.
-const LINEAR: usize = 4;
 
 /// One class of machine tools.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +15,7 @@ pub struct Class {
     pub source: String,
     /// A shorter travel counts as this, mm.
     shortest_mm: f64,
-    /// In the order of [`CLASS_NUMBERS`]: mm per mm, mm, rad. Those of linear axes are all there.
+    /// In the order of [`ErrorKind::ALL`]: mm per mm, mm, rad. Those of linear axes are all there.
     numbers: [Option<f64>; 10],
 }
 
@@ -66,7 +31,7 @@ pub struct NamedClass {
 /// Numbers of a class as far as they are given.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ClassNumbers {
-    /// In the order of [`CLASS_NUMBERS`]: mm per mm, mm, rad.
+    /// In the order of [`ErrorKind::ALL`]: mm per mm, mm, rad.
     pub all: [Option<f64>; 10],
     /// A shorter travel counts as this, mm.
     pub shortest_mm: Option<f64>,
@@ -75,14 +40,14 @@ pub struct ClassNumbers {
 impl ClassNumbers {
     /// Completes them by those of another class. Fails with the number that is missing: all of linear axes are needed,
     /// and all or none of rotary ones.
-    pub fn over(self, base: Option<Class>, source: String) -> Result<Class, ClassNumber> {
+    pub fn over(self, base: Option<Class>, source: String) -> Result<Class, ErrorKind> {
         let shortest_mm = self.shortest_mm.or(base.as_ref().map(|class| class.shortest_mm)).unwrap_or(0.0);
         let of_base = base.map_or([None; 10], |class| class.numbers);
         let numbers: [Option<f64>; 10] = std::array::from_fn(|i| self.all[i].or(of_base[i]));
-        let rotary = numbers[LINEAR..].iter().any(Option::is_some);
-        let missing = (0..if rotary { 10 } else { LINEAR }).find(|i| numbers[*i].is_none());
+        let rotary = numbers[ErrorKind::OF_LINEAR_AXES..].iter().any(Option::is_some);
+        let missing = (0..if rotary { 10 } else { ErrorKind::OF_LINEAR_AXES }).find(|i| numbers[*i].is_none());
         match missing {
-            Some(i) => Err(CLASS_NUMBERS[i]),
+            Some(i) => Err(ErrorKind::ALL[i]),
             None => Ok(Class { source, shortest_mm, numbers }),
         }
     }
@@ -146,47 +111,34 @@ pub fn classes() -> BTreeMap<String, Class> {
 impl Class {
     /// True if it has values for rotary axes.
     pub fn knows_rotary(&self) -> bool {
-        self.numbers[LINEAR].is_some()
+        self.numbers[ErrorKind::OF_LINEAR_AXES].is_some()
     }
 
     /// Returns the bound (mm, rad) of an error of an axis, or of the spindle without an axis, along the axis or across
     /// it; `None` if the class has none.
     pub fn tolerance(&self, axis: Option<&Axis>, error: &ErrorId, along: bool) -> Option<f64> {
-        let [positioning, straightness, angular, squareness, position, orientation, radial, axial, tilt, turning] =
-            self.numbers;
-        let turns = error.direction.is_rotation();
-        let Some(axis) = axis else { return squareness.filter(|_| turns) };
-        let (min, max) = axis.travel.interval();
-        let travel = (max - min).max(self.shortest_mm);
-        let grows = |slope: Option<f64>| slope.map(|slope| slope * travel);
-        match (axis.kind, error.family, turns) {
-            (AxisKind::Linear, ErrorFamily::Location, true) => squareness,
-            (AxisKind::Linear, ErrorFamily::Location, false) => None,
-            (AxisKind::Linear, ErrorFamily::Component, true) => angular,
-            (AxisKind::Linear, ErrorFamily::Component, false) if along => grows(positioning),
-            (AxisKind::Linear, ErrorFamily::Component, false) => grows(straightness),
-            (AxisKind::Rotary, ErrorFamily::Location, true) => orientation,
-            (AxisKind::Rotary, ErrorFamily::Location, false) => position,
-            (AxisKind::Rotary, ErrorFamily::Component, true) if along => turning,
-            (AxisKind::Rotary, ErrorFamily::Component, true) => tilt,
-            (AxisKind::Rotary, ErrorFamily::Component, false) if along => axial,
-            (AxisKind::Rotary, ErrorFamily::Component, false) => radial,
+        let kind = ErrorKind::of(axis, error, along);
+        let number = self.numbers[kind as usize];
+        match axis {
+            None => number.filter(|_| kind == ErrorKind::Squareness),
+            Some(axis) if axis.kind == AxisKind::Linear && kind == ErrorKind::Position => None,
+            Some(axis) if kind.grows_with_travel() => {
+                let (min, max) = axis.travel.interval();
+                number.map(|slope| slope * (max - min).max(self.shortest_mm))
+            }
+            Some(_) => number,
         }
     }
 
     /// Returns the class as it is written into a machine file, under `class:`.
     pub fn written(&self) -> String {
-        let print = |number: &ClassNumber, value: f64| {
-            let (factor, unit) = match (number.direction.is_rotation(), number.power) {
-                (true, _) => (1e6, "urad"),
-                (false, 0) => (1e3, "um"),
-                (false, _) => (1e6, "um/m"),
-            };
-            format!("{}: {} {unit}", number.key, significant(value * factor, 12))
+        let print = |kind: ErrorKind, value: f64| {
+            let (factor, unit) = if kind.grows_with_travel() { (1e6, "um/m") } else { kind.direction().micro() };
+            format!("{}: {} {unit}", kind.name(), significant(value * factor, 12))
         };
         let section = |name: &str| {
-            let of = CLASS_NUMBERS.iter().zip(self.numbers).filter(|(number, _)| number.section == name);
-            of.filter_map(|(number, value)| Some(print(number, value?))).collect::<Vec<_>>()
+            let of = ErrorKind::ALL.into_iter().zip(self.numbers).filter(|(kind, _)| kind.section() == name);
+            of.filter_map(|(kind, value)| Some(print(kind, value?))).collect::<Vec<_>>()
         };
         let (mut linear, rotary) = (section("linear"), section("rotary"));
         linear.push(format!("shortest: {} mm", significant(self.shortest_mm, 12)));

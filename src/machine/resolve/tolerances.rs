@@ -5,7 +5,7 @@ use super::errors::{Errors, bounded};
 use super::uses::JointNames;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::{
-    AxisKind, AxisName, CLASS_NAMES, CLASS_NUMBERS, ClassNumbers, Direction, ErrorFamily, ErrorId, ErrorTerm, Frames,
+    AxisKind, AxisName, CLASS_NAMES, ClassNumbers, Direction, ErrorFamily, ErrorId, ErrorKind, ErrorTerm, Frames,
     Machine, NamedClass, Tolerances, classes,
 };
 use crate::syntax::{BoundEntry, FrameEntry, Keys, Scalar, below, keys};
@@ -249,10 +249,10 @@ pub fn class(context: &mut Context<'_>) -> Option<NamedClass> {
         },
     };
     let mut numbers = ClassNumbers::default();
-    for (number, slot) in CLASS_NUMBERS.into_iter().zip(&mut numbers.all) {
-        let Some(scalar) = entry.number(number.section, number.key) else { continue };
-        let here = keys(["class", number.section, number.key]);
-        let value = context.coefficient(scalar, number.direction, AxisKind::Linear, number.power, &here)?;
+    for (kind, slot) in ErrorKind::ALL.into_iter().zip(&mut numbers.all) {
+        let Some(scalar) = entry.number(kind.section(), kind.name()) else { continue };
+        let here = keys(["class", kind.section(), kind.name()]);
+        let value = context.coefficient(scalar, kind.direction(), AxisKind::Linear, kind.grows_with_travel().into(), &here)?;
         if value < 0.0 {
             context.at_value(codes::E0411, &here, "a negative tolerance", NEGATIVE);
             return None;
@@ -269,7 +269,7 @@ pub fn class(context: &mut Context<'_>) -> Option<NamedClass> {
     match numbers.over(base, entry.source.clone().unwrap_or_else(|| "machine file".to_owned())) {
         Ok(class) => Some(NamedClass { name, class }),
         Err(missing) => {
-            let message = format!("the class has no `{}.{}`, and is not `like` another", missing.section, missing.key);
+            let message = format!("the class has no `{}.{}`, and is not `like` another", missing.section(), missing.name());
             let help = "write all numbers of linear axes, and all of rotary ones or none; or `like: production`";
             context.at_key(codes::E0417, &at, message, help);
             None

@@ -32,7 +32,7 @@ mod worst;
 pub use crate::machine::{Class, classes};
 pub(crate) use bounds::on_other_sides;
 pub use bounds::{Bound, Role, bounds, known, lacks_rotary};
-pub use cost::{CostFailure, CostModel, ErrorKind, Price};
+pub use cost::{CostModel, Price};
 pub use draw::{Distribution, Draws, NODES};
 pub use goal::{Binding, CheapestTolerances, GoalAnswer, GoalRequest, cheapest};
 pub(crate) use kernel::{
