@@ -24,6 +24,18 @@ pub struct Triangle {
     folded: DMatrix<f64>,
 }
 
+/// Returns what is left of a vector once orthonormal ones have been taken off it.
+pub fn beside(mut vector: DVector<f64>, orthonormal: &[DVector<f64>]) -> DVector<f64> {
+    // Twice is enough (Kahan).
+    for _ in 0..2 {
+        for known in orthonormal {
+            let share = known.dot(&vector);
+            vector.axpy(-share, known, 1.0);
+        }
+    }
+    vector
+}
+
 impl Triangle {
     /// No rows yet.
     pub fn new(unknowns: usize) -> Self {

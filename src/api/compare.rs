@@ -238,7 +238,7 @@ fn row(comparison: &Comparison, index: usize) -> ComparedPose {
     ComparedPose { tip_mm: target.tip.into(), direction: target.direction.into(), deviations }
 }
 
-fn nothing_in_common(files: &[MachineFile], comparison: &Comparison) -> Diagnostic {
+pub(super) fn nothing_in_common(files: &[MachineFile], comparison: &Comparison) -> Diagnostic {
     let missed = |(file, side): (&MachineFile, &MachineResult)| format!("{} misses {}", file.path(), side.unreachable);
     let help = files.iter().zip(&comparison.machines).map(missed).collect::<Vec<_>>().join("; ");
     let message = format!("none of the {} tool poses is reached by all machines", comparison.asked);

@@ -1,10 +1,11 @@
 //! `diff` of two machine files: what differs, and what each difference does to the deviations.
 
+use super::compare::nothing_in_common;
 use super::machine_file::{MachineFile, sources_of};
 use super::order_of;
 use super::run::{Answer, Call, Refused, Run};
-use crate::analysis::{Comparison, MachineResult, Work, compare as compared};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::analysis::{MachineResult, Work, compare as compared};
+use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Bare, Field, Order};
 use crate::machine::{
     Approach, Axis, AxisName, Direction, ErrorFamily, ErrorId, ErrorSizes, Machine, MachineProperty, SetUp, Tool,
@@ -111,7 +112,7 @@ fn difference(
     let work = Work::random(first, options.poses, options.seed);
     let found = call.stage(work.len(), |advance| compared(&fields, &work, options.approach, advance));
     if found.common.is_empty() {
-        return call.refuse(nothing_in_common(&found));
+        return call.refuse(nothing_in_common(files, &found));
     }
     let p95 = |machine: usize| found.machines[machine].statistics.position_um.p95;
     let of = |property: &MachineProperty| {
@@ -139,16 +140,6 @@ fn difference(
 /// Whether every error curve is defined at the poses.
 fn covered(machine: &Machine, side: &MachineResult) -> bool {
     side.reached.iter().all(|(pose, _)| machine.outside(pose).is_none())
-}
-
-fn nothing_in_common(found: &Comparison) -> Diagnostic {
-    let message = format!("none of the {} tool poses is reached by both machines", found.asked);
-    let missed = |side: &MachineResult| side.unreachable.to_string();
-    let [first, second] = [0, 1].map(|i: usize| missed(&found.machines[i]));
-    Diagnostic::new(codes::E0813, message).help(format!(
-        "the first misses {first}, the second {second}. Tool poses count from the workpiece origin: give the machines \
-         comparable ones, or narrow the first one's `volume`"
-    ))
 }
 
 fn described(

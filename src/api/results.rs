@@ -36,8 +36,8 @@ pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::tool_poses::{BeyondTravel, MissedToolPose, NeededTravel, ReachedToolPoses};
 pub use crate::analysis::Status as LocationStatus;
 pub use crate::analysis::budget::{
-    Binding, Bound, Budget, BudgetPart, CheapestTolerances, Contribution, PERCENTS, PairedDifference,
-    Percentile, Role, Totals, Verdict, VersusFirst,
+    Binding, Bound, Budget, BudgetPart, CheapestTolerances, Contribution, PERCENTS, PairedDifference, Percentile, Role,
+    Totals, Verdict, VersusFirst,
 };
 pub use crate::analysis::enumerate::{NeededRange, Ranking, RoundCount, Row as ArrangementRow};
 pub use crate::analysis::instrument::{BallBar, Diagonal, RTest};

@@ -23,6 +23,7 @@ mod model;
 mod solve;
 mod words;
 
+pub(crate) use data::lever;
 pub use data::{
     DistanceEnd, Measurement, MeasurementSet, Reading, ReadingKind, Repeats, import, read_measurements, repeats,
 };

@@ -143,8 +143,7 @@ fn home(axis: &Axis) -> Option<usize> {
 
 /// The same for the linear axes X, Y and Z, between which squareness is.
 fn main(axis: &Axis) -> Option<usize> {
-    let letter = ["X", "Y", "Z"].iter().position(|name| *name == axis.name.as_str());
-    letter.filter(|_| axis.kind == AxisKind::Linear)
+    axis.name.main().filter(|_| axis.kind == AxisKind::Linear)
 }
 
 impl ErrorId {

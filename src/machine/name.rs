@@ -19,7 +19,15 @@ impl AxisName {
     pub fn as_str(&self) -> &str {
         &self.0
     }
+
+    /// The index in [`MAIN_AXES`], if it is one of them.
+    pub fn main(&self) -> Option<usize> {
+        MAIN_AXES.iter().position(|name| *name == self.0)
+    }
 }
+
+/// The linear axes between which squareness is.
+pub const MAIN_AXES: [&str; 3] = ["X", "Y", "Z"];
 
 impl fmt::Display for AxisName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,6 +1,6 @@
 //! Tolerances along and across axes, whichever way they point, and between pairs of them.
 
-use super::{AxisName, ErrorFamily};
+use super::{AxisName, ErrorFamily, MAIN_AXES};
 use std::collections::BTreeMap;
 
 /// Bounds of one family of errors of a joint: along, across, about along, about across (mm, rad).
@@ -41,8 +41,8 @@ impl Tolerances {
                 list.extend(given);
             }
         }
-        let letters = ["X", "Y", "Z"];
-        let pair = |([a, b], value): (&[usize; 2], &f64)| (format!("{}-{}", letters[*a], letters[*b]), *value, true);
+        let pair =
+            |([a, b], value): (&[usize; 2], &f64)| (format!("{}-{}", MAIN_AXES[*a], MAIN_AXES[*b]), *value, true);
         list.extend(self.squareness.iter().map(pair));
         list
     }

@@ -2,7 +2,8 @@
 
 use super::{
     AlgebraChoice, Anchor, Axis, AxisKind, AxisName, Branch, ComponentError, Curve, Direction, ErrorFamily, ErrorId,
-    ErrorTerm, FRAME_KEYS, FrameTolerances, Generators, Grid, JointErrors, MachineParts, Sense, SetUp, Tool, Travel,
+    ErrorTerm, FRAME_KEYS, FrameTolerances, Generators, Grid, JointErrors, MAIN_AXES, MachineParts, Sense, SetUp, Tool,
+    Travel,
 };
 
 /// The text of a machine file that says what `parts` say; `provenance` are further entries of that section
@@ -192,10 +193,10 @@ fn tolerances(parts: &MachineParts) -> String {
         }
         Some(format!("  {name}: {{ {} }}\n", all.join(", ")))
     };
-    let there = |axis: usize| parts.axes.iter().any(|a| a.name.as_str() == ["X", "Y", "Z"][axis]);
+    let there = |axis: usize| parts.axes.iter().any(|a| a.name.main() == Some(axis));
     let pairs = parts.tolerances.squareness.iter().filter(|(pair, _)| pair.iter().all(|axis| there(*axis)));
     let pair = |([a, b], value): (&[usize; 2], &f64)| {
-        format!("  {}-{}: {}\n", ["X", "Y", "Z"][*a], ["X", "Y", "Z"][*b], amount(*value, Direction::A))
+        format!("  {}-{}: {}\n", MAIN_AXES[*a], MAIN_AXES[*b], amount(*value, Direction::A))
     };
     let lines: String = joints.filter_map(of_joint).chain(pairs.map(pair)).collect();
     if lines.is_empty() { lines } else { format!("tolerances:\n{lines}") }

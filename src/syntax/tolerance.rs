@@ -116,14 +116,9 @@ impl BoundEntry {
 }
 
 impl FrameEntry {
-    /// The four bounds by their keys.
-    pub fn four(&self) -> [(&'static str, Option<&Scalar>); 4] {
-        [
-            ("along", self.along.as_ref()),
-            ("across", self.across.as_ref()),
-            ("about_along", self.about_along.as_ref()),
-            ("about_across", self.about_across.as_ref()),
-        ]
+    /// The four bounds: along, across, about along, about across.
+    pub fn four(&self) -> [Option<&Scalar>; 4] {
+        [&self.along, &self.across, &self.about_along, &self.about_across].map(Option::as_ref)
     }
 }
 

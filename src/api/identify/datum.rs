@@ -90,7 +90,7 @@ fn error(fitted: &Fitted<'_>, source: Source) -> Option<FittedError> {
     let values = (0..SITES).flat_map(|i| [Approach::Forward, Approach::Reverse].map(|from| value(site(i), from)));
     let (smallest, largest) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (v.min(low), v.max(high)));
-    let (unit, factor) = if source.direction.is_rotation() { ("urad", 1e6) } else { ("um", 1e3) };
+    let (factor, unit) = source.direction.micro();
     let sigma = largest_uncertainty(machine, own, &fitted.solution, source).map(|(sigma, _)| sigma * factor);
     let id = ErrorId { axis: name.clone(), family, direction: source.direction };
     let (smallest, largest) = (smallest * factor + 0.0, largest * factor + 0.0);

@@ -2,12 +2,13 @@
 
 use super::result::place;
 use super::{Fitted, limits};
+use crate::api::poses::axes_text;
 use crate::diagnostic::{Diagnostic, Sources, codes};
 use crate::identify::{
-    Basis, Measurement, Parameter, Prediction, Reading, ReadingKind, Repeats, Spread, Term, largest_uncertainty,
+    Basis, Measurement, Parameter, Prediction, Reading, ReadingKind, Repeats, Spread, Term, largest_uncertainty, lever,
 };
 use crate::lower::{ErrorSite, Source};
-use crate::machine::{Approach, ErrorFamily, ErrorId, Machine};
+use crate::machine::{Approach, Direction, ErrorFamily, ErrorId, Machine};
 use crate::units::{counted, significant};
 
 /// Less likely than this, residuals are not noise.
@@ -19,8 +20,6 @@ const TINY: f64 = 1e-5;
 
 /// Standard uncertainties (mm, rad) beyond which a value is none: what the machine language takes for mistakes.
 const UNDETERMINED: (f64, f64) = (10.0, 0.1);
-/// Distance (mm) at which a rotation counts as displacement.
-const ROTATED: f64 = 300.0;
 
 /// The warnings about a fit.
 pub(super) fn all(fitted: &Fitted<'_>, sources: &Sources) -> Vec<Diagnostic> {
@@ -141,14 +140,18 @@ fn contradiction(fitted: &Fitted<'_>, sources: &Sources) -> Option<Diagnostic> {
     Some(warning(codes::W0507, message, help))
 }
 
+fn undetermined_from(direction: Direction) -> f64 {
+    if direction.is_rotation() { UNDETERMINED.1 } else { UNDETERMINED.0 }
+}
+
 /// Values of the machine whose uncertainty is larger than any error of a machine: constants, and curves somewhere in
 /// the travel. Coefficients of a curve say nothing each by itself.
 pub(super) fn undetermined(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     let own = fitted.unknowns[..fitted.own].iter().zip(&fitted.solution.estimates);
     let wide = own.filter_map(|(parameter, estimate)| {
         let constant = parameter.terms.first().filter(|term| term.basis == Basis::Constant)?;
-        let rotation = constant.source.direction.is_rotation();
-        let limit = if rotation { UNDETERMINED.1 * ROTATED } else { UNDETERMINED.0 };
+        let direction = constant.source.direction;
+        let limit = undetermined_from(direction) * lever(direction);
         let sigma = estimate.sigma.filter(|sigma| sigma * parameter.size > limit)?;
         let n = |value: f64| significant(parameter.shown(value), 3);
         Some(format!("{} = {} \u{b1} {} {}", parameter.name, n(estimate.value), n(sigma), parameter.unit))
@@ -172,15 +175,14 @@ fn wide_curves(fitted: &Fitted<'_>) -> Vec<String> {
     let one = |source: Source| {
         let ErrorSite::Component(axis) = source.place else { return None };
         let (sigma, at) = largest_uncertainty(fitted.machine, own, &fitted.solution, source)?;
-        let rotation = source.direction.is_rotation();
-        let (limit, unit, factor) = if rotation { (UNDETERMINED.1, "urad", 1e6) } else { (UNDETERMINED.0, "um", 1e3) };
+        let (factor, unit) = source.direction.micro();
         let axis = &fitted.machine.axes()[axis];
         let error = ErrorId { axis: axis.name.clone(), family: ErrorFamily::Component, direction: source.direction };
         let words = || {
             let (size, at) = (significant(sigma * factor, 3), significant(at, 4));
             format!("{error} (\u{b1} {size} {unit} at {} = {at} {})", axis.name, axis.unit())
         };
-        (sigma > limit).then(words)
+        (sigma > undetermined_from(source.direction)).then(words)
     };
     sources.into_iter().filter_map(one).collect()
 }
@@ -201,7 +203,7 @@ pub(super) fn unheld(fitted: &Fitted<'_>) -> Option<Diagnostic> {
         return None;
     }
     let Prediction { spread, pose, deviation, .. } = &fitted.prediction;
-    let at = positions(fitted.machine, pose);
+    let at = axes_text(fitted.machine, pose);
     let message = match spread {
         Spread::Free(words) => {
             let words = words.trim_end_matches(" change nothing").trim_end_matches(" changes nothing");
@@ -218,13 +220,6 @@ pub(super) fn unheld(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     let help = "measure there, fit less (fewer knots than measured places), or bound the curves (`slopes:`); \
                 `--accept-undetermined` writes the file all the same";
     Some(Diagnostic::new(codes::E0515, message).help(help))
-}
-
-/// `X 100 mm, C 90 deg`.
-pub(super) fn positions(machine: &Machine, pose: &[f64]) -> String {
-    let one =
-        |(axis, q): (&crate::machine::Axis, &f64)| format!("{} {} {}", axis.name, significant(*q, 4), axis.unit());
-    machine.axes().iter().zip(pose).map(one).collect::<Vec<_>>().join(", ")
 }
 
 /// Combinations that go to a machine file although noise hides them.

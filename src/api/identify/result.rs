@@ -3,12 +3,12 @@
 use super::datum::{self, FittedDatum, FittedError};
 use super::pictures::NamedSvg;
 use super::{Fitted, limits};
+use crate::api::poses::{AxisPositions, axis_positions};
 use crate::diagnostic::Sources;
 use crate::identify::{
     Estimate, Known, Outlier, Parameter, Prediction, Randomness, ReadingKind, Repeats, Scatter, Spread,
 };
 use crate::units::significant;
-use indexmap::IndexMap;
 use serde::Serialize;
 
 /// A parameter with its value.
@@ -173,7 +173,7 @@ pub struct PredictedUncertainty {
     /// A combination of parameters that changes the deviation and no reading, in words.
     pub combination: Option<String>,
     /// Where it is largest, mm and deg.
-    pub at: IndexMap<String, f64>,
+    pub at: AxisPositions,
     /// The tool there.
     pub tool: String,
     /// The largest deviation predicted, um.
@@ -185,7 +185,6 @@ pub struct PredictedUncertainty {
 impl PredictedUncertainty {
     fn of(fitted: &Fitted<'_>) -> Self {
         let Prediction { spread, pose, tool, deviation } = &fitted.prediction;
-        let axes = fitted.machine.axes().iter().zip(pose);
         let (largest_um, combination) = match spread {
             Spread::Known(size) => (Some(um(*size)), None),
             Spread::Unknown => (None, None),
@@ -195,7 +194,7 @@ impl PredictedUncertainty {
             largest_um,
             infinite: combination.is_some(),
             combination,
-            at: axes.map(|(axis, q)| (axis.name.to_string(), *q)).collect(),
+            at: axis_positions(fitted.machine, pose),
             tool: fitted.machine.tools().get(*tool).map_or_else(String::new, |tool| tool.name.clone()),
             deviation_um: um(*deviation),
             held: limits::held(fitted),

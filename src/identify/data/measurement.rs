@@ -7,7 +7,7 @@ use crate::machine::{Approach, Direction, Pose};
 use nalgebra::Vector3;
 
 /// Lever (mm) by which a rotation counts as a displacement where sizes of unlike quantities are compared.
-const LEVER_MM: f64 = 300.0;
+pub(crate) const LEVER_MM: f64 = 300.0;
 
 /// Returns the displacement (mm) that a unit (mm or rad) of an error in this direction makes.
 pub(crate) fn lever(direction: Direction) -> f64 {

@@ -16,7 +16,7 @@ mod repeats;
 mod station;
 
 pub(super) use error_name::split_direction;
-pub(super) use measurement::lever;
 pub use measurement::{DistanceEnd, InstrumentUnknown, Measurement, MeasurementSet, Reading, ReadingKind};
+pub(crate) use measurement::{LEVER_MM, lever};
 pub use reader::read_measurements;
 pub use repeats::{Repeats, repeats};

@@ -147,16 +147,7 @@ impl Held {
 
     /// Rigid motions of the whole machine.
     fn motions(&self, volume: &Volume) -> Vec<String> {
-        let turn = |k: usize| Vector3::ith(k, 1.0).cross_matrix();
-        let turns = volume.mapped(&[turn(0), turn(1), turn(2)]);
-        let motions =
-            DMatrix::from_fn(
-                turns.nrows(),
-                6,
-                |i, k| {
-                    if k < 3 { f64::from(u8::from(i % 3 == k)) } else { turns[(i, k - 3)] }
-                },
-            );
+        let motions = volume.motions();
         // Translations are no unknowns of their own here.
         let system = self.system.columns(0, self.unknowns).into_owned();
         let bare = Self { system, unknowns: self.unknowns, sizes: self.sizes.clone(), felt: self.felt.clone() };

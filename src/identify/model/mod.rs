@@ -28,4 +28,4 @@ pub use prediction::Model;
 pub(super) use prediction::masked;
 pub(super) use prior::Prior;
 pub use request::{overruled, parameters, slope_bounds, unused};
-pub(super) use volume::Volume;
+pub(super) use volume::{Volume, middle};

@@ -2,9 +2,10 @@
 //! workpiece frame that takes most of them away: where a workpiece stands is no error of the machine.
 
 use super::prediction::Model;
+use crate::algebra::linear::beside;
 use crate::diagnostic::{Place, SourceId};
 use crate::evaluate::{Frame, Order, Poses, Spread};
-use crate::identify::data::{Measurement, Reading};
+use crate::identify::data::{LEVER_MM, Measurement, Reading};
 use crate::machine::{Approach, Machine, Pose};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
@@ -13,8 +14,6 @@ use rayon::prelude::*;
 const INSIDE: usize = 256;
 /// Most axes whose corners are all among the poses.
 const CORNERED: usize = 6;
-/// Distance (mm) at which a rotation counts as displacement.
-const REACH: f64 = 300.0;
 /// Motions shorter than this share of their length before the others were taken off are none of their own.
 const OWN: f64 = 1e-9;
 
@@ -67,19 +66,29 @@ impl Volume {
 
     /// Displacements of the points by linear maps of space: a column for each map.
     pub fn mapped(&self, maps: &[nalgebra::Matrix3<f64>]) -> DMatrix<f64> {
-        let centre = self.points.iter().sum::<Vector3<f64>>() / self.points.len().max(1) as f64;
+        let centre = middle(&self.points);
         DMatrix::from_fn(3 * self.points.len(), maps.len(), |i, k| {
-            (maps[k] * (self.points[i / 3] - centre))[i % 3] / REACH
+            (maps[k] * (self.points[i / 3] - centre))[i % 3] / LEVER_MM
         })
     }
+
+    /// Displacements of the points by translations and rotations of the whole: six columns.
+    pub fn motions(&self) -> DMatrix<f64> {
+        motions(&self.points)
+    }
+}
+
+/// The mean of points.
+pub(crate) fn middle(points: &[Vector3<f64>]) -> Vector3<f64> {
+    points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64
 }
 
 /// What translations, and rotations about the centre, do to points: six columns.
 fn motions(points: &[Vector3<f64>]) -> DMatrix<f64> {
-    let centre = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
+    let centre = middle(points);
     DMatrix::from_fn(3 * points.len(), 6, |i, k| {
         let axis = Vector3::ith(k % 3, 1.0);
-        let moved = if k < 3 { axis } else { axis.cross(&(points[i / 3] - centre)) / REACH };
+        let moved = if k < 3 { axis } else { axis.cross(&(points[i / 3] - centre)) / LEVER_MM };
         moved[i % 3]
     })
 }
@@ -88,14 +97,8 @@ fn motions(points: &[Vector3<f64>]) -> DMatrix<f64> {
 fn orthonormal(columns: &DMatrix<f64>) -> DMatrix<f64> {
     let mut kept: Vec<DVector<f64>> = Vec::new();
     for column in columns.column_iter() {
-        let (mut rest, length) = (column.into_owned(), column.norm());
-        // Twice is enough (Kahan).
-        for _ in 0..2 {
-            for known in &kept {
-                let share = known.dot(&rest);
-                rest.axpy(-share, known, 1.0);
-            }
-        }
+        let length = column.norm();
+        let rest = beside(column.into_owned(), &kept);
         if rest.norm() > OWN * length && length > 0.0 {
             kept.push(rest.normalize());
         }

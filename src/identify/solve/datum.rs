@@ -5,9 +5,9 @@
 
 use super::fit::Fit;
 use super::solution::Solution;
-use crate::algebra::linear::Svd;
-use crate::identify::data::{Measurement, lever};
-use crate::identify::model::{Basis, Model, Parameter, Term, Volume, share};
+use crate::algebra::linear::{Svd, Triangle, beside};
+use crate::identify::data::{LEVER_MM, Measurement, lever};
+use crate::identify::model::{Basis, Model, Parameter, Term, Volume, middle, share};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, Axis, AxisKind, Direction};
 use crate::syntax::{DatumEntry, DatumLine, DatumZero, SquarenessSite};
@@ -72,8 +72,8 @@ pub fn in_datum(
         return None;
     }
     let shift = free.shift(&chosen);
-    let (theta, moved) = free.carried(model, data, fit, &solution.theta(), &chosen, &shift);
     let map = free.map(&fit.reduced.r, &chosen, &shift);
+    let (theta, moved) = free.carried(model, data, fit, &solution.theta(), &chosen, &map);
     Some((solution.clone().moved(&map, &theta, (fit, parameters)), moved))
 }
 
@@ -103,7 +103,7 @@ impl Gauge {
         let own: Vec<usize> = (0..errors.len()).filter(|j| errors[*j]).collect();
         let jacobian =
             DMatrix::from_fn(volume.jacobian.nrows(), own.len(), |i, k| volume.jacobian[(i, own[k])] / sizes[own[k]]);
-        let mut triangle = crate::algebra::linear::Triangle::new(own.len());
+        let mut triangle = Triangle::new(own.len());
         volume.deformation(&jacobian).row_iter().for_each(|row| triangle.push(row.iter().copied(), 0.0));
         let svd = Svd::new(&triangle.finish().r);
         let null = svd.null_space(svd.rank(RIGID));
@@ -119,13 +119,7 @@ impl Gauge {
     fn independent(&self, rows: &[DVector<f64>]) -> DMatrix<f64> {
         let (mut kept, mut seen): (Vec<&DVector<f64>>, Vec<DVector<f64>>) = (Vec::new(), Vec::new());
         for row in rows {
-            let mut rest = self.basis.tr_mul(row);
-            for _ in 0..2 {
-                for known in &seen {
-                    let share = known.dot(&rest);
-                    rest.axpy(-share, known, 1.0);
-                }
-            }
+            let rest = beside(self.basis.tr_mul(row), &seen);
             if rest.norm() > DEPENDENT * row.norm() && row.norm() > 0.0 && seen.len() < self.basis.ncols() {
                 kept.push(row);
                 seen.push(rest.normalize());
@@ -171,9 +165,8 @@ impl Gauge {
         fit: &Fit,
         theta: &[f64],
         conditions: &DMatrix<f64>,
-        shift: &DMatrix<f64>,
+        map: &DMatrix<f64>,
     ) -> (Vec<f64>, Moved) {
-        let map = self.map(&fit.reduced.r, conditions, shift);
         let before = Volume::of(model, data, theta);
         let mut theta: Vec<f64> = (map * DVector::from_column_slice(theta)).iter().copied().collect();
         // Errors that keep the conditions.
@@ -186,7 +179,7 @@ impl Gauge {
             let sized =
                 DMatrix::from_fn(now.jacobian.nrows(), theta.len(), |i, j| now.jacobian[(i, j)] / self.sizes[j]);
             let columns = now.deformation(&(self.of_errors(&sized) * &kept));
-            let mut triangle = crate::algebra::linear::Triangle::new(columns.ncols());
+            let mut triangle = Triangle::new(columns.ncols());
             columns.row_iter().zip(rest.iter()).for_each(|(row, right)| triangle.push(row.iter().copied(), *right));
             let reduced = triangle.finish();
             let svd = Svd::new(&reduced.r);
@@ -231,16 +224,15 @@ impl Gauge {
 /// What is left of the way from points to others after the best rigid motion, and that motion: rotation about the
 /// middle, then translation.
 fn aligned(to: &[Vector3<f64>], from: &[Vector3<f64>]) -> (DVector<f64>, (Rotation3<f64>, Vector3<f64>)) {
-    let count = from.len().max(1) as f64;
-    let centre = from.iter().sum::<Vector3<f64>>() / count;
+    let centre = middle(from);
     let (mut rotation, mut translation) = (Rotation3::identity(), Vector3::zeros());
     let mut rest = Vec::new();
     for _ in 0..ROUNDS {
         let place = |p: &Vector3<f64>| rotation * (p - centre) + centre + translation;
         rest = to.iter().zip(from).map(|(to, from)| to - place(from)).collect::<Vec<Vector3<f64>>>();
-        let mut triangle = crate::algebra::linear::Triangle::new(6);
+        let mut triangle = Triangle::new(6);
         for (rest, from) in rest.iter().zip(from) {
-            let arm = rotation * (from - centre) / 300.0;
+            let arm = rotation * (from - centre) / LEVER_MM;
             for i in 0..3 {
                 let turn = |k: usize| Vector3::ith(k, 1.0).cross(&arm)[i];
                 let row = (0..6).map(|k| if k < 3 { f64::from(u8::from(i == k)) } else { turn(k - 3) });
@@ -251,7 +243,7 @@ fn aligned(to: &[Vector3<f64>], from: &[Vector3<f64>]) -> (DVector<f64>, (Rotati
         let svd = Svd::new(&reduced.r);
         let step = svd.solve(&reduced.right, svd.rank(1e-9));
         translation += Vector3::new(step[0], step[1], step[2]);
-        rotation = Rotation3::new(Vector3::new(step[3], step[4], step[5]) / 300.0) * rotation;
+        rotation = Rotation3::new(Vector3::new(step[3], step[4], step[5]) / LEVER_MM) * rotation;
     }
     (DVector::from_fn(3 * rest.len(), |i, _| rest[i / 3][i % 3]), (rotation, translation))
 }

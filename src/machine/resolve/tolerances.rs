@@ -5,8 +5,8 @@ use super::errors::{Errors, bounded};
 use super::uses::JointNames;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::{
-    AxisKind, AxisName, CLASS_NAMES, ClassNumbers, Direction, ErrorFamily, ErrorId, ErrorKind, ErrorTerm, Frames,
-    Machine, NamedClass, Tolerances, classes,
+    AxisKind, AxisName, CLASS_NAMES, ClassNumbers, Direction, ErrorFamily, ErrorId, ErrorKind, ErrorTerm, FRAME_KEYS,
+    Frames, MAIN_AXES, Machine, NamedClass, Tolerances, classes,
 };
 use crate::syntax::{BoundEntry, FrameEntry, Keys, Scalar, below, keys};
 
@@ -139,7 +139,7 @@ fn joint(
     let mut both = [[None; 4]; 2];
     for ((family, entry), four) in ErrorFamily::ALL.into_iter().zip([&location, &component]).zip(&mut both) {
         let base = if family == ErrorFamily::Location { below(at, "location") } else { at.clone() };
-        for (slot, (key, value)) in entry.four().into_iter().enumerate() {
+        for (slot, (key, value)) in FRAME_KEYS.into_iter().zip(entry.four()).enumerate() {
             let Some(value) = value else { continue };
             let here = below(&base, key);
             let direction = if slot < 2 { Direction::X } else { Direction::A };
@@ -153,9 +153,8 @@ fn joint(
 }
 
 fn pair(context: &mut Context<'_>, name: &str, entry: &BoundEntry, at: &Keys, errors: &Errors, all: &mut Tolerances) {
-    const LETTERS: [&str; 3] = ["X", "Y", "Z"];
     let mut two: Vec<usize> =
-        name.split('-').filter_map(|axis| LETTERS.iter().position(|l| *l == axis.trim())).collect();
+        name.split('-').filter_map(|axis| MAIN_AXES.iter().position(|l| *l == axis.trim())).collect();
     two.sort_unstable();
     two.dedup();
     let only = BoundEntry { value: None, ..entry.clone() } == BoundEntry::default();
@@ -166,7 +165,7 @@ fn pair(context: &mut Context<'_>, name: &str, entry: &BoundEntry, at: &Keys, er
         return;
     };
     let here = context.value_of(at);
-    let carrying = AxisName::new(LETTERS[*second]);
+    let carrying = AxisName::new(MAIN_AXES[*second]);
     if carrying.is_some_and(|axis| by_letter(context, &axis, ErrorFamily::Location, true, &here, errors)) {
         return;
     }
@@ -206,7 +205,7 @@ fn by_letter(
 /// Refuses squareness beside rotations across the axis that has it.
 fn doubled(context: &mut Context<'_>, all: &Tolerances) {
     for pair in all.squareness.keys() {
-        let letters = pair.map(|axis| ["X", "Y", "Z"][axis]);
+        let letters = pair.map(|axis| MAIN_AXES[axis]);
         let Some(axis) = AxisName::new(letters[1]) else { continue };
         if all.of(&axis, ErrorFamily::Location, true, false).is_some() {
             let at = keys(["tolerances", letters[1], "location", "about_across"]);
@@ -219,12 +218,11 @@ fn doubled(context: &mut Context<'_>, all: &Tolerances) {
 /// Refuses squareness of axes that have none: parallel ones.
 pub fn squareness(context: &mut Context<'_>, machine: &Machine) {
     let frames = Frames::of(machine);
-    let letters = ["X", "Y", "Z"];
     for [first, second] in machine.tolerances().squareness.keys() {
-        let [Some(_), Some(joint)] = [first, second].map(|axis| machine.axis_index(letters[*axis])) else { continue };
+        let [Some(_), Some(joint)] = [first, second].map(|axis| machine.axis_index(MAIN_AXES[*axis])) else { continue };
         let rotation = Direction::ALL[3 + (3 - first - second)];
         if frames.joint(joint).squareness_to(ErrorFamily::Location, rotation) != Some(*first) {
-            let name = format!("{}-{}", letters[*first], letters[*second]);
+            let name = format!("{}-{}", MAIN_AXES[*first], MAIN_AXES[*second]);
             let at = keys(["tolerances", &name]);
             let message = format!("`{}` is the squareness of axes that do not span a plane", dotted(&at));
             context.at_key(codes::E0416, &at, message, "give the directions of both axes, or remove the bound");
@@ -252,7 +250,8 @@ pub fn class(context: &mut Context<'_>) -> Option<NamedClass> {
     for (kind, slot) in ErrorKind::ALL.into_iter().zip(&mut numbers.all) {
         let Some(scalar) = entry.number(kind.section(), kind.name()) else { continue };
         let here = keys(["class", kind.section(), kind.name()]);
-        let value = context.coefficient(scalar, kind.direction(), AxisKind::Linear, kind.grows_with_travel().into(), &here)?;
+        let value =
+            context.coefficient(scalar, kind.direction(), AxisKind::Linear, kind.grows_with_travel().into(), &here)?;
         if value < 0.0 {
             context.at_value(codes::E0411, &here, "a negative tolerance", NEGATIVE);
             return None;
@@ -269,7 +268,8 @@ pub fn class(context: &mut Context<'_>) -> Option<NamedClass> {
     match numbers.over(base, entry.source.clone().unwrap_or_else(|| "machine file".to_owned())) {
         Ok(class) => Some(NamedClass { name, class }),
         Err(missing) => {
-            let message = format!("the class has no `{}.{}`, and is not `like` another", missing.section(), missing.name());
+            let message =
+                format!("the class has no `{}.{}`, and is not `like` another", missing.section(), missing.name());
             let help = "write all numbers of linear axes, and all of rotary ones or none; or `like: production`";
             context.at_key(codes::E0417, &at, message, help);
             None

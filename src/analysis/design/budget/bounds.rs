@@ -203,14 +203,10 @@ pub fn bounds(machine: &Machine, class: Option<&Class>) -> Vec<Bound> {
 fn framed(machine: &Machine, axis: &AxisName, triple: &Triple, slot: usize) -> Option<f64> {
     let (all, role) = (machine.tolerances(), triple.roles[slot]);
     let square = match role {
-        Role::Square(other) => main_axis(axis).and_then(|own| all.squareness.get(&[other, own])).copied(),
+        Role::Square(other) => axis.main().and_then(|own| all.squareness.get(&[other, own])).copied(),
         _ => None,
     };
     square.or_else(|| all.of(axis, triple.family, triple.turns, role == Role::Along))
-}
-
-fn main_axis(axis: &AxisName) -> Option<usize> {
-    ["X", "Y", "Z"].iter().position(|name| *name == axis.as_str())
 }
 
 fn errors_of(machine: &Machine, joint: usize) -> &JointErrors {
