@@ -137,7 +137,7 @@ fn difference(
     })
 }
 
-/// Whether every error curve is defined at the poses.
+/// True if every error curve is defined at the poses.
 fn covered(machine: &Machine, side: &MachineResult) -> bool {
     side.reached.iter().all(|(pose, _)| machine.outside(pose).is_none())
 }

@@ -38,7 +38,7 @@ pub struct ErrorSizes {
     /// The value of the largest size in the first and in the second, mm or rad: of a bounded error the bound; `None`
     /// where the error is not given.
     pub sizes: [Option<f64>; 2],
-    /// Whether the error is only bounded, in the first and in the second.
+    /// True if the error is only bounded, in the first and in the second.
     pub bounded: [bool; 2],
     /// Largest absolute difference over the volume, mm or rad.
     pub largest: f64,
@@ -48,7 +48,7 @@ pub struct ErrorSizes {
 const SAMPLES: u32 = 400;
 
 impl Machine {
-    /// What differs from another machine: the chain first, then geometry, conventions and errors in the order of the
+    /// Returns the properties that differ from another machine: the chain first, then geometry, conventions and errors in the order of the
     /// other's walk. Geometry and errors are those of this machine on the other's chain: they went with the side.
     pub fn differences(&self, other: &Self) -> Vec<MachineProperty> {
         let Some(moved) = self.on_chain_of(other) else { return vec![MachineProperty::Chain] };
@@ -98,7 +98,7 @@ impl Machine {
         Some(moved.with_parts(parts))
     }
 
-    /// How far an error of two machines differs, over the volume of the first.
+    /// Returns the difference of an error of two machines, over the volume of the first.
     pub fn error_sizes(&self, other: &Self, id: &ErrorId) -> ErrorSizes {
         let machines = [self, other];
         let terms = machines.map(|machine| machine.joint_index(&id.axis).and_then(|j| machine.joint_term(j, id)));

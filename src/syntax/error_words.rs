@@ -3,7 +3,7 @@
 /// The letters of the directions, X Y Z A B C.
 const LETTERS: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
 
-/// What a component error is: of the axis `name`, which turns about or travels along the machine's axis `along` (0 to
+/// Returns the words for a component error: of the axis `name`, which turns about or travels along the machine's axis `along` (0 to
 /// 2), in the direction `direction` (0 to 5: X Y Z A B C). `None` for `along` states the direction only.
 pub fn component_words(name: &str, rotary: bool, along: Option<usize>, direction: usize) -> String {
     let letter = LETTERS[direction];
@@ -23,7 +23,7 @@ pub fn component_words(name: &str, rotary: bool, along: Option<usize>, direction
     }
 }
 
-/// What a location error is, as [`component_words`]: a constant.
+/// Returns the words for a location error, as [`component_words`]: a constant.
 pub fn location_words(name: &str, rotary: bool, along: Option<usize>, direction: usize) -> String {
     let (letter, about) = (LETTERS[direction], LETTERS[direction % 3]);
     let own = along == Some(direction % 3);

@@ -36,11 +36,11 @@ const LETTERS: [(&str, &str); 9] = [
     ("W", "Second linear axis along Z."),
 ];
 
-/// What a quantity lacks.
+/// Message for a quantity that does not fit.
 const WITH_UNIT: &str = "a value with its unit, such as 12 um, 25 urad, 5 arcsec, 3 um/m";
-/// What a position in mm or deg lacks.
+/// Message for a position in mm or deg that does not fit.
 const POSITION: &str = "a position: a number in mm or deg, or one with its unit";
-/// What a length in mm lacks.
+/// Message for a length in mm that does not fit.
 const IN_MM: &str = "a length: a number in mm, or one with its unit (nm, um, mm, cm, m, in)";
 
 /// The schema of a machine file.

@@ -236,6 +236,9 @@ fn what_is_refused_leaves_nothing() {
     let (code, message) = refused(&["report", text(&own), "--poses", "5", "--out", text(&own)]);
     assert!(code == 1 && message.contains("E0630"), "{message}");
     assert_eq!(std::fs::read(&own).unwrap(), before);
+    let watched = Ended::within(20, &["report", text(&own), "--poses", "5", "--out", text(&own), "--watch"]);
+    assert_eq!((watched.code, std::fs::read(&own).unwrap() == before), (Some(1), true), "{}", watched.message);
+    assert!(watched.message.contains("E0630"), "{}", watched.message);
     let out = folder.file("p.html");
     assert_eq!(refused(&["report", "trunnion.yaml"]).0, 2);
     let (code, message) = refused(&["report", "none.yaml", "--out", text(&out)]);
@@ -247,6 +250,32 @@ fn what_is_refused_leaves_nothing() {
     let (code, message) = refused(&["report", "trunnion.yaml", "--watch", "--port", &port]);
     assert!(code == 1 && message.contains("E0631"), "{message}");
     assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 1);
+}
+
+/// A command that should end by itself.
+struct Ended {
+    code: Option<i32>,
+    message: String,
+}
+
+impl Ended {
+    /// Ends it after so many seconds if it has not ended.
+    fn within(seconds: u64, args: &[&str]) -> Self {
+        let piped =
+            Command::new(env!("CARGO_BIN_EXE_abbe")).args(args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
+        let mut child = piped.unwrap();
+        let mut message = String::new();
+        for _ in 0..seconds * 10 {
+            if child.try_wait().unwrap().is_some() {
+                break;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(100));
+        }
+        let _ = child.kill();
+        let code = child.wait().unwrap().code();
+        let _ = std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut message);
+        Self { code, message }
+    }
 }
 
 /// `report --watch`, ended with this value.

@@ -172,7 +172,7 @@ pub struct PredictedUncertainty {
     pub infinite: bool,
     /// A combination of parameters that changes the deviation and no reading, in words.
     pub combination: Option<String>,
-    /// Where it is largest, mm and deg.
+    /// Pose at which it is largest, mm and deg.
     pub at: AxisPositions,
     /// The tool there.
     pub tool: String,
@@ -253,7 +253,7 @@ pub struct IdentifyResult {
     pub residual_tests: Vec<ResidualTest>,
     /// Readings that stand out, farthest first.
     pub outliers: Vec<OutlierPlace>,
-    /// What the fit is worth over the volume.
+    /// Uncertainty of the fit's prediction over the volume.
     pub prediction: PredictedUncertainty,
     /// Rigid motions of the whole machine that no reading notices, such as `along X`.
     pub invariances: Vec<String>,

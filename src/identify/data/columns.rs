@@ -60,7 +60,7 @@ pub(super) enum LengthKind {
     Displacement,
 }
 
-/// What stands on the workpiece.
+/// The thing that stands on the workpiece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fixture {
     Station,

@@ -5,7 +5,7 @@ use crate::syntax::sheet::MixedDecimals;
 use crate::units;
 use std::fmt;
 
-/// Why a header cannot be used.
+/// A reason for which a header cannot be used.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum HeaderFailure {
     Repeated(String),
@@ -37,7 +37,7 @@ pub(super) enum HeaderFailure {
     NotPositionUnit(String, String),
 }
 
-/// Why a row cannot be used.
+/// A reason for which a row cannot be used.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum RowFailure {
     /// Cells of the row, and of the header.

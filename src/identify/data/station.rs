@@ -20,7 +20,7 @@ pub struct Sight {
     pub run: Option<usize>,
 }
 
-/// Why the place of a station cannot be found.
+/// A reason for which the place of a station cannot be found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StationFailure {
     /// The file gives it two places.

@@ -26,7 +26,7 @@ const NAMED: f64 = 0.05;
 /// Stretches below this share of the largest are not named.
 const STRETCHED: f64 = 0.02;
 
-/// What may happen to the whole machine unnoticed.
+/// Changes of the whole machine that no reading notices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Invariances {
     /// Stretches of the machine that the readings would shrink to a point: what, and the parameters that make it.
@@ -58,7 +58,7 @@ fn same_points(model: &Model<'_>, data: &[Measurement]) -> bool {
     places.values().any(|list| list.len() > 1 && alike(list))
 }
 
-/// What the data and the parameters say of motions of the whole machine.
+/// Equations by which data and parameters hold motions of the whole machine.
 struct Held {
     /// Unknowns, then translations of the frame, as displacements: their effect on volume and readings.
     system: DMatrix<f64>,

@@ -219,7 +219,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// What the errors add to the nominal machine's reading: the first- and second-order part, and all higher ones
+    /// The part that errors add to the nominal machine's reading: the first- and second-order part, and all higher ones
     /// together where the exact reading is `exact`.
     pub fn orders(&self, m: &Measurement, theta: &[f64], exact: &Vector3<f64>) -> [Vector3<f64>; 3] {
         let parts = self.reading::<Dual<3>>(m, theta);

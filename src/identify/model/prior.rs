@@ -44,7 +44,7 @@ pub(crate) struct Prior {
     metric: DMatrix<f64>,
     /// Number of unknowns that are the machine's. Nothing is known of the instruments'.
     own: usize,
-    /// What the readings show (mm) of all errors together.
+    /// Size (mm) of all errors together as the readings show it.
     pub shown: f64,
     /// True if values are known before the data.
     pub informed: bool,

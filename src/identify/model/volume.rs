@@ -83,7 +83,7 @@ pub(crate) fn middle(points: &[Vector3<f64>]) -> Vector3<f64> {
     points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64
 }
 
-/// What translations, and rotations about the centre, do to points: six columns.
+/// Displacements of points by translations, and by rotations about the centre: six columns.
 fn motions(points: &[Vector3<f64>]) -> DMatrix<f64> {
     let centre = middle(points);
     DMatrix::from_fn(3 * points.len(), 6, |i, k| {

@@ -28,7 +28,7 @@ const LOUD: f64 = 1e-4;
 /// Places of the travel at which a curve is looked at.
 const SITES: usize = 64;
 
-/// What a datum holds.
+/// The conditions of a datum.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Conditions {
     /// The datum as the file chooses it.
@@ -37,7 +37,7 @@ pub struct Conditions {
     pub spare: Vec<String>,
 }
 
-/// What a datum did to a fit.
+/// The motion that a datum took out of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moved {
     /// Number of conditions.

@@ -1,4 +1,4 @@
-//! What a fit is worth where nothing was measured: the uncertainty of the deviation over the whole volume, after the
+//! The worth of a fit where nothing was measured: the uncertainty of the deviation over the whole volume, after the
 //! best rigid motion of the workpiece frame.
 
 use super::fit::Fit;
@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, Matrix3};
 /// A free direction of unit size (mm) that moves points by more than this (mm) changes the deviation.
 const CHANGED: f64 = 1e-3;
 
-/// How well the deviation is known.
+/// Knowledge of the deviation.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Spread {
     /// Standard uncertainty (mm), along the direction in which it is largest.
@@ -27,7 +27,7 @@ pub enum Spread {
 pub struct Prediction {
     /// The largest uncertainty of the deviation.
     pub spread: Spread,
-    /// Where it is (mm, deg).
+    /// The pose at which it is (mm, deg).
     pub pose: Pose,
     /// Index of the tool there.
     pub tool: usize,

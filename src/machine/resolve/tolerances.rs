@@ -28,7 +28,7 @@ pub enum Named {
     Pair,
 }
 
-/// What a name means; names that are none of these are taken for errors.
+/// Meaning of a name; names that are none of these are taken for errors.
 pub fn meaning(name: &str, known: &JointNames<'_>) -> Named {
     let joint = AxisName::new(name).filter(|axis| known.axis(axis).is_some() || known.spindle == Some(axis));
     match joint {

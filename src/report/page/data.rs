@@ -181,7 +181,7 @@ fn locations(machine: &Machine) -> Vec<Value> {
     };
     let row = |id: &crate::machine::ErrorId, status: &str| {
         let (value, tolerance, unit) = value(id);
-        let factor = if id.direction.is_rotation() { 1e6 } else { 1e3 };
+        let factor = id.direction.micro().0;
         let uncertainty = machine.uncertainty(id).map(|half| half * factor);
         json!({"error": id, "status": status, "value": value, "uncertainty": uncertainty, "tolerance": tolerance,
             "unit": unit})

@@ -123,7 +123,7 @@ impl<'a> Block<'a> {
 
 fn panel(machine: &Machine, index: usize, interval: (f64, f64), direction: Direction) -> Panel {
     let axis = &machine.axes()[index];
-    let factor = if direction.is_rotation() { 1e6 } else { 1e3 };
+    let factor = direction.micro().0;
     let term = machine.axis_errors(index).component[direction.index()].as_ref();
     let (curves, instead) = match term {
         Some(ErrorTerm::Component(component)) => (drawn(component, interval, factor), String::new()),

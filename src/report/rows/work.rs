@@ -18,7 +18,7 @@ pub struct UnreachedRow {
     pub line: usize,
     /// Name of its feature.
     pub feature: Option<String>,
-    /// What is missing, in words.
+    /// The missing reach, in words.
     pub words: String,
     /// The same for JSON: an object with its line.
     pub json: Value,

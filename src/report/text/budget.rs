@@ -57,11 +57,7 @@ impl DrawSettings {
 
 /// A tolerance in um or urad.
 pub fn tolerance(bound: &Bound) -> f64 {
-    bound.tolerance * factor(bound.error.direction.is_rotation())
-}
-
-fn factor(is_rotation: bool) -> f64 {
-    if is_rotation { 1e6 } else { 1e3 }
+    bound.tolerance * bound.error.direction.micro().0
 }
 
 /// `um` or `urad`.
@@ -206,8 +202,8 @@ pub fn budgets_json(budgets: &[BudgetReport<'_>], errors: &[BoundedError]) -> Va
         };
         let minus: Vec<f64> = (0..e.parts.len()).map(|i| e.minus_first(i)).collect();
         json!({
-            "error": e.error, "unit": if e.is_rotation { "urad" } else { "um" },
-            "tolerance": each(&|p| p.tolerance * factor(e.is_rotation)),
+            "error": e.error, "unit": e.direction.micro().1,
+            "tolerance": each(&|p| p.tolerance * e.direction.micro().0),
             "um_of_p95": each(&|p| p.of_p95.effect), "um_of_p95_sigma": each(&|p| p.of_p95.sigma),
             "minus_first": minus, "average_um": each(&|p| p.average),
         })

@@ -2,7 +2,7 @@
 
 use super::bounds::{Bound, Role};
 use super::totals::{Budget, ToleranceEffect};
-use crate::machine::ErrorId;
+use crate::machine::{Direction, ErrorId};
 use std::collections::BTreeMap;
 
 /// One bounded error in one machine.
@@ -22,8 +22,8 @@ pub struct BudgetPart {
 pub struct BoundedError {
     /// Its name, in the first machine that bounds it.
     pub error: String,
-    /// True for an angle (rad), false for a length (mm).
-    pub is_rotation: bool,
+    /// Its direction, which decides the unit: mm or rad.
+    pub direction: Direction,
     /// In each machine; `None` where it is not bounded.
     pub parts: Vec<Option<BudgetPart>>,
 }
@@ -61,7 +61,7 @@ pub fn side_by_side(budgets: &[(&[Bound], &Budget)]) -> Vec<BoundedError> {
         }
     }
     let one = |((id, _), (error, parts)): ((&ErrorId, bool), NamedParts)| BoundedError {
-        is_rotation: id.direction.is_rotation(),
+        direction: id.direction,
         error,
         parts,
     };

@@ -5,7 +5,7 @@ use crate::machine::ErrorId;
 use crate::units;
 use std::fmt;
 
-/// Why a header cannot be used.
+/// A reason for which a header cannot be used.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum HeaderFailure {
     NotComponentError(String),
@@ -40,7 +40,7 @@ pub(super) enum HeaderFailure {
     OtherUnit(String, String, String),
 }
 
-/// Why a row is left out.
+/// A reason for which a row is left out.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum RowFailure {
     /// Cells of the row, and of the header.
