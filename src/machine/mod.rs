@@ -22,6 +22,7 @@ mod model;
 mod name;
 mod resolve;
 mod tolerances;
+mod uncertainty;
 mod written;
 
 pub use algebra::{AlgebraChoice, Generators};
@@ -41,4 +42,5 @@ pub use model::{Grid, Machine, MachineParts, Pose, Provenance, SetUp, Tool};
 pub use name::{AxisName, Direction, ErrorFamily, ErrorId, MAIN_AXES};
 pub use resolve::{largest, no_origin, parse_error_name, resolve};
 pub use tolerances::{FRAME_KEYS, FrameTolerances, Tolerances};
+pub use uncertainty::{JointUncertainty, UncertainPart};
 pub use written::machine_file;

@@ -2,7 +2,7 @@
 
 use super::{
     AlgebraChoice, Approach, Axis, AxisKind, AxisName, Conventions, ErrorId, ErrorTerm, Geometry, JointErrors,
-    KinematicChain, NamedClass, Tolerances, Travel,
+    JointUncertainty, KinematicChain, NamedClass, Tolerances, Travel,
 };
 use std::collections::BTreeMap;
 
@@ -72,9 +72,11 @@ pub struct MachineParts {
     pub volume: Vec<Grid>,
     /// The origin of the numbers.
     pub provenance: Provenance,
-    /// Expanded uncertainties (k = 2; mm, rad) of the values of errors, where the file states them. No result depends
-    /// on them.
+    /// Expanded uncertainties (k = 2; mm, rad) of the values of errors, where the file states them: each common to the
+    /// whole curve.
     pub uncertainty: BTreeMap<ErrorId, f64>,
+    /// Joint uncertainty of errors: independent parts.
+    pub covariance: Vec<JointUncertainty>,
     /// The algebra it names, if any.
     pub algebra: Option<AlgebraChoice>,
     /// Bounds along and across axes, and of squareness; those by letter are among the errors.
@@ -84,6 +86,14 @@ pub struct MachineParts {
     /// Geometry of the axes on either side of the bed; `axes`, `errors` and `workpiece` are of the sides on which
     /// the axes stand.
     pub geometry: Geometry,
+}
+
+impl MachineParts {
+    /// The joints in the order of `errors`: axes, then the spindle, which is none.
+    pub(in crate::machine) fn joints(&self) -> impl Iterator<Item = (&AxisName, Option<&Axis>)> {
+        let axes = self.axes.iter().map(|axis| (&axis.name, Some(axis)));
+        axes.chain(self.chain.spindle().map(|name| (name, None)))
+    }
 }
 
 /// A position that cannot be evaluated: an error curve is not defined there.

@@ -2,8 +2,8 @@
 
 use super::{
     AlgebraChoice, Anchor, Axis, AxisKind, AxisName, Branch, ComponentError, Curve, Direction, ErrorFamily, ErrorId,
-    ErrorTerm, FRAME_KEYS, FrameTolerances, Generators, Grid, JointErrors, MAIN_AXES, MachineParts, Sense, SetUp, Tool,
-    Travel,
+    ErrorTerm, FRAME_KEYS, FrameTolerances, Generators, Grid, JointErrors, JointUncertainty, MAIN_AXES, MachineParts,
+    Sense, SetUp, Tool, Travel,
 };
 
 /// The text of a machine file that says what `parts` say; `provenance` are further entries of that section
@@ -24,7 +24,7 @@ pub fn machine_file(parts: &MachineParts, provenance: &[(String, String)]) -> St
     for (key, value) in parts.provenance.entries.iter().chain(provenance) {
         text += &format!("  {}: {}\n", quoted(key), quoted(value));
     }
-    text
+    text + &covariance(parts)
 }
 
 /// Text that YAML cannot misread: a JSON string is one.
@@ -136,12 +136,16 @@ fn volume(parts: &MachineParts) -> String {
     format!("volume:\n{lines}")
 }
 
-fn setup(setup: &SetUp) -> String {
+fn setup(values: &SetUp) -> String {
+    format!("setup: {}\n", setup_body(values))
+}
+
+fn setup_body(setup: &SetUp) -> String {
     let part = |values: &[f64]| {
         let given = values.iter().zip(Direction::ALL).filter(|(value, _)| **value != 0.0);
         given.map(|(value, d)| format!("{}: {}", d.letter(), amount(*value, d))).collect::<Vec<_>>().join(", ")
     };
-    format!("setup: {{ tool: {{ {} }}, workpiece: {{ {} }} }}\n", part(&setup.tool), part(&setup.workpiece))
+    format!("{{ tool: {{ {} }}, workpiece: {{ {} }} }}", part(&setup.tool), part(&setup.workpiece))
 }
 
 fn algebra(choice: &AlgebraChoice) -> String {
@@ -165,14 +169,34 @@ fn algebra(choice: &AlgebraChoice) -> String {
 }
 
 fn errors(parts: &MachineParts) -> String {
-    let axes = parts.axes.iter().map(|axis| (&axis.name, Some(axis)));
-    let spindle = parts.chain.spindle().map(|name| (name, None));
-    let lines: String = axes
-        .chain(spindle)
+    let lines: String = parts
+        .joints()
         .zip(&parts.errors)
         .map(|((name, axis), errors)| joint_lines(parts, name, axis, errors))
         .collect();
     if lines.is_empty() { lines } else { format!("errors:\n{lines}") }
+}
+
+/// Joint uncertainty, a line for each part.
+fn covariance(parts: &MachineParts) -> String {
+    let line = |part: &JointUncertainty| {
+        let terms = parts.joints().flat_map(|(name, axis)| {
+            let six = part.errors.get(name).into_iter().flat_map(JointErrors::iter);
+            six.map(move |(family, direction, of)| {
+                let id = ErrorId { axis: name.clone(), family, direction };
+                format!("{id}: {}", term(of, direction, axis))
+            })
+        });
+        let errors = format!("errors: {{ {} }}", terms.collect::<Vec<_>>().join(", "));
+        let setup = if part.setup == SetUp::default() {
+            String::new()
+        } else {
+            format!(", setup: {}", setup_body(&part.setup))
+        };
+        format!("  - {{ {errors}{setup} }}\n")
+    };
+    let lines: String = parts.covariance.iter().filter(|part| !part.is_empty()).map(line).collect();
+    if lines.is_empty() { lines } else { format!("covariance:\n{lines}") }
 }
 
 /// Bounds along and across axes of the chain, and squareness.

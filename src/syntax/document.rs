@@ -45,6 +45,8 @@ pub struct Document {
     pub tolerances: Entries<BoundEntry>,
     /// The class that bounds everything else.
     pub class: Option<ClassEntry>,
+    /// Joint covariance of the errors' values, a column of a factor for each entry.
+    pub covariance: Vec<CovarianceEntry>,
     /// Tables of which every error column counts.
     pub measured: Vec<String>,
     /// Intervals and steps of maps and tables.
@@ -190,6 +192,17 @@ pub struct SetUpEntry {
     pub workpiece: IndexMap<String, Scalar>,
 }
 
+/// Errors that vary together: one standard uncertainty of an independent part, written like the errors themselves.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct CovarianceEntry {
+    /// Parts of errors by name.
+    #[schemars(schema_with = "super::schema_errors::errors_entry")]
+    pub errors: IndexMap<String, TermEntry>,
+    /// Parts of set-up errors.
+    pub setup: Option<SetUpEntry>,
+}
+
 /// The algebra of symbolic stages.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -323,7 +336,7 @@ pub enum SquarenessSite {
 }
 
 /// Top-level keys.
-pub const SECTIONS: [&str; 19] = [
+pub const SECTIONS: [&str; 20] = [
     "abbe",
     "machine",
     "chain",
@@ -336,6 +349,7 @@ pub const SECTIONS: [&str; 19] = [
     "errors",
     "tolerances",
     "class",
+    "covariance",
     "measured",
     "volume",
     "extends",
@@ -408,6 +422,7 @@ impl Document {
             errors: reader.entries("errors"),
             tolerances: reader.entries("tolerances"),
             class: reader.section("class"),
+            covariance: reader.section("covariance").unwrap_or_default(),
             measured: reader.section("measured").unwrap_or_default(),
             volume: reader.volume(),
             provenance: reader.section("provenance").unwrap_or_default(),

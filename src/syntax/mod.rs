@@ -25,8 +25,8 @@ mod tree;
 
 pub use disk::Disk;
 pub use document::{
-    AlgebraEntry, AxisEntry, ConventionsEntry, DatumEntry, DatumLine, DatumZero, Document, GeneratorsEntry,
-    IdentifyEntry, PlausibleEntry, SquarenessSite, ToolEntry, TravelEntry, VolumeAxis,
+    AlgebraEntry, AxisEntry, ConventionsEntry, CovarianceEntry, DatumEntry, DatumLine, DatumZero, Document,
+    GeneratorsEntry, IdentifyEntry, PlausibleEntry, SetUpEntry, SquarenessSite, ToolEntry, TravelEntry, VolumeAxis,
 };
 pub use files::{EntryKind, Files, FolderEntry, MemoryFiles, ReadFailure};
 pub use geometry::{PositionEntry, RelativeEntry, SideEntry, WrittenChain, WrittenChains};

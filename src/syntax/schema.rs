@@ -4,8 +4,8 @@
 //! may remove what its base says.
 
 use super::document::{
-    AlgebraEntry, AxisEntry, Branches, ConventionsEntry, IdentifyEntry, SetUpEntry, ToolEntry, VolumeFields,
-    WorkpieceEntry,
+    AlgebraEntry, AxisEntry, Branches, ConventionsEntry, CovarianceEntry, IdentifyEntry, SetUpEntry, ToolEntry,
+    VolumeFields, WorkpieceEntry,
 };
 use super::schema_errors::{self, errors};
 use super::term::CurveEntry;
@@ -115,6 +115,9 @@ fn sections(generator: &mut SchemaGenerator) -> Value {
             tolerances(generator),
         ),
         "class": any(vec![class_name(generator).to_value(), object::<ClassEntry>(generator)]),
+        "covariance": or_null("Joint uncertainty of the errors: independent parts, one standard uncertainty each.", json!({
+            "type": "array", "items": object::<CovarianceEntry>(generator)
+        })),
         "measured": or_null("CSV files of which every error column counts.", json!({
             "type": "array",
             "items": { "type": "string", "minLength": 1 }

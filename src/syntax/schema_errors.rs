@@ -4,7 +4,7 @@
 use super::error_words::{component_words, location_words};
 use super::schema::{ANGLE, AXIS, LENGTH, NUMBER, any, notes, object, quantity, text};
 use super::term::TermEntry;
-use schemars::SchemaGenerator;
+use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value, json};
 
 /// Axes whose errors an editor completes: name, whether it is rotary, and the direction of the machine it lies in.
@@ -25,6 +25,11 @@ const AXES: [(&str, bool, Option<usize>); 10] = [
 /// Errors by name.
 pub fn errors() -> Value {
     json!({ "$ref": "#/definitions/Errors" })
+}
+
+/// The same as the schema of a field.
+pub fn errors_entry(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "$ref": "#/definitions/Errors" })
 }
 
 /// The definitions that [`errors`] refers to.

@@ -209,7 +209,8 @@ fn uncertainty(context: &mut Context<'_>, error: &ErrorId, entry: &TermEntry, at
     context.plausible(value, error.direction, &here).then_some(value)
 }
 
-fn term(
+/// The term that an entry writes.
+pub fn term(
     context: &mut Context<'_>,
     spelling: &Spelling,
     entry: &TermEntry,

@@ -5,6 +5,7 @@ mod axes;
 mod chain;
 mod context;
 mod conventions;
+mod covariance;
 mod curves;
 mod doubles;
 mod errors;
@@ -60,6 +61,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
     let mut errors = side_errors::errors(context, &known, &walk);
     let tolerances = tolerances::frames(context, &known, &errors);
     let class = tolerances::class(context);
+    let covariance = covariance::covariance(context, &known);
     let algebra = uses::algebra(context, &known);
     uses::identify(context, &known);
     let tool = tools.as_ref().and_then(|tools| tools.first());
@@ -81,6 +83,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
         volume: volume?,
         provenance,
         uncertainty: std::mem::take(&mut errors.uncertainty),
+        covariance,
         algebra,
         tolerances,
         class,

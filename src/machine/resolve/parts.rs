@@ -5,7 +5,7 @@ use super::context::{Context, dotted};
 use super::positions::{PositionDraft, position};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, is_layout, shown};
 use crate::machine::{Direction, Provenance, SetUp, Tool};
-use crate::syntax::{Keys, Scalar, ToolEntry, below, keys};
+use crate::syntax::{Keys, Scalar, SetUpEntry, ToolEntry, below, keys};
 
 /// Longest name of a machine, in characters.
 const NAME: usize = 120;
@@ -159,14 +159,19 @@ pub fn workpiece(context: &mut Context<'_>) -> Option<PositionDraft> {
 
 /// Set-up errors.
 pub fn setup(context: &mut Context<'_>) -> SetUp {
+    let document = context.document;
+    document.setup.as_ref().map_or_else(SetUp::default, |entry| setup_at(context, entry, &keys(["setup"])))
+}
+
+/// Set-up errors written in a section.
+pub fn setup_at(context: &mut Context<'_>, entry: &SetUpEntry, section: &Keys) -> SetUp {
     let mut setup = SetUp::default();
-    let Some(entry) = &context.document.setup else { return setup };
     for (part, values) in [("tool", &entry.tool), ("workpiece", &entry.workpiece)] {
         let letters: &[&str] = if part == "tool" { &["X", "Y", "Z"] } else { &["X", "Y", "Z", "A", "B", "C"] };
         for (letter, scalar) in values {
-            let at = keys(["setup", part, letter]);
+            let at = below(&below(section, part), letter);
             let Some(i) = letters.iter().position(|l| l == letter) else {
-                let message = format!("unknown key `{}` in `setup.{part}`", shown(letter));
+                let message = format!("unknown key `{}` in `{}`", shown(letter), dotted(&below(section, part)));
                 context.at_key(codes::E0201, &at, message, did_you_mean(letter, letters));
                 continue;
             };

@@ -173,7 +173,7 @@ fn heading(cell: &str) -> (&str, &str) {
 
 fn known(map: &Mapping, keys: &[&str]) {
     // Bounds change no number of the model.
-    let inert = ["volume", "provenance", "identify", "tolerances", "class"];
+    let inert = ["volume", "provenance", "identify", "tolerances", "class", "covariance"];
     let foreign = map.keys().map(text).find(|key| !keys.contains(key) && !inert.contains(key));
     assert_eq!(foreign, None, "this reader does not know the key");
 }

@@ -1,0 +1,85 @@
+//! Uncertainty of the values of errors as independent parts, each of which moves errors by known amounts together.
+
+use super::{AxisName, ComponentError, Curve, ErrorFamily, ErrorId, ErrorTerm, JointErrors, Machine, SetUp};
+use std::collections::BTreeMap;
+
+/// One standard uncertainty of an independent part of the joint uncertainty: the column of a factor L of the covariance
+/// L L^T of all values of the errors (JCGM 102:2011, 6.2).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct JointUncertainty {
+    /// Amounts by which errors change, by joint (mm, rad).
+    pub errors: BTreeMap<AxisName, JointErrors>,
+    /// Amounts by which set-up errors change (mm, rad).
+    pub setup: SetUp,
+}
+
+impl JointUncertainty {
+    /// Largest number of parts of a machine.
+    pub const MOST: usize = 1000;
+
+    /// True if the part moves this error.
+    fn moves(&self, error: &ErrorId) -> bool {
+        self.errors.get(&error.axis).is_some_and(|six| six.six(error.family)[error.direction.index()].is_some())
+    }
+
+    /// True if it moves nothing.
+    pub fn is_empty(&self) -> bool {
+        self.setup == SetUp::default() && self.errors.values().all(|errors| errors.iter().next().is_none())
+    }
+
+    /// Leaves an error out.
+    pub fn remove(&mut self, error: &ErrorId) {
+        if let Some(errors) = self.errors.get_mut(&error.axis) {
+            errors.six_mut(error.family)[error.direction.index()] = None;
+        }
+    }
+}
+
+/// The origin of an independent part. Two machines whose files state the same part share its uncertainty.
+#[derive(Debug, Clone, PartialEq)]
+pub enum UncertainPart {
+    /// A part of the joint uncertainty.
+    Joint(JointUncertainty),
+    /// An error that states its own, with its values and its standard uncertainty (mm, rad).
+    Alone(ErrorId, ErrorTerm, f64),
+}
+
+impl Machine {
+    /// Returns the independent parts of the uncertainty of its errors. The uncertainty that an error states for itself
+    /// is common to its whole curve; it counts where no joint part moves the error.
+    pub fn uncertain_parts(&self) -> Vec<UncertainPart> {
+        let parts = self.parts();
+        let joint = parts.covariance.iter().cloned().map(UncertainPart::Joint);
+        let alone = self.errors().filter_map(|(error, term)| {
+            let half = self.uncertainty(&error).filter(|half| *half > 0.0)?;
+            let known = matches!(term, ErrorTerm::Tolerance(_)) || parts.covariance.iter().any(|p| p.moves(&error));
+            (!known).then(|| UncertainPart::Alone(error, term.clone(), half / 2.0))
+        });
+        joint.chain(alone).collect()
+    }
+
+    /// Returns the machine whose only errors are one standard uncertainty of a part: its deviation to first order is
+    /// what the part does to that of this machine.
+    pub fn moved_by(&self, part: &UncertainPart) -> Self {
+        let mut parts = self.parts().clone();
+        let names: Vec<AxisName> =
+            parts.axes.iter().map(|axis| axis.name.clone()).chain(parts.chain.spindle().cloned()).collect();
+        let (amounts, setup) = match part {
+            UncertainPart::Joint(joint) => (joint.errors.clone(), joint.setup),
+            UncertainPart::Alone(error, _, sigma) => {
+                let mut errors = JointErrors::default();
+                let term = match error.family {
+                    ErrorFamily::Location => ErrorTerm::Constant(*sigma),
+                    ErrorFamily::Component => {
+                        ErrorTerm::Component(ComponentError::Single(Curve::Polynomial(vec![*sigma])))
+                    }
+                };
+                errors.six_mut(error.family)[error.direction.index()] = Some(term);
+                (BTreeMap::from([(error.axis.clone(), errors)]), SetUp::default())
+            }
+        };
+        parts.errors = names.iter().map(|name| amounts.get(name).cloned().unwrap_or_default()).collect();
+        parts.setup = setup;
+        self.with_parts(parts)
+    }
+}
