@@ -10,12 +10,14 @@
 //! - `closed_form`: equations over polynomials in symbols ([`equations()`]), interactions of errors
 //!   ([`interactions()`]), first-order effects joint by joint ([`twists`](crate::lower::twists)), and the minimal
 //!   set of location errors ([`LocationSet`]).
+//! - `uncertainty`: intervals of the figures of a map by the uncertainty of the errors ([`bands()`]).
 //! - [`instrument`]: the readings of a ball bar, an R-test, or a laser along the diagonals.
 
 mod closed_form;
 mod design;
 pub mod instrument;
 mod inverse;
+mod uncertainty;
 mod volume;
 
 pub use closed_form::{
@@ -29,6 +31,7 @@ pub use inverse::{
     Excess, Inverse, Miss, Needs, ToolPose, Unreachable, attitude, branches, direction_gap, excess, inverse,
     inverse_all, place, rest, tool_pose,
 };
+pub use uncertainty::{Bands, SummaryBand, UncertainDeviations, band_places, bands, uncertain_parts};
 pub use volume::{
     Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, Survey, SurveyTask, TooManyPoses, View, Work,
     arm_shares, body_diagonals, deviation_in, frame_rotation, levers, map, space_axes, survey, survey_with_rows,

@@ -112,19 +112,27 @@ impl Draws {
 }
 
 /// Normally distributed numbers, by the method of Box and Muller.
-struct Normals {
+pub(in crate::analysis) struct Normals {
     generator: ChaCha8Rng,
     second: Option<f64>,
 }
 
 impl Normals {
+    /// Returns the numbers of a sample, which depend on the seed and on nothing else.
+    pub fn new(seed: u64, sample: u64) -> Self {
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        generator.set_stream(sample);
+        Self { generator, second: None }
+    }
+
     /// Returns a number uniform in (0, 1], with 53 bits.
     fn unit(&mut self) -> f64 {
         const SCALE: f64 = 1.0 / (1_u64 << 53) as f64;
         ((self.generator.next_u64() >> 11) + 1) as f64 * SCALE
     }
 
-    fn next(&mut self) -> f64 {
+    /// Returns the next number.
+    pub fn next(&mut self) -> f64 {
         if let Some(second) = self.second.take() {
             return second;
         }

@@ -33,6 +33,7 @@ pub use crate::machine::{Class, classes};
 pub(crate) use bounds::on_other_sides;
 pub use bounds::{Bound, Role, bounds, known, lacks_rotary};
 pub use cost::{CostModel, Price};
+pub(in crate::analysis) use draw::Normals;
 pub use draw::{Distribution, Draws, NODES};
 pub use goal::{Binding, CheapestTolerances, GoalAnswer, GoalRequest, cheapest};
 pub(crate) use kernel::{

@@ -1,0 +1,200 @@
+//! Uncertainty of figures: what the uncertainty of the errors' values leaves of the statistics of deviations.
+//!
+//! The uncertainty is a sum of independent parts ([`UncertainPart`]), each of which moves the deviations at all poses
+//! together by known amounts, to first order. A figure such as the 95 % value follows to first order: its expanded
+//! uncertainty is twice the root of the sum of the squared halves of its differences, each part added and taken away
+//! (JCGM 100:2008, 5.1.3 note 2, with correlations in the parts). Where that is more than a third of a figure the
+//! figure is no longer straight enough: it is drawn (JCGM 101:2008), and the interval holds the middle 95 % of the
+//! draws.
+
+use super::design::budget::Normals;
+use crate::evaluate::{CompiledModel, Deviation, Order, Statistics, Summary};
+use crate::machine::{Approach, Machine, Pose, UncertainPart};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Largest number of poses at which the parts are followed.
+pub const MAX_BAND_POSES: usize = 1000;
+
+/// Number of draws; the interval lies between the 50th from either end.
+const DRAWS: usize = 2000;
+const OUTSIDE: usize = DRAWS / 40;
+
+/// Share of a figure from which on it is drawn.
+const STRAIGHT: f64 = 1.0 / 3.0;
+
+/// Golden ratio, by which places in a list spread without following any step of it.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Intervals of the statistics of vectors at a level of confidence of 95 %: lower and upper end.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct SummaryBand {
+    /// Of the largest length.
+    pub max: [f64; 2],
+    /// Of the mean length.
+    pub mean: [f64; 2],
+    /// Of the root of the mean of the squared length.
+    pub rms: [f64; 2],
+    /// Of the 95 % value of the length.
+    pub p95: [f64; 2],
+}
+
+/// Intervals of the statistics of deviations.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Bands {
+    /// Number of independent parts of the uncertainty.
+    pub parts: usize,
+    /// Number of poses at which they were followed.
+    pub poses: usize,
+    /// True if the intervals were drawn, false if they are to first order (k = 2).
+    pub drawn: bool,
+    /// Position deviations of the functional point, um.
+    pub position_um: SummaryBand,
+    /// Rotations of the tool, urad.
+    pub rotation_urad: SummaryBand,
+}
+
+/// A machine's deviations (mm, rad) at some poses, and what each part of an uncertainty adds to them.
+#[derive(Debug, Clone)]
+pub struct UncertainDeviations {
+    values: Vec<Deviation>,
+    /// By part; empty where the part is not of this machine.
+    parts: Vec<Vec<Deviation>>,
+    /// Statistics over all poses, of which these are some.
+    whole: Statistics,
+}
+
+impl UncertainDeviations {
+    /// Returns the deviations `values` of a machine, compensated or not, at poses (mm, deg) with the effects of the
+    /// parts that are its own. `whole` are the statistics over all poses.
+    pub fn of(
+        machine: &Machine,
+        parts: &[UncertainPart],
+        (poses, values, whole): (&[Pose], Vec<Deviation>, Statistics),
+        approach: Approach,
+    ) -> Self {
+        let own = machine.uncertain_parts();
+        let effect = |part: &UncertainPart| {
+            if !own.contains(part) {
+                return Vec::new();
+            }
+            let model = CompiledModel::new(&machine.moved_by(part), Order::Degree(1), approach);
+            poses.iter().map(|pose| model.deviation(pose)).collect()
+        };
+        Self { values, parts: parts.par_iter().map(effect).collect(), whole }
+    }
+
+    /// Figures with so much of each part added, in standard uncertainties.
+    fn with(&self, amounts: &[f64]) -> Figures {
+        let mut moved = self.values.clone();
+        for (amount, part) in amounts.iter().zip(&self.parts).filter(|(amount, _)| **amount != 0.0) {
+            for (value, effect) in moved.iter_mut().zip(part) {
+                value.position += effect.position * *amount;
+                value.rotation += effect.rotation * *amount;
+            }
+        }
+        figures(&Statistics::of(&moved))
+    }
+}
+
+/// Largest, mean, rms and 95 % value, of positions, then of rotations.
+type Figures = [f64; 8];
+
+/// An interval about each of them.
+type Intervals = [[f64; 2]; 8];
+
+fn figures(statistics: &Statistics) -> Figures {
+    let four = |s: &Summary| [s.max, s.mean, s.rms, s.p95];
+    let ([a, b, c, d], [e, f, g, h]) = (four(&statistics.position_um), four(&statistics.rotation_urad));
+    [a, b, c, d, e, f, g, h]
+}
+
+/// Returns the parts of several machines, each once.
+pub fn uncertain_parts<'m>(machines: impl IntoIterator<Item = &'m Machine>) -> Vec<UncertainPart> {
+    let mut all: Vec<UncertainPart> = Vec::new();
+    for machine in machines {
+        let known = all.len();
+        let own = machine.uncertain_parts();
+        all.extend(own.into_iter().filter(|part| !all[..known].contains(part)).collect::<Vec<_>>());
+    }
+    all
+}
+
+/// Returns places of a list of `count` at which its figures are looked at: all, or [`MAX_BAND_POSES`] spread over it,
+/// and `besides`.
+pub fn band_places(count: usize, besides: &[usize]) -> Vec<usize> {
+    if count <= MAX_BAND_POSES {
+        return (0..count).collect();
+    }
+    let spread = (0..MAX_BAND_POSES).map(|i| ((i as f64 * GOLDEN).fract() * count as f64) as usize);
+    let mut places: Vec<usize> = spread.chain(besides.iter().copied()).collect();
+    places.sort_unstable();
+    places.dedup();
+    places
+}
+
+/// Returns the intervals of each machine's figures, and of the figures of each minus those of the first. Machines share
+/// the parts that both their files state. `seed` is that of the draws.
+pub fn bands(machines: &[UncertainDeviations], seed: u64) -> (Vec<Bands>, Vec<Bands>) {
+    let count = machines.first().map_or(0, |machine| machine.parts.len());
+    let at_rest: Vec<Figures> = machines.iter().map(|machine| machine.with(&[])).collect();
+    // Of each machine, then of each less that of the first.
+    let moved = |amounts: &[f64]| -> Vec<Figures> {
+        let own: Vec<Figures> = machines.iter().zip(&at_rest).map(|(m, rest)| minus(&m.with(amounts), rest)).collect();
+        own.iter().copied().chain(own.iter().map(|figures| minus(figures, &own[0]))).collect()
+    };
+    let whole: Vec<Figures> = machines.iter().map(|machine| figures(&machine.whole)).collect();
+    let straight = first_order(count, &moved);
+    let bent = |(figure, [_, up]): (&f64, &[f64; 2])| *up > figure.abs() * STRAIGHT;
+    let drawn = whole.iter().zip(&straight).any(|(figures, intervals)| figures.iter().zip(intervals).any(bent));
+    let changes = if drawn { by_draws(count, seed, &moved) } else { straight };
+    let (own, differences) = changes.split_at(machines.len().min(changes.len()));
+    let band = |(machine, (figures, intervals)): (&UncertainDeviations, (Figures, &Intervals)), least: f64| {
+        let ends: Intervals = std::array::from_fn(|i| intervals[i].map(|change| (figures[i] + change).max(least)));
+        let four = |i: usize| SummaryBand { max: ends[i], mean: ends[i + 1], rms: ends[i + 2], p95: ends[i + 3] };
+        Bands { parts: count, poses: machine.values.len(), drawn, position_um: four(0), rotation_urad: four(4) }
+    };
+    let above_first = whole.iter().map(|figures| minus(figures, &whole[0]));
+    let own = machines.iter().zip(whole.iter().copied().zip(own)).map(|of| band(of, 0.0)).collect();
+    let differences = machines.iter().zip(above_first.zip(differences)).map(|of| band(of, f64::NEG_INFINITY)).collect();
+    (own, differences)
+}
+
+fn minus(of: &Figures, from: &Figures) -> Figures {
+    std::array::from_fn(|i| of[i] - from[i])
+}
+
+/// Changes of figures to first order: minus and plus the expanded uncertainty, k = 2.
+fn first_order(count: usize, moved: &(impl Fn(&[f64]) -> Vec<Figures> + Sync)) -> Vec<Intervals> {
+    let half = |k: usize| {
+        let mut amounts = vec![0.0; count];
+        amounts[k] = 1.0;
+        let up = moved(&amounts);
+        amounts[k] = -1.0;
+        up.iter().zip(&moved(&amounts)).map(|(up, down)| minus(up, down).map(|twice| 0.5 * twice)).collect()
+    };
+    let halves: Vec<Vec<Figures>> = (0..count).into_par_iter().map(half).collect();
+    let of = |m: usize| {
+        std::array::from_fn(|i| {
+            let expanded = 2.0 * halves.iter().map(|half| half[m][i] * half[m][i]).sum::<f64>().sqrt();
+            [-expanded, expanded]
+        })
+    };
+    (0..halves.first().map_or(0, Vec::len)).map(of).collect()
+}
+
+/// Changes of figures between which the middle 95 % of the draws lie.
+fn by_draws(count: usize, seed: u64, moved: &(impl Fn(&[f64]) -> Vec<Figures> + Sync)) -> Vec<Intervals> {
+    let one = |sample: usize| {
+        let mut normals = Normals::new(seed, sample as u64);
+        let amounts: Vec<f64> = (0..count).map(|_| normals.next()).collect();
+        moved(&amounts)
+    };
+    let all: Vec<Vec<Figures>> = (0..DRAWS).into_par_iter().map(one).collect();
+    let interval = |m: usize, i: usize| {
+        let mut values: Vec<f64> = all.iter().map(|figures| figures[m][i]).collect();
+        values.sort_unstable_by(f64::total_cmp);
+        [values[OUTSIDE - 1], values[DRAWS - OUTSIDE]]
+    };
+    (0..all.first().map_or(0, Vec::len)).map(|m| std::array::from_fn(|i| interval(m, i))).collect()
+}
