@@ -1,7 +1,9 @@
 //! A certificate with the machine, the target and the files that it holds for.
 
 use super::compensation::verdict;
-use crate::controller::{Certificate, ControllerTarget, Figures, RaisedFigure, ZeroShift, micro};
+use super::uncertainty::CertificateBands;
+use crate::controller::{Certificate, ControllerTarget, Depth, Figures, RaisedFigure, ZeroShift, micro};
+use crate::evaluate::Field;
 use crate::machine::{AxisKind, Machine};
 use serde_json::{Map, Value, json};
 
@@ -16,6 +18,8 @@ pub struct CertificateReport {
     pub certificate: Certificate,
     /// Names of the files.
     pub files: Vec<String>,
+    /// Intervals of the figures, where the machine file states uncertainties of errors.
+    pub uncertainty: Option<CertificateBands>,
 }
 
 impl CertificateReport {
@@ -23,9 +27,12 @@ impl CertificateReport {
         machine: &Machine,
         target: &ControllerTarget,
         certificate: &Certificate,
+        (field, depth): (&dyn Field, Depth),
         files: Vec<String>,
     ) -> Self {
-        Self { machine: machine.clone(), target: target.clone(), certificate: certificate.clone(), files }
+        let uncertainty = CertificateBands::of(machine, certificate, field, depth);
+        let (machine, target, certificate) = (machine.clone(), target.clone(), certificate.clone());
+        Self { machine, target, certificate, files, uncertainty }
     }
 
     /// Returns in words which figures of the position deviation the files raise; `None` if they raise none.
@@ -35,7 +42,7 @@ impl CertificateReport {
 
     /// The contract of `compile` and `verify` in docs/formats.md.
     fn json(&self) -> serde_json::Value {
-        let Self { machine, target, certificate, files } = self;
+        let Self { machine, target, certificate, files, uncertainty } = self;
         let summary = |f: &Figures| {
             json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad,
             "tool_axis_urad": f.tool_axis})
@@ -60,7 +67,7 @@ impl CertificateReport {
             json!({"direction": r.approach, "figure": r.figure, "before_um": r.before,
             "after_um": r.after})
         };
-        json!({
+        let mut contract = json!({
             "reference_shift": shifted.map(shift), "raised": certificate.raised.iter().map(raised).collect::<Vec<_>>(),
             "target": target.manifest.target, "files": files, "poses": certificate.poses,
             "direction": certificate.approach, "tool": machine.tool().name,
@@ -69,7 +76,11 @@ impl CertificateReport {
             "at_reference": {"forward": named(machine, &certificate.at_reference[0]), "reverse": named(machine,
                 &certificate.at_reference[1])},
             "cannot": target.manifest.cannot,
-        })
+        });
+        if let (Some(bands), Some(contract)) = (uncertainty, contract.as_object_mut()) {
+            let _ = contract.insert("uncertainty".to_owned(), json!(bands));
+        }
+        contract
     }
 }
 

@@ -9,8 +9,8 @@ use super::run::{Answer, Call, Refused, Run};
 use super::tolerances::ToleranceOptions;
 use super::tool_poses::{self, MissedToolPose, NeededTravel, needed_travel};
 use crate::analysis::{
-    Comparison, ErrorContribution as AnalysedContribution, MachineResult, UnreachableCount, Work, compare as compared,
-    contributions as contributions_of,
+    Bands, Comparison, ErrorContribution as AnalysedContribution, MachineResult, UncertainDeviations, UnreachableCount,
+    Work, band_places, bands, compare as compared, contributions as contributions_of, uncertain_parts,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::{Bare, Difference, Field, Frame, Order, Statistics, Summary};
@@ -111,6 +111,10 @@ pub struct ComparedMachine {
     pub rotation_urad: Summary,
     /// The statistics minus those of the first machine: negative is better than the first.
     pub minus_first: Difference,
+    /// Intervals of its statistics, and of these minus those of the first machine, where any of the files states
+    /// uncertainties of errors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<ComparedBands>,
     /// Rows of a file of tool poses that it does not reach.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub missed: Option<Vec<MissedToolPose>>,
@@ -120,6 +124,18 @@ pub struct ComparedMachine {
     /// The kinematic chain.
     #[serde(skip)]
     pub chain: String,
+}
+
+/// Intervals of the statistics of a machine beside another. Machines share the uncertainty that both files state.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct ComparedBands {
+    /// Those of the machine.
+    #[serde(flatten)]
+    pub own: Bands,
+    /// Those of its statistics minus the first machine's.
+    pub minus_first: Bands,
+    /// True if the 95 % position deviation differs from the first machine's by more than the uncertainty.
+    pub told_apart: bool,
 }
 
 impl ComparedMachine {
@@ -185,7 +201,12 @@ fn side_by_side(
     let (samples, seed) = (options.samples, options.seed);
     let drawn = DrawnMachines { tolerances: &options.tolerances, samples, max_samples, seed };
     let budgets = budgets(call, &sides, drawn)?;
-    let machine = |((file, side), missed)| compared_machine(file, side, order(file), missed);
+    let uncertainty = uncertainty(&sides, &comparison, options);
+    let machine =
+        |(i, ((file, side), missed)): (usize, ((&MachineFile, &MachineResult), Option<Vec<MissedToolPose>>))| {
+            let uncertainty = uncertainty.as_ref().map(|of| of[i]);
+            ComparedMachine { uncertainty, ..compared_machine(file, side, order(file), missed) }
+        };
     Ok(CompareResult {
         contributions: contributions.iter().map(contribution).collect(),
         asked: comparison.asked,
@@ -193,7 +214,7 @@ fn side_by_side(
         seed: options.seed,
         frame: Frame::Workpiece,
         direction: options.approach,
-        machines: files.iter().zip(&comparison.machines).zip(missed).map(machine).collect(),
+        machines: files.iter().zip(&comparison.machines).zip(missed).enumerate().map(machine).collect(),
         budgets,
         rows: (0..comparison.common.len()).map(|i| row(&comparison, i)).collect(),
     })
@@ -222,10 +243,35 @@ fn compared_machine(
         position_um: side.statistics.position_um,
         rotation_urad: side.statistics.rotation_urad,
         minus_first: side.difference,
+        uncertainty: None,
         travel: missed.is_some().then(|| needed_travel(file, &side.needs)),
         missed,
         chain: file.chain().to_string(),
     }
+}
+
+/// Returns the intervals of all machines; `None` where no file states an uncertainty.
+fn uncertainty(
+    sides: &[(&Machine, Vec<Pose>)],
+    comparison: &Comparison,
+    options: &CompareOptions,
+) -> Option<Vec<ComparedBands>> {
+    let parts = uncertain_parts(sides.iter().map(|(machine, _)| *machine));
+    if parts.is_empty() {
+        return None;
+    }
+    let places = band_places(comparison.common.len(), &[]);
+    let one = |((machine, _), side): (&(&Machine, Vec<Pose>), &MachineResult)| {
+        let (poses, values): (Vec<Pose>, Vec<_>) = places.iter().map(|i| side.reached[*i].clone()).unzip();
+        UncertainDeviations::of(machine, &parts, (&poses, values, side.statistics), options.approach)
+    };
+    let machines: Vec<UncertainDeviations> = sides.iter().zip(&comparison.machines).map(one).collect();
+    let (own, differences) = bands(&machines, options.seed);
+    let both = own.into_iter().zip(differences).map(|(own, minus_first)| {
+        let [low, high] = minus_first.position_um.p95;
+        ComparedBands { own, minus_first, told_apart: low > 0.0 || high < 0.0 }
+    });
+    Some(both.collect())
 }
 
 fn row(comparison: &Comparison, index: usize) -> ComparedPose {

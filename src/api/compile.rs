@@ -8,10 +8,11 @@ use super::compensation::verdict;
 use super::machine_file::{MachineFile, bounded_only};
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::{
-    Certificate, ControllerTarget, Depth, Hashed, Limits, Lock, NAMES, RenderedFile, TablesUnderTest, certify,
+    Certificate, ControllerTarget, Depth, Effect, Hashed, Limits, Lock, NAMES, RenderedFile, TablesUnderTest, certify,
     certify_kinematics,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::evaluate::Field;
 use std::path::PathBuf;
 
 /// Options of [`compile`].
@@ -105,7 +106,8 @@ fn tables(
     let certificate = certify(file, judged, how.scope(), options.poses, options.seed);
     call.extend(verdict::warnings(&certificate));
     call.checked()?;
-    Ok(compiled(file, target, how.words(), set.rendered, &certificate))
+    let depth = Depth { poses: options.poses, seed: options.seed };
+    Ok(compiled((file, target), how.words(), set.rendered, &certificate, (&judged.field(file), depth)))
 }
 
 /// The files of a kinematics module.
@@ -125,20 +127,27 @@ fn module(
     call.extend(verdict::warnings(&certificate));
     call.checked()?;
     let goal = if orientation { "correct pose" } else { "correct position" };
-    Ok(compiled(file, target, vec![goal.to_owned()], set.rendered, &certificate))
+    let effect = Effect::Module(Box::new(set.module), set.beside);
+    Ok(compiled(
+        (file, target),
+        vec![goal.to_owned()],
+        set.rendered,
+        &certificate,
+        (&*effect.field(file, target), depth),
+    ))
 }
 
 fn compiled(
-    file: &MachineFile,
-    target: &ControllerTarget,
+    (file, target): (&MachineFile, &ControllerTarget),
     words: Vec<String>,
     files: Vec<RenderedFile>,
     certificate: &Certificate,
+    judged: (&dyn Field, Depth),
 ) -> CompiledSet {
     let hashes = files.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
     let lock = Lock::new(&target.manifest.target, file, words, file.inputs(), hashes);
     let names = files.iter().map(|file| file.name.clone()).collect();
-    CompiledSet { certificate: CertificateReport::new(file, target, certificate, names), files, lock }
+    CompiledSet { certificate: CertificateReport::new(file, target, certificate, judged, names), files, lock }
 }
 
 /// A format that rests on memory alone is written only for those who accept it. A folder of one's own needs no such

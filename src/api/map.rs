@@ -10,8 +10,9 @@ use super::plane_picture::{PlaneOptions, Subject};
 use super::poses::{AxisPositions, axis_positions};
 use super::run::{Answer, Call, Refused, Run};
 use super::tool_poses::{self, ReachedToolPoses};
+use super::uncertainty::field_bands;
 use crate::analysis::{
-    self, Diagonal, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, map as mapped, rest,
+    self, Bands, Diagonal, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, map as mapped, rest,
 };
 use crate::controller::{ControllerTarget, Depth, Effect};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
@@ -120,6 +121,9 @@ pub struct MapResult {
     pub position_um: Summary,
     /// Statistics of the deviation of the orientation of the tool, urad.
     pub rotation_urad: Summary,
+    /// Intervals of the statistics, where the machine file states uncertainties of errors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<Bands>,
     /// The worst poses, largest deviation of the functional point first.
     pub worst: Vec<WorstPose>,
     /// The body diagonals of the volume.
@@ -255,7 +259,10 @@ fn volume(
     let diagonals = body_diagonals(field, &rest(machine), DIAGONAL_STEPS, view.approach);
     let result = result(&rows, &survey, &diagonals);
     let uncompensated = before.map(|s| Uncompensated { position_um: s.position_um, rotation_urad: s.rotation_urad });
-    Ok(MapResult { picture, tool_poses, features, target: options.target.clone(), uncompensated, ..result })
+    let besides: Vec<usize> = survey.worst.iter().map(|(i, _)| *i).collect();
+    let uncertainty = field_bands(field, &poses, (survey.statistics, &besides), view.approach, options.seed);
+    let target = options.target.clone();
+    Ok(MapResult { picture, tool_poses, features, target, uncompensated, uncertainty, ..result })
 }
 
 /// Number of poses at which the warnings of a compensation are found.
@@ -330,6 +337,7 @@ fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[Diagonal]) -> MapResult
         poses: survey.statistics.poses,
         position_um: survey.statistics.position_um,
         rotation_urad: survey.statistics.rotation_urad,
+        uncertainty: None,
         worst: survey.worst.iter().map(worst).collect(),
         diagonals: diagonals.iter().map(diagonal).collect(),
         p95_relative_error: (poses.len() > MAX_POSES).then_some(Tally::QUANTILE_ERROR),

@@ -49,6 +49,7 @@ mod targets;
 pub mod text;
 mod tolerances;
 mod tool_poses;
+mod uncertainty;
 mod verify;
 
 use crate::evaluate::Order;

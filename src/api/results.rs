@@ -5,7 +5,7 @@ pub use super::budgets::ComparedBudgets;
 pub use super::certificate::CertificateReport;
 pub use super::check::CheckedFile;
 pub use super::classify::{Classification, MotionWithErrors, NoMotion, SixErrors};
-pub use super::compare::{CompareResult, ComparedMachine, ComparedPose, ErrorContribution};
+pub use super::compare::{CompareResult, ComparedBands, ComparedMachine, ComparedPose, ErrorContribution};
 pub use super::compile::CompiledSet;
 pub use super::compiled_model::{DeviationColumns, PoseDeviation};
 pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitSize};
@@ -34,6 +34,7 @@ pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, Loc
 pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::tool_poses::{BeyondTravel, MissedToolPose, NeededTravel, ReachedToolPoses};
+pub use super::uncertainty::CertificateBands;
 pub use crate::analysis::Status as LocationStatus;
 pub use crate::analysis::budget::{
     Binding, Bound, Budget, BudgetPart, CheapestTolerances, Contribution, PERCENTS, PairedDifference, Percentile, Role,
@@ -41,6 +42,7 @@ pub use crate::analysis::budget::{
 };
 pub use crate::analysis::enumerate::{NeededRange, Ranking, RoundCount, Row as ArrangementRow};
 pub use crate::analysis::instrument::{BallBar, Diagonal, RTest};
+pub use crate::analysis::{Bands, SummaryBand};
 pub use crate::controller::{
     Certificate, CompensationDegree, ControllerTarget, Figures, ROUNDING_UM, SingleErrorResidual,
 };

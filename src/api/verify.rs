@@ -9,7 +9,8 @@ use super::compensation::{module_set, verdict};
 use super::machine_file::MachineFile;
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::{
-    ControllerTarget, Depth, LOCK_NAME, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics, is_plain_name,
+    ControllerTarget, Depth, Effect, LOCK_NAME, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics,
+    is_plain_name,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use std::path::{Path, PathBuf};
@@ -61,7 +62,8 @@ pub fn verify(
         let certificate = certify(file, judged, options.compensation.scope(), options.poses, options.seed);
         call.extend(verdict::warnings(&certificate));
         call.checked()?;
-        Ok(CertificateReport::new(file, &target, &certificate, files))
+        let depth = Depth { poses: options.poses, seed: options.seed };
+        Ok(CertificateReport::new(file, &target, &certificate, (&judged.field(file), depth), files))
     })
 }
 
@@ -116,7 +118,8 @@ fn module(
     call.extend(verdict::warnings(&certificate));
     call.checked()?;
     let names = texts.iter().map(|text: &ReadBack| text.found.clone()).collect();
-    Ok(CertificateReport::new(file, target, &certificate, names))
+    let effect = Effect::Module(Box::new(module), beside);
+    Ok(CertificateReport::new(file, target, &certificate, (&*effect.field(file, target), depth), names))
 }
 
 /// Tables made from other files than those just read are judged all the same.

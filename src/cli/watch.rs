@@ -77,8 +77,10 @@ impl Turn<'_> {
         };
         let good = self.good.get_or_insert_default();
         let page = good.page(Delivery::Watched, problem.as_deref()).or_else(|d| session.refuse(d))?;
-        if problem.is_none() {
-            write_alone(&mut now, self.args, good)?;
+        let written = if problem.is_none() { write_alone(&mut now, self.args, good) } else { Ok(()) };
+        if let Err(exit) = written {
+            session.diagnostics.absorb(now.diagnostics);
+            return Err(exit);
         }
         session.say(if problem.is_some() { "refused: the page gives the reason" } else { "the page is up to date" });
         Ok((now.files, answer(page)))

@@ -1,5 +1,6 @@
 //! A certificate as text and JSON.
 
+use super::bands;
 use super::session::Session;
 use crate::cli::Format;
 use abbe::options::Approach;
@@ -98,7 +99,10 @@ impl CertificateView<'_> {
             let _ = table.add_row(std::iter::once(name.to_owned()).chain(cells));
         }
         let raised = self.report.raised().map_or_else(String::new, |words| format!("The files RAISE {words}.\n"));
-        format!("{table}\n{}{raised}{}", ratio(&before.all.position_um, &after.all.position_um), self.shifted())
+        let bands = self.report.uncertainty.as_ref().map_or_else(String::new, |of| {
+            bands::text(&[("uncompensated".to_owned(), &of.uncompensated), ("compensated".to_owned(), &of.compensated)])
+        });
+        format!("{table}\n{bands}{}{raised}{}", ratio(&before.all.position_um, &after.all.position_um), self.shifted())
     }
 
     /// Returns the errors that are not compensated fully: a list of forty others helps nobody.

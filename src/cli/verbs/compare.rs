@@ -1,8 +1,8 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
-use crate::cli::output::budgets;
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{STATISTICS, ViewArgs, cell, numbers, reach_text, statistics_rows, table};
+use crate::cli::output::{bands, budgets};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
 use abbe::results::{CompareResult, Statistics};
@@ -116,7 +116,21 @@ fn text(args: &Args, result: &CompareResult) -> String {
     }
     let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, args.top));
     let errors = one_by_one(result, args.top);
+    let reach = uncertainty(result) + &reach;
     format!("{text}{rows}\n{reach}{errors}{budgets}Negative differences: less error than machine 1.\n")
+}
+
+/// Intervals of the figures and of their differences, and whether these are more than that.
+fn uncertainty(result: &CompareResult) -> String {
+    let of = || result.machines.iter().enumerate().filter_map(|(i, side)| Some((i, side.uncertainty.as_ref()?)));
+    let own = of().map(|(i, bands)| ((i + 1).to_string(), &bands.own));
+    let minus = of().skip(1).map(|(i, bands)| (format!("{} - 1", i + 1), &bands.minus_first));
+    let mut text = bands::text(&own.chain(minus).collect::<Vec<_>>());
+    for (i, bands) in of().skip(1) {
+        let verdict = if bands.told_apart { "is more than" } else { "is WITHIN" };
+        text += &format!("The difference {} - 1 of the 95 % position deviation {verdict} its uncertainty.\n", i + 1);
+    }
+    text
 }
 
 /// Errors with the largest effect in any of the machines.

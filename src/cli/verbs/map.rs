@@ -1,6 +1,7 @@
 //! `abbe map`: the error over a volume.
 
 use crate::cli::how::CompensationArgs;
+use crate::cli::output::bands;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
@@ -133,6 +134,9 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
         sampling(args, result),
         statistics(result),
     );
+    if let Some(uncertainty) = &result.uncertainty {
+        text.push_str(&bands::text(&[(String::new(), uncertainty)]));
+    }
     for (i, worst) in result.worst.iter().enumerate() {
         let [x, y, z] = worst.deviation_um.map(|v| significant(v, 4));
         let length = significant(worst.length_um, 4);

@@ -23,6 +23,14 @@ pub struct TablesUnderTest<'a> {
     pub installed: Option<&'a CorrectionTables>,
 }
 
+impl<'a> TablesUnderTest<'a> {
+    /// Returns the machine with the tables, in place of those that were in force when it was measured.
+    pub fn field(&self, machine: &'a Machine) -> Compensated<'a> {
+        let load = |tables| Replay::new(machine, self.target, tables);
+        Compensated { machine, replay: load(self.tables).over(self.installed.map(load)) }
+    }
+}
+
 /// Compares the machine with and without tables on seeded poses. The tables of single errors are filled already.
 pub(in crate::controller) fn judge_tables(
     machine: &Machine,
@@ -30,11 +38,10 @@ pub(in crate::controller) fn judge_tables(
     single_errors: &SingleErrors,
     depth: Depth,
 ) -> Certificate {
-    let TablesUnderTest { target, tables, installed } = judged;
+    let TablesUnderTest { target, tables, .. } = judged;
     let poses = depth.poses(machine);
     let bare = Bare { machine, order: Order::Exact };
-    let load = |tables| Replay::new(machine, target, tables);
-    let compensated = Compensated { machine, replay: load(tables).over(installed.map(load)) };
+    let compensated = judged.field(machine);
     let Judgement { approach, uncompensated, compensated: left, raised } = judge(&bare, &compensated, &poses);
     let zero = vec![0.0; machine.axes().len()];
     let fixed = |rules: &TableRules| rules.reference == Reference::Zero || rules.spacing == Spacing::Line;
@@ -49,7 +56,7 @@ pub(in crate::controller) fn judge_tables(
             alone_um: Shiftable { field: &bare, added: &nothing }.best_shift(&poses, approach).1,
         }
     };
-    let replay = load(tables);
+    let replay = Replay::new(machine, target, tables);
     let set = SetOfTables { machine, target, tables, single_errors };
     let (errors, single_error_poses) = set.judge(single_error_poses(&poses));
     Certificate {

@@ -1,0 +1,26 @@
+//! Intervals of figures by the uncertainty of the errors, as text.
+
+use super::view::table;
+use abbe::results::{Bands, SummaryBand};
+use abbe::text::{counted, significant};
+
+/// A table of intervals, a row for positions and one for rotations of each name.
+pub(crate) fn text(of: &[(String, &Bands)]) -> String {
+    let Some((_, first)) = of.first() else { return String::new() };
+    let mut rows = table(&["", "", "max", "mean", "rms", "95 %"]);
+    for (name, bands) in of {
+        let row = |name: &str, what: &str, s: &SummaryBand| -> Vec<String> {
+            let ends = [s.max, s.mean, s.rms, s.p95].map(|[low, high]| format!("{} to {}", end(low), end(high)));
+            [name.to_owned(), what.to_owned()].into_iter().chain(ends).collect()
+        };
+        let _ = rows.add_row(row(name, "position, um", &bands.position_um));
+        let _ = rows.add_row(row("", "rotation, urad", &bands.rotation_urad));
+    }
+    let how = if first.drawn { "drawn, the middle 95 %" } else { "first order, k = 2" };
+    let parts = counted(first.parts, "independent part");
+    format!("With the uncertainty of the errors ({parts}; {how}) the figures lie within:\n{rows}\n")
+}
+
+fn end(value: f64) -> String {
+    significant(value, 4)
+}
