@@ -4,42 +4,84 @@ use super::model::{Basis, Parameter, Term};
 use super::solve::Solution;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
-    Approach, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine, MachineParts, machine_file,
+    Approach, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, JointUncertainty, Machine,
+    MachineParts, machine_file,
 };
 use crate::syntax::IdentifyEntry;
 use crate::units::significant;
 use std::collections::BTreeMap;
 
+/// Entries of a fitted file beside the machine.
+#[derive(Debug, Clone, Copy)]
+pub struct FileNotes<'a> {
+    /// Further entries of the section `provenance` (single lines).
+    pub provenance: &'a [(String, String)],
+    /// The section `identify`: what was fitted, for the next time.
+    pub request: &'a IdentifyEntry,
+    /// Writes the joint covariance of the parameters. Without it only each error's own uncertainty is stated.
+    pub joint: bool,
+}
+
 /// The text of a machine file that says what `machine` says, the fitted parameters with their new values and expanded
-/// uncertainties (k = 2; of a curve the largest over the travel); `provenance` are further entries of that section
-/// (single
-/// lines), `request` is what was fitted, for the next time.
-pub fn fitted_file(
-    machine: &Machine,
-    parameters: &[Parameter],
-    solution: &Solution,
-    provenance: &[(String, String)],
-    request: &IdentifyEntry,
-) -> String {
-    let theta = solution.theta();
+/// uncertainties (k = 2; of a curve the largest over the travel).
+pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solution, notes: FileNotes<'_>) -> String {
+    let mut parts = machine.to_parts();
+    for ((place, direction), curves) in curves_of(parameters, &solution.theta()) {
+        put(&mut parts, place, direction, curves);
+        let half = expanded(machine, parameters, solution, Source { place, direction });
+        let Some(error) = error_at(&parts, place, direction) else { continue };
+        parts.covariance.iter_mut().for_each(|part| part.remove(&error));
+        let _ = match half {
+            Some(half) => parts.uncertainty.insert(error, half),
+            None => parts.uncertainty.remove(&error),
+        };
+    }
+    if notes.joint {
+        let columns = solution.factor(parameters.len());
+        let part = |column: &Vec<f64>| joint_part(&parts, parameters, column);
+        let fitted: Vec<JointUncertainty> = columns.iter().map(part).collect();
+        parts.covariance.retain(|part| !part.is_empty());
+        parts.covariance.extend(fitted);
+    }
+    for (i, axis) in machine.axes().iter().enumerate() {
+        parts.geometry.follow(&axis.name, machine.axis_errors(i), &parts.errors[i]);
+    }
+    machine_file(&parts, notes.provenance) + &section(notes.request)
+}
+
+/// Curves that the parameters make together with these values, by error.
+fn curves_of(parameters: &[Parameter], values: &[f64]) -> BTreeMap<(ErrorSite, Direction), Directed> {
     let mut curves: BTreeMap<(ErrorSite, Direction), Directed> = BTreeMap::new();
-    for (parameter, value) in parameters.iter().zip(&theta) {
+    for (parameter, value) in parameters.iter().zip(values) {
         for term in &parameter.terms {
             let sum = &mut curves.entry((term.source.place, term.source.direction)).or_default()
                 [approach_index(term.approach)];
             *sum = Some(join(sum.take(), &term.basis, *value * term.factor));
         }
     }
-    let mut parts = machine.to_parts();
-    for ((place, direction), curves) in curves {
-        put(&mut parts, place, direction, curves);
-        let half = expanded(machine, parameters, solution, Source { place, direction });
-        state(&mut parts, place, direction, half);
+    curves
+}
+
+/// The errors that one standard uncertainty of an independent part changes, `amounts` by parameter.
+fn joint_part(parts: &MachineParts, parameters: &[Parameter], amounts: &[f64]) -> JointUncertainty {
+    let mut joint = JointUncertainty::default();
+    for ((place, direction), curves) in curves_of(parameters, amounts) {
+        let constant = curves[0].as_ref().map_or(0.0, |curve| curve.value(0.0));
+        let index = direction.index();
+        match (place, error_at(parts, place, direction)) {
+            (ErrorSite::Tool, _) => joint.setup.tool[index % 3] = constant,
+            (ErrorSite::Workpiece, _) => joint.setup.workpiece[index] = constant,
+            (_, Some(error)) => {
+                let term = match error.family {
+                    ErrorFamily::Location => ErrorTerm::Constant(constant),
+                    ErrorFamily::Component => ErrorTerm::Component(component(None, curves)),
+                };
+                joint.errors.entry(error.axis).or_default().six_mut(error.family)[index] = Some(term);
+            }
+            (_, None) => {}
+        }
     }
-    for (i, axis) in machine.axes().iter().enumerate() {
-        parts.geometry.follow(&axis.name, machine.axis_errors(i), &parts.errors[i]);
-    }
-    machine_file(&parts, provenance) + &section(request)
+    joint
 }
 
 /// Places of the travel where the uncertainty of a curve is looked at.
@@ -84,17 +126,12 @@ pub fn largest_uncertainty(
     both.map(|(u, q)| Some((u?, q))).reduce(larger).flatten()
 }
 
-/// States the uncertainty of the fitted value in place of that of the value before.
-fn state(parts: &mut MachineParts, place: ErrorSite, direction: Direction, half: Option<f64>) {
-    let (ErrorSite::Location(joint) | ErrorSite::Component(joint)) = place else { return };
-    let axis = parts.axes.get(joint).map(|axis| &axis.name).or_else(|| parts.chain.spindle()).cloned();
-    let Some(axis) = axis else { return };
+/// The error of a joint at a place; `None` for set-up errors.
+fn error_at(parts: &MachineParts, place: ErrorSite, direction: Direction) -> Option<ErrorId> {
+    let (ErrorSite::Location(joint) | ErrorSite::Component(joint)) = place else { return None };
+    let axis = parts.axes.get(joint).map(|axis| &axis.name).or_else(|| parts.chain.spindle()).cloned()?;
     let family = if matches!(place, ErrorSite::Location(_)) { ErrorFamily::Location } else { ErrorFamily::Component };
-    let id = ErrorId { axis, family, direction };
-    match half {
-        Some(half) => parts.uncertainty.insert(id, half),
-        None => parts.uncertainty.remove(&id),
-    };
+    Some(ErrorId { axis, family, direction })
 }
 
 /// The section `identify`, in the JSON that is YAML; nothing for nothing.

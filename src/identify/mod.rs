@@ -27,7 +27,7 @@ pub(crate) use data::lever;
 pub use data::{
     DistanceEnd, Measurement, MeasurementSet, Reading, ReadingKind, Repeats, import, read_measurements, repeats,
 };
-pub use fitted_file::{fitted_file, largest_uncertainty};
+pub use fitted_file::{FileNotes, fitted_file, largest_uncertainty};
 pub use model::{
     Basis, Coefficient, Component, Invariances, Known, Model, Monomial, Parameter, SlopeBound, Term, invariances,
     known, moore_penrose, overruled, parameters, slope_bounds, unused,

@@ -169,7 +169,7 @@ fn curves_beyond_what_was_measured_are_not_written() {
     let output = identify(&machine, &data, &["--fit", "EXX:poly3", "--out", out.to_str().unwrap()]);
     let words = said(&output);
     assert!(output.status.code() == Some(1) && !out.exists(), "{words}");
-    assert!(words.contains("E0515") && words.contains("X 500 mm"), "{words}");
+    assert!(words.contains("E0515") && words.contains("at X = 500 mm, Y = 400 mm"), "{words}");
     assert!(words.contains("E0513") && words.contains("EXX (\u{b1} ") && words.contains("um at X = 500 mm"), "{words}");
 }
 

@@ -10,8 +10,8 @@ use super::oracle::yaml;
 use abbe::diagnostic::{Diagnostics, Place as InFile};
 use abbe::evaluate::{Frame, Order, evaluate};
 use abbe::identify::{
-    Fit, Measurement, Model, Parameter, Reading, Solution, fit, fitted_file, held_out, parameters, read_measurements,
-    solve as weigh,
+    FileNotes, Fit, Measurement, Model, Parameter, Reading, Solution, fit, fitted_file, held_out, parameters,
+    read_measurements, solve as weigh,
 };
 use abbe::lower::{ErrorSite, Exact, Source, actual_point, position_jacobian, values};
 use abbe::machine::{Approach, Direction, Machine, machine_file};
@@ -48,7 +48,8 @@ pub fn of_sample(sample: &Sample) -> Machine {
 /// The fitted machine file.
 pub fn fitted_text(machine: &Machine, parameters: &[Parameter], found: &Fit) -> String {
     let note = [("fit".to_owned(), "by a test".to_owned())];
-    fitted_file(machine, parameters, &Solution::of(found, parameters), &note, &IdentifyEntry::default())
+    let notes = FileNotes { provenance: &note, request: &IdentifyEntry::default(), joint: true };
+    fitted_file(machine, parameters, &Solution::of(found, parameters), notes)
 }
 
 fn rms(vectors: impl Iterator<Item = Vector3<f64>>) -> f64 {

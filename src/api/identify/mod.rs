@@ -25,9 +25,9 @@ use crate::controller::sha256;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::evaluate::{Frame, Order};
 use crate::identify::{
-    DistanceEnd, Fit, Known, Measurement, MeasurementSet, Model, Parameter, Prediction, Randomness, Reading, Repeats,
-    Residuals, SlopeBound, Solution, fitted_file, held_out, in_datum, invariances, known, overruled, parameters,
-    randomness, read_measurements, repeats, slope_bounds, solve, unused,
+    DistanceEnd, FileNotes, Fit, Known, Measurement, MeasurementSet, Model, Parameter, Prediction, Randomness, Reading,
+    Repeats, Residuals, SlopeBound, Solution, fitted_file, held_out, in_datum, invariances, known, overruled,
+    parameters, randomness, read_measurements, repeats, slope_bounds, solve, unused,
 };
 use crate::machine::{Machine, Pose};
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
@@ -346,14 +346,19 @@ fn machine_file(
 ) -> Result<String, Refused> {
     call.extend(remarks::written(fitted));
     let refusals = [remarks::undetermined(fitted), remarks::unheld(fitted)];
-    let refusals: Vec<Diagnostic> = refusals.into_iter().flatten().filter(|_| !options.accept_undetermined).collect();
-    if let [first, others @ ..] = &refusals[..] {
+    let refusals: Vec<Diagnostic> = refusals.into_iter().flatten().collect();
+    // What is not determined has no covariance that would mean anything.
+    let joint = refusals.is_empty();
+    if let ([first, others @ ..], false) = (&refusals[..], options.accept_undetermined) {
         call.extend(others.iter().cloned());
         return call.refuse(first.clone());
     }
     let provenance = provenance::entries(file, options, problem, fitted);
     let own_parameters = &fitted.unknowns[..fitted.own];
-    let text = |request: &IdentifyEntry| fitted_file(file, own_parameters, &fitted.solution, &provenance, request);
+    let text = |request: &IdentifyEntry| {
+        let notes = FileNotes { provenance: &provenance, request, joint };
+        fitted_file(file, own_parameters, &fitted.solution, notes)
+    };
     let first = text(&problem.request);
     let refused = match read_back(&first) {
         Ok(_) => return Ok(first),

@@ -7,6 +7,7 @@ use crate::evaluate::Order;
 use crate::identify::data::Measurement;
 use crate::identify::model::{Model, Parameter};
 use crate::identify::words::{drowned, echelon, inseparable, list, named};
+use crate::machine::JointUncertainty;
 use nalgebra::{DMatrix, DVector};
 
 /// Singular values of the column-scaled Jacobian below this share of the largest are zero.
@@ -18,6 +19,8 @@ const FAINT: f64 = 1e-2;
 const MAX_LISTED: usize = 12;
 /// A direction of unit size that a datum leaves less of than this is fixed by it.
 const FIXED: f64 = 1e-2;
+/// Independent parts of the covariance below this share of the largest change nothing.
+const TOLD: f64 = 1e-6;
 /// Rounds in which the scatter of the readings and what is known before them are weighed against each other.
 const ROUNDS: usize = 4;
 /// Least scatter (mm) beside which values are known: less is rounding.
@@ -199,6 +202,23 @@ impl Solution {
         let values = self.estimates.iter().zip(parameters).filter(|(e, p)| e.valuation > 0.0 && !p.is_nuisance());
         self.valuation = values.map(|(e, _)| e.valuation).reduce(f64::min).unwrap_or(0.0);
         self
+    }
+
+    /// Columns of a factor of the joint covariance of the first `count` parameters, in their units: independent parts,
+    /// one standard uncertainty each, the largest first. Directions that the data leave free are not in it; nothing is
+    /// without scatter.
+    pub fn factor(&self, count: usize) -> Vec<Vec<f64>> {
+        if self.freedom == 0 {
+            return Vec::new();
+        }
+        let svd = Svd::new(&self.covariance.view((0, 0), (count, count)).into_owned());
+        let largest = svd.values.iter().copied().fold(0.0, f64::max);
+        let told = svd.values.iter().take_while(|value| **value > TOLD * TOLD * largest).take(JointUncertainty::MOST);
+        let column = |(k, value): (usize, &f64)| {
+            let scale = value.sqrt() * self.sigma;
+            (0..count).map(|j| svd.v[(j, k)] * scale / self.units[j]).collect()
+        };
+        told.enumerate().map(column).collect()
     }
 
     /// Uncertainties of sums of the parameters, one for each row: covariances for readings that scatter as they do are
