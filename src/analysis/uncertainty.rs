@@ -144,9 +144,9 @@ pub fn bands(machines: &[UncertainDeviations], seed: u64) -> (Vec<Bands>, Vec<Ba
         own.iter().copied().chain(own.iter().map(|figures| minus(figures, &own[0]))).collect()
     };
     let whole: Vec<Figures> = machines.iter().map(|machine| figures(&machine.whole)).collect();
-    let straight = first_order(count, &moved);
-    let bent = |(figure, [_, up]): (&f64, &[f64; 2])| *up > figure.abs() * STRAIGHT;
-    let drawn = whole.iter().zip(&straight).any(|(figures, intervals)| figures.iter().zip(intervals).any(bent));
+    let (straight, reach) = first_order(count, &moved);
+    let bent = |(figure, reach): (&f64, &f64)| *reach > figure.abs() * STRAIGHT;
+    let drawn = whole.iter().zip(&reach).any(|(figures, reach)| figures.iter().zip(reach).any(bent));
     let changes = if drawn { by_draws(count, seed, &moved) } else { straight };
     let (own, differences) = changes.split_at(machines.len().min(changes.len()));
     let band = |(machine, (figures, intervals)): (&UncertainDeviations, (Figures, &Intervals)), least: f64| {
@@ -164,23 +164,26 @@ fn minus(of: &Figures, from: &Figures) -> Figures {
     std::array::from_fn(|i| of[i] - from[i])
 }
 
-/// Changes of figures to first order: minus and plus the expanded uncertainty, k = 2.
-fn first_order(count: usize, moved: &(impl Fn(&[f64]) -> Vec<Figures> + Sync)) -> Vec<Intervals> {
-    let half = |k: usize| {
+/// Changes of figures to first order: minus and plus the expanded uncertainty, k = 2. Beside them the larger change of
+/// either sign, expanded likewise: a length near zero grows whichever way it is moved.
+fn first_order(count: usize, moved: &(impl Fn(&[f64]) -> Vec<Figures> + Sync)) -> (Vec<Intervals>, Vec<Figures>) {
+    let both = |k: usize| {
         let mut amounts = vec![0.0; count];
         amounts[k] = 1.0;
         let up = moved(&amounts);
         amounts[k] = -1.0;
-        up.iter().zip(&moved(&amounts)).map(|(up, down)| minus(up, down).map(|twice| 0.5 * twice)).collect()
+        (up, moved(&amounts))
     };
-    let halves: Vec<Vec<Figures>> = (0..count).into_par_iter().map(half).collect();
-    let of = |m: usize| {
-        std::array::from_fn(|i| {
-            let expanded = 2.0 * halves.iter().map(|half| half[m][i] * half[m][i]).sum::<f64>().sqrt();
-            [-expanded, expanded]
-        })
+    let changes: Vec<(Vec<Figures>, Vec<Figures>)> = (0..count).into_par_iter().map(both).collect();
+    let expanded = |m: usize, i: usize, of: fn(f64, f64) -> f64| {
+        let parts = changes.iter().map(|(up, down)| of(up[m][i], down[m][i]));
+        2.0 * parts.map(|x| x * x).sum::<f64>().sqrt()
     };
-    (0..halves.first().map_or(0, Vec::len)).map(of).collect()
+    let half = |m: usize, i: usize| expanded(m, i, |up, down| 0.5 * (up - down));
+    let reach = |m: usize, i: usize| expanded(m, i, |up, down| up.abs().max(down.abs()));
+    let fields = 0..changes.first().map_or(0, |(up, _)| up.len());
+    let intervals = fields.clone().map(|m| std::array::from_fn(|i| [-half(m, i), half(m, i)])).collect();
+    (intervals, fields.map(|m| std::array::from_fn(|i| reach(m, i))).collect())
 }
 
 /// Changes of figures between which the middle 95 % of the draws lie.

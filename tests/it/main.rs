@@ -82,6 +82,7 @@ mod targets;
 mod theorems;
 mod tidy;
 mod tool_poses;
+mod uncertainty;
 mod vectors;
 mod weighing;
 mod weil;

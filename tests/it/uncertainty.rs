@@ -1,0 +1,176 @@
+//! Intervals of headline figures: closed forms of what an uncertainty leaves of a figure, shared and joint parts, and
+//! the covariance that a fit writes, against the formulas of a straight line.
+
+use crate::identify::normal;
+use crate::oracle::random::Random;
+use crate::program::{Folder, abbe, json, refused};
+use serde_json::Value;
+
+/// Three axes along which deviations are as constant as their errors.
+fn machine(folder: &Folder, name: &str, errors: &str) -> String {
+    let text = format!(
+        "abbe: 1\nmachine: {name}\nchain: \"w Y' b X Z t\"\naxes:\n  X: {{ travel: [0, 500], origin: [0, 0, 0] }}\n  Y: {{ \
+         travel: [0, 400], origin: [0, 0, 0] }}\n  Z: {{ travel: [-300, 0], origin: [0, 0, 0] }}\ntool: {{ gauge: [0, 0, 0], \
+         length: 100 mm }}\n{errors}"
+    );
+    folder.with(name, &text).display().to_string()
+}
+
+fn interval(value: &Value) -> [f64; 2] {
+    [0, 1].map(|i| value[i].as_f64().unwrap())
+}
+
+fn near(found: [f64; 2], expected: [f64; 2], within: f64) {
+    let off = (0..2).map(|i| (found[i] - expected[i]).abs()).fold(0.0, f64::max);
+    assert!(off <= within, "{found:?} instead of {expected:?}");
+}
+
+const FIGURES: [&str; 4] = ["max", "mean", "rms", "p95"];
+
+#[test]
+fn a_constant_deviation_is_as_uncertain_as_its_error() {
+    let folder = Folder::new("uncertainty-constant");
+    let file = machine(&folder, "m.yaml", "errors:\n  EXX: { value: 10 um, uncertainty: 2 um }\n");
+    let found = &json(&["map", &file, "--random", "50", "--format", "json"])["uncertainty"];
+    assert_eq!(
+        (found["drawn"].as_bool(), found["parts"].as_u64(), found["poses"].as_u64()),
+        (Some(false), Some(1), Some(50))
+    );
+    FIGURES.iter().for_each(|figure| near(interval(&found["position_um"][figure]), [8.0, 12.0], 1e-9));
+    FIGURES.iter().for_each(|figure| near(interval(&found["rotation_urad"][figure]), [0.0, 0.0], 1e-9));
+    // A machine that states none has none.
+    let sure = machine(&folder, "sure.yaml", "errors:\n  EXX: 10 um\n");
+    assert!(json(&["map", &sure, "--random", "50", "--format", "json"]).get("uncertainty").is_none());
+}
+
+#[test]
+fn a_figure_less_than_three_times_its_uncertainty_is_drawn() {
+    let folder = Folder::new("uncertainty-drawn");
+    let file = machine(&folder, "m.yaml", "errors:\n  EXX: { value: 10 um, uncertainty: 8 um }\n");
+    let found = &json(&["map", &file, "--random", "50", "--format", "json"])["uncertainty"];
+    assert_eq!(found["drawn"].as_bool(), Some(true));
+    // |10 + 4 z|: 1.95996 standard deviations, and P(10 + 4 z < -2.16) = 1.2e-3 folds over. The ends are order
+    // statistics of 2000 draws, whose standard deviation is sqrt(0.025 * 0.975 / 2000) / 0.0584 * 4 = 0.24 um.
+    for figure in FIGURES {
+        near(interval(&found["position_um"][figure]), [2.16, 17.84], 4.0 * 0.24);
+    }
+}
+
+#[test]
+fn parts_add_up_by_squares_and_joint_ones_by_their_sign() {
+    let folder = Folder::new("uncertainty-joint");
+    let values = "errors:\n  EXX: { value: 6 um, uncertainty: 1 um }\n  EXZ: { value: 6 um, uncertainty: 1 um }\n";
+    let alone = machine(&folder, "alone.yaml", values);
+    let band = |file: &str| {
+        let found = json(&["map", file, "--random", "20", "--format", "json"]);
+        interval(&found["uncertainty"]["position_um"]["mean"])
+    };
+    let root = 2f64.sqrt();
+    near(band(&alone), [12.0 - root, 12.0 + root], 1e-9);
+    let joint = |name: &str, part: &str| machine(&folder, name, &format!("{values}covariance:\n  - {part}\n"));
+    let against = joint("against.yaml", "{ errors: { EXX: 0.5 um, EXZ: -0.5 um } }");
+    near(band(&against), [12.0, 12.0], 1e-9);
+    let along = joint("along.yaml", "{ errors: { EXX: 0.5 um, EXZ: 0.5 um } }");
+    near(band(&along), [10.0, 14.0], 1e-9);
+    // An error outside the parts keeps its own; set-up errors take part: the workpiece is displaced against the tool.
+    let one = joint("one.yaml", "{ errors: { EXX: 0.5 um }, setup: { workpiece: { X: 0.5 um } } }");
+    near(band(&one), [11.0, 13.0], 1e-9);
+}
+
+#[test]
+fn machines_share_what_both_files_state() {
+    let folder = Folder::new("uncertainty-shared");
+    let errors =
+        "errors:\n  EXX: { value: 10 um, uncertainty: 2 um }\n  EC0Y: { value: 20 urad, uncertainty: 4 urad }\n";
+    let first = machine(&folder, "first.yaml", errors);
+    let compared = |second: &str| json(&["compare", &first, second, "--poses", "100", "--format", "json"]);
+    let of = |result: &Value| {
+        let bands = result["machines"][1]["uncertainty"].clone();
+        (interval(&bands["minus_first"]["position_um"]["p95"]), bands["told_apart"].as_bool().unwrap())
+    };
+    let same = machine(&folder, "same.yaml", errors);
+    let (band, told) = of(&compared(&same));
+    near(band, [0.0, 0.0], 1e-12);
+    assert!(!told);
+    // The same with a sure EYY more: a difference without any uncertainty of its own to first order.
+    let more = machine(&folder, "more.yaml", &format!("{errors}  EYY: 30 um\n"));
+    let (band, told) = of(&compared(&more));
+    assert!(told && band[0] > 10.0, "{band:?}");
+    // Another value is another measurement: both count.
+    let other = machine(&folder, "other.yaml", &errors.replace("10 um", "11 um"));
+    let result = compared(&other);
+    let (band, told) = of(&result);
+    assert!(!told && band[0] < -1.0 && band[1] > 1.0, "{band:?}");
+    assert_eq!(result["machines"][0]["uncertainty"]["parts"].as_u64(), Some(3));
+    let text = abbe(&["compare", &first, &other, "--poses", "100"]);
+    assert!(text.contains("is WITHIN its uncertainty"), "{text}");
+}
+
+#[test]
+fn what_a_compensation_leaves_is_the_uncertainty_of_the_errors() {
+    let folder = Folder::new("uncertainty-compile");
+    let file = machine(&folder, "m.yaml", "errors:\n  EXX: { value: 10 um, uncertainty: 2 um }\n");
+    let out = folder.file("set");
+    let arguments = ["--target", "grid-csv", "--poses", "100", "--format", "json"];
+    let compiled = [&["compile", &file, "--out", out.to_str().unwrap()], &arguments[..]].concat();
+    let check = |found: &Value| {
+        let found = &found["uncertainty"]["compensated"];
+        assert_eq!(found["drawn"].as_bool(), Some(true));
+        // |z| um: 2.5 and 97.5 % of the half normal distribution, with the deviations of order statistics as above.
+        near(interval(&found["position_um"]["mean"]), [0.0313, 2.2414], 0.25);
+    };
+    check(&json(&compiled));
+    check(&json(&["verify", &file, out.to_str().unwrap(), "--poses", "100", "--format", "json"]));
+}
+
+/// EXX = a + b x with noise: the uncertainty of the line at a place is in every textbook.
+#[test]
+fn the_covariance_of_a_fitted_line_goes_through_the_map() {
+    let folder = Folder::new("uncertainty-fit");
+    let file = machine(&folder, "m.yaml", "identify: { datum: { line: free, zero: free } }\n");
+    let mut random = Random::new(2718);
+    let places: Vec<f64> = (0..26).map(|i| 20.0 * f64::from(i)).collect();
+    let read: Vec<f64> = places.iter().map(|x| 9.0 + 0.02 * x + 0.8 * normal(&mut random)).collect();
+    let rows: String = places.iter().zip(&read).map(|(x, y)| format!("{x},{y}\n")).collect();
+    let data = folder.with("data.csv", &format!("X,EXX [um]\n{rows}"));
+    let out = folder.file("fitted.yaml");
+    let fit =
+        ["identify", &file, "--data", data.to_str().unwrap(), "--fit", "EXX:poly1", "--out", out.to_str().unwrap()];
+    let _ = abbe(&fit);
+    let n = places.len() as f64;
+    let (x, y) = (places.iter().sum::<f64>() / n, read.iter().sum::<f64>() / n);
+    let sxx: f64 = places.iter().map(|p| (p - x).powi(2)).sum();
+    let b = places.iter().zip(&read).map(|(p, r)| (p - x) * (r - y)).sum::<f64>() / sxx;
+    let left: f64 = places.iter().zip(&read).map(|(p, r)| (r - y - b * (p - x)).powi(2)).sum();
+    let variance = left / (n - 2.0);
+    for q in [0.0, 260.0, 500.0] {
+        let poses = folder.with("poses.csv", &format!("X,Y,Z\n{q},0,-100\n"));
+        let poses = poses.to_str().unwrap();
+        let found = json(&["map", out.to_str().unwrap(), "--tool-poses", poses, "--format", "json"]);
+        let (value, u) = (y + b * (q - x), (variance * (1.0 / n + (q - x).powi(2) / sxx)).sqrt());
+        // The prior of 3 mm and the rounding of the file come in below this.
+        near(interval(&found["uncertainty"]["position_um"]["mean"]), [value - 2.0 * u, value + 2.0 * u], 1e-4);
+    }
+}
+
+#[test]
+fn parts_that_make_no_sense_are_refused() {
+    let folder = Folder::new("uncertainty-refused");
+    for (part, code, words) in [
+        ("[{ errors: { EXX: { tolerance: 2 um } } }]", "E0209", "is itself an uncertainty"),
+        ("[{ errors: { EXX: { value: 2 um, uncertainty: 1 um } } }]", "E0209", "is itself an uncertainty"),
+        ("[{ errors: { EXV: 2 um } }]", "E0406", "covariance"),
+        ("[{ errors: { EXX: 2 } }]", "E0204", "covariance"),
+        ("[{ setup: { tool: { A: 2 urad } } }]", "E0201", "covariance"),
+        ("[{ error: { EXX: 2 um } }]", "E0201", "error"),
+        ("3", "E0202", "covariance"),
+    ] {
+        let file = machine(&folder, "m.yaml", &format!("errors:\n  EXX: 1 um\ncovariance: {part}\n"));
+        let (status, message) = refused(&["check", &file]);
+        assert!(status == 1 && message.contains(code) && message.contains(words), "{part}: {message}");
+    }
+    let many = "  - { errors: { EXX: 1 nm } }\n".repeat(1001);
+    let file = machine(&folder, "m.yaml", &format!("covariance:\n{many}"));
+    let (status, message) = refused(&["check", &file]);
+    assert!(status == 1 && message.contains("1000 are read at most"), "{message}");
+}
