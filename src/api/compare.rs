@@ -1,5 +1,6 @@
 //! Machines side by side on the same tool poses.
 
+use super::bounded::DrawnBounds;
 use super::budgets::{ComparedBudgets, DrawnMachines, budgets};
 use super::compiled_model::PoseDeviation;
 use super::machine_file::{MachineFile, sources_of};
@@ -13,8 +14,10 @@ use crate::analysis::{
     contributions as contributions_of,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
-use crate::evaluate::{Bare, Difference, Field, Frame, Order, Statistics, Summary};
+use crate::analysis::budget::{BoundedDeviation, PoseByPose};
+use crate::evaluate::{Bare, Difference, Field, Frame, Order, Poses, Statistics, Summary};
 use crate::machine::{Approach, Machine, Pose};
+use crate::report::{BoundedFigures, RssDifference};
 use std::path::PathBuf;
 
 /// Options of [`compare`].
@@ -105,12 +108,19 @@ pub struct ComparedMachine {
     pub order: Order,
     /// Number of tool poses that it does not reach, by reason.
     pub unreachable: UnreachableCount,
+    /// `bounds` where nothing is measured: then the statistics are of the 95 % value at each tool pose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from: Option<&'static str>,
+    /// What its bounds lead to, where nothing is measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<ComparedBounds>,
     /// Statistics of the deviation of the functional point, um.
     pub position_um: Summary,
     /// Statistics of the deviation of the orientation of the tool, urad.
     pub rotation_urad: Summary,
-    /// The statistics minus those of the first machine: negative is better than the first.
-    pub minus_first: Difference,
+    /// The statistics minus those of the first machine: negative is better than the first. None where of only one of
+    /// the two nothing is measured.
+    pub minus_first: Option<Difference>,
     /// Rows of a file of tool poses that it does not reach.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub missed: Option<Vec<MissedToolPose>>,
@@ -120,6 +130,16 @@ pub struct ComparedMachine {
     /// The kinematic chain.
     #[serde(skip)]
     pub chain: String,
+}
+
+/// What the bounds of a machine lead to on the tool poses, where nothing is measured.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct ComparedBounds {
+    /// Its figures, with the machines drawn.
+    #[serde(flatten)]
+    pub figures: BoundedFigures,
+    /// The statistics of the RSS minus those of the first machine.
+    pub rss_minus_first: Option<RssDifference>,
 }
 
 impl ComparedMachine {
@@ -138,6 +158,8 @@ pub struct ComparedPose {
     pub direction: [f64; 3],
     /// Deviation of each machine.
     pub deviations: Vec<PoseDeviation>,
+    /// What the bounds of each machine lead to, where nothing is measured.
+    pub bounded: Vec<Option<BoundedDeviation>>,
 }
 
 /// Compares machines on the same tool poses; the first is the reference.
@@ -185,7 +207,20 @@ fn side_by_side(
     let (samples, seed) = (options.samples, options.seed);
     let drawn = DrawnMachines { tolerances: &options.tolerances, samples, max_samples, seed };
     let budgets = budgets(call, &sides, drawn)?;
-    let machine = |((file, side), missed)| compared_machine(file, side, order(file), missed);
+    let samples = budgets.as_ref().map_or(samples, |budgets| budgets.drawing.samples);
+    let mut bounded = Vec::new();
+    for (machine, poses) in &sides {
+        let of = DrawnBounds::of(call, machine, (&options.tolerances, samples, seed))?;
+        bounded.push(of.map(|of| Bounded::new(call, &of, machine, poses)));
+    }
+    call.checked()?;
+    let machines = (0..files.len()).map(|i| compared_machine(files, &comparison, order(&files[i]), (i, &bounded)));
+    let travel = |(i, missed): (usize, &Option<Vec<_>>)| {
+        missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))
+    };
+    let travels: Vec<_> = missed.iter().enumerate().map(travel).collect();
+    let machines = machines.zip(missed).zip(travels);
+    let machines = machines.map(|((machine, missed), travel)| ComparedMachine { missed, travel, ..machine });
     Ok(CompareResult {
         contributions: contributions.iter().map(contribution).collect(),
         asked: comparison.asked,
@@ -193,10 +228,23 @@ fn side_by_side(
         seed: options.seed,
         frame: Frame::Workpiece,
         direction: options.approach,
-        machines: files.iter().zip(&comparison.machines).zip(missed).map(machine).collect(),
+        machines: machines.collect(),
         budgets,
-        rows: (0..comparison.common.len()).map(|i| row(&comparison, i)).collect(),
+        rows: (0..comparison.common.len()).map(|i| row(&comparison, &bounded, i)).collect(),
     })
+}
+
+/// What the bounds of a machine lead to at its poses for the work.
+struct Bounded {
+    found: PoseByPose,
+    figures: BoundedFigures,
+}
+
+impl Bounded {
+    fn new(call: &Call<'_>, of: &DrawnBounds, machine: &Machine, poses: &[Pose]) -> Self {
+        let found = of.at(call, machine, &Poses::Listed(poses.to_vec()), Frame::Workpiece);
+        Self { figures: of.figures(&found), found }
+    }
 }
 
 fn poses(side: &MachineResult) -> Vec<Pose> {
@@ -209,33 +257,46 @@ fn contribution(alone: &AnalysedContribution) -> ErrorContribution {
 }
 
 fn compared_machine(
-    file: &MachineFile,
-    side: &MachineResult,
+    files: &[MachineFile],
+    comparison: &Comparison,
     order: Order,
-    missed: Option<Vec<MissedToolPose>>,
+    (index, bounded): (usize, &[Option<Bounded>]),
 ) -> ComparedMachine {
+    let (file, side, own) = (&files[index], &comparison.machines[index], bounded[index].as_ref());
+    let statistics = |i: usize| match &bounded[i] {
+        Some(of) => of.figures.statistics(comparison.common.len()),
+        None => comparison.machines[i].statistics,
+    };
+    let is_alike = own.is_some() == bounded[0].is_some();
+    let bounds = own.map(|own| ComparedBounds {
+        figures: own.figures.clone(),
+        rss_minus_first: bounded[0].as_ref().map(|first| own.figures.rss_minus(&first.figures)),
+    });
     ComparedMachine {
         machine: file.name().to_owned(),
         file: file.path().to_owned(),
-        order,
+        order: if own.is_some() { Order::Degree(1) } else { order },
         unreachable: side.unreachable,
-        position_um: side.statistics.position_um,
-        rotation_urad: side.statistics.rotation_urad,
-        minus_first: side.difference,
-        travel: missed.is_some().then(|| needed_travel(file, &side.needs)),
-        missed,
+        from: own.map(|_| "bounds"),
+        bounds,
+        position_um: statistics(index).position_um,
+        rotation_urad: statistics(index).rotation_urad,
+        minus_first: is_alike.then(|| statistics(index).minus(&statistics(0))),
+        travel: None,
+        missed: None,
         chain: file.chain().to_string(),
     }
 }
 
-fn row(comparison: &Comparison, index: usize) -> ComparedPose {
+fn row(comparison: &Comparison, bounded: &[Option<Bounded>], index: usize) -> ComparedPose {
     let target = &comparison.common[index];
     let deviation = |side: &MachineResult| {
         let (_, deviation) = &side.reached[index];
         PoseDeviation { position_mm: deviation.position.into(), rotation_rad: deviation.rotation.into() }
     };
     let deviations = comparison.machines.iter().map(deviation).collect();
-    ComparedPose { tip_mm: target.tip.into(), direction: target.direction.into(), deviations }
+    let bounded = bounded.iter().map(|of| of.as_ref().map(|of| of.found.poses[index])).collect();
+    ComparedPose { tip_mm: target.tip.into(), direction: target.direction.into(), deviations, bounded }
 }
 
 fn nothing_in_common(files: &[MachineFile], comparison: &Comparison) -> Diagnostic {

@@ -5,7 +5,7 @@ pub use super::budgets::ComparedBudgets;
 pub use super::certificate::CertificateReport;
 pub use super::check::CheckedFile;
 pub use super::classify::{Classification, MotionWithErrors, NoMotion, SixErrors};
-pub use super::compare::{CompareResult, ComparedMachine, ComparedPose, ErrorContribution};
+pub use super::compare::{CompareResult, ComparedBounds, ComparedMachine, ComparedPose, ErrorContribution};
 pub use super::compile::CompiledSet;
 pub use super::compiled_model::{DeviationColumns, PoseDeviation};
 pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitSize};
@@ -27,7 +27,9 @@ pub use super::import::{
     ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, StraightnessReference,
 };
 pub use super::instrument::{InstrumentResult, Readings};
+pub use super::bounded::{AddedByBounds, AddedDeviation};
 pub use super::map::{BodyDiagonal, MapResult, Uncompensated, WorstPose};
+pub use super::map_bounds::{MapFromBounds, WorstBoundedPose};
 pub use super::poses::AxisPositions;
 pub use super::report::Report;
 pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, OtherSide};
@@ -36,7 +38,7 @@ pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::tool_poses::{BeyondTravel, MissedToolPose, NeededTravel, ReachedToolPoses};
 pub use crate::analysis::Status as LocationStatus;
 pub use crate::analysis::budget::{
-    Binding, Bound, Budget, BudgetPart, CheapestTolerances, Contribution, ErrorKind, PERCENTS, PairedDifference,
+    Binding, Bound, BoundedDeviation, BoundedLength, Budget, BudgetPart, CheapestTolerances, Contribution, ErrorKind, PERCENTS, PairedDifference,
     Percentile, Role, Totals, Verdict, VersusFirst,
 };
 pub use crate::analysis::enumerate::{NeededRange, Ranking, RoundCount, Row as ArrangementRow};
@@ -45,8 +47,8 @@ pub use crate::controller::{
     Certificate, CompensationDegree, ControllerTarget, Figures, ROUNDING_UM, SingleErrorResidual,
 };
 pub use crate::diagnostic::{Severity, Sources};
-pub use crate::evaluate::{Statistics, Summary};
+pub use crate::evaluate::{Difference, Statistics, Summary};
 pub use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorTerm, Machine, Sense, Travel};
 pub use crate::report::page::RenderedPage;
-pub use crate::report::{Picture, PictureFailure};
+pub use crate::report::{BoundedFigures, LengthDifference, Picture, PictureFailure, RssDifference};
 pub use crate::syntax::{FolderEntry, ReadFailure};

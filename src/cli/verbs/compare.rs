@@ -1,11 +1,11 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
-use crate::cli::output::budgets;
+use crate::cli::output::{bounded, budgets};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{STATISTICS, ViewArgs, cell, numbers, reach_text, statistics_rows, table};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
-use abbe::results::{CompareResult, Statistics};
+use abbe::results::{BoundedDeviation, CompareResult, ComparedMachine, Difference, Statistics};
 use abbe::text::significant;
 use abbe::{CompareOptions, compare};
 use serde_json::json;
@@ -71,18 +71,80 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     Ok(())
 }
 
-/// One line for each tool pose and machine.
+/// Columns of a deviation, and of what bounds lead to.
+const DEVIATION: &str = "dx [um],dy [um],dz [um],wx [urad],wy [urad],wz [urad]";
+const BOUNDED: &str = "position_rss [um],position_p95 [um],rotation_rss [urad],rotation_p95 [urad]";
+const MINUS_FIRST: &str = "minus_first_position_rss [um],minus_first_position_p95 [um],\
+                           minus_first_rotation_rss [urad],minus_first_rotation_p95 [urad]";
+
+/// One line for each tool pose and machine. Cells of a kind that a machine does not have are empty.
 fn csv(result: &CompareResult) -> String {
-    let mut csv =
-        "pose,file,x [mm],y [mm],z [mm],i,j,k,dx [um],dy [um],dz [um],wx [urad],wy [urad],wz [urad]\n".to_owned();
+    let drawn = result.machines.iter().find_map(|machine| machine.bounds.as_ref()).map(|of| &of.figures.drawing);
+    let measured = result.machines.iter().any(|machine| machine.bounds.is_none());
+    let head = [
+        Some("pose,file,x [mm],y [mm],z [mm],i,j,k"),
+        measured.then_some(DEVIATION),
+        drawn.map(|_| BOUNDED),
+        drawn.map(|_| MINUS_FIRST),
+        drawn.map(|_| "from,samples,seed"),
+    ];
+    let mut csv = head.into_iter().flatten().collect::<Vec<_>>().join(",") + "\n";
     for (pose, row) in result.rows.iter().enumerate() {
-        for (machine, deviation) in result.machines.iter().zip(&row.deviations) {
-            let (um, urad) = (deviation.position_mm.map(|x| x * 1e3), deviation.rotation_rad.map(|x| x * 1e6));
-            let values = numbers([row.tip_mm, row.direction, um, urad].into_iter().flatten());
-            csv.push_str(&format!("{pose},{},{values}\n", cell(&machine.file)));
+        for (i, machine) in result.machines.iter().enumerate() {
+            let place = numbers([row.tip_mm, row.direction].into_iter().flatten());
+            let mut cells = vec![pose.to_string(), cell(&machine.file), place];
+            let bounded = row.bounded[i].map(bounded_numbers);
+            if measured {
+                let deviation = &row.deviations[i];
+                let (um, urad) = (deviation.position_mm.map(|x| x * 1e3), deviation.rotation_rad.map(|x| x * 1e6));
+                let six = bounded.is_none().then(|| numbers([um, urad].into_iter().flatten()));
+                cells.push(six.unwrap_or_else(|| ",".repeat(5)));
+            }
+            if let Some(drawn) = drawn {
+                let first = row.bounded[0].map(bounded_numbers);
+                let minus = bounded.zip(first).map(|(own, first)| std::array::from_fn(|k| own[k] - first[k]));
+                cells.extend([bounded, minus].map(|four| four.map_or_else(|| ",".repeat(3), |four: [f64; 4]| numbers(four))));
+                let source = format!("bounds,{},{}", drawn.samples, drawn.seed);
+                cells.push(bounded.map_or_else(|| "errors,,".to_owned(), |_| source));
+            }
+            csv.push_str(&(cells.join(",") + "\n"));
         }
     }
     csv
+}
+
+/// In the order of the columns, um and urad.
+fn bounded_numbers(of: BoundedDeviation) -> [f64; 4] {
+    let (p, r) = (of.position, of.rotation);
+    [p.rss * 1e3, p.p95 * 1e3, r.rss * 1e6, r.p95 * 1e6]
+}
+
+/// The rows of statistics of a machine.
+fn machine_rows(name: &str, machine: &ComparedMachine, poses: usize) -> Vec<Vec<String>> {
+    match &machine.bounds {
+        Some(of) => bounded::rows(name, poses, &of.figures),
+        None => statistics_rows(name, &machine.statistics(poses)).to_vec(),
+    }
+}
+
+/// The rows of the differences of a machine to the first; none where of only one of the two nothing is measured.
+fn minus_rows(name: &str, machine: &ComparedMachine, poses: usize) -> Vec<Vec<String>> {
+    let Some(Difference { position_um, rotation_urad }) = machine.minus_first else { return Vec::new() };
+    let difference = Statistics { poses, position_um, rotation_urad };
+    match machine.bounds.as_ref().and_then(|of| of.rss_minus_first) {
+        Some(rss) => bounded::difference_rows(name, &difference, &rss),
+        None => statistics_rows(name, &difference).to_vec(),
+    }
+}
+
+/// Source of the figures of machines of which nothing is measured.
+fn sources(result: &CompareResult) -> String {
+    let of = |(i, machine): (usize, &ComparedMachine)| {
+        let figures = &machine.bounds.as_ref()?.figures;
+        Some(format!("  {}  nothing is measured. {}\n", i + 1, bounded::source(figures)))
+    };
+    let list: String = result.machines.iter().enumerate().filter_map(of).collect();
+    if list.is_empty() { list } else { format!("{list}{}\n", bounded::ROWS_NOTE) }
 }
 
 fn text(args: &Args, result: &CompareResult) -> String {
@@ -99,14 +161,13 @@ fn text(args: &Args, result: &CompareResult) -> String {
         let (number, missed) = (i + 1, side.unreachable);
         text.push_str(&format!("  {number}  {} ({}), {}: unreachable {missed}\n", side.machine, side.file, side.chain));
     }
+    text.push_str(&sources(result));
     let mut rows = table(&STATISTICS);
     for (i, side) in result.machines.iter().enumerate() {
-        let _ = rows.add_rows(statistics_rows(&(i + 1).to_string(), &side.statistics(result.poses)));
+        let _ = rows.add_rows(machine_rows(&(i + 1).to_string(), side, result.poses));
     }
     for (i, side) in result.machines.iter().enumerate().skip(1) {
-        let (position_um, rotation_urad) = (side.minus_first.position_um, side.minus_first.rotation_urad);
-        let difference = Statistics { poses: result.poses, position_um, rotation_urad };
-        let _ = rows.add_rows(statistics_rows(&format!("{} - 1", i + 1), &difference));
+        let _ = rows.add_rows(minus_rows(&format!("{} - 1", i + 1), side, result.poses));
     }
     let mut reach = String::new();
     for (i, side) in result.machines.iter().enumerate() {

@@ -1,15 +1,17 @@
 //! `abbe map`: the error over a volume.
 
 use crate::cli::how::CompensationArgs;
+use crate::cli::output::bounded;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
     FrameArg, STATISTICS, ViewArgs, axes_text, frame_text, reach_text, statistics_rows, table, tool_poses_text,
 };
 use crate::cli::store::write::refuse_outputs;
+use crate::cli::tolerances::{BoundsArgs, SamplesArg};
 use crate::cli::{Format, Outcome};
 use abbe::options::{MapPoses, MapTable, TableForm};
-use abbe::results::{MapResult, Statistics};
+use abbe::results::{MapFromBounds, MapResult, Statistics};
 use abbe::text::{shown, significant};
 use abbe::{Diagnostic, MachineFile, MapOptions, codes, map_tables};
 use serde_json::json;
@@ -39,6 +41,10 @@ pub(crate) struct Args {
     target: Option<String>,
     #[command(flatten)]
     how: CompensationArgs,
+    #[command(flatten)]
+    bounds: BoundsArgs,
+    #[command(flatten)]
+    samples: SamplesArg,
     #[command(flatten)]
     view: ViewArgs,
     /// Frame of the vectors.
@@ -71,6 +77,8 @@ impl Args {
             picture: self.pictures.options(),
             target: self.target.clone(),
             compensation: self.how.options(),
+            tolerances: self.bounds.options(),
+            samples: self.samples.count(),
         }
     }
 }
@@ -124,6 +132,9 @@ fn no_table(count: usize) -> Diagnostic {
 }
 
 fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
+    if let Some(of) = &result.bounds {
+        return bounded_text(file, args, (result, of));
+    }
     let mut text = format!(
         "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{} poses ({})\n{}\n",
         result.machine,
@@ -133,6 +144,7 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
         sampling(args, result),
         statistics(result),
     );
+    text.push_str(&result.bounds_add.as_ref().map_or_else(String::new, bounded::added));
     for (i, worst) in result.worst.iter().enumerate() {
         let [x, y, z] = worst.deviation_um.map(|v| significant(v, 4));
         let length = significant(worst.length_um, 4);
@@ -151,12 +163,36 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
     text
 }
 
+/// The map of a machine of which nothing is measured.
+fn bounded_text(file: &MachineFile, args: &Args, (result, of): (&MapResult, &MapFromBounds)) -> String {
+    let mut text = format!(
+        "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{} poses ({}), {} \
+         frame, first order\n{}\n{}\n{}{}",
+        result.machine,
+        bounded::source(&of.figures),
+        result.poses,
+        sampling(args, result),
+        frame_text(result.frame),
+        bounded::statistics(result.poses, &of.figures),
+        bounded::ROWS_NOTE,
+        bounded::everywhere(&of.figures),
+        bounded::worst(file, of),
+    );
+    text.push_str(&features(result));
+    if let Some(reached) = &result.tool_poses {
+        text.push_str(&reach_text(&reached.rows, &reached.travel));
+    }
+    text
+}
+
 /// The largest deviation on each feature, and the errors that dominate there.
 fn features(result: &MapResult) -> String {
     if result.features.is_empty() {
         return String::new();
     }
-    let mut rows = table(&["feature", "poses", "max, um", "95 %, um", "line", "errors there, um"]);
+    let bounded = result.bounds.is_some();
+    let lengths = if bounded { ["largest 95 %, um", "95 % of poses, um"] } else { ["max, um", "95 %, um"] };
+    let mut rows = table(&["feature", "poses", lengths[0], lengths[1], "line", "errors there, um"]);
     for f in &result.features {
         let um = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 4));
         let poses =
@@ -167,7 +203,12 @@ fn features(result: &MapResult) -> String {
         let name = if f.feature.is_empty() { "-".to_owned() } else { shown(&f.feature) };
         let _ = rows.add_row([name, poses, um(f.max_um), um(f.p95_um), line, errors]);
     }
-    format!("Largest deviation on each feature, with the parts of errors along it:\n{rows}\n")
+    let head = if bounded {
+        "Largest 95 % value on each feature, with the errors that make most there, each alone at its bound:"
+    } else {
+        "Largest deviation on each feature, with the parts of errors along it:"
+    };
+    format!("{head}\n{rows}\n")
 }
 
 /// Source of the poses.

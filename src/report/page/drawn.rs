@@ -51,6 +51,7 @@ fn plane(given: &MachineInput<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
         drawn: PlaneStyle::Colours,
         state,
         like,
+        drawing: None,
     };
     let mut svgs = vec![picture.svg(), PlanePicture { drawn: PlaneStyle::Grid, ..picture }.svg()];
     for written in given.written {
