@@ -8,6 +8,7 @@
 mod annotations;
 mod bad_input;
 mod bound_words;
+mod bounded;
 mod budget;
 mod buildable;
 mod certificate;

@@ -16,7 +16,7 @@ fn csv(path: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
 }
 
 /// An appended array of a `.vtu` file, by its name: its raw bytes.
-fn array<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
+pub fn array<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
     let start = file.windows(4).position(|w| w == b"\n _" || w == b">\n_").map(|i| i + 3);
     let start = start.unwrap_or_else(|| file.windows(3).position(|w| w == b">\n_").unwrap() + 3);
     let head = String::from_utf8_lossy(&file[..start]).into_owned();
@@ -27,7 +27,7 @@ fn array<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
     &file[at + 8..at + 8 + length]
 }
 
-fn doubles(bytes: &[u8]) -> Vec<f64> {
+pub fn doubles(bytes: &[u8]) -> Vec<f64> {
     bytes.chunks(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect()
 }
 
