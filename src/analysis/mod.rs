@@ -30,6 +30,6 @@ pub use inverse::{
     inverse_all, place, rest, tool_pose,
 };
 pub use volume::{
-    Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, PlaneNodes, Survey, SurveyTask, TooManyPoses, View, Work,
-    arm_shares, body_diagonals, deviation_in, frame_rotation, levers, map, space_axes, survey, survey_with_rows,
+    Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, PlaneNodes, Survey, SurveyTask, TooManyPoses, View,
+    Work, arm_shares, body_diagonals, deviation_in, frame_rotation, levers, map, space_axes, survey, survey_with_rows,
 };

@@ -9,12 +9,12 @@ use super::poses::check;
 use super::run::{Answer, Call, Refused, Run};
 use super::tolerances::ToleranceOptions;
 use super::tool_poses::{self, MissedToolPose, NeededTravel, needed_travel};
+use crate::analysis::budget::{BoundedDeviation, PoseByPose};
 use crate::analysis::{
     Comparison, ErrorContribution as AnalysedContribution, MachineResult, UnreachableCount, Work, compare as compared,
     contributions as contributions_of,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
-use crate::analysis::budget::{BoundedDeviation, PoseByPose};
 use crate::evaluate::{Bare, Difference, Field, Frame, Order, Poses, Statistics, Summary};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::{BoundedFigures, RssDifference};

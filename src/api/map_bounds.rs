@@ -57,15 +57,8 @@ pub(super) fn volume(
     let view = View { approach: options.approach, frame: options.frame };
     let work = tool_poses.as_ref().map(ReachedToolPoses::work_rows);
     let order = Order::Degree(1);
-    let rows = Rows {
-        machine,
-        poses: &poses,
-        view,
-        order,
-        target: "",
-        work: work.as_ref(),
-        drawn: Some(&drawn.drawing),
-    };
+    let rows =
+        Rows { machine, poses: &poses, view, order, target: "", work: work.as_ref(), drawn: Some(&drawn.drawing) };
     let tables = Tables::new(rows, tables).or_else(|refusal| call.refuse(refusal))?;
     let found = drawn.at(call, machine, &poses, view.frame);
     tables.write(&found.poses).or_else(|refusal| call.refuse(refusal))?;

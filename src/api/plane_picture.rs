@@ -98,12 +98,7 @@ impl PlaneOptions {
     }
 
     /// Returns the picture of the 95 % value of the deviation that bounds lead to.
-    pub(super) fn bounded_picture(
-        &self,
-        call: &Call<'_>,
-        place: &PlanePlace,
-        subject: &BoundedSubject<'_>,
-    ) -> Picture {
+    pub(super) fn bounded_picture(&self, call: &Call<'_>, place: &PlanePlace, subject: &BoundedSubject<'_>) -> Picture {
         let BoundedSubject { machine, drawn, view } = *subject;
         let p95 = |poses: Vec<Pose>| {
             let found = drawn.at(call, machine, &Poses::Listed(poses), view.frame);
@@ -149,7 +144,17 @@ impl PlaneOptions {
         let plane = of(subject.field);
         let drawn = if self.drawing == PlaneDrawing::Grid { PlaneStyle::Grid } else { PlaneStyle::Colours };
         let shown = self.component.into();
-        let one = PlanePicture { machine, plane: &plane, view, order, shown, drawn, state: subject.state, like: None, drawing: None };
+        let one = PlanePicture {
+            machine,
+            plane: &plane,
+            view,
+            order,
+            shown,
+            drawn,
+            state: subject.state,
+            like: None,
+            drawing: None,
+        };
         match subject.before.filter(|_| self.drawing == PlaneDrawing::BeforeAfter).map(of) {
             Some(before) => before_after(&PlanePicture { plane: &before, state: "uncompensated", ..one }, &one),
             None => one.picture(),

@@ -1,5 +1,6 @@
 //! Results of the functions, and their parts. Serde writes results in the shapes that docs/formats.md describes.
 
+pub use super::bounded::{AddedByBounds, AddedDeviation};
 pub use super::budget::BudgetResult;
 pub use super::budgets::ComparedBudgets;
 pub use super::certificate::CertificateReport;
@@ -27,7 +28,6 @@ pub use super::import::{
     ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, StraightnessReference,
 };
 pub use super::instrument::{InstrumentResult, Readings};
-pub use super::bounded::{AddedByBounds, AddedDeviation};
 pub use super::map::{BodyDiagonal, MapResult, Uncompensated, WorstPose};
 pub use super::map_bounds::{MapFromBounds, WorstBoundedPose};
 pub use super::poses::AxisPositions;
@@ -38,8 +38,8 @@ pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::tool_poses::{BeyondTravel, MissedToolPose, NeededTravel, ReachedToolPoses};
 pub use crate::analysis::Status as LocationStatus;
 pub use crate::analysis::budget::{
-    Binding, Bound, BoundedDeviation, BoundedLength, Budget, BudgetPart, CheapestTolerances, Contribution, ErrorKind, PERCENTS, PairedDifference,
-    Percentile, Role, Totals, Verdict, VersusFirst,
+    Binding, Bound, BoundedDeviation, BoundedLength, Budget, BudgetPart, CheapestTolerances, Contribution, ErrorKind,
+    PERCENTS, PairedDifference, Percentile, Role, Totals, Verdict, VersusFirst,
 };
 pub use crate::analysis::enumerate::{NeededRange, Ranking, RoundCount, Row as ArrangementRow};
 pub use crate::analysis::instrument::{BallBar, Diagonal, RTest};

@@ -23,6 +23,6 @@ pub use pictures::{
 };
 pub use rows::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream, UnreachedRow, WorkRow, WorkRows};
 pub use text::{
-    BoundedFigures, BudgetReport, DrawSettings, LengthDifference, RssDifference, budgets_json, circle_json, equations, line_json, positions, tolerance, tolerance_unit,
-    turn_json,
+    BoundedFigures, BudgetReport, DrawSettings, LengthDifference, RssDifference, budgets_json, circle_json, equations,
+    line_json, positions, tolerance, tolerance_unit, turn_json,
 };

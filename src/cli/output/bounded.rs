@@ -14,9 +14,8 @@ pub(crate) fn source(of: &BoundedFigures) -> String {
 }
 
 /// Explanation of the rows of the statistics.
-pub(crate) const ROWS_NOTE: &str =
-    "At each pose, 95 %: the length that 95 % of the machines drawn do not exceed there; RSS: root of the sum of squares \
-     of the errors at their bounds. Ranges: those that 95 % of the machines do not exceed.";
+pub(crate) const ROWS_NOTE: &str = "95 %: the length that 95 % of the machines drawn do not exceed at a pose, and the range that 95 % do not exceed.\n\
+     RSS: root of the sum of squares of the errors at their bounds, at a pose.";
 
 /// Rows of the 95 % value and of the RSS, position and rotation; the name is in front of the first.
 pub(crate) fn rows(name: &str, poses: usize, of: &BoundedFigures) -> Vec<Vec<String>> {
@@ -34,7 +33,8 @@ pub(crate) fn difference_rows(name: &str, p95: &Statistics, rss: &RssDifference)
     position[1] = "position 95 %, um".to_owned();
     rotation[1] = "rotation 95 %, urad".to_owned();
     let four = |of: &LengthDifference| [of.max, of.mean, of.rms, of.p95];
-    let rows = [rss_row("position RSS, um", four(&rss.position_um)), rss_row("rotation RSS, urad", four(&rss.rotation_urad))];
+    let rows =
+        [rss_row("position RSS, um", four(&rss.position_um)), rss_row("rotation RSS, urad", four(&rss.rotation_urad))];
     let [of_position, of_rotation] = rows;
     vec![position, of_position, rotation, of_rotation]
 }

@@ -1,8 +1,8 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
-use crate::cli::output::{bounded, budgets};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{STATISTICS, ViewArgs, cell, numbers, reach_text, statistics_rows, table};
+use crate::cli::output::{bounded, budgets};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
 use abbe::results::{BoundedDeviation, CompareResult, ComparedMachine, Difference, Statistics};
@@ -103,7 +103,9 @@ fn csv(result: &CompareResult) -> String {
             if let Some(drawn) = drawn {
                 let first = row.bounded[0].map(bounded_numbers);
                 let minus = bounded.zip(first).map(|(own, first)| std::array::from_fn(|k| own[k] - first[k]));
-                cells.extend([bounded, minus].map(|four| four.map_or_else(|| ",".repeat(3), |four: [f64; 4]| numbers(four))));
+                cells.extend(
+                    [bounded, minus].map(|four| four.map_or_else(|| ",".repeat(3), |four: [f64; 4]| numbers(four))),
+                );
                 let source = format!("bounds,{},{}", drawn.samples, drawn.seed);
                 cells.push(bounded.map_or_else(|| "errors,,".to_owned(), |_| source));
             }

@@ -1,8 +1,8 @@
 //! A machine as it was handed to the page.
 
 use super::instruments::Instruments;
-use crate::controller::{Certificate, ControllerTarget, Effect};
 use crate::analysis::budget::{Draws, PoseByPose, PosesRequest, is_measured, pose_by_pose};
+use crate::controller::{Certificate, ControllerTarget, Effect};
 use crate::evaluate::{Frame, Order, Poses, Random};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::text::{BoundedFigures, BudgetReport};

@@ -263,11 +263,8 @@ pub fn is_measured(machine: &Machine) -> bool {
 
 /// Returns the bounds of what has no value: those that add to the measured errors.
 pub fn adding(machine: &Machine, bounds: &[Bound]) -> Vec<Bound> {
-    let valued: Vec<ErrorId> = machine
-        .errors()
-        .filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_)))
-        .map(|(error, _)| error)
-        .collect();
+    let valued: Vec<ErrorId> =
+        machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).map(|(error, _)| error).collect();
     let has_value = |bound: &&Bound| {
         let parts = bound.letter_ids().into_iter().zip(bound.direction);
         parts.filter(|(_, part)| part.abs() > 1e-9).any(|(error, _)| valued.contains(&error))

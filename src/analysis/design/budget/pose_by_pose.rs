@@ -190,7 +190,8 @@ impl Place {
 
     fn turned(&self, d: [SampleLanes; 3]) -> [SampleLanes; 3] {
         let Some(turn) = &self.turn else { return d };
-        let row = |i: usize, lane: usize| turn[(i, 0)] * d[0][lane] + turn[(i, 1)] * d[1][lane] + turn[(i, 2)] * d[2][lane];
+        let row =
+            |i: usize, lane: usize| turn[(i, 0)] * d[0][lane] + turn[(i, 1)] * d[1][lane] + turn[(i, 2)] * d[2][lane];
         std::array::from_fn(|i| std::array::from_fn(|lane| row(i, lane)))
     }
 
