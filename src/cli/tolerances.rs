@@ -14,20 +14,6 @@ pub(super) struct BoundsArgs {
     distribution: DistributionArg,
 }
 
-/// Number of machines that are drawn.
-#[derive(Debug, Clone, Copy, clap::Args)]
-pub(super) struct SamplesArg {
-    /// Number of machines to draw where errors are bounded.
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000))]
-    samples: u32,
-}
-
-impl SamplesArg {
-    pub(super) fn count(self) -> usize {
-        self.samples as usize
-    }
-}
-
 /// Options of the errors that are drawn, and of their effect.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ToleranceArgs {

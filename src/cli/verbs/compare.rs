@@ -1,5 +1,6 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
+use crate::cli::arguments::{MaxSamplesArg, PosesArg, SamplesArg, SeedArg, ToolPosesArg, TopArg};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{STATISTICS, ViewArgs, cell, numbers, reach_text, statistics_rows, table};
 use crate::cli::output::{bounded, budgets};
@@ -12,31 +13,25 @@ use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
 pub(crate) struct Args {
     /// Two or more machine files; differences are to the first, and tool poses are drawn from its volume.
     #[arg(required = true, num_args = 2..)]
     machines: Vec<PathBuf>,
-    /// Number of tool poses.
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    poses: u32,
-    /// The tool poses themselves, in the workpiece frame: APT CL data or a table with columns X, Y, Z and I, J, K, or
-    /// rotary axes of the first machine.
-    #[arg(long, value_name = "FILE", conflicts_with = "poses")]
-    tool_poses: Option<PathBuf>,
-    /// Seed of the tool poses, and of the errors that are drawn.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
-    /// Number of errors to list one by one as text.
-    #[arg(long, value_name = "K", default_value_t = 10)]
-    top: usize,
+    #[command(flatten)]
+    poses: PosesArg,
+    #[command(flatten)]
+    tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    seed: SeedArg,
+    #[command(flatten)]
+    top: TopArg,
     #[command(flatten)]
     tolerances: ToleranceArgs,
-    /// Number of machines to draw for the budgets, which are compared where every machine bounds errors.
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000))]
-    samples: u32,
-    /// Maximum number of them, drawn until every machine is told apart from the first [default: 8 times --samples].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=800_000))]
-    max_samples: Option<u32>,
+    #[command(flatten)]
+    samples: SamplesArg,
+    #[command(flatten)]
+    max_samples: MaxSamplesArg,
     #[command(flatten)]
     view: ViewArgs,
 }
@@ -44,13 +39,13 @@ pub(crate) struct Args {
 impl Args {
     fn options(&self) -> CompareOptions {
         CompareOptions {
-            poses: self.poses as usize,
-            tool_poses: self.tool_poses.clone(),
-            seed: self.seed,
+            poses: self.poses.count(),
+            tool_poses: self.tool_poses.path().cloned(),
+            seed: self.seed.seed,
             tolerances: self.tolerances.options(),
-            samples: self.samples as usize,
-            max_samples: self.max_samples.map(|limit| limit as usize),
-            order: self.view.order,
+            samples: self.samples.count(),
+            max_samples: self.max_samples.count(),
+            order: self.view.order(),
             approach: self.view.approach(),
         }
     }
@@ -59,7 +54,7 @@ impl Args {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let mut files = Vec::new();
     for path in &args.machines {
-        files.push(session.load(path, args.view.tool.as_deref())?);
+        files.push(session.load(path, args.view.tool())?);
     }
     let answer = compare(&files, &args.options(), session.run());
     let result = session.take(answer)?;
@@ -153,7 +148,7 @@ fn text(args: &Args, result: &CompareResult) -> String {
     let mut text = format!(
         "{} tool poses in the workpiece frame, {}; {} reached by all\n",
         result.asked,
-        match &args.tool_poses {
+        match args.tool_poses.path() {
             Some(path) => format!("of {}", path.display()),
             None => format!("drawn from the volume of {}", result.machines[0].machine),
         },
@@ -177,8 +172,8 @@ fn text(args: &Args, result: &CompareResult) -> String {
             reach.push_str(&format!("Machine {}, {}:\n{}", i + 1, side.file, reach_text(missed, travel)));
         }
     }
-    let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, args.top));
-    let errors = one_by_one(result, args.top);
+    let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, args.top.count()));
+    let errors = one_by_one(result, args.top.count());
     format!("{text}{rows}\n{reach}{errors}{budgets}Negative differences: less error than machine 1.\n")
 }
 

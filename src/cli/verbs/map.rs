@@ -1,14 +1,15 @@
 //! `abbe map`: the error over a volume.
 
+use crate::cli::arguments::{FrameOption, SamplesArg, SeedArg, ToolPosesArg, help};
 use crate::cli::how::CompensationArgs;
 use crate::cli::output::bounded;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
-    FrameArg, STATISTICS, ViewArgs, axes_text, frame_text, reach_text, statistics_rows, table, tool_poses_text,
+    STATISTICS, ViewArgs, axes_text, frame_text, reach_text, statistics_rows, table, tool_poses_text,
 };
 use crate::cli::store::write::refuse_outputs;
-use crate::cli::tolerances::{BoundsArgs, SamplesArg};
+use crate::cli::tolerances::BoundsArgs;
 use crate::cli::{Format, Outcome};
 use abbe::options::{MapPoses, MapTable, TableForm};
 use abbe::results::{MapFromBounds, MapResult, Statistics};
@@ -19,25 +20,25 @@ use std::io::Cursor;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("tool_poses", |option| option.conflicts_with_all(["random", "low_discrepancy"])))]
 pub(crate) struct Args {
     /// The machine file; its `volume` is the grid.
     machine: PathBuf,
-    /// Evaluate N random poses instead of the grid.
+    /// Evaluate N random poses instead of the grid (1 to 1000000000) [default: the grid].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MapPoses::MAX as i64))]
     random: Option<u32>,
-    /// Evaluate N low-discrepancy poses instead of the grid: spread more evenly than random ones.
+    /// Evaluate N low-discrepancy poses instead of the grid, spread more evenly than random ones (1 to 1000000000)
+    /// [default: the grid].
     #[arg(long, value_name = "N", conflicts_with = "random",
         value_parser = clap::value_parser!(u32).range(1..=MapPoses::MAX as i64))]
     low_discrepancy: Option<u32>,
-    /// The poses for these tool poses in the workpiece frame instead of the grid: CSV with columns X, Y, Z and I, J, K
-    /// or rotary axes, or APT CL data.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["random", "low_discrepancy"])]
-    tool_poses: Option<PathBuf>,
-    /// Seed of the random or low-discrepancy poses.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
-    /// Map the residual after the compensation of a controller, beside the uncompensated error.
-    #[arg(long, value_name = "NAME")]
+    #[command(flatten)]
+    tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    seed: SeedArg,
+    #[arg(long, value_name = "NAME", help = help::TARGET,
+        long_help = "Map the residual after the compensation of this controller, beside the uncompensated error; \
+                     `abbe targets` lists them")]
     target: Option<String>,
     #[command(flatten)]
     how: CompensationArgs,
@@ -47,10 +48,9 @@ pub(crate) struct Args {
     samples: SamplesArg,
     #[command(flatten)]
     view: ViewArgs,
-    /// Frame of the vectors.
-    #[arg(long, value_enum, default_value = "workpiece")]
-    frame: FrameArg,
-    /// Number of the worst poses to name.
+    #[command(flatten)]
+    frame: FrameOption,
+    /// Number of the worst poses to name (0 to 100000).
     #[arg(long, value_name = "K", default_value_t = 5, value_parser = clap::value_parser!(u32).range(..=100_000))]
     worst: u32,
     #[command(flatten)]
@@ -61,7 +61,7 @@ pub(crate) struct Args {
 
 impl Args {
     fn options(&self) -> MapOptions {
-        let poses = match (&self.tool_poses, self.random, self.low_discrepancy) {
+        let poses = match (self.tool_poses.path(), self.random, self.low_discrepancy) {
             (Some(path), ..) => MapPoses::ToolPoses(path.clone()),
             (_, Some(count), _) => MapPoses::Random(count as usize),
             (.., Some(count)) => MapPoses::LowDiscrepancy(count as usize),
@@ -69,10 +69,10 @@ impl Args {
         };
         MapOptions {
             poses,
-            seed: self.seed,
-            order: self.view.order,
+            seed: self.seed.seed,
+            order: self.view.order(),
             approach: self.view.approach(),
-            frame: self.frame.into(),
+            frame: self.frame.frame(),
             worst: self.worst as usize,
             picture: self.pictures.options(),
             target: self.target.clone(),
@@ -84,7 +84,7 @@ impl Args {
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let file = session.load(&args.machine, args.view.tool.as_deref())?;
+    let file = session.load(&args.machine, args.view.tool())?;
     // Refusals come before the work.
     let outputs = || args.outputs.paths().chain(args.pictures.paths());
     refuse_outputs(outputs(), &session.files).or_else(|d| session.refuse(d))?;
