@@ -192,11 +192,13 @@ fn side_by_side(
         files.iter().zip(&comparison.machines).map(|(file, side)| (&**file, poses(side))).collect();
     let mut missed = vec![None; sides.len()];
     if let Some(asked) = &asked {
-        for (((machine, poses), side), missed) in sides.iter().zip(&comparison.machines).zip(&mut missed) {
+        for (i, ((machine, poses), side)) in sides.iter().zip(&comparison.machines).enumerate() {
             let rows = asked.missed(machine, &side.missed);
-            asked.say(call, machine, &rows)?;
-            check(call, machine, poses)?;
-            *missed = Some(rows);
+            call.about(files[i].path(), |call| {
+                asked.say(call, machine, &rows)?;
+                check(call, machine, poses)
+            })?;
+            missed[i] = Some(rows);
         }
     }
     let contributions = contributions_of(&sides, options.approach);
@@ -205,12 +207,14 @@ fn side_by_side(
     }
     let max_samples = options.max_samples.unwrap_or_else(|| options.samples.saturating_mul(8));
     let (samples, seed) = (options.samples, options.seed);
-    let drawn = DrawnMachines { tolerances: &options.tolerances, samples, max_samples, seed };
+    let names: Vec<&str> = files.iter().map(MachineFile::path).collect();
+    let drawn = DrawnMachines { tolerances: &options.tolerances, files: &names, samples, max_samples, seed };
     let budgets = budgets(call, &sides, drawn)?;
     let samples = budgets.as_ref().map_or(samples, |budgets| budgets.drawing.samples);
     let mut bounded = Vec::new();
-    for (machine, poses) in &sides {
-        let of = DrawnBounds::of(call, machine, (&options.tolerances, samples, seed))?;
+    for ((machine, poses), file) in sides.iter().zip(files) {
+        let settings = (&options.tolerances, samples, seed);
+        let of = call.about(file.path(), |call| DrawnBounds::of(call, machine, settings))?;
         bounded.push(of.map(|of| Bounded::new(call, &of, machine, poses)));
     }
     call.checked()?;

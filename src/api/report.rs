@@ -100,7 +100,7 @@ fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions)
         return call.usage("a budget draws 2 machines at least");
     }
     let subjects: Vec<Subject<'_>> =
-        files.iter().map(|file| Subject::of(call, file, options)).collect::<Result<_, _>>()?;
+        files.iter().map(|file| Subject::one_of(call, files, (file, options))).collect::<Result<_, _>>()?;
     let given: Vec<MachineInput<'_>> = subjects.iter().map(|subject| subject.given(options)).collect();
     let mut report = Report::default();
     report.data.comparison = comparison(call, options, &given)?;
@@ -145,6 +145,18 @@ struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
+    /// The subject of one of the files; with several, what is found names the file.
+    fn one_of(
+        call: &mut Call<'_>,
+        files: &[MachineFile],
+        (file, options): (&'a MachineFile, &ReportOptions),
+    ) -> Result<Self, Refused> {
+        match files {
+            [_] => Self::of(call, file, options),
+            _ => call.about(file.path(), |call| Self::of(call, file, options)),
+        }
+    }
+
     fn of(call: &mut Call<'_>, file: &'a MachineFile, options: &ReportOptions) -> Result<Self, Refused> {
         let seen = call.diagnostics.iter().count();
         let settings = (&options.tolerances, options.samples, options.seed);
@@ -249,7 +261,8 @@ fn comparison(
 ) -> Result<Option<ComparisonData>, Refused> {
     let Some(work) = ComparisonData::work(given) else { return Ok(None) };
     let (samples, seed) = (options.samples, options.seed);
-    let drawn = DrawnMachines { tolerances: &options.tolerances, samples, max_samples: samples, seed };
+    let names: Vec<&str> = given.iter().map(|given| given.file).collect();
+    let drawn = DrawnMachines { tolerances: &options.tolerances, files: &names, samples, max_samples: samples, seed };
     let budgets = budgets(call, &work.1, drawn)?;
     let json = budgets.map_or(Value::Null, |budgets| json!(budgets));
     Ok(Some(ComparisonData::new(given, &work, json)))

@@ -3,13 +3,15 @@
 //! The short help of a name is the same in every verb; what differs between verbs is in the long help. The test in
 //! `option_table` walks all verbs.
 
+use super::Outcome;
+use super::output::session::Session;
 use super::output::view::{ApproachArg, FrameArg, order};
-use super::store::write::{PictureKind, write_picture};
-use abbe::Diagnostic;
+use super::store::write::{PictureKind, refuse_outputs, write_picture};
 use abbe::options::{Approach, Frame, Order};
 use abbe::results::Picture;
-use abbe::text::{Reason, parse_length};
-use std::path::{Path, PathBuf};
+use abbe::text::{Reason, parse_length, shown};
+use std::convert::Infallible;
+use std::path::PathBuf;
 
 /// Help of the options whose type or default is not the same in all verbs.
 pub(super) mod help {
@@ -174,43 +176,56 @@ pub(super) struct InstalledArg {
 #[derive(Debug, Clone)]
 pub(super) struct PictureFile {
     path: PathBuf,
-    kind: PictureKind,
+    /// None for an ending that is no picture's.
+    kind: Option<PictureKind>,
 }
 
 impl PictureFile {
+    fn new(text: &str, without_ending: PictureKind) -> Self {
+        let path = PathBuf::from(text);
+        let kind = PictureKind::of(&path).or_else(|| path.extension().is_none().then_some(without_ending));
+        Self { path, kind }
+    }
+
     pub(super) fn path(&self) -> &PathBuf {
         &self.path
     }
 
     #[cfg(test)]
-    pub(super) fn kind(&self) -> PictureKind {
+    pub(super) fn kind(&self) -> Option<PictureKind> {
         self.kind
     }
 
+    /// Refuses outputs over inputs, and files whose ending is no picture's: before any work.
+    pub(super) fn refuse<'a>(session: &mut Session, files: impl Iterator<Item = &'a Self> + Clone) -> Outcome {
+        refuse_outputs(files.clone().map(Self::path), &session.files).or_else(|d| session.refuse(d))?;
+        Self::refuse_unknown(session, files)
+    }
+
+    /// Refuses files whose ending is no picture's.
+    pub(super) fn refuse_unknown<'a>(session: &Session, mut files: impl Iterator<Item = &'a Self>) -> Outcome {
+        let Some(unknown) = files.find(|file| file.kind.is_none()) else { return Ok(()) };
+        session.usage(&format!(
+            "`{}` is no picture: pictures are SVG or PNG, name a file that ends in .svg or .png",
+            shown(&unknown.path.display().to_string())
+        ))
+    }
+
     /// Writes the picture.
-    pub(super) fn write(&self, picture: &Picture, read: &super::store::files::Recorded) -> Result<(), Diagnostic> {
-        write_picture(&self.path, picture, self.kind, read)
+    pub(super) fn write(&self, picture: &Picture, session: &mut Session) -> Outcome {
+        let kind = self.kind.unwrap_or(PictureKind::Svg);
+        write_picture(&self.path, picture, kind, &session.files).or_else(|d| session.refuse(d))
     }
 }
 
 /// A picture that is SVG, unless the file's ending says otherwise.
-pub(super) fn svg(text: &str) -> Result<PictureFile, Reason> {
-    picture(text, PictureKind::Svg)
+pub(super) fn svg(text: &str) -> Result<PictureFile, Infallible> {
+    Ok(PictureFile::new(text, PictureKind::Svg))
 }
 
 /// A picture that is PNG, unless the file's ending says otherwise.
-pub(super) fn png(text: &str) -> Result<PictureFile, Reason> {
-    picture(text, PictureKind::Png)
-}
-
-fn picture(text: &str, without_ending: PictureKind) -> Result<PictureFile, Reason> {
-    let path = Path::new(text);
-    let kind = match (path.extension(), PictureKind::of(path)) {
-        (_, Some(kind)) => kind,
-        (None, None) => without_ending,
-        (Some(_), None) => return Err(Reason::new("pictures are SVG or PNG: name a file that ends in .svg or .png")),
-    };
-    Ok(PictureFile { path: path.to_owned(), kind })
+pub(super) fn png(text: &str) -> Result<PictureFile, Infallible> {
+    Ok(PictureFile::new(text, PictureKind::Png))
 }
 
 /// A share in percent.

@@ -135,15 +135,14 @@ fn global_options_stand_under_their_heading_in_every_verb() {
 fn a_picture_has_the_form_of_its_ending() {
     let kind = |picture: &super::arguments::PictureFile| picture.kind();
     for (text, of_svg, of_png) in [
-        ("x.svg", PictureKind::Svg, PictureKind::Svg),
-        ("x.PNG", PictureKind::Png, PictureKind::Png),
-        ("folder.old/x", PictureKind::Svg, PictureKind::Png),
+        ("x.svg", Some(PictureKind::Svg), Some(PictureKind::Svg)),
+        ("x.PNG", Some(PictureKind::Png), Some(PictureKind::Png)),
+        ("folder.old/x", Some(PictureKind::Svg), Some(PictureKind::Png)),
+        ("x.jpg", None, None),
+        ("x.svg.txt", None, None),
+        ("x.", None, None),
     ] {
         assert_eq!((kind(&svg(text).unwrap()), kind(&png(text).unwrap())), (of_svg, of_png), "{text}");
-    }
-    for text in ["x.jpg", "x.svg.txt", "x."] {
-        let refusal = svg(text).unwrap_err().to_string();
-        assert!(refusal.contains(".svg") && refusal.contains(".png"), "{refusal}");
     }
 }
 

@@ -53,6 +53,7 @@ mod map;
 mod map_files;
 mod measurements;
 mod mechanisms;
+mod options;
 mod oracle;
 mod paper_2015;
 mod papers_way;

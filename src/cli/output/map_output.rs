@@ -115,11 +115,13 @@ impl PictureArgs {
         self.svg.iter().chain(&self.png).map(PictureFile::path)
     }
 
-    /// Refuses options of a picture without one.
-    pub(crate) fn refuse_idle(&self) -> Result<(), &'static str> {
+    /// Refuses options of a picture without one, and files that are no pictures.
+    pub(crate) fn refuse_unfit(&self, session: &Session) -> Outcome {
+        PictureFile::refuse_unknown(session, self.svg.iter().chain(&self.png))?;
         let drawn = self.svg.is_some() || self.png.is_some();
         if !drawn && (self.plane.is_some() || self.at.is_some() || self.drawing != DrawingArg::Colours) {
-            return Err("`--plane`, `--at` and `--drawing` are for a picture: add `--svg FILE` or `--png FILE`");
+            return session
+                .usage("`--plane`, `--at` and `--drawing` are for a picture: add `--svg FILE` or `--png FILE`");
         }
         Ok(())
     }
@@ -145,7 +147,7 @@ impl PictureArgs {
     pub(crate) fn write(&self, session: &mut Session, picture: Option<&Picture>) -> Outcome {
         let Some(picture) = picture else { return Ok(()) };
         for file in self.svg.iter().chain(&self.png) {
-            file.write(picture, &session.files).or_else(|d| session.refuse(d))?;
+            file.write(picture, session)?;
         }
         Ok(())
     }

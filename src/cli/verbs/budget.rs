@@ -6,7 +6,6 @@ use crate::cli::arguments::{
 use crate::cli::output::session::Session;
 use crate::cli::output::tolerance_goal;
 use crate::cli::output::view::{axes_text, reach_text, table, tool_poses_text};
-use crate::cli::store::write::refuse_outputs;
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
 use abbe::options::Statistic;
@@ -74,14 +73,13 @@ fn goal(text: &str) -> Result<f64, Reason> {
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, args.tool.name())?;
-    let outputs = args.pareto.iter().chain(&args.waterfall).map(PictureFile::path);
-    refuse_outputs(outputs, &session.files).or_else(|d| session.refuse(d))?;
+    PictureFile::refuse(session, args.pareto.iter().chain(&args.waterfall))?;
     let answer = budget(&file, &args.options(), session.run());
     let result = session.take(answer)?;
     let top = args.top.count();
     for (file, picture) in [(&args.pareto, result.pareto(top)), (&args.waterfall, result.waterfall(top))] {
         if let Some(file) = file {
-            file.write(&picture, &session.files).or_else(|d| session.refuse(d))?;
+            file.write(&picture, session)?;
         }
     }
     let report = Report { args, file: &file, result: &result };

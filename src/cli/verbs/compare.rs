@@ -54,7 +54,7 @@ impl Args {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let mut files = Vec::new();
     for path in &args.machines {
-        files.push(session.load(path, args.view.tool())?);
+        files.push(session.load_one_of(path, args.view.tool())?);
     }
     let answer = compare(&files, &args.options(), session.run());
     let result = session.take(answer)?;

@@ -40,7 +40,7 @@ fn machines(session: &mut Session, args: &Args, paths: [&Path; 2]) -> Outcome {
         return session.usage("options of the compensation go with two sets, not with two machines");
     }
     let tool = args.set.tool.name();
-    let files = [session.load(paths[0], tool)?, session.load(paths[1], tool)?];
+    let files = [session.load_one_of(paths[0], tool)?, session.load_one_of(paths[1], tool)?];
     let (poses, seed) = (args.set.poses.count(), args.set.seed.seed);
     let options = DiffMachinesOptions { poses, seed, ..DiffMachinesOptions::default() };
     let answer = abbe::diff_machines(&files, &options, session.run());

@@ -86,10 +86,11 @@ impl Args {
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, args.tool.name())?;
+    PictureFile::refuse(session, args.svg.iter())?;
     let answer = instrument(&file, &args.options(), session.run());
     let result = session.take(answer)?;
     if let Some(file) = &args.svg {
-        file.write(&result.picture(), &session.files).or_else(|d| session.refuse(d))?;
+        file.write(&result.picture(), session)?;
     }
     match session.format() {
         Format::Json => session.print_json(json!(result)),

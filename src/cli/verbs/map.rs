@@ -88,7 +88,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     // Refusals come before the work.
     let outputs = || args.outputs.paths().chain(args.pictures.paths());
     refuse_outputs(outputs(), &session.files).or_else(|d| session.refuse(d))?;
-    args.pictures.refuse_idle().or_else(|message| session.usage(message))?;
+    args.pictures.refuse_unfit(session)?;
     let options = args.options();
     if let Some(count) = options.poses.count(&file).filter(|count| session.format() == Format::Csv && too_long(*count))
     {

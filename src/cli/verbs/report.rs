@@ -85,7 +85,9 @@ pub(crate) fn write(session: &mut Session, args: &Args, page: &RenderedPage) -> 
 pub(crate) fn compute(session: &mut Session, args: &Args) -> Result<Report, Exit> {
     let mut machines = Vec::new();
     for path in &args.machines {
-        machines.push(session.load(path, args.options.tool.name())?);
+        let tool = args.options.tool.name();
+        let several = args.machines.len() > 1;
+        machines.push(if several { session.load_one_of(path, tool) } else { session.load(path, tool) }?);
     }
     let answer = report(&machines, &args.options(), session.run());
     session.take(answer)

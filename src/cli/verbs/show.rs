@@ -3,9 +3,8 @@
 use crate::cli::arguments::{PictureFile, ToolArg, help, png, svg};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{cell, numbers, table};
-use crate::cli::store::write::refuse_outputs;
 use crate::cli::{Format, Outcome};
-use abbe::results::{AxisKind, Branch, ChainAxis, ChainResult, LocationStatus, Sense};
+use abbe::results::{AxisKind, Branch, ChainAxis, ChainResult, ErrorTerm, LocationStatus, Sense};
 use abbe::text::significant;
 use abbe::{MachineFile, show};
 use serde_json::json;
@@ -36,8 +35,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         return session.usage("`--dot` is a format of its own: leave `--format` out");
     }
     let file = session.load(&args.machine, args.tool.name())?;
-    let outputs = args.svg.iter().chain(&args.png).chain(&args.curves).map(PictureFile::path);
-    refuse_outputs(outputs, &session.files).or_else(|d| session.refuse(d))?;
+    PictureFile::refuse(session, args.svg.iter().chain(&args.png).chain(&args.curves))?;
     draw(session, args, &file)?;
     if args.dot {
         session.print(&file.chain_dot());
@@ -58,12 +56,18 @@ fn draw(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
     pictures.extend(args.svg.iter().chain(&args.png).map(|to| (to, file.chain_picture())));
     if let Some(to) = &args.curves {
         let Some(picture) = file.error_curves() else {
-            return session.usage("the machine has no component errors to draw");
+            let bounded = file.errors().any(|(_, term)| matches!(term, ErrorTerm::Tolerance(_)));
+            let bounds = bounded || file.tolerances().count() > 0 || file.class().is_some();
+            return session.usage(if bounds {
+                "no component error has a value, and bounds have no curve: `abbe map` and `abbe budget` show what they lead to"
+            } else {
+                "the machine has no component errors to draw"
+            });
         };
         pictures.push((to, picture));
     }
     for (to, picture) in pictures {
-        to.write(&picture, &session.files).or_else(|d| session.refuse(d))?;
+        to.write(&picture, session)?;
     }
     Ok(())
 }
