@@ -1,6 +1,6 @@
 //! Machines side by side on the same tool poses.
 
-use super::bounded::DrawnBounds;
+use super::bounded::{AddedByBounds, DrawnBounds, added};
 use super::budgets::{ComparedBudgets, DrawnMachines, budgets};
 use super::compiled_model::PoseDeviation;
 use super::machine_file::{MachineFile, sources_of};
@@ -114,6 +114,9 @@ pub struct ComparedMachine {
     /// What its bounds lead to, where nothing is measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bounds: Option<ComparedBounds>,
+    /// What bounds of errors without a value add to the measured ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds_add: Option<AddedByBounds>,
     /// Statistics of the deviation of the functional point, um.
     pub position_um: Summary,
     /// Statistics of the deviation of the orientation of the tool, urad.
@@ -211,10 +214,11 @@ fn side_by_side(
     let drawn = DrawnMachines { tolerances: &options.tolerances, files: &names, samples, max_samples, seed };
     let budgets = budgets(call, &sides, drawn)?;
     let samples = budgets.as_ref().map_or(samples, |budgets| budgets.drawing.samples);
-    let mut bounded = Vec::new();
+    let (mut bounded, mut adds) = (Vec::new(), Vec::new());
     for ((machine, poses), file) in sides.iter().zip(files) {
         let settings = (&options.tolerances, samples, seed);
         let of = call.about(file.path(), |call| DrawnBounds::of(call, machine, settings))?;
+        adds.push(call.about(file.path(), |call| added(call, machine, settings, Some(poses)))?);
         bounded.push(of.map(|of| Bounded::new(call, &of, machine, poses)));
     }
     call.checked()?;
@@ -223,8 +227,11 @@ fn side_by_side(
         missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))
     };
     let travels: Vec<_> = missed.iter().enumerate().map(travel).collect();
-    let machines = machines.zip(missed).zip(travels);
-    let machines = machines.map(|((machine, missed), travel)| ComparedMachine { missed, travel, ..machine });
+    let machines = machines
+        .zip(missed)
+        .zip(travels)
+        .zip(adds)
+        .map(|(((machine, missed), travel), bounds_add)| ComparedMachine { missed, travel, bounds_add, ..machine });
     Ok(CompareResult {
         contributions: contributions.iter().map(contribution).collect(),
         asked: comparison.asked,
@@ -283,6 +290,7 @@ fn compared_machine(
         unreachable: side.unreachable,
         from: own.map(|_| "bounds"),
         bounds,
+        bounds_add: None,
         position_um: statistics(index).position_um,
         rotation_urad: statistics(index).rotation_urad,
         minus_first: is_alike.then(|| statistics(index).minus(&statistics(0))),

@@ -472,6 +472,11 @@ fn two_machines_are_compared_by_what_their_bounds_lead_to() {
     assert!((number(&result["machines"][0]["position_um"]["max"]) - 4.0).abs() < 1e-9);
     assert!(number(&result["machines"][1]["position_um"]["max"]) > 0.0 && result["machines"][1]["from"] == "bounds");
     assert!(result["machines"][1]["minus_first"].is_null());
+    // What the other bounds of the first add is a budget of them on this work.
+    let budget = json(&["budget", text(&measured), "--tool-poses", text(&file), "--samples", "60", "--format", "json"]);
+    let add = &result["machines"][0]["bounds_add"];
+    assert!(near(&add["position_um"]["rss"], &budget["position_um"]["rss"]) && add["errors"] == 8);
+    assert!(result["machines"][1].get("bounds_add").is_none());
     let csv = abbe(&[&both[..], &["--format", "csv"]].concat());
     let (head, lines) = cells(&csv);
     assert!(lines.iter().all(|line| line.len() == head.len()));

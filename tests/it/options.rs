@@ -80,7 +80,7 @@ fn old_spellings_still_do() {
     let eval = |option: &str| json(&["eval", "trunnion.yaml", option, text(&poses), "--format", "json"]);
     assert_eq!(eval("--poses"), eval("--axis-poses"));
     let map = |option: &str| {
-        let more = [option, "functional-point", "--target", "linuxcnc", "--random", "20", "--format", "json"];
+        let more = [option, "functional-point", "--random", "20", "--format", "json"];
         json(&[&["map", "vmc-cframe-754.yaml"][..], &more].concat())
     };
     assert_eq!(map("--fit"), map("--own-axis"));

@@ -136,12 +136,14 @@ fn minus_rows(name: &str, machine: &ComparedMachine, poses: usize) -> Vec<Vec<St
 
 /// Source of the figures of machines of which nothing is measured.
 fn sources(result: &CompareResult) -> String {
-    let of = |(i, machine): (usize, &ComparedMachine)| {
-        let figures = &machine.bounds.as_ref()?.figures;
-        Some(format!("  {}  nothing is measured. {}\n", i + 1, bounded::source(figures)))
+    let of = |(i, machine): (usize, &ComparedMachine)| match (&machine.bounds, &machine.bounds_add) {
+        (Some(of), _) => format!("  {}  nothing is measured. {}\n", i + 1, bounded::source(&of.figures)),
+        (None, Some(of)) => format!("  {}  {}", i + 1, bounded::added(of)),
+        (None, None) => String::new(),
     };
-    let list: String = result.machines.iter().enumerate().filter_map(of).collect();
-    if list.is_empty() { list } else { format!("{list}{}\n", bounded::ROWS_NOTE) }
+    let list: String = result.machines.iter().enumerate().map(of).collect();
+    let bounds = result.machines.iter().any(|machine| machine.bounds.is_some());
+    if bounds { format!("{list}{}\n", bounded::ROWS_NOTE) } else { list }
 }
 
 fn text(args: &Args, result: &CompareResult) -> String {
