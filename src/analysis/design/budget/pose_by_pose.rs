@@ -147,14 +147,10 @@ impl Extremes {
 
 impl Extreme {
     fn take(&mut self, deviations: &[SampleLanes; 3], squares: &SampleLanes) {
-        for lane in 0..SAMPLE_LANES {
-            self.square[lane] = self.square[lane].max(squares[lane]);
-        }
+        self.square.iter_mut().zip(squares).for_each(|(largest, square)| *largest = largest.max(*square));
         for (values, [min, max]) in deviations.iter().zip(&mut self.components) {
-            for lane in 0..SAMPLE_LANES {
-                min[lane] = min[lane].min(values[lane]);
-                max[lane] = max[lane].max(values[lane]);
-            }
+            min.iter_mut().zip(values).for_each(|(min, value)| *min = min.min(*value));
+            max.iter_mut().zip(values).for_each(|(max, value)| *max = max.max(*value));
         }
     }
 }
