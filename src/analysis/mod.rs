@@ -33,6 +33,6 @@ pub use inverse::{
 };
 pub use uncertainty::{Bands, SummaryBand, UncertainDeviations, band_places, bands, uncertain_parts};
 pub use volume::{
-    Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, Survey, SurveyTask, TooManyPoses, View, Work,
-    arm_shares, body_diagonals, deviation_in, frame_rotation, levers, map, space_axes, survey, survey_with_rows,
+    Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, PlaneNodes, Survey, SurveyTask, TooManyPoses, View,
+    Work, arm_shares, body_diagonals, deviation_in, frame_rotation, levers, map, space_axes, survey, survey_with_rows,
 };

@@ -129,9 +129,15 @@ pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Resu
     Call::answer(run, file.sources(), |call| budgeted(call, file, options))
 }
 
+/// Maximum number of random poses.
+const MAX_POSES: usize = 100_000;
+
 fn budgeted(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<BudgetResult, Refused> {
     if options.samples < 2 {
         return call.usage("a budget draws 2 machines at least");
+    }
+    if options.poses > MAX_POSES {
+        return call.usage(format!("a budget takes {MAX_POSES} random poses at most, all of which are held"));
     }
     if options.cost.is_some() && options.goal_mm.is_none() {
         return call.usage("`--cost` is the cost of tolerances for a `--goal`");

@@ -15,6 +15,8 @@ use serde_json::{Value, json};
 #[derive(Clone, Copy)]
 pub(crate) struct DrawnMachines<'a> {
     pub tolerances: &'a ToleranceOptions,
+    /// Names of the files of the machines.
+    pub files: &'a [&'a str],
     /// Number in the first round.
     pub samples: usize,
     /// Limit of the rounds.
@@ -77,16 +79,16 @@ pub(crate) fn budgets(
 ) -> Result<Option<ComparedBudgets>, Refused> {
     let mut all = Vec::new();
     let mut classes: Vec<Option<ClassSource>> = Vec::new();
-    for (machine, _) in sides {
-        let (bounds, of) = drawn.tolerances.bounds_if_any(call, machine)?;
+    for ((machine, _), file) in sides.iter().zip(drawn.files) {
+        let (bounds, of) = call.about(file, |call| drawn.tolerances.bounds_if_any(call, machine))?;
         classes.push(of);
         all.push(bounds);
     }
     if all.iter().all(Vec::is_empty) || sides.iter().any(|(_, poses)| poses.is_empty()) {
         return Ok(None);
     }
-    let without = sides.iter().zip(&all).filter(|(_, bounds)| bounds.is_empty());
-    let without: Vec<String> = without.map(|((machine, _), _)| format!("`{}`", shown(machine.name()))).collect();
+    let without = drawn.files.iter().zip(&all).filter(|(_, bounds)| bounds.is_empty());
+    let without: Vec<String> = without.map(|(file, _)| format!("`{}`", shown(file))).collect();
     if !without.is_empty() {
         let message = format!("budgets are not compared: {} bounds no error", without.join(" and "));
         let help = "write tolerances into every file, or take those of a class: `--class production`";

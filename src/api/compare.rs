@@ -1,5 +1,6 @@
 //! Machines side by side on the same tool poses.
 
+use super::bounded::{AddedByBounds, DrawnBounds, added};
 use super::budgets::{ComparedBudgets, DrawnMachines, budgets};
 use super::compiled_model::PoseDeviation;
 use super::machine_file::{MachineFile, sources_of};
@@ -8,13 +9,16 @@ use super::poses::check;
 use super::run::{Answer, Call, Refused, Run};
 use super::tolerances::ToleranceOptions;
 use super::tool_poses::{self, MissedToolPose, NeededTravel, needed_travel};
+use super::uncertainty::{ComparedBands, compared_bands};
+use crate::analysis::budget::{BoundedDeviation, PoseByPose};
 use crate::analysis::{
-    Bands, Comparison, ErrorContribution as AnalysedContribution, MachineResult, UncertainDeviations, UnreachableCount,
-    Work, band_places, bands, compare as compared, contributions as contributions_of, uncertain_parts,
+    Comparison, ErrorContribution as AnalysedContribution, MachineResult, UnreachableCount, Work, compare as compared,
+    contributions as contributions_of,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
-use crate::evaluate::{Bare, Difference, Field, Frame, Order, Statistics, Summary};
+use crate::evaluate::{Bare, Difference, Field, Frame, Order, Poses, Statistics, Summary};
 use crate::machine::{Approach, Machine, Pose};
+use crate::report::{BoundedFigures, RssDifference};
 use std::path::PathBuf;
 
 /// Options of [`compare`].
@@ -105,12 +109,22 @@ pub struct ComparedMachine {
     pub order: Order,
     /// Number of tool poses that it does not reach, by reason.
     pub unreachable: UnreachableCount,
+    /// `bounds` where nothing is measured: then the statistics are of the 95 % value at each tool pose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from: Option<&'static str>,
+    /// What its bounds lead to, where nothing is measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<ComparedBounds>,
+    /// What bounds of errors without a value add to the measured ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds_add: Option<AddedByBounds>,
     /// Statistics of the deviation of the functional point, um.
     pub position_um: Summary,
     /// Statistics of the deviation of the orientation of the tool, urad.
     pub rotation_urad: Summary,
-    /// The statistics minus those of the first machine: negative is better than the first.
-    pub minus_first: Difference,
+    /// The statistics minus those of the first machine: negative is better than the first. None where of only one of
+    /// the two nothing is measured.
+    pub minus_first: Option<Difference>,
     /// Intervals of its statistics, and of these minus those of the first machine, where any of the files states
     /// uncertainties of errors.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -126,16 +140,14 @@ pub struct ComparedMachine {
     pub chain: String,
 }
 
-/// Intervals of the statistics of a machine beside another. Machines share the uncertainty that both files state.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct ComparedBands {
-    /// Those of the machine.
+/// What the bounds of a machine lead to on the tool poses, where nothing is measured.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct ComparedBounds {
+    /// Its figures, with the machines drawn.
     #[serde(flatten)]
-    pub own: Bands,
-    /// Those of its statistics minus the first machine's.
-    pub minus_first: Bands,
-    /// True if the 95 % position deviation differs from the first machine's by more than the uncertainty.
-    pub told_apart: bool,
+    pub figures: BoundedFigures,
+    /// The statistics of the RSS minus those of the first machine.
+    pub rss_minus_first: Option<RssDifference>,
 }
 
 impl ComparedMachine {
@@ -154,6 +166,8 @@ pub struct ComparedPose {
     pub direction: [f64; 3],
     /// Deviation of each machine.
     pub deviations: Vec<PoseDeviation>,
+    /// What the bounds of each machine lead to, where nothing is measured.
+    pub bounded: Vec<Option<BoundedDeviation>>,
 }
 
 /// Compares machines on the same tool poses; the first is the reference.
@@ -186,11 +200,13 @@ fn side_by_side(
         files.iter().zip(&comparison.machines).map(|(file, side)| (&**file, poses(side))).collect();
     let mut missed = vec![None; sides.len()];
     if let Some(asked) = &asked {
-        for (((machine, poses), side), missed) in sides.iter().zip(&comparison.machines).zip(&mut missed) {
+        for (i, ((machine, poses), side)) in sides.iter().zip(&comparison.machines).enumerate() {
             let rows = asked.missed(machine, &side.missed);
-            asked.say(call, machine, &rows)?;
-            check(call, machine, poses)?;
-            *missed = Some(rows);
+            call.about(files[i].path(), |call| {
+                asked.say(call, machine, &rows)?;
+                check(call, machine, poses)
+            })?;
+            missed[i] = Some(rows);
         }
     }
     let contributions = contributions_of(&sides, options.approach);
@@ -199,14 +215,31 @@ fn side_by_side(
     }
     let max_samples = options.max_samples.unwrap_or_else(|| options.samples.saturating_mul(8));
     let (samples, seed) = (options.samples, options.seed);
-    let drawn = DrawnMachines { tolerances: &options.tolerances, samples, max_samples, seed };
+    let names: Vec<&str> = files.iter().map(MachineFile::path).collect();
+    let drawn = DrawnMachines { tolerances: &options.tolerances, files: &names, samples, max_samples, seed };
     let budgets = budgets(call, &sides, drawn)?;
-    let uncertainty = uncertainty(&sides, &comparison, options);
-    let machine =
-        |(i, ((file, side), missed)): (usize, ((&MachineFile, &MachineResult), Option<Vec<MissedToolPose>>))| {
-            let uncertainty = uncertainty.as_ref().map(|of| of[i]);
-            ComparedMachine { uncertainty, ..compared_machine(file, side, order(file), missed) }
-        };
+    let samples = budgets.as_ref().map_or(samples, |budgets| budgets.drawing.samples);
+    let (mut bounded, mut adds) = (Vec::new(), Vec::new());
+    for ((machine, poses), file) in sides.iter().zip(files) {
+        let settings = (&options.tolerances, samples, seed);
+        let of = call.about(file.path(), |call| DrawnBounds::of(call, machine, settings))?;
+        adds.push(call.about(file.path(), |call| added(call, machine, settings, Some(poses)))?);
+        bounded.push(of.map(|of| Bounded::new(call, &of, machine, poses)));
+    }
+    call.checked()?;
+    // Figures from bounds have no uncertainty: they are one.
+    let measured = bounded.iter().all(Option::is_none);
+    let uncertainty = if measured { compared_bands(&sides, &comparison, (options.approach, seed)) } else { None };
+    let machines = (0..files.len()).map(|i| compared_machine(files, &comparison, order(&files[i]), (i, &bounded)));
+    let travel = |(i, missed): (usize, &Option<Vec<_>>)| {
+        missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))
+    };
+    let travels: Vec<_> = missed.iter().enumerate().map(travel).collect();
+    let of = |(i, (((machine, missed), travel), bounds_add))| {
+        let uncertainty = uncertainty.as_ref().map(|of: &Vec<ComparedBands>| of[i]);
+        ComparedMachine { missed, travel, bounds_add, uncertainty, ..machine }
+    };
+    let machines = machines.zip(missed).zip(travels).zip(adds).enumerate().map(of);
     Ok(CompareResult {
         contributions: contributions.iter().map(contribution).collect(),
         asked: comparison.asked,
@@ -214,10 +247,23 @@ fn side_by_side(
         seed: options.seed,
         frame: Frame::Workpiece,
         direction: options.approach,
-        machines: files.iter().zip(&comparison.machines).zip(missed).enumerate().map(machine).collect(),
+        machines: machines.collect(),
         budgets,
-        rows: (0..comparison.common.len()).map(|i| row(&comparison, i)).collect(),
+        rows: (0..comparison.common.len()).map(|i| row(&comparison, &bounded, i)).collect(),
     })
+}
+
+/// What the bounds of a machine lead to at its poses for the work.
+struct Bounded {
+    found: PoseByPose,
+    figures: BoundedFigures,
+}
+
+impl Bounded {
+    fn new(call: &Call<'_>, of: &DrawnBounds, machine: &Machine, poses: &[Pose]) -> Self {
+        let found = of.at(call, machine, &Poses::Listed(poses.to_vec()), Frame::Workpiece);
+        Self { figures: of.figures(&found), found }
+    }
 }
 
 fn poses(side: &MachineResult) -> Vec<Pose> {
@@ -230,58 +276,48 @@ fn contribution(alone: &AnalysedContribution) -> ErrorContribution {
 }
 
 fn compared_machine(
-    file: &MachineFile,
-    side: &MachineResult,
+    files: &[MachineFile],
+    comparison: &Comparison,
     order: Order,
-    missed: Option<Vec<MissedToolPose>>,
+    (index, bounded): (usize, &[Option<Bounded>]),
 ) -> ComparedMachine {
+    let (file, side, own) = (&files[index], &comparison.machines[index], bounded[index].as_ref());
+    let statistics = |i: usize| match &bounded[i] {
+        Some(of) => of.figures.statistics(comparison.common.len()),
+        None => comparison.machines[i].statistics,
+    };
+    let is_alike = own.is_some() == bounded[0].is_some();
+    let bounds = own.map(|own| ComparedBounds {
+        figures: own.figures.clone(),
+        rss_minus_first: bounded[0].as_ref().map(|first| own.figures.rss_minus(&first.figures)),
+    });
     ComparedMachine {
         machine: file.name().to_owned(),
         file: file.path().to_owned(),
-        order,
+        order: if own.is_some() { Order::Degree(1) } else { order },
         unreachable: side.unreachable,
-        position_um: side.statistics.position_um,
-        rotation_urad: side.statistics.rotation_urad,
-        minus_first: side.difference,
+        from: own.map(|_| "bounds"),
+        bounds,
+        bounds_add: None,
+        position_um: statistics(index).position_um,
+        rotation_urad: statistics(index).rotation_urad,
+        minus_first: is_alike.then(|| statistics(index).minus(&statistics(0))),
         uncertainty: None,
-        travel: missed.is_some().then(|| needed_travel(file, &side.needs)),
-        missed,
+        travel: None,
+        missed: None,
         chain: file.chain().to_string(),
     }
 }
 
-/// Returns the intervals of all machines; `None` where no file states an uncertainty.
-fn uncertainty(
-    sides: &[(&Machine, Vec<Pose>)],
-    comparison: &Comparison,
-    options: &CompareOptions,
-) -> Option<Vec<ComparedBands>> {
-    let parts = uncertain_parts(sides.iter().map(|(machine, _)| *machine));
-    if parts.is_empty() {
-        return None;
-    }
-    let places = band_places(comparison.common.len(), &[]);
-    let one = |((machine, _), side): (&(&Machine, Vec<Pose>), &MachineResult)| {
-        let (poses, values): (Vec<Pose>, Vec<_>) = places.iter().map(|i| side.reached[*i].clone()).unzip();
-        UncertainDeviations::of(machine, &parts, (&poses, values, side.statistics), options.approach)
-    };
-    let machines: Vec<UncertainDeviations> = sides.iter().zip(&comparison.machines).map(one).collect();
-    let (own, differences) = bands(&machines, options.seed);
-    let both = own.into_iter().zip(differences).map(|(own, minus_first)| {
-        let [low, high] = minus_first.position_um.p95;
-        ComparedBands { own, minus_first, told_apart: low > 0.0 || high < 0.0 }
-    });
-    Some(both.collect())
-}
-
-fn row(comparison: &Comparison, index: usize) -> ComparedPose {
+fn row(comparison: &Comparison, bounded: &[Option<Bounded>], index: usize) -> ComparedPose {
     let target = &comparison.common[index];
     let deviation = |side: &MachineResult| {
         let (_, deviation) = &side.reached[index];
         PoseDeviation { position_mm: deviation.position.into(), rotation_rad: deviation.rotation.into() }
     };
     let deviations = comparison.machines.iter().map(deviation).collect();
-    ComparedPose { tip_mm: target.tip.into(), direction: target.direction.into(), deviations }
+    let bounded = bounded.iter().map(|of| of.as_ref().map(|of| of.found.poses[index])).collect();
+    ComparedPose { tip_mm: target.tip.into(), direction: target.direction.into(), deviations, bounded }
 }
 
 pub(super) fn nothing_in_common(files: &[MachineFile], comparison: &Comparison) -> Diagnostic {

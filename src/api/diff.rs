@@ -73,8 +73,10 @@ pub fn diff(
     run: Run,
 ) -> Result<Answer<SetDifference>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
-        let (old, of_old) = found_effect(call, file, old, &options.compensation)?;
-        let (new, of_new) = found_effect(call, file, new, &options.compensation)?;
+        let mut found = |folder: &Path| {
+            call.about(&folder.display().to_string(), |call| found_effect(call, file, folder, &options.compensation))
+        };
+        let ((old, of_old), (new, of_new)) = (found(old)?, found(new)?);
         call.checked()?;
         let added = [of_old.added(file, &old), of_new.added(file, &new)];
         let mut axes: Vec<Vec<f64>> = vec![Vec::new(); file.axes().len()];

@@ -2,6 +2,7 @@
 
 use super::poses::{AxisPositions, axis_positions};
 use super::tool_poses::ReachedToolPoses;
+use crate::analysis::budget::{Bound, PoseByPose, effects_at};
 use crate::analysis::{View, deviation_in};
 use crate::evaluate::{Field, error_by_error, quantile_95};
 use crate::machine::{ErrorTerm, Machine};
@@ -44,19 +45,28 @@ pub struct DominatingError {
 /// Returns the features in the order in which the file names them; empty if it names none. Errors are named where the
 /// field is the bare machine.
 pub(crate) fn features(field: &dyn Field, reached: &ReachedToolPoses, view: View, bare: bool) -> Vec<FeatureResult> {
+    let um: Vec<f64> =
+        reached.poses.par_iter().map(|pose| deviation_in(field, pose, view).position.norm() * 1e3).collect();
+    let errors = |pose: &[f64]| if bare { dominating(field, pose, view) } else { Vec::new() };
+    grouped(field.machine(), reached, &um, &errors)
+}
+
+/// Returns the errors that dominate at a pose.
+type Dominating<'a> = &'a dyn Fn(&[f64]) -> Vec<DominatingError>;
+
+/// Returns the features of deviations (um) at the reached poses.
+fn grouped(machine: &Machine, reached: &ReachedToolPoses, um: &[f64], errors: Dominating<'_>) -> Vec<FeatureResult> {
     let named = reached.lines.iter().any(|(_, f)| f.is_some()) || reached.rows.iter().any(|row| row.feature.is_some());
     if !named {
         return Vec::new();
     }
-    let um: Vec<f64> =
-        reached.poses.par_iter().map(|pose| deviation_in(field, pose, view).position.norm() * 1e3).collect();
     let mut rows: Vec<(usize, &str, Option<usize>)> = Vec::new();
     rows.extend(reached.lines.iter().enumerate().map(|(i, (line, feature))| (*line, label_of(feature), Some(i))));
     rows.extend(reached.rows.iter().map(|row| (row.line, label_of(&row.feature), None)));
     rows.sort_by_key(|(line, ..)| *line);
     let mut groups: IndexMap<&str, Vec<Option<usize>>> = IndexMap::new();
     rows.into_iter().for_each(|(_, feature, pose)| groups.entry(feature).or_default().push(pose));
-    groups.into_iter().map(|(feature, rows)| one(field, reached, view, (feature, &rows, &um, bare))).collect()
+    groups.into_iter().map(|(feature, rows)| one(machine, reached, (feature, &rows, um), errors)).collect()
 }
 
 fn label_of(feature: &Option<String>) -> &str {
@@ -64,10 +74,10 @@ fn label_of(feature: &Option<String>) -> &str {
 }
 
 fn one(
-    field: &dyn Field,
+    machine: &Machine,
     reached: &ReachedToolPoses,
-    view: View,
-    (feature, rows, um, bare): (&str, &[Option<usize>], &[f64], bool),
+    (feature, rows, um): (&str, &[Option<usize>], &[f64]),
+    errors: Dominating<'_>,
 ) -> FeatureResult {
     let poses: Vec<usize> = rows.iter().flatten().copied().collect();
     let mut lengths: Vec<f64> = poses.iter().map(|i| um[*i]).collect();
@@ -80,9 +90,25 @@ fn one(
         max_um: worst.map(|i| um[i]),
         p95_um: worst.map(|_| quantile_95(&mut lengths)),
         line: worst.map(|i| reached.lines[i].0),
-        axes: worst.map(|i| axis_positions(field.machine(), &reached.poses[i])),
-        errors: worst.filter(|_| bare).map_or_else(Vec::new, |i| dominating(field, &reached.poses[i], view)),
+        axes: worst.map(|i| axis_positions(machine, &reached.poses[i])),
+        errors: worst.map_or_else(Vec::new, |i| errors(&reached.poses[i])),
     }
+}
+
+/// Returns the features where nothing is measured: the deviations are the 95 % values, the errors those with the largest
+/// effects alone at their bounds.
+pub(crate) fn bounded_features(
+    machine: &Machine,
+    reached: &ReachedToolPoses,
+    bounds: &[Bound],
+    found: &PoseByPose,
+) -> Vec<FeatureResult> {
+    let um: Vec<f64> = found.poses.iter().map(|pose| pose.position.p95 * 1e3).collect();
+    let effects = |pose: &[f64]| {
+        let list = effects_at(machine, bounds, pose).into_iter().take(DOMINATING);
+        list.map(|(i, mm)| DominatingError { error: bounds[i].to_string(), um: mm * 1e3 }).collect()
+    };
+    grouped(machine, reached, &um, &effects)
 }
 
 /// Returns the errors with the largest parts along the deviation at a pose.

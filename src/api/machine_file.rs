@@ -143,10 +143,16 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
 /// Warns of a machine that is asked for deviations although all its errors are only bounded.
 pub(crate) fn bounded_only(machine: &Machine) -> Option<Diagnostic> {
     let count = machine.errors().count() + machine.tolerances().count();
-    let bounded = count > 0 && machine.errors().all(|(_, term)| matches!(term, ErrorTerm::Tolerance(_)));
+    let any = count > 0 || machine.class().is_some();
+    let bounded = any && machine.errors().all(|(_, term)| matches!(term, ErrorTerm::Tolerance(_)));
     bounded.then(|| {
-        let message = format!("all {} are only bounded, and count as 0", counted(count, "error"));
-        let help = "`abbe budget` computes the effect of bounds; give values for measured errors";
+        let all = if machine.class().is_some() {
+            "all errors".to_owned()
+        } else {
+            format!("all {}", counted(count, "error"))
+        };
+        let message = format!("{all} are only bounded, and count as 0");
+        let help = "`abbe map` and `abbe budget` compute the effect of bounds; give values for measured errors";
         Diagnostic::new(codes::W0802, message).help(help)
     })
 }

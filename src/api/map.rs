@@ -1,14 +1,17 @@
 //! The error over a volume.
 
+use super::bounded::{AddedByBounds, DrawnBounds, added};
 use super::compensation::effect::compiled_effect;
 use super::compensation::options::CompensationOptions;
 use super::features::{FeatureResult, features};
-use super::machine_file::{MachineFile, bounded_only};
+use super::machine_file::MachineFile;
+use super::map_bounds::{self, MapFromBounds};
 use super::map_tables::{MapTable, Tables};
 use super::order_of;
 use super::plane_picture::{PlaneOptions, Subject};
 use super::poses::{AxisPositions, axis_positions};
 use super::run::{Answer, Call, Refused, Run};
+use super::tolerances::ToleranceOptions;
 use super::tool_poses::{self, ReachedToolPoses};
 use super::uncertainty::field_bands;
 use crate::analysis::{
@@ -45,6 +48,11 @@ pub struct MapOptions {
     pub target: Option<String>,
     /// Options of the compensation for the target.
     pub compensation: CompensationOptions,
+    /// Bounds and draws of errors, for a machine that bounds some; its figure is the largest deviation over the poses.
+    #[serde(flatten)]
+    pub tolerances: ToleranceOptions,
+    /// Number of machines that are drawn, at least 2.
+    pub samples: usize,
 }
 
 impl Default for MapOptions {
@@ -59,6 +67,8 @@ impl Default for MapOptions {
             picture: None,
             target: None,
             compensation: CompensationOptions::default(),
+            tolerances: ToleranceOptions::default(),
+            samples: 1000,
         }
     }
 }
@@ -94,7 +104,7 @@ impl MapPoses {
         }
     }
 
-    fn of(&self, machine: &Machine, seed: u64, reached: Option<&ReachedToolPoses>) -> Poses {
+    pub(super) fn of(&self, machine: &Machine, seed: u64, reached: Option<&ReachedToolPoses>) -> Poses {
         match self {
             Self::Grid => Poses::Nodes(Nodes::of(machine)),
             Self::Random(count) => Poses::Random(Random::of(machine, *count, seed)),
@@ -104,7 +114,7 @@ impl MapPoses {
     }
 }
 
-/// A map of deviations, actual minus nominal.
+/// A map of deviations, actual minus nominal; of a machine of which nothing is measured, of what its bounds lead to.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct MapResult {
     /// Name of the machine.
@@ -117,6 +127,15 @@ pub struct MapResult {
     pub direction: Approach,
     /// Number of poses.
     pub poses: usize,
+    /// `bounds` where nothing is measured: then the statistics are of the 95 % value at each pose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from: Option<&'static str>,
+    /// What the bounds lead to, where nothing is measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<MapFromBounds>,
+    /// What bounds of errors without a value add to the measured ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds_add: Option<AddedByBounds>,
     /// Statistics of the deviation of the functional point, um.
     pub position_um: Summary,
     /// Statistics of the deviation of the orientation of the tool, urad.
@@ -152,6 +171,32 @@ pub struct MapResult {
 }
 
 impl MapResult {
+    /// Returns a map that has statistics and nothing else.
+    pub(super) fn empty(rows: &Rows<'_>, statistics: Statistics) -> Self {
+        Self {
+            machine: rows.machine.name().to_owned(),
+            order: rows.order,
+            frame: rows.view.frame,
+            direction: rows.view.approach,
+            poses: statistics.poses,
+            from: None,
+            bounds: None,
+            bounds_add: None,
+            position_um: statistics.position_um,
+            rotation_urad: statistics.rotation_urad,
+            uncertainty: None,
+            worst: Vec::new(),
+            diagonals: Vec::new(),
+            p95_relative_error: None,
+            tool_poses: None,
+            features: Vec::new(),
+            target: None,
+            uncompensated: None,
+            grid: if let Poses::Nodes(nodes) = rows.poses { Some(nodes.counts().collect()) } else { None },
+            picture: None,
+        }
+    }
+
     /// Returns the statistics of the map.
     pub fn statistics(&self) -> Statistics {
         Statistics { poses: self.poses, position_um: self.position_um, rotation_urad: self.rotation_urad }
@@ -198,7 +243,8 @@ pub struct BodyDiagonal {
 
 /// Maps the deviations of a machine over its volume.
 ///
-/// Fails for more than 1e9 poses, and for a picture or a file of tool poses that does not fit the machine.
+/// Fails for more than 1e9 poses (1e6 where nothing is measured), and for a picture or a file of tool poses that does
+/// not fit the machine.
 pub fn map(file: &MachineFile, options: &MapOptions, run: Run<'_>) -> Result<Answer<MapResult>, Diagnostics> {
     map_tables(file, options, Vec::new(), run)
 }
@@ -224,7 +270,13 @@ fn volume(
     options: &MapOptions,
     tables: Vec<MapTable<'_>>,
 ) -> Result<MapResult, Refused> {
-    call.extend(bounded_only(machine));
+    if options.samples < 2 {
+        return call.usage("a map draws 2 machines at least");
+    }
+    let settings = (&options.tolerances, options.samples, options.seed);
+    if let Some(drawn) = DrawnBounds::of(call, machine, settings)? {
+        return map_bounds::volume(call, machine, options, (&drawn, tables));
+    }
     let order = order_of(machine, options.order);
     let view = View { approach: options.approach, frame: options.frame };
     let place =
@@ -243,7 +295,7 @@ fn volume(
     }
     let name = options.target.as_deref().unwrap_or_default();
     let work = tool_poses.as_ref().map(ReachedToolPoses::work_rows);
-    let rows = Rows { machine, poses: &poses, view, order, target: name, work: work.as_ref() };
+    let rows = Rows { machine, poses: &poses, view, order, target: name, work: work.as_ref(), drawn: None };
     let before = match &replayed {
         Some(_) => Some(found(call, &bare, &rows, Vec::new(), 0)?.statistics),
         None => None,
@@ -256,13 +308,14 @@ fn volume(
     let picture = drawn.map(|(picture, place)| picture.picture(place, &subject, (view, order)));
     let features = tool_poses.as_ref().map(|reached| features(field, reached, view, replayed.is_none()));
     let features = features.unwrap_or_default();
+    let bounds_add = added(call, machine, settings, tool_poses.as_ref().map(|reached| reached.poses.as_slice()))?;
     let diagonals = body_diagonals(field, &rest(machine), DIAGONAL_STEPS, view.approach);
     let result = result(&rows, &survey, &diagonals);
     let uncompensated = before.map(|s| Uncompensated { position_um: s.position_um, rotation_urad: s.rotation_urad });
     let besides: Vec<usize> = survey.worst.iter().map(|(i, _)| *i).collect();
     let uncertainty = field_bands(field, &poses, (survey.statistics, &besides), view.approach, options.seed);
     let target = options.target.clone();
-    Ok(MapResult { picture, tool_poses, features, target, uncompensated, uncertainty, ..result })
+    Ok(MapResult { picture, tool_poses, features, bounds_add, target, uncompensated, uncertainty, ..result })
 }
 
 /// Number of poses at which the warnings of a compensation are found.
@@ -316,7 +369,7 @@ fn found(
 }
 
 fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[Diagonal]) -> MapResult {
-    let Rows { machine, poses, view, order, .. } = *rows;
+    let Rows { machine, poses, .. } = *rows;
     let worst = |(i, deviation): &(usize, Deviation)| WorstPose {
         axes: axis_positions(machine, &poses.get(*i)),
         // Adding zero turns -0 into 0.
@@ -330,22 +383,9 @@ fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[Diagonal]) -> MapResult
         BodyDiagonal { name: d.name.clone(), from, to, length_mm, range_um, deviations_um }
     };
     MapResult {
-        machine: machine.name().to_owned(),
-        order,
-        frame: view.frame,
-        direction: view.approach,
-        poses: survey.statistics.poses,
-        position_um: survey.statistics.position_um,
-        rotation_urad: survey.statistics.rotation_urad,
-        uncertainty: None,
         worst: survey.worst.iter().map(worst).collect(),
         diagonals: diagonals.iter().map(diagonal).collect(),
         p95_relative_error: (poses.len() > MAX_POSES).then_some(Tally::QUANTILE_ERROR),
-        tool_poses: None,
-        features: Vec::new(),
-        target: None,
-        uncompensated: None,
-        grid: if let Poses::Nodes(nodes) = poses { Some(nodes.counts().collect()) } else { None },
-        picture: None,
+        ..MapResult::empty(rows, survey.statistics)
     }
 }

@@ -3,8 +3,7 @@
 use super::run::{Call, Refused};
 use crate::analysis::{Block, Survey, SurveyTask, survey, survey_with_rows};
 use crate::diagnostic::{Diagnostic, codes};
-use crate::evaluate::Deviation;
-use crate::report::{RowBlock, RowFormat, Rows, Sink, Stream};
+use crate::report::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream};
 
 /// A table of every pose with its deviation, and where it goes. Positions are in mm and deg, deviations in um and urad.
 pub struct MapTable<'a> {
@@ -52,12 +51,12 @@ impl<'a> Tables<'a> {
     }
 
     /// Writes a map that is held.
-    pub(super) fn write(mut self, deviations: &[Deviation]) -> Result<(), Diagnostic> {
-        let count = if self.streams.is_empty() { 0 } else { deviations.len() };
-        for (k, block) in deviations[..count].chunks(BLOCK).enumerate() {
+    pub(super) fn write(mut self, values: &[impl RowValues + Copy]) -> Result<(), Diagnostic> {
+        let count = if self.streams.is_empty() { 0 } else { values.len() };
+        for (k, block) in values[..count].chunks(BLOCK).enumerate() {
             let first = k * BLOCK;
             let rows = self.rows;
-            let pairs = block.iter().enumerate().map(|(i, deviation)| (rows.poses.get(first + i), *deviation));
+            let pairs = block.iter().enumerate().map(|(i, values)| (rows.poses.get(first + i), *values));
             let block = rows.prepared(&self.forms, first, pairs);
             self.put(&block)?;
         }

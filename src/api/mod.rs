@@ -8,6 +8,7 @@
 //! writes into the sinks that the caller gave it.
 
 mod algebra;
+mod bounded;
 mod budget;
 mod budgets;
 mod certificate;
@@ -32,6 +33,7 @@ mod import;
 mod instrument;
 mod machine_file;
 mod map;
+mod map_bounds;
 mod map_tables;
 pub mod options;
 mod plane_picture;

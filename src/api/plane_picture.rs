@@ -1,11 +1,12 @@
 //! Pictures of a map: the deviation over a plane of two linear axes.
 
+use super::bounded::DrawnBounds;
 use super::poses::{check, pose_option};
 use super::run::{Call, Refused};
 use crate::analysis::{Plane, View, rest};
 use crate::diagnostic::{Diagnostic, codes};
-use crate::evaluate::{Field, Order};
-use crate::machine::{AxisKind, Machine};
+use crate::evaluate::{Field, Order, Poses};
+use crate::machine::{AxisKind, Machine, Pose};
 use crate::report::{Picture, PlanePicture, PlaneQuantity, PlaneStyle, before_after};
 
 /// A picture of the deviation over a plane of two linear axes.
@@ -77,7 +78,47 @@ pub(super) struct Subject<'a> {
     pub before: Option<&'a dyn Field>,
 }
 
+/// A machine of which nothing is measured.
+pub(super) struct BoundedSubject<'a> {
+    pub machine: &'a Machine,
+    pub drawn: &'a DrawnBounds,
+    pub view: View,
+}
+
 impl PlaneOptions {
+    /// As [`Self::place`], for a picture of what bounds lead to.
+    pub(super) fn bounded_place(&self, call: &mut Call<'_>, machine: &Machine) -> Result<PlanePlace, Refused> {
+        if self.drawing != PlaneDrawing::Colours || self.component != PlaneComponent::Length {
+            return call.usage(
+                "nothing of the machine is measured, and bounds have no direction: a picture shows the length in \
+                 colours; omit `--drawing` and `--component`",
+            );
+        }
+        self.place(call, machine, false)
+    }
+
+    /// Returns the picture of the 95 % value of the deviation that bounds lead to.
+    pub(super) fn bounded_picture(&self, call: &Call<'_>, place: &PlanePlace, subject: &BoundedSubject<'_>) -> Picture {
+        let BoundedSubject { machine, drawn, view } = *subject;
+        let p95 = |poses: Vec<Pose>| {
+            let found = drawn.at(call, machine, &Poses::Listed(poses), view.frame);
+            found.poses.iter().map(|pose| pose.position.p95).collect()
+        };
+        let plane = Plane::of_lengths(machine, place.axes, &place.at, bounded_nodes(machine, place.axes), p95);
+        let picture = PlanePicture {
+            machine,
+            plane: &plane,
+            view,
+            order: Order::Degree(1),
+            shown: PlaneQuantity::Length,
+            drawn: PlaneStyle::Colours,
+            state: "",
+            like: None,
+            drawing: Some(&drawn.drawing),
+        };
+        picture.picture()
+    }
+
     /// Refuses a picture that cannot be drawn, before any work.
     pub(super) fn place(
         &self,
@@ -103,7 +144,17 @@ impl PlaneOptions {
         let plane = of(subject.field);
         let drawn = if self.drawing == PlaneDrawing::Grid { PlaneStyle::Grid } else { PlaneStyle::Colours };
         let shown = self.component.into();
-        let one = PlanePicture { machine, plane: &plane, view, order, shown, drawn, state: subject.state, like: None };
+        let one = PlanePicture {
+            machine,
+            plane: &plane,
+            view,
+            order,
+            shown,
+            drawn,
+            state: subject.state,
+            like: None,
+            drawing: None,
+        };
         match subject.before.filter(|_| self.drawing == PlaneDrawing::BeforeAfter).map(of) {
             Some(before) => before_after(&PlanePicture { plane: &before, state: "uncompensated", ..one }, &one),
             None => one.picture(),
@@ -143,7 +194,16 @@ fn plane_axes(machine: &Machine, text: Option<&str>) -> Result<[usize; 2], Diagn
 
 /// About square cells, 72 along the longer side.
 fn nodes(machine: &Machine, axes: [usize; 2]) -> [usize; 2] {
+    cells(machine, axes, 72.0)
+}
+
+/// About square cells, 36 along the longer side: each node takes as long as all machines drawn.
+fn bounded_nodes(machine: &Machine, axes: [usize; 2]) -> [usize; 2] {
+    cells(machine, axes, 36.0)
+}
+
+fn cells(machine: &Machine, axes: [usize; 2], longer: f64) -> [usize; 2] {
     let spans = axes.map(|i| machine.volume()[i].max - machine.volume()[i].min);
     let longest = spans[0].max(spans[1]);
-    spans.map(|span| 1 + (72.0 * span / longest).round().max(2.0) as usize)
+    spans.map(|span| 1 + (longer * span / longest).round().max(2.0) as usize)
 }

@@ -1,19 +1,20 @@
 //! `report`: one self-contained HTML page for a design review.
 
+use super::bounded::{DrawnBounds, added};
 use super::budget::{BudgetOptions, BudgetResult, budget_of};
 use super::budgets::{DrawnMachines, budgets};
 use super::compensation::effect::compiled_effect;
 use super::compensation::options::CompensationOptions;
-use super::features::features;
-use super::machine_file::{MachineFile, bounded_only, sources_of};
+use super::features::{bounded_features, features};
+use super::machine_file::{MachineFile, sources_of};
 use super::order_of;
 use super::run::{Answer, Call, Refused, Run};
 use super::tolerances::ToleranceOptions;
 use super::tool_poses;
 use crate::analysis::{MAX_POSES, TooManyPoses, View, map};
 use crate::controller::Depth;
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
-use crate::evaluate::{Bare, Frame, Order};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::evaluate::{Bare, Frame, Order, Poses};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::page::{
     ComparisonData, Delivery, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
@@ -99,7 +100,7 @@ fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions)
         return call.usage("a budget draws 2 machines at least");
     }
     let subjects: Vec<Subject<'_>> =
-        files.iter().map(|file| Subject::of(call, file, options)).collect::<Result<_, _>>()?;
+        files.iter().map(|file| Subject::one_of(call, files, (file, options))).collect::<Result<_, _>>()?;
     let given: Vec<MachineInput<'_>> = subjects.iter().map(|subject| subject.given(options)).collect();
     let mut report = Report::default();
     report.data.comparison = comparison(call, options, &given)?;
@@ -118,6 +119,12 @@ fn drawn(
     advance: &(dyn Fn(usize) + Sync),
 ) -> Result<(MachineData, Pictures), TooManyPoses> {
     let view = View { approach: given.approach, frame: Frame::Workpiece };
+    if let Some(bounded) = given.bounded() {
+        let data = MachineData::of_bounds(number, given, &bounded);
+        advance(given.poses.0);
+        let pictures = Pictures::new(given, &data);
+        return Ok((data, pictures));
+    }
     let map = map(&Bare { machine: given.machine, order: given.order }, &given.sample(), view, advance)?;
     let data = MachineData::new(number, given, &map);
     let pictures = Pictures::new(given, &data);
@@ -131,22 +138,44 @@ struct Subject<'a> {
     warnings: Vec<String>,
     instruments: Instruments,
     budget: Option<BudgetResult>,
+    /// What bounds add to the measured errors; null where they add nothing.
+    bounds_add: Value,
     /// The tool poses of the file that the machine reaches, and what the page says of them.
     work: Option<(Vec<Pose>, Value)>,
 }
 
 impl<'a> Subject<'a> {
+    /// The subject of one of the files; with several, what is found names the file.
+    fn one_of(
+        call: &mut Call<'_>,
+        files: &[MachineFile],
+        (file, options): (&'a MachineFile, &ReportOptions),
+    ) -> Result<Self, Refused> {
+        match files {
+            [_] => Self::of(call, file, options),
+            _ => call.about(file.path(), |call| Self::of(call, file, options)),
+        }
+    }
+
     fn of(call: &mut Call<'_>, file: &'a MachineFile, options: &ReportOptions) -> Result<Self, Refused> {
         let seen = call.diagnostics.iter().count();
-        call.extend(bounded_only(file));
+        let settings = (&options.tolerances, options.samples, options.seed);
+        let bounded = DrawnBounds::of(call, file, settings)?;
+        let targets = if bounded.is_some() { &[][..] } else { &options.targets };
+        if targets.len() < options.targets.len() {
+            call.warn(nothing_to_compensate(file));
+        }
         call.checked()?;
-        let work = options.tool_poses.as_ref().map(|path| work(call, file, path, options)).transpose()?;
-        let written =
-            options.targets.iter().map(|name| compensated(call, file, name, options)).collect::<Result<_, _>>()?;
+        let path = options.tool_poses.as_ref();
+        let work = path.map(|path| work(call, file, path, (options, bounded.as_ref()))).transpose()?;
+        let written = targets.iter().map(|name| compensated(call, file, name, options)).collect::<Result<_, _>>()?;
+        let reached = work.as_ref().map(|(poses, _)| poses.as_slice());
+        let bounds_add = added(call, file, settings, reached)?.map_or(Value::Null, |added| json!(added));
         let found = file.warnings().iter().chain(call.diagnostics.iter().skip(seen));
         let warnings = found.map(Diagnostic::to_string).collect();
-        let (budget, instruments) = (own_budget(call, file, options)?, Instruments::new(file));
-        Ok(Self { file, written, warnings, instruments, budget, work })
+        let instruments = if bounded.is_some() { Instruments::none(file) } else { Instruments::new(file) };
+        let budget = own_budget(call, file, options)?;
+        Ok(Self { file, written, warnings, instruments, budget, bounds_add, work })
     }
 
     fn given(&self, options: &ReportOptions) -> MachineInput<'_> {
@@ -161,6 +190,7 @@ impl<'a> Subject<'a> {
             warnings: &self.warnings,
             instruments: &self.instruments,
             budget: self.budget.as_ref().map(BudgetResult::report),
+            bounds_add: &self.bounds_add,
         }
     }
 }
@@ -170,16 +200,28 @@ fn work(
     call: &mut Call<'_>,
     file: &MachineFile,
     path: &Path,
-    options: &ReportOptions,
+    (options, bounded): (&ReportOptions, Option<&DrawnBounds>),
 ) -> Result<(Vec<Pose>, Value), Refused> {
     let machine: &Machine = file;
     let reached = tool_poses::read(call, machine, path)?.reached(call, machine)?;
     let bare = Bare { machine, order: order_of(machine, options.order) };
     let view = View { approach: options.approach, frame: Frame::Workpiece };
-    let features = features(&bare, &reached, view, true);
+    let features = match bounded {
+        Some(drawn) => {
+            let found = drawn.at(call, machine, &Poses::Listed(reached.poses.clone()), view.frame);
+            bounded_features(machine, &reached, &drawn.bounds, &found)
+        }
+        None => features(&bare, &reached, view, true),
+    };
     let work = json!({"file": reached.file, "asked": reached.asked, "reached": reached.reached,
         "travel": reached.travel, "features": features});
     Ok((reached.poses, work))
+}
+
+/// The warning for a machine of which nothing is measured, and a target.
+fn nothing_to_compensate(file: &MachineFile) -> Diagnostic {
+    let message = format!("nothing of `{}` is measured: no compensation of it is shown", shown(file.path()));
+    Diagnostic::new(codes::W0802, message).help("give values for measured errors, or omit `--target`")
 }
 
 /// Returns the effect of the files that `compile` would write for a target, and their certificate.
@@ -219,7 +261,8 @@ fn comparison(
 ) -> Result<Option<ComparisonData>, Refused> {
     let Some(work) = ComparisonData::work(given) else { return Ok(None) };
     let (samples, seed) = (options.samples, options.seed);
-    let drawn = DrawnMachines { tolerances: &options.tolerances, samples, max_samples: samples, seed };
+    let names: Vec<&str> = given.iter().map(|given| given.file).collect();
+    let drawn = DrawnMachines { tolerances: &options.tolerances, files: &names, samples, max_samples: samples, seed };
     let budgets = budgets(call, &work.1, drawn)?;
     let json = budgets.map_or(Value::Null, |budgets| json!(budgets));
     Ok(Some(ComparisonData::new(given, &work, json)))

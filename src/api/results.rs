@@ -1,11 +1,12 @@
 //! Results of the functions, and their parts. Serde writes results in the shapes that docs/formats.md describes.
 
+pub use super::bounded::{AddedByBounds, AddedDeviation};
 pub use super::budget::BudgetResult;
 pub use super::budgets::ComparedBudgets;
 pub use super::certificate::CertificateReport;
 pub use super::check::CheckedFile;
 pub use super::classify::{Classification, MotionWithErrors, NoMotion, SixErrors};
-pub use super::compare::{CompareResult, ComparedBands, ComparedMachine, ComparedPose, ErrorContribution};
+pub use super::compare::{CompareResult, ComparedBounds, ComparedMachine, ComparedPose, ErrorContribution};
 pub use super::compile::CompiledSet;
 pub use super::compiled_model::{DeviationColumns, PoseDeviation};
 pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitSize};
@@ -28,17 +29,18 @@ pub use super::import::{
 };
 pub use super::instrument::{InstrumentResult, Readings};
 pub use super::map::{BodyDiagonal, MapResult, Uncompensated, WorstPose};
+pub use super::map_bounds::{MapFromBounds, WorstBoundedPose};
 pub use super::poses::AxisPositions;
 pub use super::report::Report;
 pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, OtherSide};
 pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::tool_poses::{BeyondTravel, MissedToolPose, NeededTravel, ReachedToolPoses};
-pub use super::uncertainty::CertificateBands;
+pub use super::uncertainty::{CertificateBands, ComparedBands};
 pub use crate::analysis::Status as LocationStatus;
 pub use crate::analysis::budget::{
-    Binding, Bound, Budget, BudgetPart, CheapestTolerances, Contribution, PERCENTS, PairedDifference, Percentile, Role,
-    Totals, Verdict, VersusFirst,
+    Binding, Bound, BoundedDeviation, BoundedLength, Budget, BudgetPart, CheapestTolerances, Contribution, PERCENTS,
+    PairedDifference, Percentile, Role, Totals, Verdict, VersusFirst,
 };
 pub use crate::analysis::enumerate::{NeededRange, Ranking, RoundCount, Row as ArrangementRow};
 pub use crate::analysis::instrument::{BallBar, Diagonal, RTest};
@@ -47,8 +49,8 @@ pub use crate::controller::{
     Certificate, CompensationDegree, ControllerTarget, Figures, ROUNDING_UM, SingleErrorResidual,
 };
 pub use crate::diagnostic::{Severity, Sources};
-pub use crate::evaluate::{Statistics, Summary};
+pub use crate::evaluate::{Difference, Statistics, Summary};
 pub use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorKind, ErrorTerm, Machine, Sense, Travel};
 pub use crate::report::page::RenderedPage;
-pub use crate::report::{Picture, PictureFailure};
+pub use crate::report::{BoundedFigures, LengthDifference, Picture, PictureFailure, RssDifference};
 pub use crate::syntax::{FolderEntry, ReadFailure};

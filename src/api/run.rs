@@ -104,6 +104,15 @@ impl<'a> Call<'a> {
         self.diagnostics.push(warning);
     }
 
+    /// Does a job about one of several files: what it finds names the file.
+    pub fn about<T>(&mut self, file: &str, job: impl FnOnce(&mut Self) -> T) -> T {
+        let count = self.diagnostics.count();
+        let value = job(self);
+        self.diagnostics.name_file(count, file);
+        self.diagnostics.forget_repeats(count);
+        value
+    }
+
     /// Adds warnings, or refusals that the next [`Self::checked`] stops at.
     pub fn extend(&mut self, list: impl IntoIterator<Item = Diagnostic>) {
         list.into_iter().for_each(|diagnostic| self.diagnostics.push(diagnostic));

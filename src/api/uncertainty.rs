@@ -1,6 +1,6 @@
 //! Intervals of the headline figures by the uncertainty that a machine file states of its errors.
 
-use crate::analysis::{Bands, UncertainDeviations, band_places, bands, uncertain_parts};
+use crate::analysis::{Bands, Comparison, MachineResult, UncertainDeviations, band_places, bands, uncertain_parts};
 use crate::controller::{Certificate, Depth};
 use crate::evaluate::{Bare, Field, Order, Poses, Statistics};
 use crate::machine::{Approach, Machine, Pose};
@@ -35,6 +35,18 @@ impl CertificateBands {
     }
 }
 
+/// Intervals of the statistics of a machine beside another. Machines share the uncertainty that both files state.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ComparedBands {
+    /// Those of the machine.
+    #[serde(flatten)]
+    pub own: Bands,
+    /// Those of its statistics minus the first machine's.
+    pub minus_first: Bands,
+    /// True if the 95 % position deviation differs from the first machine's by more than the uncertainty.
+    pub told_apart: bool,
+}
+
 /// Returns the intervals of the figures of a field over poses, of which `whole` are the statistics and `besides` the
 /// indices of poses not to be left out. `None` where the machine states no uncertainty.
 pub(super) fn field_bands(
@@ -53,4 +65,28 @@ pub(super) fn field_bands(
     let values = places.par_iter().map(|pose| field.deviation(pose, approach)).collect();
     let deviations = UncertainDeviations::of(machine, &parts, (&places, values, whole), approach);
     bands(&[deviations], seed).0.pop()
+}
+
+/// Returns the intervals of all machines; `None` where no file states an uncertainty.
+pub(super) fn compared_bands(
+    sides: &[(&Machine, Vec<Pose>)],
+    comparison: &Comparison,
+    (approach, seed): (Approach, u64),
+) -> Option<Vec<ComparedBands>> {
+    let parts = uncertain_parts(sides.iter().map(|(machine, _)| *machine));
+    if parts.is_empty() {
+        return None;
+    }
+    let places = band_places(comparison.common.len(), &[]);
+    let one = |((machine, _), side): (&(&Machine, Vec<Pose>), &MachineResult)| {
+        let (poses, values): (Vec<Pose>, Vec<_>) = places.iter().map(|i| side.reached[*i].clone()).unzip();
+        UncertainDeviations::of(machine, &parts, (&poses, values, side.statistics), approach)
+    };
+    let machines: Vec<UncertainDeviations> = sides.iter().zip(&comparison.machines).map(one).collect();
+    let (own, differences) = bands(&machines, seed);
+    let both = own.into_iter().zip(differences).map(|(own, minus_first)| {
+        let [low, high] = minus_first.position_um.p95;
+        ComparedBands { own, minus_first, told_apart: low > 0.0 || high < 0.0 }
+    });
+    Some(both.collect())
 }

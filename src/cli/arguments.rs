@@ -1,9 +1,235 @@
-//! Arguments that are more than numbers and words.
+//! Options that several verbs have, each defined once: name, meaning, range and, but for [`EFFORT`], default.
+//!
+//! The short help of a name is the same in every verb; what differs between verbs is in the long help. The test in
+//! `option_table` walks all verbs.
 
-use abbe::text::{Reason, parse_length};
+use super::Outcome;
+use super::output::session::Session;
+use super::output::view::{ApproachArg, FrameArg, order};
+use super::store::write::{PictureKind, refuse_outputs, write_picture};
+use abbe::options::{Approach, Frame, Order};
+use abbe::results::Picture;
+use abbe::text::{Reason, parse_length, shown};
+use std::convert::Infallible;
+use std::path::PathBuf;
+
+/// Help of the options whose type or default is not the same in all verbs.
+pub(super) mod help {
+    pub(in crate::cli) const AT: &str = "A pose, such as X=100,C=90, mm and deg";
+    pub(in crate::cli) const AXIS: &str = "An axis, by its name";
+    pub(in crate::cli) const OUT: &str = "Write the result here: a file, of `compile` a folder";
+    pub(in crate::cli) const PLANE: &str = "A plane of two axes, such as XY";
+    pub(in crate::cli) const PNG: &str = "Draw a picture, as PNG unless the file ends in .svg";
+    pub(in crate::cli) const SVG: &str = "Draw a picture, as SVG unless the file ends in .png";
+    pub(in crate::cli) const TARGET: &str = "The controller; `abbe targets` lists them";
+}
+
+/// Options whose default is a matter of the verb's effort.
+#[cfg(test)]
+pub(super) const EFFORT: [&str; 2] = ["poses", "samples"];
 
 /// A length in mm that fits; `remedy` is the message for another.
 pub(super) fn length(text: &str, fits: impl Fn(f64) -> bool, remedy: &str) -> Result<f64, Reason> {
     let length = parse_length(text).map_err(Reason::new)?;
     length.filter(|mm| fits(*mm)).ok_or_else(|| Reason::new(remedy))
+}
+
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct ToolArg {
+    /// Tool of the machine, by name [default: the first].
+    #[arg(long, value_name = "NAME")]
+    tool: Option<String>,
+}
+
+impl ToolArg {
+    pub(super) fn name(&self) -> Option<&str> {
+        self.tool.as_deref()
+    }
+}
+
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(super) struct SeedArg {
+    /// Seed of all that is drawn at random, poses and errors (0 or more).
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(super) seed: u64,
+}
+
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(super) struct PosesArg {
+    /// Number of poses (1 to 1000000).
+    #[arg(long, value_name = "N", default_value_t = 1000,
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    poses: u32,
+}
+
+impl PosesArg {
+    pub(super) fn count(self) -> usize {
+        self.poses as usize
+    }
+}
+
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct ToolPosesArg {
+    /// Take the poses from the tool poses of a file: APT CL data, or a table with columns X, Y, Z and I, J, K or rotary
+    /// axes, workpiece frame.
+    #[arg(long, value_name = "FILE")]
+    tool_poses: Option<PathBuf>,
+}
+
+impl ToolPosesArg {
+    pub(super) fn path(&self) -> Option<&PathBuf> {
+        self.tool_poses.as_ref()
+    }
+}
+
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(super) struct SamplesArg {
+    /// Number of machines to draw where errors are bounded (2 to 100000).
+    #[arg(long, value_name = "N", default_value_t = 1000,
+        value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    samples: u32,
+}
+
+impl SamplesArg {
+    pub(super) fn count(self) -> usize {
+        self.samples as usize
+    }
+}
+
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(super) struct MaxSamplesArg {
+    /// Maximum number of machines to draw, until they are told apart (2 to 800000) [default: 8 times --samples].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=800_000))]
+    max_samples: Option<u32>,
+}
+
+impl MaxSamplesArg {
+    pub(super) fn count(self) -> Option<usize> {
+        self.max_samples.map(|limit| limit as usize)
+    }
+}
+
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(super) struct TopArg {
+    /// Number of rows to list as text (0 to 100000).
+    #[arg(long, value_name = "K", default_value_t = 12,
+        value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    top: u32,
+}
+
+impl TopArg {
+    pub(super) fn count(self) -> usize {
+        self.top as usize
+    }
+}
+
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(super) struct OrderArg {
+    /// Order of the model in the errors, 1 to 6 or `exact` [default: exact, unless the conventions' preset names an
+    /// order; of `equations` 1].
+    #[arg(long, value_name = "N|exact", value_parser = order)]
+    pub(super) order: Option<Order>,
+}
+
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(super) struct DirectionArg {
+    /// Direction of approach where forward and reverse curves were given.
+    #[arg(long, value_enum, default_value = "mean")]
+    direction: ApproachArg,
+}
+
+impl DirectionArg {
+    pub(super) fn approach(self) -> Approach {
+        self.direction.into()
+    }
+}
+
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(super) struct FrameOption {
+    /// Frame of the vectors.
+    #[arg(long, value_enum, default_value = "workpiece")]
+    frame: FrameArg,
+}
+
+impl FrameOption {
+    pub(super) fn frame(self) -> Frame {
+        self.frame.into()
+    }
+}
+
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct AlgebraArg {
+    /// Take the errors over a Weil algebra: the machine file's, or one in the words of its section `algebra`, such as
+    /// `degree: 3, generators: per-axis, vanish: [x1^2, x3*x4]`.
+    #[arg(long, value_name = "ALGEBRA", num_args = 0..=1, default_missing_value = "", conflicts_with = "order")]
+    pub(super) algebra: Option<String>,
+}
+
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct InstalledArg {
+    /// The compensation files that were in force when the machine was measured.
+    #[arg(long, value_name = "DIR")]
+    pub(super) installed: Option<PathBuf>,
+}
+
+/// A file for a picture, in the form that its ending names.
+#[derive(Debug, Clone)]
+pub(super) struct PictureFile {
+    path: PathBuf,
+    /// None for an ending that is no picture's.
+    kind: Option<PictureKind>,
+}
+
+impl PictureFile {
+    fn new(text: &str, without_ending: PictureKind) -> Self {
+        let path = PathBuf::from(text);
+        let kind = PictureKind::of(&path).or_else(|| path.extension().is_none().then_some(without_ending));
+        Self { path, kind }
+    }
+
+    pub(super) fn path(&self) -> &PathBuf {
+        &self.path
+    }
+
+    #[cfg(test)]
+    pub(super) fn kind(&self) -> Option<PictureKind> {
+        self.kind
+    }
+
+    /// Refuses outputs over inputs, and files whose ending is no picture's: before any work.
+    pub(super) fn refuse<'a>(session: &mut Session, files: impl Iterator<Item = &'a Self> + Clone) -> Outcome {
+        refuse_outputs(files.clone().map(Self::path), &session.files).or_else(|d| session.refuse(d))?;
+        Self::refuse_unknown(session, files)
+    }
+
+    /// Refuses files whose ending is no picture's.
+    pub(super) fn refuse_unknown<'a>(session: &Session, mut files: impl Iterator<Item = &'a Self>) -> Outcome {
+        let Some(unknown) = files.find(|file| file.kind.is_none()) else { return Ok(()) };
+        session.usage(&format!(
+            "`{}` is no picture: pictures are SVG or PNG, name a file that ends in .svg or .png",
+            shown(&unknown.path.display().to_string())
+        ))
+    }
+
+    /// Writes the picture.
+    pub(super) fn write(&self, picture: &Picture, session: &mut Session) -> Outcome {
+        let kind = self.kind.unwrap_or(PictureKind::Svg);
+        write_picture(&self.path, picture, kind, &session.files).or_else(|d| session.refuse(d))
+    }
+}
+
+/// A picture that is SVG, unless the file's ending says otherwise.
+pub(super) fn svg(text: &str) -> Result<PictureFile, Infallible> {
+    Ok(PictureFile::new(text, PictureKind::Svg))
+}
+
+/// A picture that is PNG, unless the file's ending says otherwise.
+pub(super) fn png(text: &str) -> Result<PictureFile, Infallible> {
+    Ok(PictureFile::new(text, PictureKind::Png))
+}
+
+/// A share in percent.
+pub(super) fn percent(text: &str) -> Result<f64, Reason> {
+    let share = text.parse::<f64>().ok().filter(|share| (0.0..=100.0).contains(share));
+    share.ok_or_else(|| Reason::new("a share is a number from 0 to 100, in percent"))
 }

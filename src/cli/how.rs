@@ -1,22 +1,21 @@
 //! Options of the compensation of a machine: `compile`, `verify`, `diff`, `map` and `report` share them.
 
+use super::arguments::{PosesArg, SeedArg, ToolArg};
 use abbe::options::{CompensationOptions, CorrectingAxes, Fit, Goal, Stored};
 use std::path::PathBuf;
 
 /// Options that `compile` and `verify` share.
 #[derive(Debug, Clone, clap::Args)]
+#[command(mut_arg("poses", |option| option.default_value("2000")))]
 pub(super) struct SetArgs {
     #[command(flatten)]
     pub how: CompensationArgs,
-    /// Tool of the machine, by name [default: the first].
-    #[arg(long)]
-    pub tool: Option<String>,
-    /// Poses of the certificate.
-    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub poses: u32,
-    /// Seed of the certificate's poses.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
+    #[command(flatten)]
+    pub tool: ToolArg,
+    #[command(flatten)]
+    pub poses: PosesArg,
+    #[command(flatten)]
+    pub seed: SeedArg,
 }
 
 /// Options of the compensation of a machine.
@@ -38,9 +37,10 @@ pub(super) struct CompensationArgs {
     /// Leave out tables of one kind that the controller would have: product, plane, cross_axis, own_axis.
     #[arg(long, value_name = "KIND")]
     without: Vec<String>,
-    /// Content of own-axis tables: the axis's own error at its origin, or the deviation of the functional point.
-    #[arg(long, value_enum)]
-    fit: Option<FitArg>,
+    /// Content of own-axis tables: the axis's own error at its origin, or the deviation of the functional point
+    /// [default: axis].
+    #[arg(long, value_enum, alias = "fit")]
+    own_axis: Option<FitArg>,
 }
 
 /// Content of own-axis tables.
@@ -91,7 +91,7 @@ impl CompensationArgs {
                 StoredArg::Error => Stored::Error,
             }),
             without: self.without.clone(),
-            fit: self.fit.map(|fit| match fit {
+            fit: self.own_axis.map(|fit| match fit {
                 FitArg::Axis => Fit::Axis,
                 FitArg::FunctionalPoint => Fit::FunctionalPoint,
             }),

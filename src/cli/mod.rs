@@ -5,6 +5,9 @@
 mod arguments;
 mod confined;
 mod how;
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that panics is a test that fails")]
+mod option_table;
 mod output;
 mod serve;
 mod store;
@@ -31,20 +34,28 @@ struct Cli {
     verb: Verb,
 }
 
+/// Heading of the options of every verb.
+const GLOBAL: &str = "Global options";
+
 /// Options of every verb.
 #[derive(Debug, Clone, clap::Args)]
 struct Global {
     /// Form of standard output; json, csv and sarif are the only thing there.
-    #[arg(long, global = true, value_enum, default_value = "text")]
+    #[arg(long, global = true, help_heading = GLOBAL, value_enum, default_value = "text")]
     format: FormatArg,
     /// No warnings, no progress.
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = GLOBAL)]
     quiet: bool,
+    /// Number of threads (1 to 1024) [default: RAYON_NUM_THREADS, or one for each processor]. Results do not depend on
+    /// it.
+    #[arg(long, global = true, help_heading = GLOBAL, value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
     /// Colour in diagnostics.
-    #[arg(long, global = true, value_enum, default_value = "auto")]
+    #[arg(long, global = true, help_heading = GLOBAL, value_enum, default_value = "auto")]
     color: Color,
     /// Refuse the input on any of these (only `warnings`).
-    #[arg(long, global = true, value_name = "WHAT", value_parser = ["warnings"])]
+    #[arg(long, global = true, help_heading = GLOBAL, value_name = "WHAT", value_parser = ["warnings"])]
     deny: Option<String>,
     /// Internal: marks the resource-limited child that renders user templates.
     #[arg(long, global = true, hide = true)]
@@ -169,6 +180,10 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
 }
 
 fn finished(cli: Cli) -> ExitCode {
+    if let Some(jobs) = cli.global.jobs {
+        // Fails only where threads are running already, and there are none yet.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(usize::from(jobs)).build_global();
+    }
     let mut session = Session::new(cli.global);
     let outcome = dispatch(&mut session, cli.verb);
     session.finish(outcome)

@@ -216,6 +216,18 @@ impl Diagnostics {
         }
     }
 
+    /// Puts a file's name in front of the messages of those found after the first `count` that have no place in it:
+    /// where several machines are at work, each says of which it is.
+    pub fn name_file(&mut self, count: usize, file: &str) {
+        let Self { sources, list } = self;
+        for diagnostic in list.iter_mut().skip(count) {
+            let has_place = diagnostic.labels.iter().any(|label| sources.name(label.place.source) == file);
+            if !has_place && !diagnostic.message.contains(file) {
+                diagnostic.message = format!("{}: {}", shown(file), diagnostic.message);
+            }
+        }
+    }
+
     /// True if the input is refused.
     pub fn refused(&self) -> bool {
         self.list.iter().any(|d| d.severity == Severity::Refusal)

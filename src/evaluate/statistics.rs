@@ -69,13 +69,22 @@ impl Summary {
             return Self::default();
         }
         let mut lengths: Vec<f64> = vectors.iter().map(Vector3::norm).collect();
+        let range = std::array::from_fn(|i| range(vectors.iter().map(|v| v[i])));
+        Self { range, ..Self::of_lengths(&mut lengths) }
+    }
+
+    /// Returns the statistics of lengths, in their unit, without ranges; all zero without lengths. Reorders the lengths.
+    pub fn of_lengths(lengths: &mut [f64]) -> Self {
+        if lengths.is_empty() {
+            return Self::default();
+        }
         let count = lengths.len() as f64;
         Self {
             max: lengths.iter().copied().fold(0.0, f64::max),
             mean: lengths.iter().sum::<f64>() / count,
             rms: (lengths.iter().map(|l| l * l).sum::<f64>() / count).sqrt(),
-            range: std::array::from_fn(|i| range(vectors.iter().map(|v| v[i]))),
-            p95: quantile_95(&mut lengths),
+            range: [0.0; 3],
+            p95: quantile_95(lengths),
         }
     }
 

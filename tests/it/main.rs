@@ -8,6 +8,7 @@
 mod annotations;
 mod bad_input;
 mod bound_words;
+mod bounded;
 mod budget;
 mod buildable;
 mod certificate;
@@ -52,6 +53,7 @@ mod map;
 mod map_files;
 mod measurements;
 mod mechanisms;
+mod options;
 mod oracle;
 mod paper_2015;
 mod papers_way;

@@ -18,11 +18,23 @@ pub struct Plane {
     pub counts: [usize; 2],
     /// Pose (mm, deg) of the other axes.
     pub at: Pose,
-    /// Deviation at each node, the axis to the right running fastest; in the frame asked for.
-    pub deviations: Vec<Deviation>,
-    /// Components of the position deviation along the directions of the two axes at each node, mm. They do not depend
-    /// on the frame.
-    pub in_plane: Vec<[f64; 2]>,
+    /// Content of the nodes.
+    pub nodes: PlaneNodes,
+}
+
+/// Content of the nodes of a plane, the axis to the right running fastest.
+#[derive(Debug, Clone)]
+pub enum PlaneNodes {
+    /// Deviations.
+    Deviations {
+        /// Deviation at each node, in the frame asked for.
+        deviations: Vec<Deviation>,
+        /// Components of the position deviation along the directions of the two axes at each node, mm. They do not
+        /// depend on the frame.
+        in_plane: Vec<[f64; 2]>,
+    },
+    /// Lengths alone, mm.
+    Lengths(Vec<f64>),
 }
 
 impl Plane {
@@ -43,7 +55,41 @@ impl Plane {
         };
         let nodes: Vec<_> = (0..counts[0] * counts[1]).into_par_iter().map(node).collect();
         let (deviations, in_plane) = nodes.into_iter().unzip();
-        Self { axes, intervals, counts, at: at.to_vec(), deviations, in_plane }
+        let nodes = PlaneNodes::Deviations { deviations, in_plane };
+        Self { axes, intervals, counts, at: at.to_vec(), nodes }
+    }
+
+    /// Returns lengths (mm) over the volume's intervals of two different linear axes, `counts` nodes each, at least 2;
+    /// `of` returns those at poses (mm, deg).
+    pub fn of_lengths(
+        machine: &Machine,
+        axes: [usize; 2],
+        at: &[f64],
+        counts: [usize; 2],
+        of: impl FnOnce(Vec<Pose>) -> Vec<f64>,
+    ) -> Self {
+        let intervals = axes.map(|i| (machine.volume()[i].min, machine.volume()[i].max));
+        let counts = counts.map(|count| count.max(2));
+        let empty = Self { axes, intervals, counts, at: at.to_vec(), nodes: PlaneNodes::Lengths(Vec::new()) };
+        let lengths = of((0..counts[0] * counts[1]).map(|index| empty.pose(index)).collect());
+        Self { nodes: PlaneNodes::Lengths(lengths), ..empty }
+    }
+
+    /// Returns the pose (mm, deg) of a node.
+    fn pose(&self, index: usize) -> Pose {
+        let mut pose = self.at.clone();
+        for (i, step) in [index % self.counts[0], index / self.counts[0]].into_iter().enumerate() {
+            pose[self.axes[i]] = self.position(i, step);
+        }
+        pose
+    }
+
+    /// Returns the components within the plane at a node, mm; `None` where the nodes hold lengths alone.
+    pub fn in_plane(&self, index: usize) -> Option<[f64; 2]> {
+        match &self.nodes {
+            PlaneNodes::Deviations { in_plane, .. } => in_plane.get(index).copied(),
+            PlaneNodes::Lengths(_) => None,
+        }
     }
 
     /// Returns the position of a node along one of the two axes, mm.

@@ -2,7 +2,8 @@
 
 use super::session::Session;
 use crate::cli::Outcome;
-use crate::cli::store::write::{PictureKind, Staged, write_picture};
+use crate::cli::arguments::{PictureFile, help, png, svg};
+use crate::cli::store::write::Staged;
 use abbe::Diagnostic;
 use abbe::options::{MapTable, PlaneComponent, PlaneDrawing, PlaneOptions, TableForm};
 use abbe::results::Picture;
@@ -71,21 +72,22 @@ impl StagedTables {
 /// Options of the pictures.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct PictureArgs {
-    /// Draw the error over a plane of two linear axes.
-    #[arg(long, value_name = "FILE")]
-    svg: Option<PathBuf>,
-    /// The same as PNG.
-    #[arg(long, value_name = "FILE")]
-    png: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
+        long_help = "Draw the error over a plane of two linear axes, as SVG unless the file ends in .png")]
+    svg: Option<PictureFile>,
+    #[arg(long, value_name = "FILE", value_parser = png, help = help::PNG,
+        long_help = "The same, as PNG unless the file ends in .svg")]
+    png: Option<PictureFile>,
     /// Form of the picture: a map of colours with arrows, or the deformed grid; `before-after` maps the error without
     /// compensation and the residual (with `--target`).
     #[arg(long, value_enum, default_value = "colours")]
     drawing: DrawingArg,
-    /// The two linear axes of the picture, such as XY or X,Z [default: the first two].
-    #[arg(long, value_name = "AXES")]
+    #[arg(long, value_name = "AXES", help = help::PLANE,
+        long_help = "The two linear axes of the picture, such as XY or X,Z [default: the first two]")]
     plane: Option<String>,
-    /// Positions of the other axes for the picture [default: 0, or the end of the travel nearest to it].
-    #[arg(long, value_name = "Z=-100,A=30", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true, help = help::AT,
+        long_help = "Positions of the other axes for the picture, mm and deg [default: 0, or the end of the travel \
+                     nearest to it]")]
     at: Option<String>,
     /// Quantity that the colours show.
     #[arg(long, value_enum, default_value = "length")]
@@ -110,21 +112,23 @@ enum ComponentArg {
 impl PictureArgs {
     /// Returns the paths of the pictures.
     pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
-        self.svg.iter().chain(&self.png)
+        self.svg.iter().chain(&self.png).map(PictureFile::path)
     }
 
-    /// Refuses options of a picture without one.
-    pub(crate) fn refuse_idle(&self) -> Result<(), &'static str> {
+    /// Refuses options of a picture without one, and files that are no pictures.
+    pub(crate) fn refuse_unfit(&self, session: &Session) -> Outcome {
+        PictureFile::refuse_unknown(session, self.svg.iter().chain(&self.png))?;
         let drawn = self.svg.is_some() || self.png.is_some();
         if !drawn && (self.plane.is_some() || self.at.is_some() || self.drawing != DrawingArg::Colours) {
-            return Err("`--plane`, `--at` and `--drawing` are for a picture: add `--svg FILE` or `--png FILE`");
+            return session
+                .usage("`--plane`, `--at` and `--drawing` are for a picture: add `--svg FILE` or `--png FILE`");
         }
         Ok(())
     }
 
     /// The picture asked for.
     pub(crate) fn options(&self) -> Option<PlaneOptions> {
-        let _ = self.svg.as_ref().or(self.png.as_ref())?;
+        let _ = self.paths().next()?;
         let drawing = match self.drawing {
             DrawingArg::Colours => PlaneDrawing::Colours,
             DrawingArg::Grid => PlaneDrawing::Grid,
@@ -142,10 +146,8 @@ impl PictureArgs {
     /// Writes the picture.
     pub(crate) fn write(&self, session: &mut Session, picture: Option<&Picture>) -> Outcome {
         let Some(picture) = picture else { return Ok(()) };
-        for (path, kind) in [(&self.svg, PictureKind::Svg), (&self.png, PictureKind::Png)] {
-            if let Some(path) = path {
-                write_picture(path, picture, kind, &session.files).or_else(|d| session.refuse(d))?;
-            }
+        for file in self.svg.iter().chain(&self.png) {
+            file.write(picture, session)?;
         }
         Ok(())
     }

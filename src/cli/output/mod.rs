@@ -1,6 +1,7 @@
 //! Output of the program: text, files and pictures, and the run with its diagnostics.
 
 pub(super) mod bands;
+pub(super) mod bounded;
 pub(super) mod budgets;
 pub(super) mod certificate;
 pub(super) mod identify_report;

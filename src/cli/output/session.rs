@@ -72,6 +72,14 @@ impl Session {
         self.take(answer)
     }
 
+    /// Reads one of several machine files: diagnostics name it.
+    pub(crate) fn load_one_of(&mut self, path: &Path, tool: Option<&str>) -> Result<MachineFile, Exit> {
+        let count = self.diagnostics.count();
+        let file = self.load(path, tool);
+        self.diagnostics.name_file(count, &path.display().to_string());
+        file
+    }
+
     /// Form of the output; SARIF counts as JSON.
     pub(crate) fn format(&self) -> Format {
         match self.global.format {

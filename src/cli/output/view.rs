@@ -1,5 +1,6 @@
 //! Options that the verbs about whole volumes share, and the format of their numbers.
 
+use crate::cli::arguments::{DirectionArg, OrderArg, ToolArg};
 use abbe::options::{Approach, Frame, Order};
 use abbe::results::{MissedToolPose, NeededTravel, ReachedToolPoses, Statistics, Summary};
 use abbe::text::{UnknownOrder, shown, significant};
@@ -9,20 +10,25 @@ pub(crate) use abbe::text::axes_text;
 /// Options of the evaluation and of its tool.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct ViewArgs {
-    /// 1 to 6, or `exact` (the default, unless the conventions' preset names an order).
-    #[arg(long, value_parser = order)]
-    pub(crate) order: Option<Order>,
-    /// Direction of approach where forward and reverse curves were given.
-    #[arg(long, value_enum, default_value = "mean")]
-    direction: ApproachArg,
-    /// Tool of the machine, by name [default: the first].
-    #[arg(long)]
-    pub(crate) tool: Option<String>,
+    #[command(flatten)]
+    order: OrderArg,
+    #[command(flatten)]
+    direction: DirectionArg,
+    #[command(flatten)]
+    tool: ToolArg,
 }
 
 impl ViewArgs {
+    pub(crate) fn order(&self) -> Option<Order> {
+        self.order.order
+    }
+
     pub(crate) fn approach(&self) -> Approach {
-        self.direction.into()
+        self.direction.approach()
+    }
+
+    pub(crate) fn tool(&self) -> Option<&str> {
+        self.tool.name()
     }
 }
 

@@ -1,10 +1,11 @@
 //! `abbe budget`: tolerances to the volumetric error.
 
-use crate::cli::arguments;
+use crate::cli::arguments::{
+    self, PictureFile, PosesArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg, help, svg,
+};
 use crate::cli::output::session::Session;
 use crate::cli::output::tolerance_goal;
 use crate::cli::output::view::{axes_text, reach_text, table, tool_poses_text};
-use crate::cli::store::write::{PictureKind, refuse_outputs, write_picture};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
 use abbe::options::Statistic;
@@ -15,55 +16,50 @@ use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
+#[command(mut_arg("poses", |option| option.default_value("500")))]
 pub(crate) struct Args {
     /// The machine file; errors with a `tolerance` are budgeted.
     machine: PathBuf,
     #[command(flatten)]
     tolerances: ToleranceArgs,
-    /// Seed of poses and errors.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
-    /// Number of random poses, besides the corners of the volume.
-    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    poses: u32,
-    /// Instead of these poses, those for tool poses in the workpiece frame: APT CL data or a table with columns X, Y, Z
-    /// and I, J, K or rotary axes.
-    #[arg(long, value_name = "FILE", conflicts_with = "poses")]
-    tool_poses: Option<PathBuf>,
-    /// Number of machines drawn.
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000))]
-    samples: u32,
-    /// The contributions at this pose too, mm and deg; axes left out are at 0.
-    #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true)]
+    #[command(flatten)]
+    seed: SeedArg,
+    #[command(flatten)]
+    poses: PosesArg,
+    #[command(flatten)]
+    tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    samples: SamplesArg,
+    #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true, help = help::AT,
+        long_help = "The contributions at this pose too, mm and deg; axes left out are at 0")]
     at: Option<String>,
-    /// Seek the cheapest tolerances for this 95 % value of the position, such as "30 um".
+    /// Seek the cheapest tolerances for this 95 % value of the position, such as "30 um" (above 0).
     #[arg(long, value_name = "LENGTH", value_parser = goal)]
     goal: Option<f64>,
     /// The cost of tolerances, a YAML file [default: the sum of 1 / tolerance, um or urad].
     #[arg(long, value_name = "FILE", requires = "goal")]
     cost: Option<PathBuf>,
-    /// Number of contributions to list.
-    #[arg(long, value_name = "K", default_value_t = 12)]
-    top: usize,
-    /// Tool of the machine, by name [default: the first].
-    #[arg(long)]
-    tool: Option<String>,
-    /// Draw what each error does at its bound, and what they add up to (SVG, or PNG by the file's ending).
-    #[arg(long, value_name = "FILE")]
-    pareto: Option<PathBuf>,
-    /// Draw how the budget is used up, tolerance by tolerance (SVG, or PNG by the file's ending).
-    #[arg(long, value_name = "FILE")]
-    waterfall: Option<PathBuf>,
+    #[command(flatten)]
+    top: TopArg,
+    #[command(flatten)]
+    tool: ToolArg,
+    /// Draw what each error does at its bound, and what they add up to, as SVG unless the file ends in .png.
+    #[arg(long, value_name = "FILE", value_parser = svg)]
+    pareto: Option<PictureFile>,
+    /// Draw how the budget is used up, tolerance by tolerance, as SVG unless the file ends in .png.
+    #[arg(long, value_name = "FILE", value_parser = svg)]
+    waterfall: Option<PictureFile>,
 }
 
 impl Args {
     fn options(&self) -> BudgetOptions {
         BudgetOptions {
             tolerances: self.tolerances.options(),
-            seed: self.seed,
-            poses: self.poses as usize,
-            tool_poses: self.tool_poses.clone(),
-            samples: self.samples as usize,
+            seed: self.seed.seed,
+            poses: self.poses.count(),
+            tool_poses: self.tool_poses.path().cloned(),
+            samples: self.samples.count(),
             at: self.at.clone(),
             goal_mm: self.goal,
             cost: self.cost.clone(),
@@ -76,15 +72,14 @@ fn goal(text: &str) -> Result<f64, Reason> {
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let file = session.load(&args.machine, args.tool.as_deref())?;
-    let outputs = args.pareto.iter().chain(&args.waterfall);
-    refuse_outputs(outputs, &session.files).or_else(|d| session.refuse(d))?;
+    let file = session.load(&args.machine, args.tool.name())?;
+    PictureFile::refuse(session, args.pareto.iter().chain(&args.waterfall))?;
     let answer = budget(&file, &args.options(), session.run());
     let result = session.take(answer)?;
-    for (path, picture) in [(&args.pareto, result.pareto(args.top)), (&args.waterfall, result.waterfall(args.top))] {
-        if let Some(path) = path {
-            let kind = PictureKind::of(path).unwrap_or(PictureKind::Svg);
-            write_picture(path, &picture, kind, &session.files).or_else(|d| session.refuse(d))?;
+    let top = args.top.count();
+    for (file, picture) in [(&args.pareto, result.pareto(top)), (&args.waterfall, result.waterfall(top))] {
+        if let Some(file) = file {
+            file.write(&picture, session)?;
         }
     }
     let report = Report { args, file: &file, result: &result };
@@ -158,9 +153,9 @@ impl Report<'_> {
             "{} {}; {} machines drawn, {} distribution, seed {}; counted is the {what} of each\n",
             self.result.poses,
             self.result.tool_poses.as_ref().map_or_else(|| "poses".to_owned(), tool_poses_text),
-            self.args.samples,
+            self.args.samples.count(),
             self.result.drawing().distribution.name(),
-            self.args.seed
+            self.args.seed.seed
         );
         if let Some(reached) = &self.result.tool_poses {
             text += &reach_text(&reached.rows, &reached.travel);
@@ -170,7 +165,8 @@ impl Report<'_> {
         text += &format!("RSS largest at {}\n", axes_text(self.file, &self.result.budget.position.rss_pose));
         text += &self.pareto_table();
         text += &self.tighten_table();
-        let goal = self.result.goal.as_ref().map_or(String::new(), |goal| tolerance_goal::text(goal, self.args.top));
+        let goal =
+            self.result.goal.as_ref().map_or(String::new(), |goal| tolerance_goal::text(goal, self.args.top.count()));
         text + &self.directions() + &goal
     }
 
@@ -206,7 +202,7 @@ impl Report<'_> {
         let mut rows = table(&header);
         let um =
             |list: &[Contribution], i: usize| list.iter().find(|c| c.bound == i).map_or(String::new(), |c| short(c.um));
-        for c in b.worst.iter().take(self.args.top) {
+        for c in b.worst.iter().take(self.args.top.count()) {
             let mut row = vec![
                 self.result.bounds[c.bound].to_string(),
                 bound_text(&self.result.bounds[c.bound]),
@@ -222,7 +218,7 @@ impl Report<'_> {
 
     fn tighten_table(&self) -> String {
         let mut rows = table(&["tighten first", "tolerance", "um per um or urad", "10 % tighter wins, um"]);
-        for i in self.result.order().into_iter().take(self.args.top) {
+        for i in self.result.order().into_iter().take(self.args.top.count()) {
             let (bound, t) = (&self.result.bounds[i], self.result.budget.position.tighten[i]);
             let per = 1.0 / tolerance(bound);
             let _ = rows.add_row([

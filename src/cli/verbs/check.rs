@@ -5,7 +5,7 @@ use crate::cli::{Exit, Format, Outcome};
 use abbe::results::{AxisSummary, CheckedFile, ErrorCounts};
 use abbe::results::{ErrorId, ErrorTerm, Travel};
 use abbe::text::annotations;
-use abbe::text::{angle, counts, length, significant};
+use abbe::text::{angle, counts, length, shown, significant};
 use abbe::{MachineFile, check, summary};
 use serde_json::json;
 use std::path::PathBuf;
@@ -20,7 +20,13 @@ pub(crate) struct Args {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let checked = check(&args.machines, session.run());
     let refused = checked.iter().any(CheckedFile::refused);
-    checked.iter().for_each(|file| session.diagnostics.absorb(file.diagnostics.clone()));
+    for CheckedFile { file, diagnostics, .. } in &checked {
+        let count = session.diagnostics.count();
+        session.diagnostics.absorb(diagnostics.clone());
+        if checked.len() > 1 {
+            session.diagnostics.name_file(count, file);
+        }
+    }
     if session.is_sarif() {
         session.print_document(annotations(&checked));
     } else {
@@ -37,7 +43,8 @@ fn print(session: &Session, checked: &[CheckedFile]) {
         (Format::Json, several) => session.print_document(json!(several)),
         (Format::Csv, [CheckedFile { machine: Some(machine), .. }]) => session.print(&csv(machine)),
         (Format::Csv, several) => session.print(&csv_of_several(several)),
-        (Format::Text, files) => session.print(&files.iter().map(text).collect::<Vec<_>>().join("\n")),
+        (Format::Text, [file]) => session.print(&text(file)),
+        (Format::Text, several) => session.print(&several.iter().map(named_text).collect::<Vec<_>>().join("\n")),
     }
 }
 
@@ -48,6 +55,12 @@ fn travel(travel: Travel, unit: &str) -> String {
     }
 }
 
+/// The text of one of several files.
+fn named_text(checked: &CheckedFile) -> String {
+    let text = text(checked);
+    if checked.refused() { text } else { format!("{}: {text}", checked.file) }
+}
+
 fn text(CheckedFile { file, machine, diagnostics }: &CheckedFile) -> String {
     let Some(machine) = machine else { return format!("{file}\n  refused: {}\n", counts(diagnostics)) };
     let short = summary(machine);
@@ -55,7 +68,8 @@ fn text(CheckedFile { file, machine, diagnostics }: &CheckedFile) -> String {
     let axes: Vec<String> =
         machine.axes().iter().map(|axis| format!("{} {}", axis.name, travel(axis.travel, axis.unit()))).collect();
     let mut text = format!("{}\n  chain   {}\n  axes    {}\n", machine.name(), machine.chain(), axes.join(", "));
-    text.push_str(&format!("  errors  {location} location, {component} component, {tolerance} only bounded\n"));
+    let class = machine.class().map_or_else(String::new, |class| format!("; class {}", shown(&class.name)));
+    text.push_str(&format!("  errors  {location} location, {component} component, {tolerance} only bounded{class}\n"));
     let arms = short.axes.iter().filter(|axis| axis.arm_mm.share.is_some_and(|share| share > 0.0));
     let arm = |axis: &AxisSummary| {
         let share = axis.arm_mm.share.unwrap_or(0.0) * 100.0;

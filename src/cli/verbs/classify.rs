@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// A YAML file: `matrix` with entries `number` or `[real, i-part]`, or `real` and `dual`; mm and rad.
     matrix: PathBuf,
-    /// Largest difference of entries from those of a motion.
+    /// Largest difference of entries from those of a motion (0 or more).
     #[arg(long, default_value = "1e-9")]
     tolerance: f64,
 }

@@ -1,42 +1,37 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
+use crate::cli::arguments::{MaxSamplesArg, PosesArg, SamplesArg, SeedArg, ToolPosesArg, TopArg};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{STATISTICS, ViewArgs, cell, numbers, reach_text, statistics_rows, table};
-use crate::cli::output::{bands, budgets};
+use crate::cli::output::{bands, bounded, budgets};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
-use abbe::results::{CompareResult, Statistics};
+use abbe::results::{BoundedDeviation, CompareResult, ComparedMachine, Difference, Statistics};
 use abbe::text::significant;
 use abbe::{CompareOptions, compare};
 use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
 pub(crate) struct Args {
     /// Two or more machine files; differences are to the first, and tool poses are drawn from its volume.
     #[arg(required = true, num_args = 2..)]
     machines: Vec<PathBuf>,
-    /// Number of tool poses.
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    poses: u32,
-    /// The tool poses themselves, in the workpiece frame: APT CL data or a table with columns X, Y, Z and I, J, K, or
-    /// rotary axes of the first machine.
-    #[arg(long, value_name = "FILE", conflicts_with = "poses")]
-    tool_poses: Option<PathBuf>,
-    /// Seed of the tool poses, and of the errors that are drawn.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
-    /// Number of errors to list one by one as text.
-    #[arg(long, value_name = "K", default_value_t = 10)]
-    top: usize,
+    #[command(flatten)]
+    poses: PosesArg,
+    #[command(flatten)]
+    tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    seed: SeedArg,
+    #[command(flatten)]
+    top: TopArg,
     #[command(flatten)]
     tolerances: ToleranceArgs,
-    /// Number of machines to draw for the budgets, which are compared where every machine bounds errors.
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000))]
-    samples: u32,
-    /// Maximum number of them, drawn until every machine is told apart from the first [default: 8 times --samples].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=800_000))]
-    max_samples: Option<u32>,
+    #[command(flatten)]
+    samples: SamplesArg,
+    #[command(flatten)]
+    max_samples: MaxSamplesArg,
     #[command(flatten)]
     view: ViewArgs,
 }
@@ -44,13 +39,13 @@ pub(crate) struct Args {
 impl Args {
     fn options(&self) -> CompareOptions {
         CompareOptions {
-            poses: self.poses as usize,
-            tool_poses: self.tool_poses.clone(),
-            seed: self.seed,
+            poses: self.poses.count(),
+            tool_poses: self.tool_poses.path().cloned(),
+            seed: self.seed.seed,
             tolerances: self.tolerances.options(),
-            samples: self.samples as usize,
-            max_samples: self.max_samples.map(|limit| limit as usize),
-            order: self.view.order,
+            samples: self.samples.count(),
+            max_samples: self.max_samples.count(),
+            order: self.view.order(),
             approach: self.view.approach(),
         }
     }
@@ -59,7 +54,7 @@ impl Args {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let mut files = Vec::new();
     for path in &args.machines {
-        files.push(session.load(path, args.view.tool.as_deref())?);
+        files.push(session.load_one_of(path, args.view.tool())?);
     }
     let answer = compare(&files, &args.options(), session.run());
     let result = session.take(answer)?;
@@ -71,25 +66,91 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     Ok(())
 }
 
-/// One line for each tool pose and machine.
+/// Columns of a deviation, and of what bounds lead to.
+const DEVIATION: &str = "dx [um],dy [um],dz [um],wx [urad],wy [urad],wz [urad]";
+const BOUNDED: &str = "position_rss [um],position_p95 [um],rotation_rss [urad],rotation_p95 [urad]";
+const MINUS_FIRST: &str = "minus_first_position_rss [um],minus_first_position_p95 [um],\
+                           minus_first_rotation_rss [urad],minus_first_rotation_p95 [urad]";
+
+/// One line for each tool pose and machine. Cells of a kind that a machine does not have are empty.
 fn csv(result: &CompareResult) -> String {
-    let mut csv =
-        "pose,file,x [mm],y [mm],z [mm],i,j,k,dx [um],dy [um],dz [um],wx [urad],wy [urad],wz [urad]\n".to_owned();
+    let drawn = result.machines.iter().find_map(|machine| machine.bounds.as_ref()).map(|of| &of.figures.drawing);
+    let measured = result.machines.iter().any(|machine| machine.bounds.is_none());
+    let head = [
+        Some("pose,file,x [mm],y [mm],z [mm],i,j,k"),
+        measured.then_some(DEVIATION),
+        drawn.map(|_| BOUNDED),
+        drawn.map(|_| MINUS_FIRST),
+        drawn.map(|_| "from,samples,seed"),
+    ];
+    let mut csv = head.into_iter().flatten().collect::<Vec<_>>().join(",") + "\n";
     for (pose, row) in result.rows.iter().enumerate() {
-        for (machine, deviation) in result.machines.iter().zip(&row.deviations) {
-            let (um, urad) = (deviation.position_mm.map(|x| x * 1e3), deviation.rotation_rad.map(|x| x * 1e6));
-            let values = numbers([row.tip_mm, row.direction, um, urad].into_iter().flatten());
-            csv.push_str(&format!("{pose},{},{values}\n", cell(&machine.file)));
+        for (i, machine) in result.machines.iter().enumerate() {
+            let place = numbers([row.tip_mm, row.direction].into_iter().flatten());
+            let mut cells = vec![pose.to_string(), cell(&machine.file), place];
+            let bounded = row.bounded[i].map(bounded_numbers);
+            if measured {
+                let deviation = &row.deviations[i];
+                let (um, urad) = (deviation.position_mm.map(|x| x * 1e3), deviation.rotation_rad.map(|x| x * 1e6));
+                let six = bounded.is_none().then(|| numbers([um, urad].into_iter().flatten()));
+                cells.push(six.unwrap_or_else(|| ",".repeat(5)));
+            }
+            if let Some(drawn) = drawn {
+                let first = row.bounded[0].map(bounded_numbers);
+                let minus = bounded.zip(first).map(|(own, first)| std::array::from_fn(|k| own[k] - first[k]));
+                cells.extend(
+                    [bounded, minus].map(|four| four.map_or_else(|| ",".repeat(3), |four: [f64; 4]| numbers(four))),
+                );
+                let source = format!("bounds,{},{}", drawn.samples, drawn.seed);
+                cells.push(bounded.map_or_else(|| "errors,,".to_owned(), |_| source));
+            }
+            csv.push_str(&(cells.join(",") + "\n"));
         }
     }
     csv
+}
+
+/// In the order of the columns, um and urad.
+fn bounded_numbers(of: BoundedDeviation) -> [f64; 4] {
+    let (p, r) = (of.position, of.rotation);
+    [p.rss * 1e3, p.p95 * 1e3, r.rss * 1e6, r.p95 * 1e6]
+}
+
+/// The rows of statistics of a machine.
+fn machine_rows(name: &str, machine: &ComparedMachine, poses: usize) -> Vec<Vec<String>> {
+    match &machine.bounds {
+        Some(of) => bounded::rows(name, poses, &of.figures),
+        None => statistics_rows(name, &machine.statistics(poses)).to_vec(),
+    }
+}
+
+/// The rows of the differences of a machine to the first; none where of only one of the two nothing is measured.
+fn minus_rows(name: &str, machine: &ComparedMachine, poses: usize) -> Vec<Vec<String>> {
+    let Some(Difference { position_um, rotation_urad }) = machine.minus_first else { return Vec::new() };
+    let difference = Statistics { poses, position_um, rotation_urad };
+    match machine.bounds.as_ref().and_then(|of| of.rss_minus_first) {
+        Some(rss) => bounded::difference_rows(name, &difference, &rss),
+        None => statistics_rows(name, &difference).to_vec(),
+    }
+}
+
+/// Source of the figures of machines of which nothing is measured.
+fn sources(result: &CompareResult) -> String {
+    let of = |(i, machine): (usize, &ComparedMachine)| match (&machine.bounds, &machine.bounds_add) {
+        (Some(of), _) => format!("  {}  nothing is measured. {}\n", i + 1, bounded::source(&of.figures)),
+        (None, Some(of)) => format!("  {}  {}", i + 1, bounded::added(of)),
+        (None, None) => String::new(),
+    };
+    let list: String = result.machines.iter().enumerate().map(of).collect();
+    let bounds = result.machines.iter().any(|machine| machine.bounds.is_some());
+    if bounds { format!("{list}{}\n", bounded::ROWS_NOTE) } else { list }
 }
 
 fn text(args: &Args, result: &CompareResult) -> String {
     let mut text = format!(
         "{} tool poses in the workpiece frame, {}; {} reached by all\n",
         result.asked,
-        match &args.tool_poses {
+        match args.tool_poses.path() {
             Some(path) => format!("of {}", path.display()),
             None => format!("drawn from the volume of {}", result.machines[0].machine),
         },
@@ -99,14 +160,13 @@ fn text(args: &Args, result: &CompareResult) -> String {
         let (number, missed) = (i + 1, side.unreachable);
         text.push_str(&format!("  {number}  {} ({}), {}: unreachable {missed}\n", side.machine, side.file, side.chain));
     }
+    text.push_str(&sources(result));
     let mut rows = table(&STATISTICS);
     for (i, side) in result.machines.iter().enumerate() {
-        let _ = rows.add_rows(statistics_rows(&(i + 1).to_string(), &side.statistics(result.poses)));
+        let _ = rows.add_rows(machine_rows(&(i + 1).to_string(), side, result.poses));
     }
     for (i, side) in result.machines.iter().enumerate().skip(1) {
-        let (position_um, rotation_urad) = (side.minus_first.position_um, side.minus_first.rotation_urad);
-        let difference = Statistics { poses: result.poses, position_um, rotation_urad };
-        let _ = rows.add_rows(statistics_rows(&format!("{} - 1", i + 1), &difference));
+        let _ = rows.add_rows(minus_rows(&format!("{} - 1", i + 1), side, result.poses));
     }
     let mut reach = String::new();
     for (i, side) in result.machines.iter().enumerate() {
@@ -114,8 +174,8 @@ fn text(args: &Args, result: &CompareResult) -> String {
             reach.push_str(&format!("Machine {}, {}:\n{}", i + 1, side.file, reach_text(missed, travel)));
         }
     }
-    let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, args.top));
-    let errors = one_by_one(result, args.top);
+    let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, args.top.count()));
+    let errors = one_by_one(result, args.top.count());
     let reach = uncertainty(result) + &reach;
     format!("{text}{rows}\n{reach}{errors}{budgets}Negative differences: less error than machine 1.\n")
 }

@@ -1,6 +1,7 @@
 //! `abbe compile`: the compensation files of a controller, with their certificate.
 
 use crate::cli::Outcome;
+use crate::cli::arguments::{InstalledArg, help};
 use crate::cli::how::SetArgs;
 use crate::cli::output::certificate::CertificateView;
 use crate::cli::output::session::Session;
@@ -13,27 +14,24 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
-    /// The controller; `abbe targets` lists them.
-    #[arg(long)]
+    #[arg(long, value_name = "NAME", help = help::TARGET)]
     target: String,
-    /// Folder for the files.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Folder for the files")]
     out: PathBuf,
     /// Write files of a format or a sign that is known from memory only.
     #[arg(long)]
     accept_unverified: bool,
     #[command(flatten)]
     set: SetArgs,
-    /// The compensation files that were in force when the machine was measured: the new files hold old plus new.
-    #[arg(long, value_name = "DIR")]
-    installed: Option<PathBuf>,
+    #[command(flatten)]
+    installed: InstalledArg,
     /// Raise the limits on corrections: length, angle, slope.
     #[arg(long, value_name = "1 mm, 5 mrad, 0.01", value_parser = Limits::parse)]
     max_correction: Option<Limits>,
     /// Axes that span a lattice [default: all]. The others are at 0 in its nodes.
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
     lattice: Vec<String>,
-    /// Maximum number of lattice nodes.
+    /// Maximum number of lattice nodes (1 or more) [default: what the controller takes].
     #[arg(long, value_name = "N", default_value_t = usize::MAX, hide_default_value = true)]
     nodes: usize,
 }
@@ -43,10 +41,10 @@ impl Args {
         CompileOptions {
             target: self.target.clone(),
             compensation: self.set.how.options(),
-            poses: self.set.poses as usize,
-            seed: self.set.seed,
+            poses: self.set.poses.count(),
+            seed: self.set.seed.seed,
             accept_unverified: self.accept_unverified,
-            installed: self.installed.clone(),
+            installed: self.installed.installed.clone(),
             max_correction: self.max_correction.unwrap_or_default(),
             lattice: self.lattice.clone(),
             max_nodes: self.nodes,
@@ -55,10 +53,10 @@ impl Args {
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let file = session.load(&args.machine, args.set.tool.as_deref())?;
+    let file = session.load(&args.machine, args.set.tool.name())?;
     // Refusals come before the work.
     write::refuse_no_folder(&args.out).or_else(|refusal| session.refuse(refusal))?;
-    if let Some(installed) = &args.installed {
+    if let Some(installed) = &args.installed.installed {
         file_set::settle(session, installed)?;
     }
     let answer = abbe::compile(&file, &args.options(), session.run());

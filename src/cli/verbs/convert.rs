@@ -1,6 +1,7 @@
 //! `abbe convert`: the same machine under other conventions, proved by comparing both.
 
 use crate::cli::arguments::length;
+use crate::cli::arguments::{ToolArg, help};
 use crate::cli::output::session::Session;
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
@@ -21,23 +22,21 @@ pub(crate) struct Args {
     /// Let location errors count from the actual line of this axis instead of the machine frame (`axis_only`).
     #[arg(long, value_name = "AXIS")]
     datum: Option<String>,
-    /// Accept a machine that differs by up to this length; rotations by this over a metre. Without it only rounding
-    /// is accepted.
+    /// Accept a machine that differs by up to this length (above 0), rotations by this over a metre [default: only
+    /// rounding is accepted].
     #[arg(long, value_name = "LENGTH", value_parser = distance)]
     within: Option<f64>,
-    /// Write the converted machine to this file.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Write the converted machine to this file")]
     out: Option<PathBuf>,
-    /// Tool of the machine that becomes the first of the new file.
-    #[arg(long)]
-    tool: Option<String>,
+    #[command(flatten)]
+    tool: ToolArg,
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if session.format() == Format::Csv {
         return session.usage("`convert` has no csv form: it prints text or json");
     }
-    let file = session.load(&args.machine, args.tool.as_deref())?;
+    let file = session.load(&args.machine, args.tool.name())?;
     write::refuse_outputs(&args.out, &session.files).or_else(|refusal| session.refuse(refusal))?;
     let options = ConvertOptions { to: args.to.clone(), datum: args.datum.clone(), within_mm: args.within };
     let answer = convert(&file, &options, session.run());

@@ -39,9 +39,9 @@ fn machines(session: &mut Session, args: &Args, paths: [&Path; 2]) -> Outcome {
     if args.set.how.options() != CompensationOptions::default() {
         return session.usage("options of the compensation go with two sets, not with two machines");
     }
-    let tool = args.set.tool.as_deref();
-    let files = [session.load(paths[0], tool)?, session.load(paths[1], tool)?];
-    let (poses, seed) = (args.set.poses as usize, args.set.seed);
+    let tool = args.set.tool.name();
+    let files = [session.load_one_of(paths[0], tool)?, session.load_one_of(paths[1], tool)?];
+    let (poses, seed) = (args.set.poses.count(), args.set.seed.seed);
     let options = DiffMachinesOptions { poses, seed, ..DiffMachinesOptions::default() };
     let answer = abbe::diff_machines(&files, &options, session.run());
     let difference = session.take(answer)?;
@@ -54,11 +54,11 @@ fn machines(session: &mut Session, args: &Args, paths: [&Path; 2]) -> Outcome {
 }
 
 fn sets(session: &mut Session, args: &Args, machine: &Path, [old, new]: [&Path; 2]) -> Outcome {
-    let file = session.load(machine, args.set.tool.as_deref())?;
+    let file = session.load(machine, args.set.tool.name())?;
     for folder in [old, new] {
         file_set::settle(session, folder)?;
     }
-    let (compensation, poses, seed) = (args.set.how.options(), args.set.poses as usize, args.set.seed);
+    let (compensation, poses, seed) = (args.set.how.options(), args.set.poses.count(), args.set.seed.seed);
     let options = DiffOptions { compensation, poses, seed };
     let answer = abbe::diff(&file, old, new, &options, session.run());
     let difference = session.take(answer)?;

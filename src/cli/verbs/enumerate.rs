@@ -1,5 +1,6 @@
 //! `abbe enumerate`: all arrangements of the axes on the two sides of the bed, ranked on the same work.
 
+use crate::cli::arguments::{MaxSamplesArg, PosesArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg, percent};
 use crate::cli::output::ranking;
 use crate::cli::output::session::Session;
 use crate::cli::store::study_file::StateFile;
@@ -12,14 +13,16 @@ use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
+#[command(mut_arg("poses", |option| option.default_value("500")))]
+#[command(mut_arg("samples", |option| option.default_value("200")))]
 pub(crate) struct Args {
     /// The machine file; its axes are placed anew, its volume is the work.
     machine: PathBuf,
     #[command(flatten)]
     tolerances: ToleranceArgs,
-    /// Seed of poses and errors.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    #[command(flatten)]
+    seed: SeedArg,
     /// Criterion of the arrangements [default: budget, if any error is bounded].
     #[arg(long, value_enum)]
     by: Option<ByArg>,
@@ -27,37 +30,31 @@ pub(crate) struct Args {
     /// may be given again.
     #[arg(long, value_name = "RULE")]
     require: Vec<String>,
-    /// Maximum number of axes that carry the workpiece.
+    /// Maximum number of axes that carry the workpiece (0 or more) [default: all].
     #[arg(long, value_name = "N")]
     max_table: Option<usize>,
-    /// Number of the machine's rotary axes taken at a time, every choice of them [default: all].
+    /// Number of the machine's rotary axes taken at a time, every choice of them (0 or more) [default: all].
     #[arg(long, value_name = "N")]
     rotary: Option<usize>,
-    /// Number of tool poses.
-    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    poses: u32,
-    /// The work: tool poses in the workpiece frame, APT CL data or a table with columns X, Y, Z and I, J, K or rotary
-    /// axes.
-    #[arg(long, value_name = "FILE", conflicts_with = "poses")]
-    tool_poses: Option<PathBuf>,
+    #[command(flatten)]
+    poses: PosesArg,
+    #[command(flatten)]
+    tool_poses: ToolPosesArg,
     /// Give linear axes the travel that the work needs, whatever the file says, and tell it for every arrangement.
     #[arg(long)]
     size: bool,
-    /// Number of machines drawn of every arrangement for the budget.
-    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=10_000))]
-    samples: u32,
-    /// Maximum number of machines drawn of an arrangement that could be among the first [default: 8 times --samples].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
-    max_samples: Option<u32>,
-    /// Draw more machines until the first K ranks are told apart.
+    #[command(flatten)]
+    samples: SamplesArg,
+    #[command(flatten)]
+    max_samples: MaxSamplesArg,
+    /// Draw more machines until the first K ranks are told apart (1 to 1000).
     #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     first: u32,
-    /// Rank what reaches at least this share of the tool poses, in percent.
-    #[arg(long, value_name = "PERCENT", default_value_t = 50.0)]
+    /// Rank what reaches at least this share of the tool poses, in percent (0 to 100).
+    #[arg(long, value_name = "PERCENT", default_value_t = 50.0, value_parser = percent)]
     reach: f64,
-    /// Number of arrangements listed as text.
-    #[arg(long, value_name = "K", default_value_t = 20)]
-    top: usize,
+    #[command(flatten)]
+    top: TopArg,
     /// Keep results here; what is there already is not computed again.
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
@@ -67,9 +64,8 @@ pub(crate) struct Args {
     /// Put the first round together from state files, and go on from there.
     #[arg(long, value_name = "FILE", num_args = 1..)]
     merge: Vec<PathBuf>,
-    /// Tool of the machine, by name [default: the first].
-    #[arg(long)]
-    tool: Option<String>,
+    #[command(flatten)]
+    tool: ToolArg,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -88,16 +84,16 @@ impl Args {
         };
         EnumerateOptions {
             tolerances: self.tolerances.options(),
-            seed: self.seed,
+            seed: self.seed.seed,
             by: self.by.map(by),
             require: self.require.clone(),
             max_table: self.max_table,
             rotary: self.rotary,
-            poses: self.poses as usize,
-            tool_poses: self.tool_poses.clone(),
+            poses: self.poses.count(),
+            tool_poses: self.tool_poses.path().cloned(),
             size: self.size,
-            samples: self.samples as usize,
-            max_samples: self.max_samples.map(|limit| limit as usize),
+            samples: self.samples.count(),
+            max_samples: self.max_samples.count(),
             first: self.first as usize,
             reach_percent: self.reach,
             state: self.state.clone(),
@@ -115,7 +111,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
             part => part,
         },
     };
-    let machine = session.load(&args.machine, args.tool.as_deref())?;
+    let machine = session.load(&args.machine, args.tool.name())?;
     let file = args.state.as_deref().map(StateFile::new);
     let file = file.as_ref().map(|file| file as &dyn StudyFile);
     let answer = enumerate(&machine, &args.options(part), file, session.run());
@@ -127,7 +123,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     match session.format() {
         Format::Json => session.print_json(json!(ranked)),
         Format::Csv => session.print(&ranking::csv(ranked)),
-        Format::Text => session.print(&ranking::text(ranked, args.top)),
+        Format::Text => session.print(&ranking::text(ranked, args.top.count())),
     }
     Ok(())
 }

@@ -1,8 +1,9 @@
 //! `abbe equations`: the closed forms.
 
+use crate::cli::arguments::{AlgebraArg, OrderArg, ToolArg};
 use crate::cli::output::session::Session;
 use crate::cli::{Format, Outcome};
-use abbe::options::Naming;
+use abbe::options::{Naming, Order};
 use abbe::{EquationsOptions, equations};
 use serde_json::json;
 use std::path::PathBuf;
@@ -11,13 +12,10 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
-    /// Highest degree in the errors, every error on its own.
-    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=6), conflicts_with = "algebra")]
-    order: Option<u8>,
-    /// The algebra of the errors instead: the machine file's, or one in the words of its section
-    /// `algebra`, such as `degree: 3, generators: per-axis, vanish: [x1^2, x3*x4]`.
-    #[arg(long, value_name = "ALGEBRA", num_args = 0..=1, default_missing_value = "")]
-    algebra: Option<String>,
+    #[command(flatten)]
+    order: OrderArg,
+    #[command(flatten)]
+    algebra: AlgebraArg,
     /// Names of the symbols.
     #[arg(long, value_enum, default_value = "iso")]
     symbols: Symbols,
@@ -27,9 +25,8 @@ pub(crate) struct Args {
     /// A LaTeX document instead of text.
     #[arg(long)]
     latex: bool,
-    /// Tool of the machine, by name [default: the first].
-    #[arg(long)]
-    tool: Option<String>,
+    #[command(flatten)]
+    tool: ToolArg,
 }
 
 /// Naming of the symbols.
@@ -45,12 +42,19 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if session.format() == Format::Csv {
         return session.usage("`equations` has no csv form: it prints text, LaTeX or json");
     }
-    let file = session.load(&args.machine, args.tool.as_deref())?;
+    let file = session.load(&args.machine, args.tool.name())?;
     let symbols = match args.symbols {
         Symbols::Iso => Naming::Iso,
         Symbols::Paper => Naming::Paper,
     };
-    let (order, algebra) = (args.order, args.algebra.clone());
+    let order = match args.order.order {
+        None => None,
+        Some(Order::Exact) => {
+            return session.usage("equations are polynomials of an order: `--order 1` to `--order 6`");
+        }
+        Some(Order::Degree(degree)) => Some(degree),
+    };
+    let algebra = args.algebra.algebra.clone();
     let options = EquationsOptions { order, algebra, symbols, tool_length: args.tool_length };
     let answer = equations(&file, &options, session.run());
     let result = session.take(answer)?;

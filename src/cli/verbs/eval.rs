@@ -1,7 +1,8 @@
 //! `abbe eval`: deviation and E_VE at poses.
 
+use crate::cli::arguments::{AlgebraArg, FrameOption, help};
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{FrameArg, ViewArgs, frame_text, length, numbers, table};
+use crate::cli::output::view::{ViewArgs, frame_text, length, numbers, table};
 use crate::cli::{Format, Outcome};
 use abbe::options::Approach;
 use abbe::results::{AxisPositions, ErrorEffect, EvalResult, Neglected, PoseResult};
@@ -14,18 +15,16 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
-    /// One pose, mm and deg; omitted axes are at 0.
-    #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true, help = help::AT,
+        long_help = "A pose, mm and deg; axes left out are at 0. May be repeated")]
     at: Vec<String>,
-    /// A CSV file: header of axis names, one pose a line, mm and deg.
-    #[arg(long, value_name = "FILE")]
-    poses: Option<PathBuf>,
+    /// Poses of the axes from a CSV file: header of axis names, one pose a line, mm and deg.
+    #[arg(long, value_name = "FILE", alias = "poses")]
+    axis_poses: Option<PathBuf>,
     #[command(flatten)]
     view: ViewArgs,
-    /// Follow errors over a Weil algebra: the machine file's, or one in the words of its section
-    /// `algebra`, such as `degree: 3, generators: per-axis, vanish: [x1^2, x3*x4]`.
-    #[arg(long, value_name = "ALGEBRA", num_args = 0..=1, default_missing_value = "", conflicts_with = "order")]
-    algebra: Option<String>,
+    #[command(flatten)]
+    algebra: AlgebraArg,
     /// Add the motions of the axes that undo the errors, by Newton over the algebra.
     #[arg(long, requires = "algebra")]
     inverse: bool,
@@ -35,9 +34,8 @@ pub(crate) struct Args {
     /// Add the effect of pairs of errors, and the error of order 1.
     #[arg(long, requires = "sensitivity")]
     interactions: bool,
-    /// Frame of the vectors.
-    #[arg(long, value_enum, default_value = "workpiece")]
-    frame: FrameArg,
+    #[command(flatten)]
+    frame: FrameOption,
 }
 
 impl Args {
@@ -45,11 +43,11 @@ impl Args {
         EvalOptions {
             at: self.at.clone(),
             poses: Vec::new(),
-            pose_file: self.poses.clone(),
-            order: self.view.order,
+            pose_file: self.axis_poses.clone(),
+            order: self.view.order(),
             approach: self.view.approach(),
-            frame: self.frame.into(),
-            algebra: self.algebra.clone(),
+            frame: self.frame.frame(),
+            algebra: self.algebra.algebra.clone(),
             inverse: self.inverse,
             sensitivity: self.sensitivity,
             interactions: self.interactions,
@@ -58,7 +56,7 @@ impl Args {
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let file = session.load(&args.machine, args.view.tool.as_deref())?;
+    let file = session.load(&args.machine, args.view.tool())?;
     let answer = eval(&file, &args.options(), session.run());
     let result = session.take(answer)?;
     match session.format() {

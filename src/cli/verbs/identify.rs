@@ -1,8 +1,8 @@
 //! `abbe identify`: measurements to error parameters, and a fitted machine file.
 
-use crate::cli::arguments::length;
+use crate::cli::arguments::{FrameOption, OrderArg, SeedArg, ToolArg, help, length};
 use crate::cli::output::session::Session;
-use crate::cli::output::{identify_report, monomials, pictures, plan, view};
+use crate::cli::output::{identify_report, monomials, pictures, plan};
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
 use abbe::options::Order;
@@ -31,43 +31,39 @@ pub(crate) struct Args {
     /// mm 1 um`; `file`: what the machine file states. May be repeated.
     #[arg(long, value_name = "PRIOR")]
     prior: Vec<String>,
-    /// Write the fitted machine to this file.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Write the fitted machine to this file")]
     out: Option<PathBuf>,
     /// Write the fitted machine although the data do not determine values in it.
     #[arg(long, requires = "out")]
     accept_undetermined: bool,
-    /// Frame in which the deviations were measured.
-    #[arg(long, value_enum, default_value = "workpiece")]
-    frame: view::FrameArg,
-    /// The model: `exact`, or of order 1 or 2 of the dual numbers.
-    #[arg(long, value_name = "N|exact", default_value = "exact", value_parser = order)]
-    order: Order,
+    #[command(flatten)]
+    frame: FrameOption,
+    #[command(flatten)]
+    order: OrderArg,
     /// Method: all components at once on the model itself, or as in the papers, each for itself on the monomials.
     #[arg(long, value_enum, default_value = "joint")]
     method: Method,
     /// Draw prediction and data over the planes of the linear axes, as SVG files in this folder.
-    #[arg(long, value_name = "DIR")]
-    svg: Option<PathBuf>,
+    #[arg(long, value_name = "DIR", alias = "svg")]
+    pictures: Option<PathBuf>,
     /// Let measurements that stand out count less (Huber weights).
     #[arg(long)]
     robust: bool,
-    /// Check the prediction: leave out every measurement once, in this many parts.
+    /// Check the prediction: leave out every measurement once, in this many parts (2 to 65535) [default: no check].
     #[arg(long, value_name = "PARTS", value_parser = clap::value_parser!(u16).range(2..))]
     folds: Option<u16>,
-    /// Propose N poses to measure, with the uncertainty that the parameters will have. Nothing is fitted.
+    /// Propose N poses to measure (1 to 1000), with the uncertainty that the parameters will have; nothing is fitted
+    /// [default: fit].
     #[arg(long, value_name = "N", conflicts_with_all = ["data", "out", "folds", "robust"],
           value_parser = clap::value_parser!(u16).range(1..=1000))]
     plan: Option<u16>,
-    /// Standard deviation of a reading to plan with.
+    /// Standard deviation of a reading to plan with (above 0).
     #[arg(long, value_name = "LENGTH", default_value = "1 um", value_parser = noise)]
     noise: f64,
-    /// Seed of the poses to choose from.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
-    /// Tool of the machine that was in use where the data name none.
-    #[arg(long)]
-    tool: Option<String>,
+    #[command(flatten)]
+    seed: SeedArg,
+    #[command(flatten)]
+    tool: ToolArg,
 }
 
 /// Ways to solve.
@@ -86,25 +82,28 @@ impl Args {
             fit: self.fit.clone(),
             fixed: self.fixed.clone(),
             priors: self.prior.clone(),
-            frame: self.frame.into(),
-            order: Some(self.order),
+            frame: self.frame.frame(),
+            order: Some(self.order.order.unwrap_or(Order::Exact)),
             robust: self.robust,
             folds: self.folds.map(usize::from),
             machine_file: self.out.is_some(),
             accept_undetermined: self.accept_undetermined,
-            pictures: self.svg.is_some(),
+            pictures: self.pictures.is_some(),
             ..IdentifyOptions::default()
         }
     }
 
     fn plan_options(&self, poses: u16) -> PlanOptions {
         let (fit, fixed, priors) = (self.fit.clone(), self.fixed.clone(), self.prior.clone());
-        PlanOptions { poses: usize::from(poses), fit, fixed, priors, noise_mm: self.noise, seed: self.seed }
+        PlanOptions { poses: usize::from(poses), fit, fixed, priors, noise_mm: self.noise, seed: self.seed.seed }
     }
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let file = session.load(&args.machine, args.tool.as_deref())?;
+    if matches!(args.order.order, Some(Order::Degree(3..))) {
+        return session.usage("a model is fitted with `--order exact`, `--order 1` or `--order 2`");
+    }
+    let file = session.load(&args.machine, args.tool.name())?;
     if let Some(poses) = args.plan {
         let answer = plan_measurements(&file, &args.plan_options(poses), session.run());
         let plan = session.take(answer)?;
@@ -123,7 +122,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if let (Some(out), Some(text)) = (&args.out, &result.machine_file) {
         write::write_whole(out, text.as_bytes(), &session.files).or_else(|refusal| session.refuse(refusal))?;
     }
-    if let Some(folder) = &args.svg {
+    if let Some(folder) = &args.pictures {
         pictures::write(session, &result.pictures, folder)?;
     }
     print(session, &result);
@@ -132,7 +131,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 
 /// Refuses outputs before the work, not after it.
 fn refuse_outputs(session: &mut Session, args: &Args) -> Outcome {
-    let folders = || args.svg.iter().try_for_each(|folder| write::refuse_no_folder(folder));
+    let folders = || args.pictures.iter().try_for_each(|folder| write::refuse_no_folder(folder));
     write::refuse_outputs(&args.out, &session.files).and_then(|()| folders()).or_else(|refusal| session.refuse(refusal))
 }
 
@@ -157,16 +156,6 @@ fn print_monomials(session: &Session, fit: &MonomialFit) {
         Format::Json => session.print_json(json!(fit)),
         Format::Csv => session.print(&monomials::csv(fit)),
         Format::Text => session.print(&monomials::text(fit)),
-    }
-}
-
-/// The orders that can be fitted.
-fn order(text: &str) -> Result<Order, Reason> {
-    match text {
-        "exact" => Ok(Order::Exact),
-        "1" => Ok(Order::Degree(1)),
-        "2" => Ok(Order::Degree(2)),
-        _ => Err(Reason::new("write 1, 2 or exact")),
     }
 }
 

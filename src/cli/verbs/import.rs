@@ -1,5 +1,6 @@
 //! `abbe import`: a single-axis measurement as an instrument exports it, to a table of error curves.
 
+use crate::cli::arguments::help;
 use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::store::write;
@@ -15,8 +16,7 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// The export: text, UTF-8 or UTF-16, comma, semicolon or tab.
     file: PathBuf,
-    /// The axis that moved, if the file does not say it.
-    #[arg(long, value_name = "AXIS")]
+    #[arg(long, value_name = "AXIS", help = help::AXIS, long_help = "The axis that moved, if the file does not say it")]
     axis: Option<String>,
     /// The error whose runs the columns are, such as `EXX`; of several errors the only one to take.
     #[arg(long, value_name = "NAME")]
@@ -55,8 +55,7 @@ pub(crate) struct Args {
     /// Keep the line of a straightness: it was read against an artefact of the machine.
     #[arg(long, conflicts_with = "line")]
     keep_line: bool,
-    /// Write the table to this file.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Write the table to this file")]
     out: Option<PathBuf>,
 }
 

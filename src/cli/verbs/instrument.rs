@@ -1,8 +1,8 @@
 //! `abbe instrument`: readings of measuring instruments on the machine.
 
+use crate::cli::arguments::{PictureFile, ToolArg, help, svg};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{cell, table};
-use crate::cli::store::write::{PictureKind, write_picture};
 use crate::cli::{Format, Outcome};
 use abbe::options::{CirclePlane, Instrument};
 use abbe::results::{BallBar, Diagonal, InstrumentResult, RTest, Readings};
@@ -18,28 +18,27 @@ pub(crate) struct Args {
     /// The instrument.
     #[arg(value_enum)]
     instrument: InstrumentArg,
-    /// Ball bar: the plane of the circle, in the workpiece frame [default: all three].
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, value_name = "AXES", help = help::PLANE,
+        long_help = "Ball bar: the plane of the circle, in the workpiece frame [default: all three]")]
     plane: Option<PlaneArg>,
-    /// Ball bar: its length, mm.
+    /// Ball bar: its length, mm (above 0).
     #[arg(long, value_name = "MM", default_value_t = 100.0)]
     radius: f64,
-    /// R-test: the rotary axis [default: all, one after the other].
-    #[arg(long, value_name = "AXIS")]
+    #[arg(long, value_name = "AXIS", help = help::AXIS,
+        long_help = "R-test: the rotary axis [default: all, one after the other]")]
     axis: Option<String>,
-    /// Centre of the circle, place of the ball, or where the other axes are, mm and deg [default: the
-    /// middle of the volume; for the R-test three quarters along it; rotary axes at 0 or nearest to it].
-    #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true, help = help::AT,
+        long_help = "Centre of the circle, place of the ball, or where the other axes are, mm and deg [default: the \
+                     middle of the volume; for the R-test three quarters along it; rotary axes at 0 or nearest to it]")]
     at: Option<String>,
-    /// Readings on a circle or turn, points on a diagonal, steps of every axis [default: 360, 37, 11].
+    /// Readings on a circle or turn, points on a diagonal, steps of every axis (3 to 100000) [default: 360, 37, 11].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=100_000))]
     points: Option<u32>,
-    /// Tool of the machine, by name [default: the first].
-    #[arg(long)]
-    tool: Option<String>,
-    /// Draw the readings (SVG, or PNG by the file's ending).
-    #[arg(long, value_name = "FILE")]
-    svg: Option<PathBuf>,
+    #[command(flatten)]
+    tool: ToolArg,
+    #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
+        long_help = "Draw the readings, as SVG unless the file ends in .png")]
+    svg: Option<PictureFile>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -86,12 +85,12 @@ impl Args {
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let file = session.load(&args.machine, args.tool.as_deref())?;
+    let file = session.load(&args.machine, args.tool.name())?;
+    PictureFile::refuse(session, args.svg.iter())?;
     let answer = instrument(&file, &args.options(), session.run());
     let result = session.take(answer)?;
-    if let Some(path) = &args.svg {
-        let kind = PictureKind::of(path).unwrap_or(PictureKind::Svg);
-        write_picture(path, &result.picture(), kind, &session.files).or_else(|d| session.refuse(d))?;
+    if let Some(file) = &args.svg {
+        file.write(&result.picture(), session)?;
     }
     match session.format() {
         Format::Json => session.print_json(json!(result)),

@@ -1,16 +1,18 @@
 //! `abbe map`: the error over a volume.
 
+use crate::cli::arguments::{FrameOption, SamplesArg, SeedArg, ToolPosesArg, help};
 use crate::cli::how::CompensationArgs;
-use crate::cli::output::bands;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
-    FrameArg, STATISTICS, ViewArgs, axes_text, frame_text, reach_text, statistics_rows, table, tool_poses_text,
+    STATISTICS, ViewArgs, axes_text, frame_text, reach_text, statistics_rows, table, tool_poses_text,
 };
+use crate::cli::output::{bands, bounded};
 use crate::cli::store::write::refuse_outputs;
+use crate::cli::tolerances::BoundsArgs;
 use crate::cli::{Format, Outcome};
 use abbe::options::{MapPoses, MapTable, TableForm};
-use abbe::results::{MapResult, Statistics};
+use abbe::results::{MapFromBounds, MapResult, Statistics};
 use abbe::text::{shown, significant};
 use abbe::{Diagnostic, MachineFile, MapOptions, codes, map_tables};
 use serde_json::json;
@@ -18,34 +20,37 @@ use std::io::Cursor;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("tool_poses", |option| option.conflicts_with_all(["random", "low_discrepancy"])))]
 pub(crate) struct Args {
     /// The machine file; its `volume` is the grid.
     machine: PathBuf,
-    /// Evaluate N random poses instead of the grid.
+    /// Evaluate N random poses instead of the grid (1 to 1000000000) [default: the grid].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MapPoses::MAX as i64))]
     random: Option<u32>,
-    /// Evaluate N low-discrepancy poses instead of the grid: spread more evenly than random ones.
+    /// Evaluate N low-discrepancy poses instead of the grid, spread more evenly than random ones (1 to 1000000000)
+    /// [default: the grid].
     #[arg(long, value_name = "N", conflicts_with = "random",
         value_parser = clap::value_parser!(u32).range(1..=MapPoses::MAX as i64))]
     low_discrepancy: Option<u32>,
-    /// The poses for these tool poses in the workpiece frame instead of the grid: CSV with columns X, Y, Z and I, J, K
-    /// or rotary axes, or APT CL data.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["random", "low_discrepancy"])]
-    tool_poses: Option<PathBuf>,
-    /// Seed of the random or low-discrepancy poses.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
-    /// Map the residual after the compensation of a controller, beside the uncompensated error.
-    #[arg(long, value_name = "NAME")]
+    #[command(flatten)]
+    tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    seed: SeedArg,
+    #[arg(long, value_name = "NAME", help = help::TARGET,
+        long_help = "Map the residual after the compensation of this controller, beside the uncompensated error; \
+                     `abbe targets` lists them")]
     target: Option<String>,
     #[command(flatten)]
     how: CompensationArgs,
     #[command(flatten)]
+    bounds: BoundsArgs,
+    #[command(flatten)]
+    samples: SamplesArg,
+    #[command(flatten)]
     view: ViewArgs,
-    /// Frame of the vectors.
-    #[arg(long, value_enum, default_value = "workpiece")]
-    frame: FrameArg,
-    /// Number of the worst poses to name.
+    #[command(flatten)]
+    frame: FrameOption,
+    /// Number of the worst poses to name (0 to 100000).
     #[arg(long, value_name = "K", default_value_t = 5, value_parser = clap::value_parser!(u32).range(..=100_000))]
     worst: u32,
     #[command(flatten)]
@@ -56,7 +61,7 @@ pub(crate) struct Args {
 
 impl Args {
     fn options(&self) -> MapOptions {
-        let poses = match (&self.tool_poses, self.random, self.low_discrepancy) {
+        let poses = match (self.tool_poses.path(), self.random, self.low_discrepancy) {
             (Some(path), ..) => MapPoses::ToolPoses(path.clone()),
             (_, Some(count), _) => MapPoses::Random(count as usize),
             (.., Some(count)) => MapPoses::LowDiscrepancy(count as usize),
@@ -64,24 +69,26 @@ impl Args {
         };
         MapOptions {
             poses,
-            seed: self.seed,
-            order: self.view.order,
+            seed: self.seed.seed,
+            order: self.view.order(),
             approach: self.view.approach(),
-            frame: self.frame.into(),
+            frame: self.frame.frame(),
             worst: self.worst as usize,
             picture: self.pictures.options(),
             target: self.target.clone(),
             compensation: self.how.options(),
+            tolerances: self.bounds.options(),
+            samples: self.samples.count(),
         }
     }
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let file = session.load(&args.machine, args.view.tool.as_deref())?;
+    let file = session.load(&args.machine, args.view.tool())?;
     // Refusals come before the work.
     let outputs = || args.outputs.paths().chain(args.pictures.paths());
     refuse_outputs(outputs(), &session.files).or_else(|d| session.refuse(d))?;
-    args.pictures.refuse_idle().or_else(|message| session.usage(message))?;
+    args.pictures.refuse_unfit(session)?;
     let options = args.options();
     if let Some(count) = options.poses.count(&file).filter(|count| session.format() == Format::Csv && too_long(*count))
     {
@@ -125,6 +132,9 @@ fn no_table(count: usize) -> Diagnostic {
 }
 
 fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
+    if let Some(of) = &result.bounds {
+        return bounded_text(file, args, (result, of));
+    }
     let mut text = format!(
         "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{} poses ({})\n{}\n",
         result.machine,
@@ -137,6 +147,7 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
     if let Some(uncertainty) = &result.uncertainty {
         text.push_str(&bands::text(&[(String::new(), uncertainty)]));
     }
+    text.push_str(&result.bounds_add.as_ref().map_or_else(String::new, bounded::added));
     for (i, worst) in result.worst.iter().enumerate() {
         let [x, y, z] = worst.deviation_um.map(|v| significant(v, 4));
         let length = significant(worst.length_um, 4);
@@ -155,12 +166,36 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
     text
 }
 
+/// The map of a machine of which nothing is measured.
+fn bounded_text(file: &MachineFile, args: &Args, (result, of): (&MapResult, &MapFromBounds)) -> String {
+    let mut text = format!(
+        "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{} poses ({}), {} \
+         frame, first order\n{}\n{}\n{}{}",
+        result.machine,
+        bounded::source(&of.figures),
+        result.poses,
+        sampling(args, result),
+        frame_text(result.frame),
+        bounded::statistics(result.poses, &of.figures),
+        bounded::ROWS_NOTE,
+        bounded::everywhere(&of.figures),
+        bounded::worst(file, of),
+    );
+    text.push_str(&features(result));
+    if let Some(reached) = &result.tool_poses {
+        text.push_str(&reach_text(&reached.rows, &reached.travel));
+    }
+    text
+}
+
 /// The largest deviation on each feature, and the errors that dominate there.
 fn features(result: &MapResult) -> String {
     if result.features.is_empty() {
         return String::new();
     }
-    let mut rows = table(&["feature", "poses", "max, um", "95 %, um", "line", "errors there, um"]);
+    let bounded = result.bounds.is_some();
+    let lengths = if bounded { ["largest 95 %, um", "95 % of poses, um"] } else { ["max, um", "95 %, um"] };
+    let mut rows = table(&["feature", "poses", lengths[0], lengths[1], "line", "errors there, um"]);
     for f in &result.features {
         let um = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 4));
         let poses =
@@ -171,7 +206,12 @@ fn features(result: &MapResult) -> String {
         let name = if f.feature.is_empty() { "-".to_owned() } else { shown(&f.feature) };
         let _ = rows.add_row([name, poses, um(f.max_um), um(f.p95_um), line, errors]);
     }
-    format!("Largest deviation on each feature, with the parts of errors along it:\n{rows}\n")
+    let head = if bounded {
+        "Largest 95 % value on each feature, with the errors that make most there, each alone at its bound:"
+    } else {
+        "Largest deviation on each feature, with the parts of errors along it:"
+    };
+    format!("{head}\n{rows}\n")
 }
 
 /// Source of the poses.

@@ -1,12 +1,12 @@
 //! `abbe report`: one self-contained HTML page for a design review.
 
+use crate::cli::arguments::{DirectionArg, OrderArg, SamplesArg, ToolPosesArg, help};
 use crate::cli::how::SetArgs;
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{ApproachArg, order};
 use crate::cli::store::write::{refuse_outputs, write_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Exit, Format, Outcome, watch};
-use abbe::options::{Delivery, Order};
+use abbe::options::Delivery;
 use abbe::results::{RenderedPage, Report};
 use abbe::{ReportOptions, report};
 use serde_json::json;
@@ -17,33 +17,28 @@ pub(crate) struct Args {
     /// The machine file; with several, they are compared on the tool poses of the first.
     #[arg(required = true, num_args = 1..=8)]
     pub machines: Vec<PathBuf>,
-    /// The page to write.
-    #[arg(long, value_name = "FILE.html", required_unless_present = "watch")]
+    #[arg(long, value_name = "PATH", help = help::OUT, long_help = "The page to write",
+        required_unless_present = "watch")]
     pub out: Option<PathBuf>,
-    /// Take statistics and comparison at these tool poses in the workpiece frame instead of random poses: CSV with
-    /// columns X, Y, Z and I, J, K or rotary axes, or APT CL data.
-    #[arg(long, value_name = "FILE")]
-    tool_poses: Option<PathBuf>,
-    /// A controller whose compensation and certificate are to be shown; may be given several times.
-    #[arg(long, value_name = "NAME")]
+    #[command(flatten)]
+    tool_poses: ToolPosesArg,
+    #[arg(long, value_name = "NAME", help = help::TARGET,
+        long_help = "A controller whose compensation and certificate are to be shown; may be given several times")]
     pub target: Vec<String>,
     /// Serve the page on 127.0.0.1 and refresh it whenever the machine file, or a file it names, is saved.
     #[arg(long)]
     pub watch: bool,
-    /// The port of `--watch` [default: any that is free].
+    /// The port of `--watch` (0 to 65535) [default: any that is free].
     #[arg(long, requires = "watch", default_value_t = 0, hide_default_value = true)]
     pub port: u16,
-    /// 1 to 6, or `exact` (the default, unless the conventions' preset names an order).
-    #[arg(long, value_parser = order)]
-    order: Option<Order>,
-    /// Direction of approach where forward and reverse curves were given.
-    #[arg(long, value_enum, default_value = "mean")]
-    direction: ApproachArg,
+    #[command(flatten)]
+    order: OrderArg,
+    #[command(flatten)]
+    direction: DirectionArg,
     #[command(flatten)]
     tolerances: ToleranceArgs,
-    /// Number of machines to draw for a budget, which is shown where errors are bounded.
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000))]
-    samples: u32,
+    #[command(flatten)]
+    samples: SamplesArg,
     #[command(flatten)]
     options: SetArgs,
 }
@@ -53,13 +48,13 @@ impl Args {
         ReportOptions {
             targets: self.target.clone(),
             compensation: self.options.how.options(),
-            poses: self.options.poses as usize,
-            tool_poses: self.tool_poses.clone(),
-            seed: self.options.seed,
-            order: self.order,
-            approach: self.direction.into(),
+            poses: self.options.poses.count(),
+            tool_poses: self.tool_poses.path().cloned(),
+            seed: self.options.seed.seed,
+            order: self.order.order,
+            approach: self.direction.approach(),
             tolerances: self.tolerances.options(),
-            samples: self.samples as usize,
+            samples: self.samples.count(),
         }
     }
 }
@@ -90,7 +85,9 @@ pub(crate) fn write(session: &mut Session, args: &Args, page: &RenderedPage) -> 
 pub(crate) fn compute(session: &mut Session, args: &Args) -> Result<Report, Exit> {
     let mut machines = Vec::new();
     for path in &args.machines {
-        machines.push(session.load(path, args.options.tool.as_deref())?);
+        let tool = args.options.tool.name();
+        let several = args.machines.len() > 1;
+        machines.push(if several { session.load_one_of(path, tool) } else { session.load(path, tool) }?);
     }
     let answer = report(&machines, &args.options(), session.run());
     session.take(answer)

@@ -1,10 +1,10 @@
 //! `abbe show`: the chain as a picture, frames and lever arms, the location errors it needs.
 
+use crate::cli::arguments::{PictureFile, ToolArg, help, png, svg};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{cell, numbers, table};
-use crate::cli::store::write::{PictureKind, refuse_outputs, write_picture};
 use crate::cli::{Format, Outcome};
-use abbe::results::{AxisKind, Branch, ChainAxis, ChainResult, LocationStatus, Sense};
+use abbe::results::{AxisKind, Branch, ChainAxis, ChainResult, ErrorTerm, LocationStatus, Sense};
 use abbe::text::significant;
 use abbe::{MachineFile, show};
 use serde_json::json;
@@ -17,27 +17,25 @@ pub(crate) struct Args {
     /// Print the chain for Graphviz instead.
     #[arg(long)]
     dot: bool,
-    /// Draw the chain.
-    #[arg(long, value_name = "FILE")]
-    svg: Option<PathBuf>,
-    /// The same as PNG.
-    #[arg(long, value_name = "FILE")]
-    png: Option<PathBuf>,
-    /// Draw the curves of the component errors, as SVG or PNG by the file's ending.
-    #[arg(long, value_name = "FILE.svg|.png")]
-    curves: Option<PathBuf>,
-    /// Tool of the machine, by name [default: the first].
-    #[arg(long)]
-    tool: Option<String>,
+    #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
+        long_help = "Draw the chain, as SVG unless the file ends in .png")]
+    svg: Option<PictureFile>,
+    #[arg(long, value_name = "FILE", value_parser = png, help = help::PNG,
+        long_help = "The same, as PNG unless the file ends in .svg")]
+    png: Option<PictureFile>,
+    /// Draw the curves of the component errors, as SVG unless the file ends in .png.
+    #[arg(long, value_name = "FILE", value_parser = svg)]
+    curves: Option<PictureFile>,
+    #[command(flatten)]
+    tool: ToolArg,
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if args.dot && session.format() != Format::Text {
         return session.usage("`--dot` is a format of its own: leave `--format` out");
     }
-    let file = session.load(&args.machine, args.tool.as_deref())?;
-    let outputs = args.svg.iter().chain(&args.png).chain(&args.curves);
-    refuse_outputs(outputs, &session.files).or_else(|d| session.refuse(d))?;
+    let file = session.load(&args.machine, args.tool.name())?;
+    PictureFile::refuse(session, args.svg.iter().chain(&args.png).chain(&args.curves))?;
     draw(session, args, &file)?;
     if args.dot {
         session.print(&file.chain_dot());
@@ -55,20 +53,21 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 /// Writes the pictures asked for.
 fn draw(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
     let mut pictures = Vec::new();
-    for (path, kind) in [(&args.svg, PictureKind::Svg), (&args.png, PictureKind::Png)] {
-        pictures.extend(path.as_ref().map(|path| (path, kind, file.chain_picture())));
-    }
-    if let Some(path) = &args.curves {
-        let Some(kind) = PictureKind::of(path) else {
-            return session.usage("`--curves` takes a file that ends in .svg or .png");
-        };
+    pictures.extend(args.svg.iter().chain(&args.png).map(|to| (to, file.chain_picture())));
+    if let Some(to) = &args.curves {
         let Some(picture) = file.error_curves() else {
-            return session.usage("the machine has no component errors to draw");
+            let bounded = file.errors().any(|(_, term)| matches!(term, ErrorTerm::Tolerance(_)));
+            let bounds = bounded || file.tolerances().count() > 0 || file.class().is_some();
+            return session.usage(if bounds {
+                "no component error has a value, and bounds have no curve: `abbe map` and `abbe budget` show what they lead to"
+            } else {
+                "the machine has no component errors to draw"
+            });
         };
-        pictures.push((path, kind, picture));
+        pictures.push((to, picture));
     }
-    for (path, kind, picture) in pictures {
-        write_picture(path, &picture, kind, &session.files).or_else(|d| session.refuse(d))?;
+    for (to, picture) in pictures {
+        to.write(&picture, session)?;
     }
     Ok(())
 }

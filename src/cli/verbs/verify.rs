@@ -1,6 +1,7 @@
 //! `abbe verify`: replay files as the controller would and certify the residual.
 
 use crate::cli::Outcome;
+use crate::cli::arguments::{InstalledArg, help};
 use crate::cli::how::SetArgs;
 use crate::cli::output::certificate::CertificateView;
 use crate::cli::output::session::Session;
@@ -16,8 +17,8 @@ pub(crate) struct Args {
     machine: PathBuf,
     /// The folder with the compensation files.
     folder: PathBuf,
-    /// The controller, if no manifest in the folder names it.
-    #[arg(long)]
+    #[arg(long, value_name = "NAME", help = help::TARGET,
+        long_help = "The controller, if no manifest in the folder names it; `abbe targets` lists them")]
     target: Option<String>,
     /// Print what the controller adds at positions, as CSV, instead of a certificate. The CSV file has the columns
     /// joint, direction, position; further columns are ignored.
@@ -25,24 +26,23 @@ pub(crate) struct Args {
     replay: Option<PathBuf>,
     #[command(flatten)]
     set: SetArgs,
-    /// The compensation files that were in force when the machine was measured: the folder replaces them.
-    #[arg(long, value_name = "DIR")]
-    installed: Option<PathBuf>,
+    #[command(flatten)]
+    installed: InstalledArg,
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    for folder in std::iter::once(&args.folder).chain(&args.installed) {
+    for folder in std::iter::once(&args.folder).chain(&args.installed.installed) {
         file_set::settle(session, folder)?;
     }
     // The tables hold for the tool they were made for.
     let made_for = set_manifest(&args.folder, session.run()).map(|lock| lock.tool).filter(|name| !name.is_empty());
-    let file = session.load(&args.machine, args.set.tool.clone().or(made_for).as_deref())?;
+    let file = session.load(&args.machine, args.set.tool.name().or(made_for.as_deref()))?;
     let options = VerifyOptions {
         target: args.target.clone(),
         compensation: args.set.how.options(),
-        poses: args.set.poses as usize,
-        seed: args.set.seed,
-        installed: args.installed.clone(),
+        poses: args.set.poses.count(),
+        seed: args.set.seed.seed,
+        installed: args.installed.installed.clone(),
     };
     if let Some(path) = &args.replay {
         return replay(session, &file, &args.folder, path, &options);

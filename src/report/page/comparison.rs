@@ -3,8 +3,9 @@
 use super::given::MachineInput;
 use crate::analysis::{Comparison, ErrorContribution, MachineResult, Work};
 use crate::analysis::{compare, contributions};
-use crate::evaluate::{Bare, Field};
+use crate::evaluate::{Bare, Field, Frame, Poses, Statistics};
 use crate::machine::{Machine, Pose};
+use crate::report::text::BoundedFigures;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -28,6 +29,13 @@ pub struct ComparisonData {
 /// Machines with their poses at the tool poses that all of them reach.
 pub type Sides<'a> = Vec<(&'a Machine, Vec<Pose>)>;
 
+/// What the bounds of a machine lead to at its poses for the work, where nothing is measured.
+fn of_bounds((given, (_, poses)): (&MachineInput<'_>, &(&Machine, Vec<Pose>))) -> Option<BoundedFigures> {
+    let bounded = given.bounded().filter(|_| !poses.is_empty())?;
+    let found = given.at(&bounded, &Poses::Listed(poses.clone()), Frame::Workpiece);
+    Some(MachineInput::figures(&bounded, &found))
+}
+
 /// Number of these errors.
 const ERRORS: usize = 20;
 
@@ -45,10 +53,23 @@ impl ComparisonData {
 
     /// Content of the page for them; `budgets` is null if there are none.
     pub fn new(given: &[MachineInput<'_>], (comparison, sides): &(Comparison, Sides<'_>), budgets: Value) -> Self {
-        let side = |(g, c): (&MachineInput<'_>, &MachineResult)| {
+        let bounded: Vec<Option<BoundedFigures>> = given.iter().zip(sides).map(of_bounds).collect();
+        let statistics: Vec<Statistics> = bounded
+            .iter()
+            .zip(&comparison.machines)
+            .map(|(of, c)| of.as_ref().map_or(c.statistics, |of| of.statistics(comparison.common.len())))
+            .collect();
+        let side = |(i, (g, c)): (usize, (&MachineInput<'_>, &MachineResult))| {
+            let (own, first) = (bounded[i].as_ref(), bounded[0].as_ref());
+            let minus = (own.is_some() == first.is_some()).then(|| statistics[i].minus(&statistics[0]));
+            let bounds = own.map(|own| {
+                let mut json = own.json();
+                let _ = json.insert("rss_minus_first".to_owned(), json!(first.map(|first| own.rss_minus(first))));
+                json
+            });
             json!({"name": g.machine.name(), "file": g.file, "chain": g.machine.chain().to_string(),
-                "unreachable": c.unreachable, "position_um": c.statistics.position_um,
-                "rotation_urad": c.statistics.rotation_urad, "minus_first": c.difference})
+                "unreachable": c.unreachable, "position_um": statistics[i].position_um, "bounds": bounds,
+                "rotation_urad": statistics[i].rotation_urad, "minus_first": minus})
         };
         let error = |e: ErrorContribution| {
             let minus: Vec<f64> = (0..e.um.len()).map(|i| e.minus_first(i)).collect();
@@ -62,8 +83,8 @@ impl ComparisonData {
             poses: comparison.common.len(),
             seed,
             file: given.first().and_then(|first| Some(first.work?.1["file"].as_str()?.to_owned())),
-            largest_um: comparison.machines.iter().map(|c| c.statistics.position_um.max).fold(0.0, f64::max),
-            machines: given.iter().zip(&comparison.machines).map(side).collect(),
+            largest_um: statistics.iter().map(|of| of.position_um.max).fold(0.0, f64::max),
+            machines: given.iter().zip(&comparison.machines).enumerate().map(side).collect(),
         }
     }
 }

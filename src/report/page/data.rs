@@ -4,13 +4,14 @@
 use super::comparison::ComparisonData;
 use super::field::FieldData;
 use super::given::{MachineInput, TargetResult};
+use crate::analysis::budget::BoundedDeviation;
 use crate::analysis::error_statistics;
 use crate::analysis::{ErrorStatistics, LocationSet, Map, Status, body_diagonals, levers, rest};
 use crate::controller::CompensationDegree;
-use crate::evaluate::{Bare, Order, Summary, worst};
-use crate::machine::{Approach, Axis, ErrorTerm, Machine, Travel};
+use crate::evaluate::{Bare, Frame, Order, Statistics, Summary, worst};
+use crate::machine::{Approach, Axis, ErrorId, ErrorTerm, Machine, Travel};
 use crate::report::pictures::{Bar, ParetoPicture, Picture};
-use crate::report::text::positions;
+use crate::report::text::{BudgetReport, positions};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -47,6 +48,12 @@ pub struct MachineData {
     warnings: Vec<String>,
     locations: Vec<Value>,
     statistics: Value,
+    /// What the bounds lead to, where nothing is measured: then the statistics are of the 95 % value. Null otherwise.
+    bounds: Value,
+    /// What bounds add to the measured errors; null where they add nothing.
+    bounds_add: Value,
+    /// Number of component errors that are bounded.
+    bounded_components: usize,
     /// The file of tool poses, its features and what is out of reach; null without.
     work: Value,
     worst: Vec<Value>,
@@ -85,13 +92,48 @@ impl MachineData {
                 "length_um": d.position.norm() * 1e3, "rotation_urad": scaled(d.rotation, 1e6)})
         };
         Self {
+            statistics: statistics(&map.statistics),
+            worst: bad.iter().map(named).collect(),
+            source_poses: few.0,
+            sources: error_statistics(&bare, &few_poses, &worst_pose, given.approach).iter().map(source).collect(),
+            diagonals: diagonals(&bare, given.approach),
+            certificates: given.written.iter().map(|written| certificate(machine, written)).collect(),
+            ..Self::described(number, given, FieldData::new(given))
+        }
+    }
+
+    /// Computes everything about a machine of which nothing is measured.
+    pub fn of_bounds(number: usize, given: &MachineInput<'_>, bounded: &BudgetReport<'_>) -> Self {
+        let (machine, poses) = (given.machine, given.sample());
+        let found = given.at(bounded, &poses, Frame::Workpiece);
+        let figures = MachineInput::figures(bounded, &found);
+        let p95 = |i: &usize| found.poses[*i].position.p95;
+        let mut order: Vec<usize> = (0..found.poses.len()).collect();
+        order.sort_by(|a, b| p95(b).total_cmp(&p95(a)).then(a.cmp(b)));
+        let named = |i: &usize| {
+            let BoundedDeviation { position, rotation } = found.poses[*i];
+            json!({"axes": positions(machine, &poses.get(*i)), "p95_um": position.p95 * 1e3,
+                "rss_um": position.rss * 1e3, "p95_urad": rotation.p95 * 1e6, "rss_urad": rotation.rss * 1e6})
+        };
+        Self {
+            statistics: statistics(&figures.statistics(poses.len())),
+            bounds: figures.json().into(),
+            worst: order.iter().take(WORST).map(named).collect(),
+            ..Self::described(number, given, FieldData::of_bounds(given, bounded))
+        }
+    }
+
+    /// What does not hang on deviations.
+    fn described(number: usize, given: &MachineInput<'_>, field: FieldData) -> Self {
+        let machine = given.machine;
+        Self {
             id: format!("m{number}"),
             name: machine.name().to_owned(),
             file: given.file.to_owned(),
             chain: machine.chain().to_string(),
             tool: tool(machine),
             workpiece_origin_mm: machine.workpiece(),
-            order: order_word(given.order),
+            order: if given.bounded().is_some() { "first order".to_owned() } else { order_word(given.order) },
             direction: given.approach,
             poses: given.poses.0,
             seed: given.poses.1,
@@ -99,20 +141,32 @@ impl MachineData {
             conventions: json!(machine.conventions()),
             provenance: machine.provenance().entries.clone(),
             warnings: given.warnings.to_vec(),
-            locations: locations(machine),
-            statistics: json!({"position_um": map.statistics.position_um, "rotation_urad": map.statistics.rotation_urad,
-                "rotation_arcsec": arcsec(&map.statistics.rotation_urad)}),
+            locations: locations(machine, given.bounded().as_ref()),
+            statistics: Value::Null,
+            bounds: Value::Null,
+            bounds_add: given.bounds_add.clone(),
+            bounded_components: given.budget.map_or(0, |budget| bounded_components(&budget)),
             work: given.work.map_or(Value::Null, |(_, work)| work.clone()),
-            worst: bad.iter().map(named).collect(),
-            source_poses: few.0,
-            sources: error_statistics(&bare, &few_poses, &worst_pose, given.approach).iter().map(source).collect(),
-            diagonals: diagonals(&bare, given.approach),
+            worst: Vec::new(),
+            source_poses: 0,
+            sources: Vec::new(),
+            diagonals: Vec::new(),
             instruments: given.instruments.json(machine),
             budget: given.budget.map_or(Value::Null, |budget| budget.json().into()),
-            certificates: given.written.iter().map(|written| certificate(machine, written)).collect(),
-            field: FieldData::new(given),
+            certificates: Vec::new(),
+            field,
         }
     }
+}
+
+/// Number of bounds of component errors.
+fn bounded_components(budget: &BudgetReport<'_>) -> usize {
+    budget.bounds.iter().filter(|bound| !bound.error.is_location()).count()
+}
+
+fn statistics(of: &Statistics) -> Value {
+    json!({"position_um": of.position_um, "rotation_urad": of.rotation_urad,
+        "rotation_arcsec": arcsec(&of.rotation_urad)})
 }
 
 impl MachineData {
@@ -168,31 +222,37 @@ fn axes(machine: &Machine) -> Vec<Value> {
 }
 
 /// The location errors that the chain needs, then those given besides.
-fn locations(machine: &Machine) -> Vec<Value> {
+fn locations(machine: &Machine, bounded: Option<&BudgetReport<'_>>) -> Vec<Value> {
     let set = LocationSet::of(machine);
-    let value = |id: &crate::machine::ErrorId| {
+    let value = |id: &ErrorId| {
         let term = machine.errors().find(|(known, _)| known == id).map(|(_, term)| term.clone());
         let (factor, unit) = if id.direction.is_rotation() { (1e6, "µrad") } else { (1e3, "µm") };
         match term {
             Some(ErrorTerm::Constant(value)) => (json!(value * factor), json!(null), unit),
             Some(ErrorTerm::Tolerance(bound)) => (json!(null), json!(bound * factor), unit),
-            _ => (json!(null), json!(null), unit),
+            _ => {
+                let bound = bounded.and_then(|of| of.bounds.iter().find(|bound| bound.error == *id));
+                (json!(null), json!(bound.map(|bound| bound.tolerance * factor)), unit)
+            }
         }
     };
-    let row = |id: &crate::machine::ErrorId, status: &str| {
+    let row = |id: &ErrorId, status: &str| {
         let (value, tolerance, unit) = value(id);
         let factor = id.direction.micro().0;
         let uncertainty = machine.uncertainty(id).map(|half| half * factor);
         json!({"error": id, "status": status, "value": value, "uncertainty": uncertainty, "tolerance": tolerance,
             "unit": unit})
     };
-    let word = |status: Status| match status {
+    let is_bounded = |id: &ErrorId| bounded.is_some_and(|of| of.bounds.iter().any(|bound| bound.error == *id));
+    let word = |id: &ErrorId, status: Status| match status {
         Status::Given => "given",
+        Status::Bounded if bounded.is_some() => "only bounded",
         Status::Bounded => "only bounded by a tolerance: zero here",
         Status::Covered => "implied by the others",
+        Status::Missing if is_bounded(id) => "not in the file by name: bounded otherwise",
         Status::Missing => "missing: taken as zero",
     };
-    let needed = set.members.iter().map(|(id, status)| row(id, word(*status)));
+    let needed = set.members.iter().map(|(id, status)| row(id, word(id, *status)));
     needed.chain(set.besides.iter().map(|id| row(id, "given besides"))).collect()
 }
 

@@ -4,11 +4,16 @@ use super::data::MachineData;
 use super::given::MachineInput;
 use super::render::Pictures;
 use crate::analysis::{Plane, View, rest, space_axes};
-use crate::evaluate::{Bare, Field, Frame};
+use crate::evaluate::{Bare, Field, Frame, Poses};
+use crate::machine::{Machine, Pose};
 use crate::report::pictures::{PlanePicture, PlaneQuantity, PlaneStyle, axis_curves, chain_picture};
+use crate::report::text::BudgetReport;
 
 /// Intervals along the longer side of a plane.
 const PLANE_NODES: f64 = 48.0;
+
+/// The same for what bounds lead to: each node takes as long as all machines drawn.
+const BOUNDED_NODES: f64 = 24.0;
 
 /// Bars of a chart.
 const BARS: usize = 14;
@@ -36,9 +41,12 @@ impl Pictures {
 fn plane(given: &MachineInput<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
     let MachineInput { machine, order, approach, .. } = *given;
     let view = View { approach, frame: Frame::Workpiece };
-    let spans = axes.map(|i| machine.volume()[i].max - machine.volume()[i].min);
-    let longest = spans[0].max(spans[1]);
-    let counts = spans.map(|span| 1 + (PLANE_NODES * span / longest).round().max(2.0) as usize);
+    let names = axes.map(|i| machine.axes()[i].name.to_string());
+    let heading = format!("{}-{} plane", names[0], names[1]);
+    if let Some(bounded) = given.bounded() {
+        return (heading, vec![bounded_plane(given, &bounded, (axes, view))]);
+    }
+    let counts = counts(machine, axes, PLANE_NODES);
     let of = |field: &dyn Field| Plane::of(field, axes, &rest(machine), counts, view);
     let bare = of(&Bare { machine, order });
     let (state, like) = if given.written.is_empty() { ("", None) } else { ("uncompensated", Some(&bare)) };
@@ -51,6 +59,7 @@ fn plane(given: &MachineInput<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
         drawn: PlaneStyle::Colours,
         state,
         like,
+        drawing: None,
     };
     let mut svgs = vec![picture.svg(), PlanePicture { drawn: PlaneStyle::Grid, ..picture }.svg()];
     for written in given.written {
@@ -60,6 +69,34 @@ fn plane(given: &MachineInput<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
             svgs.push(PlanePicture { plane: &after, drawn, state: &state, like: Some(&bare), ..picture }.svg());
         }
     }
-    let names = axes.map(|i| machine.axes()[i].name.to_string());
-    (format!("{}-{} plane", names[0], names[1]), svgs)
+    (heading, svgs)
+}
+
+/// About square cells.
+fn counts(machine: &Machine, axes: [usize; 2], longer: f64) -> [usize; 2] {
+    let spans = axes.map(|i| machine.volume()[i].max - machine.volume()[i].min);
+    let longest = spans[0].max(spans[1]);
+    spans.map(|span| 1 + (longer * span / longest).round().max(2.0) as usize)
+}
+
+/// The plane of a machine of which nothing is measured: the 95 % value.
+fn bounded_plane(given: &MachineInput<'_>, bounded: &BudgetReport<'_>, (axes, view): ([usize; 2], View)) -> String {
+    let machine = given.machine;
+    let p95 = |poses: Vec<Pose>| {
+        let found = given.at(bounded, &Poses::Listed(poses), Frame::Workpiece);
+        found.poses.iter().map(|pose| pose.position.p95).collect()
+    };
+    let plane = Plane::of_lengths(machine, axes, &rest(machine), counts(machine, axes, BOUNDED_NODES), p95);
+    let picture = PlanePicture {
+        machine,
+        plane: &plane,
+        view,
+        order: given.order,
+        shown: PlaneQuantity::Length,
+        drawn: PlaneStyle::Colours,
+        state: "",
+        like: None,
+        drawing: Some(bounded.drawing),
+    };
+    picture.svg()
 }

@@ -5,11 +5,12 @@
 //! volume does not move while a table turns.
 
 use super::given::MachineInput;
+use crate::analysis::budget::{Bound, BoundedLength, effects_at};
 use crate::analysis::{View, deviation_in, frame_rotation, rest, space_axes};
-use crate::evaluate::{Bare, Deviation, Frame, error_by_error, evaluate};
+use crate::evaluate::{Bare, Deviation, Frame, Poses, error_by_error, evaluate};
 use crate::machine::{Axis, ErrorId, ErrorTerm, Machine, Pose};
 use crate::report::pictures::round_step;
-use crate::report::text::{pose_words, positions};
+use crate::report::text::{BudgetReport, pose_words, positions};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -61,7 +62,11 @@ struct Layer {
 #[derive(Debug, Clone, Serialize)]
 struct LayerAt {
     /// Deviations in nm (machine directions), three numbers a node.
-    deviation_nm: Vec<i64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    deviation_nm: Option<Vec<i64>>,
+    /// Lengths in nm, a number a node, of what bounds lead to in place of deviations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    length_nm: Option<Vec<i64>>,
     /// The end of the colour scale.
     max_um: f64,
     mean_um: f64,
@@ -77,6 +82,9 @@ const MAX_NUMBERS: usize = 340_000;
 
 /// Numbers of nodes of a grid axis, from the largest to the smallest. Odd, so that there is a middle.
 const NODES: [usize; 5] = [11, 9, 7, 5, 3];
+
+/// Number of nodes of a grid axis of what bounds lead to: each node takes as long as all machines drawn.
+const BOUNDED_NODES: usize = 7;
 
 /// Maximum number of stations.
 const MAX_STATIONS: usize = 8;
@@ -104,6 +112,82 @@ impl FieldData {
             exaggerations,
         }
     }
+}
+
+impl FieldData {
+    /// Evaluates all layers of a machine of which nothing is measured: lengths, from its bounds.
+    pub fn of_bounds(given: &MachineInput<'_>, bounded: &BudgetReport<'_>) -> Self {
+        let machine = given.machine;
+        let axes = grid_axes(machine);
+        let poses = stations(machine, &axes);
+        let groups = bounded_groups(machine, bounded);
+        let count = BOUNDED_NODES;
+        let lattice = Lattice { given, axes, count };
+        let nodes: Vec<Pose> =
+            poses.iter().flat_map(|station| (0..lattice.len()).map(|node| lattice.pose(station, node))).collect();
+        let found = given.at(bounded, &Poses::Listed(nodes.clone()), Frame::Workpiece);
+        let rows: Vec<Vec<f64>> = nodes.par_iter().map(|pose| squared_effects(machine, bounded, pose)).collect();
+        let of = |lengths: Vec<f64>| lengths.chunks(lattice.len()).map(|at| lattice.of_lengths(at)).collect();
+        let group = |(id, label, group, members): &BoundedGroup| Layer {
+            id: id.clone(),
+            label: label.clone(),
+            group,
+            at: of(rows.iter().map(|row| members.iter().map(|i| row[*i]).sum::<f64>().sqrt() * 1e3).collect()),
+        };
+        let total = |id: &str, label: &str, length: fn(&BoundedLength) -> f64| Layer {
+            id: id.to_owned(),
+            label: label.to_owned(),
+            group: "total",
+            at: of(found.poses.iter().map(|pose| length(&pose.position) * 1e3).collect()),
+        };
+        let mut layers = vec![total("total", "95 % of the drawn machines", |of| of.p95)];
+        layers.push(total("rss", "RSS of all bounds", |of| of.rss));
+        layers.extend(groups.iter().map(group));
+        let nominal = |pose: &Pose| evaluate(machine, pose, given.order, given.approach, Frame::Machine).nominal;
+        let places: Vec<Vector3<f64>> = nodes.par_iter().map(nominal).collect();
+        let sampled = places.chunks(lattice.len()).map(|at| Sampled { nominal: at.to_vec(), nodes: Vec::new() });
+        Self {
+            exaggeration: 0,
+            grid: lattice.axes.iter().map(|axis| lattice.grid_axis(*axis)).collect(),
+            stations: lattice.stations(&poses, sampled.collect()),
+            layers,
+            exaggerations: vec![1.0],
+        }
+    }
+}
+
+/// Squared effects of the bounds alone on the position at a pose, mm^2, in their order.
+fn squared_effects(machine: &Machine, bounded: &BudgetReport<'_>, pose: &[f64]) -> Vec<f64> {
+    let mut squares = vec![0.0; bounded.bounds.len()];
+    effects_at(machine, bounded.bounds, pose).into_iter().for_each(|(i, length)| squares[i] = length * length);
+    squares
+}
+
+/// A choice of bounds: id, label, group, and their indices.
+type BoundedGroup = (String, String, &'static str, Vec<usize>);
+
+/// Groups of bounds by kind, by axis, and one by one.
+fn bounded_groups(machine: &Machine, bounded: &BudgetReport<'_>) -> Vec<BoundedGroup> {
+    let members = |keep: &dyn Fn(&Bound) -> bool| -> Vec<usize> {
+        bounded.bounds.iter().enumerate().filter(|(_, bound)| keep(bound)).map(|(i, _)| i).collect()
+    };
+    let kind = |id: &str, label: &str, location: bool| {
+        (id.to_owned(), label.to_owned(), "kind", members(&|bound| bound.error.is_location() == location))
+    };
+    let mut groups = vec![
+        kind("location", "RSS of all location errors", true),
+        kind("component", "RSS of all component errors", false),
+    ];
+    let mut names: Vec<String> = machine.axes().iter().map(|axis| axis.name.to_string()).collect();
+    names.extend(machine.chain().spindle().map(ToString::to_string));
+    for name in names {
+        let of_axis = members(&|bound| bound.error.axis.as_str() == name);
+        groups.push((format!("axis-{name}"), format!("RSS of all errors of {name}"), "axis", of_axis));
+    }
+    let alone = bounded.bounds.iter().enumerate();
+    groups.extend(alone.map(|(i, bound)| (bound.to_string(), format!("{bound} at its bound"), "error", vec![i])));
+    groups.retain(|(.., members)| !members.is_empty());
+    groups
 }
 
 /// Three linear axes that span space; where there are fewer, axes of the chain fill up.
@@ -269,6 +353,12 @@ impl Lattice<'_> {
 
     fn layer_at(&self, k: usize, station: &Sampled) -> LayerAt {
         let lengths: Vec<f64> = station.nodes.iter().map(|row| row[k].norm() * 1e3).collect();
+        let deviation_nm = station.nodes.iter().flat_map(|row| nanometres(&row[k])).collect();
+        LayerAt { deviation_nm: Some(deviation_nm), length_nm: None, ..self.of_lengths(&lengths) }
+    }
+
+    /// A layer of lengths, um.
+    fn of_lengths(&self, lengths: &[f64]) -> LayerAt {
         let worst = (0..lengths.len()).fold(0, |best, i| if lengths[i] > lengths[best] { i } else { best });
         let at = |node: usize| {
             let pose = self.pose(&rest(self.given.machine), node);
@@ -280,7 +370,8 @@ impl Lattice<'_> {
         let max_um = lengths.get(worst).copied().unwrap_or(0.0);
         let step = round_step(max_um, 4);
         LayerAt {
-            deviation_nm: station.nodes.iter().flat_map(|row| nanometres(&row[k])).collect(),
+            deviation_nm: None,
+            length_nm: Some(lengths.iter().map(|um| (um * 1e3).round() as i64).collect()),
             max_um,
             ticks_um: (0..=4).map(|i| f64::from(i) * step).filter(|tick| *tick <= max_um * (1.0 + 1e-9)).collect(),
             mean_um: lengths.iter().sum::<f64>() / lengths.len().max(1) as f64,

@@ -1,10 +1,11 @@
 //! A machine as it was handed to the page.
 
 use super::instruments::Instruments;
+use crate::analysis::budget::{Draws, PoseByPose, PosesRequest, is_measured, pose_by_pose};
 use crate::controller::{Certificate, ControllerTarget, Effect};
-use crate::evaluate::{Order, Poses, Random};
+use crate::evaluate::{Frame, Order, Poses, Random};
 use crate::machine::{Approach, Machine, Pose};
-use crate::report::text::BudgetReport;
+use crate::report::text::{BoundedFigures, BudgetReport};
 use serde_json::Value;
 
 /// One machine that was given, and how it is looked at.
@@ -28,6 +29,8 @@ pub struct MachineInput<'a> {
     pub instruments: &'a Instruments,
     /// Its budget, if errors are bounded.
     pub budget: Option<BudgetReport<'a>>,
+    /// What the bounds of errors without a value add to the measured ones; null where they add nothing.
+    pub bounds_add: &'a Value,
     /// Warnings, each as a line.
     pub warnings: &'a [String],
 }
@@ -43,7 +46,24 @@ pub struct TargetResult {
     pub certificate: Certificate,
 }
 
-impl MachineInput<'_> {
+impl<'a> MachineInput<'a> {
+    /// The bounds of a machine of which nothing is measured, with the machines drawn.
+    pub fn bounded(&self) -> Option<BudgetReport<'a>> {
+        self.budget.filter(|_| !is_measured(self.machine))
+    }
+
+    /// What bounds lead to at poses, in the frame.
+    pub fn at(&self, bounded: &BudgetReport<'_>, poses: &Poses, frame: Frame) -> PoseByPose {
+        let draws = Draws::new(bounded.drawing.seed, bounded.drawing.distribution);
+        let (machine, bounds, samples) = (self.machine, bounded.bounds, bounded.drawing.samples);
+        pose_by_pose(PosesRequest { machine, bounds, poses, frame, draws: &draws, samples }, &|_| {})
+    }
+
+    /// The figures of what bounds lead to.
+    pub fn figures(bounded: &BudgetReport<'_>, found: &PoseByPose) -> BoundedFigures {
+        BoundedFigures::new(bounded.bounds.len(), bounded.drawing.clone(), found)
+    }
+
     /// The poses that statistics are taken over: those of the work, or of a certificate.
     pub fn sample(&self) -> Poses {
         match self.work {

@@ -27,6 +27,12 @@ pub struct Instruments {
 }
 
 impl Instruments {
+    /// Returns no readings: of a machine of which nothing is measured.
+    pub fn none(machine: &Machine) -> Self {
+        let centre = within(machine, 0.5);
+        Self { centre, radius: RADII[0], circles: Vec::new(), turns: Vec::new(), lines: Vec::new() }
+    }
+
     /// Computes circles about the middle of the volume, as large as all planes (else any) allow; every rotary axis
     /// about a ball at the place with the largest number of readable positions; the diagonals.
     pub fn new(machine: &Machine) -> Self {

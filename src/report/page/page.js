@@ -34,7 +34,8 @@ function connect(section) {
     showScale(section, view.scale());
     const said = sentence(view);
     section.querySelector(".said").textContent = said;
-    view.canvas.setAttribute("aria-label", `Deformed volume of ${data.machines[machine].name}. ${said}`);
+    const what = view.at().length_nm ? "Volume" : "Deformed volume";
+    view.canvas.setAttribute("aria-label", `${what} of ${data.machines[machine].name}. ${said}`);
     for (const radio of section.querySelectorAll('[name="state"]')) radio.checked = radio.value === c.layer;
     find("layer").value = c.layer;
     view.draw();
@@ -64,9 +65,10 @@ function sentence(view) {
   if (field.stations.length > 1) text += ` at ${field.stations[choice.station].label}`;
   text += `. Largest ${shown(at.max_um, 4)} µm at ${place(worst)}; mean of the nodes ${shown(at.mean_um, 4)} µm.`;
   if (choice.node === null) return text;
+  const node = place(view.place(choice.node).slice(0, field.grid.length).map((i, k) => field.grid[k].positions[i]));
+  if (at.length_nm) return `${text} Node ${node}: ${shown(at.length_nm[choice.node] / 1000, 5)} µm.`;
   const d = [0, 1, 2].map((k) => shown(at.deviation_nm[3 * choice.node + k] / 1000, 5));
-  const here = view.place(choice.node).slice(0, field.grid.length).map((i, k) => field.grid[k].positions[i]);
-  return `${text} Node ${place(here)}: d = (${d.join(", ")}) µm.`;
+  return `${text} Node ${node}: d = (${d.join(", ")}) µm.`;
 }
 
 function showScale(section, scale) {

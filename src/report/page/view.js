@@ -38,13 +38,15 @@ class FieldView {
   /** Where a node is drawn, mm. */
   displaced(node) {
     const p = this.nominal(), d = this.at().deviation_nm, times = this.factor() * 1e-6;
+    if (!d) return this.exact(node);
     return [0, 1, 2].map((k) => p[3 * node + k] + d[3 * node + k] * times);
   }
 
   exact(node) { return [0, 1, 2].map((k) => this.nominal()[3 * node + k]); }
 
   length(node) {
-    const d = this.at().deviation_nm;
+    const { deviation_nm: d, length_nm: lengths } = this.at();
+    if (lengths) return lengths[node] / 1000;
     return Math.hypot(d[3 * node], d[3 * node + 1], d[3 * node + 2]) / 1000;
   }
 

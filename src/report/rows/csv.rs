@@ -19,13 +19,16 @@ pub(super) fn line(rows: &Rows<'_>, index: usize, row: &[f64], text: &mut String
         // Writing to a string cannot fail.
         let _ = write!(text, "{}{x}", if i == 0 { "" } else { "," });
     }
+    if let Some(drawn) = rows.drawn {
+        let _ = write!(text, ",bounds,{},{}", drawn.samples, drawn.seed);
+    }
     text.push_str(if work.is_some() { ",\n" } else { "\n" });
 }
 
 /// The lines of the unreached rows before the pose with an index.
 pub(super) fn unreached(rows: &Rows<'_>, index: usize, text: &mut String) {
     let Some(work) = rows.work else { return };
-    let numbers = rows.columns().len();
+    let numbers = rows.columns().len() + if rows.drawn.is_some() { 3 } else { 0 };
     work.unreached_before(index).iter().for_each(|row| text.push_str(&work.csv_line(row, numbers)));
 }
 
@@ -35,7 +38,8 @@ impl<W: Write> Csv<W> {
             Some(work) => (if work.has_features() { "line,feature," } else { "line," }, ",unreached"),
             None => ("", ""),
         };
-        writeln!(out, "{lead}{}{end}", rows.columns().join(","))?;
+        let source = if rows.drawn.is_some() { ",from,samples,seed" } else { "" };
+        writeln!(out, "{lead}{}{source}{end}", rows.columns().join(","))?;
         Ok(Self { out })
     }
 }

@@ -13,15 +13,19 @@ impl Rows<'_> {
     /// Writes the object of a row, after a comma for all rows but the first.
     pub(super) fn json_line(&self, index: usize, row: &[f64], text: &mut String) {
         self.json_unreached(index, text);
-        let (axes, six) = row.split_at(self.machine.axes().len());
+        let (axes, values) = row.split_at(self.machine.axes().len());
         let names = self.machine.axes().iter().map(|axis| axis.name.to_string());
         let axes: Map<String, Value> = names.zip(axes.iter().map(|q| json!(q))).collect();
         let mut pose = self.work.and_then(|work| work.reached.get(index)).map_or_else(Map::new, WorkRows::json_lead);
-        pose.extend([
-            ("axes".to_owned(), Value::Object(axes)),
-            ("deviation_um".to_owned(), json!(six[..3])),
-            ("rotation_urad".to_owned(), json!(six[3..])),
-        ]);
+        let values = match values {
+            [rss_um, p95_um, rss_urad, p95_urad] => [
+                ("position_um", json!({"rss": rss_um, "p95": p95_um})),
+                ("rotation_urad", json!({"rss": rss_urad, "p95": p95_urad})),
+            ],
+            six => [("deviation_um", json!(six[..3])), ("rotation_urad", json!(six[3..]))],
+        };
+        pose.extend([("axes".to_owned(), Value::Object(axes))]);
+        pose.extend(values.map(|(name, value)| (name.to_owned(), value)));
         text.push_str(",\n");
         text.push_str(&Value::Object(pose).to_string());
     }

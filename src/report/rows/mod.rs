@@ -13,5 +13,5 @@ mod table;
 mod vtk;
 mod work;
 
-pub use table::{RowBlock, RowFormat, Rows, Sink, Stream};
+pub use table::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream};
 pub use work::{UnreachedRow, WorkRow, WorkRows};

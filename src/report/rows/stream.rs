@@ -2,30 +2,29 @@
 
 #[cfg(feature = "parquet")]
 use super::parquet;
-use super::table::{RowBlock, RowFormat, Rows, Sink, Stream};
+use super::table::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream};
 use super::{csv, json, vtk};
-use crate::evaluate::Deviation;
 use crate::machine::Pose;
 use std::io;
 
 impl<'a> Rows<'a> {
-    /// Prepares rows for some forms: `first` is the index of the first pose, the deviations (mm, rad) are in the
-    /// frame of the view.
+    /// Prepares rows for some forms: `first` is the index of the first pose, deviations (mm, rad) are in the frame of
+    /// the view.
     pub fn prepared(
         &self,
         forms: &[RowFormat],
         first: usize,
-        rows: impl Iterator<Item = (Pose, Deviation)>,
+        rows: impl Iterator<Item = (Pose, impl RowValues)>,
     ) -> RowBlock {
         let mut made = RowBlock { first, ..RowBlock::default() };
         let wants = |form| forms.contains(&form);
         let mut index = first;
-        for (pose, deviation) in rows {
+        for (pose, values) in rows {
             if wants(RowFormat::Vtk) {
                 made.tips.push(self.tip(&pose));
             }
             let mut row = pose;
-            row.extend(six(&deviation));
+            values.append(&mut row);
             // Adding zero turns -0 into 0.
             row.iter_mut().for_each(|x| *x += 0.0);
             if wants(RowFormat::Csv) {
@@ -66,10 +65,4 @@ impl<'a> Rows<'a> {
             RowFormat::Vtk => Box::new(vtk::Vtk::new(self, out)?),
         })
     }
-}
-
-/// um and urad.
-fn six(deviation: &Deviation) -> [f64; 6] {
-    let (p, r) = (deviation.position * 1e3, deviation.rotation * 1e6);
-    [p.x, p.y, p.z, r.x, r.y, r.z]
 }

@@ -1,9 +1,11 @@
 //! The rows of a table and their facts, whatever its format.
 
 use super::work::WorkRows;
+use crate::analysis::budget::BoundedDeviation;
 use crate::analysis::{View, frame_rotation, tool_pose};
-use crate::evaluate::{Frame, Order, Poses};
+use crate::evaluate::{Deviation, Frame, Order, Poses};
 use crate::machine::{Approach, Machine};
+use crate::report::text::DrawSettings;
 use std::io::{self, Seek, Write};
 
 /// Subject of a table.
@@ -21,6 +23,28 @@ pub struct Rows<'a> {
     pub target: &'a str,
     /// The rows of a file of tool poses behind the poses.
     pub work: Option<&'a WorkRows>,
+    /// The machines drawn, for a table of what bounds lead to; `None` for one of deviations.
+    pub drawn: Option<&'a DrawSettings>,
+}
+
+/// The numbers of a row after its positions, in um and urad.
+pub trait RowValues {
+    /// Appends them in the order of the columns.
+    fn append(&self, row: &mut Vec<f64>);
+}
+
+impl RowValues for Deviation {
+    fn append(&self, row: &mut Vec<f64>) {
+        let (p, r) = (self.position * 1e3, self.rotation * 1e6);
+        row.extend([p.x, p.y, p.z, r.x, r.y, r.z]);
+    }
+}
+
+impl RowValues for BoundedDeviation {
+    fn append(&self, row: &mut Vec<f64>) {
+        let (p, r) = (self.position, self.rotation);
+        row.extend([p.rss * 1e3, p.p95 * 1e3, r.rss * 1e6, r.p95 * 1e6]);
+    }
 }
 
 /// Format of a table.
@@ -66,11 +90,15 @@ impl<T: Write + Seek + Send> Sink for T {}
 /// Names of the six columns of a deviation.
 const DEVIATION: [&str; 6] = ["dx [um]", "dy [um]", "dz [um]", "wx [urad]", "wy [urad]", "wz [urad]"];
 
+/// Names of the four columns of what bounds lead to.
+const BOUNDED: [&str; 4] = ["position_rss [um]", "position_p95 [um]", "rotation_rss [urad]", "rotation_p95 [urad]"];
+
 impl Rows<'_> {
-    /// `X [mm]`, ..., then those of the deviation.
+    /// `X [mm]`, ..., then those of the deviation, or of what bounds lead to.
     pub(super) fn columns(&self) -> Vec<String> {
         let axes = self.machine.axes().iter().map(|axis| format!("{} [{}]", axis.name, axis.unit()));
-        axes.chain(DEVIATION.map(str::to_owned)).collect()
+        let values = if self.drawn.is_some() { &BOUNDED[..] } else { &DEVIATION };
+        axes.chain(values.iter().map(|name| (*name).to_owned())).collect()
     }
 
     /// Nominal tip from the workpiece origin, mm, in the frame of the vectors.
@@ -83,7 +111,7 @@ impl Rows<'_> {
     }
 
     /// Facts for a reader, as names and words.
-    pub(super) fn facts(&self) -> [(&'static str, String); 6] {
+    pub(super) fn facts(&self) -> Vec<(&'static str, String)> {
         let frame = match self.view.frame {
             Frame::Workpiece => "workpiece",
             Frame::Machine => "machine",
@@ -98,13 +126,23 @@ impl Rows<'_> {
             Approach::Forward => "forward",
             Approach::Reverse => "reverse",
         };
-        [
+        let mut facts = vec![
             ("machine", self.machine.name().to_owned()),
             ("order", order),
             ("frame", frame.to_owned()),
             ("direction", direction.to_owned()),
             ("target", self.target.to_owned()),
             ("sign", "actual minus nominal, tool relative to workpiece".to_owned()),
-        ]
+        ];
+        if let Some(drawn) = self.drawn {
+            facts.extend([
+                ("from", "bounds".to_owned()),
+                ("samples", drawn.samples.to_string()),
+                ("seed", drawn.seed.to_string()),
+                ("distribution", drawn.distribution.name().to_owned()),
+                ("class", drawn.class.as_ref().map_or_else(String::new, |(name, _)| name.clone())),
+            ]);
+        }
+        facts
     }
 }

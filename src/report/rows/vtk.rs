@@ -1,5 +1,5 @@
 //! VTK: an unstructured grid (`.vtu`) for ParaView: the nominal tool tip of each pose in mm, with the
-//! deviation as a vector field, the rotation, and the position of every axis.
+//! deviation as a vector field and the rotation, or with what bounds lead to, and the position of every axis.
 //!
 //! Nodes of a grid are joined along the linear axes to hexahedra (quads, lines), a block for each position of
 //! the other axes: a threshold on these picks one. Other poses are single vertices. Arrays are appended raw,
@@ -21,6 +21,12 @@ const CORNERS: [[usize; 3]; 8] =
 /// Arrays before those of the poses' values: points, then the three of the cells.
 const VALUES: usize = 4;
 
+/// Arrays of a deviation with their numbers of components.
+const DEVIATION: [(&str, u64); 3] = [("deviation_um", 3), ("rotation_urad", 3), ("length_um", 1)];
+
+/// Arrays of what bounds lead to, in the order of the columns.
+const BOUNDED: [&str; 4] = ["position_rss_um", "position_p95_um", "rotation_rss_urad", "rotation_p95_urad"];
+
 /// An array of the file.
 struct Array {
     /// Attributes of its element.
@@ -35,13 +41,15 @@ pub(super) struct Vtk<W> {
     /// Offsets of the numbers of each array, and the bytes of an item.
     places: Vec<(u64, u64)>,
     end: u64,
+    /// True if the values are what bounds lead to.
+    bounded: bool,
 }
 
 impl<W: Sink> Vtk<W> {
     pub(super) fn new(rows: &Rows<'_>, mut out: W) -> io::Result<Self> {
         let cells = Cells::of(rows);
         let arrays = arrays(rows, &cells);
-        let head = head(&arrays, rows.poses.len(), cells.count);
+        let head = head(rows, &arrays, cells.count);
         out.write_all(head.as_bytes())?;
         let mut next = head.len() as u64;
         let mut places = Vec::new();
@@ -51,7 +59,7 @@ impl<W: Sink> Vtk<W> {
             places.push((next + 8, array.width));
             next += 8 + array.width * array.items;
         }
-        let mut vtk = Self { out, places, end: next };
+        let mut vtk = Self { out, places, end: next, bounded: rows.drawn.is_some() };
         vtk.cells(&cells)?;
         Ok(vtk)
     }
@@ -94,13 +102,18 @@ impl<W: Sink> Vtk<W> {
 
 impl<W: Sink> Stream for Vtk<W> {
     fn put(&mut self, rows: &RowBlock) -> io::Result<()> {
-        let axes = self.places.len() - VALUES - 3;
+        let of_values = if self.bounded { BOUNDED.len() } else { 3 };
+        let axes = self.places.len() - VALUES - of_values;
         let three = |i: usize, from: usize| -> [f64; 3] { std::array::from_fn(|k| rows.rows[i][axes + from + k]) };
         self.put_array(0, rows, |i| rows.tips[i])?;
-        self.put_array(VALUES, rows, |i| three(i, 0))?;
-        self.put_array(VALUES + 1, rows, |i| three(i, 3))?;
-        self.put_array(VALUES + 2, rows, |i| [nalgebra::Vector3::from(three(i, 0)).norm()])?;
-        (0..axes).try_for_each(|axis| self.put_array(VALUES + 3 + axis, rows, |i| [rows.rows[i][axis]]))
+        if self.bounded {
+            (0..of_values).try_for_each(|k| self.put_array(VALUES + k, rows, |i| [rows.rows[i][axes + k]]))?;
+        } else {
+            self.put_array(VALUES, rows, |i| three(i, 0))?;
+            self.put_array(VALUES + 1, rows, |i| three(i, 3))?;
+            self.put_array(VALUES + 2, rows, |i| [nalgebra::Vector3::from(three(i, 0)).norm()])?;
+        }
+        (0..axes).try_for_each(|axis| self.put_array(VALUES + of_values + axis, rows, |i| [rows.rows[i][axis]]))
     }
 
     fn finish(mut self: Box<Self>) -> io::Result<()> {
@@ -123,17 +136,31 @@ fn arrays(rows: &Rows<'_>, cells: &Cells) -> Vec<Array> {
         array("Int64", "connectivity", 1, cells.count * cells.size(), 8),
         array("Int64", "offsets", 1, cells.count, 8),
         array("UInt8", "types", 1, cells.count, 1),
-        array("Float64", "deviation_um", 3, points, 8),
-        array("Float64", "rotation_urad", 3, points, 8),
-        array("Float64", "length_um", 1, points, 8),
     ];
+    let values = if rows.drawn.is_some() { &BOUNDED.map(|name| (name, 1))[..] } else { &DEVIATION };
+    list.extend(values.iter().map(|(name, components)| array("Float64", name, *components, points, 8)));
     // Names of axes are letters and digits.
     let axes = rows.machine.axes().iter().map(|axis| format!("{}_{}", axis.name, axis.unit()));
     list.extend(axes.map(|name| array("Float64", &name, 1, points, 8)));
     list
 }
 
-fn head(arrays: &[Array], points: usize, cells: usize) -> String {
+fn head(rows: &Rows<'_>, arrays: &[Array], cells: usize) -> String {
+    let points = rows.poses.len();
+    let values = match rows.drawn {
+        Some(drawn) => format!(
+            "from bounds, nothing is measured: RSS of the bounds, and the length that 95 % of {} machines drawn (seed \
+             {}, {} distribution) do not exceed, in um and urad",
+            drawn.samples,
+            drawn.seed,
+            drawn.distribution.name()
+        ),
+        None => "deviation in um, rotation in urad: actual minus nominal, tool relative to workpiece".to_owned(),
+    };
+    let shown = match rows.drawn {
+        Some(_) => r#"Scalars="position_p95_um""#,
+        None => r#"Vectors="deviation_um" Scalars="length_um""#,
+    };
     let mut offset = 0;
     let mut place = |array: &Array| {
         let text = format!("    <DataArray {} format=\"appended\" offset=\"{offset}\"/>\n", array.attributes);
@@ -144,11 +171,10 @@ fn head(arrays: &[Array], points: usize, cells: usize) -> String {
     format!(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
          header_type=\"UInt64\">\n \
-         <!-- Nominal tool tip from the workpiece origin in mm; deviation in um, rotation in urad: actual minus \
-         nominal, tool relative to workpiece. -->\n \
+         <!-- Nominal tool tip from the workpiece origin in mm; {values}. -->\n \
          <UnstructuredGrid>\n  <Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n   <Points>\n{}   \
          </Points>\n   <Cells>\n{}   </Cells>\n   \
-         <PointData Vectors=\"deviation_um\" Scalars=\"length_um\">\n{}   </PointData>\n  </Piece>\n \
+         <PointData {shown}>\n{}   </PointData>\n  </Piece>\n \
          </UnstructuredGrid>\n <AppendedData encoding=\"raw\">\n_",
         texts[0],
         texts[1..VALUES].concat(),

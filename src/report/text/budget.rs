@@ -2,7 +2,7 @@
 
 use super::positions::positions;
 use crate::analysis::budget::{
-    Bound, BoundedError, Budget, Contribution, Distribution, PERCENTS, Statistic, Totals, known,
+    Bound, BoundedError, Budget, Contribution, Distribution, PERCENTS, Percentile, Statistic, Totals, known, mean,
 };
 use crate::machine::{ErrorId, Machine};
 use crate::report::pictures::{Bar, ParetoPicture, Picture, WaterfallPicture};
@@ -94,19 +94,11 @@ impl BudgetReport<'_> {
 
     /// Totals of position and orientation.
     fn totals(&self, totals: &Totals) -> Value {
-        let percentiles: Map<_, _> = PERCENTS
-            .iter()
-            .map(|p| totals.percentile(*p))
-            .map(|p| (format!("p{}", p.percent), json!({"value": p.value, "low": p.low, "high": p.high})))
-            .collect();
         json!({
             "worst_case": totals.worst_case, "rss": totals.rss, "mean_of_both": totals.mean_of_both(),
             "worst_case_at": positions(self.machine, &totals.worst_pose), "rss_at": positions(self.machine,
                 &totals.rss_pose),
-            "monte_carlo": {
-                "mean": totals.mean.0, "mean_sigma": totals.mean.1, "p95": totals.percentile(95).value,
-                "percentiles": percentiles,
-            },
+            "monte_carlo": drawn_json(&totals.sorted),
         })
     }
 
@@ -182,6 +174,18 @@ impl BudgetReport<'_> {
         }
         .picture()
     }
+}
+
+/// Mean and percentiles of drawn machines' values, given in rising order.
+pub fn drawn_json(sorted: &[f64]) -> Value {
+    let percentiles: Map<_, _> = PERCENTS
+        .iter()
+        .map(|p| Percentile::of(sorted, *p))
+        .map(|p| (format!("p{}", p.percent), json!({"value": p.value, "low": p.low, "high": p.high})))
+        .collect();
+    let (mean, mean_sigma) = mean(sorted);
+    let p95 = Percentile::of(sorted, 95).value;
+    json!({"mean": mean, "mean_sigma": mean_sigma, "p95": p95, "percentiles": percentiles})
 }
 
 /// Several budgets on the same work: totals, differences to the first, and error by error.

@@ -251,6 +251,23 @@ pub fn known(machine: &Machine) -> usize {
     machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).count()
 }
 
+/// True if any error of a machine has a value, or its set-up.
+pub fn is_measured(machine: &Machine) -> bool {
+    let setup = machine.setup();
+    known(machine) > 0 || setup.tool.iter().chain(&setup.workpiece).any(|x| *x != 0.0)
+}
+
+/// Returns the bounds of what has no value: those that add to the measured errors.
+pub fn adding(machine: &Machine, bounds: &[Bound]) -> Vec<Bound> {
+    let valued: Vec<ErrorId> =
+        machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).map(|(error, _)| error).collect();
+    let has_value = |bound: &&Bound| {
+        let parts = bound.letter_ids().into_iter().zip(bound.direction);
+        parts.filter(|(_, part)| part.abs() > 1e-9).any(|(error, _)| valued.contains(&error))
+    };
+    bounds.iter().filter(|bound| !has_value(bound)).cloned().collect()
+}
+
 /// True if the machine has rotary axes and the class has no values for them.
 pub fn lacks_rotary(machine: &Machine, class: &Class) -> bool {
     !class.knows_rotary() && machine.axes().iter().any(|axis| axis.kind == AxisKind::Rotary)

@@ -12,7 +12,8 @@
 //!    same random numbers. Since the error of a machine grows in proportion to all tolerances together,
 //!    tolerance times derivative, summed up, is the 95 % value itself (Euler).
 //! 5. [`side_by_side()`]: these effects in several machines; [`PairedTest`]: whether their 95 % values differ.
-//! 6. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
+//! 6. [`pose_by_pose()`]: RSS and 95 % value at every pose by itself, for maps of machines of which nothing is measured.
+//! 7. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
 //!
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
@@ -23,6 +24,7 @@ mod goal;
 mod kernel;
 mod monte_carlo;
 mod paired;
+mod pose_by_pose;
 mod quantile;
 mod search;
 mod side_by_side;
@@ -31,7 +33,7 @@ mod worst;
 
 pub use crate::machine::{Class, classes};
 pub(crate) use bounds::on_other_sides;
-pub use bounds::{Bound, Role, bounds, known, lacks_rotary};
+pub use bounds::{Bound, Role, adding, bounds, is_measured, known, lacks_rotary};
 pub use cost::{CostModel, Price};
 pub(in crate::analysis) use draw::Normals;
 pub use draw::{Distribution, Draws, NODES};
@@ -41,6 +43,7 @@ pub(crate) use kernel::{
 };
 pub use monte_carlo::Statistic;
 pub use paired::{PairedDifference, PairedTest, Verdict, VersusFirst, are_equal, percentile_95, round_sizes};
+pub use pose_by_pose::{BoundedDeviation, BoundedLength, PoseByPose, PosesRequest, effects_at, pose_by_pose};
 pub use quantile::{Percentile, mean, rank};
 pub use side_by_side::{BoundedError, BudgetPart, side_by_side};
 pub use totals::{Budget, Contribution, PERCENTS, Request, Totals, budget, budget_poses};

@@ -2,11 +2,12 @@
 
 use super::bands::Bands;
 use super::picture::{LEFT, MARGIN, PlanePicture, PlaneQuantity, PlaneStyle, TOP};
-use crate::analysis::Plane;
+use crate::analysis::{Plane, PlaneNodes};
 use crate::evaluate::{Frame, Order};
 use crate::machine::Approach;
 use crate::report::pictures::scale::{round_step, tick_text, ticks};
 use crate::report::pictures::svg::{Anchor, Font, INK, Picture, Svg, fitted, polygon, wrapped};
+use crate::report::text::DrawSettings;
 use crate::units::significant;
 
 const WIDTH: f64 = 880.0;
@@ -61,11 +62,15 @@ impl PlanePicture<'_> {
             PlaneQuantity::Length => d.position.norm(),
             PlaneQuantity::Component(k) => d.position[k.min(2)],
         };
-        plane.deviations.iter().map(|d| value(d) * 1e3).collect()
+        match &plane.nodes {
+            PlaneNodes::Deviations { deviations, .. } => deviations.iter().map(|d| value(d) * 1e3).collect(),
+            PlaneNodes::Lengths(lengths) => lengths.iter().map(|length| length * 1e3).collect(),
+        }
     }
 
     fn quantity(&self) -> String {
         match self.shown {
+            _ if self.drawing.is_some() => "95 % value of |d| in µm".to_owned(),
             PlaneQuantity::Length => "|d| in µm".to_owned(),
             PlaneQuantity::Component(k) => format!("d{} in µm", ["x", "y", "z"][k.min(2)]),
         }
@@ -78,7 +83,23 @@ impl PlanePicture<'_> {
             held.map(|(_, (axis, q))| format!("{} = {} {}", axis.name, significant(*q, 7), axis.unit())).collect();
         let at = if text.is_empty() { String::new() } else { format!(" at {}", text.join(", ")) };
         let state = if self.state.is_empty() { String::new() } else { format!(", {}", self.state) };
-        format!("Deviation over the {}-{} plane{at}{state}", self.axis(0), self.axis(1))
+        let (what, from) = match self.drawing {
+            Some(_) => ("95 % value of the deviation", ", from bounds"),
+            None => ("Deviation", ""),
+        };
+        format!("{what} over the {}-{} plane{at}{state}{from}", self.axis(0), self.axis(1))
+    }
+
+    /// The notes below a picture of what bounds lead to.
+    fn bounded_notes(&self, values: &[f64], drawn: &DrawSettings, tool: &str) -> Vec<String> {
+        vec![
+            format!(
+                "Colour: the length of the deviation d that 95 % of the drawn machines do not exceed at that place; {}.",
+                self.largest(values)
+            ),
+            format!("From bounds, nothing is measured{}: {}.", drawn.class_words(), drawn.words()),
+            format!("Tool relative to workpiece, first order in the errors{tool}."),
+        ]
     }
 
     fn notes(&self, values: &[f64], exaggeration: Option<f64>) -> Vec<String> {
@@ -96,6 +117,14 @@ impl PlanePicture<'_> {
             Approach::Forward => "approached in positive direction",
             Approach::Reverse => "approached in negative direction",
         };
+        let tool = if self.machine.tool().name.is_empty() {
+            String::new()
+        } else {
+            format!(", tool {}", self.machine.tool().name)
+        };
+        if let Some(drawn) = self.drawing {
+            return self.bounded_notes(values, drawn, &tool);
+        }
         let colour = match self.shown {
             PlaneQuantity::Length => "length of the deviation d".to_owned(),
             PlaneQuantity::Component(k) => {
@@ -103,11 +132,6 @@ impl PlanePicture<'_> {
             }
         };
         let drawn = exaggeration.map_or("No deviation within the plane.".to_owned(), |e| self.drawn_note(e));
-        let tool = if self.machine.tool().name.is_empty() {
-            String::new()
-        } else {
-            format!(", tool {}", self.machine.tool().name)
-        };
         let first = if self.drawn == PlaneStyle::Colours { "Colour" } else { "In all directions" };
         let shared = if self.like.is_some_and(|like| !std::ptr::eq(like, self.plane)) {
             " Colours and factor are those of the first picture."
@@ -266,7 +290,7 @@ impl PlanePicture<'_> {
     fn exaggeration(&self, scale: f64) -> Option<f64> {
         let of = self.reference();
         let length = |(i, j): (usize, usize)| {
-            let [u, v] = of.in_plane[j * of.counts[0] + i];
+            let [u, v] = of.in_plane(j * of.counts[0] + i).unwrap_or_default();
             libm::hypot(u, v)
         };
         let (nodes, room) = match self.drawn {

@@ -3,6 +3,7 @@
 use crate::analysis::{Plane, View};
 use crate::evaluate::Order;
 use crate::machine::Machine;
+use crate::report::text::DrawSettings;
 
 /// Quantity that the colours show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,6 +44,8 @@ pub struct PlanePicture<'a> {
     /// The plane (perhaps this one) whose colours, from zero, and exaggeration are shared by pictures that are
     /// to be compared; `None` for a scale of its own.
     pub like: Option<&'a Plane>,
+    /// The machines drawn, where the plane holds the length that 95 % of them do not exceed.
+    pub drawing: Option<&'a DrawSettings>,
 }
 
 pub(super) const LEFT: f64 = 78.0;
@@ -92,7 +95,7 @@ impl PlanePicture<'_> {
     }
 
     pub(super) fn in_plane(&self, (i, j): (usize, usize)) -> [f64; 2] {
-        self.plane.in_plane[j * self.plane.counts[0] + i]
+        self.plane.in_plane(j * self.plane.counts[0] + i).unwrap_or_default()
     }
 
     pub(super) fn title(&self) -> String {

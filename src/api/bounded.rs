@@ -1,0 +1,113 @@
+//! What the bounds of a machine lead to where nothing is measured.
+
+use super::run::{Call, Refused};
+use super::tolerances::{ClassSource, ToleranceOptions};
+use crate::analysis::budget::{
+    Bound, Draws, PoseByPose, PosesRequest, Request, adding, budget, budget_poses, is_measured, pose_by_pose,
+};
+use crate::evaluate::{Frame, Poses};
+use crate::machine::{Machine, Pose};
+use crate::report::{BoundedFigures, DrawSettings};
+use serde::Serialize;
+
+/// The bounds of a machine, and how machines are drawn between them.
+#[derive(Debug, Clone)]
+pub(crate) struct DrawnBounds {
+    pub bounds: Vec<Bound>,
+    pub drawing: DrawSettings,
+}
+
+impl DrawnBounds {
+    /// Returns those of a machine of which nothing is measured; `None` if something is, or nothing is bounded.
+    pub(crate) fn of(
+        call: &mut Call<'_>,
+        machine: &Machine,
+        (tolerances, samples, seed): (&ToleranceOptions, usize, u64),
+    ) -> Result<Option<Self>, Refused> {
+        if is_measured(machine) {
+            return Ok(None);
+        }
+        let bounded = tolerances.bounds_if_any(call, machine)?;
+        Ok(Self::new(bounded, (tolerances, samples, seed)))
+    }
+
+    fn new(
+        (bounds, class): (Vec<Bound>, Option<ClassSource>),
+        (tolerances, samples, seed): (&ToleranceOptions, usize, u64),
+    ) -> Option<Self> {
+        let drawing = tolerances.drawing(class, samples, seed);
+        (!bounds.is_empty()).then_some(Self { bounds, drawing })
+    }
+
+    fn draws(&self) -> Draws {
+        Draws::new(self.drawing.seed, self.drawing.distribution)
+    }
+
+    /// Returns what they lead to at poses.
+    pub(crate) fn at(&self, call: &Call<'_>, machine: &Machine, poses: &Poses, frame: Frame) -> PoseByPose {
+        let (draws, samples) = (self.draws(), self.drawing.samples);
+        let request = PosesRequest { machine, bounds: &self.bounds, poses, frame, draws: &draws, samples };
+        call.stage(request.steps(), |advance| pose_by_pose(request, advance))
+    }
+
+    /// Returns the figures of what was found.
+    pub(crate) fn figures(&self, found: &PoseByPose) -> BoundedFigures {
+        BoundedFigures::new(self.bounds.len(), self.drawing.clone(), found)
+    }
+}
+
+/// What the bounds of a machine add to its measured errors: a budget of those errors that have no value.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AddedByBounds {
+    /// Number of these errors.
+    pub errors: usize,
+    /// Number of poses: those of the budget, or of the work.
+    pub poses: usize,
+    /// Number of machines drawn.
+    pub samples: usize,
+    /// Seed of poses and errors.
+    pub seed: u64,
+    /// Of the position deviation, um.
+    pub position_um: AddedDeviation,
+    /// Of the orientation, urad.
+    pub rotation_urad: AddedDeviation,
+}
+
+/// A deviation that bounds add.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct AddedDeviation {
+    /// Root of the sum of squares of the bounds' effects, at the pose where that is largest.
+    pub rss: f64,
+    /// The largest deviation over the poses that 95 % of the machines drawn do not exceed.
+    pub p95: f64,
+}
+
+/// Number of random poses, as a budget has them.
+const POSES: usize = 500;
+
+/// Returns what the bounds of a machine with measured errors add, as a budget would have it, at the poses of a work or
+/// over the volume; `None` where no error without a value is bounded.
+pub(crate) fn added(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    (tolerances, samples, seed): (&ToleranceOptions, usize, u64),
+    work: Option<&[Pose]>,
+) -> Result<Option<AddedByBounds>, Refused> {
+    if !is_measured(machine) {
+        return Ok(None);
+    }
+    let (all, _) = tolerances.bounds_if_any(call, machine)?;
+    let bounds = adding(machine, &all);
+    if bounds.is_empty() {
+        return Ok(None);
+    }
+    let of_budget = || budget_poses(machine, POSES, seed);
+    let (poses, searched) = work.map_or_else(|| (of_budget(), true), |work| (work.to_vec(), false));
+    let (draws, statistic) = (tolerances.draws(seed), tolerances.statistic);
+    let request =
+        Request { machine, bounds: &bounds, poses: &poses, searched, at: None, draws: &draws, samples, statistic };
+    let found = call.stage(2 * samples, |advance| budget(request, advance));
+    let [position_um, rotation_urad] = [&found.position, &found.rotation]
+        .map(|totals| AddedDeviation { rss: totals.rss, p95: totals.percentile(95).value });
+    Ok(Some(AddedByBounds { errors: bounds.len(), poses: poses.len(), samples, seed, position_um, rotation_urad }))
+}

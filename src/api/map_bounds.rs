@@ -1,0 +1,111 @@
+//! The map of a machine of which nothing is measured: what its bounds lead to.
+
+use super::bounded::DrawnBounds;
+use super::features::bounded_features;
+use super::map::{MapOptions, MapPoses, MapResult};
+use super::map_tables::{MapTable, Tables};
+use super::plane_picture::BoundedSubject;
+use super::poses::{AxisPositions, axis_positions};
+use super::run::{Call, Refused};
+use super::tool_poses::{self, ReachedToolPoses};
+use crate::analysis::budget::{BoundedDeviation, PoseByPose};
+use crate::analysis::{MAX_POSES, View};
+use crate::diagnostic::{Diagnostic, codes};
+use crate::evaluate::{Order, Poses};
+use crate::machine::Machine;
+use crate::report::{BoundedFigures, Rows};
+use serde::Serialize;
+
+/// What the bounds of a machine lead to over a map.
+#[derive(Debug, Clone, Serialize)]
+pub struct MapFromBounds {
+    /// Its figures, with the machines drawn.
+    #[serde(flatten)]
+    pub figures: BoundedFigures,
+    /// The worst poses, largest 95 % value of the position deviation first.
+    pub worst: Vec<WorstBoundedPose>,
+}
+
+/// A pose with a large 95 % value.
+#[derive(Debug, Clone, Serialize)]
+pub struct WorstBoundedPose {
+    /// The pose, mm and deg.
+    pub axes: AxisPositions,
+    /// Root of the sum of squares of the bounds' effects on the functional point, um.
+    pub rss_um: f64,
+    /// The position deviation that 95 % of the machines drawn do not exceed, um.
+    pub p95_um: f64,
+}
+
+/// Maps what bounds lead to, and writes the tables.
+pub(super) fn volume(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    options: &MapOptions,
+    (drawn, tables): (&DrawnBounds, Vec<MapTable<'_>>),
+) -> Result<MapResult, Refused> {
+    refuse_measured(call, options)?;
+    let place = options.picture.as_ref().map(|picture| picture.bounded_place(call, machine)).transpose()?;
+    let tool_poses = match &options.poses {
+        MapPoses::ToolPoses(path) => tool_poses::asked(call, machine, Some(path))?,
+        _ => None,
+    };
+    let poses = options.poses.of(machine, options.seed, tool_poses.as_ref());
+    if poses.len() > MAX_POSES {
+        return call.refuse(too_many(poses.len()));
+    }
+    let view = View { approach: options.approach, frame: options.frame };
+    let work = tool_poses.as_ref().map(ReachedToolPoses::work_rows);
+    let order = Order::Degree(1);
+    let rows =
+        Rows { machine, poses: &poses, view, order, target: "", work: work.as_ref(), drawn: Some(&drawn.drawing) };
+    let tables = Tables::new(rows, tables).or_else(|refusal| call.refuse(refusal))?;
+    let found = drawn.at(call, machine, &poses, view.frame);
+    tables.write(&found.poses).or_else(|refusal| call.refuse(refusal))?;
+    let subject = BoundedSubject { machine, drawn, view };
+    let drawn_picture = options.picture.as_ref().zip(place.as_ref());
+    let picture = drawn_picture.map(|(picture, place)| picture.bounded_picture(call, place, &subject));
+    let features = tool_poses.as_ref().map(|reached| bounded_features(machine, reached, &drawn.bounds, &found));
+    let figures = drawn.figures(&found);
+    let result = MapResult::empty(&rows, figures.statistics(poses.len()));
+    let worst = worst(machine, &poses, &found, options.worst);
+    Ok(MapResult {
+        from: Some("bounds"),
+        bounds: Some(MapFromBounds { figures, worst }),
+        features: features.unwrap_or_default(),
+        tool_poses,
+        picture,
+        ..result
+    })
+}
+
+/// Refuses options of a map of measured errors.
+fn refuse_measured(call: &mut Call<'_>, options: &MapOptions) -> Result<(), Refused> {
+    if options.target.is_some() {
+        return call.usage("nothing of the machine is measured, so there is nothing to compensate: omit `--target`");
+    }
+    match options.order {
+        None | Some(Order::Degree(1)) => Ok(()),
+        Some(_) => call.usage("what bounds lead to is computed to first order: omit `--order`"),
+    }
+}
+
+fn too_many(count: usize) -> Diagnostic {
+    let message = format!("the map has {count} poses; from bounds it takes {MAX_POSES} at most");
+    Diagnostic::new(codes::E0812, message)
+        .help("take random poses (`--random 10000`), or larger steps under `volume` in the machine file")
+}
+
+/// The poses with the largest 95 % values; of equal ones the first.
+fn worst(machine: &Machine, poses: &Poses, found: &PoseByPose, count: usize) -> Vec<WorstBoundedPose> {
+    let p95 = |i: &usize| found.poses[*i].position.p95;
+    let mut order: Vec<usize> = (0..found.poses.len()).collect();
+    order.sort_by(|a, b| p95(b).total_cmp(&p95(a)).then(a.cmp(b)));
+    order.truncate(count);
+    let one = |i: usize| {
+        let BoundedDeviation { position, .. } = found.poses[i];
+        let axes = axis_positions(machine, &poses.get(i));
+        WorstBoundedPose { axes, rss_um: position.rss * 1e3, p95_um: position.p95 * 1e3 }
+    };
+    order.into_iter().map(one).collect()
+}
