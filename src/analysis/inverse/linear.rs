@@ -1,6 +1,6 @@
 //! Linear axes: the place by the smallest motion from the reference, within the travel.
 
-use super::tool_pose::{Miss, PLACE_TOLERANCE, Unreachable, tool_pose};
+use super::tool_pose::{Miss, PLACE_TOLERANCE, tool_pose};
 use crate::algebra::rotation_about;
 use crate::machine::{Axis, AxisKind, Machine, Pose, Travel, sin_cos_degrees};
 use nalgebra::{Matrix3, Vector3};
@@ -36,7 +36,7 @@ pub fn complete(machine: &Machine, tip: &Vector3<f64>, candidate: Pose, referenc
     let wanted = tip - tool_pose(machine, &pose).tip;
     let found = match motions(slides.clone(), &wanted) {
         Ok(found) => found,
-        Err(Failure::Place(off)) => return Err(Miss { off_mm: Some(off), ..Miss::new(Unreachable::Place) }),
+        Err(Failure::Place(off)) => return Err(Miss::place(off)),
         Err(Failure::Travel(beyond)) => {
             slides.iter().zip(beyond).for_each(|(s, motion)| pose[s.axis] = reference[s.axis] + motion);
             return Err(Miss::travel(pose));

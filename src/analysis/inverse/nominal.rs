@@ -17,8 +17,12 @@ use rayon::prelude::*;
 /// Robots, whose linear axes do not place the tip, are solved by `Arm`: with finitely many branches at a spin the
 /// pose nearest to `reference`, otherwise one with little motion from it.
 pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Result<Pose, Miss> {
-    let arm = Arm::of(machine);
-    if let Some(arm) = arm.as_ref().filter(|arm| arm.is_complete()) {
+    inverse_with(machine, Arm::of(machine).as_ref(), target, reference)
+}
+
+/// Returns what [`inverse()`] does for a machine with this arm, if it is one.
+fn inverse_with(machine: &Machine, arm: Option<&Arm<'_>>, target: &ToolPose, reference: &[f64]) -> Result<Pose, Miss> {
+    if let Some(arm) = arm.filter(|arm| arm.is_complete()) {
         return arm.inverse(target, reference);
     }
     let placed = by_linear_axes(machine, target, reference);
@@ -46,12 +50,10 @@ fn by_linear_axes(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Re
         .or_else(|| tried(turning::turned(machine, &target.tip, &near.poses, &reference)))
         .or_else(|| near.more.then(|| tried(directions.others(&target.direction))).flatten());
     let Some(pose) = found else {
-        let turned =
-            near.beyond_travel.map(|pose| match linear::complete(machine, &target.tip, pose.clone(), &reference) {
-                Ok(pose) => Miss::travel(pose),
-                Err(Miss { beyond: Some(pose), .. }) => Miss::travel(pose),
-                Err(_) => Miss::travel(pose),
-            });
+        let turned = near.beyond_travel.map(|pose| {
+            let completed = linear::complete(machine, &target.tip, pose.clone(), &reference);
+            Miss::travel(completed.unwrap_or_else(|miss| miss.beyond.unwrap_or(pose)))
+        });
         return Err(turned.into_iter().fold(failure, |failure, turned| failure.or_nearer(turned, axes)));
     };
     Ok(pose)
@@ -61,12 +63,14 @@ fn by_linear_axes(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Re
 /// pose of zeros; for robots without finitely many branches the pose before.
 pub fn inverse_all(machine: &Machine, targets: &[ToolPose]) -> Vec<Result<Pose, Miss>> {
     let at_rest = rest(machine);
-    if Arm::of(machine).is_none_or(|arm| arm.is_complete()) {
-        return targets.par_iter().map(|target| inverse(machine, target, &at_rest)).collect();
+    let arm = Arm::of(machine);
+    let arm = arm.as_ref();
+    if arm.is_none_or(Arm::is_complete) {
+        return targets.par_iter().map(|target| inverse_with(machine, arm, target, &at_rest)).collect();
     }
     let mut before = at_rest;
     let follow = |target: &ToolPose| {
-        let found = inverse(machine, target, &before);
+        let found = inverse_with(machine, arm, target, &before);
         if let Ok(pose) = &found {
             before.clone_from(pose);
         }
@@ -86,8 +90,13 @@ pub fn branches(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Vec<
 /// if there is none.
 pub fn place(machine: &Machine, tip: &Vector3<f64>, pose: &[f64]) -> Result<Pose, Miss> {
     let placed = linear::complete(machine, tip, pose.to_vec(), pose)?;
-    let off = (tool_pose(machine, &placed).tip - tip).norm();
-    if off <= PLACE_TOLERANCE { Ok(placed) } else { Err(Miss { off_mm: Some(off), ..Miss::new(Unreachable::Place) }) }
+    at_place((tool_pose(machine, &placed).tip - tip).norm())?;
+    Ok(placed)
+}
+
+/// Fails if the place is off by more than rounding (mm).
+fn at_place(off_mm: f64) -> Result<(), Miss> {
+    if off_mm <= PLACE_TOLERANCE { Ok(()) } else { Err(Miss::place(off_mm)) }
 }
 
 /// Returns a candidate completed by the linear axes, once it has been checked.
@@ -98,6 +107,6 @@ fn reach(machine: &Machine, target: &ToolPose, candidate: Pose, reference: &[f64
     if !held {
         return Err(Miss::new(Unreachable::Direction));
     }
-    let off = (reached.tip - target.tip).norm();
-    if off <= PLACE_TOLERANCE { Ok(pose) } else { Err(Miss { off_mm: Some(off), ..Miss::new(Unreachable::Place) }) }
+    at_place((reached.tip - target.tip).norm())?;
+    Ok(pose)
 }

@@ -95,6 +95,11 @@ impl Miss {
         Self { why: Unreachable::Travel, beyond: Some(beyond), off_mm: None }
     }
 
+    /// Returns a miss by the place, which is so far (mm) from what the axes span.
+    pub fn place(off_mm: f64) -> Self {
+        Self { off_mm: Some(off_mm), ..Self::new(Unreachable::Place) }
+    }
+
     /// Returns the miss that comes nearer to the tool pose: the later reason; of two beyond the travel the lesser.
     pub fn or_nearer(self, other: Self, axes: &[Axis]) -> Self {
         let far = |miss: &Self| {

@@ -1,6 +1,6 @@
 //! Tool poses as CSV: names of columns in any case, any separator, units in the header, decimal commas.
 
-use super::{Aim, FARTHEST, MAX_TOOL_POSES, Row, wrong};
+use super::{Aim, MAX_TOOL_POSES, Row, wrong};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{AxisKind, Machine};
 use crate::syntax::sheet::{Decimals, Line, Sheet, cells, drop_empty, number, separator, title};
@@ -148,7 +148,7 @@ impl Table<'_> {
                 Column::Feature => {}
             }
         }
-        if tip.iter().chain(&pose).any(|x| x.abs() > FARTHEST) {
+        if tip.iter().chain(&pose).any(|x| x.abs() > units::FARTHEST) {
             return Err(wrong("a position is beyond 1000000 mm or deg: no machine goes there"));
         }
         let holds = |kind: fn(&Column) -> bool| self.columns.iter().any(kind);

@@ -5,6 +5,8 @@ use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{Machine, Travel};
 use crate::units::significant;
 use nalgebra::Vector3;
+use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// A tool pose that a machine does not reach.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -54,12 +56,12 @@ pub struct NeededTravel {
 }
 
 impl MissedToolPose {
-    /// Returns a miss at a line, with its feature; `direction` is the tool axis of the row, if it has one.
+    /// Returns a miss at a line, with its feature; `off_deg` is the gap of a direction that cannot be held.
     pub(super) fn new(
         machine: &Machine,
         (line, feature): (usize, Option<String>),
         miss: &Miss,
-        direction: Option<Vector3<f64>>,
+        off_deg: Option<f64>,
     ) -> Self {
         let of_axis = |axis: usize, by: f64| {
             let axis = &machine.axes()[axis];
@@ -67,8 +69,6 @@ impl MissedToolPose {
         };
         let pose = miss.beyond.as_deref().unwrap_or_default();
         let beyond = excess(machine.axes(), pose).into_iter().map(|e| of_axis(e.axis, e.by)).collect();
-        let held = direction.filter(|_| miss.why == Unreachable::Direction);
-        let off_deg = held.map(|direction| direction_gap(machine, &direction).to_degrees());
         Self { line, feature, why: miss.why, beyond, off_deg, off_mm: miss.off_mm }
     }
 
@@ -86,6 +86,28 @@ impl MissedToolPose {
             (_, _, Some(mm)) => format!("place off by {} mm", significant(mm, 4)),
             (why, ..) => why.words().to_owned(),
         }
+    }
+}
+
+/// The angles between directions and the nearest ones in which a machine can hold its tool: each direction is sought
+/// once, however many rows have it.
+pub(super) struct DirectionGaps(HashMap<[u64; 3], f64>);
+
+impl DirectionGaps {
+    /// Finds the angles of these directions.
+    pub(super) fn new(machine: &Machine, directions: impl Iterator<Item = Vector3<f64>>) -> Self {
+        let distinct: HashMap<_, _> = directions.map(|direction| (Self::key(&direction), direction)).collect();
+        let gap = |(key, direction)| (key, direction_gap(machine, &direction).to_degrees());
+        Self(distinct.into_par_iter().map(gap).collect())
+    }
+
+    fn key(direction: &Vector3<f64>) -> [u64; 3] {
+        [0, 1, 2].map(|k| direction[k].to_bits())
+    }
+
+    /// Returns the angle of one of them, deg.
+    pub(super) fn degrees(&self, direction: &Vector3<f64>) -> f64 {
+        self.0.get(&Self::key(direction)).copied().unwrap_or(0.0)
     }
 }
 
