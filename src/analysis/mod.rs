@@ -31,5 +31,5 @@ pub use inverse::{
 };
 pub use volume::{
     Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, Survey, SurveyTask, TooManyPoses, View, Work,
-    arm_shares, body_diagonals, deviation_in, frame_rotation, levers, map, space_axes, survey, survey_with_rows,
+    arm_shares, body_diagonals, deviation_in, levers, map, space_axes, survey, survey_with_rows,
 };

@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use super::rotary::Directions;
 use super::tool_pose::{
-    DIRECTION_TOLERANCE, Miss, PLACE_TOLERANCE, ToolPose, Unreachable, rest, tool_pose, within_travel,
+    DIRECTION_TOLERANCE, Miss, PLACE_TOLERANCE, ToolPose, Unreachable, rest, unturned_tool_pose, within_travel,
 };
 use super::{linear, turning};
 use crate::machine::{Machine, Pose};
@@ -17,10 +17,10 @@ use rayon::prelude::*;
 /// Robots, whose linear axes do not place the tip, are solved by `Arm`: with finitely many branches at a spin the
 /// pose nearest to `reference`, otherwise one with little motion from it.
 pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Result<Pose, Miss> {
-    inverse_with(machine, Arm::of(machine).as_ref(), target, reference)
+    inverse_with(machine, Arm::of(machine).as_ref(), &target.unturned(machine), reference)
 }
 
-/// Returns what [`inverse()`] does for a machine with this arm, if it is one.
+/// Returns what [`inverse()`] does for a machine with this arm, if it is one, and an unturned tool pose.
 fn inverse_with(machine: &Machine, arm: Option<&Arm<'_>>, target: &ToolPose, reference: &[f64]) -> Result<Pose, Miss> {
     if let Some(arm) = arm.filter(|arm| arm.is_complete()) {
         return arm.inverse(target, reference);
@@ -66,11 +66,14 @@ pub fn inverse_all(machine: &Machine, targets: &[ToolPose]) -> Vec<Result<Pose, 
     let arm = Arm::of(machine);
     let arm = arm.as_ref();
     if arm.is_none_or(Arm::is_complete) {
-        return targets.par_iter().map(|target| inverse_with(machine, arm, target, &at_rest)).collect();
+        return targets
+            .par_iter()
+            .map(|target| inverse_with(machine, arm, &target.unturned(machine), &at_rest))
+            .collect();
     }
     let mut before = at_rest;
     let follow = |target: &ToolPose| {
-        let found = inverse_with(machine, arm, target, &before);
+        let found = inverse_with(machine, arm, &target.unturned(machine), &before);
         if let Ok(pose) = &found {
             before.clone_from(pose);
         }
@@ -82,15 +85,16 @@ pub fn inverse_all(machine: &Machine, targets: &[ToolPose]) -> Vec<Result<Pose, 
 /// Returns the poses (mm, deg) of all branches within the travels that take a tool pose with its spin, nearest to the
 /// reference first; empty for machines without finitely many branches.
 pub fn branches(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Vec<Pose> {
-    Arm::of(machine).map_or_else(Vec::new, |arm| arm.all(target, reference))
+    Arm::of(machine).map_or_else(Vec::new, |arm| arm.all(&target.unturned(machine), reference))
 }
 
 /// Returns the pose (mm, deg) within the travel that brings the functional point to a place of the workpiece (from its
 /// origin, mm) by the smallest motion of the linear axes; the rotary axes stay as in `pose`. Fails with what is missing
 /// if there is none.
 pub fn place(machine: &Machine, tip: &Vector3<f64>, pose: &[f64]) -> Result<Pose, Miss> {
-    let placed = linear::complete(machine, tip, pose.to_vec(), pose)?;
-    at_place((tool_pose(machine, &placed).tip - tip).norm())?;
+    let tip = machine.workpiece_rotation().map_or(*tip, |rotation| rotation * tip);
+    let placed = linear::complete(machine, &tip, pose.to_vec(), pose)?;
+    at_place((unturned_tool_pose(machine, &placed).tip - tip).norm())?;
     Ok(placed)
 }
 
@@ -102,7 +106,7 @@ fn at_place(off_mm: f64) -> Result<(), Miss> {
 /// Returns a candidate completed by the linear axes, once it has been checked.
 fn reach(machine: &Machine, target: &ToolPose, candidate: Pose, reference: &[f64]) -> Result<Pose, Miss> {
     let pose = linear::complete(machine, &target.tip, candidate, reference)?;
-    let reached = tool_pose(machine, &pose);
+    let reached = unturned_tool_pose(machine, &pose);
     let held = (reached.direction - target.direction).norm() <= DIRECTION_TOLERANCE;
     if !held {
         return Err(Miss::new(Unreachable::Direction));

@@ -14,7 +14,7 @@ mod work;
 
 pub use diagonals::{Diagonal, body_diagonals, space_axes};
 pub use lever::{Lever, arm_shares, levers};
-pub use map::{MAX_POSES, Map, TooManyPoses, View, deviation_in, frame_rotation, map};
+pub use map::{MAX_POSES, Map, TooManyPoses, View, deviation_in, map};
 pub use plane::Plane;
 pub use survey::{Block, MAX_SURVEYED, Survey, SurveyTask, survey, survey_with_rows};
 pub use work::Work;

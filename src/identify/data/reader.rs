@@ -249,7 +249,7 @@ impl Reader<'_> {
 
     /// The nominal functional point of a row, from the workpiece origin.
     fn nominal(&self, row: &Measurement, pose: &[f64]) -> Vector3<f64> {
-        NominalPose::at(&self.machines[row.tool], pose).pose.translation
+        NominalPose::in_part(&self.machines[row.tool], pose).pose.translation
     }
 
     fn rows(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {

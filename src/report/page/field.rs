@@ -5,8 +5,8 @@
 //! volume does not move while a table turns.
 
 use super::given::MachineInput;
-use crate::analysis::{View, deviation_in, frame_rotation, rest, space_axes};
-use crate::evaluate::{Bare, Deviation, Frame, error_by_error, evaluate};
+use crate::analysis::{View, deviation_in, rest, space_axes};
+use crate::evaluate::{Bare, Deviation, Frame, error_by_error, evaluate, frame_rotation};
 use crate::machine::{Axis, ErrorId, ErrorTerm, Machine, Pose};
 use crate::report::pictures::round_step;
 use crate::report::text::{pose_words, positions};

@@ -215,7 +215,8 @@ fn same_nominal(a: &Machine, b: &Machine) -> bool {
     let nominal = |(a, b): (&Axis, &Axis)| {
         (a.sign(), a.direction, a.origin, a.travel) == (b.sign(), b.direction, b.origin, b.travel)
     };
-    a.workpiece() == b.workpiece() && a.axes().iter().zip(b.axes()).all(nominal)
+    let placed = |machine: &Machine| (machine.workpiece(), machine.workpiece_angles());
+    placed(a) == placed(b) && a.axes().iter().zip(b.axes()).all(nominal)
 }
 
 /// True for an error that turns the body that the axis carries about a point.
