@@ -56,6 +56,7 @@ mod oracle;
 mod paper_2015;
 mod papers_way;
 mod parametrisation;
+mod part_rotation;
 mod plan;
 mod prior;
 mod priors;

@@ -2,6 +2,7 @@
 
 use super::{Aim, MAX_TOOL_POSES, Row, wrong};
 use crate::diagnostic::{Diagnostic, shown};
+use crate::lower::into_part;
 use crate::machine::{AxisKind, Machine};
 use crate::syntax::sheet::{Decimals, Line, Sheet, cells, drop_empty, number, separator, title};
 use crate::units::{self, Dimension};
@@ -155,7 +156,7 @@ impl Table<'_> {
         let aim = match (holds(|c| matches!(c, Column::Rotary(..))), holds(|c| matches!(c, Column::Axis(_)))) {
             (true, _) => Aim::Rotary(pose),
             (_, true) => Aim::Axis(unit_vector(&axis)?),
-            _ => Aim::Axis(Vector3::from(self.machine.tool().direction)),
+            _ => Aim::Axis(into_part(self.machine, Vector3::from(self.machine.tool().direction))),
         };
         Ok(Row { place: line.place.clone(), line: line.number, tip, aim, spin_rad, feature })
     }

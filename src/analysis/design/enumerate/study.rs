@@ -7,10 +7,10 @@ use super::side_draws::SideDraws;
 use super::walk_budget;
 use crate::analysis::design::budget::{Bound, Draws, SampleLanes, Statistic, percentile_95};
 use crate::analysis::design::compare::UnreachableCount;
-use crate::analysis::inverse::{Miss, Needs, ToolPose, inverse_all, tool_pose};
+use crate::analysis::inverse::{Miss, Needs, ToolPose, inverse_all};
 use crate::analysis::volume::Work;
 use crate::evaluate::{Bare, Field, Order, Poses, Random};
-use crate::lower::{Quantity, Twist, twists};
+use crate::lower::{NominalPose, Quantity, Twist, twists};
 use crate::machine::{Approach, Axis, AxisKind, AxisName, Branch, ErrorId, Machine, Pose};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
@@ -235,7 +235,7 @@ pub fn freedom(machine: &Machine) -> usize {
     const MIN_EIGENVALUE: f64 = 1e-9;
     let intervals = machine.axes().iter().map(|axis| axis.travel.interval()).collect();
     let at = |pose: Pose| {
-        let direction = tool_pose(machine, &pose).direction;
+        let direction = NominalPose::at(machine, &pose).pose.linear * Vector3::from(machine.tool().direction);
         let twists = twists(machine, &pose, Quantity::Rotation);
         let turn = |(axis, twist): (&Axis, &Twist)| {
             let u = axis.direction;
