@@ -64,6 +64,7 @@ mod program;
 mod published;
 mod rank;
 mod ranks;
+mod reach;
 mod readme;
 mod recognise;
 mod reconfigure;

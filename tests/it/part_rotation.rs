@@ -209,7 +209,16 @@ fn effects_of_errors_are_in_the_coordinates_of_the_part() {
     let folder = Folder::new("part-effects");
     let ([plain, turned], r) = files(&folder, "tt-bc.yaml", [30.0, -90.0, 10.0]);
     let at = |machine: &Path| {
-        json(&["eval", text(machine), "--at", "X=50,Y=30,Z=-40,B=-20,C=70", "--sensitivity", "--interactions", "--format", "json"])
+        json(&[
+            "eval",
+            text(machine),
+            "--at",
+            "X=50,Y=30,Z=-40,B=-20,C=70",
+            "--sensitivity",
+            "--interactions",
+            "--format",
+            "json",
+        ])
     };
     let (before, after) = (at(&plain), at(&turned));
     let (before, after) = (&before["poses"][0], &after["poses"][0]);
@@ -244,7 +253,8 @@ fn compensation_does_not_depend_on_the_rotation_of_the_part() {
     let folder = Folder::new("part-compile");
     let ([plain, turned], _) = files(&folder, "trunnion.yaml", [-90.0, 15.0, 40.0]);
     let listed = json(&["targets", "--format", "json"]);
-    let targets: Vec<&str> = listed["targets"].as_array().unwrap().iter().filter_map(|t| t["target"].as_str()).collect();
+    let targets: Vec<&str> =
+        listed["targets"].as_array().unwrap().iter().filter_map(|t| t["target"].as_str()).collect();
     assert!(targets.len() > 4, "{listed}");
     let mut compiled = 0;
     for target in targets {

@@ -88,6 +88,11 @@ pub fn branches(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Vec<
     Arm::of(machine).map_or_else(Vec::new, |arm| arm.all(&target.unturned(machine), reference))
 }
 
+/// True for robots and other machines whose linear axes do not place the tip: their poses take longer to find.
+pub fn placed_by_rotary_axes(machine: &Machine) -> bool {
+    Arm::of(machine).is_some()
+}
+
 /// Returns the pose (mm, deg) within the travel that brings the functional point to a place of the workpiece (from its
 /// origin, mm) by the smallest motion of the linear axes; the rotary axes stay as in `pose`. Fails with what is missing
 /// if there is none.

@@ -20,8 +20,8 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 use missed::DirectionGaps;
-pub(crate) use missed::needed_travel;
-pub use missed::{BeyondTravel, MissedToolPose, NeededTravel};
+pub use missed::{BeyondTravel, Lack, MissedToolPose, NeededTravel};
+pub(crate) use missed::{Lacks, needed_travel};
 
 /// Largest number of tool poses of a file.
 const MAX_TOOL_POSES: usize = 1_000_000;
