@@ -21,9 +21,9 @@ pub struct ReachOptions {
     /// are those of the box over which the linear axes carry the tip, rotary axes at rest; for robots, whose rotary axes
     /// place the tip, those of the box around it at 2000 random poses.
     pub region: Option<String>,
-    /// Largest distance of neighbouring tips, mm; by default an eighth of the longest side, for robots a quarter.
+    /// Largest distance of neighbouring tips, mm; by default an eighth of the longest side, for robots a third.
     pub step_mm: Option<f64>,
-    /// Number of directions of the tool; 60 by default, 12 for robots. A machine that does not turn its tool has one; of
+    /// Number of directions of the tool; 60 by default, 6 for robots. A machine that does not turn its tool has one; of
     /// a circle those count that are within the hemisphere about the tool axis at rest.
     pub directions: Option<usize>,
 }
@@ -32,7 +32,7 @@ impl ReachOptions {
     /// Largest number of tool poses.
     pub const MAX: usize = 1_000_000;
     /// Largest number of tool poses of a robot, which takes long to find each.
-    pub const MAX_ROBOT: usize = 20_000;
+    pub const MAX_ROBOT: usize = 10_000;
 }
 
 /// Directions of the tool at every tip.
@@ -151,12 +151,12 @@ pub fn reach(file: &MachineFile, options: &ReachOptions, run: Run<'_>) -> Result
 fn found(call: &mut Call<'_>, machine: &Machine, options: &ReachOptions) -> Result<ReachResult, Refused> {
     let robot = placed_by_rotary_axes(machine);
     let region = region(call, machine, options)?;
-    let count = options.directions.unwrap_or(if robot { 12 } else { 60 });
+    let count = options.directions.unwrap_or(if robot { 6 } else { 60 });
     if !(1..=ReachOptions::MAX).contains(&count) {
         return call.usage(format!("{count} directions: 1 to {} are taken", ReachOptions::MAX));
     }
     let longest = region.iter().map(|[min, max]| max - min).fold(0.0, f64::max);
-    let step = options.step_mm.unwrap_or(longest / if robot { 4.0 } else { 8.0 });
+    let step = options.step_mm.unwrap_or(longest / if robot { 3.0 } else { 8.0 });
     // Without a length all tips are one, whatever the step.
     let step = if longest == 0.0 && options.step_mm.is_none() { 1.0 } else { step };
     if !(step > 0.0 && step.is_finite()) {

@@ -270,7 +270,16 @@ fn compensation_does_not_depend_on_the_rotation_of_the_part() {
         assert_eq!(before.keys().collect::<Vec<_>>(), after.keys().collect::<Vec<_>>());
         compiled += 1;
         for (name, bytes) in &before {
-            assert!(*bytes == after[name], "{target}: {name} differs");
+            if name == "abbe.lock.json" {
+                // It names the hash of the machine file, which says where the part lies.
+                let lines =
+                    |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap().lines().map(str::to_owned).collect();
+                let (a, b): (Vec<String>, Vec<String>) = (lines(bytes), lines(&after[name]));
+                let apart: Vec<&String> = a.iter().zip(&b).filter(|(a, b)| a != b).map(|(a, _)| a).collect();
+                assert!(a.len() == b.len() && matches!(apart[..], [line] if line.contains("sha256")), "{apart:?}");
+            } else {
+                assert!(*bytes == after[name], "{target}: {name} differs");
+            }
         }
     }
     assert!(compiled > 3, "{compiled} targets took the machine");
@@ -357,9 +366,9 @@ fn a_rotation_is_written_shown_compared_and_replaced_whole() {
     assert!(shown.contains("workpiece rotation A 10 deg, C -30.5 deg"), "{shown}");
     assert!(!abbe(&["show", text(&plain)]).contains("workpiece rotation"));
     assert_eq!(json(&["show", text(&path), "--format", "json"])["workpiece_rotation_deg"][2], -30.5);
-    let apart = abbe(&["diff", text(&plain), text(&path)]);
+    let apart = abbe(&["diff", text(&plain), text(&path), "--poses", "20"]);
     assert!(apart.contains("rotation A 10 deg, C -30.5 deg"), "{apart}");
     let out = folder.file("converted.yaml");
-    abbe(&["convert", text(&path), "--to", "errors_are: body", "--out", text(&out)]);
+    abbe(&["convert", text(&path), "--to", "errors_are: body", "--within", "1 nm", "--out", text(&out)]);
     assert!(std::fs::read_to_string(&out).unwrap().contains("rotation: { A: 10 deg, C: -30.5 deg }"));
 }

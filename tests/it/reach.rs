@@ -221,7 +221,7 @@ fn robots_take_fewer_tool_poses() {
     assert_eq!((&found["tool_poses"], &found["directions"]["count"]), (&12.into(), &3.into()));
     assert!(found["reached"].as_u64().unwrap() > 6, "{found}");
     let (code, said) = refused(&["reach", text(&ur5), "--step", "40 mm"]);
-    assert!(code == 1 && said.contains("E0812") && said.contains("20000 tool poses"), "{said}");
+    assert!(code == 1 && said.contains("E0812") && said.contains("10000 tool poses"), "{said}");
 }
 
 #[test]

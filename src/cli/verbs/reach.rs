@@ -18,10 +18,10 @@ pub(crate) struct Args {
     /// axes at rest; for robots where any axis does].
     #[arg(long = "box", value_name = "X=-100..100,Z=0..200", allow_hyphen_values = true)]
     region: Option<String>,
-    /// Largest distance of neighbouring tips [default: an eighth of the longest side, for robots a quarter].
+    /// Largest distance of neighbouring tips [default: an eighth of the longest side, for robots a third].
     #[arg(long, value_name = "LENGTH", value_parser = step)]
     step: Option<f64>,
-    /// Number of tool directions [default: 60, for robots 12]: over the hemisphere about the tool axis at rest, on its
+    /// Number of tool directions [default: 60, for robots 6]: over the hemisphere about the tool axis at rest, on its
     /// circle with one axis that turns the tool, one with none.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     directions: Option<u32>,
